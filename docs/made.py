@@ -22,7 +22,7 @@ from inertialcal.procedures import BUILT_IN, procedure_of
 
 FILE = Path(inertialcal.__file__).parent / "campaign" / "calls" / "nouns.pyi"
 COMMANDS = get_command(app)
-VALUES = {"output": " FILE", "campaign": " FOLDER", "figure": " NAME", "figure_axis": " AXIS"}
+VALUES = {"size": " SIZE", "output": " FILE", "campaign": " FOLDER", "figure": " NAME", "figure_axis": " AXIS"}
 PAGES = Path(__file__).parent / "procedures"
 OF_PLANNERS = ("positions_planning.md", "mass_attraction.md")  # their settings are of another list
 HEAD = '''"""Made by docs/made.py of the settings of each procedure: do not edit."""

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .campaign.twins.score import score
     from .campaign.twins.twin import simulate
     from .files import read
+    from .files.budget import max_memory
     from .files.text.table import read_table
     from .files.write.recording import write
     from .procedures.mass_attraction.deck import programme_1969
@@ -40,6 +41,7 @@ __all__ = [
     "info",
     "load_model",
     "mass_attraction",
+    "max_memory",
     "plan_mass_attraction",
     "plan_positions",
     "plot",
@@ -76,6 +78,7 @@ _HOMES = {
     "write": ("files.write.recording", "write"),
     "info": ("campaign.start.info", "info"),
     "read": ("files", "read"),
+    "max_memory": ("files.budget", "max_memory"),
     "read_table": ("files.text.table", "read_table"),
     "run": ("campaign.engine.run", "run"),
 }

@@ -12,10 +12,12 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.main import get_command_from_info
 from typer.models import CommandInfo
 
+from ..files.budget import max_memory
 from ..procedures import procedure_names, procedure_of
 from ..procedures.protocol import Command
 
@@ -26,6 +28,7 @@ VERBS = {
     "compare": "verbs.models", "simulate": "verbs.twins", "score": "verbs.twins",
     "programme-1969": "verbs.programme1969",
 }  # fmt: skip
+READ_NOTHING = ("demo", "simulate")  # commands that read no file of a user
 Built = TyperCommand | TyperGroup
 PLAN = Command("plan", "What a test will give, before it is made: plan TEST.")
 
@@ -68,7 +71,28 @@ def _built(function: Callable[..., Any], word: str, about: str | None = None) ->
     info = CommandInfo(name=word, callback=function, help=about)
     made: Any = get_command_from_info(info, pretty_exceptions_short=True, rich_markup_mode=None)
     found: TyperCommand = made
+    if word not in READ_NOTHING:  # built in one place: no command can lack it
+        found.params.append(_max_memory())
     return found
+
+
+def _max_memory() -> Any:
+    """Return the option of all commands that read files; it holds until the command ends."""
+
+    def hold(ctx: typer.Context, size: str | None) -> None:
+        if size is not None:
+            ctx.with_resource(max_memory(size))
+
+    about = "Memory that files may take: 4GiB, 500MB. 1 GiB and three times each file if not given."
+    option = typer.Option(None, "--max-memory", metavar="SIZE", callback=hold, expose_value=False, help=about)
+
+    def holder(size: str | None = option) -> None:
+        """Have the parser make the option."""
+
+    made: Any = get_command_from_info(
+        CommandInfo(name="holder", callback=holder), pretty_exceptions_short=True, rich_markup_mode=None
+    )
+    return made.params[0]
 
 
 def _verb(word: str) -> Built:
