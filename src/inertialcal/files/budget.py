@@ -30,7 +30,7 @@ DOCUMENT = 40  # bytes of a parsed JSON text for each byte of it, at most ({"":{
 COLUMNS = 10_000  # columns of a table
 PARTS = 10_000  # datasets, members, variables, groups of rows, fields, nested matrices
 LINE = 2**20  # characters of a line, unless it is the only one
-SETTINGS = 1_000_000  # bytes of a text that is written by hand: TOML, YAML
+YAML = 100_000  # characters: its parser takes a second for them
 # Columns of 8 bytes that the work on a recording takes, measured: each channel as float64, and time and its judgement.
 READ, SURVEY, ANALYSIS = (2.0, 6.0), (1.0, 14.0), (3.3, 14.0)
 ENVIRONMENT = "INERTIALCAL_MAX_MEMORY"

@@ -17,6 +17,7 @@ from ...core.recording import Channel, Recording
 from ...core.unit.magnitudes import check_sample_rate
 from ...core.units import kind, normalise
 from ...files import read, read_table
+from ...files.budget import ANALYSIS, claim_recording
 from ...files.source import load as load_file
 from ...files.text.table import Table
 from ...procedures.given import Said, bare
@@ -68,6 +69,7 @@ class Files:
                 if error.problems[0].code != "wrong_column" or len(columns) == len(units):
                     raise
                 found = read(name, units=columns, **wanted)  # of one sensor, or without a header
+            claim_recording(found, ANALYSIS)
             self.held[name] = _with_unit(found, bare(said.units))
             self.read_as[name] = wanted
         return self.held[name]

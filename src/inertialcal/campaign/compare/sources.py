@@ -162,7 +162,7 @@ def _results(given: Path) -> Compared:
 
 
 def _content(path: Path) -> tuple[dict[str, Any], str]:
-    loaded = load(path)
+    loaded = load(path, document=True)
     try:
         content = json.loads(loaded.data)
     except (ValueError, RecursionError) as error:
@@ -175,7 +175,7 @@ def _content(path: Path) -> tuple[dict[str, Any], str]:
 def _recordings(path: Path) -> dict[str, str]:
     """Hashes of what went in, from the provenance beside a file of a run; empty where there is none."""
     try:
-        content = json.loads((path.parent / "provenance.json").read_text(encoding="utf-8"))
+        content = json.loads(load(path.parent / "provenance.json", document=True).data)
         return {one["sha256"]: one["path"] for one in content["inputs"] if one["path"] != CAMPAIGN_FILE}
-    except (OSError, ValueError, RecursionError, KeyError, TypeError):
+    except (DataError, ValueError, RecursionError, KeyError, TypeError):
         return {}

@@ -17,6 +17,7 @@ from ...core.influence import Influence, Standards
 from ...core.schema.standards import STANDARDS
 from ...core.schema.toml import At, key_lines, nearest_line, parse_toml
 from ...core.schema.toml import Path as KeyPath
+from ...files.source import read_bytes
 from .cross_checks import cross_checks
 from .schema import CampaignFile
 
@@ -57,9 +58,11 @@ def load(folder: str | Path) -> Campaign:
         what = f"No campaign here: {path} does not exist"
         raise PlanError(what, do="Try: inertialcal demo", code="no_campaign")
     try:
-        raw = path.read_bytes()
-    except OSError as error:
-        raise PlanError(f"cannot be read: {error.strerror}", FILE, code="missing_file") from None
+        raw = read_bytes(path)
+    except DataError as error:
+        raise PlanError(list(error.problems)) from None
+    if not raw:
+        raise PlanError("cannot be read: the file is empty", FILE, do="Try: inertialcal init DIR", code="empty_file")
     text, document = parse_toml(raw, FILE)
     lines = key_lines(text)
     marked = [number for number, line in enumerate(text.splitlines(), 1) if line.rstrip().endswith(MARK)]

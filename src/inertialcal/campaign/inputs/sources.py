@@ -22,6 +22,7 @@ from ...core.recording import Channel, Recording
 from ...core.unit.magnitudes import check_readings
 from ...core.units import convert, factor, kind, parse_quantity, si_unit
 from ...files import read, read_table
+from ...files.budget import ANALYSIS, claim_recording
 from ...files.source import load as load_file
 from ...files.text.table import Table
 from ...procedures.protocol import Facts, InputSpec
@@ -81,7 +82,9 @@ class Folder:
 
     def recording(self, entry: RecordingEntry, required: Sequence[str]) -> Recording:
         """Return a recording as its file has it."""
-        return read(self.folder / entry.file, required=required, **reading_of(entry))
+        recording = read(self.folder / entry.file, required=required, **reading_of(entry))
+        claim_recording(recording, ANALYSIS)
+        return recording
 
     def table(self, file: str) -> Table:
         """Return a reduced table."""

@@ -173,7 +173,7 @@ def read_truth(folder: str | Path) -> Truth:
         what, why = f"no truth: {path} does not exist", "only a simulated campaign can be scored"
         do = f"Try: inertialcal simulate {next(iter(RIGS))} -o DIR"
         raise DataError(what, why=why, do=do, code="no_truth")
-    loaded = read_file(path)
+    loaded = read_file(path, document=True)
     seal = loaded.sha256
     if seal not in source:
         what = f"the truth has SHA-256 {seal[:12]}..., campaign.source names another"
@@ -183,5 +183,5 @@ def read_truth(folder: str | Path) -> Truth:
         content = json.loads(loaded.data)
         values = [TrueValue(**one | {"at": one["at"] and At(**one["at"])}) for one in content["values"]]
         return Truth(tuple(values), str(content["rig"]), int(content["seed"]), str(content["fault"]), seal)
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise DataError(f"not a truth: {error}", TRUTH, code="damaged_truth") from None

@@ -28,6 +28,7 @@ from ...core.key import Kind
 from ...core.remarks import Remark
 from ...core.units import factor, same_dimension
 from ...sensors.model.sensor_model import INPUT_UNIT, SensorModel
+from ..budget import YAML, check_count
 from .model_format import ImportedModels, ModelFormat, ModelText
 from .triad import Triad, filled, ideal, invertible, lost, model_of, numbers, triad
 
@@ -50,6 +51,8 @@ def parse_yaml(text: str, where: str = "") -> object:
         levels: a calibration file needs none of them.
     """
     import yaml  # noqa: PLC0415 - starts slowly
+
+    check_count(len(text), YAML, "characters of YAML", where)
 
     depth = 0
     try:

@@ -48,7 +48,7 @@ def load_model_file(path: str | os.PathLike[str]) -> ModelFile:
     """
     given = str(path)
     name, kind = (given, None) if os.path.exists(path) else sensor_named(given)
-    loaded = load(name)
+    loaded = load(name, document=True)
     try:
         text = ModelText(loaded.data.decode("utf-8"), name, kind)
     except UnicodeDecodeError:

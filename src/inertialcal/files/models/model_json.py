@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 import os
-from pathlib import Path
 from typing import NoReturn
 
 from ...core.errors import DataError, InertialcalError
 from ...core.schema.checksum import CHECKSUM, check_unchanged, checksum
 from ...sensors.model.sensor_model import SensorModel
 from ...sensors.model.serial import SCHEMA_VERSION, from_dict, to_dict
+from ..source import load
 from ..write.atomic import atomic_write
 from .model_format import ImportedModels, ModelFormat, ModelText, of_one
 
@@ -43,12 +43,10 @@ def read_model(path: str | os.PathLike[str]) -> SensorModel:
         content was changed after it was written; ``schema``. Each with the file.
     """
     try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
-        raise DataError(
-            f"cannot read the model: {reason}", where=str(path), do="Check the path", code="missing_file"
-        ) from None
+        text = load(os.fspath(path), document=True).data.decode("utf-8")
+    except UnicodeDecodeError:
+        what = "cannot read the model: not UTF-8 text"
+        raise DataError(what, where=str(path), do="Check the path", code="missing_file") from None
     return parse_model(text, str(path))
 
 

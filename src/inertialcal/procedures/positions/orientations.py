@@ -159,7 +159,7 @@ def _named(table: Table, names: Sequence[str]) -> str:
 
 def _read_json(path: Path) -> tuple[LabelledPart, ...]:
     try:
-        content = json.loads(load(path).data, object_pairs_hook=tuple)  # a label may stand twice
+        content = json.loads(load(path, document=True).data, object_pairs_hook=tuple)  # a label may stand twice
     except (ValueError, RecursionError) as error:
         do = f"Write it like {LIKE_JSON}"
         raise DataError(f"no JSON: {error}", str(path), do=do, code="not_json") from None

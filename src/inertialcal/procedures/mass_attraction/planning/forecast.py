@@ -215,7 +215,7 @@ def noise_from(path: Path, axis: str | None) -> tuple[tuple[Term, ...], str, str
     PlanError
         If it has several axes and none is chosen.
     """
-    loaded, where = load(path), str(path)
+    loaded, where = load(path, document=True), str(path)
     try:
         rows = [Row.from_dict(row) for row in json.loads(loaded.data)["results"]]
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
