@@ -258,8 +258,9 @@ class Ready:
             given = self.raw.channel(channel)
             check_readings(given.name, given.data, given.unit, self.raw.place)
         body = in_body_axes(self.raw, self.name, entry, sensor, chain, self.model, kept, spec.as_wide)
-        for channel in (one for one in body.channels if one.name in AXES):
-            check_readings(channel.name, channel.data, channel.unit, body.place)
+        for one in body.channels:
+            if one.name in AXES:
+                check_readings(one.name, one.data, one.unit, body.place)
         if spec.voltages:
             body = replace(body, channels=(*body.channels, *_reference_voltages(self.raw, entry, chain)))
         return in_body_names(body, entry, sensor) if spec.by_body else body
