@@ -278,6 +278,15 @@ def test_a_name_that_is_no_utf8(table: list[str], tmp_path: Path) -> None:
     assert "file name is not UTF-8" in refused.stderr.decode()
 
 
+def test_a_folder_holds_a_name_that_is_no_utf8(campaign: Path, tmp_path: Path) -> None:
+    (tmp_path / "table.csv").write_bytes((campaign / "table10_x.csv").read_bytes())
+    (tmp_path / os.fsdecode(b"d\xff.csv")).write_bytes((campaign / "table10_x.csv").read_bytes())
+    done = ended("init", str(tmp_path), "--json")
+    assert done.returncode == 0
+    (remark,) = [one for one in json.loads(done.stdout)["remarks"] if one["where"] == "d\ufffd.csv"]
+    assert (remark["code"], remark["do"]) == ("not_taken", "Rename the file")
+
+
 def test_a_campaign_in_a_folder_that_is_no_utf8(campaign: Path, tmp_path: Path) -> None:
     folder = tmp_path / os.fsdecode(b"d\xff")
     copy_example("npsat2011", folder)

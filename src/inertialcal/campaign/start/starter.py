@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
 from ...core.campaign_text import FILE, MARK, SCHEMA, Noted, toml_text
 from ...core.errors import InertialcalError, PlanError, UsageError
 from ...core.remarks import Remark
+from ...core.show.tables import clean
 from ...files import read
 from ...files.text.table import read_table
 from ...files.write.atomic import atomic_write
@@ -78,6 +80,10 @@ def _files(root: Path) -> tuple[Found, list[Remark]]:
     for path in sorted(root.rglob("*"))[:MOST]:
         file = path.relative_to(root).as_posix()
         if file.startswith((".", "out/")) or not path.is_file() or not file.lower().endswith(ENDINGS):
+            continue
+        if file != os.fsencode(file).decode("utf-8", "replace"):
+            what = "file name is not UTF-8: campaign.toml cannot hold it"
+            remarks.append(Remark("not_taken", "warning", what, clean(file), do="Rename the file"))
             continue
         try:
             remarks += _take(found, taken, path, file)
