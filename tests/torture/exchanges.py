@@ -11,6 +11,7 @@ import stat
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -261,7 +262,7 @@ def kills(folder: Path, state: str, mode: str, step: int = 1, first: int = 1) ->
     tally, number = Tally(), first
     while True:
         out, expected = start(folder, state)
-        killed = killed_at(number, lambda out=out: replace_folder(out, NEW, RESERVED), mode)  # type: ignore[misc]
+        killed = killed_at(number, partial(replace_folder, out, NEW, RESERVED), mode)
         if not killed:
             assert check(out, expected, NEW) == "new"
             return tally
@@ -284,8 +285,7 @@ def kills_of_recovery(folder: Path, state: str, mode: str, rng: random.Random, n
         out, expected = start(folder, state)
         for new in (NEW, NEXT, NEW):
             run = rng.random() < 0.5
-            work = (lambda out=out, new=new: replace_folder(out, new, RESERVED)) if run else (  # type: ignore[misc]
-                lambda out=out: recover(out, RESERVED))  # type: ignore[misc]  # fmt: skip
+            work = partial(replace_folder, out, new, RESERVED) if run else partial(recover, out, RESERVED)
             killed_at(rng.randint(1, 70 if run else 25), work, mode)
         with unflushed(mode):
             recover(out, RESERVED)

@@ -13,6 +13,8 @@ from typing import Any
 
 import pytest
 
+from inertialcal.campaign.calls.call import _placed
+from inertialcal.campaign.calls.given import Files
 from inertialcal.campaign.engine import run as engine
 from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.inputs import sources
@@ -21,7 +23,10 @@ from inertialcal.campaign.outcome.results_file import find_results
 from inertialcal.campaign.twins.twin import simulate
 from inertialcal.cli.__main__ import main
 from inertialcal.core.errors import DataError, StoreError
+from inertialcal.files import read_table
 from inertialcal.files.write.exchange import Manifest
+from inertialcal.files.write.recording import write
+from inertialcal.procedures.given import Said
 
 Write = Callable[..., Path]
 LEFT = (".out-", ".inertialcal-")
@@ -183,16 +188,20 @@ def test_an_input_that_becomes_a_pipe_is_refused(campaign: Write, monkeypatch: p
 
 def test_a_copy_with_the_same_bytes_is_no_change(campaign: Write, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = campaign()
+
+    def copy() -> None:
+        shutil.copy(folder / "one.csv", folder / "copy.csv")
+        (folder / "copy.csv").replace(folder / "one.csv")
+
     with pytest.raises(pytest.fail.Exception, match="DID NOT RAISE"):
-        changed(folder, monkeypatch, lambda: shutil.copy(folder / "one.csv", folder / "copy.csv")
-                and os.replace(folder / "copy.csv", folder / "one.csv"))  # fmt: skip
+        changed(folder, monkeypatch, copy)
 
 
 def test_a_file_that_two_tests_read_differently_is_refused(campaign: Write, monkeypatch: pytest.MonkeyPatch) -> None:
     one = 'id = "first"\nprocedure = "rate_table"\nrecordings = ["one"]\n'
     more = one.replace("first", "second") + 'groups = ["2"]\nplan = { axis = "x" }\n'
     folder = campaign((one, f'{one}groups = ["1"]\n'), ("[[requirements]]", f"[[tests]]\n{more}[[requirements]]"))
-    read, path = sources.read_table, folder / "one.csv"
+    read, path = read_table, folder / "one.csv"
     text = path.read_text()
 
     def reading(given: Any) -> Any:
@@ -208,6 +217,8 @@ def test_a_file_that_two_tests_read_differently_is_refused(campaign: Write, monk
 
 SLOW = """
 import sys, time
+from inertialcal.campaign.calls.call import _placed
+from inertialcal.campaign.calls.given import Files
 from inertialcal.campaign.engine import run as engine
 from inertialcal.cli.__main__ import main
 def tell(done, total, what):
@@ -277,3 +288,14 @@ def test_a_killed_simulation_leaves_no_half_campaign(tmp_path: Path) -> None:
     simulate("mesa", target, 1)
     assert nothing_left(tmp_path)
     assert (target / ".truth" / "truth.json").is_file()
+
+
+def test_a_campaign_written_into_a_folder_overwrites_no_recording_of_it(tmp_path: Path) -> None:
+    source, folder = tmp_path / "a.csv", tmp_path / "campaign"
+    (folder / "recordings").mkdir(parents=True)
+    source.write_text("of the call")
+    (folder / "recordings" / "a.csv").write_text("of the user")
+    for _ in range(2):  # the second time it is there
+        assert _placed(str(source), Files(Said(), {}, {}), folder, set(), write) == "recordings/2_a.csv"
+    assert (folder / "recordings" / "a.csv").read_text() == "of the user"
+    assert sorted(os.listdir(folder / "recordings")) == ["2_a.csv", "a.csv"]

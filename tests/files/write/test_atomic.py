@@ -65,8 +65,12 @@ def test_only_what_this_tool_left_is_removed(tmp_path: Path, kind: str) -> None:
     target.mkdir()
     (target / "mine").touch()
     left = tmp_path / (name if kind != "folder of the user" else ".inertialcal-mine.part")
-    {"file": left.touch, "pipe": lambda: os.mkfifo(left), "link": lambda: left.symlink_to(target),
-     "folder of the user": left.mkdir}[kind]()  # fmt: skip
+    if kind == "pipe":
+        os.mkfifo(left)
+    elif kind == "link":
+        left.symlink_to(target)
+    else:
+        left.mkdir() if "folder" in kind else left.touch()
     remove_unfinished(tmp_path)
     assert os.path.lexists(left)
     assert (target / "mine").exists()

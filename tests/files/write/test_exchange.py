@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import errno
 import os
 import re
@@ -19,7 +20,7 @@ import pytest
 
 from inertialcal.core.errors import StoreError
 from inertialcal.files.write import exchange
-from inertialcal.files.write.atomic import lock_folder
+from inertialcal.files.write.atomic import lock_folder, sync
 from inertialcal.files.write.exchange import Kept, Manifest, recover, replace_folder
 
 RESERVED = re.compile(r"(results|model)\.json|SHA256SUMS")
@@ -156,7 +157,7 @@ def _refuse(*_: Any, **__: Any) -> None:
 @pytest.mark.parametrize("call", ["none", "refused"])
 def test_without_an_exchange_in_one_call(out: Path, call: str, monkeypatch: pytest.MonkeyPatch) -> None:
     def refused(*_: Any) -> int:
-        exchange.ctypes.set_errno(errno.EINVAL)
+        ctypes.set_errno(errno.EINVAL)
         return -1
 
     monkeypatch.setattr(exchange, "_system_call", lambda: None if call == "none" else refused)
@@ -191,12 +192,12 @@ def test_without_locks_a_fresh_leftover_is_anothers(out: Path, monkeypatch: pyte
 def test_the_call_by_its_number_exchanges_too(out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     if os.uname().machine not in exchange.SYSCALL or sys.platform != "linux":
         pytest.skip("the number of the call is not known here")
-    system = exchange.ctypes.CDLL(None, use_errno=True)
+    system = ctypes.CDLL(None, use_errno=True)
 
     class Old:
         syscall = system.syscall
 
-    monkeypatch.setattr(exchange.ctypes, "CDLL", lambda *_, **__: Old)
+    monkeypatch.setattr(ctypes, "CDLL", lambda *_, **__: Old)
     other = out.with_name("other")
     other.mkdir()
     (other / "a").touch()
@@ -247,9 +248,14 @@ def test_what_cannot_be_moved_stays_and_is_told(out: Path, monkeypatch: pytest.M
     (out / "plots" / "a").write_text("mine")
     rename, real = exchange._rename, os.rename
     with monkeypatch.context() as patch:
-        stuck = lambda source: Path(source).name == "plots"  # noqa: E731
-        patch.setattr(exchange, "_rename", lambda a, b, how: _refuse() if stuck(a) else rename(a, b, how))
-        patch.setattr(os, "rename", lambda a, b: _refuse() if stuck(a) else real(a, b))
+
+        def renamed(source: Path, target: Path, how: str = "") -> bool | None:
+            if source.name == "plots":
+                _refuse()
+            return rename(source, target, how) if how else real(source, target)
+
+        patch.setattr(exchange, "_rename", renamed)
+        patch.setattr(os, "rename", renamed)
         kept = replace_folder(out, NEW, RESERVED)
     (left,) = kept.stuck
     assert (Path(left) / "plots" / "a").read_text() == "mine"
@@ -290,7 +296,7 @@ def test_a_flush_that_fails_loses_nothing(out: Path, number: int, monkeypatch: p
     (out / "notes.txt").write_text("mine")
     (out / "plots").mkdir()
     (out / "plots" / "a").write_text("mine")
-    real, calls = exchange.sync, []
+    real, calls = sync, []
 
     def failing(path: Path) -> None:
         calls.append(path)

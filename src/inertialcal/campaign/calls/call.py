@@ -7,6 +7,7 @@ facts, sources, path and figures to the last bit.
 from __future__ import annotations
 
 import inspect
+import os
 import shutil
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
@@ -31,6 +32,8 @@ from ...core.show.frames import frame_of_rows
 from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.tables import Block, html, text
 from ...files.time.stamps import time_remarks
+from ...files.write.atomic import atomic_write, work_folder
+from ...files.write.exchange import file_digest
 from ...procedures import procedure_of
 from ...procedures.given import GROUP, GivenFile, Said
 from ...procedures.protocol import Procedure, Tested
@@ -175,7 +178,6 @@ class Reduced:
             ``not_written``.
         """
         from ...files.models.model_json import dump_model  # noqa: PLC0415
-        from ...files.write.atomic import atomic_write  # noqa: PLC0415
 
         target, models = Path(path), {GROUP[kind]: model for kind, model in self.models.items()}
         if not models:
@@ -458,7 +460,8 @@ def write_campaign(document: Document, files: Files, folder: Path) -> Path:
             chain = sensor.get("chain", {})
             if "model" in chain:
                 sensor["chain"] = {**chain, "model": place(chain["model"])}
-        path.write_text(toml_text({**document, "sensors": sensors, "recordings": recordings}), encoding="utf-8")
+        with atomic_write(path, new=True) as aside:
+            aside.write_text(toml_text({**document, "sensors": sensors, "recordings": recordings}), encoding="utf-8")
         interruption.note(folder)
     except OSError as error:
         raise StoreError(f"cannot write {folder}: {error.strerror}", code="not_writable") from None
@@ -477,18 +480,23 @@ def _with_files(entry: Mapping[str, Any], place: Callable[[str], str]) -> dict[s
 
 
 def _placed(source: str, files: Files, folder: Path, taken: set[str], write: Callable[..., Any]) -> str:
-    """Copy a file into a campaign folder, or write a recording there; return its path inside. One inside stays."""
+    """Copy a file into a campaign folder, or write a recording there; return its path inside. What is inside stays."""
     origin = Path(source)
     if origin.exists() and origin.resolve().is_relative_to(folder.resolve()):
         return origin.resolve().relative_to(folder.resolve()).as_posix()
     stem = origin.name if origin.exists() else f"{origin.name}.parquet"
     name, count = f"recordings/{stem}", 2
-    while name in taken:
+    digest = file_digest(origin, follow=True)  # "" of a folder, or of a recording in memory
+    while name in taken or os.path.lexists(folder / name):
+        if name not in taken and digest and digest == file_digest(folder / name):
+            return name
         name, count = f"recordings/{count}_{stem}", count + 1
     if origin.is_dir():
-        shutil.copytree(origin, folder / name)
+        with work_folder(folder / "recordings") as work:
+            shutil.copytree(origin, work / "copy").rename(folder / name)
     elif origin.exists():
-        shutil.copyfile(origin, folder / name)
+        with atomic_write(folder / name, new=True) as aside:
+            shutil.copyfile(origin, aside)
     else:
         write(files.held[source], folder / name)
     return name

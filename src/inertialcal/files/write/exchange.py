@@ -228,7 +228,7 @@ def _build(new: Path, out: Path, files: Mapping[str, bytes], reserved: re.Patter
     new.mkdir()
     for name, data in files.items():
         write_new(new / name, data)
-    room = _free_room(out, ())
+    room = _free_room(out, () if _is_missing(out) else os.listdir(out))
     if not _is_missing(out):
         os.chmod(new, stat.S_IMODE(out.stat().st_mode))
         manifest = Manifest.read(out)
