@@ -8,10 +8,11 @@ from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, cast, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, Strict, ValidationError, create_model
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, ValidationError, create_model
 
 from ..errors import Problem
 from ..settings import Setting, settings_of
+from ..unit.magnitudes import LARGEST, MOST, SMALLEST, is_possible
 from .quantities import quantity
 
 Called = Callable[[tuple[str | int, ...]], str]
@@ -65,11 +66,22 @@ def _annotation(one: Setting) -> Any:
     if one.path:
         return Annotated[Path, Strict(False)] | None
     if not one.unit and one.table is None:
-        return one.kind
+        return Annotated[one.kind, AfterValidator(_plain)]
     table: Any = one.table
     kind: Any = quantity(one.unit, one.difference) if one.unit else _model(table)
     kind = list[kind] if one.many else kind
     return kind | None if type(None) in get_args(one.kind) or one.table is not None else kind
+
+
+def _plain(given: Any) -> Any:
+    """Refuse a number without a unit that nobody can mean, wherever it stands in a setting."""
+    if isinstance(given, float) and not is_possible(given):
+        raise ValueError(f"should be 0, or a number from {SMALLEST:g} to {LARGEST:g}")
+    if isinstance(given, int) and abs(given) > MOST:
+        raise ValueError(f"should be a whole number up to {MOST}")
+    for one in given.values() if isinstance(given, Mapping) else given if isinstance(given, list | tuple) else ():
+        _plain(one)
+    return given
 
 
 def _field(one: Setting) -> Any:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 LARGEST = 1e30  # in the unit of the file, and in SI
 SMALLEST = 1e-30  # not zero
+MOST = 1_000_000_000  # that a whole number of a setting counts
 DERIVED = 1e100  # of what was computed and is read back, like a covariance: its square is finite
 SAMPLE_RATES = (1e-10, 1e9)  # [Hz]: one sample in 300 years, all that our time holds; one a nanosecond, its step
 CODE = "impossible_value"

@@ -65,7 +65,9 @@ class Plan:
         "After each turn of the temperature, and at the start, samples within this distance of it are left out; a "
         "tenth of the range where not given.", None, difference="degC", example="2 K",
     )  # fmt: skip
-    bins: int = setting("How many bins of temperature there are, each with the same weight.", 40, above=3, example="40")
+    bins: int = setting(
+        "How many bins of temperature there are, each with the same weight.", 40, above=3, most=10_000, example="40"
+    )
     least_range: float = setting(
         "A smaller range of temperature carries no polynomial.", 10.0, difference="degC", example="10 K"
     )

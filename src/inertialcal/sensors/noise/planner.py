@@ -160,7 +160,7 @@ def _single(
     phase = total_phase(terms, interval, averaging)
     share = variance_of_phase(total_phase((terms[at],), interval, averaging), m) / variance_of_phase(phase, m)
     tau = m * interval
-    usable = relative_error * share > 0.0
+    usable = (relative_error * share) ** 2 > 0.0
     rules = np.where(usable, tau * (1.0 + 0.5 / np.where(usable, relative_error * share, 1.0) ** 2), np.inf)
     best = int(np.argmin(rules))
     standard = (float(rules[best]), float(tau[best]))

@@ -99,8 +99,9 @@ def _possible(
             do="Need a list of whole numbers of samples, 1 or more",
             code="wrong_taus",
         )
-    unique = np.unique(numbers).astype(np.int64)
-    there = terms_of(kind, points, unique) >= 1
+    unique = np.unique(numbers)
+    there = unique <= points
+    there[there] = terms_of(kind, points, unique[there].astype(np.int64)) >= 1
     if not there.any():
         raise DataError(
             f"no averaging time up to {unique[0] * interval:g} s fits into a record of {(points - 1) * interval:g} s",
@@ -111,7 +112,7 @@ def _possible(
     if not there.all():
         what = f"averaging time {unique[~there][0] * interval:g} s needs a longer record: left out"
         remarks = (*remarks, Remark("tau_too_long", "warning", what, count=int(np.count_nonzero(~there))))
-    return unique[there], remarks
+    return unique[there].astype(np.int64), remarks
 
 
 def _few(wanted: NDArray[np.generic]) -> str:

@@ -82,6 +82,8 @@ def limit_and_record(
     whole = np.column_stack([problem.columns, column_at(problem, fitted.position)])
     powers = fitted.powers.copy()
     powers[at] = 1e-9 * float(np.min(mean_of(problem, fitted) / whole[:, at]))
+    if not 0.0 < powers[at] < np.inf:  # the term has no part in any deviation, or all of one
+        return None, None
     added = sandwich(problem, replace(fitted, powers=powers), sigma, timed=at < len(problem.names))
     column = column_of(fitted, at)
     u, stretch = float(added.u[column]), float(added.stretch[column])
