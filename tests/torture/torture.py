@@ -5,6 +5,7 @@
     python tests/torture/torture.py                        5,000 trials and the special inputs, two at a time
     python tests/torture/torture.py --trials 300           fewer; numbers always start at 1
     python tests/torture/torture.py --resume               go on where an earlier run stopped
+    python tests/torture/torture.py --page                 and put the tables into the manual
     python tests/torture/torture.py --replay 1234          one trial again, its files kept; -12: a special input
 
 A trial follows from its number alone; numbers are never selected. A failure is: exit status other than 0 to 4 or 130,
@@ -23,7 +24,7 @@ import sys
 import tempfile
 import time
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
@@ -34,6 +35,7 @@ from seed_files import write_seeds  # noqa: E402
 from trials import FIXED, fixed, trial  # noqa: E402
 
 ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "docs" / "robustness.md"
 TRIALS = 5000
 PAST = 0.5  # of the trials, at least, get past the parser
 
@@ -44,6 +46,7 @@ def main() -> int:
     parser.add_argument("--trials", type=int, default=TRIALS)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--resume", action="store_true", help="keep what an earlier run found")
+    parser.add_argument("--page", action="store_true", help=f"put the tables into {PAGE.name}")
     parser.add_argument("--replay", type=int, help="one trial again, its files kept")
     parser.add_argument("--folder", type=Path, default=ROOT / "build" / "torture")
     given = parser.parse_args()
@@ -57,10 +60,25 @@ def main() -> int:
     begin = time.monotonic()
     numbers = [*range(1, given.trials + 1), *range(-len(FIXED), 0)]
     judged = tortured(numbers, seeds, folder, given.jobs)
-    print(table(one for one in judged if one.number > 0))
-    print(f"\n{table(one for one in judged if one.number < 0)}")
+    tables = {
+        "mutated inputs": table(one for one in judged if one.number > 0),
+        "special inputs": table(one for one in judged if one.number < 0),
+    }
+    print("\n\n".join(tables.values()))
+    if given.page:
+        write_tables(PAGE, tables)
     print(f"\n{len(judged)} commands in {time.monotonic() - begin:.0f} s")
     return verdict(judged)
+
+
+def write_tables(page: Path, tables: Mapping[str, str]) -> None:
+    """Put tables into a page of the manual, each between the marks of its name."""
+    text = page.read_text(encoding="utf-8")
+    for name, rows in tables.items():
+        begin, end = f"<!-- {name} -->\n", f"<!-- end of {name} -->"
+        before, _, rest = text.partition(begin)
+        text = f"{before}{begin}\n{rows}\n\n{end}{rest.partition(end)[2]}"
+    page.write_text(text, encoding="utf-8")
 
 
 def verdict(judged: Iterable[Judged]) -> int:
