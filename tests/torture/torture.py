@@ -210,7 +210,7 @@ def _row(label: str, found: list[Judged]) -> tuple[str, ...]:
         sum(bool(one.failures) for one in found),
     )
     worst = (f"{max(one.seconds for one in found):.1f}", f"{max(one.mib for one in found):.0f}") if found else ("", "")
-    return (label, *map(str, counts), *worst)
+    return (label.replace("|", "\\|"), *map(str, counts), *worst)
 
 
 if __name__ == "__main__":
