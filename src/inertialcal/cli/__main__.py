@@ -47,8 +47,10 @@ def entry() -> NoReturn:
         main(given)
     except SystemExit as end:
         status = int(end.code or 0)
-    except KeyboardInterrupt:
-        status = _interrupted(given)
+    except BaseException:
+        if not interruption.requested:
+            raise
+        status = _interrupted(given)  # whatever an import has made of it
     leave(status)
 
 

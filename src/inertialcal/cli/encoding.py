@@ -43,7 +43,7 @@ def json_text(content: object, encoding: str) -> str:
     import re
 
     text = json.dumps(content, ensure_ascii=False, allow_nan=False)
-    text = re.sub("[\ud800-\udfff]", "\N{REPLACEMENT CHARACTER}", text)
+    text = re.sub("[\ud800-\udfff]", "\ufffd", text)
     if codecs.lookup(encoding).name == "utf-8":
         return text
     return re.sub(r"[^\x00-\x7f]+", lambda found: json.dumps(found[0])[1:-1], text)

@@ -94,8 +94,9 @@ def own(given: Sequence[str]) -> None:
         if signal.getsignal(number) not in {signal.SIG_IGN, None}:  # as under nohup
             signal.signal(number, _on_signal)
     sys.unraisablehook = _unraisable
-    _own_streams()
-    _watch(given)
+    with interruption.held():
+        _own_streams()
+        _watch(given)
 
 
 def _own_streams() -> None:
