@@ -176,7 +176,8 @@ def _as_numbers(column: NDArray[Any]) -> NDArray[Any]:
 
 
 def _matlab(path: Path, table: Table, kind: str) -> None:
-    scipy_io.savemat(path, {_variable(name): column for name, column in table.items()}, format=kind)
+    plain = {_variable(name): c.astype(str) if c.dtype.kind == "O" else c for name, c in table.items()}
+    scipy_io.savemat(path, plain, format=kind)
 
 
 def _variable(name: str) -> str:
