@@ -33,7 +33,7 @@ from ..columns import Rows
 from ..source import Loaded
 
 SAMPLE = 200  # lines
-MOST_BEFORE = 1_000_000  # comments and blank lines before the table
+MOST_BEFORE = 100_000  # comments and blank lines before the table
 CELL_BYTES = 88  # that a cell takes as text
 LONGEST_COMMENT = 10_000  # characters of it that are looked at
 LONGEST_CELL = 400  # characters: no number is longer
@@ -135,10 +135,12 @@ def _sniff(text: str, where: str, comment: tuple[str, ...]) -> Layout:
     comments, lines = _head(text, comment, where)
     if not lines:
         raise DataError("no rows of data", where=where, do="Record again", code="empty_file")
-    for line in lines if len(lines) > 1 else ():
-        check_count(len(line.text), LINE, "characters in a line", f"{where}:{line.row}")
+    for line in lines:
         cells = max(len(line.text.split()), *(1 + line.text.count(sign) for sign in ",;\t"))
-        check_count(cells, COLUMNS, "columns", f"{where}:{line.row}")
+        if len(lines) > 1 or cells < ACROSS:
+            check_count(len(line.text), LINE, "characters in a line", f"{where}:{line.row}")
+        if len(lines) > 1:
+            check_count(cells, COLUMNS, "columns", f"{where}:{line.row}")
     separator, decimal, table = _separator(lines)
     width = _width(table)
     header, first = _first_data(table, decimal, width)
