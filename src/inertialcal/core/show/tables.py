@@ -13,7 +13,7 @@ import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
-from typing import Any
+from typing import TypeVar, cast
 
 WIDTH = 100  # columns, at most; fewer in a narrower terminal
 LEAST_WIDTH = 20  # columns to which text is folded
@@ -43,6 +43,7 @@ class Details:
 
 
 Block = Table | Details | str
+T = TypeVar("T")
 
 
 def clean(text: str) -> str:
@@ -56,13 +57,16 @@ def csv_cell(text: str) -> str:
     return f"'{plain}" if plain.startswith(FORMULA) and len(plain) > 1 else plain
 
 
-def cleaned(content: Any) -> Any:
+def cleaned(content: T) -> T:
     """Return the content of a file, lists and objects too, with every text of it clean."""
+    found: object = content
     if isinstance(content, str):
-        return clean(content)
-    if isinstance(content, Mapping):
-        return {clean(key) if isinstance(key, str) else key: cleaned(part) for key, part in content.items()}
-    return [cleaned(part) for part in content] if isinstance(content, list | tuple) else content
+        found = clean(content)
+    elif isinstance(content, Mapping):
+        found = {clean(key) if isinstance(key, str) else key: cleaned(part) for key, part in content.items()}
+    elif isinstance(content, list | tuple):
+        found = [cleaned(part) for part in content]
+    return cast("T", found)
 
 
 def short(text: str, longest: int = LONGEST) -> str:
