@@ -296,6 +296,6 @@ def test_a_campaign_written_into_a_folder_overwrites_no_recording_of_it(tmp_path
     source.write_text("of the call")
     (folder / "recordings" / "a.csv").write_text("of the user")
     for _ in range(2):  # the second time it is there
-        assert _placed(str(source), Files(Said(), {}, {}), folder, set(), write) == "recordings/2_a.csv"
+        assert _placed(str(source), Files(Said()), folder, set(), write) == "recordings/2_a.csv"
     assert (folder / "recordings" / "a.csv").read_text() == "of the user"
     assert sorted(os.listdir(folder / "recordings")) == ["2_a.csv", "a.csv"]

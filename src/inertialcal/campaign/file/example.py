@@ -87,6 +87,6 @@ def copy_example(name: str, target: Path) -> Path:
         raise UsageError(f"{target} exists and is no campaign", do="Name another folder: inertialcal demo -o FOLDER")
     with as_file(files("inertialcal") / "examples" / name) as source:
         named = {path.relative_to(source): path for path in source.rglob("*") if path.is_file()}
-        own = {one: path for one, path in named.items() if one.parts[0] != OUT and not one.name.startswith(".")}
+        own = {one: path for one, path in named.items() if one.parts[0] != OUT}
         write_folder(target, {one.as_posix(): path.read_bytes() for one, path in own.items()})
     return target

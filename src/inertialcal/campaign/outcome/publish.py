@@ -112,8 +112,8 @@ def _remarks(kept: Kept) -> Iterator[Remark]:
         where = " and ".join(f"{OUT}/{room}/" for room in rooms)
         what = f"moved to {where}: {_names(kept.moved)} (edited since the last run, or not written by one)"
         yield Remark("file_moved", "warning", what)
-    if stayed := [name for name in kept.stayed if not re.fullmatch(r"kept-\d+", name)]:
-        what = f"kept in {OUT}/: {_names(stayed)} (not written by inertialcal)"
+    if kept.stayed:
+        what = f"kept in {OUT}/: {_names(kept.stayed)} (not written by inertialcal)"
         yield Remark("file_kept", "info", what)
     if kept.stuck:
         what, do = f"could not be moved back into {OUT}/: {_names(kept.stuck)}", "Move by hand what you need of it"

@@ -39,6 +39,7 @@ from ...core.interruption import interruption
 from .atomic import lock_folder, remove_unfinished, sync, work_folder, write_new
 
 MANIFEST = "SHA256SUMS"
+ROOM = re.compile(r"kept-\d+")  # folder for what gave way
 LARGEST_MANIFEST = 2**20  # bytes
 LINE = re.compile(r"([0-9a-f]{64})  ([^/\0\n]+)")
 HEAD = re.compile(r"# inertialcal run ([0-9a-f]{16}): it replaces these files and keeps all others; ([0-9a-f]{64})")
@@ -64,7 +65,7 @@ class Kept:
         """Note where a file or folder is now."""
         if name != place:
             self.moved[name] = place
-        elif name not in self.stayed:
+        elif name not in self.stayed and not ROOM.fullmatch(name):
             self.stayed.append(name)
 
 
