@@ -21,8 +21,9 @@ from pyarrow import parquet
 
 import inertialcal as ic
 from inertialcal.cli.commands import READ_NOTHING, Planners, Root
-from inertialcal.core.errors import DataError, UsageError
+from inertialcal.core.errors import DataError, PlanError, UsageError
 from inertialcal.files.budget import FREE, PER_BYTE, ceiling, parse_size
+from inertialcal.files.models.kalibr import parse_yaml
 from typed_commands import call
 
 T = np.arange(64) * 0.01
@@ -243,3 +244,24 @@ def test_every_command_that_reads_files_has_the_option() -> None:
         if one is not None and not any("--max-memory" in parameter.opts for parameter in one.params)
     ]  # fmt: skip
     assert without == list(READ_NOTHING)
+
+
+def test_a_campaign_that_would_take_minutes(tmp_path: Path) -> None:
+    path = tmp_path / "campaign.toml"
+    path.write_text(".".join(400_000 * ["a"]) + " = 1\n")
+    with pytest.raises(PlanError, match="a key of more than 64 parts"):
+        ic.check(tmp_path)
+    path.write_text("".join(f"[t{i}]\n" for i in range(5000)))
+    with pytest.raises(PlanError) as caught:
+        ic.check(tmp_path)
+    assert len(caught.value.problems) == 101
+    assert "more problems" in caught.value.problems[-1].what
+
+
+def test_documents_that_swell(tmp_path: Path) -> None:
+    (tmp_path / "a.json").write_text("[" + ",".join(4_000_000 * ['{"":{}}']) + "]")
+    with pytest.raises(DataError, match="bytes of structured text") as caught:
+        ic.load_model(tmp_path / "a.json")
+    assert caught.value.problems[0].code == "too_large"
+    with pytest.raises(DataError, match="characters of YAML, the ceiling is 100,000"):
+        parse_yaml("imu0:\n" + 100_000 * " a: 1\n")

@@ -60,7 +60,7 @@ def load(path: str | Path, *, document: bool = False) -> Loaded:
     data = _unpack(raw, name) if packed else raw
     if not data:
         raise DataError("the file is empty", where=name, do="Record again, or name another", code="empty_file")
-    if document:
+    if document or name.lower().endswith(".json"):
         claim(name, len(raw), DOCUMENT * len(data), f"{len(data):,} bytes of structured text")
     return Loaded(name, data, sha256, packed, len(raw))
 

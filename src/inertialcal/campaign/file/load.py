@@ -6,6 +6,7 @@ import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,8 @@ from ...core.schema.toml import Path as KeyPath
 from ...files.source import read_bytes
 from .cross_checks import cross_checks
 from .schema import CampaignFile
+
+MOST = 100  # problems that are listed
 
 
 @dataclass(frozen=True)
@@ -79,7 +82,10 @@ def load(folder: str | Path) -> Campaign:
     try:
         file = CampaignFile.model_validate(document)
     except ValidationError as error:
-        raise PlanError(list(_problems(error, document, lines))) from None
+        problems = list(islice(_problems(error, document, lines), MOST))
+        if error.error_count() > MOST:
+            problems.append(Problem(f"and {error.error_count() - MOST} more problems", FILE, do="Correct these first"))
+        raise PlanError(problems) from None
     standards, problems = standards_of(file, lambda *key: place(lines, key))
     problems += cross_checks(root, file, lambda *key: place(lines, key))
     if problems:

@@ -5,6 +5,7 @@ The scanner sees text that ``tomllib`` has parsed, so it is valid: it only follo
 
 from __future__ import annotations
 
+import re
 import tomllib
 from bisect import bisect_left
 from collections.abc import Callable, Iterator
@@ -13,6 +14,8 @@ from typing import Any
 from ..errors import PlanError
 
 LARGEST = 1_000_000  # bytes; such a file is written by hand
+DEEPEST = 64  # parts of a key: the parser takes the square of them
+DEEP = re.compile(r"""(?:(?:(?<![\w-])[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+)""" + f"{{{DEEPEST}}}")
 Path = tuple[str | int, ...]
 At = Callable[..., str]  # place of a key path, told in messages
 
@@ -39,6 +42,10 @@ def parse_toml(raw: bytes, file: str) -> tuple[str, dict[str, Any]]:
     except UnicodeDecodeError as error:
         line = raw[: error.start].count(b"\n") + 1
         raise PlanError("not UTF-8 text", where=f"{file}:{line}", do="Save the file as UTF-8") from None
+    deep = DEEP.search(text)
+    if deep:
+        where = f"{file}:{text.count(chr(10), 0, deep.start()) + 1}"
+        raise PlanError(f"not TOML: a key of more than {DEEPEST} parts", where=where, code="not_toml")
     try:
         return text, tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
