@@ -194,6 +194,15 @@ def test_axes_of_the_sensor(tmp_path: Path) -> None:
     assert not codes(same) & {"not_sensor_axes", "turned_to_sensor_axes"}
 
 
+def test_a_sample_that_is_infinite_is_missing_on_all_axes_of_the_sensor(tmp_path: Path) -> None:
+    table = records()
+    table[3, 1] = np.inf
+    path = pair(tmp_path, table, text=header(more=systems((0.0, 0.0, 90.0))))
+    found = ic.read(path, frame="sensor")
+    assert not np.isfinite(found.channel("x").data[3])
+    assert np.isfinite(np.delete(found.channel("x").data, 3)).all()
+
+
 # Folders
 
 

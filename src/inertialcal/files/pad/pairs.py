@@ -322,11 +322,12 @@ def turned(
     for first in range(0, len(values[0]), BLOCK):
         part = slice(first, first + BLOCK)
         vectors = [column[part].astype(np.float64) for column in values[:3]]
-        for axis in range(3):
-            turned_part = C[axis, 0] * vectors[0]
-            for other in (1, 2):
-                turned_part += C[axis, other] * vectors[other]
-            values[axis][part] = turned_part
+        with np.errstate(invalid="ignore", over="ignore"):  # a sample that is not finite is missing on all axes
+            for axis in range(3):
+                turned_part = C[axis, 0] * vectors[0]
+                for other in (1, 2):
+                    turned_part += C[axis, other] * vectors[other]
+                values[axis][part] = turned_part
     what = f"x, y, z turned from {header.data_system} to the axes of the sensor {header.sensor_system}"
     return values, (Remark("turned_to_sensor_axes", "info", what, where),)
 
