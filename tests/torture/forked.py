@@ -20,6 +20,7 @@ import stat
 import sys
 import tempfile
 import time
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -158,6 +159,10 @@ def _command(words: Sequence[str], folder: Path, aside: Path, process: Process |
         )
         for number, opened in enumerate((nothing, out, err)):
             os.dup2(opened, number)
+        sys.stdout, sys.stderr = (open(n, "w", encoding="utf-8", closefd=False) for n in (1, 2))  # noqa: SIM115
+        warnings.resetwarnings()  # a test runner makes errors of them
+        for hidden in (DeprecationWarning, PendingDeprecationWarning, ImportWarning, ResourceWarning):
+            warnings.simplefilter("ignore", hidden)  # as Python does
         os.environ |= {"TMPDIR": str(aside / "tmp"), "COLUMNS": "100", "HOME": str(aside)}
         tempfile.tempdir = None
         resource.setrlimit(resource.RLIMIT_AS, (CEILING, CEILING))

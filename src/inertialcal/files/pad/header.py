@@ -314,6 +314,7 @@ def _triple(values: Sequence[float] | None) -> str:
 
 STRETCHES = 1000  # over which the median step is taken
 RATES_AGREE = 0.01  # relative difference of the two sample rates, as for any other file
+LONGEST = 6.3e9  # time of a record: 200 years, which int64 holds in nanoseconds [s]
 JUMP = 0.5  # in intervals, from which a step is no jitter
 DRIFT = 0.05  # in intervals, from which stamps run away from the count
 
@@ -349,11 +350,14 @@ def regenerate(time: Numbers, zero: int, sample_rate: float, where: str) -> Stam
     Raises
     ------
     DataError
-        ``bad_stamps``, if a stamp is no number or earlier than the one before it.
+        ``bad_stamps``, if a stamp is no number, earlier than the one before it, or centuries away.
     """
     if not np.all(np.isfinite(time)):
         first = int(np.argmin(np.isfinite(time)))
         raise bad_stamps(f"record {first + 1}: the time is not a number", where)
+    if float(np.abs(time).max(initial=0.0)) > LONGEST:
+        first = int(np.argmax(np.abs(time)))
+        raise bad_stamps(f"record {first + 1}: {time[first]:.3g} s, more than 200 years from the header's time", where)
     resolution = float(np.spacing(np.float32(np.abs(time).max())))
     jumps = _jumps(time, median_step(time) if len(time) > 1 else 1.0 / sample_rate, resolution, where)
     interval, uncertain = _longest_run(time, jumps, resolution) if len(time) > 1 else (1.0 / sample_rate, 0.0)
