@@ -11,15 +11,29 @@ import shutil
 import signal
 import time
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import pytest
-from exchanges import MODES, STATES, Expected, Tally, check, kills, kills_of_recovery, plant, replays
+from exchanges import (
+    MODES,
+    NEW,
+    STATES,
+    Expected,
+    Tally,
+    check,
+    killed_at,
+    kills,
+    kills_of_recovery,
+    plant,
+    replays,
+    start,
+)
 from forked import program, warm
 
 from inertialcal.campaign.file.example import copy_example
-from inertialcal.campaign.outcome.publish import restore
-from inertialcal.files.write.exchange import Manifest
+from inertialcal.campaign.outcome.publish import RESERVED, restore
+from inertialcal.files.write.exchange import Manifest, file_digest, recover
 
 FULL = os.environ.get("INERTIALCAL_TORTURE") == "full"
 TALLIES: list[tuple[str, Tally]] = []
@@ -55,6 +69,22 @@ def test_a_kill_at_a_system_call_leaves_the_old_or_the_new(tmp_path: Path, state
 def test_a_kill_of_the_recovery_does_no_more(tmp_path: Path, state: str, mode: str) -> None:
     tally = kills_of_recovery(tmp_path / "campaign", state, mode, random.Random(5), AGAIN)
     TALLIES.append((f"killed 3 times: {state}, {mode}", tally))
+
+
+@EACH
+def test_a_kill_while_a_folder_that_was_not_put_in_place_is_removed(tmp_path: Path, mode: str) -> None:
+    number, killed = 0, True
+    while killed:
+        number += 1
+        out, expected = start(tmp_path / "campaign", "ours and the user's")
+        ready = out.with_name(".out-ready-0123456789abcdef")
+        plant(out.parent, {ready.name: {**NEW, "kept-1": {}}})
+        digests = {name: file_digest(ready / name) for name in NEW}
+        (ready / "SHA256SUMS").write_text(Manifest("0123456789abcdef", digests).text())
+        killed = killed_at(number, partial(recover, out, RESERVED), mode)
+        recover(out, RESERVED)
+        assert check(out, expected, NEW) == "old"
+    assert number > len(NEW)
 
 
 @EACH

@@ -169,7 +169,7 @@ def replace_folder(target: Path, files: Mapping[str, bytes], reserved: re.Patter
                     old = _put_in_place(ready, target)
                 except BaseException:
                     if Manifest.read(ready) == manifest:  # not in place
-                        shutil.rmtree(ready, ignore_errors=True)
+                        os.rename(ready, new)
                     raise
                 interruption.note(target)
                 _empty(old, target, reserved, kept, room)
@@ -394,7 +394,9 @@ def _recover(target: Path, reserved: re.Pattern[str], alone: bool, kept: Kept) -
                 sync(target.parent)
                 continue
         elif path in unplaced:
-            shutil.rmtree(path, ignore_errors=True)
+            part = path.with_name(f".inertialcal-{secrets.token_hex(8)}.part")
+            os.rename(path, part)  # killed while it goes, it is known as unfinished still
+            shutil.rmtree(part, ignore_errors=True)
             continue
         if _is_missing(target) or _is_folder(target):
             _empty(path, target, reserved, kept)
