@@ -74,17 +74,18 @@ def test_a_kill_of_the_recovery_does_no_more(tmp_path: Path, state: str, mode: s
 @EACH
 def test_a_kill_while_a_folder_that_was_not_put_in_place_is_removed(tmp_path: Path, mode: str) -> None:
     number, killed = 0, True
+    new = NEW | {f"file{one}": b"new" for one in range(12)}  # so that the list is not the last to go
     while killed:
         number += 1
         out, expected = start(tmp_path / "campaign", "ours and the user's")
         ready = out.with_name(".out-ready-0123456789abcdef")
-        plant(out.parent, {ready.name: {**NEW, "kept-1": {}}})
-        digests = {name: file_digest(ready / name) for name in NEW}
+        plant(out.parent, {ready.name: {**new, "kept-1": {}}})
+        digests = {name: file_digest(ready / name) for name in new}
         (ready / "SHA256SUMS").write_text(Manifest("0123456789abcdef", digests).text())
         killed = killed_at(number, partial(recover, out, RESERVED), mode)
         recover(out, RESERVED)
-        assert check(out, expected, NEW) == "old"
-    assert number > len(NEW)
+        assert check(out, expected, new) == "old"
+    assert number > len(new)
 
 
 @EACH
