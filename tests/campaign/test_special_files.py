@@ -12,6 +12,7 @@ import inertialcal as ic
 from inertialcal.campaign.file.load import load
 from inertialcal.campaign.twins.twin import TRUTH, read_truth
 from inertialcal.core.errors import InertialcalError
+from inertialcal.files.info.motion import is_laid
 from inertialcal.files.write.atomic import atomic_write
 from inertialcal.procedures.positions.orientations import sections_of
 
@@ -62,3 +63,16 @@ def test_a_pipe_for_the_truth_is_not_waited_for(tmp_path: Path) -> None:
 def test_a_campaign_file_that_gives_an_error_is_named(tmp_path: Path) -> None:
     (tmp_path / "campaign.toml").symlink_to("/proc/self/mem")
     assert "campaign.toml: cannot be read" in refusal(lambda: load(tmp_path))
+
+
+def test_a_path_without_a_name_is_refused() -> None:
+    assert refusal(lambda: ic.allan(""))
+
+
+def test_numbers_that_nothing_has_claim_no_test(tmp_path: Path) -> None:
+    turns = [("9.8e160", "0", "0"), ("0", "9.8e160", "0"), ("0", "0", "9.8e160")] * 3
+    rows = [f"{t / 10},{','.join(turns[t // 40])}" for t in range(40 * len(turns))]
+    head = "t_s,acc_x [m/s^2],acc_y [m/s^2],acc_z [m/s^2]"
+    (tmp_path / "laid.csv").write_text("\n".join([head, *rows, ""]), encoding="utf-8")
+    recording = ic.read(tmp_path / "laid.csv")
+    assert not is_laid(recording)

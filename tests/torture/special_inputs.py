@@ -513,7 +513,8 @@ def _special_files() -> Iterator[Special]:
                     folder: Path, _: Ran, kind: str = kind, path: str = path, outputs: tuple[str, ...] = outputs
                 ) -> list[str]:
                     place = folder / path  # `run` may move it aside, into out/kept-1
-                    kept = kind == "folder" or path in outputs or any(map(_is_special, place.parent.rglob(place.name)))
+                    moved = (one / place.name for one in place.parent.glob("kept-*"))
+                    kept = kind == "folder" or path in outputs or any(map(_is_special, (place, *moved)))
                     return [] if kept else [f"{path} is lost"]
 
                 yield Special(f"special file, {what}: {kind}", command, prepare, outputs=outputs, check=check)

@@ -127,12 +127,10 @@ def _over(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
 
 def _named(one: GivenFile, each: Described, taken: Mapping[str, Any], several: bool) -> str:
     """Return a name for a recording: that of its file, with the kind of sensor where a file has several."""
-    stem = (
-        re.sub(r"[^A-Za-z0-9_.-]", "_", PurePath(PurePath(one.name).name).with_suffix("").with_suffix("").name).strip(
-            "_.-"
-        )[:40]
-        or "recording"
-    )
+    file = PurePath(one.name).name
+    for _ in range(2):  # .csv.gz
+        file = file.removesuffix(PurePath(file).suffix)
+    stem = re.sub(r"[^A-Za-z0-9_.-]", "_", file).strip("_.-")[:40] or "recording"
     wanted = f"{stem}_{each.test or each.sensor['kind']}" if several else stem
     count = 2
     name = wanted

@@ -6,6 +6,8 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from ...core.campaign_text import FILE, MARK, SCHEMA, Noted, toml_text
 from ...core.errors import InertialcalError, PlanError, UsageError
 from ...core.remarks import Remark
@@ -115,7 +117,8 @@ def _take(found: Found, taken: dict[str, _Taken], path: Path, name: str) -> list
 
 def _claims(file: FolderFile) -> list[tuple[str, Claim]]:
     """Return what procedures claim, the strongest first, among equals in the order of the registry."""
-    made = ((name, procedure_of(name).claims(file)) for name in procedure_names())
+    with np.errstate(over="ignore", invalid="ignore"):  # of numbers that nothing has: they claim nothing
+        made = [(name, procedure_of(name).claims(file)) for name in procedure_names()]
     return sorted(((name, one) for name, one in made if one is not None), key=lambda one: -one[1].strength)
 
 

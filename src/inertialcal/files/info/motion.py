@@ -20,6 +20,7 @@ SHORT = 1_000  # samples: a shorter record says little about noise, and may be a
 APART = 20.0  # standard deviations: levels of files that differ by more were turned at different rates
 FEWEST = 6  # static intervals
 SHORTEST = 1.0  # [s]
+LARGEST = 1e100  # squares of larger numbers are none
 TURNED = 0.3  # of the largest reading at rest, by which the second widest direction of the readings spreads
 
 
@@ -81,6 +82,8 @@ def is_laid(recording: Recording) -> bool:
     if recording.time_ns is None or len(acc) != len(AXES):
         return False
     values = np.column_stack([np.asarray(acc[axis].data, dtype=np.float64) for axis in AXES])
+    if np.any(np.abs(values) > LARGEST):
+        return False
     try:
         placed = static_intervals(detect(values, recording.time_ns, recording.sample_interval), min_duration=SHORTEST)
     except InertialcalError:
@@ -94,7 +97,6 @@ def is_laid(recording: Recording) -> bool:
 
 SENSED = ("gyro", "acc")
 UNNAMED = re.compile(r"(?:.*_)?[0-9]+")  # column_3, accelBuffer_2
-LARGEST = 1e100
 MOST = 3  # stretches of disturbance; with more of them the sensor is not at rest
 
 

@@ -136,8 +136,9 @@ def reduce(plan: Plan, readings: Readings) -> Result:
         remarks += left_out.remarks
         used = readings.take(~left_out.any)
         try:
-            lines[sensor], straight[sensor] = _lines(plan, used, sensor)
-            everything[sensor] = _lines(plan, readings, sensor)[0] if left_out.any.any() else lines[sensor]
+            own, plain = _lines(plan, used, sensor)
+            everything[sensor] = _lines(plan, readings, sensor)[0] if left_out.any.any() else own
+            lines[sensor], straight[sensor] = own, plain
         except DataError as error:
             reasons[sensor] = Reason(error.problems[0].code, error.problems[0].what)
             remarks.append(Remark("no_line", "warning", reasons[sensor].text, error.problems[0].where))
