@@ -34,9 +34,9 @@ def fields(case: str = "", reason: str = "") -> dict[str, Any]:
 
 def results_text(**members: Any) -> str:
     """Return a ``results.json`` with some members, the others without anything."""
-    blank = dict.fromkeys(("campaign", "item", "site", "sensors", "influences"), {})
-    blank |= dict.fromkeys(("standards", "sequence", "exclusions", "results", "covariances", "budgets"), [])
-    blank |= dict.fromkeys(("remarks", "verdicts", "verification"), [])
+    objects = ("campaign", "item", "site", "sensors", "influences")
+    lists = ("standards", "sequence", "exclusions", "results", "covariances", "budgets", "remarks", "verdicts")
+    blank: dict[str, Any] = {name: {} for name in objects} | {name: [] for name in (*lists, "verification")}
     loop = {"verdict": "not run", "reason": "", "axes": [], "over_temperature": []}
     rest = {"schema": 2, "decision_rule": "", "closed_loop": loop, "verdict": None, "curves_sha256": ""}
     return sealed_text(blank | rest | members)
