@@ -4,7 +4,7 @@
 
     python tests/torture/torture.py                        5,000 trials and the special inputs, two at a time
     python tests/torture/torture.py --trials 300           fewer; numbers always start at 1
-    python tests/torture/torture.py --resume               go on where an earlier run stopped
+    python tests/torture/torture.py --resume               go on where an earlier run stopped, what failed once more
     python tests/torture/torture.py --page                 and put the tables into the manual
     python tests/torture/torture.py --replay 1234          one trial again, its files kept; -12: a special input
 
@@ -45,7 +45,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n", maxsplit=1)[0])
     parser.add_argument("--trials", type=int, default=TRIALS)
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--resume", action="store_true", help="keep what an earlier run found")
+    parser.add_argument("--resume", action="store_true", help="keep what passed in an earlier run")
     parser.add_argument("--page", action="store_true", help=f"put the tables into {PAGE.name}")
     parser.add_argument("--replay", type=int, help="one trial again, its files kept")
     parser.add_argument("--folder", type=Path, default=ROOT / "build" / "torture")
@@ -135,8 +135,8 @@ def tortured(numbers: Iterable[int], seeds: Path, folder: Path, jobs: int) -> li
     ends = [os.waitpid(child, 0)[1] for child in workers]
     if any(ends):
         raise SystemExit("a worker failed")
-    judged = [one for path in sorted(folder.glob("trials-*.jsonl")) for one in _read(path)]
-    return sorted((one for one in judged if one.number in set(numbers)), key=lambda one: one.number)
+    last = {one.number: one for path in sorted(folder.glob("trials-*.jsonl")) for one in _read(path)}
+    return [last[number] for number in sorted(numbers)]
 
 
 def _read(path: Path) -> list[Judged]:
@@ -145,7 +145,7 @@ def _read(path: Path) -> list[Judged]:
 
 
 def _work(numbers: list[int], seeds: Path, results: Path) -> None:
-    done = {one.number for one in _read(results)}
+    done = {one.number for one in _read(results) if not one.failures}
     with results.open("a", encoding="utf-8") as to, tempfile.TemporaryDirectory(prefix="torture-") as scratch:
         for number in numbers:
             if number not in done:

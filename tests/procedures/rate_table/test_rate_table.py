@@ -14,8 +14,9 @@ from hypothesis import strategies as st
 from inertialcal.core.errors import DataError
 from inertialcal.core.influence import Influence
 from inertialcal.core.results import Row
+from inertialcal.procedures.rate_table import reduction
 from inertialcal.procedures.rate_table.fit.earth_input import OMEGA, earth_in_dwells
-from inertialcal.procedures.rate_table.fit.regression import Level, dwell_variance, line, reading_of_line
+from inertialcal.procedures.rate_table.fit.regression import Level, Line, dwell_variance, line, reading_of_line
 from inertialcal.procedures.rate_table.reduction import (
     Plan,
     Readings,
@@ -88,6 +89,21 @@ def test_published_standard_errors_are_reproduced_within_four_percent() -> None:
     assert zero_u is not None
     assert np.radians(slope_u) == pytest.approx(2.09496e-4, rel=0.04)
     assert zero_u == pytest.approx(4.11762e-4, rel=0.04)
+
+
+def test_dwells_left_out_that_cannot_be_fitted_refuse_the_sensor(monkeypatch: pytest.MonkeyPatch) -> None:
+    readings = table("table10_x", "x", "minus_ref")
+    fit = reduction._lines
+
+    def refusing(plan: Plan, some: Readings, sensor: str) -> tuple[Line, Line]:
+        if len(some) == len(readings):
+            raise DataError("not to be told apart", code="no_asymmetry")
+        return fit(plan, some, sensor)
+
+    monkeypatch.setattr(reduction, "_lines", refusing)
+    plan = Plan(axis="x", scale_factor=IDEAL, input_range=(-np.radians(5.0), np.radians(5.0)))
+    with pytest.raises(DataError, match="not to be told apart"):
+        reduce(plan, readings)
 
 
 def test_wild_scatter_of_table_10_is_left_out_and_both_results_are_shown() -> None:

@@ -49,7 +49,8 @@ def start(folder: str | Path) -> tuple[Path, list[int], tuple[Remark, ...]]:
     path = root / FILE
     if path.exists():
         raise PlanError(f"{path} exists already", do=f"Try: inertialcal check {root}", code="exists")
-    found, remarks = _files(root)
+    with np.errstate(over="ignore", invalid="ignore"):  # of numbers that nothing has: they suggest nothing
+        found, remarks = _files(root)
     if not any(found.values()):
         do = "Add recordings with gyro or accelerometer channels, tables with columns of rate and reading (a row per "
         do += "dwell), or tables of means (a row per axis and orientation)"
@@ -117,8 +118,7 @@ def _take(found: Found, taken: dict[str, _Taken], path: Path, name: str) -> list
 
 def _claims(file: FolderFile) -> list[tuple[str, Claim]]:
     """Return what procedures claim, the strongest first, among equals in the order of the registry."""
-    with np.errstate(over="ignore", invalid="ignore"):  # of numbers that nothing has: they claim nothing
-        made = [(name, procedure_of(name).claims(file)) for name in procedure_names()]
+    made = ((name, procedure_of(name).claims(file)) for name in procedure_names())
     return sorted(((name, one) for name, one in made if one is not None), key=lambda one: -one[1].strength)
 
 

@@ -197,7 +197,8 @@ def _norm(channels: Sequence[Channel]) -> Hint | None:
     """Gravity in the median norm of a triad; in the median of a single axis it may hide."""
     if len(channels) != 3:
         return None
-    norm = float(np.nanmedian(np.sqrt(sum(c.data.astype(np.float64) ** 2 for c in channels))))
+    with np.errstate(over="ignore"):
+        norm = float(np.nanmedian(np.sqrt(sum(c.data.astype(np.float64) ** 2 for c in channels))))
     for unit, low, high in AT_REST:
         if low <= norm <= high:
             return Hint("acc", unit, f"median |acc| {norm:.4g}")

@@ -330,10 +330,11 @@ def lengths(theta: Array, r: Array, g: float) -> tuple[Array, Array, Array]:
     d = r - b
     x = d @ T.T
     length = np.sqrt(np.einsum("mi,mi->m", x, x))
-    u = x / length[:, None]
     jacobian = np.empty((len(r), 9))
-    jacobian[:, :6] = u[:, ROW] * d[:, COLUMN] / g
-    jacobian[:, 6:] = -(u @ T)
+    with np.errstate(divide="ignore", invalid="ignore"):  # a reading of no length has no direction: no solution
+        u = x / length[:, None]
+        jacobian[:, :6] = u[:, ROW] * d[:, COLUMN] / g
+        jacobian[:, 6:] = -(u @ T)
     return length - g, jacobian, u
 
 
