@@ -82,7 +82,7 @@ def with_text(content: Any, at: At, text: str) -> Any:
     if not at:
         return text
     first, *rest = at
-    new = dict(content) if isinstance(content, dict) else list(content)
+    new: Any = dict(content) if isinstance(content, dict) else list(content)
     new[first] = with_text(content[first], tuple(rest), text)
     return new
 
@@ -170,7 +170,8 @@ def test_texts_of_a_recording(typed: Typed, tmp_path: Path, monkeypatch: pytest.
             fields = [pa.field(name, pa.float64(), metadata={"unit": HOSTILE}) for name in names]
             parquet.write_table(pa.Table.from_arrays([*columns.values()], schema=pa.schema(fields)), file)
         else:
-            np.savez(file, **{name.replace("\x00", "").replace("/", ""): one for name, one in columns.items()})
+            arrays: Any = {name.replace("\x00", "").replace("/", ""): one for name, one in columns.items()}
+            np.savez(file, **arrays)
     typed("info", file)
     assert typed("info", file, "--sample-rate", "10") == 0
     for noun in ("allan", "psd", "rate-table", "positions", "sine", "flip", "thermal"):

@@ -12,6 +12,7 @@ import zipfile
 import zlib
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -112,8 +113,9 @@ def test_a_file_that_would_fill_the_memory(tmp_path: Path, name: str, write: Cal
     assert seconds < SECONDS
 
 
-MANY = {
-    "a.npz": lambda path: np.savez(path, **{f"a{i}": T for i in range(10_001)}),
+ARRAYS: Any = {f"a{i}": T for i in range(10_001)}
+MANY: dict[str, Callable[[Path], object]] = {
+    "a.npz": lambda path: np.savez(path, **ARRAYS),
     "a.csv": lambda path: path.write_text("\n".join(3 * [",".join(map(str, range(10_001)))])),
     "a.parquet": lambda path: parquet.write_table(pa.table({f"c{i}": [1.0, 2.0] for i in range(10_001)}), path),
 }

@@ -9,11 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any
+from typing import Any, TypeVar, cast
 
 import numba
 from numba.core.caching import FunctionCache
 from numba.core.dispatcher import Dispatcher
+
+F = TypeVar("F", bound=Callable[..., Any])
 
 
 class _Cache(FunctionCache):
@@ -34,13 +36,13 @@ class _Cache(FunctionCache):
             super().save_overload(sig, data)  # type: ignore[no-untyped-call]
 
 
-def _compiler(**options: Any) -> Callable[[Callable[..., Any]], Any]:
-    def decorate(function: Callable[..., Any]) -> Any:
+def _compiler(**options: Any) -> Callable[[F], F]:
+    def decorate(function: F) -> F:
         found = numba.njit(nogil=True, error_model="numpy", **options)(function)
         if isinstance(found, Dispatcher):  # which it is not under NUMBA_DISABLE_JIT
             with suppress(RuntimeError, OSError):  # no folder can be written
                 found._cache = _Cache(function)  # type: ignore[attr-defined, no-untyped-call]
-        return found
+        return cast("F", found)
 
     return decorate
 

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
-from .._kernels import compiled, fill_moments
+from ...statistics._kernels import compiled
+from .._kernels import fill_moments
 
 __all__ = [
     "drop_lower", "fill_blocks", "fill_clear", "fill_jump", "fill_moments", "fill_peaks", "fill_window_variance",
