@@ -248,6 +248,42 @@ def test_an_uncertainty_that_nothing_has(tmp_path: Path, capsys: pytest.CaptureF
     assert found["errors"][0]["what"].startswith("results.0.u: 1e+206 is not a number from")
 
 
+IMUCAL = {
+    "K_a": np.eye(3).tolist(), "R_a": np.eye(3).tolist(), "b_a": [0.0] * 3, "K_g": np.eye(3).tolist(),
+    "R_g": np.eye(3).tolist(), "b_g": [0.0] * 3, "K_ga": np.zeros((3, 3)).tolist(), "acc_unit": "m/s^2",
+    "gyr_unit": "deg/s", "from_acc_unit": "a.u.", "from_gyr_unit": "a.u.", "cal_type": "Ferraris",
+    "_format_version": "2.0",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("value", "code"), [(10**400, "schema"), (1e206, CODE), (-1e-206, CODE), ("text", "schema"), ([1.0], "schema")]
+)
+def test_numbers_of_the_models_of_others(
+    value: Any, code: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "imucal.json"
+    path.write_text(json.dumps(IMUCAL | {"b_g": [0.0, 0.0, value]}))
+    found = call_json(capsys, "show", f"{path}#gyro")
+    assert found["exit"] == 3
+    assert (found["errors"][0]["code"], found["errors"][0]["what"][:3]) == (code, "b_g")
+    words = ["1", "0", "0", "0", "1", "0", "0", "0", "1", "1", "0", "0", "0", "1", "0", "0", "0", "1", "0", "0"]
+    text = tmp_path / "gyro.txt"
+    text.write_text(" ".join([*words, "1e206"]))
+    found = call_json(capsys, "show", str(text))
+    assert found["errors"][0]["code"] == CODE
+
+
+def test_a_time_offset_of_kalibr_that_is_no_number(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "kalibr.yaml"
+    square = "[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]"
+    path.write_text(
+        f"imu0:\n  accelerometers: {{M: {square}}}\n  gyroscopes: {{M: {square}, A: {square}, C_gyro_i: {square}}}\n"
+        "  time_offset: late\n"
+    )
+    assert call_json(capsys, "show", f"{path}#gyro")["exit"] == 0
+
+
 # Figures and the last resort
 
 

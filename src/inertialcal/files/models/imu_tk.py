@@ -24,7 +24,7 @@ from ...core.key import Kind
 from ...core.remarks import Remark
 from ...sensors.model.sensor_model import SensorModel
 from .model_format import ImportedModels, ModelFormat, ModelText
-from .triad import Triad, invertible, lost, model_of, triad
+from .triad import Triad, check_possible, invertible, lost, model_of, triad
 
 NAME = "imu_tk"
 COUNT = 21
@@ -49,7 +49,7 @@ def read(given: ModelText) -> ImportedModels | None:
     Raises
     ------
     DataError
-        ``which_sensor``; ``schema`` if T or K is not of its form; ``not_invertible``.
+        ``which_sensor``; ``schema`` if T or K is not of its form; ``impossible_value``; ``not_invertible``.
     """
     words = given.text.split()
     if given.json is not None or len(words) != COUNT or not all(_is_number(word) for word in words):
@@ -66,6 +66,7 @@ def read(given: ModelText) -> ImportedModels | None:
             do="Copy it again from imu_tk",
             code="schema",
         )
+    check_possible(values, "T, K or B", where)
     gain: Array = np.asarray(np.linalg.inv(invertible(t @ k, "T K", where)), dtype=np.float64)
     own = Triad(gain, offset, np.zeros((3, 3)))
     return ImportedModels({kind: model_of(kind, 1.0 / np.diag(k), own, "count", NAME)})

@@ -148,7 +148,7 @@ def _remarks(own: Mapping[str, object], units: int) -> tuple[Remark, ...]:
     if isinstance(accelerometers, Mapping) and any(f"r{axis}_i" in accelerometers for axis in "xyz"):
         found.append(Remark("left_out", "warning", "positions of the accelerometers (size effect) are ignored"))
     if own.get("time_offset"):
-        found.append(Remark("left_out", "info", f"time_offset {own['time_offset']:g} s is ignored"))
+        found.append(Remark("left_out", "info", f"time_offset {own['time_offset']} s is ignored"))
     if units > 1:
         found.append(Remark("left_out", "warning", f"the file holds {units} units: only the first is read"))
     return tuple(found)

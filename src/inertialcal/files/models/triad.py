@@ -17,6 +17,7 @@ from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.key import AXES, Kind
 from ...core.remarks import Remark
+from ...core.unit.magnitudes import CODE, LARGEST, SMALLEST, is_possible
 from ...sensors.model.sensor_model import SensorModel
 
 KINDS: tuple[Kind, ...] = ("accelerometer", "gyro")
@@ -151,7 +152,7 @@ def numbers(content: object, key: str, shape: tuple[int, ...], where: str) -> Ar
     Raises
     ------
     DataError
-        ``missing_key``; ``schema`` where it is no array of finite numbers of that shape.
+        ``missing_key``; ``schema`` where it is no array of finite numbers of that shape; ``impossible_value``.
     """
     if not isinstance(content, Mapping) or key not in content:
         raise DataError(
@@ -159,12 +160,26 @@ def numbers(content: object, key: str, shape: tuple[int, ...], where: str) -> Ar
         )
     try:
         found = np.array(content[key], dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         found = np.empty(0)
     if found.shape != shape or not np.all(np.isfinite(found)):
         need = " x ".join(str(n) for n in shape)
         raise DataError(f"{key} is not {need} finite numbers", where=where, code="schema")
+    check_possible(found, key, where)
     return found
+
+
+def check_possible(values: Array, what: str, where: str) -> None:
+    """Refuse a number of a size that nothing has.
+
+    Raises
+    ------
+    DataError
+        ``impossible_value``.
+    """
+    wrong = next((float(value) for value in values.flat if not is_possible(float(value))), None)
+    if wrong is not None:
+        raise DataError(f"{what}: {wrong:g} is not a number from {SMALLEST:g} to {LARGEST:g}", where=where, code=CODE)
 
 
 def invertible(matrix: Array, what: str, where: str) -> Array:
