@@ -20,7 +20,9 @@ import pytest
 from numpy.typing import NDArray
 
 import inertialcal as ic
+from inertialcal.campaign.engine import run as engine_run
 from inertialcal.campaign.engine.engine import computable
+from inertialcal.campaign.models.compensation import compensate
 from inertialcal.core.errors import DataError, InertialcalError
 from inertialcal.core.key import Key
 from inertialcal.core.recording import Channel, Recording
@@ -151,6 +153,15 @@ def test_readings_that_no_sensor_gives_are_refused_with_their_row(tmp_path: Path
         read_table(path).numbers("gyro_x")
     assert (caught.value.problems[0].code, caught.value.problems[0].where) == (CODE, f"{path}:2")
     assert len(read(path)) == 300  # looked at, and converted, it may be
+
+
+def test_a_head_whose_turns_are_searched_is_judged_first(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    rows = [f"{i}," + ",".join(f"{x[i]}e160" for x, _ in HEAD.values()) for i in range(N)]
+    path.write_text("\n".join(["t_s,x [ug],y [ug],z [ug]", *rows]) + "\n")
+    with pytest.raises(DataError, match="larger than 1e\\+30") as caught:
+        ic.flip(path)
+    assert (caught.value.problems[0].code, caught.value.problems[0].where) == (CODE, f"{path}:2")
 
 
 def test_an_array_is_judged_too() -> None:
@@ -284,6 +295,23 @@ def test_a_time_offset_of_kalibr_that_is_no_number(tmp_path: Path, capsys: pytes
     assert call_json(capsys, "show", f"{path}#gyro")["exit"] == 0
 
 
+@pytest.mark.parametrize(("order", "reference"), [(1, 1e30), (20, 25.0)])
+def test_a_polynomial_far_away_from_its_data_leaves_cells_empty(order: int, reference: float) -> None:
+    of_temperature = {"bias_temperature": np.full((order, 3), 1e10), "reference_temperature": np.full(3, reference)}
+    made = SensorModel("gyro", ("x", "y", "z"), np.ones(3), "rad/s", np.eye(3), np.zeros(3), **of_temperature)  # type: ignore[arg-type]
+    channels = [Channel(axis, noise(N), "rad/s", "header", axis, "gyro") for axis in "xyz"]
+    hot = np.where(np.arange(N) < 10, 1e29, reference)
+    raw = Recording((*channels, Channel("temperature", hot, "degC", "header", "", "temperature")),
+                    np.arange(N, dtype=np.int64) * 10**9, 1.0)  # fmt: skip
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        done = compensate(made, raw, temperature="temperature")
+    x = done.array(["x", "y", "z"])
+    assert np.isnan(x[:10]).all()
+    assert np.isfinite(x[10:]).all()
+    assert [(one.code, one.index) for one in done.remarks if one.code == "no_inverse"] == [("no_inverse", 0)]
+
+
 # Figures and the last resort
 
 
@@ -301,6 +329,22 @@ def test_arithmetic_that_breaks_down_refuses_the_test(error: type[Exception]) ->
     assert caught.value.problems[0].code == "not_computable"
     with pytest.raises(ValueError, match="a fault of ours"), computable("a"):
         raise ValueError("a fault of ours")
+
+
+@pytest.mark.parametrize("broken", ["build_models", "results_content", "hold_out_residuals"])
+def test_arithmetic_that_breaks_down_after_the_tests_refuses_the_campaign(
+    broken: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder, path = tmp_path / "campaign", tmp_path / "a.csv"
+    path.write_text("\n".join(["t_s,gyro_x [deg/s]", *(f"{i / 10},{x}" for i, x in enumerate(noise(N)))]) + "\n")
+    ic.allan(path).write_campaign(folder)
+
+    def breaks(*_: object) -> None:
+        raise FloatingPointError("overflow")
+
+    monkeypatch.setattr(engine_run, broken, breaks)
+    with pytest.raises(DataError, match=r"^campaign '.*': its figures cannot be computed"):
+        engine_run.run(folder)
 
 
 def test_warnings_of_libraries_stay_off_the_screen() -> None:

@@ -38,8 +38,10 @@ class Prepared:
 
 
 @contextmanager
-def computable(test: str) -> Iterator[None]:
-    """Refuse readings on which the arithmetic of a test breaks down: the last resort, where no check has named them.
+def computable(name: str, subject: str = "test") -> Iterator[None]:
+    """Refuse readings on which the arithmetic of a test, or of a campaign, breaks down.
+
+    The last resort, where no check has named them.
 
     Raises
     ------
@@ -52,7 +54,7 @@ def computable(test: str) -> Iterator[None]:
         kind = type(error).__name__
         if isinstance(error, ValueError) and kind != "LinAlgError":  # which is one, too
             raise
-        what = f"test {test!r}: its figures cannot be computed from these readings ({kind}: {error})"
+        what = f"{subject} {name!r}: its figures cannot be computed from these readings ({kind}: {error})"
         do = "Look for readings that do not vary, or vary beyond all measure: inertialcal info FILE"
         raise DataError(what, do=do, code="not_computable") from error
 

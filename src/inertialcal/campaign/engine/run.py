@@ -28,7 +28,17 @@ from ..outcome.publish import changes, check_writable, csv_text, json_text, prov
 from ..outcome.requirements import worst
 from ..outcome.results_file import previous, sealed
 from ..outcome.tables import outcome_parts
-from .engine import Prepared, ReducedTest, beside_others, order_of, placed, prepare, reduce_test, reduced_tests
+from .engine import (
+    Prepared,
+    ReducedTest,
+    beside_others,
+    computable,
+    order_of,
+    placed,
+    prepare,
+    reduce_test,
+    reduced_tests,
+)
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -245,14 +255,17 @@ def reduce_campaign(campaign: Campaign, store: Store | None = None, progress: Pr
     inputs = own | one_digest(pair for one in prepared for pair in one.inputs.items())
     tell(len(tested), len(tested), "model and requirements")
     reduced = {one.test.id: one.tested for one in tested}
-    residuals = hold_out_residuals(campaign, reduced)
+    with computable(campaign.file.campaign.id, "campaign"):
+        residuals = hold_out_residuals(campaign, reduced)
     tested = [_with_residuals(one, residuals.get(one.test.id)) for one in tested]
-    made = {one.test.id: procedure_of(one.test.procedure).correction(one.test.id, one.result) for one in tested}
-    corrections = {name: one for name, one in made.items() if one is not None}
-    modelled = build_models(campaign, reduced, corrections, residuals)
+    with computable(campaign.file.campaign.id, "campaign"):
+        made = {one.test.id: procedure_of(one.test.procedure).correction(one.test.id, one.result) for one in tested}
+        corrections = {name: one for name, one in made.items() if one is not None}
+        modelled = build_models(campaign, reduced, corrections, residuals)
     if modelled is not None:
         remarks += [remark.at("closed loop") for one in modelled.every for remark in one.remarks]
-    results, verdicts = results_content(campaign, prepared, tested, modelled, remarks)
+    with computable(campaign.file.campaign.id, "campaign"):
+        results, verdicts = results_content(campaign, prepared, tested, modelled, remarks)
     stated = [worst(verdicts)] if campaign.file.requirements else []
     if modelled is not None and modelled.whole_verdict != NOT_RUN:
         stated.append(modelled.whole_verdict)

@@ -20,7 +20,7 @@ from ...procedures.protocol import Correction, Procedure, Tested
 from ...sensors.model.assemble import model_from
 from ...sensors.model.sensor_model import Item, SensorModel
 from ...statistics.closed_loop import judged, overall
-from ..engine.engine import placed, sensors_of
+from ..engine.engine import computable, placed, sensors_of
 from ..file.load import Campaign
 from ..file.schema import Test
 from ..file.sensors import Sensor
@@ -61,7 +61,8 @@ def build_models(
     for name, tests in by_sensor.items():
         number = campaign.file.tests.index(tests[0])
         try:
-            made = _build(campaign, name, tests[0].procedure, reduced, corrections, residuals)
+            with computable(tests[0].id):
+                made = _build(campaign, name, tests[0].procedure, reduced, corrections, residuals)
         except InertialcalError as error:
             raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
         if made is not None:

@@ -14,7 +14,7 @@ from ...procedures.model_terms import HeldOut
 from ...procedures.protocol import Tested
 from ...sensors.model.sensor_model import SensorModel
 from ...statistics.closed_loop import AxisLoop
-from ..engine.engine import placed
+from ..engine.engine import computable, placed
 from ..file.load import Campaign
 
 NOT_RUN = "not run"
@@ -90,7 +90,8 @@ def hold_out_residuals(campaign: Campaign, reduced: Mapping[str, Tested[Any, Any
             continue
         own = reduced[fitted.id]
         try:
-            held = procedure.held_out(own.result, [own], [reduced[test.id]], None)
+            with computable(test.id):
+                held = procedure.held_out(own.result, [own], [reduced[test.id]], None)
         except InertialcalError as error:
             raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
         if held is not None:

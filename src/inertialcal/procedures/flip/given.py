@@ -20,6 +20,7 @@ from ...core.key import AXES
 from ...core.recording import SECOND, Channel, Recording
 from ...core.remarks import Remark
 from ...core.times import elapsed_text, instant_text
+from ...core.unit.magnitudes import check_readings
 from ...core.units import convert_as_wide, factor, kind, normalise, parse_quantity
 from ...files.pad.pairs import sensor_frame
 from ...files.text.table import Table
@@ -109,10 +110,17 @@ def read_head(given: GivenFile) -> tuple[Recording, str | None]:
 
 
 def head_recording(recording: Recording, channels: Mapping[str, Mapping[str, Any]]) -> Recording:
-    """Return a recording with channels ``x``, ``y``, ``z`` of a head [m/s^2], those in counts as they are."""
+    """Return a recording with channels ``x``, ``y``, ``z`` of a head [m/s^2], those in counts as they are.
+
+    Raises
+    ------
+    DataError
+        ``impossible_value`` for a reading that no sensor gives.
+    """
     made = []
     for axis in (one for one in AXES if one in channels):
         channel, unit = recording.channel(channels[axis]["column"]), channels[axis]["unit"]
+        check_readings(channel.name, channel.data, channel.unit, recording.place)
         sensed = kind(unit) == "acceleration"
         data = convert_as_wide(channel.data, unit, "m/s^2") if sensed else channel.data
         made.append(Channel(axis, data, "m/s^2", channel.unit_from, axis))

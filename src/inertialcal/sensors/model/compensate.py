@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.remarks import Remark
+from ...core.unit.magnitudes import LARGEST
 from .equation import Columns, Conditions, condition_columns, curve, inverted, matrix_at, mixed, offset, rows
 from .nonlinearity import LOWEST_SLOPE, endless_slope, inverse, rising_branch, smallest_slope
 from .sensor_model import SensorModel
@@ -51,7 +52,7 @@ def compensate(model: SensorModel, readings: Array, **conditions: Unpack[Conditi
     Returns
     -------
     ndarray, shape (n, k)
-        x [input unit]. NaN where a reading or a condition is NaN, or where no input gives that reading.
+        x [input unit]. NaN where a reading or a condition is NaN, or where no possible input gives that reading.
 
     Raises
     ------
@@ -66,8 +67,16 @@ def compensate(model: SensorModel, readings: Array, **conditions: Unpack[Conditi
     if len(r) >= KERNEL_ROWS and len(model.axes) == 3 and _compiled(model, columns, r, out):
         return out
     for part, here in pieces(columns, len(r)):
-        out[part] = _inverse(model, r[part], here)
+        with np.errstate(over="ignore", invalid="ignore"):  # a polynomial far away from its data
+            out[part] = _inverse(model, r[part], here)
+        empty_impossible(out[part])
     return out
+
+
+def empty_impossible(values: Array) -> None:
+    """Put NaN in the place of each value that is infinite, or of a size that nothing has."""
+    with np.errstate(invalid="ignore"):
+        values[np.abs(values) > LARGEST] = np.nan
 
 
 def first_order(model: SensorModel, readings: Array, **conditions: Unpack[Conditions]) -> Array:
@@ -144,7 +153,9 @@ def _compiled(model: SensorModel, columns: Columns, readings: Array, out: Array)
     def fill(piece: tuple[slice, dict[str, Array]]) -> bool:
         part, here = piece
         r = np.ascontiguousarray(readings[part])
-        return bool(_kernels.undo_3(*_thermal(model, here), curves, matrices, r, out[part]))
+        done = bool(_kernels.undo_3(*_thermal(model, here), curves, matrices, r, out[part]))
+        empty_impossible(out[part])
+        return done
 
     with ThreadPoolExecutor(WORKERS) as pool:
         return all(pool.map(fill, pieces(columns, len(readings), KERNEL_CHUNK)))

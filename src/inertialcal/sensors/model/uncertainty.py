@@ -21,7 +21,7 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array
-from .compensate import compensate, pieces
+from .compensate import compensate, empty_impossible, pieces
 from .equation import Columns, Conditions, away_from_reference, condition_columns, curve, inverted, matrix_at, mixed
 from .sensor_model import SensorModel
 from .terms import Parameter
@@ -63,13 +63,15 @@ def compensated_uncertainty(model: SensorModel, readings: Array, **conditions: U
     covariance = model.estimate.covariance
     out = np.empty(x.shape)
     for part, here in pieces(columns, len(x)):
-        at = point(model, x[part], here)
-        to_input = inverted(at.matrix) / at.slope[:, np.newaxis, :]
-        moved = to_input @ np.stack([reading_by(model, one, at) for one in held], axis=2)
-        variance = np.einsum("nkp,nkp->nk", moved @ covariance, moved)
-        if model.bias_run_to_run is not None:
-            variance = variance + to_input**2 @ model.bias_run_to_run**2
-        out[part] = np.sqrt(np.maximum(variance, 0.0))
+        with np.errstate(over="ignore", invalid="ignore"):  # a polynomial far away from its data
+            at = point(model, x[part], here)
+            to_input = inverted(at.matrix) / at.slope[:, np.newaxis, :]
+            moved = to_input @ np.stack([reading_by(model, one, at) for one in held], axis=2)
+            variance = np.einsum("nkp,nkp->nk", moved @ covariance, moved)
+            if model.bias_run_to_run is not None:
+                variance = variance + to_input**2 @ model.bias_run_to_run**2
+            out[part] = np.sqrt(np.maximum(variance, 0.0))
+        empty_impossible(out[part])
     return out
 
 
