@@ -244,7 +244,7 @@ def test_what_can_be_told_is_told_with_what_is_wrong(
         (HEAD, (np.zeros(N), rates()), 3, "it stands still"),
         (HEAD, (swapped(), rates()), 3, "bad.csv:3003: 1 stamp(s) run backwards"),
         (HEAD, (late(), rates()), 3, "bad.csv:3002: 1 repeated stamp(s)"),
-        (HEAD, (STAMPS, 1e300 * rates()), 3, "no sensor reads so much"),
+        (HEAD, (STAMPS, 1e300 * rates()), 3, "no sensor gives that"),
         ("gyro_x [deg/s]", (rates(),), 3, "--sample-rate HZ"),
         ("time [s],temp [degC]", (STAMPS, rates() + 20.0), 3, "no channel can be a gyro's"),
         ("time [s],angle_x [deg]", (STAMPS, np.cumsum(rates())), 2, "--quantity increment"),

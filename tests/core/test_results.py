@@ -44,12 +44,13 @@ def test_row_with_everything() -> None:
 
 
 def test_what_is_absent_is_null() -> None:
-    row = Row(Key("bias", "x"), math.nan, None, "deg/s", math.inf, Interval(None, math.inf, 0.9)).to_dict()
-    assert row["value"] is None
+    row = Row(Key("bias", "x"), 1.0, None, "deg/s", math.inf, Interval(None, math.inf, 0.9)).to_dict()
     assert row["u"] is None
     assert row["dof"] is None
     assert row["interval"] == {"lo": None, "hi": None, "p": 0.9}
     assert Row(Key("bias", "x"), 1.0, None, "deg/s").to_dict()["interval"] is None
+    nothing = Row(Key("bias", "x"), math.nan, None, "deg/s", math.inf, Interval(None, math.inf, 0.9)).to_dict()
+    assert (nothing["value"], nothing["interval"], nothing["status"]) == (None, None, "not_estimated")
 
 
 def test_row_that_the_data_cannot_carry() -> None:

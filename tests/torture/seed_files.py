@@ -107,7 +107,7 @@ def _recordings(folder: Path) -> None:
 def _deck(counts: NDArray[Any], tilt: NDArray[Any]) -> str:
     """Return card images of a series, its correlations and spectrum wanted."""
     series = [[int(float(value or 0)) for value in one] for one in (counts, tilt)]
-    head = "".join(f"{value:4d}" for value in (100, 100, len(counts), 23, 0, 60, 50, 4, 7, 12))
+    head = "".join(f"{value:4d}" for value in (len(counts) // 2 * 2, 100, len(counts), 23, 0, 60, 50, 4, 7, 12))
     cards = [
         "".join(" " * skip + f"{value:>{width}}" + " " * rest for value in one[at : at + 5])
         for one, (skip, width, rest) in zip(series, ((3, 6, 1), (2, 8, 1)), strict=True)

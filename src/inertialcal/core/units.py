@@ -135,7 +135,7 @@ def parse_quantity(text: str) -> Quantity:
     value, unit = read_quantity(text)
     if not (is_possible(value) and is_possible(value * _in_base_units(unit)[0])):
         raise DataError(
-            f"{text!r} cannot be meant",
+            f"{text!r} is beyond any physical range",
             why=f"in SI, a quantity is 0 or from {SMALLEST:g} to {LARGEST:g}",
             do="Correct the exponent or the unit",
             code=CODE,

@@ -263,7 +263,8 @@ def test_everything_goes_into_json(file: Path) -> None:
     file.write_text("t,x,gone\n0.0,1,\n0.5,nan,\n1.0,2,\n")
     content = survey(file).to_dict()
     assert json.loads(json.dumps(content, allow_nan=False)) == content
-    assert set(content) == {"path", "sha256", "format", "rows", "channels", "time", "hints", "remarks", "next"}
+    parts = {"path", "sha256", "format", "rows", "compensated_by", "channels", "time", "hints", "remarks", "next"}
+    assert set(content) == parts
     assert content["channels"][1]["missing"] == 3
     assert content["channels"][1]["mean"] is None
 
