@@ -204,6 +204,34 @@ def test_settings_that_nobody_can_mean(option: str, tmp_path: Path, capsys: pyte
         assert call(capsys, "allan", str(path), option)[0] in (0, 2, 3)
 
 
+@pytest.mark.parametrize(
+    ("clock", "code"),
+    [
+        ('stamp = "end", averaging = "1e30 s"', "averaging_time"), ('averaging = "-1 s"', "averaging_time"),
+        ('interval = "0 s"', "wrong_value"), ('interval = "-1e-30 s"', "wrong_value"),
+        ('interval = "1e30 s"', "clock_disagrees"),
+    ],
+)  # fmt: skip
+def test_clocks_that_nothing_has(clock: str, code: str, tmp_path: Path) -> None:
+    folder, path = tmp_path / "campaign", tmp_path / "a.csv"
+    path.write_text("\n".join(["t_s,gyro_x [deg/s]", *(f"{i / 10},{x}" for i, x in enumerate(noise(N)))]) + "\n")
+    ic.allan(path).write_campaign(folder)
+    file = folder / "campaign.toml"
+    file.write_text(file.read_text().replace("channels = {", f"clock = {{ {clock} }}\nchannels = {{"))
+    with pytest.raises(InertialcalError) as caught:
+        engine_run.run(folder)
+    assert caught.value.problems[0].code == code
+
+
+def test_a_temperature_that_leaves_its_start_with_the_first_sample() -> None:
+    n = 4000
+    temperature = np.interp(np.arange(n), np.linspace(0, n, 5), [20.0, 20.0, -20.0, 60.0, 20.0])
+    temperature[:3] = [60.0, 0.0, 0.0]
+    channels = (Channel("x", noise(n), "deg/s", "header", "x"),
+                Channel("temperature", temperature, "degC", "header", "", "temperature"))  # fmt: skip
+    survives(ic.thermal, Recording(channels, np.arange(n, dtype=np.int64) * 20 * 10**9, 20.0), {})
+
+
 # Models and results that are read back
 
 

@@ -66,6 +66,9 @@ def recording_checks(
     ):
         what = f"recordings.{name}: averaging over {clock.averaging:g} s, but saved every {clock.interval:g} s"
         yield Problem(what, at("recordings", name, "clock"), code="wrong_value")
+    if clock is not None and clock.interval is not None and clock.interval <= 0.0:
+        what = f"recordings.{name}: interval is {clock.interval:g} s: need more than 0 s"
+        yield Problem(what, at("recordings", name, "clock"), code="wrong_value")
     if sensor is not None:
         yield from _channel_units(name, entry, sensor, at)
 

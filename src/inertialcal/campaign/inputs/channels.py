@@ -11,6 +11,7 @@ from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.key import AXES
 from ...core.recording import SECOND, Channel, Recording
+from ...core.times import LATEST
 from ...core.units import convert, convert_as_wide, kind, multiply, parse_quantity, si_unit
 from ...sensors.chain.converter import Chain
 from ...sensors.ground.correction import PREDICTED
@@ -143,6 +144,9 @@ def _timed(recording: Recording, clock: Clock) -> Recording:
         raise DataError(what, recording.source.path, do="Correct clock.interval, or the stamps", code="clock_disagrees")
     interval = clock.interval or seen
     averaging = clock.averaging if clock.averaging is not None else recording.averaging_time
+    if averaging is not None and not 0.0 <= averaging <= LATEST:
+        what = f"clock.averaging is {averaging:g} s: need 0 s to {LATEST:g} s"
+        raise DataError(what, recording.source.path, do="Correct clock.averaging", code="averaging_time")
     recording = replace(recording, sample_interval=interval, averaging_time=averaging)
     shift = {"start": 0.5, "middle": 0.0, "end": -0.5}[clock.stamp] * (averaging or 0.0)
     if recording.time_ns is None or shift == 0.0:

@@ -92,6 +92,8 @@ def _steady_part(series: Series, run: int) -> Indices:
     away = np.abs(warm - warm[: max(len(own) // 1000, 1)].mean())
     gone = np.flatnonzero(away > STILL * series.turn_over)
     steady = own[: gone[0]] if len(gone) else own
+    if not len(steady):
+        return steady
     half = series.temperature[steady[: max(len(steady) // 2, 1)]]
     at_rest = np.flatnonzero(np.abs(series.temperature[steady] - half.mean()) <= NOISE * half.std())
     steady = steady[: at_rest[-1] + 1] if len(at_rest) else steady[:0]
