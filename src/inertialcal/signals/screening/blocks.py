@@ -1,0 +1,140 @@
+"""A record in blocks: extremes, mean, roughness and equal neighbours of each, read in one pass.
+
+Nothing else of the screening reads the whole record. Blocks have 16 samples or more, and so many that what is kept of
+them is small beside the record (``SHARE``), or small at all (``FREE``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import DataError
+from ...core.estimate import Array
+from ..time.samples import Indices
+from . import _kernels
+
+SMALLEST = 16  # samples of a block
+FREE = 2**14  # blocks that any record may have
+SHARE = 0.0125  # of the memory of the record, for its blocks
+EACH = 44  # bytes kept of a block
+SUBSAMPLE = 2**15  # samples that scales are taken from ...
+PIECE = 64  # ... in pieces of so many neighbours
+
+
+@dataclass(frozen=True, eq=False)
+class Blocks:
+    """Blocks of a record; the last may be short. Arrays have shape (b,)."""
+
+    x: NDArray[Any]  # the record, shape (n,), as stored
+    bits: NDArray[Any]  # the same memory as integers
+    size: int  # samples of a block
+    # lo, hi, mean: of the finite samples; NaN where there is none
+    lo: Array
+    hi: Array
+    mean: Array
+    rough: Array  # half the mean square of the step to the next sample: variance of white noise, blind to drift
+    same: NDArray[np.int32]  # samples that equal the one before them, inside the block
+    count: NDArray[np.int32]  # finite samples
+
+    def __len__(self) -> int:
+        """Return the number of blocks."""
+        return len(self.mean)
+
+    def without(self, skip: Indices) -> Blocks:
+        """Return the blocks with some samples, ascending, left out."""
+        if not len(skip):
+            return self
+        which = np.unique(skip // self.size)
+        mean, rough, same, count = self.mean.copy(), self.rough.copy(), self.same.copy(), self.count.copy()
+        lo, hi = np.zeros((2, len(self)), dtype=self.bits.dtype)
+        flip = _flip(self.x.dtype, self.bits.dtype)
+        _kernels.fill_patched(self.x, self.bits, self.size, flip, which, skip, lo, hi, mean, rough, same, count)
+        lowest, highest = self.lo.copy(), self.hi.copy()
+        for every, part in ((lowest, lo), (highest, hi)):
+            every[which] = np.where(count[which] == 0, np.nan, _values(part[which], self.x.dtype))
+        return Blocks(self.x, self.bits, self.size, lowest, highest, mean, rough, same, count)
+
+    def beside(self, places: Indices) -> Blocks:
+        """Return the blocks with those that lie inside places [first, last] (k, 2) emptied."""
+        inside = np.zeros(len(self), dtype=bool)
+        for first, last in places.tolist():
+            inside[-(-first // self.size) : (last + 1) // self.size] = True
+        lo, hi, mean, rough = (np.where(inside, np.nan, part) for part in (self.lo, self.hi, self.mean, self.rough))
+        same, count = (np.where(inside, 0, part).astype(np.int32) for part in (self.same, self.count))
+        return Blocks(self.x, self.bits, self.size, lo, hi, mean, rough, same, count)
+
+    def rows(self, which: Indices) -> NDArray[Any]:
+        """Return the samples of some blocks, in order."""
+        at = (which[:, None] * self.size + np.arange(self.size)).ravel()
+        return np.asarray(self.x[at[at < len(self.x)]])
+
+
+def blocks_of(x: NDArray[Any]) -> Blocks:
+    """Return the blocks of a record.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+        Integers or floats as stored, NaN where a sample is missing; not copied where contiguous.
+
+    Raises
+    ------
+    DataError
+        If the record has another shape, or holds no numbers.
+    """
+    if np.ndim(x) != 1:
+        raise DataError(f"a channel of shape {np.shape(x)}, need (n,)", code="bad_shape")
+    if x.dtype.kind not in "iuf" or x.dtype.itemsize > np.dtype(np.float64).itemsize or x.dtype == np.float16:
+        raise DataError(f"a channel of {x.dtype}", do="Give integers or floats", code="bad_shape")
+    x = np.ascontiguousarray(x, dtype=x.dtype.newbyteorder("="))
+    bits = x.view(np.dtype(f"i{x.dtype.itemsize}")) if x.dtype.kind == "f" else x
+    size, most = SMALLEST, max(FREE, int(SHARE * x.nbytes / EACH))
+    while size * most < len(x):
+        size *= 2
+    n = -(-len(x) // size)
+    lo, hi = np.empty((2, n), dtype=bits.dtype)
+    mean, rough = np.empty((2, n))
+    same, count = np.empty((2, n), dtype=np.int32)
+    flip = _flip(x.dtype, bits.dtype)
+    inf = np.array(np.inf, dtype=x.dtype).view(bits.dtype)[()] if flip else bits.dtype.type(0)
+    if _kernels.fill_blocks(x, bits, size, flip, inf, lo, hi, mean, rough, same, count):
+        odd = np.flatnonzero(count == 0)
+        none = np.empty(0, dtype=np.int64)
+        _kernels.fill_patched(x, bits, size, flip, odd, none, lo, hi, mean, rough, same, count)
+    lowest, highest = _values(lo, x.dtype), _values(hi, x.dtype)
+    empty = count == 0
+    if empty.any():
+        lowest[empty] = highest[empty] = np.nan
+    return Blocks(x, bits, size, lowest, highest, mean, rough, same, count)
+
+
+def pieces(x: NDArray[Any]) -> tuple[Indices, Array]:
+    """Return the first samples of pieces of neighbours, evenly spread, (k,), and the pieces, (k, 64 or all).
+
+    What is not finite is NaN there. The pieces hold all that a short record has, but a rest shorter than one.
+    """
+    length = min(PIECE, len(x))
+    most = min(SUBSAMPLE // PIECE, len(x) // max(length, 1))
+    first = np.linspace(0.0, len(x) - length, most).astype(np.int64)
+    if len(x) <= SUBSAMPLE:
+        first = np.arange(most, dtype=np.int64) * length
+    rows = np.asarray(x[first[:, None] + np.arange(length)], dtype=np.float64)
+    rows[~np.isfinite(rows)] = np.nan
+    return first, rows
+
+
+def _flip(kind: np.dtype[Any], bits: np.dtype[Any]) -> Any:
+    return bits.type(np.iinfo(bits).max if kind.kind == "f" else 0)
+
+
+def _values(keys: NDArray[Any], kind: np.dtype[Any]) -> Array:
+    """Return the numbers that sorted bits stand for."""
+    if kind.kind != "f":
+        return keys.astype(np.float64)
+    flip = _flip(kind, keys.dtype)
+    turned = keys ^ ((keys >> (8 * keys.itemsize - 1)) & flip)
+    return np.asarray(turned.view(kind), dtype=np.float64)

@@ -1,0 +1,84 @@
+"""Level below which a line in the spectrum of a channel means nothing: resolution of its numbers, and its converter.
+
+*Rounding.* Numbers of step D scatter by ``D^2 / 12``, spread evenly over the spectrum, a density of ``D^2 dt / 6``,
+where the signal crosses several steps from sample to sample [1]_. Where the noise lies no higher than a few times that,
+the rounding of a slow signal makes lines by itself, of up to ``2 D / pi``: lines smaller than D mean nothing there. In
+noise well above it, lines far below a step are real.
+
+*Converter.* Non-linearity makes lines of whatever the channel carries. The best converters keep them 120 dB below the
+largest input: what is smaller than 1e-6 of the largest swing of the record may be made there, however little noise is
+around. So it is in the stop band of a filter, where no noise hides them.
+
+References
+----------
+.. [1] B. Widrow, I. Kollar and M.-C. Liu, IEEE Trans. Instrum. Meas. 45 (1996) 353: statistical theory of quantization.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..time.samples import Flags
+from .blocks import pieces
+
+ROUNDED = 4.0  # times the density of rounding, below which noise does not hide what rounding makes
+OFF, MOST = 0.05, 0.9  # of a step that differences are off a whole number, and the part of them that codes allow
+SPURIOUS = 1e-6  # of the largest swing: 120 dB
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """Resolution of the numbers of a channel."""
+
+    step: float  # smallest difference that they show where they are largest [unit]
+    swing: float  # largest deviation from the mean [unit]
+
+    def density(self, interval: float) -> float:
+        """Return the one-sided density of rounding [unit^2/Hz] of samples an ``interval`` apart [s]."""
+        return self.step**2 * interval / 6.0
+
+    def hides(self, amplitude: ArrayLike, background: ArrayLike, interval: float) -> Flags:
+        """Return which lines mean nothing.
+
+        Parameters
+        ----------
+        amplitude : array_like
+            Of each line [unit].
+        background : array_like
+            Density of the noise around each [unit^2/Hz].
+        interval : float
+            From sample to sample [s].
+        """
+        size, around = np.asarray(amplitude, dtype=np.float64), np.asarray(background, dtype=np.float64)
+        rounded = (around <= ROUNDED * self.density(interval)) & (size < self.step)
+        return np.asarray(rounded | (size < SPURIOUS * self.swing))
+
+
+def resolution_of(x: NDArray[Any]) -> Resolution:
+    """Return the resolution of a channel.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+        Samples as stored: the step is that of the codes, of the digits that were printed, or of the floats, 32 bits
+        long where 64 bits hold nothing more.
+    """
+    finite = x[np.isfinite(x)] if x.dtype.kind == "f" else x
+    if not len(finite):
+        return Resolution(0.0, 0.0)
+    low, high = float(finite.min()), float(finite.max())
+    largest, middle = max(abs(low), abs(high)), float(np.mean(finite, dtype=np.float64))
+    _, rows = pieces(finite)
+    apart = np.abs(np.diff(rows, axis=1))
+    apart = apart[apart > 0.0]
+    step = float(apart.min()) if len(apart) else 0.0
+    if step and np.mean(np.abs(apart / step - np.rint(apart / step)) < OFF) < MOST:
+        step = 0.0  # no codes
+    if x.dtype.kind == "f":
+        short = x.dtype == np.float32 or np.array_equal(rows, rows.astype(np.float32))
+        step = max(step, float(np.spacing(np.float32(largest) if short else np.float64(largest))))
+    return Resolution(step, max(high - middle, middle - low))

@@ -1,0 +1,57 @@
+"""Clean files of the independent simulators: the commands read them, warn of nothing new, and hold the truth."""
+
+from __future__ import annotations
+
+import pytest
+
+from . import moved_mass
+from .coverage import HEAD, Study, binomial, like, lines
+from .trial import BASES, hits, tried
+
+SEEDS = 2
+# Warnings that a clean file deserves: what the case does not state, or how few runs it has.
+DESERVED = {
+    "relative_to_fixture", "few_runs", "no_runs", "not_repeated_between_runs", "short_record", "bias_not_applied",
+    "no_null_run", "axis_not_turned", "position_alone", "attitude_unknown",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", sorted(BASES))
+def test_clean_files_are_read_without_a_warning_and_intervals_hold_the_truth(name: str) -> None:
+    held = stated = 0
+    for seed in range(1, SEEDS + 1):
+        case = BASES[name](seed)
+        outcome = tried(case)
+        assert outcome.exit in (0, 4), outcome.printed
+        assert not outcome.errors, outcome.printed
+        assert set(outcome.codes) <= DESERVED, outcome.printed
+        a, b = hits(case, outcome)
+        held, stated = held + a, stated + b
+    assert stated >= SEEDS
+    assert binomial(held, stated)[1] > 0.93
+
+
+def test_the_binomial_interval_is_the_exact_one() -> None:
+    low, high = binomial(10, 10, 0.95)
+    assert low == pytest.approx(0.025**0.1)
+    assert high == 1.0
+    assert binomial(5, 10, 0.95) == pytest.approx((0.1871, 0.8129), abs=1e-4)
+
+
+def test_a_line_of_coverage_counts_hits_and_refusals() -> None:
+    study = Study("mass", "known", moved_mass.moved, {"scale factor": like("scale_factor x")})
+    (row,) = lines(study, 2)
+    assert row.count("|") == HEAD.splitlines()[0].count("|")
+    assert "/2 |" in row
+    assert "| 0x2 |" in row
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(BASES))
+def test_clean_files_hold_the_truth_in_more_campaigns(name: str) -> None:
+    held = stated = 0
+    for seed in range(1, 41):
+        a, b = hits(case := BASES[name](seed), tried(case))
+        held, stated = held + a, stated + b
+    low, high = binomial(held, stated)
+    assert high > 0.93, f"{held} of {stated}: {low:.3f} to {high:.3f}"

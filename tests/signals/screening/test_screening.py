@@ -1,0 +1,411 @@
+"""Closed forms and symmetries of the screening: blocks and medians against numpy, faults where they were put."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import screening_records as records
+from hypothesis import given
+from hypothesis import settings as tried
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from inertialcal.core.errors import DataError
+from inertialcal.signals.screening import _kernels
+from inertialcal.signals.screening.blocks import blocks_of
+from inertialcal.signals.screening.levels import level_steps, noise_changes, slow_wave
+from inertialcal.signals.screening.remarks import remarks_of
+from inertialcal.signals.screening.resolution import Resolution, resolution_of
+from inertialcal.signals.screening.screen import Screening, screen
+
+KINDS = ("f8", ">f8", "f4", "i2", "i4", "u2", "i8", "i1")
+NONE = np.empty(0, dtype=np.int64)
+
+
+def rng(seed: int = 1) -> np.random.Generator:
+    return np.random.default_rng(seed)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_blocks_are_those_of_numpy(kind: str) -> None:
+    x = (30.0 * rng().standard_normal(1007) + 60.0 * (kind == "u2")).clip(0 if kind == "u2" else -120, 120).astype(kind)
+    found = blocks_of(x)
+    for k in range(len(found)):
+        w = x[k * found.size : (k + 1) * found.size].astype(np.float64)
+        step = np.diff(w)
+        assert (found.lo[k], found.hi[k], found.count[k]) == (w.min(), w.max(), len(w))
+        assert found.mean[k] == pytest.approx(w.mean(), rel=1e-12, abs=1e-12)
+        assert found.rough[k] == pytest.approx(0.5 * np.mean(step**2), rel=1e-12)
+        assert found.same[k] == np.count_nonzero(step == 0.0)
+
+
+def test_missing_samples_are_left_out_of_blocks() -> None:
+    x = rng().standard_normal(160)
+    x[3:6], x[32:48], x[100] = np.nan, np.inf, -np.inf
+    found = blocks_of(x)
+    good = x[:16][np.isfinite(x[:16])]
+    assert (found.count[0], found.lo[0], found.hi[0]) == (13, good.min(), good.max())
+    assert found.mean[0] == pytest.approx(good.mean())
+    assert found.count[2] == 0
+    assert np.isnan([found.mean[2], found.lo[2], found.hi[2], found.rough[2]]).all()
+    assert screen(x)["missing"].places.tolist() == [[3, 5], [32, 47], [100, 100]]
+    assert screen(x)["missing"].count == 20
+
+
+def test_blocks_without_some_samples_are_blocks_with_them_missing() -> None:
+    x = rng().standard_normal(1000)
+    skip = np.array([5, 17, 18, 500, 999])
+    missing = x.copy()
+    missing[skip] = np.nan
+    one, other = blocks_of(x).without(skip), blocks_of(missing)
+    for name in ("lo", "hi", "mean", "rough", "same", "count"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+
+
+def test_blocks_of_a_long_record_are_small() -> None:
+    x = np.zeros(3_000_000, dtype=np.float32)
+    found = blocks_of(x)
+    assert sum(part.nbytes for part in (found.lo, found.hi, found.mean, found.rough, found.same, found.count)) < (
+        0.1 * x.nbytes
+    )
+    assert np.shares_memory(found.x, x)
+
+
+@pytest.mark.parametrize("missing", [0, 40])
+def test_running_median_is_that_of_numpy(missing: int) -> None:
+    x = np.rint(3.0 * rng().standard_normal(300))
+    x[rng(2).integers(0, 300, missing)] = np.nan
+    off = np.empty(200)
+    _kernels.from_median(x, 50, 250, off)
+    own = [x[i] - np.nanmedian(x[max(i - 15, 0) : i + 16]) for i in range(50, 250)]
+    np.testing.assert_array_equal(off, own)
+
+
+def test_loops_say_the_same_without_the_compiler() -> None:
+    x = np.abs(np.rint(8.0 * rng().standard_normal(300)))
+    x[40], x[200:220] = np.nan, 3.0
+    bits, which, skip = x.view(np.int64), np.arange(10), np.array([7, 90])
+    flip, inf = np.int64(2**63 - 1), np.array(np.inf).view(np.int64)[()]
+
+    def filled(compiled: bool) -> list[Any]:
+        def loop(name: str) -> Callable[..., Any]:
+            kernel = getattr(_kernels, name)
+            return kernel if compiled else kernel.py_func  # type: ignore[no-any-return]
+
+        lo, hi = np.zeros((2, 10), dtype=np.int64)
+        mean, rough, far, off, apart, bent = np.zeros((6, 10))
+        same, count, place = np.zeros((3, 10), dtype=np.int32)
+        at, starts, stops = np.zeros((3, 10), dtype=np.int64)
+        prints = np.zeros(10, dtype=np.uint64)
+        parts = (lo, hi, mean, rough, same, count)
+        found = [loop("fill_blocks")(x, bits, 32, flip, inf, *parts)]
+        found += [part.copy() for part in parts]
+        loop("fill_patched")(x, bits, 32, flip, which, skip, *parts)
+        found += [loop("fill_far")(x, 32, which, 12.0, 10.0, at, far), loop("longest_equal")(bits, 180, 260)]
+        found += [loop("fill_runs")(x, 32, which, 3.0, starts, stops)]
+        loop("from_median")(x, 30, 40, off)
+        loop("fill_apart")(np.arange(30.0) ** 2, 4, apart)
+        loop("fill_bent")(np.arange(30.0) ** 2, 4, bent)
+        with np.errstate(over="ignore"):
+            loop("fill_prints")(bits, 32, prints, place)
+        return [*found, *parts, at, far, starts, stops, off, apart, bent, prints, place]
+
+    for one, other in zip(filled(True), filled(False), strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-12)
+
+
+def test_a_step_contrast_shows_two_thirds_of_a_step_and_nothing_of_a_slope() -> None:
+    out = np.empty(60 - 16 + 1)
+    for y, expected in ((np.arange(60.0), 0.0), (np.where(np.arange(60) < 30, 0.0, 1.5), 1.0)):
+        sums = np.concatenate(([0.0], np.cumsum(y)))
+        _kernels.fill_bent(sums, 4, out)
+        assert out[30 - 8] == pytest.approx(expected, abs=1e-12)
+
+
+# Faults where they were put
+
+
+def test_a_glitch_is_one_sample_and_its_size() -> None:
+    x = rng().standard_normal(10_000)
+    x[777] = 40.0
+    found = screen(x)
+    assert found.codes == ("glitch",)
+    glitch = found["glitch"]
+    assert (glitch.first, glitch.last, glitch.count) == (777, 777, 1)
+    assert glitch.size[0] == pytest.approx(40.0, rel=0.1)
+    assert found.noise == pytest.approx(1.0, rel=0.1)
+
+
+def test_glitches_of_any_number_do_not_hide_themselves() -> None:
+    x = rng().standard_normal(50_000)
+    at = np.sort(rng(2).choice(50_000, 250, replace=False))
+    x[at] += 60.0
+    mask = screen(x).screened(x)
+    assert mask[at].all()
+    assert mask.sum() < 1.1 * len(at)
+
+
+def test_more_than_ten_samples_are_a_disturbance() -> None:
+    x = rng().standard_normal(10_000)
+    x[5000:5014:2] += 60.0
+    found = screen(x)
+    assert found.codes == ("disturbed",)
+    assert found["disturbed"].places.tolist() == [[5000, 5012]]
+
+
+def test_a_stretch_that_is_stuck_is_the_stretch() -> None:
+    x = np.rint(5.0 * rng().standard_normal(20_000)).astype(np.int16)
+    x[5000:5400] = 3
+    found = screen(x)
+    assert found.codes == ("stuck",)
+    stuck = found["stuck"]
+    assert stuck.value.tolist() == [3.0]
+    assert (stuck.first, stuck.last) == pytest.approx((5000, 5399), abs=2)
+
+
+def test_a_constant_channel_is_stuck() -> None:
+    for x in (np.full(5000, 1.5), np.zeros(5000, dtype=np.int32)):
+        assert screen(x).codes == ("stuck",)
+        assert screen(x)["stuck"].count == 5000
+
+
+def test_samples_at_the_end_of_the_range_are_counted() -> None:
+    x = np.clip(rng().standard_normal(20_000), -2.0, 1.5)
+    found = screen(x)
+    assert found.codes == ("saturated",)
+    assert set(found["saturated"].value) == {-2.0, 1.5}
+    assert found["saturated"].count == np.count_nonzero((x == -2.0) | (x == 1.5)) == found.screened(x).sum()
+
+
+def test_noise_that_touches_its_extremes_is_not_saturated() -> None:
+    for seed in range(20):
+        x = rng(seed).standard_normal(20_000)
+        x[np.argmax(x)] = np.partition(x, -2)[-2]
+        assert "saturated" not in screen(x).codes
+        assert "saturated" not in screen(np.rint(20.0 * x)).codes
+        assert "saturated" not in screen(np.rint(3.0 * x).astype(np.int8)).codes
+
+
+def test_a_code_of_a_converter_in_noise_is_not_its_end() -> None:
+    x = np.rint(20.0 * rng().standard_normal(20_000)).astype(np.int16)
+    assert screen((x - x.max() + 255).astype(np.int16)).codes == ()
+    x[100:103] = 32767
+    x[4000] = 32767
+    assert screen(x).codes == ("glitch",)  # far from all else: no end of the range
+
+
+def test_a_copy_is_placed_with_its_lag() -> None:
+    x = rng().standard_normal(20_000)
+    x[15_000:15_300] = x[2_345:2_645]
+    found = screen(x)
+    assert found.codes == ("repeated",)
+    assert found["repeated"].places.tolist() == [[15_000, 15_299]]
+    assert found["repeated"].value.tolist() == [15_000 - 2_345]
+
+
+def test_a_record_repeated_thrice_is_left_with_the_first() -> None:
+    x = np.tile(rng().standard_normal(3_000), 4)
+    mask = screen(x).screened(x)
+    assert not mask[:3_000].any()
+    assert mask[3_000:].all()
+
+
+def test_a_step_is_placed_within_a_window_and_sized() -> None:
+    y = 0.1 * rng().standard_normal(2000)
+    y[800:] += 2.0
+    (step,) = level_steps(y, NONE, 0.0)
+    assert step.at == pytest.approx(800, abs=2)
+    assert step.size == pytest.approx(2.0, rel=0.2)
+
+
+def test_a_change_of_noise_is_sized_as_a_logarithm() -> None:
+    variance = rng().chisquare(32, 2000) / 32
+    variance[1200:] *= 4.0
+    (change,) = noise_changes(variance, 0.0)
+    assert change.at == pytest.approx(1200, abs=8)
+    assert change.size == pytest.approx(np.log(4.0), abs=0.3)
+
+
+def test_a_wave_has_its_period_and_amplitude() -> None:
+    y = rng().standard_normal(2000) + 0.7 * np.sin(2.0 * np.pi * np.arange(2000) / 130.0)
+    wave = slow_wave(y, 0.0)
+    assert wave is not None
+    assert wave.period == pytest.approx(130.0, rel=0.02)
+    assert wave.amplitude == pytest.approx(0.7, rel=0.15)
+    assert slow_wave(y, 1.0) is None
+
+
+def test_a_step_is_no_change_of_noise_and_the_other_way_round() -> None:
+    for seed in range(10):
+        x = rng(seed).standard_normal(30_000)
+        x[12_000:] += 3.0
+        assert screen(x).codes == ("level_step",)
+        y = rng(seed).standard_normal(30_000)
+        y[12_000:] *= 3.0
+        assert screen(y).codes == ("noise_change",)
+
+
+def test_a_sensor_that_moves_is_not_judged_as_one_at_rest() -> None:
+    t = np.arange(20_000) / 100.0
+    x = np.sin(t) + np.sign(np.sin(0.3 * t)) + 0.003 * rng().standard_normal(len(t))
+    assert screen(x, at_rest=False).codes == ()
+    x[4321] = -30.0
+    assert screen(x, at_rest=False)["glitch"].first == pytest.approx(4321, abs=2)
+
+
+@pytest.mark.parametrize("n", [0, 1, 2, 5, 30, 70, 200])
+def test_short_records_of_any_kind_are_looked_through(n: int) -> None:
+    for x in (rng().standard_normal(n), np.zeros(n), np.full(n, np.nan), np.arange(n), np.full(n, np.inf)):
+        assert isinstance(screen(x), Screening)
+
+
+PARTS: dict[str, Callable[[np.random.Generator, int], NDArray[Any]]] = {
+    "noise": lambda r, n: r.standard_normal(n),
+    "codes": lambda r, n: r.integers(-2, 3, n).astype(np.float64),
+    "cauchy": lambda r, n: r.standard_cauchy(n),
+    "held": lambda r, n: np.full(n, 0.25),
+    "lost": lambda r, n: np.full(n, np.nan),
+    "gaps": lambda r, n: np.where(np.arange(n) % 2, np.nan, 1.0),
+    "ramp": lambda r, n: 0.1 * np.arange(n),
+    "saw": lambda r, n: np.arange(n) % 16.0,
+    "infinite": lambda r, n: np.full(n, -np.inf),
+}
+
+
+@tried(max_examples=150)
+@given(
+    parts=st.lists(st.tuples(st.sampled_from(sorted(PARTS)), st.integers(1, 700)), min_size=1, max_size=6),
+    seed=st.integers(0, 100),
+    kind=st.sampled_from(["f8", "f4"]),
+    at_rest=st.booleans(),
+)
+def test_anything_is_looked_through(parts: list[tuple[str, int]], seed: int, kind: str, at_rest: bool) -> None:
+    x = np.concatenate([PARTS[name](rng(seed), n) for name, n in parts]).astype(kind)
+    found = screen(x, at_rest)
+    assert found.samples == len(x)
+    for one in found.findings:
+        assert one.count > 0
+        assert 0 <= one.first <= one.last < len(x)
+        assert (np.diff(one.places, axis=1) >= 0).all()
+        assert len(one.places) == len(one.size) == len(one.value)
+    remarks_of(found, "x")
+    mask = found.screened(x)
+    assert mask[~np.isfinite(x)].all()
+
+
+@pytest.mark.parametrize("kind", ["i1", "i2", "u2", "i8", "u8"])
+def test_whole_numbers_of_any_size_are_looked_through(kind: str) -> None:
+    ends = np.iinfo(kind)
+    x = rng().integers(ends.min, ends.max, 5000, dtype=kind, endpoint=True)
+    assert screen(x).codes == ()
+    x[700:1000] = x[700]
+    assert "stuck" in screen(x)
+
+
+def test_huge_and_tiny_numbers_are_looked_through() -> None:
+    for scale in (1e300, 1e-300, 5e-324):
+        assert isinstance(screen(scale * rng().standard_normal(3000).round(2)), Screening)
+
+
+def test_what_is_no_channel_is_refused() -> None:
+    for x in (np.zeros((3, 2)), np.array(["a", "b"]), np.zeros(9, dtype=complex)):
+        with pytest.raises(DataError, match="channel"):
+            screen(x)
+
+
+# Symmetries
+
+
+def faulty(seed: int) -> NDArray[np.float64]:
+    """A record of 64 times 128 samples with a glitch, a stuck stretch, a copy and a step."""
+    x = rng(seed).standard_normal(8192)
+    x[6000:] += 4.0
+    x[100 + seed % 50] += 50.0
+    x[2000:2100] = x[2000]
+    x[4000:4200] = x[3000:3200]
+    return x
+
+
+def shown(found: Screening) -> list[Any]:
+    return [(one.code, one.places.tolist(), one.count) for one in found.findings]
+
+
+@tried(max_examples=20)
+@given(seed=st.integers(0, 10_000), power=st.integers(-40, 40), sign=st.sampled_from([-1.0, 1.0]))
+def test_findings_do_not_hang_on_scale_and_sign(seed: int, power: int, sign: float) -> None:
+    x = faulty(seed)
+    one, other = screen(x), screen(x * sign * 2.0**power)
+    assert {"glitch", "stuck", "repeated", "level_step"} <= set(one.codes)
+    assert shown(one) == shown(other)
+    assert other.noise == one.noise * 2.0**power
+
+
+@tried(max_examples=20)
+@given(seed=st.integers(0, 10_000), shift=st.integers(-(2**20), 2**20))
+def test_findings_do_not_hang_on_the_level(seed: int, shift: int) -> None:
+    x = np.rint(32.0 * faulty(seed)).astype(np.int64)
+    found = screen(x + shift)
+    assert shown(screen(x)) == shown(found)
+
+
+@tried(max_examples=20)
+@given(seed=st.integers(0, 10_000))
+def test_findings_turn_round_with_time(seed: int) -> None:
+    x = faulty(seed)
+    one, other = screen(x), screen(x[::-1].copy())
+    assert set(one.codes) == set(other.codes)
+    for code in ("glitch", "stuck"):
+        turned = len(x) - 1 - other[code].places[::-1, ::-1]
+        assert turned.tolist() == one[code].places.tolist()
+    assert other["repeated"].count == one["repeated"].count
+
+
+# Remarks
+
+
+def test_each_finding_has_a_remark_that_says_where_and_how_much() -> None:
+    x = faulty(1)
+    x[7000] = np.nan
+    found = screen(x)
+    remarks = remarks_of(found, "x", place=lambda i: f"row {i + 2}", interval=0.02)
+    assert tuple(one.code for one in remarks) == found.codes
+    text = {one.code: str(one) for one in remarks}
+    assert "row 103: x: 1 of 8192 samples lie up to 5" in text["glitch"]
+    assert "for 2 s in all" in text["stuck"]
+    assert "200 of 8192 samples repeat those 20 s before" in text["repeated"]
+    assert "steps by up to" in text["level_step"]
+    assert "1 of 8192 samples are missing" in text["missing"]
+
+
+@pytest.mark.parametrize("fault", records.FAULTS)
+def test_every_kind_of_finding_can_be_said(fault: str) -> None:
+    record, code, at_rest = records.FAULTS[fault]
+    found = screen(record(rng(3)), at_rest)
+    (remark,) = [one for one in remarks_of(found, "gyro z") if one.code == code]
+    assert remark.what.startswith("gyro z: ")
+    assert remark.index == found[code].first
+    assert "nan" not in remark.what
+
+
+# Resolution
+
+
+def test_resolution_is_that_of_codes_digits_or_floats() -> None:
+    x = rng().standard_normal(5000)
+    assert resolution_of(np.rint(50.0 * x).astype(np.int16)).step == 1.0
+    assert resolution_of(np.round(x, 2)).step == pytest.approx(0.01)
+    largest = float(np.abs(x).max())
+    assert resolution_of(x).step == np.spacing(largest)
+    assert resolution_of(x.astype(np.float32).astype(np.float64)).step == np.spacing(np.float32(largest))
+
+
+def test_a_line_below_a_step_counts_only_in_noise_that_hides_rounding() -> None:
+    found = Resolution(step=1.0, swing=100.0)
+    density = found.density(0.01)
+    assert density == pytest.approx(2.0 * 0.01 / 12.0)
+    quiet, loud = 2.0 * density, 20.0 * density
+    assert found.hides([0.5, 2.0], quiet, 0.01).tolist() == [True, False]
+    assert found.hides([0.5, 0.9e-4], loud, 0.01).tolist() == [False, True]
