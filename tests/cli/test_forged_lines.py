@@ -133,6 +133,7 @@ def test_texts_of_results(typed: Typed, ran: Path, tmp_path: Path) -> None:
     assert shown > 30
 
 
+@pytest.mark.slow
 def test_texts_of_a_campaign(typed: Typed, tmp_path: Path) -> None:
     folder = tmp_path / "demo"
     copy_example("npsat2011", folder)

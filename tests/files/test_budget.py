@@ -87,6 +87,7 @@ BOMBS = (
     ("stream.h5", stream_larger_than_its_chunk), ("label.parquet", one_text_often), ("nulls.parquet", packed_numbers),
     ("zeros.npz", archive_of_zeros), ("lines.csv.gz", packed_lines), ("commas.csv", one_line),
 )  # fmt: skip
+QUICK = {"never.h5", "label.parquet", "zeros.npz", "lines.csv.gz"}  # in the default suite: one a format
 
 
 # A process begins with the peak of the one that starts it, and that of the tests is large.
@@ -107,7 +108,10 @@ def typed(*words: str) -> tuple[int, int, float, str]:
     return status, peak, time.monotonic() - start, done.stderr
 
 
-@pytest.mark.parametrize(("name", "write"), BOMBS, ids=[name for name, _ in BOMBS])
+@pytest.mark.parametrize(
+    ("name", "write"),
+    [pytest.param(*one, id=one[0], marks=[] if one[0] in QUICK else pytest.mark.slow) for one in BOMBS],
+)
 def test_a_file_that_would_fill_the_memory(tmp_path: Path, name: str, write: Callable[[Path], None]) -> None:
     path = tmp_path / name
     write(path)

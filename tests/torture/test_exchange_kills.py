@@ -39,9 +39,9 @@ FULL = os.environ.get("INERTIALCAL_TORTURE") == "full"
 TALLIES: list[tuple[str, Tally]] = []
 EACH = pytest.mark.parametrize("mode", MODES)
 STATE = pytest.mark.parametrize("state", STATES)
-STEP = 1 if FULL else 9  # system calls
-AGAIN = 150 if FULL else 3
-DRAWS, EVERY = (30, 1) if FULL else (1, 3)  # images a system call; of which one in
+STEP = 1 if FULL else 15  # system calls
+AGAIN = 150 if FULL else 1
+DRAWS, EVERY = (30, 1) if FULL else (1, 5)  # images a system call; of which one in
 RUNS = 500 if FULL else 10
 FRESH = 50 if FULL else 1  # of them in a process that starts anew
 
@@ -71,7 +71,7 @@ def test_a_kill_of_the_recovery_does_no_more(tmp_path: Path, state: str, mode: s
     TALLIES.append((f"killed 3 times: {state}, {mode}", tally))
 
 
-@EACH
+@pytest.mark.parametrize("mode", [MODES[0], *(pytest.param(one, marks=pytest.mark.slow) for one in MODES[1:])])
 def test_a_kill_while_a_folder_that_was_not_put_in_place_is_removed(tmp_path: Path, mode: str) -> None:
     number, killed = 0, True
     new = NEW | {f"file{one}": b"new" for one in range(12)}  # so that the list is not the last to go

@@ -26,6 +26,7 @@ from inertialcal.campaign.file.example import copy_example
 from inertialcal.cli.encoding import ASCII, NEAREST, nearest
 
 SOURCE = Path(inertialcal.__file__).parent
+slow = pytest.mark.slow  # the default suite has one of each kind
 COMMAND = [sys.executable, "-m", "inertialcal"]
 
 
@@ -93,7 +94,7 @@ def signal_after(process: subprocess.Popen[str], delay: float, number: int) -> N
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-@pytest.mark.parametrize("delay", [0.0, 0.3, 1.0])
+@pytest.mark.parametrize("delay", [0.0, pytest.param(0.3, marks=slow), 1.0])
 def test_a_signal_ends_with_130_and_one_object(number: signal.Signals, delay: float, long: str) -> None:
     process = subprocess.Popen(
         [*COMMAND, "allan", long, "--unit", "rad/s", "--json"],
@@ -178,7 +179,10 @@ def test_nohup_is_respected(table: list[str]) -> None:
 
 
 @pytest.mark.parametrize(("shell", "why"), [(">&-", "it is closed"), ("> /dev/full", "No space left on device")])
-@pytest.mark.parametrize("words", [["--version"], ["--help"], ["TABLE"], ["TABLE", "--json"]])
+@pytest.mark.parametrize(
+    "words",
+    [["--version"], pytest.param(["--help"], marks=slow), ["TABLE"], pytest.param(["TABLE", "--json"], marks=slow)],
+)
 def test_standard_output_that_cannot_be_written(shell: str, why: str, words: list[str], table: list[str]) -> None:
     done = ended(*(one for word in words for one in (table if word == "TABLE" else [word])), shell=shell)
     assert done.returncode == 3
@@ -203,7 +207,9 @@ def test_a_write_error_in_the_middle(table: list[str], tmp_path: Path) -> None:
     assert done.stderr.decode() == "error: standard output cannot be written: File too large\n"
 
 
-@pytest.mark.parametrize("shell", ["2>&-", "2> /dev/full", "<&-", "2>&- <&-"])
+@pytest.mark.parametrize(
+    "shell", [pytest.param("2>&-", marks=slow), "2> /dev/full", pytest.param("<&-", marks=slow), "2>&- <&-"]
+)
 def test_other_streams_change_nothing(shell: str, table: list[str]) -> None:
     done = ended(*table, shell=shell)
     assert (done.returncode, done.stderr) == (0, b"")
@@ -251,9 +257,9 @@ def test_an_internal_error_without_a_log_is_one_line(tmp_path: Path) -> None:
     [
         ({"PYTHONIOENCODING": "ascii"}, "ascii"),
         ({"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}, "ascii"),
-        ({"PYTHONIOENCODING": "latin-1"}, "latin-1"),
+        pytest.param({"PYTHONIOENCODING": "latin-1"}, "latin-1", marks=slow),
         ({"PYTHONIOENCODING": "utf-16"}, "utf-16"),
-        ({"PYTHONIOENCODING": "cp1254"}, "cp1254"),
+        pytest.param({"PYTHONIOENCODING": "cp1254"}, "cp1254", marks=slow),
     ],
     ids=["ascii", "C", "latin-1", "utf-16", "turkish"],
 )
@@ -316,7 +322,15 @@ def test_a_campaign_in_a_folder_that_is_no_utf8(campaign: Path, tmp_path: Path) 
 
 
 @pytest.mark.parametrize(
-    "words", [("run",), ("check",), ("init",), ("show",), ("info",), ("simulate", "rate_table", "-o")]
+    "words",
+    [
+        ("run",),
+        ("info",),
+        *(
+            pytest.param(one, marks=slow)
+            for one in (("check",), ("init",), ("show",), ("simulate", "rate_table", "-o"))
+        ),
+    ],
 )
 def test_a_name_too_long_is_refused(words: tuple[str, ...]) -> None:
     done = ended(*words, "x" * 300)
@@ -398,7 +412,11 @@ def test_a_narrow_terminal_loses_no_number(table: list[str]) -> None:
 
 @pytest.mark.parametrize(
     "env",
-    [{"COLUMNS": one} for one in ("1", "0", "abc", "20")] + [{"TERM": "dumb"}, {"NO_COLOR": "1"}, {"TZ": "No/where"}],
+    [
+        {"COLUMNS": "1"},
+        *(pytest.param({"COLUMNS": one}, marks=slow) for one in ("0", "abc", "20")),
+        *(pytest.param(one, marks=slow) for one in ({"TERM": "dumb"}, {"NO_COLOR": "1"}, {"TZ": "No/where"})),
+    ],
 )
 def test_any_environment(env: dict[str, str], table: list[str]) -> None:
     for words in (["--help"], ["rate-table", "--help"], table, ["nonsense"]):

@@ -51,8 +51,14 @@ def test_loops_are_compiled_where_no_cache_can_be_written(closed: Path) -> None:
     assert done.stdout.split(")")[0] + ")" == TWO
 
 
-@pytest.mark.parametrize("damage", ["half", "nothing", "garbage"])
-@pytest.mark.parametrize("kind", ["nbi", "nbc"])
+@pytest.mark.parametrize(
+    ("damage", "kind"),
+    [("half", "nbi"), ("garbage", "nbc")]
+    + [
+        pytest.param(*one, marks=pytest.mark.slow)
+        for one in (("nothing", "nbi"), ("garbage", "nbi"), ("half", "nbc"), ("nothing", "nbc"))
+    ],
+)
 def test_a_damaged_cache_is_compiled_again_and_mended(damage: str, kind: str, tmp_path: Path) -> None:
     source, cache = Path(inertialcal.__file__).parents[1], str(tmp_path)
     assert ran("-c", LOOP, source=source, NUMBA_CACHE_DIR=cache).stdout.startswith(TWO)
@@ -94,7 +100,10 @@ def test_a_figure_without_any_folder_for_temporary_files_is_refused(tmp_path: Pa
     assert done.stderr.startswith("error: no folder for temporary files")
 
 
-@pytest.mark.parametrize("options", [["-O"], ["-OO"], ["-P"], ["-W", "error"], ["-X", "dev"]])
+@pytest.mark.parametrize(
+    "options",
+    [["-OO"], ["-W", "error"], *(pytest.param(one, marks=pytest.mark.slow) for one in (["-O"], ["-P"], ["-X", "dev"]))],
+)
 def test_options_of_python(options: list[str], tmp_path: Path) -> None:
     path = tmp_path / "rest.csv"
     path.write_text("time [s],gyro_x [deg/s]\n" + "".join(f"{i},0.{i * 7919 % 1000}\n" for i in range(500)))

@@ -72,7 +72,9 @@ def test_every_text_of_the_schema_is_filled() -> None:
     assert {name for name in free - NOT_FREE - INSTEAD - FILES.keys() if f"text of {name}" not in given} == set()
 
 
-@pytest.mark.parametrize("group", GROUPS, ids=range(len(GROUPS)))
+@pytest.mark.parametrize(
+    "group", [pytest.param(one, id=str(i), marks=pytest.mark.slow if i % 2 else []) for i, one in enumerate(GROUPS)]
+)
 def test_no_text_runs_loads_or_breaks_the_page(
     page: Visit, harmless: Path, tmp_path: Path, group: tuple[str, ...]
 ) -> None:
