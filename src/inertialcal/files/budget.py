@@ -33,6 +33,7 @@ LINE = 2**20  # characters of a line, unless it is the only one
 YAML = 100_000  # characters: its parser takes a second for them
 # Columns of 8 bytes that the work on a recording takes, measured: each channel as float64, and time and its judgement.
 READ, SURVEY, ANALYSIS = (2.0, 6.0), (1.0, 14.0), (3.3, 15.0)
+AS_WIDE = (0.5, 3.0)  # the same where readings stay as wide as in the file and are worked on in pieces
 ENVIRONMENT = "INERTIALCAL_MAX_MEMORY"
 UNITS = {"": 1, "b": 1, "kb": 10**3, "mb": 10**6, "gb": 10**9, "tb": 10**12,
          "k": 2**10, "m": 2**20, "g": 2**30, "kib": 2**10, "mib": 2**20, "gib": 2**30, "tib": 2**40}  # fmt: skip
@@ -120,7 +121,7 @@ def claim_values(where: str, on_disk: int, held: int, rows: int, columns: int) -
 
 
 def claim_recording(recording: Recording, work: tuple[float, float]) -> None:
-    """Refuse work on a recording (`SURVEY`, `ANALYSIS`) that would take too much; Raises as `claim`."""
+    """Refuse work on a recording (`SURVEY`, `ANALYSIS`, `AS_WIDE`) that would take too much; Raises as `claim`."""
     rows, columns, path = len(recording), len(recording.channels), recording.source.path
     per_column, other = work
     need = VALUE * rows * (per_column * columns + other)

@@ -22,7 +22,7 @@ from ...core.recording import Channel, Recording
 from ...core.unit.magnitudes import check_readings
 from ...core.units import convert, factor, kind, parse_quantity, si_unit
 from ...files import read, read_table
-from ...files.budget import ANALYSIS, claim_recording
+from ...files.budget import ANALYSIS, AS_WIDE, claim_recording
 from ...files.source import load as load_file
 from ...files.text.table import Table
 from ...procedures.protocol import Facts, InputSpec
@@ -82,9 +82,7 @@ class Folder:
 
     def recording(self, entry: RecordingEntry, required: Sequence[str]) -> Recording:
         """Return a recording as its file has it."""
-        recording = read(self.folder / entry.file, required=required, **reading_of(entry))
-        claim_recording(recording, ANALYSIS)
-        return recording
+        return read(self.folder / entry.file, required=required, **reading_of(entry))
 
     def table(self, file: str) -> Table:
         """Return a reduced table."""
@@ -243,7 +241,10 @@ class Ready:
         """As the store has it."""
         channels = self.entry.channels or {}
         axes = [channels[axis].column for axis in channels if axis in AXES]
-        return self.store.recording(self.entry, [] if self.spec.missing else axes)
+        recording = self.store.recording(self.entry, [] if self.spec.missing else axes)
+        if isinstance(self.store, Folder):
+            claim_recording(recording, AS_WIDE if self.spec.as_wide else ANALYSIS)
+        return recording
 
     @cached_property
     def whole(self) -> Recording:
