@@ -30,7 +30,7 @@ mutants: $(READY)  ## wrong changes to the numerics, each of which a test must c
 torture: export OMP_NUM_THREADS := 1
 torture: $(READY)  ## 5,000 commands on mutated inputs, kills at every file-system call: RESUME=--resume goes on
 	$(BIN)/python tests/torture/torture.py $(RESUME)
-	INERTIALCAL_TORTURE=full $(BIN)/python -m pytest tests/torture/test_exchange.py --durations=20
+	INERTIALCAL_TORTURE=full $(BIN)/python -m pytest tests/torture/test_exchange_kills.py -s --durations=20
 
 check: $(READY)  ## format, lint, types, manual
 	$(BIN)/ruff format --check src tests docs
