@@ -211,7 +211,7 @@ def test_it_plans(tmp_path: Path) -> None:
     assert (wrong.returncode, "target" in wrong.stderr) == (2, True)
 
 
-@pytest.mark.parametrize("name", ["means", "mean_steps"])
+@pytest.mark.parametrize("name", ["means", pytest.param("mean_steps", marks=pytest.mark.slow)])
 def test_it_draws_two_figures_also_in_the_report(folder: Path, tmp_path: Path, name: str) -> None:
     files = [f"r{number}.csv" for number in range(1, 7)]
     figure = tmp_path / f"{name}.svg"

@@ -97,7 +97,9 @@ def test_tofupilot_time_cannot_be_in_ns(data: Path) -> None:
     assert by_name["imu.status"].quantity == "status"
 
 
-@pytest.mark.parametrize("folder", MPU6050)
+@pytest.mark.parametrize(
+    "folder", [pytest.param(one, marks=pytest.mark.slow if i % 2 else []) for i, one in enumerate(MPU6050)]
+)
 @pytest.mark.parametrize(
     ("sensor", "kind"), [("gyroscope", "gyro"), ("accelerometer", "acc"), ("temperature", "temperature")]
 )

@@ -43,7 +43,9 @@ def check(found: Tally, corner: float, standards: bool = False) -> None:
     assert found.remarks["relative_to_fixture"] == (0 if standards else n)
 
 
-@pytest.mark.parametrize("corner", CORNERS)
+@pytest.mark.parametrize(
+    "corner", [pytest.param(one, marks=pytest.mark.slow if i % 2 else []) for i, one in enumerate(CORNERS)]
+)
 def test_intervals_hold_the_truth_of_the_rig(corner: float) -> None:
     check(flips(THERE_AND_BACK, corner, SHORT), corner)
 

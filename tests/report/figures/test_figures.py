@@ -504,7 +504,9 @@ def poisoned(text: str) -> dict[str, Any]:
     return content
 
 
-@pytest.mark.parametrize("text", HOSTILE)
+@pytest.mark.parametrize(
+    "text", [pytest.param(one, marks=pytest.mark.slow if i % 2 else []) for i, one in enumerate(HOSTILE)]
+)
 def test_hostile_texts_stay_texts(text: str) -> None:
     content = poisoned(text)
     for name, kind in figures().items():
