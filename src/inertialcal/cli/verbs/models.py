@@ -64,8 +64,8 @@ def _show_page(page: Any, as_json: bool, quiet: bool) -> int:
         _print_remarks(page.remarks)
         print(clean(f"{page.path}: report of campaign {page.campaign}, unchanged since it was written"))
         print(f"verdict: {clean(page.verdict or 'no requirement stated')}")
-        print(f"of results.json with {clean(page.results or 'no checksum')}")
-        print(f"of model.json with {clean(page.model)}" if page.model else "no model delivered")
+        print(f"shows results.json, checksum {clean(page.results or 'not given')}")
+        print(f"shows model.json, checksum {clean(page.model)}" if page.model else "no model delivered")
     return 0
 
 
