@@ -69,8 +69,8 @@ def read(
     DataError
         By code: ``missing_file``, ``empty_file``, ``unsupported_format``, ``not_text``, ``damaged_file``,
         ``too_large``, ``ragged_row``, ``duplicate_column``, ``text_in_numbers``, ``nan_in_required``,
-        ``wrong_column``, ``unknown_unit``, ``epoch_digits``, ``no_channel``, ``no_time``, ``nothing_left``,
-        ``broken_plugin``, those of a time column that was named and cannot be time (``not_time``,
+        ``grouped_digits``, ``wrong_column``, ``unknown_unit``, ``epoch_digits``, ``no_channel``, ``no_time``,
+        ``nothing_left``, ``broken_plugin``, those of a time column that was named and cannot be time (``not_time``,
         ``time_missing``, ``time_unit_unknown``), and those of ``pad.read_pad``.
     UsageError
         If a unit is given to no column (``wrong_column``), cannot belong to it (``unit_mismatch``), the

@@ -7,7 +7,7 @@ which is slower and knows the row of each problem. Both give the same columns.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -20,7 +20,8 @@ from ..budget import VALUE, claim
 from ..columns import Column, Content, Rows
 from ..reader import Reader
 from ..source import Loaded
-from .layout import CELL_BYTES, Layout, is_blank, judge, looks_like_text, sniff, split, text_of
+from .grouped import can_be_either, commas, grouped_cell, grouped_column, problem
+from .layout import CELL, CELL_BYTES, Layout, is_blank, judge, looks_like_text, sniff, split, text_of
 
 ENDINGS = ("", ".asc", ".csv", ".dat", ".log", ".mat", ".prn", ".tab", ".tsv", ".txt")  # that text usually has
 SHOWN = 60  # characters of a cell in a message
@@ -52,7 +53,56 @@ def parse(text: str, where: str, loaded: Loaded | None = None) -> Content:
     if found is None:
         claim(where, on_disk, held + CELL_BYTES * (cells + rows), f"{cells:,} cells, read one by one")
         found = exact(text, layout, names, where)
+    if layout.decimal == ",":
+        _refuse_grouped(found, text, layout, names, where)
     return replace(found, remarks=(*found.remarks, *cut))
+
+
+def _refuse_grouped(found: Content, text: str, layout: Layout, names: Sequence[str], where: str) -> None:
+    """Refuse ``1,242`` in a file with decimal commas where it is 1242, or where nobody can tell.
+
+    Raises
+    ------
+    DataError
+        ``grouped_digits``.
+    """
+    numbers = {column.name: column for column in found.columns if column.is_number}
+    either = {name for name, column in numbers.items() if can_be_either(column)}
+    others = (column.values for name, column in numbers.items() if name not in either)
+    decimal = any(v.dtype.kind == "f" and np.any(v[np.isfinite(v)] % 1.0 != 0.0) for v in others)
+    judged = {}
+    for at, name in enumerate(names):
+        whole = name in either and np.any((numbers[name].values % 1.0 == 0.0) & (numbers[name].values != 0.0))
+        if name in either and (whole or not decimal):
+            judged[name] = commas(_cells(text, layout, at))
+            decimal |= judged[name].decimal
+    problems = []
+    for name, said in judged.items():
+        if said.either is None or (decimal and said.whole is None):
+            continue
+        at = names.index(name)
+        cells = dict(_at(_cells(text, layout, at), (said.either, said.whole)))
+        place = found.place(where, said.either)
+        problems.append(problem(name, cells[said.either], place, None if said.whole is None else cells[said.whole]))
+    if problems:
+        raise DataError(problems)
+
+
+def _cells(text: str, layout: Layout, at: int) -> Iterator[str]:
+    """Cells of one column, from top to bottom."""
+    begin = layout.start
+    while begin < len(text):
+        end = text.find("\n", begin)
+        end = len(text) if end < 0 else end
+        line = text[begin:end]
+        begin = end + 1
+        if line and not is_blank(line, layout.separator) and not line.lstrip().startswith(layout.comment):
+            yield split(line, layout.separator)[at]
+
+
+def _at(cells: Iterator[str], places: tuple[int | None, ...]) -> Iterator[tuple[int, str]]:
+    """Cells at some places."""
+    return ((index, cell) for index, cell in enumerate(cells) if index in places)
 
 
 def _whole_rows(text: str, layout: Layout, where: str) -> tuple[str, tuple[Remark, ...]]:
@@ -129,10 +179,17 @@ def exact(text: str, layout: Layout, names: tuple[str, ...], where: str) -> Cont
         judged = judge(cells[i], layout.decimal)
         if len(judged.text):
             problems.append(text_in_numbers(name, cells[i], judged.text, rows, where))
+        elif (at := _grouped(judged.values, layout)) is not None:
+            problems.append(problem(name, cells[i][at], f"{where}:{rows[at]}", certain=True))
         columns.append(_column(name, judged.values, layout, i, judged.empty, judged.not_a_number))
     if problems:
         raise DataError(problems)
     return _content(columns, rows, layout)
+
+
+def _grouped(values: NDArray[Any], layout: Layout) -> int | None:
+    """First cell with grouped digits of a column that is text for them only."""
+    return grouped_column(values, CELL[layout.decimal].fullmatch) if values.dtype.kind == "O" else None
 
 
 def cell_columns(text: str, layout: Layout, where: str) -> tuple[Rows, list[list[str]]]:
@@ -170,7 +227,11 @@ def cell_columns(text: str, layout: Layout, where: str) -> tuple[Rows, list[list
 
 
 def text_in_numbers(name: str, cells: Sequence[str], at: Rows, rows: Rows, where: str) -> Problem:
-    """Return the problem of text in a number column, at its first place."""
+    """Return the problem of text in a number column, at its first place; of grouped digits, where there are some."""
+    grouped = grouped_cell([cells[int(i)] for i in at])
+    if grouped is not None:
+        place = int(at[grouped])
+        return problem(name, cells[place], f"{where}:{rows[place]}", certain=True)
     first = cells[int(at[0])].strip()
     shown = first if len(first) <= SHOWN else first[:SHOWN] + "..."
     more = f" ({len(at)} such cells)" if len(at) > 1 else ""
@@ -246,7 +307,7 @@ def _from_arrow(values: Any, layout: Layout, name: str, i: int) -> Column | None
         if layout.width == 1:
             return None  # a line of blanks is no cell
         judged = judge(["" if cell is None else cell for cell in values.to_pylist()], layout.decimal)
-        text = bool(len(judged.text))
+        text = bool(len(judged.text)) or _grouped(judged.values, layout) is not None
         return None if text else _column(name, judged.values, layout, i, judged.empty, judged.not_a_number)
     if pa.types.is_null(values.type) or (values.null_count and not pa.types.is_float64(values.type)):
         values = values.cast(pa.float64(), safe=False)

@@ -5,6 +5,7 @@ Cells keep their text until a column is asked for as numbers: what may stand in 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -23,6 +24,7 @@ from ..columns import Content, Rows, missing_remarks, nan_in_required
 from ..registry import TEXT, find_reader
 from ..source import Loaded, load
 from .delimited import cell_columns, column_names, text_in_numbers
+from .grouped import commas, problem
 from .headers import bare_name, heading
 from .layout import BLANKS, CELL_BYTES, Decimal, judge, kind, sniff, text_of, to_float
 
@@ -122,6 +124,8 @@ class Table:
         numbers = [to_float(c, self.decimal) if k in "if" else np.nan for c, k in zip(cells, kinds, strict=True)]
         values = np.array(numbers, dtype=np.float64)
         text = np.flatnonzero(np.array([k == "t" for k in kinds], dtype=bool) | np.isinf(values))
+        if len(text) == 0 and self.decimal == ",":
+            self._refuse_grouped(at)
         if len(text):
             raise DataError(text_in_numbers(self.names[at], cells, text, self.rows, self.source.path))
         nan = np.flatnonzero([k == "n" for k in kinds])
@@ -129,6 +133,18 @@ class Table:
             raise nan_in_required(self.names[at], cells[nan[0]], len(nan), self.where(int(nan[0])))
         check_readings(self.names[at], values, self.unit(name), self.where)
         return values
+
+    def _refuse_grouped(self, at: int) -> None:
+        """Refuse ``1,242`` where it is 1242, or where nothing in the file says that it is 1.242."""
+        said = commas(self.cells[at])
+        if said.either is None or (said.whole is None and any(commas(cells).decimal for cells in self._numbers())):
+            return
+        whole = None if said.whole is None else self.cells[at][said.whole]
+        raise DataError(problem(self.names[at], self.cells[at][said.either], self.where(said.either), whole))
+
+    def _numbers(self) -> Iterator[tuple[str, ...]]:
+        """Cells of each column of numbers."""
+        return (cells for cells in self.cells if not any(kind(cell, self.decimal) == "t" for cell in cells))
 
     def missing(self, name: str) -> tuple[Remark, ...]:
         """Remark on the empty cells of a column, and on its literal NaN; none where it is complete."""
