@@ -64,10 +64,14 @@ class Method(StrEnum):
     BETWEEN_RUNS = "between_runs"
     DIFFERENCES = "differences"
     GENERALISED = "generalised"
+    UNSCREENED = "unscreened"  # with the samples that screening left out
 
 
 # Ways that stand beside a result in tables, in the order of their columns.
-WAYS = (Method.ALL_READINGS, Method.MEDIAN, Method.LOW_PASS, Method.TEXTBOOK, Method.WITHIN_RUNS, Method.BETWEEN_RUNS)
+WAYS = (
+    Method.ALL_READINGS, Method.MEDIAN, Method.LOW_PASS, Method.TEXTBOOK, Method.WITHIN_RUNS, Method.BETWEEN_RUNS,
+    Method.UNSCREENED,
+)  # fmt: skip
 PARTS = ("flip", "run")  # members that stand beside a result, too
 
 

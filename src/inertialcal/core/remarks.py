@@ -10,6 +10,8 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace
 from typing import Literal
 
+from .errors import Problem
+
 Severity = Literal["info", "warning", "error"]
 OF_PROGRAMS = ("axis", "subject", "index")  # fields that results.json does not hold
 
@@ -38,6 +40,11 @@ class Remark:
     def to_dict(self) -> dict[str, str | int]:
         """Return the parts as plain values, for ``results.json``: those that people read."""
         return {name: value for name, value in asdict(self).items() if name not in OF_PROGRAMS}
+
+    @property
+    def problem(self) -> Problem:
+        """The same as a reason to refuse."""
+        return Problem(self.what, self.where, do=self.do, code=self.code)
 
     def at(self, where: str) -> Remark:
         """Return the same remark, placed in front of its own place."""

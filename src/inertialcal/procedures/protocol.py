@@ -94,6 +94,9 @@ class InputSpec:
         Pulses may come without a scale factor: it is what the test finds.
     raw : bool
         Sensors may be in counts or volts without a chain: the procedure finds their scale factors.
+    screening : {"at_rest", "moving", "own"}
+        How the gate looks axes through before the procedure sees them: steps, changes of the noise and waves count in
+        records at rest only; ``"own"`` leaves it to the procedure.
     """
 
     kinds: tuple[Kind, ...]
@@ -109,6 +112,7 @@ class InputSpec:
     several_sensors: bool = False
     pulses: bool = False
     raw: bool = False
+    screening: Literal["at_rest", "moving", "own"] = "moving"
 
 
 @dataclass(frozen=True)
@@ -206,6 +210,11 @@ class Source(Protocol):
     @property
     def is_table(self) -> bool:
         """Whether it is a reduced table."""
+        ...
+
+    @property
+    def screening(self) -> bool:
+        """Whether samples that are no readings are left out; False where figures are made with them, to compare."""
         ...
 
     def recordings(self) -> list[tuple[str, Recording]]:
@@ -603,6 +612,14 @@ class Procedure(Generic[P, R, S]):
             If they cannot be read.
         """
         raise NotImplementedError
+
+    def agreement(self, plan: P, readings: R) -> Sequence[Remark]:
+        """Return where recordings, or parts of them, disagree with the nominal or with each other.
+
+        Each remark has the severity ``"error"``, the file of its recording in ``where``, the name of the recording and
+        the likely cause in ``what``. No model is made of a test with one.
+        """
+        return ()
 
     def reduce(self, plan: P, readings: R) -> S:
         """Return the result: pure."""

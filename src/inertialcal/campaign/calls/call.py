@@ -11,7 +11,7 @@ import os
 import shutil
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
@@ -38,7 +38,7 @@ from ...procedures import procedure_of
 from ...procedures.given import GROUP, GivenFile, Said
 from ...procedures.protocol import Procedure, Tested
 from ..engine.engine import ReducedTest
-from ..engine.run import Whole, reduce_campaign
+from ..engine.run import EXIT, Whole, reduce_campaign
 from ..file.cross_checks import cross_checks
 from ..file.load import Campaign, standards_of
 from ..file.recordings import OWN_KEYS
@@ -138,6 +138,16 @@ class Reduced:
         every = () if self.whole.modelled is None else self.whole.modelled.every
         return {one.model.kind: one.model for one in every if one.model is not None and one.verdict != "FAIL"}
 
+    @property
+    def errors(self) -> tuple[Remark, ...]:
+        """Why the figures may not hold: no model is made of them."""
+        return tuple(dict.fromkeys(one for each in self.tests for one in each.errors))
+
+    @property
+    def exit_status(self) -> int:
+        """0, or 4 where the figures may not hold."""
+        return EXIT["INCONCLUSIVE"] if self.errors else 0
+
     @cached_property
     def results(self) -> dict[str, Any]:
         """Content of ``results.json``."""
@@ -173,13 +183,16 @@ class Reduced:
         Raises
         ------
         DataError
-            ``no_model`` where there is none; ``overwrites_input``.
+            ``no_model`` where there is none; the code of each error for which there is none; ``overwrites_input``.
         StoreError
             ``not_written``.
         """
         from ...files.models.model_json import dump_model  # noqa: PLC0415
 
         target, models = Path(path), {GROUP[kind]: model for kind, model in self.models.items()}
+        if not models and self.errors:
+            why = "no model is made of recordings that disagree"
+            raise DataError([replace(one.problem, why=why) for one in self.errors])
         if not models:
             do = "See why each figure was not estimated"
             raise DataError("nothing for a model was estimated", str(target), do=do, code="no_model")
@@ -272,7 +285,7 @@ def call(
     timed = [remark for one in files.held.values() for remark in time_remarks(one)]
     judged = [] if whole.modelled is None else [remark for one in whole.modelled.every for remark in one.remarks]
     several = len(whole.tested) > 1 and not held
-    tested = [one.at(each.test.id) if several else one for each in whole.tested for one in each.result.remarks]
+    tested = [one.at(each.test.id) if several else one for each in whole.tested for one in each.remarks]
     remarks = gather([*described, *tested, *refused, *judged, *timed])
     word = word or procedure.commands[0].word
     return Reduced(procedure.name, rows, whole.inputs, columns, remarks, whole, document, files, shown, word)

@@ -109,9 +109,10 @@ def prepare_test(
     ]
     with computable(test.id):
         readings = procedure.readings(plan, sources, corrections)
-    more = procedure.remarks(first)
-    if more:
-        readings = replace(readings, remarks=(*readings.remarks, *more))
+        disagreements = procedure.agreement(plan, readings)
+    more = (*disagreements, *readings.remarks, *procedure.remarks(first))
+    if len(more) > len(readings.remarks):
+        readings = replace(readings, remarks=tuple(sorted(more, key=lambda one: one.severity != "error")))
     inputs = one_digest(pair for one in sources for pair in one.inputs.items())
     return Prepared(test, first, plan, readings, inputs, tuple(one.origin for one in sources))
 
@@ -139,11 +140,15 @@ def reduce_test(prepared: Prepared) -> Result:
     Raises
     ------
     DataError
-        As the procedure says.
+        As the procedure says; what its readings disagree by comes first.
     """
     procedure = procedure_of(prepared.test.procedure)
-    with computable(prepared.test.id):
-        found: Result = procedure.reduce(prepared.plan, prepared.readings)
+    try:
+        with computable(prepared.test.id):
+            found: Result = procedure.reduce(prepared.plan, prepared.readings)
+    except InertialcalError as error:
+        errors = [one.problem for one in prepared.readings.remarks if one.severity == "error"]
+        raise type(error)([*errors, *error.problems]) from None
     return found
 
 
@@ -163,6 +168,9 @@ class ReducedTest:
         Of what it holds out, SI.
     against : sequence of Row
         Those of the rows that are about another test, too.
+    errors : tuple of Remark
+        Why its figures may not hold, its own and those of tests that it comes after: no model is made of them, and no
+        requirement is judged.
     """
 
     test: Test
@@ -170,6 +178,12 @@ class ReducedTest:
     rows: Sequence[Row]
     curves: Sequence[Curve] = ()
     against: Sequence[Row] = ()
+    errors: tuple[Remark, ...] = ()
+
+    @property
+    def remarks(self) -> tuple[Remark, ...]:
+        """What reading and reducing brought up, errors first."""
+        return _remarks(self.tested)
 
     @property
     def procedure(self) -> Procedure[Any, Any, Any]:
@@ -218,8 +232,24 @@ def reduced_tests(prepared: Sequence[Prepared], results: Mapping[str, Result]) -
         tested = replace(plain[one.test.id], against=plain.get(one.test.against or ""))
         with computable(one.test.id):
             rows = procedure_of(one.test.procedure).rows(tested.result)
-        found.append(ReducedTest(one.test, tested, [replace(row, test=one.test.id) for row in rows]))
+        behind = _with_those_before(one.test, {each.test.id: each.test for each in prepared})
+        errors = tuple(remark for name in behind for remark in _remarks(plain[name]) if remark.severity == "error")
+        named = [replace(row, test=one.test.id) for row in rows]
+        found.append(ReducedTest(one.test, tested, named, errors=errors))
     return found
+
+
+def _remarks(tested: Tested[Any, Any, Any]) -> tuple[Remark, ...]:
+    own = tested.result.remarks
+    known = {(one.code, one.what) for one in own}
+    every = [*own, *(one for one in tested.readings.remarks if (one.code, one.what) not in known)]
+    return tuple(sorted(every, key=lambda one: one.severity != "error"))
+
+
+def _with_those_before(test: Test, tests: Mapping[str, Test]) -> list[str]:
+    """Return a test and all that it comes after, by name."""
+    before = (name for first in test.after if first in tests for name in _with_those_before(tests[first], tests))
+    return list(dict.fromkeys((test.id, *before)))
 
 
 def prepare(

@@ -65,7 +65,7 @@ class Outcome:
     inputs : dict of str to str
         SHA-256 of each input, by path in the campaign folder.
     verdict : {"PASS", "FAIL", "INCONCLUSIVE", ""}
-        Over all requirements; empty where none is stated.
+        Over all requirements, INCONCLUSIVE where a test has a remark that is an error; else empty where none is stated.
     changed : list of str
         What differs from the last run.
     notes : tuple of Remark
@@ -105,7 +105,7 @@ class Outcome:
 
     @property
     def exit_status(self) -> int:
-        """0 PASS or no requirement, 1 FAIL, 4 INCONCLUSIVE."""
+        """0 PASS or no requirement, 1 FAIL, 4 INCONCLUSIVE, or recordings that disagree."""
         return EXIT[self.verdict] if self.verdict else 0
 
 
@@ -256,12 +256,17 @@ def reduce_campaign(campaign: Campaign, store: Store | None = None, progress: Pr
     tell(len(tested), len(tested), "model and requirements")
     reduced = {one.test.id: one.tested for one in tested}
     with computable(campaign.file.campaign.id, "campaign"):
-        residuals = hold_out_residuals(campaign, reduced)
+        errors = {one.test.id: one.errors for one in tested if one.errors}
+        residuals = {
+            name: one
+            for name, one in hold_out_residuals(campaign, reduced).items()
+            if not errors.keys() & {name, one.against}
+        }
     tested = [_with_residuals(one, residuals.get(one.test.id)) for one in tested]
     with computable(campaign.file.campaign.id, "campaign"):
         made = {one.test.id: procedure_of(one.test.procedure).correction(one.test.id, one.result) for one in tested}
         corrections = {name: one for name, one in made.items() if one is not None}
-        modelled = build_models(campaign, reduced, corrections, residuals)
+        modelled = build_models(campaign, reduced, corrections, residuals, errors)
     if modelled is not None:
         remarks += [remark.at("closed loop") for one in modelled.every for remark in one.remarks]
     with computable(campaign.file.campaign.id, "campaign"):
@@ -269,6 +274,7 @@ def reduce_campaign(campaign: Campaign, store: Store | None = None, progress: Pr
     stated = [worst(verdicts)] if campaign.file.requirements else []
     if modelled is not None and modelled.whole_verdict != NOT_RUN:
         stated.append(modelled.whole_verdict)
+    stated += ["INCONCLUSIVE"] * bool(errors)
     verdict = next((word for word in ("FAIL", "INCONCLUSIVE", "PASS") if word in stated), "")
     results["verdict"] = verdict or None
     return Whole(tested, modelled, results, inputs, verdict)
@@ -302,7 +308,7 @@ def reduce_tests(
         raise DataError(list(dict.fromkeys(problem for number in sorted(problems) for problem in problems[number])))
     prepared = [ready[number] for number in range(len(tests))]
     tested = beside_others(campaign, reduced_tests(prepared, results))
-    remarks = [remark.at(test.id) for test in tests for remark in results[test.id].remarks]
+    remarks = [remark.at(one.test.id) for one in tested for remark in one.remarks]
     return prepared, tested, remarks
 
 

@@ -139,6 +139,7 @@ class Ready:
     spec: InputSpec
     of_test: Test
     chain: Chain | None = None
+    screening: bool = True
     _chosen: list[int] = field(default_factory=list[int])
     _hashes: dict[str, str] = field(default_factory=dict[str, str])
 

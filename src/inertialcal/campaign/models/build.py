@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ...core.errors import InertialcalError, PlanError
+from ...core.remarks import Remark
 from ...files.models.model_json import dump_model
 from ...procedures import procedure_of
 from ...procedures.model_terms import ModelTerms
@@ -31,6 +32,7 @@ FIRST = "model.json"
 MATRIX = ("scale_factor", "misalignment", "asymmetry")  # of [model] terms, all from one reduction
 
 Reduced = Mapping[str, Tested[Any, Any, Any]]
+Errors = Mapping[str, Sequence[Remark]]  # By test
 
 
 def build_models(
@@ -38,8 +40,11 @@ def build_models(
     reduced: Reduced,
     corrections: Mapping[str, Correction],
     residuals: Mapping[str, Residual],
+    errors: Errors,
 ) -> JudgedModel | None:
     """Return the model of the sensor that was fitted first, and with it those of others that may each have one.
+
+    There is none where a test behind it, or held out for it, has a remark that is an error.
 
     Raises
     ------
@@ -62,7 +67,7 @@ def build_models(
         number = campaign.file.tests.index(tests[0])
         try:
             with computable(tests[0].id):
-                made = _build(campaign, name, tests[0].procedure, reduced, corrections, residuals)
+                made = _build(campaign, name, tests[0].procedure, reduced, corrections, residuals, errors)
         except InertialcalError as error:
             raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
         if made is not None:
@@ -112,6 +117,7 @@ def _build(
     reduced: Reduced,
     corrections: Mapping[str, Correction],
     residuals: Mapping[str, Residual],
+    errors: Errors,
 ) -> JudgedModel | None:
     """Make and judge the model of a sensor, of all tests of a procedure on it; None where there is none."""
     sensor, procedure = campaign.file.sensors[name], procedure_of(of_procedure)
@@ -120,6 +126,8 @@ def _build(
     fitted = [test for test in mine if test.use == "fit"]
     held = [test for test in mine if test.use == "hold_out"]
     matrix, bias = (_chosen(campaign, fitted, terms) for terms in (MATRIX, ("bias",)))
+    if any(errors.get(test.id) for test in (*matrix, *bias, *held)):
+        return None
     result, terms = _joint(procedure, [reduced[test.id] for test in matrix], sensor.kind)
     if {test.id for test in bias} != {test.id for test in matrix} and terms is not None:
         terms = terms.with_bias_of(

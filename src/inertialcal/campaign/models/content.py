@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from ...core.key import Reason
+from ...core.remarks import Remark
 from ...core.results import Row, finite, not_estimated
 from ...core.units import factor, kind
 from ...procedures import procedure_of
@@ -42,11 +44,13 @@ def parameter_rows(modelled: JudgedModel) -> list[Row]:
     ]
 
 
-def closed_loop_content(campaign: Campaign, modelled: JudgedModel | None, unit: str) -> dict[str, Any]:
-    """Return what the closed loop gave, in the unit of the sensor."""
+def closed_loop_content(
+    campaign: Campaign, modelled: JudgedModel | None, unit: str, errors: Sequence[Remark]
+) -> dict[str, Any]:
+    """Return what the closed loop gave, in the unit of the sensor; errors are those for which no model is made."""
     every = () if modelled is None else tuple(one for one in modelled.every if one.is_judged)
     if modelled is None or not every:
-        reason = _not_run(campaign, modelled)
+        reason = _not_run(campaign, modelled, errors)
         return {"verdict": NOT_RUN, "reason": reason, "axes": [], "over_temperature": []}
     return {
         "verdict": modelled.whole_verdict,
@@ -56,8 +60,10 @@ def closed_loop_content(campaign: Campaign, modelled: JudgedModel | None, unit: 
     }
 
 
-def _not_run(campaign: Campaign, modelled: JudgedModel | None) -> str:
+def _not_run(campaign: Campaign, modelled: JudgedModel | None, errors: Sequence[Remark]) -> str:
     """Say why there is no closed loop."""
+    if modelled is None and errors:
+        return f"no model: {errors[0].what}"
     if modelled is not None:
         return "no test is held out"
     procedures = [procedure_of(name) for name in dict.fromkeys(test.procedure for test in campaign.file.tests)]

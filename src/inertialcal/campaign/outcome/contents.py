@@ -100,7 +100,7 @@ def results_content(
             )
             for verdict, asked in judged
         ],
-        "closed_loop": closed_loop_content(campaign, modelled, unit),
+        "closed_loop": closed_loop_content(campaign, modelled, unit, [one for each in tested for one in each.errors]),
         "verification": _verification(campaign, verdicts, modelled),
     }
     return results, verdicts

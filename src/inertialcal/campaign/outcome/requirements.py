@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -39,6 +40,8 @@ BELOW = "not found; its 95 % upper limit lies inside the limit"
 def judge(requirement: Requirement, tested: Sequence[ReducedTest]) -> tuple[list[Verdict], list[Row]]:
     """Return the verdicts of a requirement, and rows that follow from it (the resolution).
 
+    They are INCONCLUSIVE for a test that has a remark that is an error.
+
     Parameters
     ----------
     requirement : Requirement
@@ -62,6 +65,11 @@ def judge(requirement: Requirement, tested: Sequence[ReducedTest]) -> tuple[list
             verdicts, rows = verdicts + found[0], rows + found[1]
     if not asked.where:
         verdicts += _figures(asked, [one for one in about if one.test.procedure in others])
+    errors = {one.test.id: one.errors[0].what for one in about if one.errors}
+    verdicts = [
+        replace(one, verdict="INCONCLUSIVE", reason=f"in doubt: {errors[one.test]}") if one.test in errors else one
+        for one in verdicts
+    ]
     return (verdicts or [_open(asked)]), rows
 
 

@@ -44,7 +44,7 @@ def run_noun(
             "columns": dict(found.columns),
             **procedure.content(found),
         }
-        json_out(declared.word, content | ({"written": list(written)} if written else {}))
+        json_out(declared.word, content | ({"written": list(written)} if written else {}), found.exit_status)
     elif not quiet:
         own = procedure.report(found)
         rows, remarks = ([one.to_dict() for one in every] for every in (found.rows, found.remarks))
@@ -56,7 +56,7 @@ def run_noun(
             print("\n".join([own, "", *remarks_text(remarks)]).rstrip())
         for line in written.values():
             print(line)
-    return 0
+    return found.exit_status
 
 
 def _form(procedure: Procedure[Any, Any, Any], output: Path | None) -> str:

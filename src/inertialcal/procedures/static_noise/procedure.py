@@ -55,7 +55,9 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
     )
     plan_type, said_type, shown_type, influences = Plan, Samples, Filters, INFLUENCES
     figures = FIGURES
-    inputs = InputSpec(("gyro", "accelerometer"), missing=True, bare=True, ground_model="bias_kept", windows="records")
+    inputs = InputSpec(
+        ("gyro", "accelerometer"), missing=True, bare=True, ground_model="bias_kept", windows="records", screening="own"
+    )
 
     def described(self, given: GivenFile) -> Sequence[Described]:
         """Return the sensors at rest of a file, each with a test of its own."""
