@@ -1,0 +1,102 @@
+"""Which of several values disagree with the others, where some of them may be grossly wrong.
+
+Values ``y_i`` of one quantity, from recordings made alike, scatter about a common mean with an unknown standard
+deviation, and each with its own known one as well. A set S of m values is tried as m shifts of their own [1]_: the mean
+and the variance come from the n - m values that are kept, which the shifted ones cannot inflate::
+
+    F = d' (D + J / (n - m))^-1 d / (m s^2)      d: values of S less the mean of the kept
+
+with D the identity where all are known equally well and J all ones. F has m and n - m - 1 degrees of freedom, for a
+set named in advance; the one found is the worst of binomial(n, m), so its probability is multiplied by that number
+(Bonferroni). Sets of m = 1, 2, ... get a half, a quarter, ... of the chance of a false alarm. That holds exactly for
+normal values, however few.
+
+The kept are a majority. Where half disagrees with half, or one of two with the other, nothing tells which are wrong:
+all are named.
+
+References
+----------
+.. [1] Barnett and Lewis, Outliers in Statistical Data, 3rd ed., Wiley 1994, sections 6.2 and 6.3.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import special
+
+from ..core.estimate import Array
+
+FALSE_ALARM = 0.003  # chance that anything of a sound test is said to disagree
+
+
+def disagreeing(
+    values: ArrayLike,
+    u: ArrayLike = 0.0,
+    alpha: float = FALSE_ALARM,
+    scatter: float = 0.0,
+    dof: float = 0.0,
+) -> NDArray[np.bool_]:
+    """Return which of several values disagree with the majority.
+
+    Parameters
+    ----------
+    values : array_like, shape (n,)
+        One of each recording; NaN where it has none.
+    u : array_like, shape (n,)
+        Known standard uncertainty of each, which they do not share; 0 where it is not known.
+    alpha : float
+        Chance that any of n values that agree is named.
+    scatter, dof : float
+        Standard deviation between such values as others show it, with its degrees of freedom: without it, three values
+        hardly tell, and two nothing.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+        All True where half of them disagree with the other half.
+
+    Examples
+    --------
+    >>> disagreeing([1.001, 1.002, 0.9995, 1.0005, 1.2]).tolist()
+    [False, False, False, False, True]
+    """
+    y = np.asarray(values, dtype=float)
+    own = np.broadcast_to(np.asarray(u, dtype=float), y.shape)
+    named = np.zeros(y.shape, dtype=bool)
+    while True:
+        at = np.flatnonzero(np.isfinite(y) & ~named)
+        found = at[_worst(y[at], own[at], alpha, scatter, dof)]
+        if named.any() and 2 * (named.sum() + len(found)) >= np.isfinite(y).sum():
+            return named  # what is kept stays a majority
+        named[found] = True
+        if not len(found) or len(found) == len(at):
+            return named
+
+
+def _worst(y: Array, u: Array, alpha: float, scatter: float, dof: float) -> NDArray[np.intp]:
+    """Return the smallest set of values that disagrees, as indices; all of them where it is a half."""
+    n, order = len(y), np.argsort(y, kind="stable")
+    for m in range(1, n // 2 + 1):
+        # The n - m values that lie closest together stand side by side in order of size
+        windows = np.lib.stride_tricks.sliding_window_view(y[order], n - m)
+        first = int(np.argmin(np.var(windows, axis=1)))
+        kept, apart = order[first : first + n - m], np.concatenate([order[:first], order[first + n - m :]])
+        freedom = n - m - 1 + dof
+        if freedom <= 0.0:
+            continue
+        known = float(np.mean(u[kept] ** 2))
+        square = (np.sum((y[kept] - np.mean(y[kept])) ** 2) + dof * scatter**2) / freedom
+        variance = max(square, known)
+        away = y[apart] - np.mean(y[kept])
+        if variance == 0.0:
+            chance = 0.0 if np.any(away != 0.0) else 1.0
+        else:
+            weight = 1.0 / (1.0 + np.maximum(u[apart] ** 2 - known, 0.0) / variance)
+            shift = np.sum(weight * away**2) - np.sum(weight * away) ** 2 / (n - m + np.sum(weight))
+            chance = float(special.fdtrc(m, freedom, shift / (m * variance)))
+        sets = special.gammaln(n + 1.0) - special.gammaln(m + 1.0) - special.gammaln(n - m + 1.0)
+        with np.errstate(divide="ignore"):
+            if np.log(chance) + sets < np.log(alpha) - m * np.log(2.0):
+                return np.arange(n) if 2 * m == n else apart
+    return np.zeros(0, dtype=np.intp)
