@@ -18,6 +18,7 @@ from ..signals.time.time_axis import analyse
 from .columns import Content, missing_remarks, nan_in_required, without_unfilled_end
 from .info.describe import Described, axis_remarks, describe, find_column, rate_remark
 from .time.clock import Clock, find_clock
+from .time.unused import unused_clocks
 
 MARKED = re.compile(rf"(?:^|[./]){COMPENSATED}([0-9a-f]{{{MARK}}})$", re.IGNORECASE)
 SHOWN = 5  # texts of a label column in its remark
@@ -62,6 +63,7 @@ def assemble(
     channels = _channels(described, clock, path)
     _require(described, required, content, path)
     timed = _timed(clock, content, described, sample_rate, path)
+    unused = () if clock.time_ns is not None else unused_clocks(described, lambda index: content.place(path, index))
     remarks = (
         *content.remarks,
         *unit_remarks,
@@ -69,6 +71,7 @@ def assemble(
         *_texts(described, clock, path),
         *clock.remarks,
         *timed.remarks,
+        *unused,
         *_compensated(compensated_by, path),
     )
     return replace(
