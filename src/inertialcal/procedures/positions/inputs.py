@@ -294,6 +294,9 @@ def _oriented(readings: Readings, pairs: Sequence[Sequence[Part]]) -> Readings:
         return readings
     where = pairs[0][0].source.file
     found = parse_directions(words, where)
+    gone = [k for k in readings.left_out if k < len(found)]
+    if len(found) - len(gone) == len(readings):
+        found = np.delete(found, gone, axis=0)
     if len(found) != len(readings):
         listed = ", ".join(readings.where[:12]) + (", ..." if len(readings) > 12 else "")
         what = f"{len(found)} orientations for {len(readings)} positions"

@@ -10,6 +10,7 @@ from ..protocol import (
     RELATIVE,
     Command,
     Correction,
+    Exclusion,
     Facts,
     InputSpec,
     Procedure,
@@ -47,6 +48,8 @@ QUANTITIES = {
     "scatter_rotation": Quantity(("angle",), shown="deg"),
     "transition_error": Quantity(("angle",), shown="deg"),
 }
+
+LOST = {"position_incomplete": "position", "rotation_incomplete": "rotation"}  # remark, which is the rule: what it counts
 
 
 class Positions(Procedure[Plan, "Readings", "Result"]):
@@ -134,6 +137,14 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
     def quantities(self) -> Mapping[str, Quantity]:
         """Return what there is to say of its figures."""
         return QUANTITIES
+
+    def exclusions(self, test: Tested[Plan, Readings, Result]) -> Iterator[Exclusion]:
+        """Yield positions and rotations that lack readings."""
+        for remark in test.readings.remarks:
+            if remark.code in LOST:
+                counts = LOST[remark.code]
+                yield Exclusion(remark.code, "no readings", remark.what, remark.where, count=remark.count,
+                                counts=counts)  # fmt: skip
 
     def needs(self, influence: str, result: Result) -> bool:
         """Return whether the test is subject to an influence that is not stated."""

@@ -62,6 +62,7 @@ class Rotation:
     axis: Array | None = None  # shape (3,): unit vector turned about, in body axes, where it is known
     angle: float | None = None  # Turned by [rad], where it is known; several turns count fully (two turns are 4 pi)
     where: str = ""  # Place, for messages
+    missing: int = 0  # Samples of the longest gap in it
 
     @property
     def known(self) -> bool:
@@ -83,6 +84,8 @@ class Readings:
     stop_ns: Times | None = None  # shape (m,): last stamp used [ns]
     temperature: Array | None = None  # shape (m,): [degC]
     where: tuple[str, ...] = ()  # Place of each interval, for messages
+    left_out: tuple[int, ...] = ()  # Numbers, among all that were found, of intervals without enough readings
+    recordings: tuple[int, ...] = ()  # Number of the recording that each interval lies in; empty: one
     remarks: tuple[Remark, ...] = field(default=())  # What reading them brought up
 
     def __len__(self) -> int:
@@ -124,6 +127,8 @@ class Readings:
             stop_ns=None if self.stop_ns is None else self.stop_ns[part],
             temperature=None if self.temperature is None else self.temperature[part],
             where=self.where[part],
+            left_out=(),
+            recordings=self.recordings[part],
         )
 
 

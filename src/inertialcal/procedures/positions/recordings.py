@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...core.errors import DataError
 from ...core.estimate import Array
@@ -20,7 +21,14 @@ from ...core.key import AXES
 from ...core.recording import Recording
 from ...core.remarks import Remark, gather
 from ...signals.segmentation.dwells import dwell_of
-from ...signals.segmentation.placements import Placement, between, disturbed_inside, placements, shortest_placement
+from ...signals.segmentation.placements import (
+    Placement,
+    between,
+    disturbed_inside,
+    filled,
+    placements,
+    shortest_placement,
+)
 from ...signals.segmentation.segments import detect
 from ...signals.time.samples import Samples, samples_of
 from .orientations import check_sections, pointing
@@ -30,6 +38,8 @@ from .readings import Readings, Rotation, Triad
 ACC, GYRO = tuple(f"acc_{a}" for a in AXES), tuple(f"gyro_{a}" for a in AXES)
 TEMPERATURE = "temperature"
 FACE_WITHIN = 0.9  # cosine of the angle from a face, below which a position is none
+HALF = 0.5  # of the samples of a position, that must be there
+SMALL = 1e-4  # of all that a rotation turned: a gap that changes its angle by less is no matter
 
 
 @dataclass(frozen=True)
@@ -128,7 +138,7 @@ def _one(plan: Plan, recording: Recording, sections: Sequence[Section]) -> Readi
         path = recording.source.path
         raise DataError([replace(p, where=": ".join(filter(None, (path, p.where)))) for p in error.problems]) from None
     shortest = plan.shortest if plan.shortest is not None else shortest_placement(segmentation)
-    placed = placements(segmentation, shortest, values.get("gyro"))
+    placed: Sequence[Placement] = placements(segmentation, shortest, values.get("gyro"))
     if not placed:
         raise DataError(
             f"the unit never lies still for {shortest:.3g} s",
@@ -137,13 +147,16 @@ def _one(plan: Plan, recording: Recording, sections: Sequence[Section]) -> Readi
             "Let it rest in each position, or state plan.shortest",
             "no_rest",
         )
+    total = len(placed)
+    placed, there, more = _there(recording, values, placed, [f"{seconds[one.start]:.6g} s" for one in placed])
     rotations = tuple(
-        _rotation(values, seconds, a, b, k, k + 1) for k, (a, b) in enumerate(between(placed))
+        _rotation(values, seconds, a, b, k, k + 1)
+        for k, (a, b) in enumerate(between(placed)) if there[k + 1] == there[k] + 1
     )  # fmt: skip
     found = _readings(recording, segmentation.samples, values, placed, rotations if "gyro" in values else ())
-    return replace(
-        found, remarks=gather([*recording.remarks, *segmentation.remarks, *_disturbed(found, values, placed)])
-    )
+    found = _whole_rotations(found, recording)
+    remarks = [*recording.remarks, *segmentation.remarks, *more, *_disturbed(found, values, placed), *found.remarks]
+    return replace(found, remarks=gather(remarks), left_out=tuple(sorted(set(range(total)) - set(there))))
 
 
 def _by_sections(
@@ -155,18 +168,20 @@ def _by_sections(
     for alike in (still, [one for one in sections if one.angle is not None]):
         check_sections(alike, len(seconds), path)
     placed = [Placement(one.start, one.stop) for one in still]
+    placed, there, more = _there(recording, values, placed, [one.name for one in still])
+    still = [still[k] for k in there]
     samples = samples_of(values["acc"], recording.time_ns, recording.sample_interval)
     turns = tuple(
         replace(_rotation(values, seconds, one.start, one.stop, -1, -1), where=one.name,
                 axis=np.array(one.axis, dtype=float), angle=one.angle)
         for one in sections if one.angle is not None and one.axis is not None and "gyro" in values
     )  # fmt: skip
-    cut = _readings(recording, samples, values, placed, turns)
+    cut = _whole_rotations(_readings(recording, samples, values, placed, turns), recording)
     nowhere = (np.nan, np.nan, np.nan)
     direction = np.array([one.direction or nowhere for one in still], dtype=float).reshape(-1, 3)
     named = tuple(f"{one.name}, {where}" if one.name else where for one, where in zip(still, cut.where, strict=True))
     given = direction if np.isfinite(direction).any() else None
-    remarks = gather([*recording.remarks, *_disturbed(cut, values, placed)])
+    remarks = gather([*recording.remarks, *more, *_disturbed(cut, values, placed), *cut.remarks])
     return replace(cut, direction=given, where=named, remarks=remarks)
 
 
@@ -183,8 +198,80 @@ def _seconds(recording: Recording) -> Array:
 def _rotation(values: Mapping[str, Array], seconds: Array, a: int, b: int, before: int, after: int) -> Rotation:
     gyro = values.get("gyro", np.empty((len(seconds), 3)))[a:b]
     acc = values["acc"][a:b]
-    good = np.isfinite(gyro).all(axis=1) & np.isfinite(acc).all(axis=1)
-    return Rotation(seconds[a:b][good] - seconds[a], gyro[good], acc[good], before, after, where=f"{seconds[a]:.6g} s")
+    good: NDArray[np.bool_] = np.asarray(np.isfinite(gyro).all(axis=1))
+    if not np.isfinite(acc).all():  # what the gyros read of specific force is small: a neighbour will do
+        acc = filled(acc)
+    place = f"{seconds[a]:.6g} s"
+    return Rotation(seconds[a:b][good] - seconds[a], gyro[good], acc[good], before, after, where=place,
+                    missing=_longest(~good))  # fmt: skip
+
+
+def _longest(out: NDArray[np.bool_]) -> int:
+    """Return the length of the longest run of samples that are out."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], out, [False])).astype(np.int8)))
+    return int(np.max(edges[1::2] - edges[::2], initial=0))
+
+
+def _there(
+    recording: Recording, values: Mapping[str, Array], placed: Sequence[Placement], names: Sequence[str]
+) -> tuple[list[Placement], list[int], list[Remark]]:
+    """Return the positions of which at least half of the samples are there, their numbers, and what was left out.
+
+    Raises
+    ------
+    DataError
+        ``no_values`` if none is left.
+    """
+    there, remarks = [], []
+    for k, one in enumerate(placed):
+        parts = {name: np.asarray(np.isfinite(own[one.start : one.stop]).all(axis=1)) for name, own in values.items()}
+        short = [name for name, good in parts.items() if good.sum() < max(HALF * len(good), 2)]
+        if not short:
+            there.append(k)
+            continue
+        what = f"more than half of the samples of {' and '.join(short)} are no readings: position left out"
+        place = f"{recording.source.path}: {names[k]}" if recording.source.path else names[k]
+        remarks.append(Remark("position_incomplete", "warning", what, place, do="Lay the unit there again"))
+    if placed and not there:
+        what = f"none of {len(placed)} positions holds readings in half of its samples"
+        raise DataError(what, recording.source.path, do="Record again", code="no_values")
+    return [placed[k] for k in there], there, remarks
+
+
+def _whole_rotations(readings: Readings, recording: Recording) -> Readings:
+    """Leave out rotations that hold saturated samples, or gaps that change their angle.
+
+    What a gap does is seen from the same rotation: gaps as long elsewhere in it, bridged by a straight line. It may do
+    as much as the noise of the gyros, or a ten-thousandth of all that was turned.
+    """
+    if readings.gyro is None or not any(one.missing for one in readings.rotations):
+        return readings
+    saturated = any(remark.code == "saturated" for remark in recording.remarks)
+    noise = float(np.median(readings.gyro.scatter))
+    kept = [one for one in readings.rotations if not one.missing or not (saturated or _matters(one, noise))]
+    lost = [one for one in readings.rotations if one not in kept]
+    if not lost:
+        return readings
+    why = "saturated samples" if saturated else "gaps that change its angle by more than noise"
+    what = f"{len(lost)} of {len(readings.rotations)} rotations hold {why}: left out of the gyros' matrix"
+    do = "Turn more slowly, or use a wider range" if saturated else "Turn there again"
+    path = recording.source.path
+    place = f"{path}: {lost[0].where}" if path else lost[0].where
+    remark = Remark("rotation_incomplete", "warning", what, place, len(lost), do)
+    return replace(readings, rotations=tuple(kept), remarks=(*readings.remarks, remark))
+
+
+def _matters(one: Rotation, noise: float) -> bool:
+    """Whether a gap as long as the longest changes the angle by more than noise of the gyros does, and noticeably."""
+    n, w = len(one.gyro), one.missing + 1
+    if n < 2 * w + 2:
+        return True
+    h = float(np.median(np.diff(one.seconds)))
+    total = np.vstack([np.zeros(3), np.cumsum(0.5 * h * (one.gyro[1:] + one.gyro[:-1]), axis=0)])
+    line = 0.5 * w * h * (one.gyro[w:] + one.gyro[:-w])
+    off = float(np.sqrt(np.mean(np.sum((total[w:] - total[:-w] - line) ** 2, axis=1))))
+    turned = float(h * np.sum(np.linalg.norm(one.gyro, axis=1)))
+    return bool(off > max(noise * h * np.sqrt(n), SMALL * turned))
 
 
 def _readings(
@@ -205,7 +292,8 @@ def _readings(
     seconds, temperature = _seconds(recording), None
     if TEMPERATURE in recording.names:
         degrees = np.asarray(recording.channel(TEMPERATURE).data, dtype=float)
-        temperature = np.array([np.nanmean(degrees[one.start : one.stop]) for one in placed])
+        within = [degrees[one.start : one.stop] for one in placed]
+        temperature = np.array([one[np.isfinite(one)].mean() if np.isfinite(one).any() else np.nan for one in within])
     return Readings(
         acc=triads["acc"],
         gyro=triads.get("gyro"),
@@ -214,6 +302,7 @@ def _readings(
         stop_ns=None if stamps is None else stamps[[one.stop - 1 for one in placed]],
         temperature=temperature,
         where=tuple(f"{path + ': ' if path else ''}{seconds[one.start]:.6g} s" for one in placed),
+        recordings=(0,) * len(placed),
     )
 
 
@@ -272,6 +361,8 @@ def _joined(one: Readings, other: Readings) -> Readings:
         start_ns=_both(one.start_ns, other.start_ns),
         stop_ns=_both(one.stop_ns, other.stop_ns),
         temperature=_both(one.temperature, other.temperature),
+        left_out=(*one.left_out, *(k + shift + len(one.left_out) for k in other.left_out)),
+        recordings=(*one.recordings, *(k + len(set(one.recordings)) for k in other.recordings)),
         where=(*one.where, *other.where),
         remarks=gather([*one.remarks, *other.remarks]),
     )

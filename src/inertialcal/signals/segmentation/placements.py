@@ -120,7 +120,8 @@ def placements(segmentation: Segmentation, min_duration: float, rates: Array | N
     interval = samples.sample_interval or min_duration / shortest
     groups = placement_groups(segmentation, max(0.5 * shortest, TOUCH / interval), SAME_LEVEL)
     if rates is not None:
-        rates = _filled(rates)
+        rates = filled(rates)
+        rates = np.asfortranarray(rates - rates.mean(axis=0))
         groups = _parted_by_turns(segmentation, groups, rates)
     longest = round(EDGE / interval)
     found = []
@@ -136,13 +137,16 @@ def placements(segmentation: Segmentation, min_duration: float, rates: Array | N
     return tuple(found)
 
 
-def _filled(rates: Array) -> Array:
-    """Return what gyros read, from about their mean, what is missing taken from its neighbours."""
-    if not np.isfinite(rates).all():
-        good = np.isfinite(rates).all(axis=1)
-        at = np.arange(len(rates))
-        rates = np.column_stack([np.interp(at, at[good], own[good]) for own in rates.T])
-    return np.asfortranarray(rates - rates.mean(axis=0))
+def filled(values: Array) -> Array:
+    """Return channels (n, k) with what is missing taken from its neighbours; zero where a channel holds nothing."""
+    if np.isfinite(values).all():
+        return values
+    at, found = np.arange(len(values)), np.zeros_like(values)
+    for k, own in enumerate(values.T):
+        good = np.isfinite(own)
+        if good.any():
+            found[:, k] = np.interp(at, at[good], own[good])
+    return found
 
 
 def _margins(rates: Array | None, first: int, last: int, most: int, interval: float) -> tuple[int, int]:

@@ -320,7 +320,8 @@ def placement_groups(segmentation: Segmentation, longest: float, same_level: flo
     at = np.flatnonzero(segmentation.still)
     if not len(at):
         return []
-    apart = segmentation.start[at[1:]] - segmentation.stop[at[:-1]]
+    there = np.concatenate(([0], np.cumsum(segmentation.samples.finite)))  # what is missing has not moved
+    apart = there[segmentation.start[at[1:]]] - there[segmentation.stop[at[:-1]]]
     step = np.abs(np.diff(segmentation.level[at], axis=0)) - same_level * segmentation.noise.scale
     new = (apart > longest) | (step > 0.0).any(axis=1)
     return np.split(at, np.flatnonzero(new) + 1)
