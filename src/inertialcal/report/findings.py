@@ -173,12 +173,13 @@ def of_exclusions(rows: Sequence[Branch]) -> Finding:
     """
     if not rows:
         return ("Nothing was left out",)
-    kinds = ("dwell", "row", "sample", "window")
+    kinds = ("dwell", "row", "sample", "window", "position", "rotation")
     by_kind = {kind: [row for row in rows if str(row["counts"]) == kind] for kind in kinds}
     parts = [counted(len(by_kind["dwell"]), "dwell")] if by_kind["dwell"] else []
     parts += [f"{kind}s at {counted(len(by_kind[kind]), 'place')}" for kind in ("row", "sample") if by_kind[kind]]
-    windows = sum(int(getattr(row["count"], "raw", row["count"])) for row in by_kind["window"])
-    parts += [f"parts of {counted(windows, 'window')}"] if by_kind["window"] else []
+    for kind, text in (("window", "parts of "), ("position", ""), ("rotation", "")):
+        number = sum(int(getattr(row["count"], "raw", row["count"])) for row in by_kind[kind])
+        parts += [f"{text}{counted(number, kind)}"] if number else []
     rules = counted(len({str(row["rule"]) for row in rows}), "stated rule")
     several = len({str(row["test"]) for row in rows}) > 1
     note = "; items left out by several tests count once per test" if several else ""

@@ -49,7 +49,7 @@ QUANTITIES = {
     "transition_error": Quantity(("angle",), shown="deg"),
 }
 
-LOST = {"position_incomplete": "position", "rotation_incomplete": "rotation"}  # remark, which is the rule: what it counts
+LOST = {"position_incomplete": "position", "rotation_incomplete": "rotation"}  # remark and rule: what it counts
 
 
 class Positions(Procedure[Plan, "Readings", "Result"]):
