@@ -17,7 +17,7 @@ from ..core.unit.magnitudes import check_sample_rate
 from ..signals.time.time_axis import analyse
 from .columns import Content, missing_remarks, nan_in_required, without_unfilled_end
 from .info.describe import Described, axis_remarks, describe, find_column, rate_remark
-from .time.clock import Clock, find_clock
+from .time.clock import Clock, find_clock, unit_rates
 from .time.unused import unused_clocks
 
 MARKED = re.compile(rf"(?:^|[./]){COMPENSATED}([0-9a-f]{{{MARK}}})$", re.IGNORECASE)
@@ -156,13 +156,19 @@ def _timed(
     elif content.sample_rate is not None:
         interval, source = 1.0 / content.sample_rate, "header"
     if clock.time_ns is None or clock.column is None or len(clock.time_ns) < 2:
-        return Recording((), clock.time_ns, interval, None, clock.epoch, source)
+        said = {} if content.sample_rate is None else {"the header says": content.sample_rate}
+        remarks = (
+            rate_remark(sample_rate, said or unit_rates(described), path)
+            if sample_rate and content.time_ns is None
+            else ()
+        )
+        return Recording((), clock.time_ns, interval, None, clock.epoch, source, remarks=remarks)
     axis = analyse(clock.time_ns)
     remarks = axis_remarks(axis, lambda index: content.place(path, index))
     if interval is None:
         interval, source, column = axis.interval, "column", described[clock.column].name
-    else:
-        remarks += rate_remark(axis, interval, path)
+    elif axis.interval is not None:
+        remarks += rate_remark(1.0 / interval, {"the time stamps say": 1.0 / axis.interval}, path, source == "header")
     return Recording((), clock.time_ns, interval, None, clock.epoch, source, remarks=remarks, time_column=column)
 
 

@@ -127,7 +127,7 @@ def test_stamps_that_run_away_are_remarked_with_their_own_rate(tmp_path: Path) -
 def test_the_rate_by_flag_goes_before_the_header(tmp_path: Path) -> None:
     found = ic.read(pair(tmp_path, records()), sample_rate=50.0)
     assert found.sample_rate == 50.0
-    assert "50 Hz was said, the stamps of the data say 100 Hz" in remark(found, "rate_disagrees").what
+    assert "50 Hz was given, the stamps of the data say 100 Hz" in remark(found, "sample_rate_disagrees").what
 
 
 def test_records_that_are_missing_inside_a_file_are_a_gap(tmp_path: Path) -> None:

@@ -219,8 +219,35 @@ def test_a_rate_from_elsewhere_goes_before_the_stamps(file: Path) -> None:
     assert recording.interval_from == "flag"
     assert recording.sample_rate == pytest.approx(102.4)
     assert str(recording.remarks[0]) == (
-        f"warning: {file}: 102.4 Hz was given, the time stamps say 100 Hz. Check the rate and the unit of time"
+        f"warning: {file}: 102.4 Hz was given, the time stamps say 100 Hz. "
+        "Check the rate, and the unit of time: --unit COLUMN=UNIT"
     )
+
+
+@pytest.mark.parametrize(
+    ("header", "step", "rate", "severity", "words"),
+    [
+        ("t_s", 0.1, 0.1, "error", "the time stamps say 10 Hz"),
+        ("time", 10, 0.5, "error", "'time' in s says 0.1 Hz, 'time' in ms says 100 Hz"),
+        ("time", 10, 100.0, "", ""),
+        ("time", 10, 104.0, "warning", "'time' in ms says 100 Hz"),
+        ("t_s", 0.1, 10.05, "", ""),
+    ],
+)
+def test_a_rate_that_contradicts_the_stamps(
+    file: Path, header: str, step: float, rate: float, severity: str, words: str
+) -> None:
+    recording = read(table(file, f"{header},x", lambda i: round(i * step, 3), noise), sample_rate=rate)
+    found = [one for one in recording.remarks if one.code == "sample_rate_disagrees"]
+    assert [one.severity for one in found] == [severity] * bool(severity)
+    assert all(words in one.what and f"{rate:g} Hz was given" in one.what for one in found)
+
+
+def test_a_rate_that_contradicts_a_comment(file: Path) -> None:
+    file.write_text("# sample rate: 50 Hz\nx\n" + "\n".join(str(noise(i)) for i in range(30)))
+    (remark,) = read(file, sample_rate=10.0).remarks
+    assert (remark.code, remark.severity) == ("sample_rate_disagrees", "error")
+    assert remark.what == "10 Hz was given, the header says 50 Hz"
 
 
 def test_a_rate_in_a_comment(file: Path) -> None:

@@ -172,6 +172,7 @@ def _with_flag(described: Described, text: str, path: str, remarks: list[Remark]
 
 
 RATES_AGREE = 0.01  # relative difference of two sample rates that is passed over
+WRONG_BY = 1.5  # ratio from which one of them is wrong
 
 
 def axis_remarks(axis: TimeAxis, row: Callable[[int], str]) -> tuple[Remark, ...]:
@@ -208,12 +209,27 @@ def axis_remarks(axis: TimeAxis, row: Callable[[int], str]) -> tuple[Remark, ...
     return tuple(remarks)
 
 
-def rate_remark(axis: TimeAxis, interval: float, path: str) -> tuple[Remark, ...]:
-    """Remark where the stamps disagree with a sample interval [s] that was said."""
-    if axis.interval is None or abs(axis.interval - interval) <= RATES_AGREE * interval:
+def rate_remark(given: float, rates: Mapping[str, float], path: str, from_header: bool = False) -> tuple[Remark, ...]:
+    """Return a remark where a sample rate that was given disagrees with all that the file says.
+
+    Parameters
+    ----------
+    given : float
+        Sample rate by option or campaign [Hz].
+    rates : mapping of str to float
+        What the file says [Hz], by words: ``"the time stamps say"``.
+    path : str
+        File.
+    from_header : bool
+        Whether the rate that counts stands in the file, not in an option.
+    """
+    if not rates or any(abs(rate - given) <= RATES_AGREE * rate for rate in rates.values()):
         return ()
-    what = f"{1.0 / interval:.6g} Hz was given, the time stamps say {1.0 / axis.interval:.6g} Hz"
-    return (Remark("rate_disagrees", "warning", what, where=path, do="Check the rate and the unit of time"),)
+    far = all(max(rate / given, given / rate) >= WRONG_BY for rate in rates.values())
+    said = f"{given:.6g} Hz by the header" if from_header else f"{given:.6g} Hz was given"
+    what = ", ".join((said, *(f"{words} {rate:.6g} Hz" for words, rate in rates.items())))
+    do = "Check the rate, and the unit of time: --unit COLUMN=UNIT"
+    return (Remark("sample_rate_disagrees", "error" if far else "warning", what, where=path, do=do),)
 
 
 def _counted(code: str, what: str, at: np.ndarray[tuple[int], np.dtype[np.int64]], row: Callable[[int], str]) -> Remark:

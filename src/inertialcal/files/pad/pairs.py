@@ -22,6 +22,7 @@ from ...core.recording import SECOND
 from ...core.remarks import Remark
 from ...core.times import instant_text, read_instant
 from ...physics.attitude import between
+from ..info.describe import WRONG_BY
 from ..source import read_bytes
 from .header import PadHeader, Stamps, median_step, rates_agree, read_header
 
@@ -214,7 +215,11 @@ def _rate(header: PadHeader, stamps: Stamps, said: float | None, where: str) -> 
     by_stamps = f"the stamps of the data say {1.0 / stamps.interval:.6g} Hz" if stamps.interval > 0 else "stamps repeat"
     if said is None:
         raise _disagrees(f"the header says {header.sample_rate:g} Hz, {by_stamps}", where)
-    return (Remark("rate_disagrees", "warning", f"{said:.6g} Hz was said, {by_stamps}", where),)
+    far = stamps.interval > 0 and max(said * stamps.interval, 1.0 / (said * stamps.interval)) >= WRONG_BY
+    what = f"{said:.6g} Hz was given, {by_stamps}"
+    return (
+        Remark("sample_rate_disagrees", "error" if far else "warning", what, where, do="Leave the sample rate out"),
+    )
 
 
 def _check_records(stop: int, header: PadHeader, stamps: Stamps, where: str) -> None:

@@ -29,7 +29,8 @@ FEWEST = 10  # rows from which an unnamed first column can be time
 BACKWARD = 0.1  # share of backward steps from which a column is no time
 LARGEST_STEP = 1000  # largest step of stamps that are taken for seconds with a digit too many
 SLOWEST, FASTEST = 0.01, 1e5  # sample rates that come into question [Hz]
-UNITS = ("s", "ms", "us", "ns")
+UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}  # of stamps [s]
+ALIKE = 0.25  # relative difference of two steps that are alike
 SAID_UTC = re.compile(r"(?:^|[^A-Za-z])(?:unix|epoch|utc)(?:[^A-Za-z]|$)", re.IGNORECASE)
 SAID_FROM = 10**8 * SECOND  # 1973: a smaller number in a column of that name counts from the start of a record
 
@@ -213,16 +214,33 @@ def _unit(described: Described, place: _Place) -> tuple[str, tuple[Remark, ...]]
     return "s", (Remark("time_unit_assumed", "warning", what, where=place.path, do=do),)
 
 
+def unit_rates(described: Sequence[Described]) -> dict[str, float]:
+    """Return the sample rates [Hz] that the time column of a file means, by unit; empty where it has none.
+
+    Only where its unit is not known, and its steps are alike.
+    """
+    clocks = [one for one in described if one.quantity == "time" and one.unit is None and one.column.is_number]
+    if len(clocks) != 1 or not clocks[0].column.is_complete or len(clocks[0].column.values) < FEWEST:
+        return {}
+    steps = np.diff(clocks[0].column.values.astype(np.float64))
+    step = float(np.median(steps))
+    if step <= 0.0 or np.mean(np.abs(steps - step) > ALIKE * step) > BACKWARD:
+        return {}
+    return {f"{clocks[0].name!r} in {unit} says": rate for unit, rate in _rates(step).items()}
+
+
+def _rates(step: float) -> dict[str, float]:
+    """Sample rate [Hz] that a step means in each unit, where it comes into question."""
+    return {unit: 1.0 / (step * size) for unit, size in UNITS.items() if SLOWEST <= 1.0 / (step * size) <= FASTEST}
+
+
 def _unit_unknown(name: str, values: NDArray[Any], path: str) -> Remark:
     """Remark that says what each unit would mean."""
     steps = np.diff(values.astype(np.float64))
     step = float(np.median(steps)) if len(steps) else 0.0
     span = float(values.max()) - float(values.min())
-    meant = [
-        f"in {unit} {1.0 / (step * size):.5g} Hz over {span * size:.4g} s"
-        for unit, size in zip(UNITS, (1.0, 1e-3, 1e-6, 1e-9), strict=True)
-        if step > 0.0 and SLOWEST <= 1.0 / (step * size) <= FASTEST
-    ]
+    rates = _rates(step) if step > 0.0 else {}
+    meant = [f"in {unit} {rate:.5g} Hz over {span * UNITS[unit]:.4g} s" for unit, rate in rates.items()]
     return Remark(
         "time_unit_unknown",
         "warning",
