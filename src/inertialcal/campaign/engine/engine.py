@@ -10,16 +10,19 @@ from typing import Any
 from ...core.curve import Curve
 from ...core.errors import DataError, InertialcalError, PlanError, Problem
 from ...core.influence import Standards
+from ...core.key import Method
 from ...core.remarks import Remark
 from ...core.results import Row
 from ...procedures import procedure_of
-from ...procedures.protocol import Correction, Facts, P, Procedure, R, Result, S, Tested
+from ...procedures.protocol import Correction, Exclusion, Facts, P, Procedure, R, Result, S, Tested
+from ...signals.screening.screen import NO_READINGS
 from ..file.load import Campaign
 from ..file.plans import plan_values
 from ..file.schema import CampaignFile, Test
 from ..file.sensors import Sensor
 from ..inputs.changed import one_digest
 from ..inputs.channels import chain_of
+from ..inputs.gate import RULE, Gate
 from ..inputs.sources import Folder, Origin, Ready, Store, facts_of
 
 COMPENSATED = "compensated"  # code of the remark of a reader, and of that on the recording of a test
@@ -27,7 +30,10 @@ COMPENSATED = "compensated"  # code of the remark of a reader, and of that on th
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """A test ready to be reduced: entry, plan, facts, readings, SHA-256 of its files by path, and its recordings."""
+    """A test ready to be reduced.
+
+    Its entry, facts, plan and readings; SHA-256 of its files by path; its recordings; samples that the gate left out.
+    """
 
     test: Test
     facts: Facts
@@ -35,6 +41,7 @@ class Prepared:
     readings: Any
     inputs: Mapping[str, str]
     origins: tuple[Origin, ...] = ()
+    screened: tuple[Exclusion, ...] = ()
 
 
 @contextmanager
@@ -74,7 +81,13 @@ def plan_of(procedure: Procedure[P, R, S], given: Mapping[str, Any], facts: Fact
 
 
 def prepare_test(
-    file: CampaignFile, test: Test, standards: Standards, store: Store, corrections: Sequence[Correction] = ()
+    file: CampaignFile,
+    test: Test,
+    standards: Standards,
+    store: Store,
+    corrections: Sequence[Correction] = (),
+    gate: Gate | None = None,
+    screening: bool = True,
 ) -> Prepared:
     """Return a test of a campaign, ready to be reduced.
 
@@ -90,6 +103,10 @@ def prepare_test(
         That holds its files.
     corrections : sequence of Correction
         What tests before it found, to be taken off.
+    gate : Gate, optional
+        That knows columns which other tests read.
+    screening : bool
+        Leave out samples that are no readings.
 
     Raises
     ------
@@ -104,17 +121,33 @@ def prepare_test(
     plan = plan_of(procedure, test.plan, first)
     spec = procedure.inputs_for(plan, corrections)
     sources = [
-        Ready(store, name, one, sensors[name], facts[one.sensor], spec, test, chain_of(one, sensors[name]))
+        Ready(
+            store,
+            name,
+            one,
+            sensors[name],
+            facts[one.sensor],
+            spec,
+            test,
+            chain_of(one, sensors[name]),
+            screening,
+            gate or Gate(),
+        )
         for name, one in entries.items()
     ]
-    with computable(test.id):
-        readings = procedure.readings(plan, sources, corrections)
-        disagreements = procedure.agreement(plan, readings)
-    more = (*disagreements, *readings.remarks, *procedure.remarks(first))
+    try:
+        with computable(test.id):
+            readings = procedure.readings(plan, sources, corrections)
+            disagreements = procedure.agreement(plan, readings)
+    except InertialcalError as error:
+        raise _explained(error, [remark for one in sources for remark in one.remarks]) from None
+    gated = [remark for one in sources for remark in one.remarks]
+    more = (*disagreements, *gated, *readings.remarks, *procedure.remarks(first))
     if len(more) > len(readings.remarks):
         readings = replace(readings, remarks=tuple(sorted(more, key=lambda one: one.severity != "error")))
     inputs = one_digest(pair for one in sources for pair in one.inputs.items())
-    return Prepared(test, first, plan, readings, inputs, tuple(one.origin for one in sources))
+    screened = tuple(exclusion for one in sources for exclusion in one.exclusions)
+    return Prepared(test, first, plan, readings, inputs, tuple(one.origin for one in sources), screened)
 
 
 def order_of(tests: Sequence[Test]) -> list[int]:
@@ -147,9 +180,15 @@ def reduce_test(prepared: Prepared) -> Result:
         with computable(prepared.test.id):
             found: Result = procedure.reduce(prepared.plan, prepared.readings)
     except InertialcalError as error:
-        errors = [one.problem for one in prepared.readings.remarks if one.severity == "error"]
-        raise type(error)([*errors, *error.problems]) from None
+        raise _explained(error, prepared.readings.remarks) from None
     return found
+
+
+def _explained(error: InertialcalError, remarks: Sequence[Remark]) -> InertialcalError:
+    """Return a refusal after the errors of the readings, and before the samples that are no readings."""
+    errors = [one.problem for one in remarks if one.severity == "error"]
+    screened = [one.problem for one in remarks if one.severity != "error" and one.code in NO_READINGS]
+    return type(error)(list(dict.fromkeys([*errors, *error.problems, *screened])))
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,6 +210,8 @@ class ReducedTest:
     errors : tuple of Remark
         Why its figures may not hold, its own and those of tests that it comes after: no model is made of them, and no
         requirement is judged.
+    opened : tuple of Remark
+        What its figures are with the samples that screening left out.
     """
 
     test: Test
@@ -179,11 +220,12 @@ class ReducedTest:
     curves: Sequence[Curve] = ()
     against: Sequence[Row] = ()
     errors: tuple[Remark, ...] = ()
+    opened: tuple[Remark, ...] = ()
 
     @property
     def remarks(self) -> tuple[Remark, ...]:
         """What reading and reducing brought up, errors first."""
-        return _remarks(self.tested)
+        return (*_remarks(self.tested), *self.opened)
 
     @property
     def procedure(self) -> Procedure[Any, Any, Any]:
@@ -201,6 +243,40 @@ class ReducedTest:
         """The result by kind of sensor; under no name where the test has one sensor."""
         found: Mapping[str, Result] = self.procedure.by_sensor(self.tested.result)
         return found
+
+
+def with_all_samples(
+    campaign: Campaign, one: ReducedTest, prepared: Prepared, found: Mapping[str, Any], store: Store | None
+) -> ReducedTest:
+    """Return a test with its figures as they come out with the samples that screening left out, where it left out any.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        As read.
+    one, prepared : ReducedTest, Prepared
+        The test.
+    found : mapping of str to Result
+        Of every test, by name.
+    store : Store or None
+        That holds its files.
+    """
+    left_out = [*prepared.screened, *one.procedure.exclusions(one.tested)]
+    count = sum(each.count for each in left_out if each.rule == RULE)
+    if not count:
+        return one
+    said = f"with the {count} sample{'s' * (count > 1)} that screening left out"
+    try:
+        opened = prepare(campaign, campaign.file.tests.index(one.test), found, store, screening=False)
+        result = reduce_test(opened)
+        with computable(one.test.id):
+            rows = one.procedure.rows(result)
+    except InertialcalError as error:
+        what = f"{said}, the test is refused: {error.problems[0].what}"
+        return replace(one, opened=(Remark("unscreened_refused", "info", what),))
+    plain = [replace(row, test=one.test.id, method=Method.UNSCREENED, shared={}) for row in rows if row.case.plain]
+    what = f"figures {said} stand in the column 'unscreened'"
+    return replace(one, rows=[*one.rows, *plain], opened=(Remark("unscreened", "info", what, count=count),))
 
 
 def reduced_tests(prepared: Sequence[Prepared], results: Mapping[str, Result]) -> list[ReducedTest]:
@@ -253,7 +329,12 @@ def _with_those_before(test: Test, tests: Mapping[str, Test]) -> list[str]:
 
 
 def prepare(
-    campaign: Campaign, number: int, found: Mapping[str, Any] | None = None, store: Store | None = None
+    campaign: Campaign,
+    number: int,
+    found: Mapping[str, Any] | None = None,
+    store: Store | None = None,
+    gate: Gate | None = None,
+    screening: bool = True,
 ) -> Prepared:
     """Return readings and plan of one test; problems get the place of the test where they have none.
 
@@ -267,11 +348,17 @@ def prepare(
         Of tests that were reduced before, by name: what a test comes after is taken off. Without them nothing is.
     store : Store, optional
         That holds its files; by default the folder of the campaign.
+    gate : Gate, optional
+        That knows columns which other tests read.
+    screening : bool
+        Leave out samples that are no readings.
     """
     file, test = campaign.file, campaign.file.tests[number]
     try:
         corrections = [] if found is None else corrections_for(test, file.tests, found)
-        prepared = prepare_test(file, test, campaign.standards, store or Folder(campaign.folder), corrections)
+        prepared = prepare_test(
+            file, test, campaign.standards, store or Folder(campaign.folder), corrections, gate, screening
+        )
         of_files = (remark for remark in prepared.readings.remarks if remark.code != COMPENSATED)
         remarks = [*(_inside(campaign, remark) for remark in of_files), *_compensated(campaign, prepared)]
         return replace(prepared, readings=replace(prepared.readings, remarks=tuple(remarks)))

@@ -20,6 +20,7 @@ from ...files.binary.curves import curves_bytes
 from ...procedures import procedure_of
 from ..file.load import Campaign, load
 from ..inputs.changed import check_unchanged, one_digest, stamps
+from ..inputs.gate import Gate
 from ..inputs.sources import Store
 from ..models.build import build_models, model_files
 from ..models.judged import NOT_RUN, JudgedModel, Residual, hold_out_residuals
@@ -38,6 +39,7 @@ from .engine import (
     prepare,
     reduce_test,
     reduced_tests,
+    with_all_samples,
 )
 
 if TYPE_CHECKING:
@@ -161,9 +163,10 @@ def check(folder: str | Path) -> Checked:
     inputs = {"campaign.toml": campaign.sha256}
     remarks: list[Remark] = []
     problems: list[Problem] = []
+    gate = Gate()
     for number in range(len(campaign.file.tests)):
         try:
-            prepared = prepare(campaign, number)
+            prepared = prepare(campaign, number, gate=gate)
         except InertialcalError as error:
             problems += error.problems
             continue
@@ -291,6 +294,7 @@ def reduce_tests(
         With all that was refused, test by test.
     """
     tests = campaign.file.tests
+    gate = Gate()
     ready: dict[int, Prepared] = {}
     results: dict[str, Any] = {}
     problems: dict[int, tuple[Problem, ...]] = {}
@@ -300,7 +304,7 @@ def reduce_tests(
         if any(name not in results for name in test.after):
             continue  # what it comes after was refused, which says why
         try:
-            ready[number] = prepare(campaign, number, results, store)
+            ready[number] = prepare(campaign, number, results, store, gate)
             results[test.id] = reduce_test(ready[number])
         except InertialcalError as error:
             problems[number] = tuple(placed(problem, campaign, number) for problem in error.problems)
@@ -308,6 +312,7 @@ def reduce_tests(
         raise DataError(list(dict.fromkeys(problem for number in sorted(problems) for problem in problems[number])))
     prepared = [ready[number] for number in range(len(tests))]
     tested = beside_others(campaign, reduced_tests(prepared, results))
+    tested = [with_all_samples(campaign, one, each, results, store) for one, each in zip(tested, prepared, strict=True)]
     remarks = [remark.at(one.test.id) for one in tested for remark in one.remarks]
     return prepared, tested, remarks
 

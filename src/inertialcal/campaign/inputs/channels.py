@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +16,7 @@ from ...core.units import convert, convert_as_wide, kind, multiply, parse_quanti
 from ...sensors.chain.converter import Chain
 from ...sensors.ground.correction import PREDICTED
 from ...sensors.model.on_recordings import apply_chain
+from ...signals.time.samples import Flags
 from ..file.recordings import OF_CHAIN, ROLES, ChannelEntry, Clock, RecordingEntry
 from ..file.schema import Test
 from ..file.sensors import Sensor
@@ -211,6 +212,16 @@ def _turned(recording: Recording, mounting: Array, axes: tuple[str, ...], prefix
     return {prefix + axis: body[:, AXES.index(axis)].copy() for axis in axes}
 
 
+def in_windows(recording: Recording, windows: Sequence[tuple[int, int]] | None) -> Flags | None:
+    """Return which samples lie in windows; None where there are no windows, or no time in UTC."""
+    if not windows or recording.time_ns is None or recording.epoch != "utc":
+        return None
+    keep = np.zeros(len(recording), dtype=bool)
+    for start, stop in windows:
+        keep |= (recording.time_ns >= start) & (recording.time_ns < stop)
+    return keep
+
+
 def windowed(recording: Recording, test: Test) -> Recording:
     """Return the samples inside the windows of a test; all where it has none.
 
@@ -224,9 +235,8 @@ def windowed(recording: Recording, test: Test) -> Recording:
     if recording.time_ns is None or recording.epoch != "utc":
         what = f"test {test.id!r}: windows are asked for, but the recording has no time in UTC"
         raise DataError(what, recording.source.path, code="no_time")
-    keep = np.zeros(len(recording), dtype=bool)
-    for start, stop in test.windows:
-        keep |= (recording.time_ns >= start) & (recording.time_ns < stop)
+    keep = in_windows(recording, test.windows)
+    assert keep is not None  # noqa: S101 - it has time
     if not keep.any():
         raise DataError(f"test {test.id!r}: no sample is in its windows", recording.source.path, code="nothing_left")
     channels = tuple(replace(channel, data=channel.data[keep]) for channel in recording.channels)

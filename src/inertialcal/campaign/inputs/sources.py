@@ -19,20 +19,22 @@ from ...core.estimate import Array
 from ...core.influence import Standards
 from ...core.key import AXES
 from ...core.recording import Channel, Recording
+from ...core.remarks import Remark
 from ...core.unit.magnitudes import check_readings
 from ...core.units import convert, factor, kind, parse_quantity, si_unit
 from ...files import read, read_table
 from ...files.budget import ANALYSIS, AS_WIDE, claim_recording
 from ...files.source import load as load_file
 from ...files.text.table import Table
-from ...procedures.protocol import Facts, InputSpec
+from ...procedures.protocol import Exclusion, Facts, InputSpec
 from ...sensors.chain.conversion import convert as convert_counts
 from ...sensors.chain.converter import Chain
 from ..file.recordings import Clock, RecordingEntry
 from ..file.schema import Site, Test
 from ..file.sensors import Sensor
 from .chains import body_scale_factors, build_chain, scale_factors
-from .channels import TEMPERATURE, chain_of, in_body_axes, windowed
+from .channels import TEMPERATURE, chain_of, in_body_axes, in_windows, windowed
+from .gate import Gate, passed
 from .ground import ChainModel, chain_model
 
 REFERENCES = {"reference": "reference_voltage", "temperature_reference": "temperature_reference_voltage"}
@@ -140,6 +142,9 @@ class Ready:
     of_test: Test
     chain: Chain | None = None
     screening: bool = True
+    gate: Gate = field(default_factory=Gate)
+    remarks: list[Remark] = field(default_factory=list[Remark])  # Of the gate
+    exclusions: list[Exclusion] = field(default_factory=list[Exclusion])  # Of the gate
     _chosen: list[int] = field(default_factory=list[int])
     _hashes: dict[str, str] = field(default_factory=dict[str, str])
 
@@ -263,6 +268,13 @@ class Ready:
         for one in body.channels:
             if one.name in AXES:
                 check_readings(one.name, one.data, one.unit, body.place)
+        if self.screening and spec.screening != "own":
+            chosen = in_windows(body, self.of_test.windows)
+            found = passed(self.gate, self.name, entry, sensor, self.raw, body,
+                           at_rest=spec.screening == "at_rest", chosen=chosen, chain=chain)  # fmt: skip
+            body = found.recording
+            self.remarks.extend(found.remarks)
+            self.exclusions.extend(found.exclusions)
         if spec.voltages:
             body = replace(body, channels=(*body.channels, *_reference_voltages(self.raw, entry, chain)))
         return in_body_names(body, entry, sensor) if spec.by_body else body

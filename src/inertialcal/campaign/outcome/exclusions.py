@@ -46,7 +46,12 @@ def left_out(campaign: Campaign, prepared: Sequence[Prepared], tested: Sequence[
     found = []
     for one, reduced in zip(prepared, tested, strict=True):
         sensor = sensor_of(campaign, one.test)
-        mine = [*_not_chosen(one), *_by_chain(one, sensor.chain), *reduced.procedure.exclusions(reduced.tested)]
+        mine = [
+            *_not_chosen(one),
+            *_by_chain(one, sensor.chain),
+            *one.screened,
+            *reduced.procedure.exclusions(reduced.tested),
+        ]
         found += [LeftOut(one.test.id, sensor.unit, what) for what in mine]
     return found
 

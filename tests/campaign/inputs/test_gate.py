@@ -1,0 +1,79 @@
+"""The gate: samples that are no readings are left out of what a procedure sees, named and counted."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from inertialcal.campaign.file.recordings import ChannelEntry, RecordingEntry
+from inertialcal.campaign.file.sensors import Sensor
+from inertialcal.campaign.inputs import gate as module
+from inertialcal.campaign.inputs.gate import Gate, Passed, passed
+from inertialcal.core.recording import Channel, Recording, Source
+
+N = 4000
+MIXING = ((1.0, 0.0, 0.0), (0.0, 0.6, 0.8), (0.0, -0.8, 0.6))
+SENSOR = Sensor.model_validate({"kind": "gyro", "axes": ["x", "y", "z"], "unit": "rad/s", "chain": {"kind": "none"}})
+ENTRY = RecordingEntry(
+    sensor="suite", file="run1.csv", channels={axis: ChannelEntry(column=f"g{axis}", unit="rad/s") for axis in "xyz"}
+)
+
+
+def recording(names: tuple[str, ...], width: type = np.float64) -> Recording:
+    rng = np.random.default_rng(1)
+    channels = tuple(Channel(name, rng.normal(size=N).astype(width), "rad/s", "header") for name in names)
+    return Recording(channels, sample_interval=0.01, source=Source("/somewhere/run1.csv"), first_row=2)
+
+
+def seen(raw: Recording, sensor: Sensor = SENSOR, gate: Gate | None = None, **more: object) -> Passed:
+    body = Recording(
+        tuple(Channel(one.name[1], one.data, "rad/s", "header") for one in raw.channels), sample_interval=0.01
+    )
+    return passed(gate or Gate(), "first", ENTRY, sensor, raw, body, at_rest=False, **more)  # type: ignore[arg-type]
+
+
+def test_a_clean_recording_is_not_touched() -> None:
+    found = seen(recording(("gx", "gy", "gz")))
+    assert (found.remarks, found.exclusions) == ((), ())
+
+
+@pytest.mark.parametrize("width", [np.float32, np.float64])
+def test_a_glitch_is_named_and_counted_and_gone(width: type) -> None:
+    raw = recording(("gx", "gy", "gz"), width)
+    raw.channels[1].data[1234] = -32768.0
+    found = seen(raw)
+    y = found.recording.channel("y").data
+    assert (np.flatnonzero(np.isnan(y)).tolist(), y.dtype) == ([1234], width)
+    assert raw.channels[1].data[1234] == -32768.0
+    (remark,) = found.remarks
+    assert (remark.code, remark.where, remark.axis) == ("glitch", "run1.csv:1236", "y")
+    assert remark.what.startswith("recording first: gy: 1 of 4000 samples")
+    (out,) = found.exclusions
+    assert (out.rule, out.decided_by, out.count, out.counts) == ("screened", "screening: glitch", 1, "sample")
+
+
+def test_a_mounting_that_mixes_sensors_spoils_the_axes_that_it_enters() -> None:
+    raw = recording(("gx", "gy", "gz"))
+    raw.channels[1].data[7] = 1e6
+    found = seen(raw, SENSOR.model_copy(update={"mounting": MIXING}))
+    lost = {one.name: int(np.isnan(one.data).sum()) for one in found.recording.channels}
+    assert lost == {"x": 0, "y": 1, "z": 1}
+    assert [one.count for one in found.exclusions] == [1]
+
+
+def test_of_samples_that_the_test_does_not_take_nothing_is_said() -> None:
+    raw = recording(("gx", "gy", "gz"))
+    raw.channels[0].data[[10, 3000]] = 1e6
+    found = seen(raw, chosen=np.arange(N) > 2000)
+    assert [(one.where, one.count) for one in found.remarks] == [("run1.csv:3002", 1)]
+    assert [one.count for one in found.exclusions] == [1]
+
+
+def test_a_column_is_looked_through_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    looked: list[int] = []
+    screen = module.screen
+    monkeypatch.setattr(module, "screen", lambda x, at_rest: looked.append(1) or screen(x, at_rest))
+    gate = Gate()
+    for _ in range(3):
+        seen(recording(("gx", "gy", "gz")), gate=gate)
+    assert len(looked) == 3
