@@ -73,6 +73,7 @@ class Case:
     rate: float = 0.0  # samples a second
     rng_seed: int = 0
     spoiled: tuple[str, ...] = ()  # tables that a fault was put into
+    rail: float = 0.0  # what the code -32768 stands for [unit of the file]; 0: of a size in sigma
     ideal: dict[str, float] = field(default_factory=dict)  # u of the best estimate, by the noise that was drawn
 
     @property

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 FOLDER = Path(__file__).parent
-CALLERS = {"trial", "coverage", "screened"}  # these call the commands, and no simulator may import them
+CALLERS = {"trial", "gate", "coverage", "screened"}  # these call the commands, and no simulator may import them
 SIMULATORS = sorted(
     path.stem for path in FOLDER.glob("*.py") if path.stem not in CALLERS and not path.stem.startswith(("test_", "__"))
 )
@@ -35,7 +35,19 @@ def imported(path: Path) -> tuple[set[str], set[str]]:
 
 
 def test_each_simulator_is_checked() -> None:
-    assert {"case", "faults", "flip", "moved_mass", "positions", "rate_table", "static", "thermal"} <= set(SIMULATORS)
+    assert {
+        "bases",
+        "case",
+        "clean",
+        "variations",
+        "faults",
+        "flip",
+        "moved_mass",
+        "positions",
+        "rate_table",
+        "static",
+        "thermal",
+    } <= set(SIMULATORS)
 
 
 @pytest.mark.parametrize("name", SIMULATORS)
