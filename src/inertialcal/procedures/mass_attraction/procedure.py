@@ -90,6 +90,12 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
             raise DataError(f"test {sources[0].test!r}: no row belongs to its groups", code="nothing_left")
         return replace(readings_from(plan, moved), lines=tuple(lines))
 
+    def agreement(self, plan: Plan, readings: Readings) -> Sequence[Remark]:
+        """Return runs that disagree with the others, jumps, and changes of gain."""
+        from .agreement import agreement
+
+        return agreement(plan, readings)
+
     def reduce(self, plan: Plan, readings: Readings) -> Result:
         """Return the scale factor."""
         from .reduction import reduce

@@ -1,8 +1,8 @@
 """Readings of a moved-mass campaign: recordings cut into the dwells of their schedule, or runs reduced before.
 
 A sample is the mean over its averaging time (a gate, for pulses) and belongs to a dwell if all of it lies there.
-Samples within a move are left out and counted. A dwell without a sample, or with an error reading, is a gap: nothing is
-closed up, because that would shift the phase of the drive.
+Samples within a move are left out and counted. A dwell of which half of the samples or more are missing, or no
+readings, is a gap: nothing is closed up, because that would shift the phase of the drive.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from .schedule_csv import read_schedule
 
 READING, TILT, TEMPERATURE = "reading", "tilt", "temperature"
 INSIDE = 0.02  # of a dwell, by which a sample may reach beyond it: clocks of logger and mover
-HALF = 0.5  # of the samples, that may lie in no dwell
+HALF = 0.5  # of the samples, that may lie in no dwell; of those of a dwell, that must be there
 SAME = 0.01  # relative difference of gate and averaging time that rounding explains
 YES, NO = ("yes", "true", "1"), ("no", "false", "0")
 
@@ -225,12 +225,13 @@ def _clock(one: SourceMassRecording, where: str) -> tuple[Array, float]:
 
 
 def _means(values: Array, dwell: NDArray[np.int64], n: int) -> Array:
-    """Return the mean of each dwell, NaN for a dwell without samples or with an error reading."""
-    used = dwell >= 0
+    """Return the mean of each dwell by the samples that are there, NaN where that is less than half of them."""
+    inside = dwell >= 0
+    used = inside & np.isfinite(values)
     sums = np.bincount(dwell[used], values[used], n)
     count = np.bincount(dwell[used], minlength=n)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        return np.asarray(sums / count)
+    enough = count >= np.maximum(HALF * np.bincount(dwell[inside], minlength=n), 1.0)
+    return np.asarray(np.where(enough, sums / np.maximum(count, 1), np.nan))
 
 
 def run_of_rows(

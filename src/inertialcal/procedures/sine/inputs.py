@@ -90,7 +90,8 @@ def driven_by_schedule(recording: Recording, channel: Channel, schedule: Schedul
     inside = there & (own < schedule.stop[dwell] + 1e-9 * step)
     counts = np.bincount(dwell[inside], minlength=len(schedule))
     sums = np.bincount(dwell[inside], _values(channel)[inside], minlength=len(schedule))
-    read = counts > 0
+    taken = np.bincount(dwell[own < schedule.stop[dwell] + 1e-9 * step], minlength=len(schedule))
+    read = counts >= np.maximum(HALF * taken, 1.0)
     remarks = [] if read.all() else [_missing(int(np.count_nonzero(~read)), len(read), "dwells")]
     middle = 0.5 * (schedule.applied.max() + schedule.applied.min())
     shape = (schedule.applied - middle) / schedule.amplitude

@@ -1,0 +1,181 @@
+"""Runs of a moved mass against each other, and each against itself: sign, gain, phase, jumps.
+
+*Between runs.* Runs that respond unlike the others are found in two ways. The majority shows how much runs scatter
+(``statistics.agreement``), whatever makes them. And no instrument changes its scale factor by ``MUCH`` from run to run:
+a run that is so far off, and further than its noise explains, is named however few runs there are.
+
+*Phase.* The quadrature of a run against the median of the others, by its noise: a part of the response, ``MUCH`` or
+more, that comes at another time.
+
+*Inside runs.* Jumps, and changes of the response, as ``signals.sine.changes`` finds them. The mean over the runs, dwell
+by dwell, is searched for jumps too: what comes at the same dwell of every run is in none of their scatter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ...core.errors import DataError, PlanError
+from ...core.estimate import Array
+from ...core.remarks import Remark
+from ...core.show.rounding import number
+from ...signals.sine.changes import Jump, critical, cycle_amplitudes, jumps, response_changes
+from ...statistics.agreement import FALSE_ALARM, disagreeing
+from ..agreement import likely_cause
+from .plan import Plan
+from .readings import Readings, Run
+from .response import Response, response_of, response_of_line, shape_of
+
+PART = FALSE_ALARM / 6.0  # of each of the six searches
+MUCH = 0.25  # part of a response
+MEDIAN = 1.2533  # standard deviation of a median over that of the mean
+LEAST_JUMP = 0.5  # responses, from which a jump matters
+
+
+class Measured(NamedTuple):
+    """A run or recording with its response along an axis, and its file."""
+
+    name: str
+    value: float
+    u: float
+    dof: float
+    where: str
+    response: Response | None = None
+    run: Run | None = None
+
+
+def agreement(plan: Plan, readings: Readings) -> list[Remark]:
+    """Return where runs disagree with each other or with themselves."""
+    found: list[tuple[Response, str, Run | None]] = [(response_of_line(one), one.where, None) for one in readings.lines]
+    for run in readings.series:
+        try:
+            found.append((response_of(plan, run), run.where, run))
+        except (DataError, PlanError):  # the reduction says why
+            continue
+    measured = [Measured(one.name, one.scale_factor, one.u_scale_factor, one.dof, where, one, run)
+                for one, where, run in found]  # fmt: skip
+    moved = [one for one in measured if one.response is not None and one.response.moved]
+    series = [one for one in measured if one.run is not None]
+    return [
+        *unlike_others(moved, plan.axis, plan.nominal, "run"),
+        *_phases([one.response for one in moved if one.response is not None], [one.where for one in moved]),
+        *_jumps(series),
+        *_changes([one for one in moved if one.run is not None]),
+    ]
+
+
+def _against(values: Array, u: Array, k: int) -> tuple[float, float]:
+    """Return the median of all but the k-th value, and the standard uncertainty of their difference."""
+    others = np.delete(values, k)
+    rest = np.delete(u, k)
+    return float(np.median(others)), float(np.hypot(u[k], MEDIAN * np.sqrt(np.mean(rest**2) / len(rest))))
+
+
+def unlike_others(measured: Sequence[Measured], axis: str, nominal: float | None, kind: str) -> Iterator[Remark]:
+    """Yield which runs, or recordings, respond unlike the others.
+
+    Parameters
+    ----------
+    measured : sequence of Measured
+        Made alike.
+    axis : str
+        That responds.
+    nominal : float, optional
+        Of the values, which decides where no majority agrees.
+    kind : str
+        What one is called: ``"run"``.
+    """
+    n = len(measured)
+    values, u, dof = np.array([[m.value, m.u, m.dof] for m in measured]).T if n > 1 else np.empty((3, 0))
+    if n < 2 or not np.all(u > 0.0):
+        return
+    apart = disagreeing(values, u, PART)
+    limit = critical(PART / n, float(np.min(dof)))
+    for k in range(n):
+        middle, u_difference = _against(values, u, k)
+        away = abs(values[k] - middle)
+        apart[k] |= bool(away > limit * u_difference and away > MUCH * max(abs(middle), np.min(np.abs(values))))
+    split = 2 * apart.sum() >= n
+    middle = float(np.median(values if split else values[~apart]))
+    if split and nominal:  # no majority: the data sheet knows the sign
+        middle = nominal
+    for k in np.flatnonzero(apart).tolist():
+        one, ratio, noise = measured[k], values[k] / middle, u[k] / abs(middle)
+        cause = likely_cause({axis: ratio}, axis, max(MUCH, 4.0 * noise), applied="the response of the others")
+        if cause is not None and cause.code in ("sign_disagrees", "unit_disagrees"):
+            yield replace(cause.remark(f"{kind} {one.name}", one.where, axis), subject=one.name)
+            continue
+        if split and nominal and cause is None:
+            continue
+        what = f"{kind} {one.name} responds {number(ratio, 4)} times as much as the others"
+        what += "; no majority agrees" if split else ""
+        do = f"Check gain, schedule and input of this {kind}; leave it out if they are not those of the others"
+        yield Remark("gain_disagrees", "error", what, one.where, do=do, axis=axis, subject=one.name)
+
+
+def _phases(moved: Sequence[Response], where: Sequence[str]) -> Iterator[Remark]:
+    known = [(one, place) for one, place in zip(moved, where, strict=True) if one.u_quadrature > 0.0]
+    if len(known) < 2:
+        return
+    values = np.array([one.quadrature / one.applied for one, _ in known])
+    u = np.array([one.u_quadrature / one.applied for one, _ in known])
+    size = float(np.median([abs(one.scale_factor) for one, _ in known]))
+    limit = critical(PART / len(known), float(min(one.dof for one, _ in known)))
+    for k, (one, place) in enumerate(known):
+        middle, u_difference = _against(values, u, k)
+        if abs(values[k] - middle) > max(limit * u_difference, MUCH * size):
+            turn = float(np.degrees(np.arctan2(values[k], one.scale_factor)))
+            what = f"run {one.name} responds {number(turn, 3)} deg ahead of its schedule, unlike the others"
+            do = "Check begin, the clock and the schedule of this run"
+            yield Remark("recording_differs", "error", what, place, do=do, subject=one.name)
+
+
+def _jumps(series: Sequence[Measured]) -> Iterator[Remark]:
+    left = []
+    for one in series:
+        assert one.response is not None  # noqa: S101 - of a run with readings
+        assert one.response.fitted is not None  # noqa: S101
+        assert one.run is not None  # noqa: S101
+        left.append(one.response.series - one.response.fitted.amplitude * shape_of(one.run.schedule))
+    sizes = [abs(one.response.amplitude) for one in series if one.response is not None and one.response.moved]
+    response = float(np.median(sizes)) if sizes else 0.0
+
+    def matters(one: Jump | None) -> bool:
+        return one is not None and abs(one.size) > LEAST_JUMP * response
+
+    found = [(one.name, one.where, jump) for one, jump in zip(series, jumps(left, PART), strict=True) if matters(jump)]
+    if not found and len(left) > 1 and len({len(x) for x in left}) == 1:
+        every = jumps([np.asarray(np.mean(left, axis=0))], PART)[0]
+        found += [("", series[0].where, every)] if matters(every) else []
+    for name, where, jump in found:
+        assert jump is not None  # noqa: S101 - it matters
+        size = f"{number(jump.size, 3)} count/s"
+        size += f", {number(abs(jump.size) / response, 2)} times the response" if response else ""
+        what = f"{f'run {name}' if name else 'every run'}: the level jumps by {size}, before dwell {jump.at + 1}"
+        do = "Leave the run out, or cut it there: a jump that comes with the schedule is taken for a response"
+        yield Remark("jump", "error", what, where, do=do, subject=name, index=jump.at)
+
+
+def _changes(moved: Sequence[Measured]) -> Iterator[Remark]:
+    each, first = [], []
+    for one in moved:
+        assert one.response is not None  # noqa: S101 - of a run with readings
+        assert one.response.fitted is not None  # noqa: S101
+        assert one.run is not None  # noqa: S101
+        shape = shape_of(one.run.schedule)
+        cycle = np.arange(len(shape)) // one.run.schedule.samples_per_cycle
+        own, begins = cycle_amplitudes(one.response.series - one.response.fitted.drift, shape, cycle)
+        each.append(own)
+        first.append(begins)
+    for one, begins, change in zip(moved, first, response_changes(each, 2.0 * PART), strict=True):
+        if change is None or abs(change.after - change.before) <= MUCH * min(abs(change.before), abs(change.after)):
+            continue
+        dwell = int(begins[change.at])
+        what = f"run {one.name}: the response becomes {number(change.after / change.before, 3)} times what it was"
+        what += f", near dwell {dwell + 1}"
+        do = "Check gain and range of the instrument, and whether the mass still moved as it should"
+        yield Remark("scale_changed", "error", what, one.where, do=do, subject=one.name, index=dwell)

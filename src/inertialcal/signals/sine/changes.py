@@ -1,0 +1,165 @@
+"""What changes inside a record of a driven sensor: jumps of the level, and a response that is not the same throughout.
+
+*Jumps.* Means of four neighbouring windows of w readings, ``(m_3 - m_2) - (m_4 - m_1) / 3``: two thirds of a jump in
+the middle, nothing of a steady drift. Judged against its own median along all records, for each w, so that white noise
+and random walks set their own limits. What smooth drift leaves falls with the third power of w: windows half as long
+must show as large a jump. What comes back soon is none: windows twice as long must show it too.
+
+*Response.* The amplitude of each cycle, drift taken off: two parts of a record whose means differ, by the scatter of
+cycles in each.
+
+The chance of a false alarm holds for all records together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import special
+
+from ...core.estimate import Array
+
+MAD = 0.6745  # median of |x| of normal noise
+STEP_PART = 2.0 / 3.0  # of a jump, that shows
+WINDOWS = (1, 2, 4, 8)  # readings
+ROOM = 12  # windows that a record must hold
+INDEPENDENT = 0.25  # of the windows that there is room for: their median scatter counts so many
+SMOOTH = 2.5  # standard deviations by which a jump may look smaller in windows half as long
+STAYS = 0.75  # of a jump, that windows twice as long show
+FEWEST_CYCLES = 8  # of a record, in which a change of the response is looked for
+FEW = 3  # cycles of a part
+
+
+class Jump(NamedTuple):
+    """The largest jump of a record: over the limit, reading that it comes before, size."""
+
+    score: float
+    at: int
+    size: float
+
+
+class ResponseChange(NamedTuple):
+    """The largest change of a response: over the limit, first cycle of the second part, means of both parts."""
+
+    score: float
+    at: int
+    before: float
+    after: float
+
+
+def critical(chance: float, dof: float) -> float:
+    """Return what |t| exceeds with this chance."""
+    return float(-special.stdtrit(dof, 0.5 * chance)) if np.isfinite(dof) else float(-special.ndtri(0.5 * chance))
+
+
+def jumps(records: Sequence[Array], chance: float) -> list[Jump | None]:
+    """Return the largest jump of each record that noise does not explain; None where there is none.
+
+    Parameters
+    ----------
+    records : sequence of ndarray, shape (n,)
+        Evenly spaced readings without the drive; NaN for a gap.
+    chance : float
+        Of any false one.
+    """
+    contrasts = {w: [contrast(x, w) for x in records] for w in (*WINDOWS, 2 * WINDOWS[-1])}
+    found: list[Jump | None] = [None] * len(records)
+    for w in WINDOWS:
+        long_enough = [len(x) >= ROOM * w for x in records]
+        room = sum(len(x) for x, there in zip(records, long_enough, strict=True) if there)
+        every = [c for c, there in zip(contrasts[w], long_enough, strict=True) if there]
+        scale = _scale(np.concatenate([np.empty(0), *every]))
+        if not scale > 0.0:
+            continue
+        limit = critical(chance / (len(WINDOWS) * room), max(INDEPENDENT * room / w, 2.0))
+        for k, there in enumerate(long_enough):
+            own = contrasts[w][k]
+            if not there or not np.isfinite(own).any():
+                continue
+            at = int(np.nanargmax(np.abs(own)))
+            sign, size = float(np.sign(own[at])), abs(float(own[at]))
+            score = size / (limit * max(scale, _scale(own)))
+            narrow, wide = (contrasts[v][k] if v in contrasts else None for v in (w // 2, 2 * w))
+            smooth = narrow is not None and not sign * narrow[at] > size - SMOOTH * _scale(narrow)
+            back = wide is not None and sign * wide[at] < STAYS * size - SMOOTH * _scale(wide)
+            one = found[k]
+            if score > (1.0 if one is None else one.score) and not smooth and not back:
+                found[k] = Jump(score, at, sign * size / STEP_PART)
+    return found
+
+
+def contrast(x: Array, w: int) -> Array:
+    """Return the contrast of four windows of w readings around the first of the third; NaN where some lack readings."""
+    good = np.isfinite(x)
+    sums = np.concatenate([[0.0], np.cumsum(np.where(good, x, 0.0))])
+    count = np.concatenate([[0], np.cumsum(good)])
+    found = np.full(len(x), np.nan)
+    at = np.arange(2 * w, len(x) - 2 * w + 1)
+    at = at[at < len(x)]
+    number_of = [count[at + i * w] - count[at + (i - 1) * w] for i in (-1, 0, 1, 2)]
+    total = [sums[at + i * w] - sums[at + (i - 1) * w] for i in (-1, 0, 1, 2)]
+    full = np.all([n >= max(0.5 * w, 1.0) for n in number_of], axis=0)
+    a, b, c, d = (t / np.maximum(n, 1) for t, n in zip(total, number_of, strict=True))
+    found[at] = np.where(full, (c - b) - (d - a) / 3.0, np.nan)
+    return found
+
+
+def _scale(values: Array) -> float:
+    """Return the standard deviation of most values."""
+    finite = np.abs(values[np.isfinite(values)])
+    return float(np.median(finite)) / MAD if len(finite) else 0.0
+
+
+def cycle_amplitudes(rest: Array, drive: Array, cycle: NDArray[np.int64]) -> tuple[Array, NDArray[np.int64]]:
+    """Return the amplitude of each cycle that holds half of its drive or more, and the reading that it begins with.
+
+    Parameters
+    ----------
+    rest, drive : ndarray, shape (n,)
+        Readings without drift, NaN for a gap; what drives them.
+    cycle : ndarray of int, shape (n,)
+        Number of the cycle of each reading, ascending.
+    """
+    seen = np.where(np.isfinite(rest), drive, 0.0)
+    power = np.bincount(cycle, seen**2)
+    each = np.bincount(cycle, np.nan_to_num(rest) * seen) / np.where(power > 0.0, power, 1.0)
+    enough = power > 0.5 * np.median(power)
+    return each[enough], np.searchsorted(cycle, np.flatnonzero(enough)).astype(np.int64)
+
+
+def response_changes(amplitudes: Sequence[Array], chance: float) -> list[ResponseChange | None]:
+    """Return the largest change of each record's response that noise does not explain; None where there is none.
+
+    Parameters
+    ----------
+    amplitudes : sequence of ndarray, shape (m,)
+        Of the cycles of each record.
+    chance : float
+        Of any false one.
+    """
+    known = [each for each in amplitudes if len(each) >= FEWEST_CYCLES]
+    if not known:
+        return [None] * len(amplitudes)
+    usual = float(np.median([0.5 * np.mean(np.diff(each) ** 2) for each in known]))
+    dof = float(sum(len(each) - 2 for each in known))
+    limit = critical(chance / dof, dof)
+    found: list[ResponseChange | None] = []
+    for each in amplitudes:
+        m, best = len(each), None
+        if m < FEWEST_CYCLES:
+            found.append(None)
+            continue
+        k = np.arange(FEW, m - FEW + 1)
+        sums, squares = np.cumsum(each), float(np.sum(each**2))
+        before, after = sums[k - 1] / k, (sums[-1] - sums[k - 1]) / (m - k)
+        inside = np.maximum(squares - k * before**2 - (m - k) * after**2, 0.0) / (m - 2.0)
+        noise = np.sqrt(np.maximum(inside, usual) * (1.0 / k + 1.0 / (m - k)))
+        t = np.abs(after - before) / np.where(noise > 0.0, noise, np.inf)
+        j = int(np.argmax(t))
+        if t[j] > limit:
+            best = ResponseChange(float(t[j]) / limit, int(k[j]), float(before[j]), float(after[j]))
+        found.append(best)
+    return found

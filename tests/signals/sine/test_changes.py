@@ -1,0 +1,69 @@
+"""Jumps and changes of the response inside records of a driven sensor."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from inertialcal.signals.sine.changes import contrast, cycle_amplitudes, jumps, response_changes
+
+CHANCE = 5e-4
+
+
+@pytest.mark.parametrize("w", [1, 2, 4])
+def test_contrast_shows_two_thirds_of_a_jump_and_nothing_of_a_parabola(w: int) -> None:
+    at = np.arange(60.0)
+    assert contrast(np.where(at < 30, 1.0, 4.0), w)[30] == pytest.approx(2.0)
+    assert np.nanmax(np.abs(contrast(0.3 * at**2 - 5.0 * at + 2.0, w))) < 1e-9
+
+
+def test_contrast_of_a_record_shorter_than_its_windows_is_empty() -> None:
+    assert np.isnan(contrast(np.arange(7.0), 2)).all()
+    assert len(contrast(np.empty(0), 1)) == 0
+
+
+def test_an_outlier_is_no_jump_and_a_step_is() -> None:
+    rng = np.random.default_rng(1)
+    records = [rng.standard_normal(200) for _ in range(3)]
+    records[0][90] += 40.0
+    records[1][120:] -= 20.0
+    found = jumps(records, CHANCE)
+    assert found[0] is None
+    assert found[2] is None
+    assert found[1] is not None
+    assert found[1].at == 120
+    assert found[1].size == pytest.approx(-20.0, abs=3.0)
+
+
+def test_smooth_drift_is_no_jump() -> None:
+    rng = np.random.default_rng(2)
+    drift = 100.0 * np.exp(-np.arange(200) / 20.0)
+    assert jumps([drift + rng.standard_normal(200) for _ in range(3)], CHANCE) == [None] * 3
+
+
+def test_records_without_noise_or_readings_show_nothing() -> None:
+    assert jumps([np.zeros(100), np.full(100, np.nan), np.empty(0)], CHANCE) == [None] * 3
+    assert response_changes([np.zeros(20), np.empty(0)], CHANCE) == [None, None]
+    assert response_changes([], CHANCE) == []
+
+
+def test_the_response_of_each_cycle_by_the_readings_that_are_there() -> None:
+    drive = np.tile([0.0, 1.0, 0.0, -1.0], 10)
+    cycle = np.arange(40) // 4
+    rest = 3.0 * drive
+    rest[5] = np.nan  # half of its cycle
+    rest[[13, 15]] = np.nan  # all of it
+    amplitudes, first = cycle_amplitudes(rest, drive, cycle)
+    assert amplitudes == pytest.approx(3.0)
+    assert first.tolist() == [0, 8, 16, 20, 24, 28, 32, 36]
+
+
+def test_a_change_of_the_response_and_where_it_is() -> None:
+    rng = np.random.default_rng(3)
+    each = [5.0 + 0.3 * rng.standard_normal(30) for _ in range(4)]
+    each[2][18:] *= 1.5
+    found = response_changes(each, CHANCE)
+    assert [one is not None for one in found] == [False, False, True, False]
+    assert found[2] is not None
+    assert found[2].at == 18
+    assert found[2].after / found[2].before == pytest.approx(1.5, rel=0.1)
