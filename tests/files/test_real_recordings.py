@@ -53,7 +53,8 @@ def test_xsens_mti(data: Path, sensor: str) -> None:
     assert found.time.axis.duration == pytest.approx(511.688)
     assert len(found.time.axis.gaps) == 0
     np.testing.assert_array_equal(read(path).array(), expected[:, 1:])
-    assert codes(found) == {"time_unnamed", "not_at_rest"}
+    knocks = {"glitch"} if sensor == "acc" else set()  # as the unit is laid down: 4 to 9 samples, 50 times the noise
+    assert codes(found) == {"time_unnamed", "not_at_rest"} | knocks
     assert {channel.resolution for channel in found.channels} == {1.0}
     assert {hint.unit for hint in found.hints} == {"count"}
 
@@ -116,8 +117,7 @@ def test_mpu6050_as_its_author_has_it(data: Path, folder: str, sensor: str, kind
         assert channel.maximum == pytest.approx(float(row["v_max"]), rel=PRINTED)
         assert channel.mean == pytest.approx(float(row["v_mean"]), rel=PRINTED, abs=1e-7)
         assert channel.std == pytest.approx(float(row["v_std_dev"]), rel=PRINTED)
-        assert not channel.stuck
-        assert channel.rails == ()
+        assert not {"stuck", "saturated"} & {*channel.screening.codes}
     assert "stamps_in_bursts" in codes(found)
 
 

@@ -55,8 +55,7 @@ def test_a_sound_recording(file: Path) -> None:
         assert channel.mean == pytest.approx(values.mean(), abs=1e-12)
         assert channel.std == pytest.approx(values.std(ddof=1))
         assert channel.missing == 0
-        assert not channel.stuck
-        assert channel.rails == ()
+        assert channel.screening.codes == ()
     assert found.channels[0].resolution == pytest.approx(STEP)
     assert found.channels[3].resolution is None
 
@@ -151,19 +150,20 @@ def test_counts_and_temperatures_give_their_unit_away(file: Path) -> None:
     )
 
 
-def test_stuck_clipped_and_constant_channels(file: Path) -> None:
+def test_stuck_saturated_and_constant_channels(file: Path) -> None:
     columns = rest()
     columns["gyro_x"][1000:1100] = columns["gyro_x"][1000]
     columns["gyro_y"] = np.clip(columns["gyro_y"], -10.0, 25 * STEP)
     columns["gyro_z"][:] = 0.25
     found = survey(write(file, **columns, status=np.ones(N)))
     by_code = {remark.code: remark for remark in found.remarks if remark.severity == "warning"}
-    assert "'gyro_x' stays at" in by_code["stuck"].what
-    assert "for 100 samples: stuck?" in by_code["stuck"].what
+    held = f"{columns['gyro_x'][1000]:.6g}"
+    assert by_code["stuck"].what == f"'gyro_x': stuck at {held} for 100 samples in all"
     assert by_code["stuck"].where == f"{file}:1002"
-    assert by_code["clipped"].what == "'gyro_y' piles up at 0.19084: clipped?"
-    assert by_code["clipped"].where == f"{file}:{np.flatnonzero(columns['gyro_y'] == 25 * STEP)[0] + 2}"
-    assert by_code["clipped"].count == np.count_nonzero(columns["gyro_y"] == 25 * STEP)
+    ends = np.flatnonzero(columns["gyro_y"] == 25 * STEP)
+    lie = f"{len(ends)} of 4000 samples lie at the end of the range, 0.19084"
+    assert by_code["saturated"].what == f"'gyro_y': {lie}"
+    assert by_code["saturated"].where == f"{file}:{ends[0] + 2}"
     assert by_code["constant_channel"].what == "'gyro_z' is 0.25 throughout"
     status = [remark for remark in found.remarks if "'status'" in remark.what]
     assert [remark.severity for remark in status] == ["info"]
@@ -175,8 +175,7 @@ def test_places_count_the_samples_that_are_missing(file: Path) -> None:
     values[1000:1100] = ["1.11"] * 100
     (channel,) = survey(write(file, n=range(N), gyro_x=values)).channels[1:]
     assert channel.missing == 300
-    assert channel.longest_run is not None
-    assert (channel.longest_run.start, channel.longest_run.length) == (1000, 100)
+    assert channel.screening["stuck"].places.tolist() == [[1000, 1099]]
 
 
 def test_rows_with_comments_between_them_are_named_by_sample(file: Path) -> None:
@@ -187,8 +186,22 @@ def test_rows_with_comments_between_them_are_named_by_sample(file: Path) -> None
 
 def test_the_end_of_a_converter(file: Path) -> None:
     counts = RNG.normal(0, 12000, N).round().clip(-32768, 32767).astype(int)
-    (remark,) = [r for r in survey(write(file, acc_x=counts)).remarks if "32767" in r.what]
-    assert remark.what == "'acc_x' piles up at 32767, the limit of a converter: clipped?"
+    found = survey(write(file, acc_x=counts))
+    (remark,) = [r for r in found.remarks if r.code == "saturated"]
+    count = int(np.count_nonzero((counts == 32767) | (counts == -32768)))
+    assert remark.what == f"'acc_x': {count} of 4000 samples lie at the end of the range, -32768 and 32767"
+    (plain,) = (one for one in found.to_dict()["channels"][0]["findings"])
+    assert (plain["code"], plain["count"], plain["values"]) == ("saturated", count, [-32768.0, 32767.0])
+
+
+def test_a_step_a_glitch_and_a_slow_channel(file: Path) -> None:
+    """Of a sensor at rest the level is looked at, of others what is held or missing."""
+    columns = rest(20_000)
+    columns["gyro_x"][500] = -30.0
+    columns["acc_x"][9_000:] += 0.008
+    slow = np.round(np.sin(np.arange(20_000) * 3e-4) * 10)
+    found = survey(write(file, **columns, temp=slow, temperature_2=25.0 + (np.arange(20_000) > 9_000)))
+    assert {(r.code, r.subject) for r in found.remarks} == {("glitch", "gyro_x"), ("level_step", "acc_x")}
 
 
 def test_a_disturbance_is_placed_in_time(file: Path) -> None:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.influence import Influence
-from inertialcal.core.recording import SECOND, Channel, Recording
+from inertialcal.core.recording import SECOND, Channel, Recording, Source
 from inertialcal.core.remarks import Remark
 from inertialcal.core.results import Row
 from inertialcal.procedures.static_noise import reduction as noise
@@ -229,12 +229,13 @@ def test_a_stuck_stretch_is_left_out_with_its_time_row_and_unit() -> None:
     values = np.rint(white(samples=6_000) / STEP) * STEP
     whole = row_of(reduced(values), "angle_random_walk")
     values[2_000:3_000] = 7 * STEP
-    file = replace(recording(values, time_ns=stamps(6_000)), first_row=2)
+    file = replace(recording(values, time_ns=stamps(6_000)), first_row=2, source=Source("still.csv"))
     at_rest = noise.AtRest(file, {"x": "gx"}, name="r", shown="deg/s")
     for plan, fate in ((GYRO, "left out"), (replace(GYRO, disturbed="keep"), "kept in")):
         found = noise.reduce(plan, noise.readings_from(plan, [at_rest]))
         remark = told(found, "stuck")
-        assert remark.what.startswith("x: stuck at 0.020054 deg/s from 40 s to 59.98 s (row 2002): 1000 of 6000 ")
+        assert remark.what == f"x: stuck at 0.020054 deg/s for 20 s in all; {fate}"
+        assert remark.where == "still.csv:2002"
         assert remark.what.endswith(fate)
         walk = row_of(found, "angle_random_walk")
         if fate == "left out":
@@ -246,20 +247,22 @@ def test_a_stuck_stretch_is_left_out_with_its_time_row_and_unit() -> None:
             assert any("in doubt: stuck samples were kept in" in said for _, said in found.sentences())
 
 
-def test_saturated_samples_are_left_out_and_told_in_one_line() -> None:
+def test_saturated_samples_are_left_out_and_counted() -> None:
     values = np.clip(np.rint(white(samples=6_000) / STEP) * STEP, -1e-3, 1.2e-3)
     channels = tuple(Channel(f"g{axis}", values, "rad/s", "header", axis, "gyro") for axis in "xy")
     file = Recording(channels, stamps(6_000), 0.02, interval_from="column", time_column="t")
     at_rest = noise.AtRest(file, {"x": "gx", "y": "gy"}, name="r")
     readings = noise.readings_from(GYRO, [at_rest])
-    (remark,) = (one for one in readings.remarks if one.code == "saturated")
-    low, high = (int(np.count_nonzero(values == end)) for end in (values.min(), values.max()))
-    assert f"x {low + high} at -0.001 rad/s and 0.0012 rad/s, y {low + high} at" in remark.what
-    assert {(one.axis, one.code, one.count) for one in readings.records[0].faults} == {
-        ("x", "saturated", low + high), ("y", "saturated", low + high)
-    }  # fmt: skip
-    assert int(np.count_nonzero(~readings.records[0].there("x"))) == low + high
+    x, y = (one for one in readings.remarks if one.code == "saturated")
+    count = sum(int(np.count_nonzero(values == end)) for end in (values.min(), values.max()))
+    ends = "at the end of the range, -0.001 rad/s and 0.0012 rad/s; left out"
+    assert (x.what, y.what) == tuple(f"{axis}: {count} of 6000 samples lie {ends}" for axis in "xy")
+    run = readings.records[0]
+    assert run.bad == {axis: {"saturated": count} for axis in "xy"}
+    assert int(np.count_nonzero(~run.there("x"))) == count
     assert "cut at the end of the range" in noise.reduce(GYRO, readings).doubt("x")
+    (kept,) = noise.readings_from(GYRO, [replace(at_rest, screening=False)]).records
+    assert kept.there("x").all()
 
 
 @pytest.mark.parametrize("off", [1.0, 1.0 + 1e-5, 1.0 - 1e-5, 1.0 + 1e-4, 1.0 - 1e-4])

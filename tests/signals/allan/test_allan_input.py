@@ -9,7 +9,7 @@ import pytest
 
 from inertialcal.core.errors import DataError, InertialcalError, PlanError
 from inertialcal.core.recording import SECOND
-from inertialcal.signals.allan import Deviation, allan, code_remarks, on_grid, prefix
+from inertialcal.signals.allan import Deviation, allan, on_grid, prefix
 from inertialcal.signals.allan.prefix import give_back, phase_of
 
 RNG = np.random.default_rng
@@ -89,19 +89,6 @@ def test_three_seconds_are_remarked() -> None:
     assert "too_short" in codes(found)
     assert found.tau[-1] <= 1.0
     assert "too_short" not in codes(allan(WHITE, 0.01, quantity="rate"))
-
-
-def test_codes_that_are_stuck_or_saturated() -> None:
-    counts = np.rint(30.0 * RNG(2).normal(size=5000)).astype(np.int16)
-    assert code_remarks(counts, "x") == ()
-    stuck = counts.copy()
-    stuck[1000:1500] = 5
-    assert [remark.code for remark in code_remarks(stuck, "x")] == ["stuck"]
-    clipped = np.clip(counts, -40, 1000)
-    (remark,) = code_remarks(clipped, "x")
-    assert remark.code == "saturated"
-    assert "end of the range, -40" in remark.what
-    assert code_remarks(np.full(10, 3.0), "x") == ()
 
 
 # Averaging times

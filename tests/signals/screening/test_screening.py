@@ -166,6 +166,25 @@ def test_a_stretch_that_is_stuck_is_the_stretch() -> None:
     assert (stuck.first, stuck.last) == pytest.approx((5000, 5399), abs=2)
 
 
+def test_the_end_of_a_converter_shows_from_two_samples() -> None:
+    codes = rng(5).normal(0, 9000, 5000).round().astype(np.int64)
+    codes = codes[np.abs(codes) < 32767]
+    codes[[10, 20]] = 32767
+    found = screen(codes, at_rest=False)
+    assert found.codes == ("saturated",)
+    assert (found["saturated"].value.tolist(), found["saturated"].count) == ([32767.0, 32767.0], 2)
+
+
+def test_noise_switches_settings_and_slow_channels_hold_nothing() -> None:
+    draw = rng(6)
+    levels = np.repeat([0.0, 1.5, -1.5, 3.0, -3.0, 4.5, -4.5, 0.0], 30)
+    slow = np.round(np.sin(np.arange(20_000) * 3e-4) * 10 + draw.normal(0, 0.05, 20_000))
+    settings = np.concatenate([levels, np.linspace(-4, 4, 23)])
+    coarse = np.rint(0.3 * draw.normal(size=20_000) + 0.2)
+    for x in (draw.normal(0, 5, 5000).round(), draw.integers(0, 2, 500), settings, slow, coarse):
+        assert not {"saturated", "stuck"} & {*screen(x, at_rest=False).codes}
+
+
 def test_a_constant_channel_is_stuck() -> None:
     for x in (np.full(5000, 1.5), np.zeros(5000, dtype=np.int32)):
         assert screen(x).codes == ("stuck",)

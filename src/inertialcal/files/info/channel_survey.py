@@ -1,4 +1,4 @@
-"""Survey of one channel: range, scatter, resolution step, stuck and clipped samples, missing values."""
+"""Survey of one channel: range, scatter, resolution step, missing values, findings of the screening; unit hints."""
 
 from __future__ import annotations
 
@@ -6,14 +6,22 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from statistics import median
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...core.recording import Channel, Recording
 from ...core.remarks import Remark, Severity
 from ...core.results import finite
-from ...signals.codes import Rail, Run, is_stuck, levels_of, longest_run, rails, resolution
+from ...core.show.rounding import number
+from ...signals.codes import levels_of, resolution
+from ...signals.screening.remarks import remarks_of
+from ...signals.screening.screen import Finding, Screening, screen
 
+NOT_SCREENED = Screening((), 0, 0.0, 0.0)
+ANY_CHANNEL = ("repeated", "missing")  # findings that mean something for any channel
+CHANGES = ("level_step", "noise_change", "slow_wave")  # findings that have no samples to count
 NO_CODES = ("index", "time", "status")  # quantities that may repeat or run through their values
 CELSIUS, KELVIN = (-60.0, 130.0), (213.0, 403.0)  # usual range of a sensor
 
@@ -35,10 +43,7 @@ class ChannelSurvey:
     mean: float | None = None  # In the unit of the channel; None where there is no number
     std: float | None = None  # In the unit of the channel; None where there is no number
     resolution: float | None = None  # Step of which all differences are whole multiples
-    longest_run: Run | None = None  # Longest stretch of equal values
-    stuck: bool = False  # Whether it is far longer than the other stretches explain; a constant channel is stuck
-    rails: tuple[Rail, ...] = ()  # Extremes at which samples pile up
-    rails_at: tuple[int, ...] = ()  # Index of the first sample of each
+    screening: Screening = NOT_SCREENED  # What its samples show
 
     @property
     def is_constant(self) -> bool:
@@ -47,17 +52,15 @@ class ChannelSurvey:
 
     @property
     def notes(self) -> str:
-        """What is odd about the channel: constant, stuck, at its rails."""
-        found = []
+        """What is odd about the channel: constant, or how many samples are of which kind."""
         if self.is_constant:
-            found.append("constant")
-        elif self.stuck and self.longest_run is not None:
-            found.append(f"stuck for {self.longest_run.length}")
-        return ", ".join([*found, *(f"{rail.count} at {rail.value:g}" for rail in self.rails)])
+            return "constant"
+        shown = (one for one in self.screening.findings if one.code not in ("missing", *CHANGES))
+        counts = [f"{one.count} {one.code.replace('_', ' ')}" for one in shown]
+        return ", ".join([*counts, *(code.replace("_", " ") for code in CHANGES if code in self.screening)])
 
     def to_dict(self) -> dict[str, object]:
         """Return plain values, for ``--json``."""
-        run = self.longest_run
         return {
             "name": self.name,
             "axis": self.axis,
@@ -71,26 +74,21 @@ class ChannelSurvey:
             "mean": finite(self.mean),
             "std": finite(self.std),
             "resolution": finite(self.resolution),
-            "longest_run": None if run is None else {"start": run.start, "length": run.length},
-            "stuck": self.stuck,
-            "clipped": [{"value": rail.value, "count": rail.count} for rail in self.rails],
+            "findings": [_plain(one) for one in self.screening.findings],
         }
 
 
 def survey_channel(channel: Channel) -> ChannelSurvey:
-    """Return what a channel holds."""
-    index = np.flatnonzero(np.isfinite(channel.data))
-    numbers = channel.data[index]
+    """Return what a channel holds, before it is screened."""
+    numbers = channel.data[np.isfinite(channel.data)]
     said = (channel.name, channel.axis, channel.quantity, channel.unit, channel.unit_from)
     dtype, missing = str(channel.data.dtype), len(channel.data) - len(numbers)
     if not len(numbers):
         return ChannelSurvey(*said, dtype, len(channel.data), missing)
     levels = levels_of(numbers)
-    with_codes = channel.quantity not in NO_CODES
     values = numbers.astype(np.float64)
     with np.errstate(over="ignore", invalid="ignore"):  # values near the end of float64
         mean, std = float(values.mean()), float(values.std(ddof=1)) if len(values) > 1 else None
-    run, piles = longest_run(numbers), rails(levels) if with_codes else ()
     return ChannelSurvey(
         *said,
         dtype,
@@ -101,11 +99,15 @@ def survey_channel(channel: Channel) -> ChannelSurvey:
         mean=mean,
         std=std,
         resolution=resolution(levels),
-        longest_run=replace(run, start=int(index[run.start])),
-        stuck=with_codes and is_stuck(numbers),
-        rails=piles,
-        rails_at=tuple(int(index[np.argmax(values == pile.value)]) for pile in piles),
     )
+
+
+def screened(survey: ChannelSurvey, data: NDArray[Any], at_rest: bool) -> ChannelSurvey:
+    """Return the survey of a channel with what its samples show, of those that mean something for its quantity."""
+    found = screen(data, at_rest)
+    if survey.quantity in NO_CODES:
+        found = replace(found, findings=tuple(one for one in found.findings if one.code in ANY_CHANNEL))
+    return replace(survey, screening=found)
 
 
 def channel_remarks(survey: ChannelSurvey, place: Callable[[int], str]) -> tuple[Remark, ...]:
@@ -118,22 +120,29 @@ def channel_remarks(survey: ChannelSurvey, place: Callable[[int], str]) -> tuple
     place : callable
         Gives ``file:row`` of a sample.
     """
-    remarks = []
-    run = survey.longest_run
     if survey.is_constant:
         severity: Severity = "info" if survey.quantity in NO_CODES else "warning"
         what = f"{survey.name!r} is {survey.minimum:g} throughout"
-        remarks.append(Remark("constant_channel", severity, what, place(0), subject=survey.name))
-    elif survey.stuck and run is not None:
-        what = f"{survey.name!r} stays at {run.value:g} for {run.length} samples: stuck?"
-        do = "Leave that section out, or record again"
-        remarks.append(Remark("stuck", "warning", what, place(run.start), do=do, subject=survey.name))
-    for rail, first in zip(survey.rails, survey.rails_at, strict=True):
-        code = ", the limit of a converter" if rail.is_code else ""
-        what = f"{survey.name!r} piles up at {rail.value:g}{code}: clipped?"
-        do = "Record with a larger range"
-        remarks.append(Remark("clipped", "warning", what, place(first), rail.count, do, subject=survey.name))
-    return tuple(remarks)
+        return (Remark("constant_channel", severity, what, place(0), subject=survey.name),)
+
+    def shown(value: float) -> str:
+        return f"{number(value)} {survey.unit or ''}".rstrip()
+
+    found = remarks_of(survey.screening, repr(survey.name), place, shown)
+    return tuple(replace(one, subject=survey.name) for one in found if one.code != "missing")
+
+
+def _plain(one: Finding) -> dict[str, object]:
+    """Return a finding for ``--json``: the values are those that are held."""
+    held = one.value if one.code in ("saturated", "stuck") else one.value[:0]
+    return {
+        "code": one.code,
+        "count": one.count,
+        "places": len(one.places),
+        "first": one.first,
+        "last": one.last,
+        "values": np.unique(held).tolist(),
+    }
 
 
 GYRO_STEPS = (  # [deg/s]
@@ -246,4 +255,4 @@ def _unnamed_hint(survey: ChannelSurvey) -> list[Hint]:
         if found:
             return [Hint(survey.name, "deg/s", f"step {survey.resolution:.6g}, as {found}")]
     counts = _counts(survey.name, [survey])
-    return [counts] if counts and survey.longest_run and survey.resolution else []
+    return [counts] if counts and survey.resolution else []

@@ -100,6 +100,12 @@ UNNAMED = re.compile(r"(?:.*_)?[0-9]+")  # column_3, accelBuffer_2
 MOST = 3  # stretches of disturbance; with more of them the sensor is not at rest
 
 
+def is_sensed(channel: Channel) -> bool:
+    """Whether a channel is a gyro's or an accelerometer's, or may be one."""
+    unsaid = channel.quantity == "" and (channel.axis or UNNAMED.fullmatch(channel.name))
+    return channel.quantity in SENSED or bool(unsaid)
+
+
 def motion_remarks(recording: Recording, surveys: Sequence[ChannelSurvey]) -> tuple[Remark, ...]:
     """Return one remark on motion or disturbance, or none.
 
@@ -112,9 +118,8 @@ def motion_remarks(recording: Recording, surveys: Sequence[ChannelSurvey]) -> tu
     """
     found: dict[str, Stillness] = {}
     for channel, survey in zip(recording.channels, surveys, strict=True):
-        unsaid = channel.quantity == "" and (channel.axis or UNNAMED.fullmatch(channel.name))
         beyond = max(abs(survey.minimum or 0.0), abs(survey.maximum or 0.0)) > LARGEST  # its square is no number
-        if (channel.quantity not in SENSED and not unsaid) or survey.missing or survey.is_constant or beyond:
+        if not is_sensed(channel) or survey.missing or survey.is_constant or beyond:
             continue
         judged = judge(channel.data.astype(np.float64), survey.resolution or 0.0)
         if judged is not None:

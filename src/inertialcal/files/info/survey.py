@@ -16,8 +16,8 @@ from ...core.show.tables import Block, Table, ending, html, text
 from ...signals.time.time_axis import TimeAxis, analyse
 from ..budget import SURVEY, claim_recording
 from ..time.stamps import time_remarks
-from .channel_survey import ChannelSurvey, Hint, channel_remarks, survey_channel, unit_hints
-from .motion import motion_remarks
+from .channel_survey import ChannelSurvey, Hint, channel_remarks, screened, survey_channel, unit_hints
+from .motion import is_sensed, motion_remarks
 
 HEADS = ("channel", "axis", "what", "unit", "min", "max", "mean", "std", "missing", "")
 
@@ -173,6 +173,12 @@ def survey_recording(recording: Recording) -> Survey:
     """
     claim_recording(recording, SURVEY)
     channels = tuple(survey_channel(channel) for channel in recording.channels)
+    motion = motion_remarks(recording, channels)
+    at_rest = not any(remark.code == "not_at_rest" for remark in motion)
+    channels = tuple(
+        screened(survey, channel.data, at_rest and is_sensed(channel))
+        for survey, channel in zip(channels, recording.channels, strict=True)
+    )
     path, first = recording.source.path, recording.first_row
 
     def place(index: int) -> str:
@@ -185,7 +191,7 @@ def survey_recording(recording: Recording) -> Survey:
             *recording.remarks,
             *time_remarks(recording),
             *(remark for channel in channels for remark in channel_remarks(channel, place)),
-            *motion_remarks(recording, channels),
+            *motion,
         )
     )
     return Survey(

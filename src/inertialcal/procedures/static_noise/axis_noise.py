@@ -6,7 +6,7 @@ Drift stays in: how much of a warm-up to leave out is the user's choice.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,17 +14,19 @@ from numpy.typing import NDArray
 
 from ...core.errors import DataError, Problem
 from ...core.estimate import Array
+from ...core.key import Reason
 from ...core.remarks import Remark
 from ...core.show.rounding import number
 from ...core.units import factor
 from ...sensors.noise.fitting.estimator import fit
 from ...sensors.noise.fitting.noise_fit import DOUBTS, NoiseFit, duration
 from ...sensors.noise.fitting.problem import run_of
-from ...sensors.noise.terms import Term, sample_unit
+from ...sensors.noise.terms import Sinusoid, Term, sample_unit
 from ...signals.allan import Allan, allan
 from ...signals.codes import coarse_steps
 from ...signals.names import Deviation
-from ...signals.record_quality import BadSegment, record_quality
+from ...signals.record_quality import record_quality
+from ...signals.segmentation.stillness import Disturbance
 from ...signals.spectrum.allan_check import Agreement, compare_allan
 from ...signals.spectrum.density import Spectrum
 from ...signals.spectrum.lines import Line, Lines, find_lines
@@ -36,6 +38,19 @@ FITTED: Deviation = "overlapping"  # that the terms are fitted to
 INTERVAL = 0.95  # of the deviations
 UNITS = {"gyro": "rad/s", "accelerometer": "m/s^2"}
 CUT = 1e-3  # share of samples at the end of the range from which the noise that is left is no longer whole
+KEPT = {
+    "glitch": "glitches", "disturbed": "disturbances", "saturated": "saturated samples", "stuck": "stuck samples",
+    "repeated": "repeated samples",
+}  # fmt: skip
+SPOILED = {
+    "repeated_samples": "samples are saved twice, in place of the next",
+    "noise_change": "the noise changes within the record",
+}  # what changes all terms
+SLOW = {
+    "level_step": "the level steps within the record: that feigns slow terms",
+    "slow_wave": "a slow wave runs through the record: that feigns slow terms",
+}  # what changes terms of long averaging times
+FAST = ("quantization", "random_walk")  # terms that it does not
 LEVELS = {"gyro": ("rad/s", "deg/h"), "accelerometer": ("m/s^2", "ug")}  # inside, and as people say a drift of bias
 FEWEST = 200  # samples from which disturbances are looked for
 LISTED = 3  # stretches that are named
@@ -78,8 +93,14 @@ class AxisNoise:
 
     @property
     def terms(self) -> tuple[Term, ...]:
-        """Terms that were found, SI."""
-        return () if self.fit is None else self.fit.terms
+        """Terms that were found, SI; slow ones only where nothing feigns them."""
+        found = () if self.fit is None else self.fit.terms
+        return tuple(term for term in found if term.name in (*FAST, Sinusoid.name) or not self.slow_fault)
+
+    @property
+    def slow_fault(self) -> Reason:
+        """Why slow terms of all records together are not to be told; empty where nothing speaks against them."""
+        return next(filter(None, (slow_fault_of(record.run, self.axis) for record in self.records)), Reason())
 
     @property
     def doubt(self) -> str:
@@ -232,13 +253,21 @@ def doubt_of(found: NoiseFit | None) -> str:
 
 
 def fault_of(run: Run, axis: str) -> str:
-    """Return what samples that are no readings make of the figures: stuck ones that were kept, too many cut ones."""
-    for one in run.faults:
-        if one.axis == axis and one.code == "stuck" and not one.left_out:
-            return "stuck samples were kept in"
-        if one.axis == axis and one.code == "saturated" and one.count > CUT * len(run):
-            return "its noise is cut at the end of the range"
-    return ""
+    """Return what the screening of a record speaks against its figures: what was kept in, cut, repeated or changed."""
+    bad = run.bad.get(axis, {})
+    kept = [] if run.screened else [KEPT[code] for code in bad if code in KEPT]
+    if kept:
+        return f"{' and '.join(kept)} were kept in"
+    if bad.get("saturated", 0) > CUT * len(run):
+        return "its noise is cut at the end of the range"
+    found = run.found.get(axis, ())
+    return next((said for code, said in SPOILED.items() if code in found), "")
+
+
+def slow_fault_of(run: Run, axis: str) -> Reason:
+    """Return why terms of long averaging times cannot be told from a record: a step or a wave feigns them."""
+    found = run.found.get(axis, ())
+    return next((Reason(code, said) for code, said in SLOW.items() if code in found), Reason())
 
 
 @dataclass(frozen=True, eq=False)
@@ -246,7 +275,7 @@ class Looked:
     """One record of one axis, looked through."""
 
     rates: Array  # shape (n,): SI; NaN where a sample is missing or left out
-    bad: tuple[BadSegment, ...]  # Disturbances
+    disturbed: tuple[Disturbance, ...]  # In order
     left_out: int  # Samples left out for them
     remarks: tuple[Remark, ...]  # What is suspicious
 
@@ -254,28 +283,28 @@ class Looked:
 def looked_through(plan: Plan, run: Run, axis: str) -> Looked:
     """Return the samples of one axis as rates, without its disturbances."""
     rates = run.rates(axis)
+    left_out = run.bad.get(axis, {}).get("disturbed", 0) if run.screened else 0
     if np.count_nonzero(np.isfinite(rates)) < FEWEST:
-        return Looked(rates, (), 0, ())
+        return Looked(rates, (*_far(run, axis),), left_out, ())
     quality = record_quality(rates, run.interval)
-    bad = tuple(one for one in quality.bad if one.axis == 0)
-    left_out = 0
-    if plan.disturbed == "leave_out":
+    if run.screened and plan.disturbed == "leave_out" and quality.disturbances:
         before = int(np.count_nonzero(np.isfinite(rates)))
-        rates = quality.cleaned()[:, 0] if bad else rates
-        left_out = before - int(np.count_nonzero(np.isfinite(rates)))
+        rates = quality.cleaned()
+        left_out += before - int(np.count_nonzero(np.isfinite(rates)))
     remarks = []
-    if quality.moving:
+    if not quality.at_rest:
         what = f"{axis}: not at rest, or its level steps: these terms are those of the motion"
         do = "Record the sensor standing still, or choose a part at rest"
         remarks.append(Remark("not_at_rest", "warning", what, do=do))
-    if bad:
-        spans = [f"{number(run.time(one.first), 6)} .. {number(run.time(one.last), 6)} s" for one in bad[:LISTED]]
-        spans += ["..."] if len(bad) > LISTED else []
-        worst = number(max(one.peak for one in bad), 3)
+    disturbed = tuple(sorted((*_far(run, axis), *quality.disturbances), key=lambda one: one.first))
+    if disturbed:
+        spans = [f"{number(run.time(one.first), 6)} .. {number(run.time(one.last), 6)} s" for one in disturbed[:LISTED]]
+        spans += ["..."] if len(disturbed) > LISTED else []
+        worst = number(max(one.peak for one in disturbed), 3)
         fate = f"excluded: {left_out} of {len(run)} samples" if left_out else "kept in"
         what = f"{axis}: disturbed at {', '.join(spans)}, by up to {worst} times the noise; {fate}"
         do = "" if left_out else "Exclude them, or record again undisturbed"
-        remarks.append(Remark("disturbed", "warning", what, count=len(bad), do=do))
+        remarks.append(Remark("disturbed", "warning", what, count=len(disturbed), do=do))
     times, unit = 1.0, plan.unit or "file units"
     if plan.kind is not None:
         inside, unit = LEVELS[plan.kind]
@@ -283,7 +312,16 @@ def looked_through(plan: Plan, run: Run, axis: str) -> Looked:
     third = f"the first {duration(run.length / 3.0)}"
     remarks += [one.remark(axis, times, unit, third) for one in quality.drifts if one.significant]
     remarks += coarse_steps(rates, axis)
-    return Looked(rates, bad, left_out, tuple(remarks))
+    return Looked(rates, disturbed, left_out, tuple(remarks))
+
+
+def _far(run: Run, axis: str) -> Iterator[Disturbance]:
+    """Yield the disturbances that the screening found."""
+    found = run.found.get(axis, ())
+    if "disturbed" in found:
+        one = run.found[axis]["disturbed"]
+        for (first, last), size in zip(one.places.tolist(), one.size.tolist(), strict=True):
+            yield Disturbance(first, last, abs(size))
 
 
 @dataclass(frozen=True, eq=False)

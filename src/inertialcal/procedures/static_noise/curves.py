@@ -110,7 +110,7 @@ def _terms(result: Result, one: AxisNoise, fit: NoiseFit) -> list[Curve]:
     m = np.unique(np.rint(np.geomspace(first, last, count)))
     tau = Column(m * record.run.interval, "s")
     columns, lines = {"tau": tau}, []
-    for term in fit.terms:
+    for term in one.terms:
         deviation = Column(_deviation(result, (term,), m, record), unit)
         if isinstance(term, Sinusoid):
             frequency = Column(np.full(len(m), term.frequency), "Hz")

@@ -33,7 +33,10 @@ if TYPE_CHECKING:
     from .readings import Readings
     from .reduction import Result
 
-NO_READINGS = {"stuck": "one value repeated for too long", "saturated": "at the end of the range"}
+NO_READINGS = {
+    "glitch": "far from their neighbours", "saturated": "at the end of the range", "repeated": "copies of earlier ones",
+    "stuck": "one value repeated for too long",
+}  # fmt: skip
 
 
 class StaticNoise(Procedure[Plan, "Readings", "Result"]):
@@ -81,7 +84,8 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
             shown = "" if added else source.facts.unit
             for label, one in source.recordings():
                 channels = {axis: axis for axis in AXES if axis in one.names}
-                found.append(AtRest(one, channels, quantity=added or "rate", name=label, shown=shown))
+                samples: Any = added or "rate"
+                found.append(AtRest(one, channels, samples, label, shown, source.screening))
         readings = readings_from(plan, found)
         check(plan, readings)
         return readings
@@ -108,12 +112,12 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
             if record.warm_up:
                 decided = f"campaign: warm_up = {test.plan.warm_up:g} s"
                 yield Exclusion("warm_up", decided, "the warm-up", record.name, count=record.warm_up, counts="sample")
-            for fault in (one for one in record.faults if one.left_out):
-                reason = NO_READINGS[fault.code]
-                yield Exclusion(fault.code, disturbed, reason, record.name, fault.axis, fault.count, "sample")
+            for name, counts in record.bad.items() if record.screened else ():
+                for code in (code for code in NO_READINGS if counts.get(code)):
+                    yield Exclusion(code, disturbed, NO_READINGS[code], record.name, name, counts[code], "sample")
         for axis in test.result.axes:
             for found in (one for one in axis.records if one.looked.left_out):
-                reason = f"disturbances at {len(found.looked.bad)} place(s)"
+                reason = f"disturbances at {len(found.looked.disturbed)} place(s)"
                 count = found.looked.left_out
                 yield Exclusion("disturbed", disturbed, reason, found.run.name, axis.axis, count, "sample")
 

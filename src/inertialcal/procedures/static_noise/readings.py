@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, Literal
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,17 +15,8 @@ from ...core.remarks import Remark
 from ...sensors.noise.simulate import simulate as samples_of
 from ...sensors.noise.terms import Term
 from ...signals.names import Quantity
+from ...signals.screening.screen import Screening
 from .plan import Plan
-
-
-@dataclass(frozen=True)
-class Fault:
-    """Samples of one axis of a record that are no readings."""
-
-    axis: str  # Which
-    code: Literal["stuck", "saturated"]  # Why they are none
-    count: int  # How many
-    left_out: bool  # Whether they are left out, or kept as the plan says
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +34,10 @@ class Run:
     # shape (n,): Time of each sample since the first of the recording [s], for messages; None where samples are
     # counted
     clock: Array | None = None
-    faults: tuple[Fault, ...] = ()  # Samples that are no readings
+    found: Mapping[str, Screening] = field(default_factory=dict[str, Screening])  # What axes show, where they do
+    # Samples of an axis that are no readings, by code: left out of ``present``, or kept where ``screened`` is False
+    bad: Mapping[str, Mapping[str, int]] = field(default_factory=dict[str, Mapping[str, int]])
+    screened: bool = True  # Whether samples that are no readings, and disturbances, are left out
 
     def __len__(self) -> int:
         return len(next(iter(self.values.values())))
@@ -55,8 +49,9 @@ class Run:
         return found if given is None else found & given
 
     def left_out(self, axis: str) -> int:
-        """Return how many samples of an axis are left out, since they are no readings."""
-        return sum(one.count for one in self.faults if one.axis == axis and one.left_out)
+        """Return how many samples of an axis are left out, since they are no readings; but disturbances."""
+        bad = self.bad.get(axis, {}) if self.screened else {}
+        return sum(count for code, count in bad.items() if code != "disturbed")
 
     def time(self, sample: int) -> float:
         """Return when a sample was taken, since the first of the recording, warm-up included [s]."""
@@ -116,6 +111,7 @@ class AtRest:
     quantity: Quantity = "rate"  # What its samples are
     name: str = ""  # For messages; its file where not given
     shown: str = ""  # Unit that samples are told in; that of the channel where not given
+    screening: bool = True  # Whether samples that are no readings are left out
 
     @property
     def place(self) -> str:

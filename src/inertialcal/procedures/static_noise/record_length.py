@@ -14,7 +14,7 @@ from ...core.errors import InertialcalError
 from ...sensors.noise.fitting.noise_fit import TermEstimate, duration
 from ...sensors.noise.planner import plan_record
 from ...sensors.noise.terms import Sinusoid
-from .axis_noise import AxisNoise
+from .axis_noise import FAST, AxisNoise
 from .plan import Plan
 
 
@@ -39,7 +39,8 @@ def reaches(plan: Plan, found: AxisNoise) -> tuple[Reach, ...]:
     if found.fit is None:
         return ()
     record = max(one.run.length for one in found.records)
-    return tuple(_reach(plan, found, term, record) for term in found.fit.found if term.name != Sinusoid.name)
+    known = (term for term in found.fit.found if term.name in FAST or not found.slow_fault)
+    return tuple(_reach(plan, found, term, record) for term in known if term.name != Sinusoid.name)
 
 
 def _reach(plan: Plan, found: AxisNoise, term: TermEstimate, record: float) -> Reach:

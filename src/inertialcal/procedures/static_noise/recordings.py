@@ -21,11 +21,12 @@ from ...core.remarks import Remark, gather
 from ...core.show.rounding import number
 from ...core.units import factor
 from ...signals.allan import on_grid
-from ...signals.codes import levels_of, rails
-from ...signals.record_quality import BadSegment, stuck_stretches
+from ...signals.record_quality import record_quality
+from ...signals.screening.remarks import remarks_of
+from ...signals.screening.screen import NO_READINGS, Screening, screen
 from ...signals.time.time_axis import TimeAxis, analyse
 from .plan import Plan
-from .readings import AtRest, Fault, Readings, Run
+from .readings import AtRest, Readings, Run
 
 LARGEST = 1e60  # reading: beyond it fourth powers overflow
 FLAG = "flag"  # where the sample interval comes from, when the user said it
@@ -34,8 +35,8 @@ AGREES = 0.01  # relative difference of intervals that is passed over
 NO_GAP = 1.4  # sample intervals: a longer step is a gap
 FEWEST = 2  # samples of a record
 SAME_TIME = 1e-3  # relative difference of averaging time and sample interval that is that of two clocks
-LISTED = 3  # stretches of an axis that are named
-Mask = NDArray[np.bool_]
+CHANGES = ("level_step", "noise_change", "slow_wave")  # findings about the record as a whole
+SAID_ELSEWHERE = ("missing", "disturbed")  # findings: with the gaps of the curve, and with other disturbances
 
 
 def readings_from(plan: Plan, recordings: Sequence[AtRest]) -> Readings:
@@ -100,9 +101,8 @@ def _run(plan: Plan, one: AtRest) -> tuple[Run, list[Remark]]:
         skipped,
         None if grid.clock is None else grid.clock[len(one.recording) - len(next(iter(values.values()))) + skipped :],
     )
-    run, bad = without_faults(
-        plan, run, {axis: _shown_sample(one, axis, present.get(axis), skipped) for axis in values}
-    )
+    shown = {axis: _shown_sample(one, axis, present.get(axis), skipped) for axis in values}
+    run, bad = screened(plan, run, shown, one.screening)
     return run, [*remarks, *bad]
 
 
@@ -128,14 +128,14 @@ def _samples(one: AtRest, name: str, grid: Grid) -> tuple[NDArray[Any], NDArray[
 
 def _shown_sample(one: AtRest, axis: str, present: NDArray[np.bool_] | None, skipped: int) -> ShownSample:
     """Return how samples of an axis are shown: in which unit, and at which row of the file."""
-    channel, first = one.recording.channel(one.channels[axis]), one.recording.first_row
+    channel = one.recording.channel(one.channels[axis])
     own, shown = channel.unit or "", one.shown or channel.unit or ""
 
-    def row(sample: int) -> int:
+    def place(sample: int) -> str:
         at = skipped + sample
-        return first + (at if present is None else int(np.count_nonzero(present[:at]))) if first else 0
+        return one.recording.place(at if present is None else int(np.count_nonzero(present[:at])))
 
-    return ShownSample(factor(own, shown) if own and shown else 1.0, shown, row)
+    return ShownSample(factor(own, shown) if own and shown else 1.0, shown, place)
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,77 +236,63 @@ class ShownSample:
 
     times: float  # What a value is multiplied by
     unit: str  # Of the product; empty where nobody said
-    row: Callable[[int], int]  # Gives the row of the file of a sample; 0 where it has none
+    place: Callable[[int], str]  # Gives ``file:row`` of a sample
 
     def value(self, value: float) -> str:
         """Return a value with its unit."""
         return f"{number(value * self.times, 5)} {self.unit}".strip()
 
 
-@dataclass(frozen=True, eq=False)
-class _Bad:
-    """Samples of one axis that are no readings: masks of shape (n,), and the values at the ends of the range."""
+def screened(
+    plan: Plan, run: Run, shown: Mapping[str, ShownSample], screening: bool = True
+) -> tuple[Run, list[Remark]]:
+    """Return a record without the samples that are no readings, and what its channels show.
 
-    stretches: tuple[BadSegment, ...]
-    stuck: Mask
-    saturated: Mask
-    ends: tuple[float, ...]
-
-
-def without_faults(plan: Plan, run: Run, shown: Mapping[str, ShownSample]) -> tuple[Run, list[Remark]]:
-    """Return a record without the samples that are no readings, and what there is to say of them."""
-    found = {axis: _bad(run, axis) for axis in run.values}
-    found = {axis: bad for axis, bad in found.items() if bad.stretches or bad.ends}
-    if not found:
-        return run, []
-    left_out = plan.disturbed == "leave_out"
-    fate = "left out" if left_out else "kept in"
-    remarks = [_stuck(run, axis, bad, shown[axis], fate) for axis, bad in found.items() if bad.stretches]
-    remarks += _saturated(run, found, shown, fate)
-    faults = []
-    for axis, bad in found.items():
-        if bad.stuck.any():
-            faults.append(Fault(axis, "stuck", int(bad.stuck.sum()), left_out))
-        if bad.saturated.any():
-            faults.append(Fault(axis, "saturated", int(bad.saturated.sum()), left_out))
-    if not left_out:
-        return replace(run, faults=tuple(faults)), remarks
-    present = {axis: run.there(axis) & ~bad.stuck & ~bad.saturated for axis, bad in found.items()}
-    return replace(run, present={**run.present, **present}, faults=tuple(faults)), remarks
-
-
-def _bad(run: Run, axis: str) -> _Bad:
-    values, there = run.values[axis], run.there(axis)
-    stretches = stuck_stretches(np.where(there, values.astype(np.float64), np.nan), run.interval)
-    stuck = np.zeros(len(values), dtype=bool)
-    for one in stretches:
-        stuck[one.first : one.last + 1] = there[one.first : one.last + 1]
-    rest = there & ~stuck
-    ends = tuple(rail.value for rail in rails(levels_of(values[rest]))) if rest.any() else ()
-    return _Bad(stretches, stuck, rest & np.isin(values, ends) if ends else np.zeros_like(stuck), ends)
+    Parameters
+    ----------
+    plan : Plan
+        Says whether such samples are kept.
+    run : Run
+        As recorded, the warm-up left out.
+    shown : mapping of ShownSample
+        How a sample of each axis is shown.
+    screening : bool
+        False keeps them whatever the plan says.
+    """
+    left_out = screening and plan.disturbed == "leave_out"
+    found: dict[str, Screening] = {}
+    bad: dict[str, dict[str, int]] = {}
+    present, remarks = dict(run.present), []
+    for axis, values in run.values.items():
+        there = run.there(axis)
+        x = values if there.all() else np.where(there, values, np.nan)
+        one = found[axis] = _undisturbed(screen(x), x, run.interval, left_out)
+        if "stuck" in one and one["stuck"].count == len(run):
+            continue  # the curve says that the channel is constant
+        no_reading = np.zeros(len(run), dtype=bool)
+        counts = bad.setdefault(axis, {})
+        for code in (code for code in NO_READINGS if code in one and code != "missing"):
+            own = one.screened(x, (code,)) & there & ~no_reading
+            counts[code] = int(np.count_nonzero(own))
+            no_reading |= own
+        if left_out and no_reading.any():
+            present[axis] = there & ~no_reading
+        fate = "left out" if left_out else "kept in"
+        said = remarks_of(one, axis, shown[axis].place, shown[axis].value, run.interval, fate)
+        remarks += [remark for remark in said if remark.code not in SAID_ELSEWHERE]
+    return replace(run, present=present, found=found, bad=bad, screened=left_out), remarks
 
 
-def _stuck(run: Run, axis: str, bad: _Bad, shown: ShownSample, fate: str) -> Remark:
-    """Return one remark on the stuck stretches of an axis, the longest first."""
-    places = []
-    for one in bad.stretches[:LISTED]:
-        value = shown.value(float(run.values[axis][one.first]))
-        row = f" (row {shown.row(one.first)})" if shown.row(one.first) else ""
-        places.append(f"at {value} from {number(run.time(one.first), 6)} s to {number(run.time(one.last), 6)} s{row}")
-    more = "; ..." if len(bad.stretches) > LISTED else ""
-    what = f"{axis}: stuck {'; '.join(places)}{more}: {int(bad.stuck.sum())} of {len(run)} samples {fate}"
-    return Remark("stuck", "warning", what, count=len(bad.stretches), do="Look at the wiring and at the logger")
+def _undisturbed(found: Screening, x: NDArray[Any], interval: float, left_out: bool) -> Screening:
+    """Return what a channel shows without its disturbances, which raise the noise and shift the level where they are.
 
-
-def _saturated(run: Run, found: Mapping[str, _Bad], shown: Mapping[str, ShownSample], fate: str) -> list[Remark]:
-    """Return one remark on the samples of all axes that lie at an end of the range."""
-    each = [
-        f"{axis} {int(bad.saturated.sum())} at {' and '.join(map(shown[axis].value, bad.ends))}"
-        for axis, bad in found.items()
-        if bad.ends
-    ]
-    if not each:
-        return []
-    what = f"saturated: samples lie at the end of the range: {', '.join(each)}, of {len(run)}; {fate}"
-    do = "Noise that reaches so far is cut, and seems too small: change the range"
-    return [Remark("saturated", "warning", what, do=do)]
+    They are left out of the figures, so they are no change of the whole record.
+    """
+    if not left_out or not {*found.codes} & {*CHANGES}:
+        return found
+    quality = record_quality(np.where(found.screened(x), np.nan, x), interval)
+    if not quality.disturbances:
+        return found
+    again = screen(quality.cleaned())
+    kept = tuple(one for one in found.findings if one.code not in CHANGES)
+    return replace(found, findings=(*kept, *(one for one in again.findings if one.code in CHANGES)))

@@ -29,7 +29,7 @@ from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.tables import Block, html, text
 from ...sensors.noise.fitting.noise_fit import duration
 from ...sensors.noise.terms import Sinusoid, quantity_name
-from .axis_noise import AxisNoise, Recorded, check, noise_of, problems_of
+from .axis_noise import FAST, AxisNoise, Recorded, check, noise_of, problems_of
 from .curves import curves as curves_of
 from .plan import INFLUENCES, Plan
 from .readings import AtRest, Readings, Run, Truth, simulate
@@ -147,7 +147,13 @@ def _relative(plan: Plan) -> list[Remark]:
 def _of_axis(one: AxisNoise) -> Estimate | None:
     assert one.fit is not None  # noqa: S101 - checked before
     estimate = one.fit.estimate
-    keys = [key for key in estimate.keys if key.quantity not in OF_LINES]
+    slow = {
+        parameter.name
+        for term in one.fit.found
+        if one.slow_fault and term.name not in FAST
+        for parameter in term.parameters
+    }
+    keys = [key for key in estimate.keys if key.quantity not in {*OF_LINES, *slow}]
     if not keys:
         return None
     return replace(estimate.select(keys), given=tuple(key._replace(axis=one.axis) for key in keys))

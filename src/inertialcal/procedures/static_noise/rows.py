@@ -25,7 +25,7 @@ from ...sensors.noise.fitting.estimator import fit
 from ...sensors.noise.fitting.noise_fit import NoiseFit, TermEstimate, duration
 from ...sensors.noise.terms import TERMS, GaussMarkov, Sinusoid, parameter_unit, quantity_name, sample_unit, shown_units
 from ...statistics.intervals import t_interval
-from .axis_noise import AxisNoise, Recorded, doubt_of
+from .axis_noise import FAST, AxisNoise, Recorded, doubt_of, fault_of, slow_fault_of
 
 if TYPE_CHECKING:
     from .reduction import Result
@@ -46,14 +46,15 @@ def rows(result: Result) -> Iterator[Row]:
         for record in found.records:
             yield from _lines(result, found.axis, record, len(result.readings) > 1)
             if record.own is not None:
-                own = _terms(result, record.own, found.axis, doubt_of(record.own))
+                doubt = " and ".join(filter(None, (doubt_of(record.own), fault_of(record.run, found.axis))))
+                own = _terms(result, record.own, found.axis, doubt, slow_fault_of(record.run, found.axis))
                 alone = Member("run", record.run.name)
                 yield from (replace(row, member=alone) for row in own if row.status == "estimated")
 
 
 def _of_axis(result: Result, found: AxisNoise) -> Iterator[Row]:
     if found.fit is not None:
-        yield from _terms(result, found.fit, found.axis, found.doubt)
+        yield from _terms(result, found.fit, found.axis, found.doubt, found.slow_fault)
         return
     kind, unit = result.plan.kind, result.plan.unit
     why = Reason() if found.problem is None else Reason(found.problem.code, found.problem.what)
@@ -66,12 +67,19 @@ def _of_axis(result: Result, found: AxisNoise) -> Iterator[Row]:
             yield not_estimated(key, shown, why)
 
 
-def _terms(result: Result, fit: NoiseFit, axis: str, doubt: str) -> Iterator[Row]:
-    """Yield the parameters of a fit, without those of lines; upper limits as values; each with what speaks against."""
+def _terms(result: Result, fit: NoiseFit, axis: str, doubt: str, slow: Reason) -> Iterator[Row]:
+    """Yield the parameters of a fit, without those of lines; upper limits as values; each with what speaks against.
+
+    Slow terms are not estimated where ``slow`` says that something feigns them.
+    """
     reason = Reason("in_doubt", f"in doubt: {doubt}") if doubt else Reason()
     units = quantity_units(result.plan.kind, result.plan.unit)
     for term in fit.found:
         if term.name == Sinusoid.name:
+            continue
+        if slow and term.name not in FAST:
+            words = term.words or tuple(one.name for one in term.parameters)
+            yield from (not_estimated(Key(word, axis), units[word], slow) for word in words)
             continue
         for one in term.parameters:
             said = reason or Reason("limits", term.reason)

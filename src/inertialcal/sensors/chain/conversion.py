@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
 from ...core.remarks import Remark
-from ...signals.codes import is_stuck, longest_run
+from ...signals.screening.screen import screen
 from .converter import Chain, missing_channel, nonzero, wide, zero_at_gains
 
 Mask = NDArray[np.bool_]
@@ -254,18 +254,24 @@ def counted(code: str, names: Sequence[str], where: Mask, what: str, place: Plac
 def stuck_runs(names: Sequence[str], codes: Array, ends: Ends, place: Place) -> tuple[Mask, list[Remark]]:
     """Return where a channel repeats one code far longer than its other readings explain, and remarks.
 
-    The longest run of each channel is judged, by ``signals.codes.is_stuck``; a run at a rail is a rail.
+    As ``signals.screening`` finds it; a run at a rail is a rail.
     """
     where, remarks = np.zeros(codes.shape, dtype=bool), []
     for i, name in enumerate(names):
-        column = codes[:, i]
-        if not len(column) or not is_stuck(column):
+        found = screen(codes[:, i], at_rest=False)
+        if "stuck" not in found:
             continue
-        run = longest_run(column)
-        if ends is not None and run.value in ends:
-            continue
-        where[run.start : run.start + run.length, i] = True
-        text = f"{name}: code {run.value:g} stands for {run.length} readings on end; kept"
-        do = "Look at the channel: stuck, or an input quieter than one step?"
-        remarks.append(Remark("stuck", "warning", text, place(run.start), run.length, do))
+        one = found["stuck"]
+        inside = ~np.isin(one.value, () if ends is None else ends)
+        places, values = one.places[inside], one.value[inside]
+        for first, last in places.tolist():
+            where[first : last + 1, i] = True
+        count = int(np.count_nonzero(where[:, i]))
+        if count:
+            longest = int(np.argmax(places[:, 1] - places[:, 0]))
+            text = (
+                f"{name}: code {values[longest]:g} stands for {int(np.ptp(places[longest])) + 1} readings on end; kept"
+            )
+            do = "Look at the channel: stuck, or an input quieter than one step?"
+            remarks.append(Remark("stuck", "warning", text, place(int(places[longest, 0])), count, do))
     return where, remarks

@@ -28,13 +28,12 @@ from .channel import (
     checked_names,
     checked_present,
     checked_samples,
-    code_remarks,
     joined,
 )
 from .gaps import check_averaging, on_grid
 from .taus import Factors, Taus, factors_of
 
-__all__ = ["Allan", "Deviation", "Quantity", "allan", "code_remarks", "on_grid"]
+__all__ = ["Allan", "Deviation", "Quantity", "allan", "on_grid"]
 
 ONE_SIGMA = 0.6827
 

@@ -17,7 +17,6 @@ from numpy.typing import ArrayLike, NDArray
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array, Numbers
 from ...core.remarks import Remark
-from ..codes import is_stuck, levels_of, longest_run, rails
 from ..names import Deviation, Quantity
 from .deviations import KINDS, Kind, variances
 from .edf import BLUEST, carried_on, identified_powers
@@ -84,28 +83,6 @@ def analyse_channel(
     return Channel(
         np.sqrt(variance), found.terms, found.inflation, edf, power, found.ends, phase.missing, tuple(remarks)
     )
-
-
-def code_remarks(x: Numbers, name: str) -> tuple[Remark, ...]:
-    """Return what the codes of a channel, shape (n,), say: stuck for long, or piled up at the ends of the range.
-
-    Takes longer than the deviations themselves, and is left to who reads the file. Samples that are not finite are left
-    out.
-    """
-    finite = x[np.isfinite(x)]
-    if len(finite) < 2 or np.all(finite == finite[0]):
-        return ()
-    found = []
-    if is_stuck(finite):
-        run = longest_run(finite)
-        what = f"{name}: stuck at one value: {run.value:g}, {run.length} times in a row"
-        found.append(Remark("stuck", "warning", what, do="Leave the stretch out: it has no noise"))
-        finite = np.delete(finite, slice(run.start, run.start + run.length))
-    for rail in rails(levels_of(finite)):
-        what = f"{name}: saturated samples at the end of the range, {rail.value:g}"
-        do = "Change the range: saturated samples hide noise"
-        found.append(Remark("saturated", "warning", what, count=rail.count, do=do))
-    return tuple(found)
 
 
 def checked_kind(quantity: str, deviation: str, p: float, noise: Literal["auto"] | int) -> Kind:

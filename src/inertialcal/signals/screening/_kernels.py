@@ -290,3 +290,16 @@ def fill_prints(bits: Samples, size: int, prints: NDArray[np.uint64], at: NDArra
             changes += np.int64(v1[i] != v[i])
         if changes >= CHANGES:
             prints[k] = digest ^ (digest >> np.uint64(32))
+
+
+@compiled
+def squared_runs(x: Samples) -> float:
+    """Return the sum of the squared lengths of all runs of equal samples."""
+    total, length = 0.0, 1
+    for i in range(1, len(x)):
+        if x[i] == x[i - 1]:
+            length += 1
+        else:
+            total += float(length) * length
+            length = 1
+    return total + float(length) * length

@@ -88,9 +88,10 @@ def blocks_of(x: NDArray[Any]) -> Blocks:
     """
     if np.ndim(x) != 1:
         raise DataError(f"a channel of shape {np.shape(x)}, need (n,)", code="bad_shape")
-    if x.dtype.kind not in "iuf" or x.dtype.itemsize > np.dtype(np.float64).itemsize or x.dtype == np.float16:
+    if x.dtype.kind not in "iuf" or x.dtype.itemsize > np.dtype(np.float64).itemsize:
         raise DataError(f"a channel of {x.dtype}", do="Give integers or floats", code="bad_shape")
-    x = np.ascontiguousarray(x, dtype=x.dtype.newbyteorder("="))
+    known = np.dtype(np.float32) if x.dtype == np.float16 else x.dtype.newbyteorder("=")
+    x = np.ascontiguousarray(x, dtype=known)
     bits = x.view(np.dtype(f"i{x.dtype.itemsize}")) if x.dtype.kind == "f" else x
     size, most = SMALLEST, max(FREE, int(SHARE * x.nbytes / EACH))
     while size * most < len(x):

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
-from ..codes import FEW_LEVELS, PILE_RATIO, RAIL_CODES, STEPS
 from ..time.samples import Indices
 from . import _kernels
 from .blocks import Blocks, pieces
@@ -22,9 +21,15 @@ CHANCE = 1e-5  # of each, a record
 HELD = 4  # samples at an extreme that saturation needs, in a row or not
 OF_CONVERTER = 2  # samples at the end of a usual converter
 CERTAIN = 1e-3  # chance that samples lie on such an end, from which they are no noise
+FEW_LEVELS = 10  # with fewer levels (a switch, a flag) the extremes are no rails
+PILE_RATIO = 3.0  # how much more samples lie at an end than noise puts there
+STEPS = 2  # levels inside that pile up: the channel is set in steps
+RAIL_CODES = frozenset(
+    {0, *(2**bits - 1 for bits in (8, 10, 12, 14, 16, 24, 32))}
+    | {code for bits in (8, 10, 12, 14, 16, 24, 32) for code in (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)}
+)  # ends of the usual converters, unsigned and two's complement
 NEAREST = 8  # samples next to an extreme from which the number that noise puts there is known ...
 PART = 8  # ... or a part of as many as there are at the extreme
-LEVELS = 64  # of the largest block extremes, which lead to the samples next to the extreme
 MOST = 512  # blocks in which levels are counted
 ROOM = 2**12  # places that are listed
 FILLED_IN = 3  # stretches of zero that are gaps filled in, at most
@@ -35,7 +40,7 @@ PARTS = 8  # of a record
 SURE = 7.0  # standard deviations
 LEAST_SHARE = 0.003  # of the samples
 STUCK = 10  # samples in a row
-LONGER = 5.0  # times the run that a sample elsewhere lies in, on average
+LONGER = 5.0  # times the run that a sample elsewhere lies in, on average, in lively parts and in all
 NEVER_KNOWN = 0.9  # share of equal neighbours from which a channel hardly ever changes anyway
 FULL = 0.9  # of a block that is equal neighbours
 INSIDE = 0.1  # of the blocks that do not touch an extreme, from which these alone count
@@ -145,12 +150,14 @@ def rails(blocks: Blocks, habits: Habits, skip: Indices, step: float) -> tuple[H
 def _rail(blocks: Blocks, habits: Habits, skip: Indices, step: float, sign: float) -> Held | None:
     extreme = sign * (blocks.hi if sign > 0.0 else blocks.lo)
     extreme = np.where(blocks.count > 0, extreme, -np.inf)
-    most = min(LEVELS, len(extreme))
-    highest = np.unique(np.partition(extreme, -most)[-most:])
-    end = float(highest[-1])
+    end = float(extreme.max())
     if not np.isfinite(end) or len(habits.values) < 2:
         return None
-    near = np.flatnonzero(extreme >= (highest[-3] if len(highest) > 2 else highest[0]))
+    third, below = end, extreme
+    for _ in range(2):
+        below = below[below < third]
+        third = float(below.max()) if len(below) else third
+    near = np.flatnonzero(extreme >= third)
     some = near[:: max(-(-len(near) // MOST), 1)]
     inside = sign * blocks.rows(some).astype(np.float64)
     levels, counts = np.unique(inside[np.isfinite(inside) & (inside <= end)], return_counts=True)
@@ -172,7 +179,7 @@ def _rail(blocks: Blocks, habits: Habits, skip: Indices, step: float, sign: floa
     here, usual = int(counts[-1]), _usual(levels, counts, step)
     rare = _chance((1.0 - habits.equal) * here, (1.0 - habits.equal) * usual)
     piled = not few and count >= HELD and here > PILE_RATIO * usual and rare < CHANCE
-    piled = piled and not _goes_in_steps(habits.counts, here)
+    held, piled = (one and not _goes_in_steps(habits.counts, here) for one in (held, piled))
     value = sign * end
     code = (
         value == round(value) and int(value) in RAIL_CODES and value != 0.0 and bool(np.all(levels == np.rint(levels)))
@@ -291,7 +298,13 @@ def stuck(blocks: Blocks, habits: Habits, ends: tuple[float, ...]) -> tuple[Held
         for a, b in runs
         if b - a >= least and np.isfinite(float(blocks.x[a])) and float(blocks.x[a]) not in ends
     ]
-    return tuple(sorted(found, key=lambda one: (-one.count, int(one.places[0, 0]))))
+    found.sort(key=lambda one: (-one.count, int(one.places[0, 0])))
+    others, squares = float(n), float(_kernels.squared_runs(blocks.x)) if found else 0.0
+    for i, one in enumerate(found):
+        others, squares = others - one.count, squares - float(one.count) ** 2
+        if one.count < LONGER * squares / max(others, 1.0):
+            return tuple(found[:i])  # a channel that is slow, or set in steps
+    return tuple(found)
 
 
 # Stretches that are stored twice

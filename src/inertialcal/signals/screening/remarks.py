@@ -8,7 +8,7 @@ import numpy as np
 
 from ...core.remarks import Remark
 from ...core.show.rounding import number
-from .screen import Code, Finding, Screening
+from .screen import NO_READINGS, Code, Finding, Screening
 
 DO: dict[Code, str] = {
     "glitch": "Look at the logger and the wiring; compare the figures with and without these samples",
@@ -30,6 +30,7 @@ def remarks_of(
     place: Callable[[int], str] = "sample {}".format,
     shown: Callable[[float], str] = "{:g}".format,
     interval: float | None = None,
+    fate: str = "",
 ) -> tuple[Remark, ...]:
     """Return one remark for each kind of finding, in the order of the findings.
 
@@ -45,6 +46,8 @@ def remarks_of(
         Gives a value of the channel with its unit.
     interval : float, optional
         From sample to sample [s]; without it lengths are in samples.
+    fate : str
+        What becomes of samples that are no readings: ``"left out"``.
     """
 
     def long(samples: float) -> str:
@@ -52,8 +55,9 @@ def remarks_of(
 
     return tuple(
         Remark(
-            one.code, "warning", f"{name}: {_what(one, found, long, shown)}", place(one.first), len(one.places),
-            DO[one.code], subject=name, index=one.first,
+            one.code, "warning",
+            f"{name}: {_what(one, found, long, shown)}{f'; {fate}' if fate and one.code in NO_READINGS else ''}",
+            place(one.first), len(one.places), DO[one.code], subject=name, index=one.first,
         )
         for one in found.findings
     )  # fmt: skip

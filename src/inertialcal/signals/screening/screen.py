@@ -131,11 +131,13 @@ class Screening:
         x : ndarray, shape (n,)
             The channel that was screened.
         codes : tuple of str
-            Findings that count. Steps, changes of the noise and waves have no samples to leave out.
+            Findings that count. Steps, changes of the noise and waves have no samples to leave out, nor has a channel
+            that is stuck throughout: nothing would be left to say so.
         """
         out = np.zeros(len(x), dtype=bool)
         for one in self.findings:
-            if one.code not in codes or one.code not in NO_READINGS:
+            whole = one.code == "stuck" and one.count == self.samples
+            if one.code not in codes or one.code not in NO_READINGS or whole:
                 continue
             if one.code == "missing":
                 out |= ~np.isfinite(x)
@@ -184,6 +186,11 @@ def screen(x: NDArray[Any], at_rest: bool = True) -> Screening:
     x = np.asarray(x)
     if not len(x):
         return Screening((), 0, 0.0, 0.0)
+    with np.errstate(over="ignore", invalid="ignore"):  # differences of the largest numbers
+        return _looked_through(x, at_rest)
+
+
+def _looked_through(x: NDArray[Any], at_rest: bool) -> Screening:
     blocks = blocks_of(x)
     found: dict[Code, Finding] = {}
     lost = len(x) - int(blocks.count.sum())
