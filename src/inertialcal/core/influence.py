@@ -12,11 +12,12 @@ References
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
 from .key import Origin
+from .remarks import Remark
 
 Redrawn = Literal["", "never", "certificate", "day", "mounting", "power_up", "dwell"]
 
@@ -36,6 +37,7 @@ class Influence:
     quantity: str = ""  # Which quantity of the standard
     redrawn_by: Redrawn = ""  # What draws its error anew; empty where nobody said
     valid: str = ""  # Period of the certificate
+    reason: str = ""  # Why ``u`` is zero, where it is
 
     @property
     def stated(self) -> tuple[float, str]:
@@ -48,6 +50,23 @@ class Influence:
 
 
 Standards = Mapping[str, Influence]
+
+
+def zero_remarks(standards: Standards, effects: Container[str]) -> tuple[Remark, ...]:
+    """Return a remark for each standard that was stated without uncertainty, with the reason that was given.
+
+    Parameters
+    ----------
+    standards : mapping of Influence
+        By name.
+    effects : container of str
+        Names of those that a test draws on.
+    """
+    return tuple(
+        Remark("zero_uncertainty", "info", f"standards.{name}: taken as exact ({one.reason})", subject=name)
+        for name, one in standards.items()
+        if name in effects and one.u == 0.0
+    )
 
 
 def standard_of(name: str) -> tuple[str, str]:

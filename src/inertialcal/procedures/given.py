@@ -71,7 +71,10 @@ class Said:
     gravity: str | None = setting("Gravity at the site.", None, example="9.799 m/s2")
     height: str | None = setting("Height of the site above sea level.", None, example="120 m")
     standards: Mapping[str, str] = setting(
-        "Standard uncertainty of a standard.", dict[str, str], example='rate_table.rate="0.05 %"', option="standard"
+        "Standard uncertainty of a standard; or the table that a campaign has of it.",
+        dict[str, str],
+        example='rate_table.rate="0.05 %"',
+        option="standard",
     )
     like: str | None = setting(
         "Campaign folder: sensor, chain, channels, site, standards and plan as it has them for such a file.", None

@@ -109,9 +109,16 @@ def _site(said: Said) -> dict[str, str]:
 
 def _standards(said: Said) -> dict[str, Any]:
     found: dict[str, dict[str, Any]] = {}
-    for name, u in said.standards.items():
+    for name, text in said.standards.items():
         standard, quantity = standard_of(name)
-        found.setdefault(standard, {})[quantity] = {"u": u}
+        entry: object = {"u": text}
+        if text.lstrip().startswith("{"):
+            try:
+                entry = tomllib.loads(f"entry = {text}")["entry"]
+            except tomllib.TOMLDecodeError as error:
+                do = f'Write it like --standard \'{name}={{ u = "0.1 %", certificate = "C-1" }}\''
+                raise UsageError(f"standard {name}: not TOML: {error}", do=do, code="not_toml") from None
+        found.setdefault(standard, {})[quantity] = entry
     return found
 
 

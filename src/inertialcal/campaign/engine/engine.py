@@ -9,7 +9,7 @@ from typing import Any
 
 from ...core.curve import Curve
 from ...core.errors import DataError, InertialcalError, PlanError, Problem
-from ...core.influence import Standards
+from ...core.influence import Standards, zero_remarks
 from ...core.key import Method
 from ...core.remarks import Remark
 from ...core.results import Row
@@ -142,7 +142,8 @@ def prepare_test(
     except InertialcalError as error:
         raise _explained(error, [remark for one in sources for remark in one.remarks]) from None
     gated = [remark for one in sources for remark in one.remarks]
-    more = (*disagreements, *gated, *readings.remarks, *procedure.remarks(first))
+    exact = zero_remarks(standards, procedure.effects())
+    more = (*disagreements, *gated, *readings.remarks, *procedure.remarks(first), *exact)
     if len(more) > len(readings.remarks):
         readings = replace(readings, remarks=tuple(sorted(more, key=lambda one: one.severity != "error")))
     inputs = one_digest(pair for one in sources for pair in one.inputs.items())

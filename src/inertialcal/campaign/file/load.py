@@ -151,8 +151,15 @@ def standards_of(file: CampaignFile, at: At) -> tuple[dict[str, Influence], list
                 problems.append(Problem(what, where, "it would have no effect", f"There are: {have}", "unknown_key"))
                 continue
             try:
-                found[f"{standard}.{name}"] = entry.influence(known[name], standard, name)
+                influence = entry.influence(known[name], standard, name)
             except (DataError, ValueError) as error:
                 what = error.problems[0].what if isinstance(error, DataError) else str(error)
                 problems.append(Problem(f"standards.{standard}.{name}: {what}", where, code="wrong_value"))
+                continue
+            found[f"{standard}.{name}"] = influence
+            if influence.u == 0.0 and not entry.reason.strip():
+                what = f"standards.{standard}.{name}: an uncertainty of exactly zero"
+                why = "no standard is exact, and zero hides that its uncertainty was not taken into account"
+                do = f'State the uncertainty, or why it is zero: {name} = {{ u = "0", reason = "..." }}'
+                problems.append(Problem(what, where, why, do, "zero_uncertainty"))
     return found, problems

@@ -141,19 +141,20 @@ def _influence(one: Influence) -> dict[str, Any]:
     return {
         "standard": one.standard, "quantity": one.quantity, "u": u, "unit": unit, "certificate": one.certificate,
         "valid": one.valid, "redrawn_by": one.redrawn_by,
-    }  # fmt: skip
+    } | ({"reason": one.reason} if one.reason else {})  # fmt: skip
 
 
 def _budgets(campaign: Campaign, tested: Sequence[ReducedTest], modelled: JudgedModel | None) -> list[dict[str, Any]]:
     """Return the budgets of all tests, then those of the model that is delivered."""
     found = []
+    exact = {name: one.reason for name, one in campaign.standards.items() if one.u == 0.0}
     for one in tested:
         for kind, part in one.parts.items():
             unit = sensor_of(campaign, one.test, kind).unit
-            found += budget_rows(one.test.id, part.estimate, unit, one.procedure.budgeted(part), kind)
+            found += budget_rows(one.test.id, part.estimate, unit, one.procedure.budgeted(part), kind, exact)
     for name, (unit, made) in named_models(campaign, modelled).items():
         if made.model is not None:
-            found += budget_rows(name, made.model.estimate, unit)
+            found += budget_rows(name, made.model.estimate, unit, exact=exact)
     return found
 
 
@@ -337,12 +338,13 @@ def _standard(name: str, influence: Influence | None, effect: str) -> dict[str, 
     head = {"standard": standard, "influence": quantity, "effect": effect}
     if influence is None:
         return head | {
-            "u": None, "unit": "", "dof": None, "distribution": "", "certificate": "", "stated": False,
+            "u": None, "unit": "", "dof": None, "distribution": "", "certificate": "", "reason": "", "stated": False,
         }  # fmt: skip
     u, unit = influence.stated
     return head | {
         "u": u, "unit": unit, "dof": finite(influence.dof),
-        "distribution": influence.distribution, "certificate": influence.certificate, "stated": True,
+        "distribution": influence.distribution, "certificate": influence.certificate, "reason": influence.reason,
+        "stated": True,
     }  # fmt: skip
 
 
@@ -355,6 +357,7 @@ def budget_rows(
     sensor_unit: str,
     figures: Sequence[BudgetFigure] | None = None,
     sensor: str = "",
+    exact: Mapping[str, str] | None = None,
 ) -> list[dict[str, Any]]:
     """Return the sources of uncertainty of each figure, in the units of the campaign.
 
@@ -370,7 +373,10 @@ def budget_rows(
         Those that have a budget; all values of the estimate by default.
     sensor : str
         Kind of sensor, where the test has several.
+    exact : mapping of str to str, optional
+        Why the uncertainty of an influence is zero, by its name: those stand in the budget, too.
     """
+    exact = exact or {}
     if estimate is None:
         return []
     found = []
@@ -378,9 +384,11 @@ def budget_rows(
         total = float(estimate.covariance[figure.at, figure.at])
         for component in estimate.components:
             share = float(component.covariance[figure.at, figure.at]) / total if total > 0.0 else 0.0
-            if share > ROUNDING:
+            reason = exact.get(_named(component), "")
+            if share > ROUNDING or reason:
                 key = key_fields(figure.key) | ({"sensor": sensor} if sensor else {})
-                found.append({"test": test} | key | _contribution(figure, component, sensor_unit) | {"share": share})
+                row = {"test": test} | key | _contribution(figure, component, sensor_unit) | {"share": share}
+                found.append(row | ({"source": f"{component.source} (exact: {reason})"} if reason else {}))
     return found
 
 
@@ -410,7 +418,7 @@ def _sensitivity(component: Component, u: float, unit: str, sensor_unit: str) ->
             own = ten_digits(own * factor(own_unit, shown, difference=True))
         return {
             "stated_u": own, "stated_unit": shown,
-            "sensitivity": u / own, "sensitivity_unit": divide(unit, shown),
+            "sensitivity": u / own if own else None, "sensitivity_unit": divide(unit, shown),
         }  # fmt: skip
     if component.kind == "A":
         return {"stated_u": u, "stated_unit": unit, "sensitivity": 1.0, "sensitivity_unit": "1"}

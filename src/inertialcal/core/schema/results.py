@@ -95,6 +95,7 @@ class Influence(Part):
     unit: str
     certificate: str
     valid: str
+    reason: str = Field("", description="Why the uncertainty is zero, where it is.")
     redrawn_by: Literal["never", "certificate", "day", "mounting", "power_up", "dwell"]
 
 
@@ -109,6 +110,7 @@ class Standard(Part):
     dof: Number | None
     distribution: str
     certificate: str
+    reason: str = Field("", description="Why the uncertainty is zero, where it is.")
     stated: bool
 
 

@@ -39,7 +39,7 @@ OUTLIVES: tuple[Redrawn, ...] = ("never", "certificate")  # the test: its error 
 
 
 class StandardEntry(Strict):
-    """Uncertainty of a standard: one of ``u``, ``expanded`` with ``k``, or ``half_width``."""
+    """Uncertainty of a standard: one of ``u``, ``expanded`` with ``k``, ``half_width``; ``reason`` where it is zero."""
 
     u: str | None = None
     expanded: str | None = None
@@ -48,6 +48,7 @@ class StandardEntry(Strict):
     dof: float | None = Field(default=None, gt=0)
     certificate: Text = ""
     valid: Text = ""
+    reason: Text = ""
     redrawn_by: Literal["never", "certificate", "day", "mounting", "power_up", "dwell"] | None = None
 
     @model_validator(mode="after")
@@ -78,4 +79,6 @@ class StandardEntry(Strict):
         dof = math.inf if self.dof is None else self.dof
         stated = (quantity.value / divisor, quantity.unit)
         redrawn = self.redrawn_by or REDRAWN.get(f"{standard}.{name}", "certificate")
-        return Influence(u, unit, dof, shape, self.certificate, stated, standard, name, redrawn, self.valid)
+        return Influence(
+            u, unit, dof, shape, self.certificate, stated, standard, name, redrawn, self.valid, self.reason
+        )

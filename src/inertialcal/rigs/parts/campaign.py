@@ -69,6 +69,8 @@ def standard_tables(standards: Mapping[str, Influence], units: Mapping[str, str]
         entry: Content = {"half_width" if rectangular else "u": f"{size:.12g} {unit}"}
         if np.isfinite(influence.dof):
             entry["dof"] = int(influence.dof) if float(influence.dof).is_integer() else influence.dof
+        if influence.u == 0.0:
+            entry["reason"] = influence.reason or "simulated without an error"
         tables.setdefault(standard, {})[quantity] = entry | {"certificate": influence.certificate}
     return tables
 
