@@ -13,7 +13,7 @@ from typing import Literal
 from .errors import Problem
 
 Severity = Literal["info", "warning", "error"]
-OF_PROGRAMS = ("axis", "subject", "index")  # fields that results.json does not hold
+OF_PROGRAMS = ("axis", "subject", "index", "recording")  # fields that results.json does not hold
 
 
 @dataclass(frozen=True)
@@ -29,6 +29,7 @@ class Remark:
     axis: str = ""  # That it is about
     subject: str = ""  # What it is about, as a name: a column, a sensor
     index: int = 0  # Number of the first sample or row that it is about
+    recording: str = ""  # That it is about, as the campaign calls it
 
     def __str__(self) -> str:
         """One line, the severity first."""
@@ -57,22 +58,26 @@ def is_placed(where: str, place: str) -> bool:
 
 
 FEW = 3  # different texts of one kind that are listed one by one
+NAMED = 12  # recordings that a line names
 
 
 def condensed(remarks: Iterable[Remark]) -> tuple[Remark, ...]:
     """Return the remarks gathered, and those of one code and severity with many texts as one line.
 
-    The line has the text of the first and says how many more there are; the count is that of all.
+    The line has the text of the first, says how many more there are and in which recordings; the count is that of all.
+    Errors are never joined.
     """
     kinds: dict[tuple[str, str], list[Remark]] = {}
     for remark in gather(remarks):
         kinds.setdefault((remark.code, remark.severity), []).append(remark)
     found = []
     for alike in kinds.values():
-        if len(alike) <= FEW:
+        if len(alike) <= FEW or alike[0].severity == "error":
             found += alike
             continue
-        what = f"{alike[0].what}; and the like at {len(alike) - 1} other places"
+        names = list(dict.fromkeys(remark.recording for remark in alike if remark.recording))
+        some = ", ".join([*names[:NAMED], *["..."] * (len(names) > NAMED)])
+        what = f"{alike[0].what}; and the like at {len(alike) - 1} other places{f' ({some})' * (len(names) > 1)}"
         found.append(replace(alike[0], what=what, count=sum(remark.count for remark in alike)))
     return tuple(found)
 

@@ -165,7 +165,8 @@ class Reduced:
         count = len(self.inputs)
         caption = f"{procedure.kind_of_test or self.procedure.replace('_', ' ')}: {count} file{'s'[: count != 1]}"
         head = [f"columns: {taken}", *([summary] if (summary := procedure.summary(self)) else [])]
-        return (*head, *estimate_table(rows, caption), *remarks_line(self.remarks))
+        opened = [one.what for each in self.tests for one in each.opened]
+        return (*head, *estimate_table(rows, caption), *opened, *remarks_line(self.remarks))
 
     def __str__(self) -> str:
         """Return what is shown as text."""

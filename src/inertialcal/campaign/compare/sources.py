@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from ...core.errors import DataError
+from ...core.key import Method
 from ...core.remarks import Remark
 from ...core.results import Row
 from ...files.models.model_file import load_model_file
@@ -144,7 +145,8 @@ def _results(given: Path) -> Compared:
         check_results(content, str(path))
         own_curves(content, path)
     try:
-        rows = tuple(Row.from_dict(row) for row in content["results"])
+        every = (Row.from_dict(row) for row in content["results"])
+        rows = tuple(row for row in every if row.method is not Method.UNSCREENED)
         budgets = [b for b in content.get("budgets", []) if b["kind"] == "B"]
         type_b = frozenset(str(b.get("influence") or b["source"]) for b in budgets)
         serial = str(content.get("item", {}).get("serial", ""))

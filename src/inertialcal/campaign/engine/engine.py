@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -13,7 +14,9 @@ from ...core.influence import Standards, zero_remarks
 from ...core.key import Method
 from ...core.remarks import Remark
 from ...core.results import Row
+from ...core.show.rounding import number
 from ...procedures import procedure_of
+from ...procedures.display import displayed
 from ...procedures.protocol import Correction, Exclusion, Facts, P, Procedure, R, Result, S, Tested
 from ...signals.screening.screen import NO_READINGS
 from ..file.load import Campaign
@@ -25,6 +28,8 @@ from ..inputs.channels import chain_of
 from ..inputs.gate import RULE, Gate
 from ..inputs.sources import Folder, Origin, Ready, Store, facts_of
 
+STAYS = 0.1  # standard uncertainties that a figure may move by and count as the same
+NAMED = 3  # figures that a remark names
 COMPENSATED = "compensated"  # code of the remark of a reader, and of that on the recording of a test
 
 
@@ -276,8 +281,35 @@ def with_all_samples(
         what = f"{said}, the test is refused: {error.problems[0].what}"
         return replace(one, opened=(Remark("unscreened_refused", "info", what),))
     plain = [replace(row, test=one.test.id, method=Method.UNSCREENED, shared={}) for row in rows if row.case.plain]
-    what = f"figures {said} stand in the column 'unscreened'"
-    return replace(one, rows=[*one.rows, *plain], opened=(Remark("unscreened", "info", what, count=count),))
+    what = f"{said}: {_moved(campaign, one, plain)}"
+    return replace(one, rows=[*one.rows, *plain], opened=(Remark("unscreened", "info", what),))
+
+
+def _moved(campaign: Campaign, one: ReducedTest, opened: Sequence[Row]) -> str:
+    """Say by how much figures move with the samples that were left out, those that move most first."""
+    results = {row.key: row for row in one.rows if row.case.plain}
+    pairs = [(results[row.key], row) for row in opened if row.key in results]
+    moved = sorted((pair for pair in pairs if _change(*pair) > STAYS), key=lambda pair: -_change(*pair))
+    texts = []
+    for pair in moved[:NAMED]:
+        unit = sensor_of(campaign, one.test, pair[0].key.sensor).unit
+        before, after = (displayed(row, unit) for row in pair)
+        name = f"{before.quantity} {before.axis} {before.key.sensor}".rstrip()
+        unit = "" if before.unit == "1" else f" {before.unit}"
+        values = [number(row.value, 4) if row.value is not None else "not estimated" for row in (after, before)]
+        texts.append(f"{name} {' instead of '.join(values)}{unit}")
+    more, still = len(moved) - len(texts), len(pairs) - len(moved)
+    texts += [f"{more} other figures move"] * (more > 0)
+    texts += [f"{still} figures move by less than a tenth of their standard uncertainty"] * (still > 0)
+    return "; ".join(texts) or "no figure"
+
+
+def _change(before: Row, after: Row) -> float:
+    """Return the change of a figure in standard uncertainties, of which the first one counts."""
+    if before.value is None or after.value is None:
+        return 0.0 if before.value is after.value else math.inf
+    change = abs(after.value - before.value)
+    return change / before.u if before.u else math.inf if change else 0.0
 
 
 def reduced_tests(prepared: Sequence[Prepared], results: Mapping[str, Result]) -> list[ReducedTest]:

@@ -106,7 +106,7 @@ def passed(
         said = remarks_of(
             replace(found, findings=tuple(kept)), f"recording {name}: {channel.name}", place, shown, raw.sample_interval
         )
-        remarks += [replace(remark, axis=axis) for remark in said]
+        remarks += [replace(remark, axis=axis, recording=name) for remark in said]
         exclusions += [
             Exclusion(RULE, f"screening: {one.code}", remark.what, remark.where, axis, one.count, "sample")
             for one, remark in zip(kept, said, strict=True)

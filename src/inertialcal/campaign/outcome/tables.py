@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from ...core.key import Method
 from ...core.remarks import Remark
 from ...core.results import case_of
 from ...core.show.result_tables import estimated, figure, folded, not_estimated, remarks_line
@@ -13,6 +14,7 @@ from ...core.show.rows import names_of, own_rows, pairs_of, verdict_of
 from ...core.show.tables import Block, Table
 from ...procedures import compared_in
 
+UNSCREENED = Method.UNSCREENED.value
 VERDICTS = ("PASS", "FAIL", "INCONCLUSIVE", "OPEN")
 
 
@@ -35,9 +37,11 @@ def outcome_parts(results: Mapping[str, Any], verdict: str, remarks: Sequence[Re
         parts += estimated(own_rows(mine, compared_in(mine)), str(test))
         parts += _side_by_side(results, str(test))
     parts += folded("not estimated, for {n} reason(s): see .results", not_estimated(shown))
-    alternatives = [case for row in results["results"] if (case := case_of(row)).beside]
+    every = (case_of(row) for row in results["results"])
+    alternatives = [case for case in every if case.beside and case.method is not Method.UNSCREENED]
     if alternatives:
         parts.append(f"not shown: {len(alternatives)} alternatives to these results ({names_of(alternatives)})")
+    parts += [one.what for one in remarks if one.code in (UNSCREENED, f"{UNSCREENED}_refused")]
     parts += [*_requirements(results["verdicts"]), *_closed_loop(results["closed_loop"])]
     return (*parts, *remarks_line(remarks), f"verdict: {verdict or 'no requirement stated'}")
 

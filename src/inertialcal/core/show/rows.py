@@ -41,8 +41,8 @@ def lines_of(rows: Iterable[R]) -> dict[Line, dict[Case, R]]:
     found: dict[Line, dict[Case, R]] = {}
     for row, case in zip(every, cases, strict=True):
         if _is_shown(row, case, open_ones):
-            way = case._replace(condition="") if case.beside else PLAIN
-            own = case.condition if case.beside else str(case)
+            way = case._replace(condition="", sensor="") if case.beside else PLAIN
+            own = (case.sensor or case.condition) if case.beside else str(case)
             found.setdefault((key_of(row).name, own, str(row["axis"]), str(row["unit"])), {})[way] = row
     return found
 
@@ -69,7 +69,8 @@ def missing_of(rows: Iterable[R]) -> dict[str, list[R]]:
     for row in every:
         case, reason = case_of(row)._replace(condition=""), reason_text(row)
         again = case.beside and case != TEXTBOOK and (*_figure(row), reason) in known
-        if _is_open(row) and case != ALL and not again and id(row) not in shown:
+        opened = case.method is Method.UNSCREENED
+        if _is_open(row) and case != ALL and not opened and not again and id(row) not in shown:
             found.setdefault(reason, []).append(row)
     return found
 
