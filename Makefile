@@ -6,7 +6,7 @@ READY := $(VENV)/ready
 # Compiled modules are kept: the next process, and every command that a test starts, need not compile them again.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo test slow coverage mutants torture check bench docs pins clean
+.PHONY: demo test slow coverage mutants torture gate check bench docs pins clean
 
 demo: $(READY)  ## a simulated suite of rate sensors: built, run, scored
 	$(BIN)/inertialcal demo
@@ -31,6 +31,10 @@ torture: export OMP_NUM_THREADS := 1
 torture: $(READY)  ## 5,000 commands on mutated inputs, kills at every file-system call: RESUME=--resume goes on
 	$(BIN)/python tests/torture/torture.py $(RESUME)
 	INERTIALCAL_TORTURE=full $(BIN)/python -m pytest tests/torture/test_exchange_kills.py -s --durations=20
+
+gate: export OMP_NUM_THREADS := 1
+gate: $(READY)  ## every fault in 60 cases, 900 clean records, about an hour: RESUME=--resume goes on
+	PYTHONPATH=tests $(BIN)/python -m independent.gate $(RESUME)
 
 check: $(READY)  ## format, lint, types, manual
 	$(BIN)/ruff format --check src tests docs

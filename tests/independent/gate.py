@@ -136,8 +136,12 @@ def jobs(
             rest = [name for name in names if (name, on, seed) not in have]
             if rest:
                 found.append((on, seed, rest, show))
-    records: list[Job] = [(kind.name, seed, [], show) for kind in KINDS for seed in range(1, -(-kind.number * clean // 900) + 1)
-               if (kind.name, "", seed) not in have]  # fmt: skip
+    records: list[Job] = [
+        (kind.name, seed, [], show)
+        for kind in KINDS
+        for seed in range(1, -(-kind.number * clean // 900) + 1)
+        if (kind.name, "", seed) not in have
+    ]
     return found + (sorted(records, key=lambda one: one[1]) if clean else [])
 
 

@@ -7,6 +7,7 @@ import pytest
 from . import moved_mass
 from .bases import BASES
 from .coverage import HEAD, Study, binomial, like, lines
+from .gate import tried_clean
 from .trial import hits, tried
 
 SEEDS = 2
@@ -46,6 +47,12 @@ def test_a_line_of_coverage_counts_hits_and_refusals() -> None:
     assert row.count("|") == HEAD.splitlines()[0].count("|")
     assert "/2 |" in row
     assert "| 0x2 |" in row
+
+
+@pytest.mark.parametrize(("kind", "seed"), [("filtered at 1/10", 18), ("rate table, recordings", 31)])
+def test_clean_records_that_ended_in_an_internal_error(kind: str, seed: int) -> None:
+    """An end of an interval that the search did not enclose; a closed loop whose uncertainty is not finite."""
+    assert tried_clean(kind, seed).exit in (0, 4)
 
 
 @pytest.mark.slow

@@ -80,7 +80,7 @@ def _loop_row(campaign: Campaign, one: AxisLoop, unit: str) -> dict[str, Any]:
     return {
         "axis": one.axis, "dwells": one.dwells, "runs": one.runs, "unit": shown,
         "raw_rms": one.raw * scale, "compensated_rms": one.compensated * scale,
-        "mean_square_gain": one.gain * scale**2, "u": one.u * scale**2, "dof": finite(one.dof),
+        "mean_square_gain": one.gain * scale**2, "u": finite(one.u * scale**2), "dof": finite(one.dof),
         "allowed": one.allowed * scale**2, "verdict": one.verdict, "reason": one.reason,
     }  # fmt: skip
 

@@ -226,7 +226,7 @@ class LoopAxis(Part):
     raw_rms: Number
     compensated_rms: Number
     mean_square_gain: Number
-    u: Number
+    u: Number | None  # none where no power-up could be compared with another
     dof: Number | None
     allowed: Number
     verdict: str

@@ -223,6 +223,8 @@ def end_of(
     problem: Problem, held: Held, at: int, least: float, stretch: float, target: float, step: float, furthest: float
 ) -> tuple[float | None, float]:
     """Return the distance at which the cost has risen by the target, None if it never does, and the stretch there."""
+    if 2.0 * (held(0.0).cost - least) >= target * stretch:  # the search near the estimate does not reach the least
+        least = held(0.0).cost
 
     def rise(x: float) -> float:
         return 2.0 * (held(x).cost - least)
