@@ -7,6 +7,7 @@ exclusion with its count.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -19,6 +20,7 @@ from ...procedures.protocol import Exclusion
 from ...sensors.chain.converter import Chain
 from ...signals.screening.remarks import remarks_of
 from ...signals.screening.screen import NO_READINGS, Finding, Screening, screen
+from ...signals.screening.slow import stuck_slow
 from ...signals.time.samples import Flags
 from ..file.recordings import RecordingEntry
 from ..file.sensors import Sensor
@@ -113,6 +115,41 @@ def passed(
             if one.code in NO_READINGS
         ]
     return Passed(_without(body, left_out), tuple(remarks), tuple(exclusions))
+
+
+SLOW = re.compile(r"(?:temperature|pressure|supply|reference)(?:_|$)")  # names of channels that readings are made with
+
+
+def without_stuck(name: str, entry: RecordingEntry, raw: Recording, body: Recording) -> Passed:
+    """Return a recording without the values of temperature, pressure and reference voltages that are stuck.
+
+    Parameters
+    ----------
+    name, entry : str, RecordingEntry
+        Of the recording.
+    raw, body : Recording
+        As stored, and in body axes, SI; of one length.
+    """
+    channels = entry.channels or {}
+    place = replace(raw, source=replace(raw.source, path=entry.file)).place
+    readings = [raw.channel(one.column).data for axis, one in channels.items() if axis in AXES]
+    left_out: dict[str, Flags] = {}
+    remarks: dict[str, Remark] = {}
+    exclusions: list[Exclusion] = []
+    for role, column in ((role, one.column) for role, one in channels.items() if SLOW.match(role)):
+        channel = raw.channel(column)
+        found = None if column in remarks else stuck_slow(channel.data, readings, raw.seconds)
+        if found is not None:
+            what = (
+                f"recording {name}: {column} stays at {_shown(channel)(found.value)} for {found.length} of "
+                f"{len(raw)} samples: stuck? ({found.why})"
+            )
+            where, do = place(found.first), "Look at the thermometer or the supply, its wiring and the logger"
+            remarks[column] = Remark("stuck", "warning", what, where, do=do, subject=column, index=found.first)
+            exclusions.append(Exclusion(RULE, "screening: stuck", what, where, "", found.length, "sample"))
+            left_out[role] = np.zeros(len(raw), dtype=bool)
+            left_out[role][found.first : found.last + 1] = True
+    return Passed(_without(body, left_out), tuple(remarks.values()), tuple(exclusions))
 
 
 def _entered(sensor: Sensor, axis: str) -> list[str]:

@@ -34,7 +34,7 @@ from ..file.schema import Site, Test
 from ..file.sensors import Sensor
 from .chains import body_scale_factors, build_chain, scale_factors
 from .channels import TEMPERATURE, chain_of, in_body_axes, in_windows, windowed
-from .gate import Gate, passed
+from .gate import Gate, passed, without_stuck
 from .ground import ChainModel, chain_model
 
 REFERENCES = {"reference": "reference_voltage", "temperature_reference": "temperature_reference_voltage"}
@@ -272,6 +272,11 @@ class Ready:
             chosen = in_windows(body, self.of_test.windows)
             found = passed(self.gate, self.name, entry, sensor, self.raw, body,
                            at_rest=spec.screening == "at_rest", chosen=chosen, chain=chain)  # fmt: skip
+            body = found.recording
+            self.remarks.extend(found.remarks)
+            self.exclusions.extend(found.exclusions)
+        if self.screening:
+            found = without_stuck(self.name, entry, self.raw, body)
             body = found.recording
             self.remarks.extend(found.remarks)
             self.exclusions.extend(found.exclusions)

@@ -1,0 +1,156 @@
+"""Slow channels that are stuck: a temperature, a pressure or a supply that stays at one value while the record goes on.
+
+A coarse thermometer in a thermostat stays at one value for hours and is right, so a long hold alone says nothing.
+A hold is stuck where
+
+1. the channel is noisy elsewhere, by more than a step of its codes: it cannot come back to one code that often; or
+2. it ends, or begins, with a jump that is far larger than any other step of the channel; or
+3. the readings follow the channel elsewhere, and go on changing through the hold as they would with it.
+
+A channel that holds other values as long does so as a habit: dwells of a chamber. One that never changes is not judged.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.estimate import Array
+
+SHORTEST = 20  # samples of a hold ...
+PART = 0.05  # ... and its share of the record, from which it matters
+WHOLE = 0.98  # share of the record from which the channel is constant
+HABIT = 0.25  # length of a hold at another value, of the longest, that makes holds a habit
+WINDOW, WINDOWS, ENOUGH = 16, 512, 8  # samples of a window for the noise, how many at most, and at least
+NOISY = 0.6  # standard deviation of the noise, in steps, that a run of a code cannot come from
+CHANCE = 1e-6  # of so long a hold in noise, a record
+JUMP = 4.0  # largest other steps
+LATE = 3.0  # sample intervals from which a step has a gap in it
+BLOCKS, OUTSIDE, INSIDE = 64, 16, 6  # of the record, for the response to the channel
+FOLLOWS = 0.9  # share of the variance of the readings that the channel explains elsewhere
+BEYOND = 5.0  # standard deviations of the rest by which readings leave what the held value explains
+RANGE = 0.2  # of their range elsewhere by which they go on
+
+
+@dataclass(frozen=True)
+class Stuck:
+    """A hold that is no reading of the channel."""
+
+    first: int  # Samples, both included
+    last: int  # Samples, both included
+    value: float
+    why: str  # What shows it, as a clause
+
+    @property
+    def length(self) -> int:
+        """Samples of the hold."""
+        return self.last - self.first + 1
+
+
+def stuck_slow(x: NDArray[Any], readings: Sequence[NDArray[Any]] = (), seconds: Array | None = None) -> Stuck | None:
+    """Return the longest hold of a slow channel where it is stuck; None elsewhere.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+        Temperature, pressure or voltage as stored, NaN where one is missing.
+    readings : sequence of ndarray, shape (n,)
+        Of the sensor, on the same samples.
+    seconds : ndarray, shape (n,), optional
+        Stamps [s]: a step across a gap is no jump.
+    """
+    n = len(x)
+    if n < 2 * SHORTEST:
+        return None
+    least = max(SHORTEST, round(PART * n))
+    some = x[:: max(least // 3, 1)]
+    if not np.any(some[1:] == some[:-1]):
+        return None
+    ends = np.flatnonzero(x[1:] != x[:-1])
+    firsts, lasts = np.append(0, ends + 1), np.append(ends, n - 1)
+    lengths = lasts - firsts + 1
+    longest = int(np.argmax(lengths))
+    first, last, length = int(firsts[longest]), int(lasts[longest]), int(lengths[longest])
+    value = float(x[first])
+    if length < least or length > WHOLE * n or not np.isfinite(value):
+        return None
+    others = (x[firsts] != value) & (lengths >= max(HABIT * length, SHORTEST))
+    if others.any():
+        return None
+    steps = np.abs(np.diff(x.astype(np.float64)))
+    inside = np.zeros(n - 1, dtype=bool)
+    inside[max(first - 1, 0) : last + 1] = True  # with the steps into the hold and out of it
+    rest = steps[~inside & np.isfinite(steps)]
+    if not np.any(rest > 0.0):
+        return None
+    step = float(rest[rest > 0.0].min())
+    why = (
+        _noise(x, first, last, step)
+        or _jump(steps, first, last, float(rest.max()), seconds)
+        or next((one for y in readings if (one := _response(x, y, first, last))), "")
+    )
+    return Stuck(first, last, value, why) if why else None
+
+
+def _noise(x: NDArray[Any], first: int, last: int, step: float) -> str:
+    """Whether noise elsewhere leaves no room for the hold; third differences see no ramp."""
+    starts = np.unique(np.linspace(0, len(x) - WINDOW, WINDOWS).astype(np.int64))
+    starts = starts[(starts + WINDOW <= first) | (starts > last)]
+    rows = x[starts[:, None] + np.arange(WINDOW)].astype(np.float64)
+    rows = rows[np.isfinite(rows).all(axis=1)]
+    if len(rows) < ENOUGH:
+        return ""
+    third = np.diff(rows, n=3, axis=1)
+    sigma = float(np.median(np.sqrt(np.mean(third**2, axis=1) / 20.0))) / step
+    if sigma < NOISY:
+        return ""
+    # Chance of one code a sample, at most: step / (sqrt(2 pi) sigma)
+    stays = min(1.0 / (np.sqrt(2.0 * np.pi) * sigma), 0.9)
+    enough = (last - first) * np.log(stays) < np.log(CHANCE / len(x))
+    return "elsewhere it scatters by more than a step of its codes" if enough else ""
+
+
+def _jump(steps: Array, first: int, last: int, usual: float, seconds: Array | None) -> str:
+    """Whether the hold ends or begins with a jump."""
+    for at in (last, first - 1):
+        if not 0 <= at < len(steps) or not steps[at] > JUMP * usual:
+            continue
+        if seconds is not None and seconds[at + 1] - seconds[at] > LATE * float(np.median(np.diff(seconds))):
+            continue
+        return "it jumps at the end" if at == last else "it jumps there"
+    return ""
+
+
+def _response(x: NDArray[Any], y: NDArray[Any], first: int, last: int) -> str:
+    """Whether readings that follow the channel elsewhere go on changing through the hold."""
+    edges = np.linspace(0, len(x), BLOCKS + 1).astype(np.int64)
+    blocks = [(int(a), int(b)) for a, b in pairwise(edges)]
+    outside = [(a, b) for a, b in blocks if b <= first or a > last]
+    within = [(a, b) for a, b in blocks if a >= first and b <= last + 1]
+    if len(outside) < OUTSIDE or len(within) < INSIDE:
+        return ""
+    channel, there = (np.array([_mean(z[a:b]) for a, b in outside]) for z in (x, y))
+    held = np.array([_mean(y[a:b]) for a, b in within])
+    good = np.isfinite(channel) & np.isfinite(there)
+    held = held[np.isfinite(held)]
+    if np.count_nonzero(good) < OUTSIDE or len(held) < INSIDE or not np.ptp(channel[good]) > 0.0:
+        return ""
+    middle, half = float(np.mean(channel[good])), float(np.ptp(channel[good]))
+    fit = np.polynomial.Polynomial.fit((channel[good] - middle) / half, there[good], 2)
+    left = there[good] - fit((channel[good] - middle) / half)
+    rms = float(np.sqrt(np.mean(left**2)))
+    if rms**2 > (1.0 - FOLLOWS) * float(np.var(there[good])):
+        return ""
+    away = float(np.sqrt(np.mean((held - fit((float(x[first]) - middle) / half)) ** 2)))
+    goes_on = away > BEYOND * rms and float(np.ptp(held)) > RANGE * float(np.ptp(there[good]))
+    return "the readings go on changing with it" if goes_on else ""
+
+
+def _mean(values: NDArray[Any]) -> float:
+    finite = values[np.isfinite(values)]
+    return float(np.mean(finite, dtype=np.float64)) if 2 * len(finite) >= len(values) > 0 else float("nan")
