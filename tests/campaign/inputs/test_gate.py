@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from inertialcal.campaign.file.recordings import ChannelEntry, RecordingEntry
 from inertialcal.campaign.file.sensors import Sensor
 from inertialcal.campaign.inputs import gate as module
-from inertialcal.campaign.inputs.gate import Gate, Passed, passed
+from inertialcal.campaign.inputs.gate import Gate, Passed, passed, without_stuck
 from inertialcal.core.recording import Channel, Recording, Source
 
 N = 4000
@@ -77,3 +79,25 @@ def test_a_column_is_looked_through_once(monkeypatch: pytest.MonkeyPatch) -> Non
     for _ in range(3):
         seen(recording(("gx", "gy", "gz")), gate=gate)
     assert len(looked) == 3
+
+
+def test_a_stuck_temperature_is_named_and_gone() -> None:
+    time = np.arange(N)
+    rng = np.random.default_rng(2)
+    true = 20.0 + 10.0 * np.sin(time / 600.0) + 0.01 * rng.normal(size=N)
+    true[N // 2 :] = true[N // 2]
+    raw = recording(("gx",))
+    raw = replace(raw, channels=(*raw.channels, Channel("temp", np.round(true, 3), "degC", "header")))
+    channels = {"x": ChannelEntry(column="gx"), "temperature": ChannelEntry(column="temp", unit="degC")}
+    entry = RecordingEntry(sensor="suite", file="run1.csv", channels=channels)
+    body = replace(
+        raw, channels=tuple(replace(one, name=name) for one, name in zip(raw.channels, channels, strict=True))
+    )
+    found = without_stuck("first", entry, raw, body)
+    (remark,), (exclusion,) = found.remarks, found.exclusions
+    assert (remark.code, remark.where, remark.subject) == ("stuck", f"run1.csv:{N // 2 + 2}", "temp")
+    assert remark.what.startswith("recording first: temp stays at")
+    assert (exclusion.rule, exclusion.count) == ("screened", N // 2)
+    gone = np.isnan(found.recording.channel("temperature").data)
+    assert gone.tolist() == [False] * (N // 2) + [True] * (N // 2)
+    assert not np.isnan(found.recording.channel("x").data).any()

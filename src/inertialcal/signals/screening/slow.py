@@ -27,6 +27,7 @@ PART = 0.05  # ... and its share of the record, from which it matters
 WHOLE = 0.98  # share of the record from which the channel is constant
 HABIT = 0.25  # length of a hold at another value, of the longest, that makes holds a habit
 WINDOW, WINDOWS, ENOUGH = 16, 512, 8  # samples of a window for the noise, how many at most, and at least
+ROUNDING = 1e-9  # of the largest value: less is no step of a code
 NOISY = 0.6  # standard deviation of the noise, in steps, that a run of a code cannot come from
 CHANCE = 1e-6  # of so long a hold in noise, a record
 JUMP = 4.0  # largest other steps
@@ -88,16 +89,15 @@ def stuck_slow(x: NDArray[Any], readings: Sequence[NDArray[Any]] = (), seconds: 
     rest = steps[~inside & np.isfinite(steps)]
     if not np.any(rest > 0.0):
         return None
-    step = float(rest[rest > 0.0].min())
     why = (
-        _noise(x, first, last, step)
+        _noise(x, first, last)
         or _jump(steps, first, last, float(rest.max()), seconds)
         or next((one for y in readings if (one := _response(x, y, first, last))), "")
     )
     return Stuck(first, last, value, why) if why else None
 
 
-def _noise(x: NDArray[Any], first: int, last: int, step: float) -> str:
+def _noise(x: NDArray[Any], first: int, last: int) -> str:
     """Whether noise elsewhere leaves no room for the hold; third differences see no ramp."""
     starts = np.unique(np.linspace(0, len(x) - WINDOW, WINDOWS).astype(np.int64))
     starts = starts[(starts + WINDOW <= first) | (starts > last)]
@@ -105,7 +105,11 @@ def _noise(x: NDArray[Any], first: int, last: int, step: float) -> str:
     rows = rows[np.isfinite(rows).all(axis=1)]
     if len(rows) < ENOUGH:
         return ""
-    third = np.diff(rows, n=3, axis=1)
+    apart = np.diff(np.unique(rows))
+    apart = apart[apart > ROUNDING * np.abs(rows).max()]
+    if not len(apart):
+        return ""
+    third, step = np.diff(rows, n=3, axis=1), float(apart.min())
     sigma = float(np.median(np.sqrt(np.mean(third**2, axis=1) / 20.0))) / step
     if sigma < NOISY:
         return ""
