@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from inertialcal.campaign.twins.fitted import fitted_tests
-from inertialcal.rigs.protocol import Twin
+from inertialcal.rigs.twin import Twin
 
 
 def fit_results(twin: Twin) -> list[Any]:

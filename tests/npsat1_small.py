@@ -7,7 +7,7 @@ from typing import Any
 
 from inertialcal.rigs.npsat1 import rig as npsat1
 from inertialcal.rigs.npsat1.setup import AIR, VACUUM, Bench, Chamber
-from inertialcal.rigs.protocol import Twin
+from inertialcal.rigs.twin import Twin
 
 QUICK = {
     AIR: Chamber(900.0, 300.0, 200.0, (760.0, 760.0)),

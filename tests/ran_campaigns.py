@@ -10,9 +10,9 @@ from inertialcal.campaign.engine.engine import Prepared, prepare
 from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.file.load import load
 from inertialcal.campaign.twins.twin import csv_text
-from inertialcal.rigs.protocol import SEED
 from inertialcal.rigs.rate_table import rig as rate_table
 from inertialcal.rigs.rate_table.setup import Bench
+from inertialcal.rigs.twin import SEED
 
 SHORT = Bench(rates_deg_s=(0.0, 2.0, -2.0, 6.0, 4.0, -4.0, 0.0), dwell=24.0, runs=5, fit_runs=3)  # 6 is at the rail
 TEST_LOW = 7  # samples, of one recording

@@ -22,8 +22,9 @@ from inertialcal.core.errors import DataError, InertialcalError
 from inertialcal.core.recording import Channel, Recording
 from inertialcal.files.models.model_json import dump_model
 from inertialcal.rigs import RIGS
-from inertialcal.rigs.protocol import Changes, Rig, Twin
+from inertialcal.rigs.protocol import Rig
 from inertialcal.rigs.sams_tsh.rig import Bench, build
+from inertialcal.rigs.twin import Changes, Twin
 from inertialcal.sensors.model.sensor_model import SensorModel
 
 UG = 9.80665e-6

@@ -22,7 +22,8 @@ from inertialcal.rigs import RIGS
 from inertialcal.rigs.npsat1 import rig as npsat1
 from inertialcal.rigs.npsat1.rig import FAULTS
 from inertialcal.rigs.npsat1.setup import Bench
-from inertialcal.rigs.protocol import Rig, Twin
+from inertialcal.rigs.protocol import Rig
+from inertialcal.rigs.twin import Twin
 from inertialcal.sensors.model.compensate import compensate
 from npsat1_small import short_twin
 from sized import sized

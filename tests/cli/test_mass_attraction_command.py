@@ -18,7 +18,8 @@ from inertialcal.procedures.mass_attraction.schedule_csv import write_schedule
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.mesa import rig as mesa
 from inertialcal.rigs.mesa.rig import Bench, Run
-from inertialcal.rigs.protocol import Changes, Rig, Twin
+from inertialcal.rigs.protocol import Rig
+from inertialcal.rigs.twin import Changes, Twin
 from typed_commands import call, same_rows
 
 RUNS = (*(Run(f"run{i}") for i in range(1, 4)), Run("null1", moved=False))

@@ -20,7 +20,7 @@ from inertialcal.rigs.mesa import rig as mesa
 from inertialcal.rigs.mesa.record import nominal
 from inertialcal.rigs.mesa.rig import Bench, Run, build
 from inertialcal.rigs.mesa.setup import GATE, UG
-from inertialcal.rigs.protocol import Twin
+from inertialcal.rigs.twin import Twin
 from inertialcal.statistics.intervals import contains, covers, t_interval
 
 QUIET = Bench(

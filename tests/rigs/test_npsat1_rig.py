@@ -55,7 +55,7 @@ from inertialcal.rigs.npsat1.unit import (
     vacuum_part,
 )
 from inertialcal.rigs.parts.gyro_bench import CODES, INVERTED, REFERENCE, STEP, VOLTS_PER_RAD_S
-from inertialcal.rigs.protocol import Twin
+from inertialcal.rigs.twin import Twin
 from inertialcal.sensors.catalogue import SLOPE, T_REFERENCE, V_NOMINAL
 from inertialcal.sensors.chain.conversion import Converted, convert
 

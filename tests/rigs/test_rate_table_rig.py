@@ -33,10 +33,10 @@ from inertialcal.rigs.parts.gyro_bench import (
     powered_up,
 )
 from inertialcal.rigs.parts.noise import random_walk
-from inertialcal.rigs.protocol import Twin
 from inertialcal.rigs.rate_table import rig as rate_table
 from inertialcal.rigs.rate_table.rig import FAULTS
 from inertialcal.rigs.rate_table.setup import Bench, chain, draw_gyro
+from inertialcal.rigs.twin import Twin
 from inertialcal.sensors.chain.conversion import convert
 from inertialcal.sensors.model.sensor_model import SensorModel
 

@@ -13,7 +13,8 @@ import pytest
 from inertialcal.core.errors import UsageError
 from inertialcal.core.registry import Registry
 from inertialcal.rigs import BUILT_IN, DEMONSTRATED, RIGS, titles
-from inertialcal.rigs.protocol import Rig, Twin
+from inertialcal.rigs.protocol import Rig
+from inertialcal.rigs.twin import Twin
 
 HEAVY = ("numpy", "scipy", "numba", "pydantic", "matplotlib")
 MANUAL = (Path(__file__).parents[2] / "docs" / "python.md").read_text(encoding="utf-8")

@@ -13,9 +13,9 @@ from inertialcal.core.errors import UsageError
 from inertialcal.core.results import Row
 from inertialcal.procedures.flip import reduction as flip
 from inertialcal.rigs import RIGS
-from inertialcal.rigs.protocol import Twin
 from inertialcal.rigs.sams_tsh.rig import Bench, build
 from inertialcal.rigs.sams_tsh.setup import UG
+from inertialcal.rigs.twin import Twin
 from sized import sized
 
 BENCH = replace(Bench(), ground="jointly", rate=5.0)

@@ -17,7 +17,6 @@ from inertialcal.core.estimate import Array
 from inertialcal.core.recording import SECOND
 from inertialcal.core.units import convert
 from inertialcal.rigs import RIGS
-from inertialcal.rigs.protocol import Twin
 from inertialcal.rigs.sams_tsh import rig as sams_tsh
 from inertialcal.rigs.sams_tsh.campaign import BEGIN, FILE, windows
 from inertialcal.rigs.sams_tsh.record import (
@@ -38,6 +37,7 @@ from inertialcal.rigs.sams_tsh.record import (
 )
 from inertialcal.rigs.sams_tsh.rig import FAULTS, Bench, build
 from inertialcal.rigs.sams_tsh.setup import CODES, UG, draw_head
+from inertialcal.rigs.twin import Twin
 from inertialcal.sensors.chain.conversion import convert as from_counts
 
 RATE = 25.0

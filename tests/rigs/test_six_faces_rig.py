@@ -19,8 +19,9 @@ from inertialcal.core.influence import Influence
 from inertialcal.core.labelled import LabelledPart
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.hand_held.rig import CHANNELS, Bench, build
-from inertialcal.rigs.protocol import Rig, Twin
+from inertialcal.rigs.protocol import Rig
 from inertialcal.rigs.six_faces.rig import FAULTS, RIG
+from inertialcal.rigs.twin import Twin
 
 SHORT = Bench(variant="ferraris", dwell=2.5, first=5.0, sample_rate=50.0)
 IDEAL = replace(

@@ -15,9 +15,9 @@ from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.show.rows import case_name
 from inertialcal.core.units import factor
-from inertialcal.rigs.protocol import SEAL, SEED, Twin
 from inertialcal.rigs.still_gyro import rig as still_gyro
 from inertialcal.rigs.still_gyro.rig import Bench, build
+from inertialcal.rigs.twin import SEAL, SEED, Twin
 
 SMALL = Bench(records=1, samples=3_000, skipped=0.0)
 

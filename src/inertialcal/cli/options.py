@@ -61,5 +61,5 @@ def rigs_beginning(incomplete: str) -> list[tuple[str, str]]:
 def faults_beginning(ctx: typer.Context, incomplete: str) -> list[tuple[str, str]]:
     """Return the mistakes of the rig that was typed whose name begins so, each with what is wrong in it."""
     rig = str(ctx.params.get("rig", ""))
-    faults = RIGS[rig].faults if rig in RIGS else {}
+    faults = RIGS[rig].every_fault if rig in RIGS else {}
     return [(name, fault.what) for name, fault in faults.items() if name.startswith(incomplete)]

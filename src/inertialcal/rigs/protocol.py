@@ -1,7 +1,4 @@
-"""Rig and twin: a simulated test bench, and a campaign made on it with the truth that its engineer does not know.
-
-A twin follows from its seed. Two marks in the campaign file are replaced when it is written: `SEED`, and `SEAL` by the
-SHA-256 of the truth, which identifies the results made from that file.
+"""Rig: a simulated test bench, which makes a twin of each seed.
 
 A rig of your own is one object, named by an entry point of your package::
 
@@ -12,117 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
-from ..core.errors import UsageError
-from ..core.key import At, Key
+from .twin import Bench, Changes, Fault, Twin, parse_fault, size_text
 
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
-
-    from ..core.recording import Recording
-
-SEED, SEAL = "@SEED@", "@SEAL@"
 DEMONSTRATION_SEED = 1996
-
-Bench = TypeVar("Bench", bound="DataclassInstance")
-Changes: TypeAlias = Mapping[str, object]  # settings of a bench that differ from those without a mistake
-Drawn: TypeAlias = Mapping[str, float | list[float] | list[list[float]]]
-
-
-@dataclass(frozen=True)
-class TrueValue:
-    """True value of a quantity, with the fields of the rows of the results, in an SI unit.
-
-    Of one test where it is given, else of all.
-    """
-
-    quantity: str
-    axis: str
-    value: float
-    unit: str
-    test: str = ""
-    sensor: str = ""
-    power: int = 0
-    at: At | None = None
-
-    @property
-    def key(self) -> Key:
-        """What it is of."""
-        return Key(self.quantity, self.axis, self.sensor, self.power, self.at)
-
-
-@dataclass(frozen=True)
-class Fault:
-    """A mistake that a campaign can hold.
-
-    Parameters
-    ----------
-    what : str
-        What is wrong.
-    shows : str
-        Code of the error or remark that names it, or of the reason why a quantity is not estimated.
-    change : mapping
-        Settings of the bench that differ.
-    """
-
-    what: str
-    shows: str
-    change: Changes
-
-    def put_into(self, bench: Bench) -> Bench:
-        """Return a bench with the mistake in it."""
-        return replace(bench, **self.change)
-
-
-@dataclass(frozen=True, eq=False)
-class Extra:
-    """A file that is not a recording, such as a schedule or a protocol.
-
-    Parameters
-    ----------
-    content : object
-        What its reader makes of it.
-    text : str
-        The file itself.
-    """
-
-    content: object
-    text: str
-
-
-@dataclass(frozen=True, eq=False)
-class Twin:
-    """One simulated campaign.
-
-    Parameters
-    ----------
-    campaign : str
-        Text of campaign.toml, with the marks `SEED` and `SEAL`.
-    recordings : mapping of str to Recording
-        By the file that the campaign names; channels named by their columns, stamps as the logger writes them.
-    truth : tuple of TrueValue
-        The values that results are scored against.
-    drawn : mapping
-        True errors of the standards and of the bench, SI; unknown to the reduction.
-    extras : mapping of str to Extra
-        Other files that the campaign names.
-    rig : str
-        Name of the rig; filled in by it, as are the others below.
-    seed : int
-        Everything else follows from it.
-    fault : str
-        Name of the mistake in it; empty for none.
-    """
-
-    campaign: str
-    recordings: Mapping[str, Recording]
-    truth: tuple[TrueValue, ...]
-    drawn: Drawn
-    extras: Mapping[str, Extra] = field(default_factory=dict[str, Extra])
-    rig: str = ""
-    seed: int = 0
-    fault: str = ""
 
 
 @dataclass(frozen=True)
@@ -138,9 +28,11 @@ class Rig:
     make : callable
         Seed of all draws, and settings of the bench that differ -> `Twin`.
     faults : mapping of str to Fault
-        Mistakes that it can simulate, by name.
+        Mistakes of its own that it can simulate, by name.
     demonstration_seed : int
         Seed of its demonstration.
+    tests : tuple of str
+        Procedures of its campaign, and what they have: ``"positions:faces"``; it takes the general mistakes for them.
     """
 
     name: str
@@ -148,6 +40,15 @@ class Rig:
     make: Callable[[int, Changes], Twin]
     faults: Mapping[str, Fault] = field(default_factory=dict)
     demonstration_seed: int = DEMONSTRATION_SEED
+    tests: tuple[str, ...] = ()
+
+    @property
+    def every_fault(self) -> dict[str, Fault]:
+        """Mistakes of its own, then the general ones that make sense for it."""
+        from .faults import FAULTS  # noqa: PLC0415 - numpy
+
+        fitting = {name: one for name, one in FAULTS.items() if set(one.tests) & set(self.tests)}
+        return {**self.faults, **{name: one for name, one in fitting.items() if name not in self.faults}}
 
     def twin(self, seed: int, fault: str = "") -> Twin:
         """Return the campaign of a seed, with one mistake in it where a fault is named.
@@ -157,17 +58,25 @@ class Rig:
         seed : int
             Of all draws.
         fault : str
-            Name of the mistake; empty: none.
+            Name of the mistake, or name and size: ``"run_gain=5 %"``; empty: none.
 
         Raises
         ------
         UsageError
-            If there is no mistake of that name.
+            If there is no mistake of that name, or its size is wrong.
         """
-        if fault and fault not in self.faults:
-            raise UsageError(f"no fault {fault!r}", do=f"There are: {', '.join(self.faults)}", code="unknown_name")
-        made = self.make(seed, self.faults[fault].change if fault else {})
-        return replace(made, rig=self.name, seed=seed, fault=fault)
+        if not fault:
+            return replace(self.make(seed, {}), rig=self.name, seed=seed)
+        known = self.every_fault
+        name, size = parse_fault(fault, known)
+        one = known[name]
+        made = replace(self.make(seed, one.change), rig=self.name, seed=seed, fault=name)
+        made = replace(made, size="" if size is None else size_text(size, one.unit))
+        if one.spoil is None:
+            return made
+        from .faults.scene import spoiled  # noqa: PLC0415 - numpy
+
+        return spoiled(made, one, size or 0.0)
 
 
 def on_bench(build: Callable[[Bench, int], Twin], bench: Bench) -> Callable[[int, Changes], Twin]:

@@ -20,9 +20,9 @@ from inertialcal.campaign.file.example import copy_example
 from inertialcal.campaign.outcome.publish import json_text
 from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.core.errors import InertialcalError
-from inertialcal.rigs.protocol import SEED
 from inertialcal.rigs.sams_tsh.campaign import FILE
 from inertialcal.rigs.sams_tsh.rig import Bench, build
+from inertialcal.rigs.twin import SEED
 from pad_pairs_made import BENCH, flip_records
 
 SHORT = replace(Bench(), rate=1.0, duration=1800.0, turn_starts=(600.0, 1200.0), window=120.0, settle=5.0)

@@ -23,7 +23,7 @@ from inertialcal.procedures.rate_table import reduction as rate_table
 from inertialcal.procedures.rate_table.model.held_out import model_terms
 from inertialcal.procedures.thermal import reduction as thermal
 from inertialcal.procedures.thermal.correction import ThermalCorrection, law_of
-from inertialcal.rigs.protocol import SEED, Twin
+from inertialcal.rigs.twin import SEED, Twin
 from inertialcal.statistics.intervals import contains, t_interval
 from npsat1_small import short_twin
 

@@ -27,7 +27,8 @@ from inertialcal.procedures.thermal import reduction as thermal
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.npsat1 import rig as npsat1
 from inertialcal.rigs.npsat1.setup import AIR, VACUUM, Bench, Chamber
-from inertialcal.rigs.protocol import SEED, Rig, Twin
+from inertialcal.rigs.protocol import Rig
+from inertialcal.rigs.twin import SEED, Twin
 
 SHORT = {
     AIR: Chamber(900.0, 300.0, 200.0, (760.0, 760.0)),

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from inertialcal.core.recording import Channel, Recording
-from inertialcal.rigs.protocol import Rig, TrueValue, Twin, on_bench
+from inertialcal.rigs.protocol import Rig, on_bench
+from inertialcal.rigs.twin import TrueValue, Twin
 
 TEXT = """\
 schema = 2

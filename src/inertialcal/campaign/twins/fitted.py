@@ -5,7 +5,7 @@ from __future__ import annotations
 import tomllib
 from functools import lru_cache
 
-from ...rigs.protocol import SEED, Twin
+from ...rigs.twin import SEED, Twin
 from ..calls.call import campaign_of
 from ..engine.engine import ReducedTest
 from ..engine.run import reduce_tests

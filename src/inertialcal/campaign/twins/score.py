@@ -6,12 +6,14 @@ binomial interval of its hit rate holds 95 %, or lies above it.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ...core.errors import DataError, UsageError
+from ...core.errors import DataError, InertialcalError, UsageError
+from ...core.influence import influence_of
 from ...core.key import PLAIN, At, Case, Key
 from ...core.results import Interval, case_of, key_fields, key_of
 from ...core.show.rounding import number, with_uncertainty
@@ -19,12 +21,15 @@ from ...core.show.rows import quantity_name
 from ...core.show.tables import Block, Table, html, text
 from ...core.units import convert
 from ...rigs import RIGS
-from ...rigs.protocol import TrueValue, Twin
+from ...rigs.protocol import Rig
+from ...rigs.twin import DrawnError, Fault, TrueValue, Twin, parse_fault, size_text
 from ...statistics.intervals import binomial_interval, contains, covers, t_interval
 from ..engine.engine import ReducedTest
 from ..outcome.publish import OUT
 from ..outcome.results_file import find_results
+from .faults import Brought, Named, brought_from, brought_text, count_named, names_fault
 from .fitted import fitted_tests
+from .standards import apart, entering, standards_text
 from .twin import Of, Truth, known_truth, read_truth, truth_by_key
 
 RULE = "the exact 99.9 % binomial interval of the hit rate holds 95 %, or lies above it"
@@ -42,12 +47,21 @@ class Score:
     truth : Truth
         And its seal.
     rows : tuple of dict
-        Rows of ``results.json`` of which the truth is known, each with ``truth`` in its unit and ``inside``; None
-        where nothing was estimated.
+        Rows of ``results.json`` of which the truth is known, each with ``truth`` in its unit, ``inside``, and
+        ``inside_apart``: the same once the errors of the standards are taken off. None where nothing was estimated.
+    fault : Fault, optional
+        The mistake in it.
+    brought : Brought, optional
+        What the campaign brought up.
+    unshared : tuple of str
+        Standards of the campaign that no figure says to share: they are judged with the figures.
     """
 
     truth: Truth
     rows: tuple[dict[str, Any], ...]
+    fault: Fault | None = None
+    brought: Brought = field(default_factory=lambda: Brought(None))
+    unshared: tuple[str, ...] = ()
 
     @property
     def estimated(self) -> int:
@@ -59,12 +73,59 @@ class Score:
         """Number of rows whose interval holds the truth."""
         return sum(row["inside"] is True for row in self.rows)
 
+    @property
+    def judged_apart(self) -> int:
+        """Number of rows that more than the standards makes uncertain."""
+        return sum(row["inside_apart"] is not None for row in self.rows)
+
+    @property
+    def inside_apart(self) -> int:
+        """Number of rows whose interval holds the truth, apart from the standards."""
+        return sum(row["inside_apart"] is True for row in self.rows)
+
+    @property
+    def standards(self) -> dict[DrawnError, int]:
+        """Errors of the standards that figures share, and how many figures share each."""
+        return entering(self.rows, self.truth.errors)
+
+    @property
+    def verdict(self) -> str:
+        """PASS or FAIL of a campaign with a fault, as its entry expects; empty where it has none."""
+        if self.fault is None:
+            return ""
+        if self.fault.expects != "covered":
+            return "PASS" if names_fault(self.fault, self.truth.spoiled, self.brought) else "FAIL"
+        once = {(row["quantity"], row["axis"], row["value"], row["u"]): row["inside_apart"] for row in self.rows}
+        judged = [inside for inside in once.values() if inside is not None]
+        return "PASS" if judged and covers(sum(judged), len(judged)) else "FAIL"
+
+    @property
+    def said(self) -> list[str]:
+        """What is shown below the table, a line each."""
+        lines = [] if self.brought.problems else [self._held()]
+        missing = len(self.rows) - self.estimated
+        if missing:
+            lines.append(f"{missing} not estimated")
+        if standards := self.standards:
+            text = f"{self.inside_apart} of {self.judged_apart} figures hold it apart from the standards"
+            lines.append(f"{text}; {standards_text(standards)}")
+            if self.unshared:
+                lines.append(f"judged with the figures, not apart: {', '.join(self.unshared)}")
+        if self.fault is not None:
+            size = f" = {self.truth.size}" if self.truth.size else ""
+            lines.append(
+                f"fault {self.truth.fault}{size}: expected {self.fault.expected}; {brought_text(self.brought)}"
+            )
+            lines.append(f"verdict: {self.verdict}")
+        return lines
+
+    def _held(self) -> str:
+        return f"{self.inside} of {self.estimated} stated 95 % intervals hold the truth"
+
     def parts(self) -> tuple[Block, ...]:
         """Return what is shown: estimates beside the truth, how many intervals hold it."""
-        missing = len(self.rows) - self.estimated
-        said = f"{self.inside} of {self.estimated} stated 95 % intervals hold the truth"
         caption = f"rig {self.truth.rig}, seed {self.truth.seed}"
-        return (truth_grid(self.rows, caption), said, *((f"{missing} not estimated",) if missing else ()))
+        return (truth_grid(self.rows, caption), *self.said)
 
     def __str__(self) -> str:
         """Return what is shown as text."""
@@ -150,29 +211,35 @@ class Coverage:
 
 
 def score(folder: str | Path) -> Score:
-    """Compare the results of a simulated campaign with its truth.
+    """Compare the results of a simulated campaign with its truth; one that was not run is run, and nothing written.
 
     Raises
     ------
     PlanError
         If there is no campaign in the folder.
     DataError
-        ``no_results`` if it was not run; ``stale_results`` if the results are of another campaign; and as
-        ``results_file.find_results`` and ``twin.read_truth``.
+        ``stale_results`` if the results are of another campaign; if the campaign is refused though no fault is in it;
+        and as ``results_file.find_results`` and ``twin.read_truth``.
     """
     truth = read_truth(folder)
+    fault = RIGS.named(truth.rig).every_fault[truth.fault] if truth.fault else None
     found = find_results(Path(folder) / OUT)
-    if found is None:
-        what = f"no results in {Path(folder) / OUT}"
-        raise DataError(what, do=f"Type first: inertialcal run {folder}", code="no_results")
-    results = found.content
+    brought = brought_from(Path(folder)) if found is None else Brought(found.content)
+    if brought.problems and fault is None:
+        raise DataError(list(brought.problems))
+    results = brought.results
+    if results is None:
+        return Score(truth, (), fault, brought)
     if truth.seal not in str(results.get("campaign", {}).get("source", "")):
         why = "they were made before the campaign was"
         raise DataError(f"{OUT}/results.json is of another campaign", "", why, f"Type: inertialcal run {folder}",
                         "stale_results")  # fmt: skip
     rows = [row for row in results["results"] if _is_result(case_of(row))]
     pairs = [(row, truth.of((key_of(row), row["test"]))) for row in rows]
-    return Score(truth, tuple(_scored(row, true) for row, true in pairs if true is not None))
+    errors = {one.influence: one for one in truth.errors}
+    scored = tuple(_scored(row, true, errors) for row, true in pairs if true is not None)
+    shared = {influence_of(name) for row in scored for name in row["shared"]}
+    return Score(truth, scored, fault, brought, tuple(name for name in results["influences"] if name not in shared))
 
 
 def _is_result(case: Case) -> bool:
@@ -180,12 +247,81 @@ def _is_result(case: Case) -> bool:
     return case._replace(condition="", at=None, times=0, sensor="") == PLAIN
 
 
-def _scored(row: Mapping[str, Any], true: TrueValue) -> dict[str, Any]:
-    """Return a row with the truth in its unit, and whether the interval holds it."""
+def _scored(row: Mapping[str, Any], true: TrueValue, errors: Mapping[str, DrawnError]) -> dict[str, Any]:
+    """Return a row with the truth in its unit, and whether the interval holds it: as it is, apart from standards."""
     value = float(convert([true.value], true.unit, row["unit"])[0])
     interval = row["interval"]
     inside = None if interval is None else bool(interval["lo"] <= value <= interval["hi"])
-    return dict(row) | {"truth": value, "inside": inside}
+    left = None if interval is None else apart(row, value, errors)
+    return dict(row) | {"truth": value, "inside": inside, "inside_apart": left}
+
+
+@dataclass(frozen=True)
+class FaultScore:
+    """How a rig with a fault does over many seeds: named, or covered.
+
+    Parameters
+    ----------
+    fault : Fault
+        Its entry.
+    name, size : str
+        As it was typed; the size with its unit.
+    named : Named
+        Campaigns that name it; of a fault that needs no naming, those that were not refused.
+    coverage : tuple of Coverage
+        Of each quantity, where the intervals must hold the truth.
+    """
+
+    fault: Fault
+    name: str
+    size: str
+    named: Named
+    coverage: tuple[Coverage, ...] = ()
+
+    @property
+    def verdict(self) -> str:
+        """PASS where it is named, or covered, as expected."""
+        verdicts = {self.named.verdict, *(one.verdict for one in self.coverage)}
+        return "FAIL" if "FAIL" in verdicts else "PASS"
+
+
+def score_fault(rig: str, fault: str, n: int, first: int = 1, progress: Progress | None = None) -> FaultScore:
+    """Return how often a rig with a fault does what the entry of the fault expects, over seeds in a row.
+
+    Parameters
+    ----------
+    rig, n, first, progress
+        As in `score_rig`.
+    fault : str
+        Name, or name and size.
+
+    Raises
+    ------
+    UsageError
+        As in `score_rig`, or if there is no such fault, or its size is wrong.
+    """
+    made = _counted(rig, n, first)
+    name, size = parse_fault(fault, made.every_fault)
+    one = made.every_fault[name]
+    shown = "" if size is None else size_text(size, one.unit)
+    tell = progress or (lambda done, total, what: None)
+
+    def make(seed: int) -> Twin:
+        return made.twin(seed, fault)
+
+    if one.expects != "covered":
+        return FaultScore(one, name, shown, count_named(make, one, n, first, tell))
+    refused = Counter[str]()
+    found = coverage(make, n, first, tell, refused)
+    return FaultScore(one, name, shown, Named(n - sum(refused.values()), n, dict(refused)), found)
+
+
+def _counted(rig: str, n: int, first: int) -> Rig:
+    """Return a rig of which so many campaigns can be counted."""
+    made = RIGS.named(rig)
+    if n < 1 or first < 0:
+        raise UsageError(f"{n} campaigns from seed {first}: need 1 or more, from seed 0 or more")
+    return made
 
 
 def score_rig(rig: str, n: int, first: int = 1, progress: Progress | None = None) -> tuple[Coverage, ...]:
@@ -207,14 +343,15 @@ def score_rig(rig: str, n: int, first: int = 1, progress: Progress | None = None
     UsageError
         If there is no such rig, the package that adds it is broken, or there is nothing to count.
     """
-    made = RIGS.named(rig)
-    if n < 1 or first < 0:
-        raise UsageError(f"{n} campaigns from seed {first}: need 1 or more, from seed 0 or more")
-    return coverage(made.twin, n, first, progress)
+    return coverage(_counted(rig, n, first).twin, n, first, progress)
 
 
 def coverage(
-    make: Callable[[int], Twin], n: int, first: int = 1, progress: Progress | None = None
+    make: Callable[[int], Twin],
+    n: int,
+    first: int = 1,
+    progress: Progress | None = None,
+    refused: Counter[str] | None = None,
 ) -> tuple[Coverage, ...]:
     """Return the coverage of every quantity over n campaigns.
 
@@ -226,18 +363,27 @@ def coverage(
         Number of seeds, and the first of them.
     progress : callable, optional
         As in `score_rig`.
+    refused : Counter, optional
+        Gets why campaigns were refused; without it that is an error.
     """
     tell = progress or (lambda done, total, what: None)
     held: dict[Of, list[bool]] = {}
     for seed in range(first, first + n):
         if (seed - first) % max(n // STEPS, 1) == 0:
             tell(seed - first, n, f"seed {seed}")
-        for name, inside in _held(make(seed)).items():
+        try:
+            found = _held(make(seed))
+        except InertialcalError as error:
+            if refused is None:
+                raise
+            refused[brought_text(Brought(None, error.problems))] += 1
+            continue
+        for name, inside in found.items():
             held.setdefault(name, []).append(inside)
     tell(n, n, "done")
     return tuple(
-        Coverage(key.quantity, key.axis, sum(found), len(found), n - len(found), test, key.sensor, key.power, key.at)
-        for (key, test), found in held.items()
+        Coverage(key.quantity, key.axis, sum(hits), len(hits), n - len(hits), test, key.sensor, key.power, key.at)
+        for (key, test), hits in held.items()
     )
 
 

@@ -8,20 +8,21 @@ from __future__ import annotations
 
 import hashlib
 import json
+import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 
 from ...core.campaign_text import FILE
-from ...core.errors import DataError, UsageError
+from ...core.errors import DataError, PlanError, UsageError
 from ...core.key import At, Key
 from ...core.recording import SECOND, Recording
 from ...core.show.tables import Block, Table, html, text
 from ...files.source import load as read_file
 from ...files.write.atomic import write_folder
 from ...rigs import RIGS
-from ...rigs.protocol import SEAL, SEED, TrueValue, Twin
+from ...rigs.twin import SEAL, SEED, DrawnError, TrueValue, Twin
 from ..file.load import load
 from ..outcome.publish import json_text
 
@@ -31,17 +32,18 @@ Of = tuple[Key, str]  # which figure, of which test
 
 @dataclass(frozen=True)
 class Written:
-    """A simulated campaign on disk: its folder, the recordings in it, SHA-256 of the truth, the mistake in it."""
+    """A simulated campaign on disk: its folder, the recordings in it, SHA-256 of the truth, the fault and its size."""
 
     folder: Path
     recordings: tuple[str, ...]
     seal: str
     fault: str
+    size: str = ""
 
     def parts(self) -> tuple[Block, ...]:
         """Return what is shown: the recordings, the seal of the truth, what to type next."""
         rows = [(name,) for name in self.recordings]
-        mistake = f"mistake put in: {self.fault}\n" if self.fault else ""
+        mistake = f"mistake put in: {self.fault} {self.size}".rstrip() + "\n" if self.fault else ""
         said = f"{mistake}truth sealed, SHA-256 {self.seal}\nnext: ic.run({str(self.folder)!r}), then ic.score(...)"
         return (Table(("recording",), rows, f"simulated campaign in {self.folder}"), said)
 
@@ -65,6 +67,9 @@ class Truth:
     seed: int
     fault: str
     seal: str
+    size: str = ""  # Of the fault, with its unit
+    spoiled: tuple[str, ...] = ()  # Recordings, or files of them, that the fault is in
+    errors: tuple[DrawnError, ...] = ()  # Of the standards
 
     @cached_property
     def _by_key(self) -> dict[Of, TrueValue]:
@@ -97,7 +102,7 @@ def simulate(rig: str, folder: str | Path, seed: int, fault: str = "") -> Writte
     seed : int
         All draws follow from it; 0 or more.
     fault : str
-        Name of a mistake to put in.
+        Name of a mistake to put in, or name and size: ``"run_gain=5 %"``.
 
     Raises
     ------
@@ -112,24 +117,37 @@ def simulate(rig: str, folder: str | Path, seed: int, fault: str = "") -> Writte
         raise UsageError(f"seed {seed}: need 0 or more")
     if target.exists() and (not target.is_dir() or any(target.iterdir())):
         raise UsageError(f"{target} exists and is not empty", do="Name a new folder: -o DIR", code="exists")
-    twin = made.twin(seed, fault)
+    return write_twin(made.twin(seed, fault), target)
+
+
+def write_twin(twin: Twin, folder: Path) -> Written:
+    """Write a simulated campaign into a new folder, all or nothing."""
     truth = truth_text(twin)
     seal = hashlib.sha256(truth.encode()).hexdigest()
     texts = {
-        FILE: twin.campaign.replace(SEED, str(seed)).replace(SEAL, seal),
+        FILE: twin.campaign.replace(SEED, str(twin.seed)).replace(SEAL, seal),
         TRUTH: truth,
-        **{file: csv_text(recording, file) for file, recording in twin.recordings.items()},
+        **{file: twin.texts.get(file, str)(csv_text(one, file)) for file, one in twin.recordings.items()},
         **{file: extra.text for file, extra in twin.extras.items()},
     }
-    write_folder(target, {name: text.encode() for name, text in texts.items()})
-    return Written(target, tuple(twin.recordings), seal, fault)
+    write_folder(folder, {name: text.encode() for name, text in texts.items()})
+    return Written(folder, tuple(twin.recordings), seal, twin.fault, twin.size)
 
 
 def truth_text(twin: Twin) -> str:
     """Return the content of ``truth.json``."""
-    head = {"schema": 2, "rig": twin.rig, "seed": twin.seed, "fault": twin.fault}
+    head = {"schema": 3, "rig": twin.rig, "seed": twin.seed, "fault": twin.fault, "size": twin.size}
     values = [asdict(one) | {"at": None if one.at is None else one.at._asdict()} for one in twin.truth]
-    return json_text(head | {"values": values, "drawn": dict(twin.drawn)})
+    errors = [asdict(one) for one in twin.errors]
+    return json_text(
+        head | {"spoiled": spoiled_names(twin), "values": values, "errors": errors, "drawn": dict(twin.drawn)}
+    )
+
+
+def spoiled_names(twin: Twin) -> list[str]:
+    """Return the recordings that a fault is in, and their files: a remark names one or the other."""
+    recordings = tomllib.loads(twin.campaign)["recordings"] if twin.spoiled else {}
+    return list(dict.fromkeys([*twin.spoiled, *(str(recordings[name]["file"]) for name in twin.spoiled)]))
 
 
 def csv_text(recording: Recording, file: str = "") -> str:
@@ -168,7 +186,7 @@ def read_truth(folder: str | Path) -> Truth:
         ``no_truth`` if it is no simulated campaign, ``damaged_truth`` if the truth cannot be read,
         ``seal_broken`` if it is not the one that the campaign was written with.
     """
-    source, path = load(folder).file.campaign.source, Path(folder) / TRUTH
+    source, path = _source(Path(folder)), Path(folder) / TRUTH
     if not path.exists():
         what, why = f"no truth: {path} does not exist", "only a simulated campaign can be scored"
         do = f"Try: inertialcal simulate {next(iter(RIGS))} -o DIR"
@@ -182,6 +200,24 @@ def read_truth(folder: str | Path) -> Truth:
     try:
         content = json.loads(loaded.data)
         values = [TrueValue(**one | {"at": one["at"] and At(**one["at"])}) for one in content["values"]]
-        return Truth(tuple(values), str(content["rig"]), int(content["seed"]), str(content["fault"]), seal)
+        errors = tuple(DrawnError(**one) for one in content["errors"])
+        return Truth(
+            tuple(values), str(content["rig"]), int(content["seed"]), str(content["fault"]), seal,
+            str(content["size"]), tuple(map(str, content["spoiled"])), errors,
+        )  # fmt: skip
     except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise DataError(f"not a truth: {error}", TRUTH, code="damaged_truth") from None
+
+
+def _source(folder: Path) -> str:
+    """Return where a campaign says that it comes from, though its file may be refused for other reasons."""
+    try:
+        return load(folder).file.campaign.source
+    except PlanError as error:
+        if any(problem.code in ("no_campaign", "empty_file", "not_toml") for problem in error.problems):
+            raise
+        text = (folder / FILE).read_text(encoding="utf-8")
+        source = tomllib.loads(text).get("campaign", {}).get("source", "")
+        if "truth sealed with SHA-256" not in source:
+            raise
+        return str(source)

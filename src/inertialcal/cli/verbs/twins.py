@@ -15,7 +15,9 @@ from ..shown.output import clean, json_out, table
 from ..shown.progress import progress
 
 if TYPE_CHECKING:
-    from ...campaign.twins.score import Coverage, Score
+    from ...campaign.twins.score import Coverage, FaultScore, Score
+
+FAULT_HEADS = ["fault", "size", "what it does", "expected"]
 
 
 def simulate(
@@ -27,27 +29,56 @@ def simulate(
             show_default=False,
         ),
     ],
-    output: Annotated[Path, typer.Option("--output", "-o", help="New folder for the campaign.", show_default=False)],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="New folder for the campaign.", show_default=False)
+    ] = None,
     seed: Annotated[int, typer.Option(help="Everything that is drawn follows from it.")] = 1,
     fault: Annotated[
         str,
-        typer.Option(help="A mistake to put in, like wrong_sign.", autocompletion=faults_beginning, show_default=False),
+        typer.Option(
+            help="A mistake to put in: NAME, or NAME=SIZE, like glitch or run_gain=5 %.",
+            metavar="NAME[=SIZE]",
+            autocompletion=faults_beginning,
+            show_default=False,
+        ),
     ] = "",
+    faults: Annotated[bool, typer.Option("--faults", help="List the mistakes that the rig can simulate.")] = False,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
     """Write the campaign of a simulated rig: recordings, campaign.toml, and the truth for `score`."""
+    from ...core.errors import UsageError
+
+    if faults:
+        return _faults(rig, as_json, quiet)
+    if output is None:
+        raise UsageError("simulate needs a new folder", do=f"Say: inertialcal simulate {rig} -o DIR")
     from ...campaign.twins.twin import simulate as write
 
     written = write(rig, output, seed, fault)
     if as_json:
         content = {"written": str(written.folder), "recordings": list(written.recordings), "truth_sha256": written.seal}
-        json_out("simulate", content | {"rig": rig, "seed": seed, "fault": fault})
+        json_out("simulate", content | {"rig": rig, "seed": seed, "fault": written.fault, "size": written.size})
     elif not quiet:
         print(clean(f"written: {written.folder} ({len(written.recordings)} recordings)"))
         print(clean(f"truth sealed in {written.folder / '.truth'}, SHA-256 {written.seal}"))
         folder = shlex.quote(str(written.folder))
         print(clean(f"Next: inertialcal run {folder}, then inertialcal score {folder}"))
+    return 0
+
+
+def _faults(rig: str, as_json: bool, quiet: bool) -> int:
+    """List the mistakes of a rig."""
+    known = RIGS.named(rig).every_fault
+    if as_json:
+        rows = [
+            {"fault": name, "size": one.size, "unit": one.unit, "what": one.what, "expects": one.expects,
+             "codes": list(one.codes)}
+            for name, one in known.items()
+        ]  # fmt: skip
+        json_out("simulate", {"rig": rig, "faults": rows})
+    elif not quiet:
+        print(table([[name, one.default, one.what, one.expected] for name, one in known.items()], FAULT_HEADS))
     return 0
 
 
@@ -61,7 +92,19 @@ def score(
             show_default=False,
         ),
     ] = None,
-    n: Annotated[int, typer.Option("--n", help="With --rig: how many campaigns.")] = 300,
+    fault: Annotated[
+        str,
+        typer.Option(
+            help="With --rig: a mistake in every campaign; counts how often it is named, or covered.",
+            metavar="NAME[=SIZE]",
+            autocompletion=faults_beginning,
+            show_default=False,
+        ),
+    ] = "",
+    n: Annotated[
+        int | None,
+        typer.Option("--n", help="With --rig: how many campaigns.", show_default="300; 60 with --fault"),
+    ] = None,
     seed_from: Annotated[int, typer.Option(help="With --rig: the first seed.")] = 1,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -71,24 +114,50 @@ def score(
 
     if (folder is None) == (rig is None):
         raise UsageError("score needs a folder or --rig, one of them", do="Try: inertialcal score --help")
+    if folder is not None and fault:
+        raise UsageError("score FOLDER takes no --fault", do="The campaign says which fault is in it")
     if folder is not None:
         return _campaign(folder, as_json, quiet)
-    return _rig(str(rig), n, seed_from, as_json, quiet)
+    if fault:
+        return _fault(str(rig), fault, 60 if n is None else n, seed_from, as_json, quiet)
+    return _rig(str(rig), 300 if n is None else n, seed_from, as_json, quiet)
 
 
 def _campaign(folder: Path, as_json: bool, quiet: bool) -> int:
     from ...campaign.twins.score import score as score_campaign
 
     found = score_campaign(folder)
+    status = 1 if found.verdict == "FAIL" else 0
     if as_json:
-        truth = {"rig": found.truth.rig, "seed": found.truth.seed, "fault": found.truth.fault,
-                 "truth_sha256": found.truth.seal}  # fmt: skip
-        counts = {"inside": found.inside, "estimated": found.estimated, "known": len(found.rows)}
-        json_out("score", {"results": list(found.rows)} | truth | counts)
+        of = found.truth
+        truth = {"rig": of.rig, "seed": of.seed, "fault": of.fault, "size": of.size, "truth_sha256": of.seal}
+        counts = {
+            "inside": found.inside, "estimated": found.estimated, "known": len(found.rows),
+            "inside_apart": found.inside_apart, "judged_apart": found.judged_apart,
+        }  # fmt: skip
+        standards = [
+            {"influence": one.influence, "error_in_u": one.error, "inside": one.inside, "figures": figures}
+            for one, figures in found.standards.items()
+        ]
+        content = {"results": list(found.rows), "standards": standards, "not_apart": list(found.unshared)}
+        json_out("score", content | truth | counts | _judged(found), status)
     elif not quiet:
-        print(truth_table(found.rows))
-        print(f"\n{held_text(found)}")
-    return 0
+        if found.rows:
+            print(f"{truth_table(found.rows)}\n")
+        print(held_text(found))
+    return status
+
+
+def _judged(found: Score) -> dict[str, Any]:
+    """Return what ``--json`` says of a campaign with a fault."""
+    if found.fault is None:
+        return {}
+    verdict = {
+        "fault": found.truth.fault, "expects": found.fault.expects, "codes": list(found.fault.codes),
+        "spoiled": list(found.truth.spoiled), "verdict": found.verdict,
+    }  # fmt: skip
+    problems = [one.to_dict() for one in found.brought.problems]
+    return {"verdicts": [verdict], "refused": problems, "remarks": [one.to_dict() for one in found.brought.remarks]}
 
 
 def truth_table(rows: Sequence[Mapping[str, Any]]) -> str:
@@ -100,10 +169,45 @@ def truth_table(rows: Sequence[Mapping[str, Any]]) -> str:
 
 
 def held_text(found: Score) -> str:
-    """Say how many of the stated intervals hold the truth."""
-    missing = len(found.rows) - found.estimated
-    said = f"{found.inside} of {found.estimated} stated 95 % intervals hold the truth"
-    return f"{said}\n{missing} not estimated" if missing else said
+    """Say how many of the stated intervals hold the truth, also apart from the standards."""
+    return "\n".join(map(clean, found.said))
+
+
+def _fault(rig: str, fault: str, n: int, first: int, as_json: bool, quiet: bool) -> int:
+    """Count how often a fault is named, or covered, as its entry expects."""
+    from ...campaign.twins.score import score_fault
+
+    with progress(quiet or as_json) as tell:
+        found = score_fault(rig, fault, n, first, tell)
+    status = 1 if found.verdict == "FAIL" else 0
+    named, (lo, hi) = found.named, found.named.interval
+    if as_json:
+        verdict = {"fault": found.name, "size": found.size, "expects": found.fault.expects,
+                   "codes": list(found.fault.codes), "verdict": found.verdict}  # fmt: skip
+        counts = {"hits": named.hits, "interval": {"lo": lo, "hi": hi, "p": 0.95}, "others": dict(named.others)}
+        content = {"results": [one.to_dict() for one in found.coverage], "verdicts": [verdict]} | counts
+        json_out("score", content | {"rig": rig, "n": n, "seed_from": first}, status)
+    elif not quiet:
+        if found.coverage:
+            heads = ["quantity", "axis", "held", "rate", "99.9 % interval", "verdict"]
+            print(table([_coverage_cells(one) for one in found.coverage], heads, right=(2, 3)))
+        print(_counted(found, lo, hi, first))
+    return status
+
+
+def _counted(found: FaultScore, lo: float, hi: float, first: int) -> str:
+    """Return the lines below the table of a fault over many seeds."""
+    named, size = found.named, f" = {found.size}" if found.size else ""
+    did = {"covered": "reduced", "named": "named", "refused": "refused"}[found.fault.expects]
+    others = [f"  {count} x {what}" for what, count in named.others.items()]
+    return "\n".join(
+        [
+            f"fault {found.name}{size}: expected {found.fault.expected}",
+            f"{named.hits} of {named.n} {did} as expected (95 % interval {lo:.1%} .. {hi:.1%}); at least 95 % needed",
+            *others,
+            f"seeds {first} to {first + named.n - 1}; verdict: {found.verdict}",
+        ]
+    )
 
 
 def _rig(rig: str, n: int, first: int, as_json: bool, quiet: bool) -> int:

@@ -317,6 +317,7 @@ class Scored(Figure):
 
     truth: Number
     inside: bool | None
+    inside_apart: bool | None  # Once the errors of the standards are taken off
 
 
 class Covered(Key):

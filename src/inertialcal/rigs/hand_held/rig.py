@@ -18,8 +18,9 @@ from ...core.key import AXES
 from ...core.labelled import labelled_csv
 from ...core.recording import SECOND, Channel, Recording
 from ...core.units import factor
-from ..parts.campaign import drawn_error
-from ..protocol import Extra, Fault, Rig, TrueValue, Twin, on_bench
+from ..parts.campaign import drawn_error, drawn_errors
+from ..protocol import Rig, on_bench
+from ..twin import Extra, Fault, TrueValue, Twin
 from . import TITLE
 from .campaign import campaign_text, protocol_file, recording_file
 from .motion import FACES, Motion, Part, labelled_parts, moved, sequence
@@ -83,7 +84,9 @@ def build(bench: Bench, seed: int) -> Twin:
     if bench.variant == "ferraris":
         named = [labelled_parts(one.parts) for one in records for _ in range(bench.copies)]
         protocols = {protocol_file(number): Extra(one, labelled_csv(one)) for number, one in enumerate(named, 1)}
-    return Twin(text, files, true_values(bench, unit), drawn, protocols)
+    standards = {"gravity.value": bench.gravity_error, "clock.rate": bench.clock}
+    off = {"gravity.value": bench.gravity - gravity, "clock.rate": pace / bench.pace - 1.0}
+    return Twin(text, files, true_values(bench, unit), drawn, protocols, drawn_errors(standards, off))
 
 
 def draw_unit(bench: Bench, rng: np.random.Generator) -> Unit:
@@ -211,4 +214,4 @@ def true_values(bench: Bench, unit: Unit) -> tuple[TrueValue, ...]:
     )
 
 
-RIG = Rig("hand_held", TITLE, on_bench(build, Bench()), FAULTS)
+RIG = Rig("hand_held", TITLE, on_bench(build, Bench()), FAULTS, tests=("positions",))

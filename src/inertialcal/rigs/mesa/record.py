@@ -20,6 +20,7 @@ from ...core.constants import STANDARD_GRAVITY
 from ...core.estimate import Array
 from ...physics.motion.travel import ORDER, Travel, Window, drive, travel_of_table
 from ..parts.noise import flicker
+from ..twin import DrawnError
 from .setup import GATE, MERCURY_AMPLITUDE, RANGES, STOPS, UG, WORK, Bench, Run
 
 FLOOR = 1.3863  # 2 ln 2: Allan variance of flicker noise over its h
@@ -44,6 +45,7 @@ class Drawn:
     applied_error: float  # relative error of the applied input of the schedule (1)
     pad_tilt: float  # amplitude in phase with the attraction [rad]
     mercury: float  # amplitude of the mercury in phase with it [rad]
+    errors: tuple[DrawnError, ...] = ()  # of the standards
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,8 +14,9 @@ import numpy as np
 
 from ...core.recording import SECOND, Channel, Recording
 from ...physics.motion.schedule import Schedule
-from ..parts.campaign import drawn_error
-from ..protocol import Extra, Rig, TrueValue, Twin, on_bench
+from ..parts.campaign import drawn_error, drawn_errors
+from ..protocol import Rig, on_bench
+from ..twin import Extra, TrueValue, Twin
 from . import TITLE
 from .campaign import PULSES, SCHEDULE, TEMPERATURE, TILT, begin, campaign_text, recording_file
 from .record import Drawn, amplitude_of_mercury, dwells_a_cycle, nominal, record, schedule_table
@@ -49,15 +50,22 @@ def build(bench: Bench, seed: int) -> Twin:
         "run_to_run": own.tolist(),
     }  # fmt: skip
     planned = _planned(bench)
-    return Twin(campaign_text(bench), recordings, truth, known, {SCHEDULE: Extra(planned, planned.csv({}))})
+    extras = {SCHEDULE: Extra(planned, planned.csv({}))}
+    return Twin(campaign_text(bench), recordings, truth, known, extras, drawn.errors)
 
 
 def _drawn(bench: Bench, of_unit: np.random.Generator, of_bench: np.random.Generator) -> Drawn:
-    parts = (bench.density, bench.placing, bench.gravitational_constant)
-    error = sum(drawn_error(one, of_bench) for one in parts)
-    mercury = amplitude_of_mercury(bench, drawn_error(bench.mercury, of_bench))
+    parts = {
+        "source_mass.density": bench.density, "source_mass.placing": bench.placing,
+        "source_mass.gravitational_constant": bench.gravitational_constant,
+    }  # fmt: skip
+    off = {name: drawn_error(one, of_bench) for name, one in parts.items()}
+    error = sum(off.values())
+    off["tilt_meter.mercury"] = drawn_error(bench.mercury, of_bench)
+    mercury = amplitude_of_mercury(bench, off["tilt_meter.mercury"])
+    errors = drawn_errors(parts | {"tilt_meter.mercury": bench.mercury}, {name: -one for name, one in off.items()})
     tilt = float(of_bench.normal(0.0, bench.pad_tilt))
-    return Drawn(nominal(bench) * (1.0 + float(of_unit.normal(0.0, SPREAD))), error, tilt, mercury)
+    return Drawn(nominal(bench) * (1.0 + float(of_unit.normal(0.0, SPREAD))), error, tilt, mercury, errors)
 
 
 def _planned(bench: Bench) -> Schedule:
@@ -83,4 +91,4 @@ def _recording(bench: Bench, drawn: Drawn, number: int, own: float, rng: np.rand
     return Recording(channels, ends, step, bench.dwell, "utc", "column", time_column="unix_s")
 
 
-RIG = Rig("mesa", TITLE, on_bench(build, Bench()), FAULTS)
+RIG = Rig("mesa", TITLE, on_bench(build, Bench()), FAULTS, tests=("mass_attraction",))

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 from ...core.constants import STANDARD_GRAVITY
 from ...core.influence import Influence
-from ..protocol import Fault
+from ..twin import Fault
 
 RANGES = {"low": 10.21, "high": 1.024}  # pulses/s/ug
 UG = 1e-6 * STANDARD_GRAVITY.value  # [m/s^2]

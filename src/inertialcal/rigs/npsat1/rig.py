@@ -20,8 +20,9 @@ import numpy as np
 from ...core.estimate import Array
 from ...core.key import AXES, At
 from ...core.recording import Recording
-from ..parts.gyro_bench import World, draw_world
-from ..protocol import Drawn, Fault, Rig, TrueValue, Twin, on_bench
+from ..parts.gyro_bench import World, draw_world, table_errors
+from ..protocol import Rig, on_bench
+from ..twin import Drawn, Fault, TrueValue, Twin
 from . import TITLE
 from .campaign import AT_DEGC, NAMES, REFERENCE_DEGC, campaign_text, recording_file
 from .recordings import chamber_recording, static_recording, table_recordings
@@ -98,7 +99,8 @@ def build(bench: Bench, seed: int, unit: Unit | None = None) -> Twin:
         make, rng = made[part]
         files |= make(bench, own, world, rng)
     text = campaign_text(bench)
-    return Twin(text, files, true_values(own, bench.parts), {**drawn, **drawn_of(own)})
+    errors = table_errors(bench.standards, drawn, bench.latitude_deg)
+    return Twin(text, files, true_values(own, bench.parts), {**drawn, **drawn_of(own)}, errors=errors)
 
 
 def _chambers(bench: Bench, unit: Unit, world: World, rng: np.random.Generator) -> Recordings:
@@ -201,4 +203,5 @@ def drawn_of(unit: Unit) -> Drawn:
     return {**{name: values.tolist() for name, values in found.items()}, **times, "lag": unit.lag}
 
 
-RIG = Rig("npsat1", TITLE, on_bench(build, Bench()), FAULTS, demonstration_seed=2011)  # the year of [1]_
+TESTS = ("thermal", "rate_table", "static_noise")
+RIG = Rig("npsat1", TITLE, on_bench(build, Bench()), FAULTS, demonstration_seed=2011, tests=TESTS)  # the year of [1]_

@@ -7,11 +7,11 @@ from collections.abc import Mapping
 import numpy as np
 
 from ...core.campaign_text import SCHEMA, Noted
-from ...core.influence import Influence
+from ...core.influence import Influence, influence_of
 from ...core.key import AXES
 from ...core.schema.standards import STANDARDS
 from ...core.units import factor
-from ..protocol import SEAL, SEED
+from ..twin import SEAL, SEED, DrawnError
 
 Content = dict[str, object]  # of a table
 
@@ -30,6 +30,23 @@ def drawn_error(influence: Influence | None, rng: np.random.Generator) -> float:
         half = influence.u * np.sqrt(3.0)
         return float(rng.uniform(-half, half))
     return float(rng.normal(0.0, influence.u))
+
+
+def drawn_errors(standards: Mapping[str, Influence], errors: Mapping[str, float]) -> tuple[DrawnError, ...]:
+    """Return errors of standards in their standard uncertainties, for the score of the campaign.
+
+    Parameters
+    ----------
+    standards : mapping of str to Influence
+        By ``"rate_table.rate"``.
+    errors : mapping of str to float
+        What is stated of the standard, or read, less what is true, by its name, with a number where there are several:
+        ``"converter.zero[1]"`` [its unit].
+    """
+    stated = {name: standards[influence_of(name)] for name in errors if influence_of(name) in standards}
+    return tuple(
+        DrawnError(name, errors[name] / one.u, one.distribution) for name, one in stated.items() if one.u > 0.0
+    )
 
 
 def campaign_head(rig: str, item: str, title: str, about: str) -> Content:

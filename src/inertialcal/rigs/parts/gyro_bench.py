@@ -26,8 +26,8 @@ from ...sensors.chain.conversion import to_counts
 from ...sensors.chain.converter import Chain
 from ...sensors.model.equation import predict
 from ...sensors.model.sensor_model import SensorModel
-from ..protocol import Drawn
-from .campaign import Content, drawn_error
+from ..twin import Drawn, DrawnError
+from .campaign import Content, drawn_error, drawn_errors
 from .noise import random_walk, white
 
 INVERTED = (-1, 1, -1)  # x and z sensors are mounted against the body axes
@@ -121,6 +121,19 @@ def draw_world(
         **{f"phase_{axis}_turned": angle for axis, angle in phase.items()},
     }
     return world, drawn
+
+
+def table_errors(standards: Mapping[str, Influence], drawn: Drawn, latitude_deg: float) -> tuple[DrawnError, ...]:
+    """Return the errors of the standards that outlive a campaign, as `draw_world` drew them."""
+    names = ("table_rate_error", "converter_reference_error", "thermometer_error", "latitude")
+    rate, converter, thermometer, latitude = (float(str(drawn[name])) for name in names)
+    errors = {
+        "rate_table.rate": -rate,
+        "converter.reference": converter,
+        "thermometer.temperature": thermometer,
+        "site.latitude": float(np.radians(latitude_deg)) - latitude,
+    }
+    return drawn_errors(standards, errors)
 
 
 @dataclass(frozen=True, eq=False)

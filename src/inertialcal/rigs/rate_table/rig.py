@@ -33,9 +33,11 @@ from ..parts.gyro_bench import (
     motion,
     powered_up,
     readings,
+    table_errors,
 )
 from ..parts.noise import random_walk
-from ..protocol import Fault, Rig, TrueValue, Twin, on_bench
+from ..protocol import Rig, on_bench
+from ..twin import Fault, TrueValue, Twin
 from . import TITLE
 from .campaign import APPLIED, campaign_text, recording_file, reference_column, validity_column
 from .setup import Bench, chain, draw_gyro
@@ -94,7 +96,8 @@ def build(bench: Bench, seed: int, gyro: Gyro | None = None) -> Twin:
         powered = powered_up(unit, of_runs)
         for axis in bench.turned:
             recordings[recording_file(axis, run)] = _recording(bench, world, powered, axis, run, of_runs)
-    return Twin(campaign_text(bench), recordings, true_values(unit), drawn)
+    errors = table_errors(bench.standards, drawn, bench.latitude_deg)
+    return Twin(campaign_text(bench), recordings, true_values(unit), drawn, errors=errors)
 
 
 def true_values(gyro: Gyro) -> tuple[TrueValue, ...]:
@@ -151,4 +154,4 @@ def _saved(bench: Bench, turning: Motion, signals: dict[str, Array], saved: NDAr
     return Recording(channels, stamps, bench.interval, bench.averaging, epoch="utc")
 
 
-RIG = Rig("rate_table", TITLE, on_bench(build, Bench()), FAULTS)
+RIG = Rig("rate_table", TITLE, on_bench(build, Bench()), FAULTS, tests=("rate_table",))

@@ -18,7 +18,9 @@ from ...core.estimate import Array
 from ...core.key import AXES
 from ...core.recording import SECOND, Channel, Recording
 from ...sensors.chain.conversion import to_counts, to_temperature_counts
-from ..protocol import Drawn, Fault, Rig, TrueValue, Twin, on_bench
+from ..parts.campaign import drawn_errors
+from ..protocol import Rig, on_bench
+from ..twin import Drawn, Fault, TrueValue, Twin
 from . import TITLE
 from .campaign import BEGIN, FILE, campaign_text
 from .record import Record, polynomial, record
@@ -91,7 +93,13 @@ def build(bench: Bench, seed: int) -> Twin:
         "zero_of_electronics": np.asarray(chain(bench, head).zero).tolist(),
     }
     files = {FILE: saved(bench, head, made, of_files)}
-    return Twin(campaign_text(bench, head, model), files, tuple(truth), drawn)
+    off = {
+        "turn.angle": made.errors.angle,
+        **{f"converter.zero[{i}]": float(one) for i, one in enumerate(made.errors.zero)},
+        **{f"sensor.scale_factor[{i}]": float(one) for i, one in enumerate(made.errors.scale)},
+    }
+    errors = drawn_errors(bench.standards, off)
+    return Twin(campaign_text(bench, head, model), files, tuple(truth), drawn, errors=errors)
 
 
 def saved(bench: Bench, head: Head, made: Record, rng: np.random.Generator) -> Recording:
@@ -154,4 +162,4 @@ def true_values(bench: Bench, head: Head, model: Drawing, made: Record) -> list[
     return found
 
 
-RIG = Rig("sams_tsh", TITLE, on_bench(build, Bench()), FAULTS)
+RIG = Rig("sams_tsh", TITLE, on_bench(build, Bench()), FAULTS, tests=("flip",))

@@ -14,4 +14,4 @@ from . import TITLE
 __all__ = ["FAULTS", "RIG"]
 
 
-RIG = Rig("sams_tsh_model", TITLE, on_bench(build, Bench(ground="jointly")), FAULTS)
+RIG = Rig("sams_tsh_model", TITLE, on_bench(build, Bench(ground="jointly")), FAULTS, tests=("flip",))

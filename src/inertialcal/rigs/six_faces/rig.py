@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from ..hand_held.rig import FAULTS as BY_HAND
 from ..hand_held.rig import Bench, build
-from ..protocol import Fault, Rig, on_bench
+from ..protocol import Rig, on_bench
+from ..twin import Fault
 from . import TITLE
 
 __all__ = ["FAULTS", "RIG"]
@@ -25,4 +26,6 @@ FAULTS: dict[str, Fault] = {
 }
 
 
-RIG = Rig("six_faces", TITLE, on_bench(build, Bench(variant="ferraris")), FAULTS)
+RIG = Rig(
+    "six_faces", TITLE, on_bench(build, Bench(variant="ferraris")), FAULTS, tests=("positions", "positions:faces")
+)

@@ -25,8 +25,9 @@ from ...core.recording import SECOND, Channel, Recording
 from ...core.units import factor
 from ...sensors.noise.simulate import simulate
 from ...sensors.noise.terms import BiasInstability, RandomWalk, RateRandomWalk, Sinusoid, quantity_name
-from ..parts.campaign import campaign_head, channel_entries, drawn_error, standard_tables
-from ..protocol import Drawn, Fault, Rig, TrueValue, Twin, on_bench
+from ..parts.campaign import campaign_head, channel_entries, drawn_error, drawn_errors, standard_tables
+from ..protocol import Rig, on_bench
+from ..twin import Drawn, Fault, TrueValue, Twin
 from . import TITLE
 
 __all__ = ["FAULTS", "RIG", "Bench", "build"]
@@ -67,7 +68,8 @@ def build(bench: Bench, seed: int) -> Twin:
         for number in range(1, bench.records + 1)
     }
     drawn: Drawn = {"scale_factor_error": error, "bias": bias.tolist()}
-    return Twin(campaign_text(bench), recordings, _true_values(terms), drawn)
+    errors = drawn_errors({"sensor.scale_factor": bench.scale_factor}, {"sensor.scale_factor": -error})
+    return Twin(campaign_text(bench), recordings, _true_values(terms), drawn, errors=errors)
 
 
 def _draw_unit(bench: Bench, rng: np.random.Generator) -> dict[str, tuple[Drift, ...]]:
@@ -188,4 +190,4 @@ def campaign_text(bench: Bench) -> str:
     )
 
 
-RIG = Rig("still_gyro", TITLE, on_bench(build, Bench()), FAULTS)
+RIG = Rig("still_gyro", TITLE, on_bench(build, Bench()), FAULTS, tests=("static_noise",))
