@@ -32,7 +32,7 @@ class Rig:
     demonstration_seed : int
         Seed of its demonstration.
     tests : tuple of str
-        Procedures of its campaign, and what they have: ``"positions:faces"``; it takes the general mistakes for them.
+        Procedures of its campaign, and ``"faces"`` where a protocol names them: it takes the general mistakes for them.
     """
 
     name: str

@@ -14,7 +14,7 @@ from . import bench, logger, samples, sense
 STILL, TABLE, HOT, HAND, TURN, MASS = "static_noise", "rate_table", "thermal", "positions", "flip", "mass_attraction"
 SAMPLED = (STILL, TABLE, HOT, HAND, TURN)
 ALL = (*SAMPLED, MASS)
-FACES = "positions:faces"  # where a protocol names the faces
+FACES = "faces"  # where a protocol names the faces
 
 
 FAULTS: dict[str, Fault] = {

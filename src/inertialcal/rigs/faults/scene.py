@@ -28,6 +28,7 @@ Rows = slice | NDArray[Any]
 Act = Callable[[Array], Array]
 NORMAL = 0.6745 * np.sqrt(6.0)  # median of a second difference of white noise, over its standard deviation
 GRIDS = (1.0, 1.0 / 200.0)  # steps of counts that are stored [counts]
+OF_TEST = {"faces": "positions"}  # what only some rigs of a procedure have
 SETTLED = 0.1  # part at either end of a recording where no sample is spoiled
 
 
@@ -90,7 +91,7 @@ class Scene:
     """
 
     def __init__(self, twin: Twin, tests: tuple[str, ...]):
-        self.campaign, self.tests = twin.campaign, {name.partition(":")[0] for name in tests}
+        self.campaign, self.tests = twin.campaign, {OF_TEST.get(name, name) for name in tests}
         self.recordings = dict(twin.recordings)
         self.extras: dict[str, Extra] = dict(twin.extras)
         self.texts = dict(twin.texts)

@@ -26,6 +26,4 @@ FAULTS: dict[str, Fault] = {
 }
 
 
-RIG = Rig(
-    "six_faces", TITLE, on_bench(build, Bench(variant="ferraris")), FAULTS, tests=("positions", "positions:faces")
-)
+RIG = Rig("six_faces", TITLE, on_bench(build, Bench(variant="ferraris")), FAULTS, tests=("positions", "faces"))
