@@ -44,6 +44,7 @@ def likely_cause(
     kind: str = "",
     applied: str = "the applied quantity",
     sampled: bool = False,
+    doubt: Mapping[str, float] | None = None,
 ) -> Cause | None:
     """Return why a response is not the nominal one; None where it is, or where it is not known.
 
@@ -61,6 +62,8 @@ def likely_cause(
         What was applied, for the message.
     sampled : bool
         Whether the quantity is an angle or a time, which a wrong sample rate changes.
+    doubt : mapping of str to float, optional
+        How far each response may be off by its scatter.
 
     Examples
     --------
@@ -71,12 +74,13 @@ def likely_cause(
     >>> likely_cause({"x": 1.01, "y": 0.02}, "x", 0.2) is None
     True
     """
-    own = response.get(axis, float("nan"))
-    others = {name: value for name, value in response.items() if name != axis and isfinite(value)}
-    most = max(others, key=lambda name: abs(others[name]), default="")
-    if isfinite(own) and most and abs(others[most]) > max(CLEAR, 2.0 * abs(own)):
-        what = f"{axis} was turned, but {most} reads {others[most]:+.3g} of {applied}, and {axis} {own:+.3g}"
+    own, off = response.get(axis, float("nan")), doubt or {}
+    others = {name: abs(response[name]) - off.get(name, 0.0) for name in response if name != axis}
+    most = max((name for name, value in others.items() if isfinite(value)), key=others.__getitem__, default="")
+    if isfinite(own) and most and others[most] > max(CLEAR, 2.0 * (abs(own) + off.get(axis, 0.0))):
+        what = f"{axis} was turned, but {most} reads {response[most]:+.3g} of {applied}, and {axis} {own:+.3g}"
         return Cause("axes_disagree", what, "Check the axis named, the file, the columns and the mounting")
+    tolerance += off.get(axis, 0.0)
     if not isfinite(own) or abs(own - 1.0) <= tolerance:
         return None
     inverted, unit = abs(own + 1.0) <= tolerance, unit_mistaken(abs(own), kind)

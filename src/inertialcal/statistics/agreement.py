@@ -17,6 +17,8 @@ all are named.
 References
 ----------
 .. [1] Barnett and Lewis, Outliers in Statistical Data, 3rd ed., Wiley 1994, sections 6.2 and 6.3.
+.. [2] A. F. Siegel, Biometrika 69 (1982) 242-244: robust regression using repeated medians.
+.. [3] Rousseeuw and Croux, J. Am. Stat. Assoc. 88 (1993) 1273-1283: the median absolute deviation, its efficiency 0.37.
 """
 
 from __future__ import annotations
@@ -28,6 +30,9 @@ from scipy import special
 from ..core.estimate import Array
 
 FALSE_ALARM = 0.003  # chance that anything of a sound test is said to disagree
+NORMAL = 1.482602218505602  # standard deviation of normal values over their median absolute deviation
+EFFICIENCY = 0.37  # of the median absolute deviation, as an estimate of a standard deviation
+MOST = 400  # points of a repeated median; of more, every k-th
 
 
 def disagreeing(
@@ -100,3 +105,48 @@ def _worst(y: Array, u: Array, alpha: float, scatter: float, dof: float) -> NDAr
             if np.log(chance) + sets < np.log(alpha) - m * np.log(2.0):
                 return np.arange(n) if 2 * m == n else apart
     return np.zeros(0, dtype=np.intp)
+
+
+def repeated_median_line(x: ArrayLike, y: ArrayLike) -> tuple[float, float]:
+    """Return slope and intercept that nearly half of the points may be wrong without harm to [2]_.
+
+    Parameters
+    ----------
+    x, y : array_like, shape (n,)
+        Points; those with a NaN are left out.
+
+    Returns
+    -------
+    (slope, intercept) : NaN where there are not two different x.
+    """
+    used = np.isfinite(x) & np.isfinite(y)
+    every = int(np.ceil(np.count_nonzero(used) / MOST)) or 1
+    first, second = (np.asarray(values, dtype=float)[used][::every] for values in (x, y))
+    if len(np.unique(first)) < 2:
+        return float("nan"), float("nan")
+    run, rise = (values[:, np.newaxis] - values[np.newaxis] for values in (first, second))
+    slopes = np.divide(rise, run, out=np.full_like(rise, np.nan), where=run != 0.0)
+    slope = float(np.median(np.nanmedian(slopes, axis=1)))
+    return slope, float(np.median(second - slope * first))
+
+
+def robust_scale(residuals: ArrayLike, fitted: int) -> tuple[float, float]:
+    """Return the standard deviation behind residuals by their median size, and its degrees of freedom [3]_.
+
+    Parameters
+    ----------
+    residuals : array_like, shape (n,)
+        About a median; exact zeros, which are the medians themselves, and NaN do not count.
+    fitted : int
+        How many levels and slopes were fitted to them.
+
+    Returns
+    -------
+    (scale, dof) : 0 and 0 where nothing scatters, or more was fitted than there are readings.
+    """
+    size = np.abs(np.asarray(residuals, dtype=float))
+    count = np.count_nonzero(np.isfinite(size))
+    if count <= fitted or not np.any(size > 0.0):
+        return 0.0, 0.0
+    scale = NORMAL * float(np.median(size[size > 0.0])) * float(np.sqrt(count / (count - fitted)))
+    return scale, EFFICIENCY * (count - fitted)

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from ...core.errors import Problem
     from ...core.judging import Asked, Verdict
     from ...core.recording import Recording
+    from ...core.remarks import Remark
     from ...core.results import Row
     from ...files.info.survey import Survey
     from ...sensors.model.sensor_model import SensorModel
@@ -99,6 +100,12 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
                 for one, recording, unknown in zip(turned, recordings, unknowns, strict=True)
             ]
         return together([*parts, readings_from(plan, turned)] if turned else parts)
+
+    def agreement(self, plan: Plan, readings: Readings) -> Sequence[Remark]:
+        """Return runs and readings that disagree with the table, or with each other."""
+        from .agreement import agreement
+
+        return agreement(plan, readings)
 
     def reduce(self, plan: Plan, readings: Readings) -> Result:
         """Return the lines of all sensors."""

@@ -33,6 +33,7 @@ class Readings:
     samples: Array | None = None  # shape (n,): number of samples of a dwell
     group: Labels | None = None  # shape (n,): sample set; empty where not given
     run: Labels | None = None  # shape (n,): power-up; empty where not given
+    recording: Labels | None = None  # shape (n,): name of the recording or table that the dwell comes from
     where: tuple[str, ...] = ()  # Place of each row, for messages
     sensors: tuple[str, ...] = ()  # Axes of all sensors of the unit, read or not
     # shape (n, 3): earth rate along the body axes x, y, z, mean over each dwell [rad/s]; to be added to the
@@ -66,6 +67,7 @@ class Readings:
             samples=None if self.samples is None else self.samples[keep],
             group=None if self.group is None else self.group[keep],
             run=None if self.run is None else self.run[keep],
+            recording=None if self.recording is None else self.recording[keep],
             earth=None if self.earth is None else self.earth[keep],
             earth_sources={name: patterns[:, keep] for name, patterns in self.earth_sources.items()},
             taken_off={name: one.take(keep) for name, one in self.taken_off.items()},

@@ -77,6 +77,7 @@ def readings_from(plan: Plan, turned: Sequence[RateTableRecording]) -> Readings:
         run=None if not any(runs) else np.concatenate(
             [np.full(len(part.applied), run) for part, run in zip(parts, runs, strict=True)]
         ),
+        recording=np.concatenate([np.full(len(part.applied), part.trace.recording) for part in parts]),
         where=tuple(place for part in parts for place in part.where),
         sensors=tuple(sensors),
         earth=earth,
@@ -302,6 +303,8 @@ def together(parts: list[Readings]) -> Readings:
         else np.concatenate([part.samples for part in parts if part.samples is not None]),
         run=None if parts[0].run is None
         else np.concatenate([part.run for part in parts if part.run is not None]),
+        recording=None if any(part.recording is None for part in parts)
+        else np.concatenate([part.recording for part in parts if part.recording is not None]),
         group=None if all(part.group is None for part in parts)
         else np.concatenate([np.full(len(part), "") if part.group is None else part.group for part in parts]),
         where=tuple(place for part in parts for place in part.where),

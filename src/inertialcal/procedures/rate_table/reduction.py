@@ -32,7 +32,6 @@ from ...core.show.tables import Block, html, text
 from .curves import curves
 from .exclusions import exclusions
 from .fit.earth_input import with_earth
-from .fit.linearity import check_agreement
 from .fit.quantities import estimate
 from .fit.rate_error import RateError, Resolution, rate_errors, resolution
 from .fit.regression import Line, can_tell_asymmetry, line
@@ -147,7 +146,6 @@ def reduce(plan: Plan, readings: Readings) -> Result:
             f"no sensor can be reduced: {'; '.join(map(str, reasons.values()))}",
             where=readings.where[0] if readings.where else "",
         )
-    check_agreement(plan, readings, lines)
     if any(one.level == "dwell" for one in lines.values()) and readings.runs >= 2:
         what = "some axis was turned in one run only: the uncertainty is the scatter between dwells, not between runs"
         remarks.append(Remark("not_repeated_between_runs", "warning", what, do="Turn every axis in every run"))

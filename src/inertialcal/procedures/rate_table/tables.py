@@ -66,6 +66,7 @@ def readings_of_table(plan: Plan, given: Source) -> Readings:
         samples=None if rows.samples is None else table.numbers(rows.samples),
         group=None if rows.group is None else np.array(table.text(rows.group), dtype=str),
         run=None if rows.run is None else np.array(table.text(rows.run), dtype=str),
+        recording=np.full(len(table), given.name),
         where=tuple(f"{given.file}:{row}" for row in table.rows),
         sensors=tuple(given.facts.axes),
         remarks=tuple(remarks),

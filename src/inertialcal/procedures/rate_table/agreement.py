@@ -1,0 +1,289 @@
+"""Which recordings, runs or readings of a rate table disagree with the table and with each other.
+
+Every run about an axis has a response: what each channel reads of the rate of the table, as the repeated median of the
+slopes, which nearly half of its readings cannot bend. It is compared
+
+with the nominal
+    the channel of the axis reads 1 of the rate, within ``plan.agreement`` and what its scatter leaves open; none reads
+    more of it;
+with the other runs about the axis at like rates
+    on the scatter of those that agree (`statistics.agreement`), channel by channel;
+reading by reading
+    with the line of its own run and with what the other readings at that rate are off their lines: 7 robust standard
+    deviations, more where there are few readings.
+
+The chance of a false alarm is shared out: half to the responses of the axes that were turned, a quarter to those of the
+others, a quarter to single readings. A difference that is clear
+but too small to matter (a tenth of ``plan.agreement``) is a warning, and no error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.key import AXES
+from ...core.remarks import Remark, Severity
+from ...statistics.agreement import FALSE_ALARM, disagreeing, repeated_median_line, robust_scale
+from ...statistics.intervals import t_quantile
+from ..agreement import Cause, likely_cause
+from .exclusions import exclusions
+from .plan import Plan
+from .readings import Readings
+
+FEWEST_SCATTERS = 7.0  # robust standard deviations from which a reading is odd
+MATTERS = 0.1  # of ``plan.agreement``: relative difference from which a model would be wrong
+LIKE = 0.2  # relative difference of largest rates up to which runs are compared
+SAME_RATE = 0.005  # of the largest rate
+ENOUGH = 3  # readings at a rate that tell what a reading there should be
+FEW = 5  # runs below which the scatter between the runs about other axes counts as well
+SURE = 5.0  # degrees of freedom from which a scale stands for itself
+EQUAL = 1e-9  # relative difference of numbers that are copies
+EFFICIENCY = 0.64  # of a repeated median
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One run about one axis."""
+
+    name: str  # As remarks call it
+    place: str  # Of its first reading
+    axis: str
+    at: NDArray[np.intp]  # Its rows
+
+
+def agreement(plan: Plan, readings: Readings) -> list[Remark]:
+    """Return where runs and readings disagree with the nominal, and with each other."""
+    if not len(readings) or not readings.outputs:
+        return []
+    runs = _runs(readings)
+    copies = [one for run in runs for one in _copies(readings, run)]
+    if copies:
+        return copies
+    judged = _Judged(plan, readings, runs)
+    return [*judged.against_nominal(), *judged.against_others(), *judged.single_readings()]
+
+
+def _runs(readings: Readings) -> list[Run]:
+    blank = np.full(len(readings), "")
+    recording = blank if readings.recording is None else readings.recording
+    run = blank if readings.run is None else readings.run
+    found = []
+    for name, label, axis in dict.fromkeys(zip(recording.tolist(), run.tolist(), readings.axis.tolist(), strict=True)):
+        at = np.flatnonzero((recording == name) & (run == label) & (readings.axis == axis))
+        several = np.count_nonzero(recording == name) > len(at)
+        said = [str(name)] if name else []
+        if label or several or not said:
+            said.append(f"run {label} about {axis}" if label else f"about {axis}")
+        found.append(Run(", ".join(said), readings.where[at[0]] if readings.where else "", str(axis), at))
+    return found
+
+
+def _copies(readings: Readings, run: Run) -> Iterator[Remark]:
+    """Yield a remark where a channel holds the rates of the table, digit by digit."""
+    x = readings.applied[run.at]
+    if len(np.unique(x)) < ENOUGH:
+        return
+    for sensor, output in readings.outputs.items():
+        y = output[run.at]
+        if np.isfinite(y).sum() >= ENOUGH and np.nanmax(np.abs(y - x)) <= EQUAL * np.max(np.abs(x)):
+            what = f"{sensor} holds the rates of the table, digit by digit: no sensor reads without error"
+            do = "Give the column with the readings of the sensor"
+            yield Cause("copy_of_applied", what, do).remark(run.name, run.place, sensor)
+
+
+def _lent(scales: dict[tuple[int, str], tuple[float, float]]) -> dict[tuple[int, str], tuple[float, float]]:
+    """Return scales with their degrees of freedom; those that rest on little are not below the median of all."""
+    usual = float(np.median([scale for scale, dof in scales.values() if dof > 0.0] or [0.0]))
+    every = sum(dof for _, dof in scales.values())
+    return {
+        key: (scale, dof) if dof >= SURE or not dof else (max(scale, usual), every)
+        for key, (scale, dof) in scales.items()
+    }
+
+
+class _Judged:
+    """Runs with their responses.
+
+    Readings at the rail are left out here too. Those of an odd scatter are not: a run in another unit has one.
+    """
+
+    def __init__(self, plan: Plan, readings: Readings, runs: Sequence[Run]) -> None:
+        self.plan, self.runs, self.applied, self.where = plan, runs, readings.applied, readings.where
+        left_out = {sensor: exclusions(plan, readings, sensor) for sensor in readings.outputs}
+        earth = np.zeros((len(readings), len(AXES))) if readings.earth is None else readings.earth
+        outputs = {
+            sensor: np.where(left_out[sensor].rail, np.nan, y - earth[:, AXES.index(sensor)])
+            for sensor, y in readings.outputs.items()
+        }
+        self.outputs, self.used = outputs, {sensor: ~one.any for sensor, one in left_out.items()}
+        self.sensors = tuple(outputs)
+        self.slope = np.full((len(runs), len(outputs)), np.nan)
+        applied = readings.applied
+        self.off = {s: np.full(len(applied), np.nan) for s in outputs}  # off the line of the run
+        for i, run in enumerate(runs):
+            for j, (sensor, y) in enumerate(outputs.items()):
+                self.slope[i, j], level = repeated_median_line(applied[run.at], y[run.at])
+                self.off[sensor][run.at] = y[run.at] - level - self.slope[i, j] * applied[run.at]
+        self.sets = self._sets()
+        # Less what all readings at a rate have in common: curvature of the sensor; its scatter and that of the slopes
+        self.odd = {s: off.copy() for s, off in self.off.items()}
+        self.u = np.zeros_like(self.slope)
+        self.scales = _lent({(k, s): self._scale(one, s) for k, one in enumerate(self.sets) for s in outputs})
+        for k, one in enumerate(self.sets):
+            for j, sensor in enumerate(outputs):
+                for i in one:
+                    x = applied[self.runs[i].at][np.isfinite(outputs[sensor][self.runs[i].at])]
+                    spread = float(np.sum((x - np.mean(x)) ** 2)) if len(x) else 0.0
+                    scale = self.scales[k, sensor][0]
+                    self.u[i, j] = scale / np.sqrt(EFFICIENCY * spread) if spread > 0.0 else 0.0
+        self.named = np.zeros(len(runs), dtype=bool)
+
+    def _sets(self) -> list[list[int]]:
+        """Return runs about one axis at like rates, by number."""
+        found: list[list[int]] = []
+        for i, run in enumerate(self.runs):
+            ends = np.array([np.min(self.applied[run.at]), np.max(self.applied[run.at])])
+            for one in found:
+                first = self.runs[one[0]]
+                other = np.array([np.min(self.applied[first.at]), np.max(self.applied[first.at])])
+                if first.axis == run.axis and np.all(np.abs(ends - other) <= LIKE * np.max(np.abs(other))):
+                    one.append(i)
+                    break
+            else:
+                found.append([i])
+        return found
+
+    def _scale(self, one: Sequence[int], sensor: str) -> tuple[float, float]:
+        """Return scale and degrees of freedom of the readings of a set of runs about their lines."""
+        at = np.concatenate([self.runs[i].at for i in one])
+        at = at[np.isfinite(self.off[sensor][at])]
+        if not len(at):
+            return 0.0, 0.0
+        step = SAME_RATE * float(np.max(np.abs(self.applied[at]))) or 1.0
+        rates, where = np.unique(np.round(self.applied[at] / step), return_inverse=True)
+        fitted = 2 * len(one)
+        for k in range(len(rates)):
+            same = at[where == k]
+            if len(same) >= ENOUGH:
+                self.odd[sensor][same] -= np.median(self.off[sensor][same])
+                fitted += 1
+        return robust_scale(self.odd[sensor][at], fitted)
+
+    def against_nominal(self) -> Iterator[Remark]:
+        """Yield what reads something else than the rate of the table."""
+        for axis in dict.fromkeys(run.axis for run in self.runs):
+            mine = [i for i, run in enumerate(self.runs) if run.axis == axis]
+            causes = {i: self._cause(i) for i in mine}
+            bad = {i: cause for i, cause in causes.items() if cause is not None}
+            self.named[list(bad)] = True
+            if len(mine) > 1 and len(bad) == len(mine) and len({one.code for one in bad.values()}) == 1:
+                first, cause = next(iter(bad.items()))
+                yield cause.remark(f"all {len(mine)} runs about {axis}", self.runs[first].place, axis)
+                continue
+            for i, cause in bad.items():
+                yield cause.remark(self.runs[i].name, self.runs[i].place, axis)
+
+    def _cause(self, i: int) -> Cause | None:
+        axis = self.runs[i].axis
+        k = next(k for k, one in enumerate(self.sets) if i in one)
+        response = dict(zip(self.sensors, self.slope[i].tolist(), strict=True))
+        dof = [self.scales[k, sensor][1] for sensor in self.sensors]
+        sure = 1.0 - 0.5 * FALSE_ALARM / self.slope.size
+        doubt = {s: t_quantile(nu, sure) * self.u[i, j] if nu else 0.0
+                 for j, (s, nu) in enumerate(zip(self.sensors, dof, strict=True))}  # fmt: skip
+        kind, applied = "angular_rate", "the rate of the table"
+        return likely_cause(response, axis, self.plan.agreement, kind, applied, doubt=doubt)
+
+    def against_others(self) -> Iterator[Remark]:
+        """Yield runs that differ from the others about the axis."""
+        pairs = [self.runs[one[0]].axis == sensor for one in self.sets for sensor in self.sensors]
+        for k, one in enumerate(self.sets):
+            for j, sensor in enumerate(self.sensors):
+                own = self.runs[one[0]].axis == sensor
+                alpha = FALSE_ALARM * (0.5 if own else 0.25) / pairs.count(own)
+                slopes = np.where(self.named[one], np.nan, self.slope[one, j])
+                scatter, dof = self._scatter_of_others(k, j) if np.isfinite(slopes).sum() < FEW else (0.0, 0.0)
+                bad = disagreeing(slopes, self.u[one, j], alpha, scatter, dof)
+                if bad.any():
+                    yield from self._different([one[i] for i in np.flatnonzero(bad)], one, j, sensor)
+
+    def _scatter_of_others(self, k: int, j: int) -> tuple[float, float]:
+        """Return the scatter of the like response between the runs of the other sets, and its degrees of freedom.
+
+        That of the axis itself, or of another axis, of all sensors: the largest.
+        """
+        own = self.runs[self.sets[k][0]].axis == self.sensors[j]
+        found, dof = [], 0
+        for other, one in enumerate(self.sets):
+            for i, sensor in enumerate(self.sensors):
+                slopes = np.where(self.named[one], np.nan, self.slope[one, i])
+                count = int(np.isfinite(slopes).sum())
+                if (other, i) != (k, j) and (self.runs[one[0]].axis == sensor) == own and count > 1:
+                    found.append(max(float(np.nanstd(slopes, ddof=1)), float(np.max(self.u[one, i]))))
+                    dof += count - 1
+        return (max(found), float(dof)) if found else (0.0, 0.0)
+
+    def _different(self, bad: Sequence[int], one: Sequence[int], j: int, sensor: str) -> Iterator[Remark]:
+        axis, own = self.runs[one[0]].axis, self.runs[one[0]].axis == sensor
+        everything = len(bad) == np.count_nonzero(~self.named[one])
+        sound = [i for i in one if not self.named[i] and (everything or i not in bad)]
+        rest = float(np.nanmedian(self.slope[sound, j]))
+        for i in bad:
+            size = abs(self.slope[i, j] - rest)
+            severity: Severity = "error" if size > MATTERS * self.plan.agreement else "warning"
+            reads = f"{sensor} reads {self.slope[i, j]:+.6g} of the rate about {axis}"
+            if everything:
+                others = ", ".join(self.runs[other].name for other in bad if other != i)
+                what = f"{reads}, unlike {others}: nothing tells which is wrong"
+            else:
+                what = f"{reads}, the other runs {rest:+.6g}: {100.0 * (self.slope[i, j] - rest):+.3g} % of the rate"
+            code, do = "gain_disagrees", "Check gain, range, rate and temperature of this run, or leave it out"
+            if not own:
+                code, do = "axes_disagree", "Check how the unit was mounted in this run, or leave it out"
+            yield Cause(code, what, do).remark(self.runs[i].name, self.runs[i].place, sensor, severity)
+
+    def single_readings(self) -> Iterator[Remark]:
+        """Yield readings that are off the line of their run, unlike the others at their rate."""
+        count = sum(np.isfinite(off).sum() for off in self.off.values())
+        p = FALSE_ALARM * 0.25 / max(float(count), 1.0)
+        for k, one in enumerate(self.sets):
+            for sensor in self.sensors:
+                scale, dof = self.scales[k, sensor]
+                if dof <= 0.0:
+                    continue
+                limit = scale * max(FEWEST_SCATTERS, t_quantile(dof, 1.0 - 0.5 * p))
+                for i in one:
+                    if not self.named[i]:
+                        yield from self._odd_readings(self.runs[i], sensor, limit, scale, len(one))
+
+    def _odd_readings(self, run: Run, sensor: str, limit: float, scale: float, runs: int) -> Iterator[Remark]:
+        x, off, used = self.applied[run.at], self.odd[sensor][run.at], self.used[sensor][run.at]
+        full = float(np.max(np.abs(x)))
+        if runs < ENOUGH:  # no other reading shows how the sensor is curved
+            limit = max(limit, self.plan.agreement * full)
+        kept = used & (np.abs(off) <= limit)
+        odd = np.flatnonzero(used & (np.abs(off) > limit))
+        if not len(odd) or len(np.unique(x[kept])) < ENOUGH:
+            return
+        # The line again, by least squares without them: that of the medians scatters more at the ends
+        design = np.column_stack([np.ones_like(x), x])
+        solve = np.linalg.pinv(design[kept])
+        away = off - design @ (solve @ off[kept])
+        size = np.abs(away) / np.sqrt(1.0 + np.sum((design @ solve) ** 2, axis=1))
+        odd = odd[size[odd] > limit]
+        if not len(odd):
+            return
+        worst = odd[np.argmax(size[odd])]
+        severity: Severity = "error" if size[worst] > MATTERS * self.plan.agreement * full else "warning"
+        rate, far, reads = np.degrees([x[worst], away[worst], self.outputs[sensor][run.at[worst]]])
+        many = "1 reading is" if len(odd) == 1 else f"{len(odd)} of {len(run.at)} readings are"
+        what = (
+            f"{many} unlike the others: {sensor} at {rate:+.6g} deg/s about {run.axis} reads {reads:+.6g} deg/s,"
+            f" {far:+.4g} deg/s or {size[worst] / scale:.3g} scatters off"
+        )
+        place = self.where[run.at[worst]] if self.where else ""
+        yield Cause("reading_disagrees", what, "Check it, or leave it out").remark(run.name, place, sensor, severity)
