@@ -133,10 +133,12 @@ def repeated_median_line(x: ArrayLike, y: ArrayLike) -> tuple[float, float]:
 def robust_scale(residuals: ArrayLike, fitted: int) -> tuple[float, float]:
     """Return the standard deviation behind residuals by their median size, and its degrees of freedom [3]_.
 
+    As many of the smallest as were fitted do not count: a line of medians runs through some of its points.
+
     Parameters
     ----------
     residuals : array_like, shape (n,)
-        About a median; exact zeros, which are the medians themselves, and NaN do not count.
+        About medians and lines; NaN do not count.
     fitted : int
         How many levels and slopes were fitted to them.
 
@@ -145,8 +147,7 @@ def robust_scale(residuals: ArrayLike, fitted: int) -> tuple[float, float]:
     (scale, dof) : 0 and 0 where nothing scatters, or more was fitted than there are readings.
     """
     size = np.abs(np.asarray(residuals, dtype=float))
-    count = np.count_nonzero(np.isfinite(size))
-    if count <= fitted or not np.any(size > 0.0):
+    size = np.sort(size[np.isfinite(size)])[fitted:]
+    if not len(size) or not size[-1] > 0.0:
         return 0.0, 0.0
-    scale = NORMAL * float(np.median(size[size > 0.0])) * float(np.sqrt(count / (count - fitted)))
-    return scale, EFFICIENCY * (count - fitted)
+    return NORMAL * float(np.median(size)), EFFICIENCY * len(size)

@@ -19,7 +19,7 @@ but too small to matter (a tenth of ``plan.agreement``) is a warning, and no err
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,7 +40,7 @@ LIKE = 0.2  # relative difference of largest rates up to which runs are compared
 SAME_RATE = 0.005  # of the largest rate
 ENOUGH = 3  # readings at a rate that tell what a reading there should be
 FEW = 5  # runs below which the scatter between the runs about other axes counts as well
-SURE = 5.0  # degrees of freedom from which a scale stands for itself
+SURE = 30.0  # degrees of freedom from which a scale stands for itself
 EQUAL = 1e-9  # relative difference of numbers that are copies
 EFFICIENCY = 0.64  # of a repeated median
 
@@ -95,16 +95,6 @@ def _copies(readings: Readings, run: Run) -> Iterator[Remark]:
             yield Cause("copy_of_applied", what, do).remark(run.name, run.place, sensor)
 
 
-def _lent(scales: dict[tuple[int, str], tuple[float, float]]) -> dict[tuple[int, str], tuple[float, float]]:
-    """Return scales with their degrees of freedom; those that rest on little are not below the median of all."""
-    usual = float(np.median([scale for scale, dof in scales.values() if dof > 0.0] or [0.0]))
-    every = sum(dof for _, dof in scales.values())
-    return {
-        key: (scale, dof) if dof >= SURE or not dof else (max(scale, usual), every)
-        for key, (scale, dof) in scales.items()
-    }
-
-
 class _Judged:
     """Runs with their responses.
 
@@ -132,7 +122,8 @@ class _Judged:
         # Less what all readings at a rate have in common: curvature of the sensor; its scatter and that of the slopes
         self.odd = {s: off.copy() for s, off in self.off.items()}
         self.u = np.zeros_like(self.slope)
-        self.scales = _lent({(k, s): self._scale(one, s) for k, one in enumerate(self.sets) for s in outputs})
+        alone = {(k, s): self._scale(one, s) for k, one in enumerate(self.sets) for s in outputs}
+        self.scales = {key: self._lent(key, alone) for key in alone}
         for k, one in enumerate(self.sets):
             for j, sensor in enumerate(outputs):
                 for i in one:
@@ -172,6 +163,15 @@ class _Judged:
                 self.odd[sensor][same] -= np.median(self.off[sensor][same])
                 fitted += 1
         return robust_scale(self.odd[sensor][at], fitted)
+
+    def _lent(self, key: tuple[int, str], alone: Mapping[tuple[int, str], tuple[float, float]]) -> tuple[float, float]:
+        """Return a scale with its degrees of freedom; one that rests on little is not below what is usual."""
+        scale, dof = alone[key]
+        own = self.runs[self.sets[key[0]][0]].axis == key[1]
+        like = [one for (k, s), one in alone.items() if (self.runs[self.sets[k][0]].axis == s) == own and one[1] > 0.0]
+        if dof >= SURE or not like:
+            return scale, dof
+        return max(scale, float(np.median([one for one, _ in like]))), sum(one for _, one in like)
 
     def against_nominal(self) -> Iterator[Remark]:
         """Yield what reads something else than the rate of the table."""

@@ -40,9 +40,9 @@ FAULTS: dict[str, Fault] = {
     "missing_reference": Fault(
         "the reference voltages of the rates are missing", "missing_reference", {"reference_saved": False}
     ),
-    "swapped_axes": Fault("the connectors x and y are exchanged", "axes_mixed", {"wiring": ("y", "x", "z")}),
+    "swapped_axes": Fault("the connectors x and y are exchanged", "axes_disagree", {"wiring": ("y", "x", "z")}),
     "inverted_sign": Fault(
-        "the z sensor is not mounted inverted, though the campaign says so", "inverted", {"inverted": (-1, 1, 1)}
+        "the z sensor is not mounted inverted, though the campaign says so", "sign_disagrees", {"inverted": (-1, 1, 1)}
     ),
     "overlapping_windows": Fault("the windows of a fit and a hold-out test overlap", "overlap", {"overlapping": True}),
     "saturated_end": Fault(

@@ -49,9 +49,9 @@ RUN, SET_UP = 86_400, 7_200  # from run to run, and from axis to axis [s]
 DIGITS = 6  # of the commanded rate [deg/s]
 REFERENCE_WALK = 5e-5  # of a reference voltage [V/sqrt(s)]
 FAULTS: dict[str, Fault] = {
-    "swapped_axis": Fault("columns x and y are exchanged", "axes_mixed", {"wiring": ("y", "x", "z")}),
+    "swapped_axis": Fault("columns x and y are exchanged", "axes_disagree", {"wiring": ("y", "x", "z")}),
     "wrong_sign": Fault(
-        "the z sensor is not mounted inverted, though the campaign says so", "inverted", {"inverted": (-1, 1, 1)}
+        "the z sensor is not mounted inverted, though the campaign says so", "sign_disagrees", {"inverted": (-1, 1, 1)}
     ),
     "saturated_step": Fault(
         "the highest rate saturates the converter",
@@ -71,7 +71,7 @@ FAULTS: dict[str, Fault] = {
         "never_still",
         {"rates_deg_s": (0.5, -0.5, 1.5, -1.5, 2.5, -2.5, 3.0, -3.0, 4.5, -4.5)},
     ),
-    "rate_off": Fault("the table turns 15 % slower than commanded", "rate_disagrees", {"table_gain": 0.85}),
+    "rate_off": Fault("the table turns 15 % slower than commanded", "gain_disagrees", {"table_gain": 0.85}),
 }
 
 
