@@ -124,6 +124,9 @@ class EntryKey:
         Whether tests can choose rows of the table by their group; they always can where not given.
     wrong : callable, optional
         What is wrong with its value beyond its type, as text; empty where nothing is.
+    readings, run : callable, optional
+        Columns of a table that hold readings, and that of the run; a stretch of rows that are equal in all of them is a
+        copy.
     """
 
     name: str
@@ -134,6 +137,8 @@ class EntryKey:
     file: Callable[[Any], str] | None = None
     grouped: Callable[[Any], bool] | None = None
     wrong: Callable[[Any], str] | None = None
+    readings: Callable[[Any], Sequence[str]] | None = None
+    run: Callable[[Any], str | None] | None = None
 
 
 @dataclass(frozen=True)

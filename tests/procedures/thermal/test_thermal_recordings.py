@@ -76,10 +76,6 @@ def test_two_recordings_at_the_same_time_are_refused() -> None:
         readings_from([warmed(0, "a", "one", 1), warmed(1000, "b", "two", 2)])
 
 
-def test_a_copy_is_refused_under_any_name_and_time() -> None:
-    assert code_of([warmed(0, "a", "one"), warmed(9000, "b", "two")]) == "duplicate_recording"
-
-
 def test_runs_of_some_but_not_of_all_are_refused() -> None:
     assert code_of([warmed(0, "a"), warmed(9000, "", "x", 2)]) == "mixed_runs"
     assert code_of([]) == "no_recordings"

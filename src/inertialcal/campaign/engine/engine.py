@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from itertools import combinations, product
 from typing import Any
 
 from ...core.curve import Curve
@@ -23,8 +24,10 @@ from ..file.load import Campaign
 from ..file.plans import plan_values
 from ..file.schema import CampaignFile, Test
 from ..file.sensors import Sensor
+from ..file.test_checks import counts_twice
 from ..inputs.changed import one_digest
 from ..inputs.channels import chain_of
+from ..inputs.duplicates import Content, between, duplicates
 from ..inputs.gate import RULE, Gate
 from ..inputs.sources import Folder, Origin, Ready, Store, facts_of
 
@@ -37,7 +40,8 @@ COMPENSATED = "compensated"  # code of the remark of a reader, and of that on th
 class Prepared:
     """A test ready to be reduced.
 
-    Its entry, facts, plan and readings; SHA-256 of its files by path; its recordings; samples that the gate left out.
+    Its entry, facts, plan and readings; SHA-256 of its files by path; its recordings; samples that the gate left out;
+    what recordings hold, where it is compared with others.
     """
 
     test: Test
@@ -47,6 +51,7 @@ class Prepared:
     inputs: Mapping[str, str]
     origins: tuple[Origin, ...] = ()
     screened: tuple[Exclusion, ...] = ()
+    contents: tuple[Content, ...] = ()
 
 
 @contextmanager
@@ -140,6 +145,11 @@ def prepare_test(
         )
         for name, one in entries.items()
     ]
+    compared = screening and (len(sources) > 1 or any(counts_twice(file, test, one) for one in file.tests))
+    contents = [one.content for one in sources if compared or one.is_table]
+    problems = list(duplicates(contents))
+    if problems:
+        raise DataError(problems)
     try:
         with computable(test.id):
             readings = procedure.readings(plan, sources, corrections)
@@ -153,7 +163,17 @@ def prepare_test(
         readings = replace(readings, remarks=tuple(sorted(more, key=lambda one: one.severity != "error")))
     inputs = one_digest(pair for one in sources for pair in one.inputs.items())
     screened = tuple(exclusion for one in sources for exclusion in one.exclusions)
-    return Prepared(test, first, plan, readings, inputs, tuple(one.origin for one in sources), screened)
+    origins = tuple(one.origin for one in sources)
+    return Prepared(test, first, plan, readings, inputs, origins, screened, tuple(contents))
+
+
+def shared_readings(campaign: Campaign, prepared: Sequence[Prepared]) -> Iterator[tuple[int, Problem]]:
+    """Yield readings of two tests that would count twice, each with the number of the later test."""
+    for one, other in combinations(prepared, 2):
+        if counts_twice(campaign.file, one.test, other.test):
+            number = campaign.file.tests.index(other.test)
+            for pair in product(one.contents, other.contents):
+                yield from ((number, problem) for problem in between(*pair))
 
 
 def order_of(tests: Sequence[Test]) -> list[int]:

@@ -39,6 +39,7 @@ from .engine import (
     prepare,
     reduce_test,
     reduced_tests,
+    shared_readings,
     with_all_samples,
 )
 
@@ -163,6 +164,7 @@ def check(folder: str | Path) -> Checked:
     inputs = {"campaign.toml": campaign.sha256}
     remarks: list[Remark] = []
     problems: list[Problem] = []
+    ready: list[Prepared] = []
     gate = Gate()
     for number in range(len(campaign.file.tests)):
         try:
@@ -170,8 +172,10 @@ def check(folder: str | Path) -> Checked:
         except InertialcalError as error:
             problems += error.problems
             continue
+        ready.append(prepared)
         inputs = one_digest([*inputs.items(), *prepared.inputs.items()])
         remarks += prepared.readings.remarks
+    problems += [placed(one, campaign, number) for number, one in shared_readings(campaign, ready)]
     if problems:
         raise DataError(list(dict.fromkeys(problems)))
     return Checked(campaign, inputs, gather(remarks))
@@ -308,6 +312,8 @@ def reduce_tests(
             results[test.id] = reduce_test(ready[number])
         except InertialcalError as error:
             problems[number] = tuple(placed(problem, campaign, number) for problem in error.problems)
+    for number, problem in shared_readings(campaign, [ready[number] for number in sorted(ready)]):
+        problems[number] = (*problems.get(number, ()), placed(problem, campaign, number))
     if problems:
         raise DataError(list(dict.fromkeys(problem for number in sorted(problems) for problem in problems[number])))
     prepared = [ready[number] for number in range(len(tests))]

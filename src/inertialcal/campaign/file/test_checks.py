@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from itertools import combinations
 from typing import Any
 
 from ...core.errors import Problem
@@ -193,19 +194,24 @@ def _comes_after_itself(file: CampaignFile, test: Test) -> bool:
 def overlap_checks(file: CampaignFile, at: At) -> Iterator[Problem]:
     """Find readings that the model is fitted on twice, or fitted on and judged by."""
     do = "Give them different recordings, groups or windows"
-    held_out = _with(lambda procedure: "hold_out" in procedure.uses)
-    modelled = [test for test in file.tests if test.procedure in held_out]
-    for one in modelled:
-        number, several = file.tests.index(one), procedure_of(one.procedure).inputs.several_sensors
-        for other in (test for test in modelled[: modelled.index(one)] if test.procedure == one.procedure):
-            uses = {one.use, other.use}
-            if "report_only" in uses or uses == {"hold_out"} or not _same_readings(file, one, other):
-                continue
-            if several and _sensor_of(file, one) != _sensor_of(file, other):
-                continue
+    for other, one in combinations(file.tests, 2):
+        if counts_twice(file, one, other) and _same_readings(file, one, other):
+            number = file.tests.index(one)
             what = f"tests {other.id!r} ({other.use}) and {one.id!r} ({one.use}) use the same readings"
-            why = "a model must be judged on data held out" if "hold_out" in uses else "they would count twice"
+            judging = "hold_out" in (one.use, other.use)
+            why = "a model must be judged on data held out" if judging else "they would count twice"
             yield Problem(what, at("tests", number), why, do, "overlap")
+
+
+def counts_twice(file: CampaignFile, one: Test, other: Test) -> bool:
+    """Return whether readings that two tests share would be fitted on twice, or fitted on and judged by."""
+    uses = {one.use, other.use}
+    if one.id == other.id or one.procedure != other.procedure or "report_only" in uses or uses == {"hold_out"}:
+        return False
+    procedure = procedure_of(one.procedure) if one.procedure in procedure_names() else None
+    if procedure is None or "hold_out" not in procedure.uses:
+        return False
+    return not procedure.inputs.several_sensors or _sensor_of(file, one) == _sensor_of(file, other)
 
 
 def _sensor_of(file: CampaignFile, test: Test) -> str:

@@ -34,6 +34,7 @@ from ..file.schema import Site, Test
 from ..file.sensors import Sensor
 from .chains import body_scale_factors, build_chain, scale_factors
 from .channels import TEMPERATURE, chain_of, in_body_axes, in_windows, windowed
+from .duplicates import Content, content_of_recording, content_of_table
 from .gate import Gate, passed, without_stuck
 from .ground import ChainModel, chain_model
 
@@ -307,6 +308,14 @@ class Ready:
         several = len(self._parts) > 1
         labels = [f"{self.name}, window {i}" for i in range(1, len(self._parts) + 1)] if several else [self.name]
         return list(zip(labels, self._parts, strict=True))
+
+    @property
+    def content(self) -> Content:
+        """What it holds, to be compared with other recordings."""
+        if self.is_table:
+            return content_of_table(self.name, self.entry, self.table())
+        chosen = in_windows(self.raw, self.of_test.windows)
+        return content_of_recording(self.name, self.entry, self.raw, chosen)
 
     # ---- what the test draws on -------------------------------------------------------------------------------
 

@@ -60,7 +60,7 @@ class FlipEntry(Entry, Protocol):
 
 
 KEYS = (
-    EntryKey("means", Means, table=True),
+    EntryKey("means", Means, table=True, readings=lambda means: [means.mean], run=lambda means: means.flip),
     EntryKey("positions", Annotated[list[Position], Field(min_length=1)]),
 )
 

@@ -53,7 +53,7 @@ class MassEntry(Entry, Protocol):
 
 
 KEYS = (
-    EntryKey("lines", Lines, table=True),
+    EntryKey("lines", Lines, table=True, readings=lambda lines: [lines.response, lines.noise]),
     EntryKey("mass", MovedMass, file=lambda mass: mass.schedule),
 )
 

@@ -68,7 +68,7 @@ KEYS = (
     EntryKey("orientations", Annotated[list[Orientation], Field(min_length=1)], alone=True, wrong=_alone),
     EntryKey("sections", Text, alone=True),
     EntryKey("turn", Angle),
-    EntryKey("rests", Rests, table=True, apart=True),
+    EntryKey("rests", Rests, table=True, apart=True, readings=lambda rests: list(rests.reading.values())),
 )
 
 

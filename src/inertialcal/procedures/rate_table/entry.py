@@ -52,8 +52,22 @@ class RateTableEntry(Entry, Protocol):
         ...
 
 
+def _readings(rows: Rows) -> list[str]:
+    """Return the columns that hold readings and their scatter."""
+    given = (one if isinstance(one, dict) else {"": one} for one in (rows.reading, rows.scatter or {}))
+    return [column for one in given for column in one.values()]
+
+
 KEYS = (
-    EntryKey("rows", Rows, table=True, apart=True, grouped=lambda rows: rows.group is not None),
+    EntryKey(
+        "rows",
+        Rows,
+        table=True,
+        apart=True,
+        grouped=lambda rows: rows.group is not None,
+        readings=_readings,
+        run=lambda rows: rows.run,
+    ),
     EntryKey("schedule", Schedule, file=lambda schedule: schedule.file),
 )
 

@@ -43,8 +43,7 @@ def readings_from(warmed: Sequence[ThermalRecording], unit: str = "rad/s") -> Re
     Raises
     ------
     DataError
-        ``no_recordings``; ``duplicate_recording`` if two have the same samples; ``overlap`` if two are at the same
-        time, which one unit cannot be.
+        ``no_recordings``; ``overlap`` if two are at the same time, which one unit cannot be.
     """
     if not warmed:
         raise DataError("no recordings", code="no_recordings")
@@ -52,7 +51,6 @@ def readings_from(warmed: Sequence[ThermalRecording], unit: str = "rad/s") -> Re
         without = next(one for one in warmed if not one.run)
         what = f"{_place(without)} does not name its run, others do"
         raise DataError(what, why="power-ups would be ambiguous", do="Name the run of all", code="mixed_runs")
-    _check_different(warmed)
     _check_apart(warmed)
     remarks = [remark for one in warmed for remark in one.recording.remarks]
     untimed = [one for one in warmed if not _is_timed(one.recording)]
@@ -136,19 +134,6 @@ def _untimed(one: ThermalRecording) -> Remark:
         return Remark("no_time", "warning", what, _place(one), do="Name the time column, or give the sample rate")
     what = "the time axis is impossible: the temperature would change by more than 1 degC/s; it is not used"
     return Remark("time_axis_impossible", "warning", what, _place(one), do="Find out the true sample rate")
-
-
-def _check_different(warmed: Sequence[ThermalRecording]) -> None:
-    """Refuse a recording that is there twice: its samples would count twice, and its runs agree by nothing."""
-    known: dict[bytes, ThermalRecording] = {}
-    for one in warmed:
-        axes = [_floats(one.recording, axis) for axis in AXES if axis in one.recording.names]
-        print_of = b"".join(np.ascontiguousarray(values).tobytes() for values in axes)
-        other = known.setdefault(print_of, one)
-        if other is not one and print_of:
-            what = f"{_name(other)} and {_name(one)} hold the same samples"
-            why, do = "a copy is no second run", "Leave one of them out"
-            raise DataError(what, _place(one), why, do, "duplicate_recording")
 
 
 def _check_apart(warmed: Sequence[ThermalRecording]) -> None:

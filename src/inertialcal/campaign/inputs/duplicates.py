@@ -1,0 +1,169 @@
+"""Duplicates: readings that would count twice, by what they are, whatever their files and names.
+
+Two recordings are one where they share a stretch of samples (``signals.fingerprints``); rows of a table where several
+in succession are equal in every reading. Parts of one recording that tests choose by windows or groups are no
+duplicates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations, groupby
+
+from ...core.errors import Problem
+from ...core.key import AXES
+from ...core.recording import Recording
+from ...files.text.table import Table
+from ...signals.fingerprints import Fingerprints, fingerprints
+from ...signals.time.samples import Flags
+from ..file.recordings import RecordingEntry, table_of
+
+CODE = "duplicate_recording"
+WHY = "the same readings would count twice"
+DO = "Leave one of them out, or name the right file"
+ROWS = 4  # that must be equal, one after the other
+CHANCE = 1e-4  # that rows of coarse readings are equal
+LEAST = 0.05  # share of rows that are equal by chance, at least
+COPY = 0.9  # share from which two runs are copies
+RUNS = 20  # that are compared to know that share
+ALIKE = 8  # equal rows that are looked at
+
+
+@dataclass(frozen=True, eq=False)
+class Content:
+    """What a recording, or a table, holds.
+
+    Parameters
+    ----------
+    name, file : str
+        As the campaign calls it.
+    samples : Fingerprints or None
+        Of a recording.
+    rows : tuple of tuple of str
+        Readings of a table as they are written, run by run.
+    labels, places : tuple of str
+        Run of each row, empty where none is named; ``file:row``.
+    """
+
+    name: str
+    file: str
+    samples: Fingerprints | None = None
+    rows: tuple[tuple[str, ...], ...] = ()
+    labels: tuple[str, ...] = ()
+    places: tuple[str, ...] = ()
+
+
+def content_of_recording(name: str, entry: RecordingEntry, raw: Recording, chosen: Flags | None) -> Content:
+    """Return what a recording holds: its axes as stored, where a test takes them."""
+    channels = entry.channels or {}
+    columns = [raw.channel(channels[axis].column).data for axis in AXES if axis in channels]
+    return Content(name, entry.file, fingerprints(columns, chosen))
+
+
+def content_of_table(name: str, entry: RecordingEntry, table: Table) -> Content:
+    """Return what a table holds: the readings of each row, run by run."""
+    said = table_of(entry)
+    assert said is not None  # noqa: S101 - it is a table
+    key, columns = said
+    if key.readings is None:
+        return Content(name, entry.file)
+    run = key.run(columns) if key.run is not None else None
+    labels = table.text(run) if run else ("",) * len(table)
+    rows = list(zip(*(table.text(one) for one in key.readings(columns)), strict=True))
+    first = {label: number for number, label in reversed(list(enumerate(labels)))}
+    order = sorted(range(len(rows)), key=lambda at: first[labels[at]])
+    place = replace(table, source=replace(table.source, path=entry.file)).where
+    return Content(
+        name, entry.file, None, tuple(rows[at] for at in order), tuple(labels[at] for at in order),
+        tuple(place(at) for at in order),
+    )  # fmt: skip
+
+
+def duplicates(contents: Sequence[Content]) -> Iterator[Problem]:
+    """Yield what the recordings and tables of one test hold twice."""
+    for one in contents:
+        yield from _rows_twice(one)
+    for one, other in combinations(contents, 2):
+        yield from between(one, other)
+
+
+def between(one: Content, other: Content) -> Iterator[Problem]:
+    """Yield what two recordings, or two tables, of different files share."""
+    if one.file == other.file:
+        return
+    names = f"recordings {one.name} ({one.file}) and {other.name} ({other.file})"
+    if one.samples is not None and other.samples is not None:
+        shared = one.samples.shared(other.samples)
+        if shared is not None:
+            whole = shared.samples == one.samples.samples == other.samples.samples
+            some = f"{shared.samples} samples, from {shared.first + 1} and {shared.other + 1} on"
+            what = f"{names} hold the same {'samples' if whole else some}"
+            yield Problem(what, other.file, WHY, DO, CODE)
+    elif one.rows and other.rows:
+        found = _longest([*one.rows, *other.rows], len(one.rows))
+        if found is not None and _is_copy(found, (*one.rows, *other.rows), ()):
+            first, second, length = found
+            place = other.places[second - len(one.rows)]
+            what = f"{names} hold {length} rows that are equal in every reading, from {one.places[first]} on"
+            yield Problem(what, place, WHY, DO, CODE)
+
+
+def _rows_twice(one: Content) -> Iterator[Problem]:
+    found = _longest(one.rows, 0)
+    if found is None or not _is_copy(found, one.rows, one.labels):
+        return
+    first, second, length = found
+    labels = one.labels[first], one.labels[second]
+    rows = f"{length} rows that are equal in every reading, from {one.places[first]} on"
+    if labels[0] != labels[1]:
+        what = f"recording {one.name}: runs {labels[0]} and {labels[1]} hold {rows}"
+        yield Problem(what, one.places[second], WHY, DO, CODE)
+    else:
+        what = f"recording {one.name} holds twice {rows}"
+        yield Problem(what, one.places[second], WHY, "Remove the copy", "repeated")
+
+
+def _longest(rows: Sequence[tuple[str, ...]], begin: int) -> tuple[int, int, int] | None:
+    """Return the longest stretch of rows that equals an earlier one: the first row of both, and how many.
+
+    Parameters
+    ----------
+    rows : sequence of tuple of str
+        Readings, a row each.
+    begin : int
+        First row of the second table; 0 where there is one: both stretches may lie in it.
+    """
+    known: dict[tuple[str, ...], list[int]] = {}
+    best, before = (0, 0, 0), dict[int, int]()
+    for at, row in enumerate(rows):
+        here: dict[int, int] = {}
+        if any(row):
+            earlier = known.setdefault(row, [])
+            for same in earlier if at >= begin else ():
+                if begin == 0 or same < begin:
+                    length = before.get(at - same, 0) + 1
+                    here[at - same] = length
+                    if min(length, at - same) > best[2]:
+                        best = (same - length + 1, at - length + 1, min(length, at - same))
+            if len(earlier) < ALIKE:
+                earlier.append(at)
+        before = here
+    return best if best[2] >= ROWS else None
+
+
+def _is_copy(found: tuple[int, int, int], rows: Sequence[tuple[str, ...]], labels: Sequence[str]) -> bool:
+    """Return whether coarse readings do not make rows equal so often by chance."""
+    first, _, length = found
+    block = rows[first : first + length]
+    by_chance = max(LEAST, 1.0 - len(set(block)) / length, _equal_by_chance(rows, labels))
+    return bool(by_chance**length * len(rows) < CHANCE)
+
+
+def _equal_by_chance(rows: Sequence[tuple[str, ...]], labels: Sequence[str]) -> float:
+    """Return the share of rows that are equal in two runs, without runs that are copies."""
+    by_run = [[row for _, row in own] for _, own in groupby(zip(labels, rows, strict=False), key=lambda pair: pair[0])]
+    pairs = list(combinations(by_run[:RUNS], 2))
+    shares = [sum(a == b for a, b in zip(*pair, strict=False)) / min(map(len, pair)) for pair in pairs]
+    other = [share for share in shares if share < COPY]
+    return sum(other) / len(other) if other else 0.0
