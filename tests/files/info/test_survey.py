@@ -276,7 +276,7 @@ def test_everything_goes_into_json(file: Path) -> None:
     file.write_text("t,x,gone\n0.0,1,\n0.5,nan,\n1.0,2,\n")
     content = survey(file).to_dict()
     assert json.loads(json.dumps(content, allow_nan=False)) == content
-    parts = {"path", "sha256", "format", "rows", "compensated_by", "channels", "time", "hints", "remarks", "next"}
+    parts = {"path", "sha256", "format", "rows", "compensated_by", "channels", "time", "hints", "remarks", "do", "next"}
     assert set(content) == parts
     assert content["channels"][1]["missing"] == 3
     assert content["channels"][1]["mean"] is None
@@ -287,3 +287,29 @@ def test_numbers_near_the_end_of_float64(file: Path) -> None:
     content = survey(file).to_dict()
     assert content["channels"][0]["std"] is None  # overflows
     json.dumps(content, allow_nan=False)
+
+
+def test_the_last_line_says_which_channels_to_look_at(file: Path) -> None:
+    rng = np.random.default_rng(7)
+    x, y = rng.normal(size=(2, 3000))
+    y[1234] = -32768.0
+    temperature = np.round(20.0 + 5.0 * np.sin(np.arange(3000) / 300.0) + 0.02 * rng.normal(size=3000), 3)
+    temperature[1500:] = temperature[1500]
+    values = np.column_stack((0.01 * np.arange(3000), x, y, temperature))
+    np.savetxt(file, values, "%.4f", ",", header="t_s,gyro_x_dps,gyro_y_dps,temp_degC", comments="")
+    found = survey(file)
+    said = {one.code: one for one in found.remarks}
+    assert (said["glitch"].subject, said["glitch"].where) == ("gyro_y_dps", f"{file}:1236")
+    assert (said["stuck"].subject, said["stuck"].where) == ("temp_degC", f"{file}:1502")
+    assert found.do == (
+        "look at 'gyro_y_dps', 'temp_degC' first; "
+        "tests leave out the samples that are no readings, and give figures with and without them"
+    )
+    assert found.to_dict()["do"] == found.do
+    np.savetxt(file, values[:, :2], "%.4f", ",", header="t_s,gyro_x_dps", comments="")
+    assert survey(file).do == ""
+
+
+def test_errors_are_to_be_corrected_first(file: Path) -> None:
+    file.write_text("t_s,x\n" + "".join(f"{0.1 * i:.1f},{i % 7}\n" for i in range(40)))
+    assert survey(file, sample_rate=0.1).do.startswith("correct the error first")

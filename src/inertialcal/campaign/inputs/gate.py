@@ -20,7 +20,7 @@ from ...procedures.protocol import Exclusion
 from ...sensors.chain.converter import Chain
 from ...signals.screening.remarks import remarks_of
 from ...signals.screening.screen import NO_READINGS, Finding, Screening, screen
-from ...signals.screening.slow import stuck_slow
+from ...signals.screening.slow import stuck_remark, stuck_slow
 from ...signals.time.samples import Flags
 from ..file.recordings import RecordingEntry
 from ..file.sensors import Sensor
@@ -140,13 +140,11 @@ def without_stuck(name: str, entry: RecordingEntry, raw: Recording, body: Record
         channel = raw.channel(column)
         found = None if column in remarks else stuck_slow(channel.data, readings, raw.seconds)
         if found is not None:
-            what = (
-                f"recording {name}: {column} stays at {_shown(channel)(found.value)} for {found.length} of "
-                f"{len(raw)} samples: stuck? ({found.why})"
+            remark = stuck_remark(found, f"recording {name}: {column}", len(raw), place, _shown(channel))
+            remarks[column] = replace(remark, subject=column)
+            exclusions.append(
+                Exclusion(RULE, "screening: stuck", remark.what, remark.where, "", found.length, "sample")
             )
-            where, do = place(found.first), "Look at the thermometer or the supply, its wiring and the logger"
-            remarks[column] = Remark("stuck", "warning", what, where, do=do, subject=column, index=found.first)
-            exclusions.append(Exclusion(RULE, "screening: stuck", what, where, "", found.length, "sample"))
             left_out[role] = np.zeros(len(raw), dtype=bool)
             left_out[role][found.first : found.last + 1] = True
     return Passed(_without(body, left_out), tuple(remarks.values()), tuple(exclusions))

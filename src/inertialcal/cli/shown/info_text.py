@@ -22,6 +22,8 @@ def survey_text(one: Survey) -> str:
     ]
     parts += [wrapped(f"hint: {hint}", "    ") for hint in one.hints]
     parts += [wrapped(str(remark), "    ") for remark in one.remarks]
+    if one.do:
+        parts.append(wrapped(f"do: {one.do}", "    "))
     if one.next:
         parts.append(clean(f"next: {one.next}"))
     return "\n".join(part for part in parts if part)

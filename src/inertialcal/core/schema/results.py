@@ -344,6 +344,7 @@ class Surveyed(Part):
     time: dict[str, Any]
     hints: list[str]
     remarks: list[Remark]
+    do: str = Field("", description="What to do before figures of this file are used; empty where nothing is wrong.")
     next: str | None
 
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.estimate import Array
 from ...core.recording import Channel, Recording
 from ...core.remarks import Remark, Severity
 from ...core.results import finite
@@ -18,10 +19,12 @@ from ...core.show.rounding import number
 from ...signals.codes import levels_of, resolution
 from ...signals.screening.remarks import remarks_of
 from ...signals.screening.screen import Finding, Screening, screen
+from ...signals.screening.slow import stuck_slow
 
 NOT_SCREENED = Screening((), 0, 0.0, 0.0)
 ANY_CHANNEL = ("repeated", "missing")  # findings that mean something for any channel
 CHANGES = ("level_step", "noise_change", "slow_wave")  # findings that have no samples to count
+SLOW = ("temperature", "pressure", "voltage")  # quantities that may stay at one value for long
 NO_CODES = ("index", "time", "status")  # quantities that may repeat or run through their values
 CELSIUS, KELVIN = (-60.0, 130.0), (213.0, 403.0)  # usual range of a sensor
 
@@ -102,11 +105,32 @@ def survey_channel(channel: Channel) -> ChannelSurvey:
     )
 
 
-def screened(survey: ChannelSurvey, data: NDArray[Any], at_rest: bool) -> ChannelSurvey:
-    """Return the survey of a channel with what its samples show, of those that mean something for its quantity."""
+def screened(
+    survey: ChannelSurvey, data: NDArray[Any], at_rest: bool, readings: Sequence[NDArray[Any]], seconds: Array | None
+) -> ChannelSurvey:
+    """Return the survey of a channel with what its samples show, of those that mean something for its quantity.
+
+    Parameters
+    ----------
+    survey : ChannelSurvey
+        Of the channel.
+    data : ndarray, shape (n,)
+        Its samples.
+    at_rest : bool
+        Whether steps, changes of the noise and waves mean something.
+    readings, seconds
+        As `stuck_slow` takes them.
+    """
     found = screen(data, at_rest)
     if survey.quantity in NO_CODES:
         found = replace(found, findings=tuple(one for one in found.findings if one.code in ANY_CHANNEL))
+    if survey.quantity in SLOW and not survey.is_constant:
+        kept = [one for one in found.findings if one.code != "stuck"]
+        held = stuck_slow(data, readings, seconds)
+        if held is not None:
+            places, value = np.array([[held.first, held.last]]), np.array([held.value])
+            kept.append(Finding("stuck", places, np.full(1, np.nan), held.length, value))
+        found = replace(found, findings=tuple(kept))
     return replace(survey, screening=found)
 
 

@@ -13,6 +13,7 @@ from ...core.results import finite
 from ...core.show.result_tables import remarks_line
 from ...core.show.rounding import number
 from ...core.show.tables import Block, Table, ending, html, text
+from ...signals.screening.screen import NO_READINGS
 from ...signals.time.time_axis import TimeAxis, analyse
 from ..budget import SURVEY, claim_recording
 from ..time.stamps import time_remarks
@@ -113,6 +114,19 @@ class Survey:
     compensated_by: str = ""
 
     @property
+    def do(self) -> str:
+        """What to do before figures of this file are used; empty where nothing is wrong."""
+        loud = [one for one in self.remarks if one.severity != "info"]
+        known = {one.name for one in self.channels}
+        named = [name for name in dict.fromkeys(one.subject for one in loud) if name in known]
+        errors = sum(one.severity == "error" for one in loud)
+        parts = [f"correct the {'error' if errors == 1 else 'errors'} first"] if errors else []
+        parts += [f"look at {', '.join(map(repr, named))} first"] if named else []
+        if any(one.code in NO_READINGS for one in loud):
+            parts.append("tests leave out the samples that are no readings, and give figures with and without them")
+        return "; ".join(parts)
+
+    @property
     def path(self) -> str:
         """Path as given."""
         return self.source.path
@@ -134,7 +148,7 @@ class Survey:
             rows.append((one.name, one.axis, one.quantity, one.unit or "?", *figures, str(one.missing), one.notes))
         grid = Table(HEADS, rows, caption, (4, 5, 6, 7, 8))
         hints = tuple(f"hint: {hint}" for hint in self.hints)
-        ends = (f"next: {self.next}",) if self.next else ()
+        ends = tuple(f"{word}: {said}" for word, said in (("do", self.do), ("next", self.next)) if said)
         return (grid, str(self.time), *hints, *remarks_line(self.remarks), *ends)
 
     def __str__(self) -> str:
@@ -159,6 +173,7 @@ class Survey:
             "time": self.time.to_dict(),
             "hints": [str(hint) for hint in self.hints],
             "remarks": [remark.to_dict() for remark in self.remarks],
+            "do": self.do,
             "next": self.next,
         }
 
@@ -175,8 +190,9 @@ def survey_recording(recording: Recording) -> Survey:
     channels = tuple(survey_channel(channel) for channel in recording.channels)
     motion = motion_remarks(recording, channels)
     at_rest = not any(remark.code == "not_at_rest" for remark in motion)
+    readings = [channel.data for channel in recording.channels if is_sensed(channel)]
     channels = tuple(
-        screened(survey, channel.data, at_rest and is_sensed(channel))
+        screened(survey, channel.data, at_rest and is_sensed(channel), readings, recording.seconds)
         for survey, channel in zip(channels, recording.channels, strict=True)
     )
     path, first = recording.source.path, recording.first_row

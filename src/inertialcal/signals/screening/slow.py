@@ -12,7 +12,7 @@ A channel that holds other values as long does so as a habit: dwells of a chambe
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
+from ...core.remarks import Remark
 
 SHORTEST = 20  # samples of a hold ...
 PART = 0.05  # ... and its share of the record, from which it matters
@@ -95,6 +96,29 @@ def stuck_slow(x: NDArray[Any], readings: Sequence[NDArray[Any]] = (), seconds: 
         or next((one for y in readings if (one := _response(x, y, first, last))), "")
     )
     return Stuck(first, last, value, why) if why else None
+
+
+def stuck_remark(
+    found: Stuck, name: str, samples: int, place: Callable[[int], str], shown: Callable[[float], str] = "{:g}".format
+) -> Remark:
+    """Return what to say of a stuck channel.
+
+    Parameters
+    ----------
+    found : Stuck
+        The hold.
+    name : str
+        Of the channel.
+    samples : int
+        Of the record.
+    place : callable
+        Gives the place of a sample in words: row or time.
+    shown : callable
+        Gives a value of the channel with its unit.
+    """
+    what = f"{name} stays at {shown(found.value)} for {found.length} of {samples} samples: stuck? ({found.why})"
+    do = "Look at the sensor of this channel, its wiring and the logger"
+    return Remark("stuck", "warning", what, place(found.first), do=do, index=found.first)
 
 
 def _noise(x: NDArray[Any], first: int, last: int) -> str:
