@@ -253,7 +253,7 @@ class _Judged:
         for k, one in enumerate(self.sets):
             for sensor in self.sensors:
                 scale, dof = self.scales[k, sensor]
-                if dof <= 0.0:
+                if dof <= 0.0 or scale <= 0.0:  # coarse readings may not scatter at all
                     continue
                 limit = scale * max(FEWEST_SCATTERS, t_quantile(dof, 1.0 - 0.5 * p))
                 for i in one:
