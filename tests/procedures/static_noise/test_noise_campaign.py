@@ -249,8 +249,8 @@ def stuck() -> str:
 
 def test_stuck_samples_are_left_out_counted_and_told_in_the_unit_of_the_sensor(still: Make) -> None:
     outcome = run(still(content=stuck()), write=False)
-    rows = {one["rule"]: one for one in outcome.results["exclusions"]}
-    assert (rows["stuck"]["axis"], rows["stuck"]["count"], rows["stuck"]["counts"]) == ("x", 500, "sample")
+    (one,) = (one for one in outcome.results["exclusions"] if one["rule"] == "screened")
+    assert (one["decided_by"], one["axis"], one["count"], one["counts"]) == ("screening: stuck", "x", 500, "sample")
     (remark,) = (one for one in outcome.remarks if one.code == "stuck")
     assert re.match(r"x: stuck at -?0\.\d+ deg/s for 10 s in all; left out", remark.what), remark.what
     assert remark.where == "noise: one.csv:1002"

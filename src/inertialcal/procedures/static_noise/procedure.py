@@ -107,19 +107,18 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
 
     def exclusions(self, test: Tested[Plan, Readings, Result]) -> Iterator[Exclusion]:
         """Yield the warm-up, samples that are no readings, and disturbances."""
-        disturbed = f"rule: disturbed = {test.plan.disturbed}"
         for record in test.readings.records:
             if record.warm_up:
                 decided = f"campaign: warm_up = {test.plan.warm_up:g} s"
                 yield Exclusion("warm_up", decided, "the warm-up", record.name, count=record.warm_up, counts="sample")
             for name, counts in record.bad.items() if record.screened else ():
                 for code in (code for code in NO_READINGS if counts.get(code)):
-                    yield Exclusion(code, disturbed, NO_READINGS[code], record.name, name, counts[code], "sample")
+                    why, count = NO_READINGS[code], counts[code]
+                    yield Exclusion("screened", f"screening: {code}", why, record.name, name, count, "sample")
         for axis in test.result.axes:
             for found in (one for one in axis.records if one.looked.left_out):
-                reason = f"disturbances at {len(found.looked.disturbed)} place(s)"
-                count = found.looked.left_out
-                yield Exclusion("disturbed", disturbed, reason, found.run.name, axis.axis, count, "sample")
+                why, count = f"disturbances at {len(found.looked.disturbed)} place(s)", found.looked.left_out
+                yield Exclusion("screened", "screening: disturbed", why, found.run.name, axis.axis, count, "sample")
 
     def quantities(self) -> Mapping[str, Quantity]:
         """Return what there is to say of the noise terms: sizes, in the units of data sheets."""

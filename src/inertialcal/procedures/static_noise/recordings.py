@@ -291,7 +291,7 @@ def _undisturbed(found: Screening, x: NDArray[Any], interval: float, left_out: b
     if not left_out or not {*found.codes} & {*CHANGES}:
         return found
     quality = record_quality(np.where(found.screened(x), np.nan, x), interval)
-    if not quality.disturbances:
+    if not quality.disturbances or not quality.at_rest:
         return found
     again = screen(quality.cleaned())
     kept = tuple(one for one in found.findings if one.code not in CHANGES)

@@ -6,6 +6,7 @@ extreme, how often two distant samples are equal.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,7 +18,8 @@ from ..time.samples import Indices
 from . import _kernels
 from .blocks import Blocks, pieces
 
-CHANCE = 1e-5  # of each, a record
+CHANCE = 1e-5  # of stuck stretches and copies each, a record
+PILED = 4e-4  # of a pile at an end: four samples of noise lie on its last code by chance at times
 HELD = 4  # samples at an extreme that saturation needs, in a row or not
 OF_CONVERTER = 2  # samples at the end of a usual converter
 CERTAIN = 1e-3  # chance that samples lie on such an end, from which they are no noise
@@ -28,6 +30,8 @@ RAIL_CODES = frozenset(
     {0, *(2**bits - 1 for bits in (8, 10, 12, 14, 16, 24, 32))}
     | {code for bits in (8, 10, 12, 14, 16, 24, 32) for code in (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)}
 )  # ends of the usual converters, unsigned and two's complement
+TOP = 64  # blocks with the largest samples, which lead to those next to the extreme
+EXACT = 30  # samples up to which their chance is summed
 NEAREST = 8  # samples next to an extreme from which the number that noise puts there is known ...
 PART = 8  # ... or a part of as many as there are at the extreme
 MOST = 512  # blocks in which levels are counted
@@ -157,10 +161,12 @@ def _rail(blocks: Blocks, habits: Habits, skip: Indices, step: float, sign: floa
     for _ in range(2):
         below = below[below < third]
         third = float(below.max()) if len(below) else third
-    near = np.flatnonzero(extreme >= third)
+    most = min(TOP, len(extreme))
+    least = min(third, float(np.partition(extreme, -most)[-most]))  # all samples above lie in these blocks
+    near = np.flatnonzero(extreme >= least)
     some = near[:: max(-(-len(near) // MOST), 1)]
     inside = sign * blocks.rows(some).astype(np.float64)
-    levels, counts = np.unique(inside[np.isfinite(inside) & (inside <= end)], return_counts=True)
+    levels, counts = np.unique(inside[(inside >= least) & (inside <= end)], return_counts=True)
     if len(levels) < 2:
         return None
     whole = np.flatnonzero(extreme == end)
@@ -178,7 +184,7 @@ def _rail(blocks: Blocks, habits: Habits, skip: Indices, step: float, sign: floa
     held = not few and length[longest] >= HELD and len(starts) * habits.equal ** (HELD - 1) < CERTAIN
     here, usual = int(counts[-1]), _usual(levels, counts, step)
     rare = _chance((1.0 - habits.equal) * here, (1.0 - habits.equal) * usual)
-    piled = not few and count >= HELD and here > PILE_RATIO * usual and rare < CHANCE
+    piled = not few and count >= HELD and here > PILE_RATIO * usual and rare < PILED
     held, piled = (one and not _goes_in_steps(habits.counts, here) for one in (held, piled))
     value = sign * end
     code = (
@@ -199,17 +205,23 @@ def _usual(levels: Array, counts: NDArray[np.int64], step: float) -> float:
 
 
 def _chance(count: float, mean: float) -> float:
-    """Return the chance of so many in a Poisson distribution, or a bound above it (Chernoff)."""
+    """Return the chance of so many or more in a Poisson distribution; far out a bound above it (Chernoff)."""
     if not 0.0 < mean < count:
         return float(not count > mean)
-    return float(np.exp(count - mean - count * np.log(count / mean)))
+    bound = float(np.exp(count - mean - count * np.log(count / mean)))
+    if count > EXACT:
+        return bound
+    more = np.arange(int(np.ceil(count)), int(np.ceil(count)) + 2 * EXACT)
+    return min(float(np.exp(-mean) * np.sum(np.cumprod(mean / np.arange(1, more[-1] + 1))[more - 1])), bound)
 
 
 def _goes_in_steps(counts: NDArray[np.int64], pile: int) -> bool:
     """Whether levels between the extremes pile up as much: the channel is set in steps."""
     inner = np.maximum(counts[:-2], counts[2:])
     middle = counts[1:-1]
-    return int(np.count_nonzero((middle >= max(ALIKE_PILE * pile, HELD)) & (middle > PILE_RATIO * inner))) >= STEPS
+    piles = np.flatnonzero((middle >= max(ALIKE_PILE * pile, HELD)) & (middle > PILE_RATIO * inner))
+    sure = (i for i in piles.tolist() if _chance(float(middle[i]), float(max(inner[i], 1))) < CHANCE)
+    return sum(1 for _ in itertools.islice(sure, STEPS)) == STEPS
 
 
 def _dropout(x: NDArray[Any], starts: Indices, stops: Indices, longest: int, habits: Habits) -> bool:

@@ -28,7 +28,8 @@ from ...statistics.quantiles import t_upper
 from ..time.samples import Flags, Indices
 from . import _kernels
 
-FALSE_ALARM = 5e-4  # of each of the three, a record
+FALSE_ALARM = 5e-4  # of changes of the noise, and of waves, a record
+STEP_ALARM = 1e-3  # of steps
 NARROW = 60  # windows of the widest step in a record
 NARROWEST = 4  # blocks that the noise is averaged over
 FEWEST = 24  # blocks
@@ -124,12 +125,12 @@ def level_steps(mean: Array, cuts: Indices, smallest: float) -> tuple[Change, ..
         Size of a step below which rounding may feign it.
     """
     b = len(mean)
-    widths = _doubling(1, b // NARROW)
+    widths = [b // NARROW >> k for k in range((b // NARROW).bit_length() - 1, -1, -1)]  # halves of the widest
     if b < 4 * NARROWEST or not widths:
         return ()
     sums = _sums(mean)
     windows = b / np.array(widths, dtype=np.float64)
-    limits = t_upper(0.5 * FALSE_ALARM / (len(widths) * 2.0 * windows), _dof(windows))
+    limits = t_upper(0.5 * STEP_ALARM / (len(widths) * 2.0 * windows), _dof(windows))
     every = {w: _bent(sums, w) for w in widths}
     scores = {w: _judged(every[w], w, b, cuts, limit) for w, limit in zip(widths, limits.tolist(), strict=True)}
     found: list[Change] = []
@@ -152,10 +153,9 @@ def _stays(every: dict[int, Array], w: int, i: int) -> bool:
 
     These do not show what soon comes back.
     """
-    size = float(every[w][i])
-    for other in (w // 2, 2 * w):
-        if other not in every:
-            continue
+    size, widths = float(every[w][i]), [*every]
+    at = widths.index(w)
+    for other in (*widths[max(at - 1, 0) : at], *widths[at + 1 : at + 2]):
         middle = i + 2 * w - 2 * other
         near = every[other][max(middle - min(w, other), 0) : max(middle + min(w, other) + 1, 0)]
         if len(near) and float(np.max(np.sign(size) * near)) <= HALF_SHOWS * abs(size):

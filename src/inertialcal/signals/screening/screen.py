@@ -24,8 +24,8 @@ noise, with tails up to exponential ones; besides, drift that is smooth over a f
 fewer than six periods. Codes may be coarse. Of a sensor that is moved on purpose (``at_rest=False``) only glitches and
 what is held, repeated or missing are looked for.
 
-*False alarms.* Designed at 0.3 % of good channels in all: .05 % each for steps, noise, waves and glitches, .01 %
-for what is held or repeated; the rest is margin for noise that no formula covers. ``tests/signals/screening`` counts
+*False alarms.* Designed at 0.3 % of good channels in all: .1 % for steps, .05 % each for noise, waves and glitches, .04 %
+for samples piled up at an end of the range, .01 % for what is stuck or repeated. ``tests/signals/screening`` counts
 them in 18 kinds of simulated records, 900 of 1,000, 10,000 and 100,000 samples each, and in pieces of real ones: one or
 two of 900.
 
