@@ -26,6 +26,7 @@ from ...signals.allan import Allan, allan
 from ...signals.codes import coarse_steps
 from ...signals.names import Deviation
 from ...signals.record_quality import record_quality
+from ...signals.screening.resolution import Resolution
 from ...signals.segmentation.stillness import Disturbance
 from ...signals.spectrum.allan_check import Agreement, compare_allan
 from ...signals.spectrum.density import Spectrum
@@ -114,7 +115,7 @@ def noise_of(plan: Plan, readings: Readings, axis: str) -> AxisNoise:
     records, problems, remarks = _each(plan, readings, axis)
     if not records:
         return AxisNoise(axis, (), None, problems[0], (), (*remarks, *_no_terms(axis, problems[0])))
-    lines = lines_to_fit([one.spectral for one in records])
+    lines = tuple(sorted((*lines_to_fit([one.spectral for one in records]), *_waves(records, axis))))
     try:
         try:
             found_terms = _fitted(plan, records, lines)
@@ -132,6 +133,16 @@ def noise_of(plan: Plan, readings: Readings, axis: str) -> AxisNoise:
     if len(records) > 1:
         records = [_with_own(plan, one, lines) for one in records]
     return AxisNoise(axis, tuple(records), found_terms, None, lines, (*remarks, *_tested(axis, found_terms)))
+
+
+def _waves(records: Sequence[Recorded], axis: str) -> Iterator[float]:
+    """Yield the frequency of the slowest wave of all records [Hz], where there is one: below the lines of spectra."""
+    waves = [
+        1.0 / (float(one.run.found[axis]["slow_wave"].value[0]) * one.run.interval)
+        for one in records
+        if "slow_wave" in one.run.found.get(axis, ())
+    ]
+    yield from sorted(waves)[:1]
 
 
 def _each(plan: Plan, readings: Readings, axis: str) -> tuple[list[Recorded], list[Problem], list[Remark]]:
@@ -168,7 +179,7 @@ def _recorded(plan: Plan, run: Run, axis: str) -> Recorded:
     curve = fitted(plan, run, axis, there)
     alike = plan.deviation == FITTED and plan.taus == "octave" and not plan.tau
     chosen, remarks = (curve, ()) if alike else shown(plan, run, axis, there)
-    found = spectral(plan, looked.rates, run.interval, curve, axis)
+    found = spectral(plan, looked.rates, run.interval, curve, axis, resolution_of_rates(run, axis))
     return Recorded(run, looked, curve, chosen, replace(found, remarks=(*remarks, *found.remarks)))
 
 
@@ -334,7 +345,27 @@ class Spectral:
     remarks: tuple[Remark, ...]  # What is suspicious
 
 
-def spectral(plan: Plan, rates: Array, interval: float, curve: Allan, axis: str) -> Spectral:
+def resolution_of_rates(run: Run, axis: str) -> Resolution:
+    """Return the resolution of the rates of an axis; 0 where it is not known."""
+    found = run.resolution.get(axis, Resolution(0.0, 0.0))
+    times = 1.0 if run.quantity == "rate" else 1.0 / run.interval
+    return Resolution(found.step * times, found.swing * times)
+
+
+def _meaningful(lines: Lines, spectrum: Spectrum, resolution: Resolution) -> Lines:
+    """Return the lines that the numbers of a record can carry."""
+    at = [int(np.argmin(np.abs(spectrum.frequency - line.frequency))) for line in lines.found]
+    around = [float(spectrum.density[i, 0]) / line.ratio for i, line in zip(at, lines.found, strict=True)]
+    hidden = resolution.hides([line.amplitude for line in lines.found], around, spectrum.interval)
+    marked = lines.marked.copy()
+    for line in (line for line, none in zip(lines.found, hidden.tolist(), strict=True) if none):
+        reach = 0.5 * line.width + 2.0 * spectrum.lobe * spectrum.spacing
+        marked[np.abs(spectrum.frequency - line.frequency) < reach] = False
+    return replace(lines, found=tuple(one for one, none in zip(lines.found, hidden.tolist(), strict=True) if not none),
+                   marked=marked)  # fmt: skip
+
+
+def spectral(plan: Plan, rates: Array, interval: float, curve: Allan, axis: str, resolution: Resolution) -> Spectral:
     """Return the spectrum of rates, its lines, and whether the Allan deviation agrees with it."""
     segment = LONGEST if plan.spectrum == "welch" and len(rates) // PARTS > LONGEST else None
     try:
@@ -352,7 +383,12 @@ def spectral(plan: Plan, rates: Array, interval: float, curve: Allan, axis: str)
         for one in spectrum.remarks
         if one.code not in TOLD
     ]
-    lines = find_lines(spectrum) if plan.lines else None
+    every = find_lines(spectrum) if plan.lines else None
+    lines = None if every is None else _meaningful(every, spectrum, resolution)
+    if every is not None and lines is not None and len(lines) < len(every):
+        count = len(every) - len(lines)
+        what = f"{axis}: {count} line{'s' * (count > 1)} of the spectrum below the resolution of the record: not listed"
+        remarks.append(Remark("lines_below_resolution", "info", what, axis=axis))
     agreement = compare_allan(spectrum, curve)
     if lines is not None and len(lines):  # one remark on all of them, the strongest first
         found = sorted(lines.found, key=lambda line: -line.ratio)

@@ -15,6 +15,7 @@ from ...core.remarks import Remark
 from ...sensors.noise.simulate import simulate as samples_of
 from ...sensors.noise.terms import Term
 from ...signals.names import Quantity
+from ...signals.screening.resolution import Resolution
 from ...signals.screening.screen import Screening
 from .plan import Plan
 
@@ -37,6 +38,8 @@ class Run:
     found: Mapping[str, Screening] = field(default_factory=dict[str, Screening])  # What axes show, where they do
     # Samples of an axis that are no readings, by code: left out of ``present``, or kept where ``screened`` is False
     bad: Mapping[str, Mapping[str, int]] = field(default_factory=dict[str, Mapping[str, int]])
+    # Of an axis: below it lines in a spectrum mean nothing; absent where it is not known
+    resolution: Mapping[str, Resolution] = field(default_factory=dict[str, Resolution])
     screened: bool = True  # Whether samples that are no readings, and disturbances, are left out
 
     def __len__(self) -> int:

@@ -23,6 +23,7 @@ from ...core.units import factor
 from ...signals.allan import on_grid
 from ...signals.record_quality import record_quality
 from ...signals.screening.remarks import remarks_of
+from ...signals.screening.resolution import resolution_of
 from ...signals.screening.screen import NO_READINGS, Screening, screen
 from ...signals.time.time_axis import TimeAxis, analyse
 from .plan import Plan
@@ -280,7 +281,8 @@ def screened(
         fate = "left out" if left_out else "kept in"
         said = remarks_of(one, axis, shown[axis].place, shown[axis].value, run.interval, fate)
         remarks += [remark for remark in said if remark.code not in SAID_ELSEWHERE]
-    return replace(run, present=present, found=found, bad=bad, screened=left_out), remarks
+    fine = {axis: resolution_of(values[run.there(axis)], shown[axis].times) for axis, values in run.values.items()}
+    return replace(run, present=present, found=found, bad=bad, resolution=fine, screened=left_out), remarks
 
 
 def _undisturbed(found: Screening, x: NDArray[Any], interval: float, left_out: bool) -> Screening:

@@ -27,6 +27,7 @@ from .blocks import pieces
 
 ROUNDED = 4.0  # times the density of rounding, below which noise does not hide what rounding makes
 OFF, MOST = 0.05, 0.9  # of a step that differences are off a whole number, and the part of them that codes allow
+CONVERTED = 4.0  # units in the last place, by which a conversion of units and back may be off
 SPURIOUS = 1e-6  # of the largest swing: 120 dB
 
 
@@ -58,14 +59,16 @@ class Resolution:
         return np.asarray(rounded | (size < SPURIOUS * self.swing))
 
 
-def resolution_of(x: NDArray[Any]) -> Resolution:
+def resolution_of(x: NDArray[Any], times: float = 1.0) -> Resolution:
     """Return the resolution of a channel.
 
     Parameters
     ----------
     x : ndarray, shape (n,)
-        Samples as stored: the step is that of the codes, of the digits that were printed, or of the floats, 32 bits
-        long where 64 bits hold nothing more.
+        Samples: the step is that of the codes, of the digits that were printed, or of the floats, 32 bits long where
+        64 bits hold nothing more.
+    times : float
+        What a sample is multiplied by to be as stored.
     """
     finite = x[np.isfinite(x)] if x.dtype.kind == "f" else x
     if not len(finite):
@@ -73,12 +76,15 @@ def resolution_of(x: NDArray[Any]) -> Resolution:
     low, high = float(finite.min()), float(finite.max())
     largest, middle = max(abs(low), abs(high)), float(np.mean(finite, dtype=np.float64))
     _, rows = pieces(finite)
+    stored, largest = rows * times, largest * times
     apart = np.abs(np.diff(rows, axis=1))
     apart = apart[apart > 0.0]
     step = float(apart.min()) if len(apart) else 0.0
     if step and np.mean(np.abs(apart / step - np.rint(apart / step)) < OFF) < MOST:
         step = 0.0  # no codes
     if x.dtype.kind == "f":
-        short = x.dtype == np.float32 or np.array_equal(rows, rows.astype(np.float32))
-        step = max(step, float(np.spacing(np.float32(largest) if short else np.float64(largest))))
+        with np.errstate(over="ignore", invalid="ignore"):  # beyond all numbers of 32 bits
+            close = np.abs(stored - stored.astype(np.float32)) <= CONVERTED * np.spacing(np.abs(stored))
+            short = x.dtype == np.float32 or bool(close.all())
+        step = max(step, float(np.spacing(np.float32(largest) if short else np.float64(largest))) / times)
     return Resolution(step, max(high - middle, middle - low))

@@ -24,9 +24,8 @@ noise, with tails up to exponential ones; besides, drift that is smooth over a f
 fewer than six periods. Codes may be coarse. Of a sensor that is moved on purpose (``at_rest=False``) only glitches and
 what is held, repeated or missing are looked for.
 
-*False alarms.* Designed at 0.3 % of good channels in all: .1 % for steps, .05 % each for noise, waves and glitches, .04 %
-for samples piled up at an end of the range, .01 % for what is stuck or repeated. ``tests/signals/screening`` counts
-them in 18 kinds of simulated records, 900 of 1,000, 10,000 and 100,000 samples each, and in pieces of real ones: one or
+*False alarms.* Designed at 0.3 % of good channels in all: .1 % for steps, .05 % each for noise, waves and glitches,
+.04 % for samples piled up at an end, .01 % for what is stuck or repeated. ``tests/signals/screening`` counts them in 18 kinds of simulated records, 900 of 1,000, 10,000 and 100,000 samples each, and in pieces of real ones: one or
 two of 900.
 
 *What it finds.* In 60 of 60 records each: one sample in 10,000 off by 50 standard deviations, bursts of three, one

@@ -7,9 +7,10 @@ Values that stand out are marked, the level is taken again without them, until n
 each other are one finding: a *line* if nearly all of its power lies in a peak as wide as a line makes, else *broad*: a
 resonance, or a line that wanders.
 
-Assumed: noise whose spectrum is smooth over a few dozen values. What it cannot do: find a line below the lowest tested
-frequency (stated), tell two lines closer than the width of a peak apart, or a line from a spectrum steeper than the
-window's side lobes fall.
+Assumed: noise whose spectrum is smooth over a few dozen values; at the knee of a steep filter it is not, so that a
+finding must stand out of the values beside it, on either side, too. What it cannot do: find a line below the lowest
+tested frequency (stated), tell two lines closer than the width of a peak apart, or a line from a spectrum steeper than
+the window's side lobes fall.
 
 Level of the noise around each frequency of a spectrum, and how well it is known.
 
@@ -55,6 +56,7 @@ FEWEST = 12  # neighbours on each side that make a level
 PART = 0.5  # of the distance from zero frequency, that the neighbours may reach ...
 KNOWN = 32.0  # ... up to so many degrees of freedom of a value; by their fourth root less beyond
 ONE_SIDED = 32  # part of all values that lie on one side, at most
+SIDE = 6  # values nearest to a run on a side, that it must stand out of
 STRAIGHT = 1e-3  # standard deviation of the place, below which no slope is needed
 
 
@@ -139,7 +141,9 @@ def find_lines(spectrum: Spectrum, false_alarm: float = 0.01) -> Lines:
         known = spectrum.frequency[np.isfinite(level.level)]
         if len(known):
             tested = (min(tested[0], float(known[0])), max(tested[1], float(known[-1])))
-        here = [_measured(spectrum, axis, level, a, b) for a, b in _runs(at, spectrum.lobe)]
+        runs = [one for one in _runs(at, spectrum.lobe) if _above_both_sides(spectrum, axis, at, one, false_alarm)]
+        at = np.isin(np.arange(len(at)), [i for a, b in runs for i in range(a, b)]) & at
+        here = [_measured(spectrum, axis, level, a, b) for a, b in runs]
         found += _named(here, spectrum.spacing)
         marked[:, axis] = _widened(at, spectrum.lobe)
     low, high = tested if tested[1] > 0.0 else (np.nan, np.nan)
@@ -183,6 +187,22 @@ def _runs(marked: Flags, lobe: int) -> list[tuple[int, int]]:
     new = np.flatnonzero(np.diff(at) > lobe)
     first, last = at[np.concatenate(([0], new + 1))], at[np.concatenate((new, [len(at) - 1]))]
     return [(int(a), int(b) + 1) for a, b in zip(first, last, strict=True)]
+
+
+def _above_both_sides(spectrum: Spectrum, axis: int, marked: Flags, run: tuple[int, int], false_alarm: float) -> bool:
+    """Whether a run stands out of what lies on either side of it, as the knee of a filter does not."""
+    density, lobe = spectrum.density[:, axis], spectrum.lobe
+    free = ~_widened(marked, lobe)
+    tested = max(1, len(density))
+    peak = float(density[run[0] : run[1]].max())
+    for side in (np.arange(run[0])[::-1], np.arange(run[1], len(density))):
+        near = density[side[free[side]][:SIDE]]
+        if (
+            len(near) == SIDE
+            and special.fdtrc(spectrum.edf, SIDE * spectrum.edf, peak / near.mean()) > false_alarm / tested
+        ):
+            return False
+    return True
 
 
 def _measured(spectrum: Spectrum, axis: int, level: Background, first: int, stop: int) -> Line:
