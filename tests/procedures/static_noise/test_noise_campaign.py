@@ -132,9 +132,10 @@ def test_what_was_left_out_is_listed_with_its_rule(still: Make) -> None:
     rows = {one["rule"]: one for one in outcome.results["exclusions"]}
     assert rows["warm_up"]["count"] == 500
     assert rows["warm_up"]["decided_by"] == "campaign: warm_up = 10 s"
-    assert rows["disturbed"]["axis"] == "y"
-    assert 90 <= rows["disturbed"]["count"] <= 130
-    assert rows["disturbed"]["counts"] == "sample"
+    disturbed = rows["screened"]
+    assert (disturbed["axis"], disturbed["decided_by"]) == ("y", "screening: disturbed")
+    assert 90 <= disturbed["count"] <= 130
+    assert disturbed["counts"] == "sample"
     (step,) = outcome.results["sequence"]
     assert (step["dwells"], step["runs"]) == (1, 1)
 
@@ -249,8 +250,9 @@ def stuck() -> str:
 
 def test_stuck_samples_are_left_out_counted_and_told_in_the_unit_of_the_sensor(still: Make) -> None:
     outcome = run(still(content=stuck()), write=False)
-    (one,) = (one for one in outcome.results["exclusions"] if one["rule"] == "screened")
-    assert (one["decided_by"], one["axis"], one["count"], one["counts"]) == ("screening: stuck", "x", 500, "sample")
+    screened = {one["decided_by"]: one for one in outcome.results["exclusions"] if one["rule"] == "screened"}
+    one = screened["screening: stuck"]
+    assert (one["axis"], one["count"], one["counts"]) == ("x", 500, "sample")
     (remark,) = (one for one in outcome.remarks if one.code == "stuck")
     assert re.match(r"x: stuck at -?0\.\d+ deg/s for 10 s in all; left out", remark.what), remark.what
     assert remark.where == "noise: one.csv:1002"

@@ -160,7 +160,7 @@ def _rail(blocks: Blocks, habits: Habits, skip: Indices, step: float, sign: floa
     third, below = end, extreme
     for _ in range(2):
         below = below[below < third]
-        third = float(below.max()) if len(below) else third
+        third = float(below.max()) if len(below) else -np.inf
     most = min(TOP, len(extreme))
     least = min(third, float(np.partition(extreme, -most)[-most]))  # all samples above lie in these blocks
     near = np.flatnonzero(extreme >= least)

@@ -25,8 +25,9 @@ fewer than six periods. Codes may be coarse. Of a sensor that is moved on purpos
 what is held, repeated or missing are looked for.
 
 *False alarms.* Designed at 0.3 % of good channels in all: .1 % for steps, .05 % each for noise, waves and glitches,
-.04 % for samples piled up at an end, .01 % for what is stuck or repeated. ``tests/signals/screening`` counts them in 18 kinds of simulated records, 900 of 1,000, 10,000 and 100,000 samples each, and in pieces of real ones: one or
-two of 900.
+.04 % for samples piled up at an end, .01 % for what is stuck or repeated. ``tests/signals/screening`` counts them in
+18 kinds of simulated records, 900 of 1,000, 10,000 and 100,000 samples each, and in pieces of real ones: one or two of
+900.
 
 *What it finds.* In 60 of 60 records each: one sample in 10,000 off by 50 standard deviations, bursts of three, one
 -32768 among 238,256 real samples; a step of 1.1 standard deviations in 72,000 samples (0.7: also; 0.35: none); noise
