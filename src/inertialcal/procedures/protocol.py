@@ -217,6 +217,11 @@ class Source(Protocol):
         """Whether samples that are no readings are left out; False where figures are made with them, to compare."""
         ...
 
+    @property
+    def remarks(self) -> Sequence[Remark]:
+        """What looking its recording through brought up; empty before it is read."""
+        ...
+
     def recordings(self) -> list[tuple[str, Recording]]:
         """Return each part with its label: the whole, or a record a window."""
         ...

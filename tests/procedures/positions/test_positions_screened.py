@@ -11,7 +11,6 @@ from independent.positions import by_hand
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
 from inertialcal.core.recording import Channel, Recording
-from inertialcal.core.remarks import Remark
 from inertialcal.procedures.positions.recordings import ACC, GYRO
 from inertialcal.procedures.positions.reduction import Plan, Readings, Result, readings_from, reduce
 
@@ -34,14 +33,14 @@ def clean(hand: dict[str, Array]) -> Result:
     return reduce(PLAN, readings(hand))
 
 
-def readings(hand: dict[str, Array], spoil: Spoil | None = None, remarks: tuple[Remark, ...] = ()) -> Readings:
+def readings(hand: dict[str, Array], spoil: Spoil | None = None, saturated: bool = False) -> Readings:
     columns = {name: own.copy() for name, own in hand.items()}
     if spoil is not None:
         spoil(columns)
     units = dict.fromkeys(ACC, "m/s^2") | dict.fromkeys(GYRO, "rad/s")
     channels = tuple(Channel(name, own, units[name]) for name, own in columns.items())
     stamps = np.round(np.arange(len(columns[ACC[0]])) / RATE * 1e9).astype(np.int64)
-    return readings_from(PLAN, [Recording(channels, stamps, 1.0 / RATE, remarks=remarks)])
+    return readings_from(PLAN, [Recording(channels, stamps, 1.0 / RATE)], saturated=[saturated])
 
 
 def shift(result: Result, clean: Result) -> float:
@@ -95,8 +94,7 @@ def test_saturated_rotations_are_left_out_and_counted(hand: dict[str, Array], cl
     def spoil(columns: dict[str, Array]) -> None:
         columns["gyro_x"][np.abs(columns["gyro_x"]) > limit] = np.nan
 
-    said = Remark("saturated", "warning", "gyro_x: clipped", "hand.csv: 1", subject="gyro_x")
-    found = readings(hand, spoil, (said,))
+    found = readings(hand, spoil, saturated=True)
     remark = next(one for one in found.remarks if one.code == "rotation_incomplete")
     assert remark.count == len(fast)
     assert len(found.rotations) == len(clean.readings.rotations) - len(fast)

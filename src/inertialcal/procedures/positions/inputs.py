@@ -28,6 +28,7 @@ from .recordings import Section, readings_from
 
 TEMPERATURE = "temperature"
 PREFIX: dict[str, str] = {"accelerometer": "acc", "gyro": "gyro"}
+SATURATED = ("saturated", "rail")  # remarks
 SAME_STAMP = 0.01  # of a sample interval, by which stamps of one clock may differ
 
 
@@ -63,7 +64,13 @@ def readings_of(plan: Plan, sources: Sequence[Source]) -> Readings:
     joined = [_joined(pair) for pair in pairs]
     sections = [_sections(pair, one) for pair, one in zip(pairs, joined, strict=True)]
     faces = any(_entry(one).orientations == [FACES] for one in sources)
-    return _oriented(readings_from(plan, joined, sections, faces), pairs)
+    saturated = [any(_saturated(one) for one in pair if one.kind == "gyro") for pair in pairs]
+    return _oriented(readings_from(plan, joined, sections, faces, saturated), pairs)
+
+
+def _saturated(part: Part) -> bool:
+    """Return whether samples of a recording were left out at the end of the range."""
+    return any(one.code in SATURATED for one in (*part.source.remarks, *part.recording.remarks))
 
 
 def _paired(parts: Sequence[Part], test: str) -> list[list[Part]]:

@@ -58,7 +58,11 @@ class Section:
 
 
 def readings_from(
-    plan: Plan, recordings: Sequence[Recording], sections: Sequence[Sequence[Section]] = (), faces: bool = False
+    plan: Plan,
+    recordings: Sequence[Recording],
+    sections: Sequence[Sequence[Section]] = (),
+    faces: bool = False,
+    saturated: Sequence[bool] = (),
 ) -> Readings:
     """Return static intervals and rotations.
 
@@ -73,6 +77,8 @@ def readings_from(
         For each recording what its protocol says; an empty one is cut by what the signal shows.
     faces : bool
         Each static interval lies on the face of the body that it is nearest to.
+    saturated : sequence of bool, optional
+        For each recording whether samples that are missing may be gyros at the end of their range.
 
     Raises
     ------
@@ -91,7 +97,8 @@ def readings_from(
             what, why = f"{other} and {name} hold the same samples", "their positions would count twice"
             raise DataError(what, name, why, "Leave one of them out", "duplicate_recording")
     chosen = [*sections, *([()] * (len(recordings) - len(sections)))]
-    parts = [_one(plan, one, own) for one, own in zip(recordings, chosen, strict=True)]
+    ends = [*saturated, *([False] * (len(recordings) - len(saturated)))]
+    parts = [_one(plan, one, own, end) for one, own, end in zip(recordings, chosen, ends, strict=True)]
     if not any(len(part) for part in parts):
         do, why = "Name the parts in which it rests: x_p, x_a, ...", "gravity at rest calibrates the accelerometers"
         raise DataError("no section is a position", recordings[0].source.path, why, do, "wrong_section")
@@ -125,13 +132,13 @@ def on_faces(readings: Readings) -> Readings:
     return replace(readings, direction=direction)
 
 
-def _one(plan: Plan, recording: Recording, sections: Sequence[Section]) -> Readings:
+def _one(plan: Plan, recording: Recording, sections: Sequence[Section], saturated: bool) -> Readings:
     values = {"acc": np.asfortranarray(recording.array(ACC), dtype=np.float64)}
     if all(name in recording.names for name in GYRO):
         values["gyro"] = np.asfortranarray(recording.array(GYRO), dtype=np.float64)
     seconds = _seconds(recording)
     if sections:
-        return _by_sections(recording, values, seconds, sections)
+        return _by_sections(recording, values, seconds, sections, saturated)
     try:
         segmentation = detect(values["acc"], recording.time_ns, recording.sample_interval)
     except DataError as error:
@@ -154,13 +161,13 @@ def _one(plan: Plan, recording: Recording, sections: Sequence[Section]) -> Readi
         for k, (a, b) in enumerate(between(placed)) if there[k + 1] == there[k] + 1
     )  # fmt: skip
     found = _readings(recording, segmentation.samples, values, placed, rotations if "gyro" in values else ())
-    found = _whole_rotations(found, recording)
+    found = _whole_rotations(found, recording.source.path, saturated)
     remarks = [*recording.remarks, *segmentation.remarks, *more, *_disturbed(found, values, placed), *found.remarks]
     return replace(found, remarks=gather(remarks), left_out=tuple(sorted(set(range(total)) - set(there))))
 
 
 def _by_sections(
-    recording: Recording, values: Mapping[str, Array], seconds: Array, sections: Sequence[Section]
+    recording: Recording, values: Mapping[str, Array], seconds: Array, sections: Sequence[Section], saturated: bool
 ) -> Readings:
     """Cut by protocol; transitions are known between static sections that follow one another."""
     path = recording.source.path
@@ -176,7 +183,7 @@ def _by_sections(
                 axis=np.array(one.axis, dtype=float), angle=one.angle)
         for one in sections if one.angle is not None and one.axis is not None and "gyro" in values
     )  # fmt: skip
-    cut = _whole_rotations(_readings(recording, samples, values, placed, turns), recording)
+    cut = _whole_rotations(_readings(recording, samples, values, placed, turns), path, saturated)
     nowhere = (np.nan, np.nan, np.nan)
     direction = np.array([one.direction or nowhere for one in still], dtype=float).reshape(-1, 3)
     named = tuple(f"{one.name}, {where}" if one.name else where for one, where in zip(still, cut.where, strict=True))
@@ -238,7 +245,7 @@ def _there(
     return [placed[k] for k in there], there, remarks
 
 
-def _whole_rotations(readings: Readings, recording: Recording) -> Readings:
+def _whole_rotations(readings: Readings, path: str, saturated: bool) -> Readings:
     """Leave out rotations that hold saturated samples, or gaps that change their angle.
 
     What a gap does is seen from the same rotation: gaps as long elsewhere in it, bridged by a straight line. It may do
@@ -246,7 +253,6 @@ def _whole_rotations(readings: Readings, recording: Recording) -> Readings:
     """
     if readings.gyro is None or not any(one.missing for one in readings.rotations):
         return readings
-    saturated = any(remark.code == "saturated" for remark in recording.remarks)
     noise = float(np.median(readings.gyro.scatter))
     kept = [one for one in readings.rotations if not one.missing or not (saturated or _matters(one, noise))]
     lost = [one for one in readings.rotations if one not in kept]
@@ -255,7 +261,6 @@ def _whole_rotations(readings: Readings, recording: Recording) -> Readings:
     why = "saturated samples" if saturated else "gaps that change its angle by more than noise"
     what = f"{len(lost)} of {len(readings.rotations)} rotations hold {why}: left out of the gyros' matrix"
     do = "Turn more slowly, or use a wider range" if saturated else "Turn there again"
-    path = recording.source.path
     place = f"{path}: {lost[0].where}" if path else lost[0].where
     remark = Remark("rotation_incomplete", "warning", what, place, len(lost), do)
     return replace(readings, rotations=tuple(kept), remarks=(*readings.remarks, remark))
