@@ -134,13 +134,13 @@ def _few(problem: Problem) -> Problem:
     k = problem.sizes[0]
     first = problem.moves.first
     chosen = np.sort(np.argsort(np.diff(first), kind="stable")[: min(USED, k)])
-    moves = _thinned(problem.moves, [(int(first[i]), int(first[i + 1])) for i in chosen])
+    moves = thinned(problem.moves, [(int(first[i]), int(first[i + 1])) for i in chosen])
     ends = problem.ends
     ends = type(ends)(*(getattr(ends, name)[chosen] for name in ("start", "stop", "before", "after", "across")))
     return Problem(moves, ends, packed([], [], []), np.zeros((0, 3)), problem.noise, problem.up_variance)
 
 
-def _thinned(moves: Packed, spans: Sequence[tuple[int, int]]) -> Packed:
+def thinned(moves: Packed, spans: Sequence[tuple[int, int]]) -> Packed:
     """Return some rotations with at most ``STEPS`` samples each, block means in their place."""
     z, f, h, sizes = [], [], [], [0]
     for a, b in spans:
@@ -223,9 +223,9 @@ def judged_scale(W: Array, determined: NDArray[np.bool_], unit: str, stated: boo
             way = f"{ratio:g} times too high" if ratio > 1.0 else f"{1.0 / ratio:g} times too low"
             what = f"{size}: the sample rate is probably {way}"
             do = "Check the sample rate; for known turns, their angle"
-            return [Remark("sample_rate_suspect", "warning", what, do=do)]
+            return [Remark("sample_rate_suspect", "error", what, do=do)]
     what = f"{size}: the time axis, the unit or the scale factor of the gyros is wrong ({unit})"
-    return [Remark("rotations_do_not_close", "warning", what, do="Check sample rate, stamps and unit")]
+    return [Remark("rotations_do_not_close", "error", what, do="Check sample rate, stamps and unit")]
 
 
 def remarks_of(result: Result) -> list[Remark]:
@@ -287,7 +287,10 @@ def _gyro_remarks(result: Result) -> list[Remark]:
         elif np.all(np.diag(gyro.rotated.W) < 0.0):
             what = "all gyros read the known turns with the opposite sign: scale factors come out negative"
             do = "If the turns were clockwise, change the sign of the angles"
-            found.append(Remark("turn_sense", "warning", what, do=do))
+            stated = result.plan.gyro_scale_factor is not None or (
+                readings.gyro is not None and readings.gyro.unit == "rad/s"
+            )
+            found.append(Remark("turn_sense", "error" if stated else "warning", what, do=do))
         fit = gyro.rotated.found
         if fit is not None and fit.free == 0:
             what = "no rotation was repeated: the uncertainty leaves out the scatter between rotations"

@@ -117,6 +117,12 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
 
         return readings_of(plan, sources)
 
+    def agreement(self, plan: Plan, readings: Readings) -> Sequence[Remark]:
+        """Return recordings, or parts of them, that disagree with gravity."""
+        from .agreement import agreement
+
+        return agreement(plan, readings)
+
     def reduce(self, plan: Plan, readings: Readings) -> Result:
         """Return what positions and rotations tell of both triads."""
         from .reduction import reduce

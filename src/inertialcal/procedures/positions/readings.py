@@ -86,6 +86,7 @@ class Readings:
     where: tuple[str, ...] = ()  # Place of each interval, for messages
     left_out: tuple[int, ...] = ()  # Numbers, among all that were found, of intervals without enough readings
     recordings: tuple[int, ...] = ()  # Number of the recording that each interval lies in; empty: one
+    spans_ns: tuple[tuple[int, int], ...] = ()  # First and last stamp of each recording [ns]
     remarks: tuple[Remark, ...] = field(default=())  # What reading them brought up
 
     def __len__(self) -> int:

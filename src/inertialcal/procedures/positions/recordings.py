@@ -308,6 +308,7 @@ def _readings(
         temperature=temperature,
         where=tuple(f"{path + ': ' if path else ''}{seconds[one.start]:.6g} s" for one in placed),
         recordings=(0,) * len(placed),
+        spans_ns=() if stamps is None else ((int(stamps[0]), int(stamps[-1])),),
     )
 
 
@@ -367,6 +368,7 @@ def _joined(one: Readings, other: Readings) -> Readings:
         stop_ns=_both(one.stop_ns, other.stop_ns),
         temperature=_both(one.temperature, other.temperature),
         left_out=(*one.left_out, *(k + shift + len(one.left_out) for k in other.left_out)),
+        spans_ns=(*one.spans_ns, *other.spans_ns),
         recordings=(*one.recordings, *(k + len(set(one.recordings)) for k in other.recordings)),
         where=(*one.where, *other.where),
         remarks=gather([*one.remarks, *other.remarks]),
