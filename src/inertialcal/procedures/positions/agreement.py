@@ -30,7 +30,7 @@ from .plan import Plan
 from .readings import Readings, by_axis, local_gravity
 
 OFF = 0.3  # part of gravity by which a rest reads too much or too little
-TURNING = 0.3  # of a gyro at rest, from what it reads in most positions [rad/s]
+TURNING = 0.1  # of a gyro at rest, from what it reads in other positions [rad/s]
 AGREES, DISAGREES = np.radians(12.0), np.radians(25.0)  # error of a turn, in the median
 MOST = 0.7  # of what comes after, that disagrees
 FEW = 0.15  # of what comes before, that may
@@ -110,14 +110,15 @@ def _rests(plan: Plan, readings: Readings, force: Array) -> Iterator[Remark]:
     """Yield where rests read no gravity, or gyros turn at rest."""
     size = np.linalg.norm(force, axis=1) / local_gravity(plan)
     wrong = ~(np.abs(size - 1.0) < OFF)
-    gyro = readings.gyro
+    gyro, rate = readings.gyro, None
     if gyro is not None:
         rate = _in_si(gyro.mean, gyro.unit == "rad/s", plan.gyro_scale_factor, plan.gyro_zero)
-        if rate is not None:
-            usual = np.median(rate if wrong.all() else rate[~wrong], axis=0)
-            wrong |= np.max(np.abs(rate - usual), axis=1) > TURNING
+        wrong |= False if rate is None else _turning(rate)
     for part in _parts(readings, wrong, 2):
-        own = size[part.first : part.last + 1]
+        inside = slice(part.first, part.last + 1)
+        own = size[inside]
+        if np.all(np.abs(own - 1.0) < OFF) and (rate is None or np.all(np.ptp(rate[inside], axis=0) < 2.0 * TURNING)):
+            continue  # the gyros have another bias: their turns show why
         middle = float(np.median(own))
         place = readings.where[part.first] if readings.where else ""
         if middle > 0.0 and np.ptp(own) < ALIKE * middle and abs(middle - 1.0) >= OFF:
@@ -133,6 +134,15 @@ def _rests(plan: Plan, readings: Readings, force: Array) -> Iterator[Remark]:
         what += f" {number(float(own.max()), 2)} times gravity at rest, or gyros turn: these are other axes or sensors"
         code = "axes_changed" if part.changed else "axes_disagree"
         yield Remark(code, "error", what, place, do="Check the columns, and cut the recording there")
+
+
+def _turning(rate: Array) -> NDArray[np.bool_]:
+    """Return where gyros at rest, shape (m, 3) [rad/s], read something else than in most; everywhere if they wander."""
+    near = np.max(np.abs(rate[:, None] - rate[None]), axis=2) < TURNING
+    usual = near[int(np.argmax(near.sum(axis=1)))]
+    at = np.flatnonzero(usual)
+    wanders = 2 * len(at) < len(rate) and at[-1] - at[0] >= len(at)
+    return np.ones(len(rate), dtype=bool) if wanders else np.asarray(~usual)
 
 
 def _here(readings: Readings, part: Part) -> str:
