@@ -20,6 +20,7 @@ from ...procedures import procedure_of
 from ...procedures.display import displayed
 from ...procedures.protocol import Correction, Exclusion, Facts, P, Procedure, R, Result, S, Tested
 from ...signals.screening.screen import NO_READINGS
+from ...signals.time.sample_rates import rate_remarks
 from ..file.load import Campaign
 from ..file.plans import plan_values
 from ..file.schema import CampaignFile, Test
@@ -158,13 +159,22 @@ def prepare_test(
         raise _explained(error, [remark for one in sources for remark in one.remarks]) from None
     gated = [remark for one in sources for remark in one.remarks]
     exact = zero_remarks(standards, procedure.effects())
-    more = (*disagreements, *gated, *readings.remarks, *procedure.remarks(first), *exact)
+    rates = [remark for sensor in facts for remark in rate_remarks(_rates(sources, sensor))]
+    known = {(one.code, one.what) for one in readings.remarks}
+    unsaid = [one for source in sources for one in source.on_time if (one.code, one.what) not in known]
+    more = (*disagreements, *gated, *rates, *unsaid, *readings.remarks, *procedure.remarks(first), *exact)
     if len(more) > len(readings.remarks):
         readings = replace(readings, remarks=tuple(sorted(more, key=lambda one: one.severity != "error")))
     inputs = one_digest(pair for one in sources for pair in one.inputs.items())
     screened = tuple(exclusion for one in sources for exclusion in one.exclusions)
     origins = tuple(one.origin for one in sources)
     return Prepared(test, first, plan, readings, inputs, origins, screened, tuple(contents))
+
+
+def _rates(sources: Sequence[Ready], sensor: str) -> list[tuple[str, str, float]]:
+    """Return name, file and sample rate [Hz] of each recording of a sensor that was read."""
+    found = ((one.name, one.file, one.sample_rate) for one in sources if one.entry.sensor == sensor)
+    return [(name, file, rate) for name, file, rate in found if rate is not None]
 
 
 def shared_readings(campaign: Campaign, prepared: Sequence[Prepared]) -> Iterator[tuple[int, Problem]]:

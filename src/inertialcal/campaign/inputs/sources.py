@@ -40,6 +40,7 @@ from .ground import ChainModel, chain_model
 
 REFERENCES = {"reference": "reference_voltage", "temperature_reference": "temperature_reference_voltage"}
 MIXED = 1e-6  # of a direction cosine that is neither 0 nor 1
+ON_TIME = ("time_backwards", "stamps_not_used", "sample_rate_disagrees", "header_repeated")  # codes of the reader
 T = TypeVar("T")
 
 
@@ -178,6 +179,19 @@ class Ready:
     def windows(self) -> Sequence[tuple[int, int]] | None:
         """Instants between which readings are chosen."""
         return self.of_test.windows
+
+    @property
+    def sample_rate(self) -> float | None:
+        """Of a recording that was read [Hz]; None where it has none, or was not read."""
+        raw: Recording | None = self.__dict__.get("raw")
+        return None if raw is None else raw.sample_rate
+
+    @property
+    def on_time(self) -> tuple[Remark, ...]:
+        """What the reader said of stamps and sample rate, whatever the procedure makes of them."""
+        raw: Recording | None = self.__dict__.get("raw")
+        found = () if raw is None else raw.remarks
+        return tuple(replace(one, where=one.where or self.file) for one in found if one.code in ON_TIME)
 
     @property
     def is_table(self) -> bool:
