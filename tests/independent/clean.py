@@ -199,7 +199,9 @@ SIMULATED = (
     Kind("thermal", 60, _chamber),
     Kind("positions, by hand", 35, _hand),
     Kind("positions, six faces", 15, positions.six_faces),
-    Kind("positions, tumble", 15, positions.tumbled),
+    Kind(
+        "positions, tumble", 15, lambda seed: positions.tumbled(seed, positions=14, condition=(0.0, 60.0), cone=180.0)
+    ),
     Kind("flip", 55, _turned),
     Kind("mass attraction", 70, _mass),
 )
