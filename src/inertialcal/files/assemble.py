@@ -164,7 +164,7 @@ def _timed(
         )
         return Recording((), clock.time_ns, interval, None, clock.epoch, source, remarks=remarks)
     axis = analyse(clock.time_ns)
-    remarks = axis_remarks(axis, lambda index: content.place(path, index))
+    remarks = axis_remarks(axis, clock.time_ns, lambda index: content.place(path, index))
     if interval is None:
         interval, source, column = axis.interval, "column", described[clock.column].name
     elif axis.interval is not None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...core import units
 from ...core.errors import DataError, UsageError
+from ...core.recording import SECOND, Times
 from ...core.remarks import Remark
 from ...signals.time.time_axis import TimeAxis
 from ..columns import Column
@@ -172,16 +173,19 @@ def _with_flag(described: Described, text: str, path: str, remarks: list[Remark]
 
 
 RATES_AGREE = 0.01  # relative difference of two sample rates that is passed over
+RESTARTS = 10  # samples of a first recording
 WRONG_BY = 1.5  # ratio from which one of them is wrong
 
 
-def axis_remarks(axis: TimeAxis, row: Callable[[int], str]) -> tuple[Remark, ...]:
+def axis_remarks(axis: TimeAxis, time_ns: Times, row: Callable[[int], str]) -> tuple[Remark, ...]:
     """Return what a user should know about the stamps.
 
     Parameters
     ----------
     axis : TimeAxis
         Judged stamps.
+    time_ns : ndarray of int64, shape (n,)
+        The stamps [ns].
     row : callable
         Gives ``file:row`` of a sample.
     """
@@ -189,7 +193,15 @@ def axis_remarks(axis: TimeAxis, row: Callable[[int], str]) -> tuple[Remark, ...
     if len(axis.repeated):
         remarks.append(_counted("repeated_stamps", "repeated time stamp", axis.repeated, row))
     if len(axis.backward):
-        remarks.append(_counted("unsorted_stamps", "time stamp earlier than the previous one", axis.backward, row))
+        near = 2.0 * (axis.interval or 0.0) * SECOND
+        again = axis.backward[(np.abs(time_ns[axis.backward] - time_ns[0]) <= near) & (axis.backward >= RESTARTS)]
+        others = np.setdiff1d(axis.backward, again)
+        if len(again):
+            what = "time starts again: a second recording in the same file?"
+            do = "Split the file there"
+            remarks.append(replace(_counted("time_backwards", what, again, row), do=do))
+        if len(others):
+            remarks.append(_counted("unsorted_stamps", "time stamp earlier than the previous one", others, row))
     if axis.pattern == "bursts" and axis.interval is not None:
         what = (
             f"time stamps come in bursts: steps of {_si(axis.median_step)} (median) up to "

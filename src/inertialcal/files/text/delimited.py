@@ -173,6 +173,10 @@ def exact(text: str, layout: Layout, names: tuple[str, ...], where: str) -> Cont
     DataError
         If rows differ in width, or text stands among numbers.
     """
+    again = header_again(text, layout)
+    remarks = () if again is None or not again[1] else (_header_remark(f"{where}:{again[0]}"),)
+    if again is not None and not again[1]:
+        raise header_repeated(f"{where}:{again[0]}")
     rows, cells = cell_columns(text, layout, where)
     columns, problems = [], []
     for i, name in enumerate(names):
@@ -184,7 +188,36 @@ def exact(text: str, layout: Layout, names: tuple[str, ...], where: str) -> Cont
         columns.append(_column(name, judged.values, layout, i, judged.empty, judged.not_a_number))
     if problems:
         raise DataError(problems)
-    return _content(columns, rows, layout)
+    found = _content(columns, rows, layout)
+    return replace(found, remarks=(*found.remarks, *remarks))
+
+
+def header_again(text: str, layout: Layout) -> tuple[int, bool] | None:
+    """Return the row at which the header stands a second time, and whether as a comment; None where it does not."""
+    first = next((name for name in layout.names if name), "")
+    at = text.find(first, layout.start) if first else -1
+    while at >= 0:
+        begin, end = text.rfind("\n", 0, at) + 1, text.find("\n", at)
+        line = text[begin : len(text) if end < 0 else end]
+        bare = (
+            line.lstrip().lstrip("".join(layout.comment)).strip() if line.lstrip().startswith(layout.comment) else line
+        )
+        if tuple(split(bare, layout.separator)) == layout.names:
+            return 1 + text.count("\n", 0, begin), bare is not line
+        at = text.find(first, end) if end >= 0 else -1
+    return None
+
+
+def header_repeated(where: str) -> DataError:
+    """Return the error for a header among the rows."""
+    what, why = "the header stands again", "a second recording in the same file?"
+    do = "Split the file there; delete the line if the recording goes on"
+    return DataError(what, where, why, do, "header_repeated")
+
+
+def _header_remark(where: str) -> Remark:
+    (problem,) = header_repeated(where).problems
+    return Remark(problem.code, "warning", f"{problem.what}, as a comment: {problem.why}", where, do=problem.do)
 
 
 def _grouped(values: NDArray[Any], layout: Layout) -> int | None:

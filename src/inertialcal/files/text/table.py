@@ -23,7 +23,7 @@ from ..budget import claim
 from ..columns import Content, Rows, missing_remarks, nan_in_required
 from ..registry import TEXT, find_reader
 from ..source import Loaded, load
-from .delimited import cell_columns, column_names, text_in_numbers
+from .delimited import cell_columns, column_names, header_again, header_repeated, text_in_numbers
 from .grouped import commas, problem
 from .headers import bare_name, heading
 from .layout import BLANKS, CELL_BYTES, Decimal, judge, kind, sniff, text_of, to_float
@@ -170,6 +170,9 @@ def read_table(path: str | Path) -> Table:
     names = column_names(layout, loaded.path)
     number = layout.width * (1 + text.count("\n"))
     claim(loaded.path, loaded.on_disk, 2 * len(text) + CELL_BYTES * number, f"{number:,} cells")
+    again = header_again(text, layout)
+    if again is not None and not again[1]:
+        raise header_repeated(f"{loaded.path}:{again[0]}")
     rows, cells = cell_columns(text, layout, loaded.path)
     units = tuple(heading(name, given or None).unit for name, given in zip(layout.names, layout.units, strict=True))
     return Table(
