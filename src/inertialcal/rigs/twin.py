@@ -245,7 +245,8 @@ class Twin:
     size : str
         Its size with the unit; empty where it has none.
     spoiled : tuple of str
-        Recordings that a general mistake is in, by their names in the campaign.
+        Recordings that a general mistake is in, by their names in the campaign; empty where it is in all of them, in
+        the campaign file, or of the bench.
     """
 
     campaign: str

@@ -6,12 +6,13 @@ import tempfile
 import tomllib
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 from ...core.errors import InertialcalError, Problem
+from ...core.recording import Source
 from ...core.remarks import Remark
 from ...rigs.twin import SEAL, SEED, Fault, Twin
 from ...statistics.intervals import binomial_interval
@@ -65,7 +66,8 @@ def brought_by(twin: Twin) -> Brought:
             folder = Path(place) / "twin"
             write_twin(twin, folder)
             return brought_from(folder)
-    store = Memory(twin.recordings, {file: extra.content for file, extra in twin.extras.items()})
+    named = {file: replace(one, source=Source(file), first_row=2) for file, one in twin.recordings.items()}
+    store = Memory(named, {file: extra.content for file, extra in twin.extras.items()})
     try:
         return Brought(reduce_campaign(_campaign(twin.campaign), store).results)
     except InertialcalError as error:

@@ -20,7 +20,8 @@ FACES = "faces"  # where a protocol names the faces
 FAULTS: dict[str, Fault] = {
     # ---- samples
     "glitch": Fault(
-        "one sample is far off", "glitch", size=3000.0, unit="sigma", least=5.0, tests=SAMPLED, spoil=samples.glitch
+        "one sample is far off", "glitch", also=("rail",), size=3000.0, unit="sigma", least=5.0,
+        tests=SAMPLED, spoil=samples.glitch,
     ),
     "spikes": Fault(
         "single samples of each axis, 1e-4 of all, are off", "glitch", size=50.0, unit="sigma", least=5.0,
@@ -31,7 +32,7 @@ FAULTS: dict[str, Fault] = {
         least=5.0, tests=SAMPLED, spoil=samples.bursts,
     ),
     "level_step": Fault(
-        "the level of one axis steps once", "level_step", also=("not_at_rest",), size=1.1, unit="sigma", least=0.0,
+        "the level of one axis steps once", "level_step", also=("not_at_rest",), size=5.0, unit="sigma", least=0.0,
         tests=(STILL,), spoil=samples.level_step,
     ),
     "thermostat": Fault(
@@ -72,8 +73,9 @@ FAULTS: dict[str, Fault] = {
         tests=SAMPLED, spoil=logger.backward_stamps,
     ),
     "wrong_sample_rate": Fault(
-        "stamps are this many times too far apart", "sample_rate_disagrees", also=("sample_rate_suspect",), size=2.0,
-        unit="times", least=0.01, most=100.0, tests=(STILL, TABLE, HAND), spoil=logger.wrong_sample_rate,
+        "stamps are this many times too far apart", "sample_rate_disagrees",
+        also=("sample_rate_suspect", "clock_disagrees"), size=2.0, unit="times", least=0.01, most=100.0,
+        tests=(STILL, TABLE, HAND), spoil=logger.wrong_sample_rate,
     ),
     "scaled": Fault(
         "all readings are this many times too large", "beyond_range",
@@ -81,7 +83,8 @@ FAULTS: dict[str, Fault] = {
         least=1e-9, most=1e9, tests=(STILL, HAND), spoil=logger.scaled,
     ),
     "grouped_digits": Fault(
-        'numbers from 1,000 on are written as "1,242"', expects="covered", tests=(MASS,), spoil=logger.grouped_digits
+        'numbers from 1,000 on are written as "1,242"', "grouped_digits", expects="refused", tests=(MASS,),
+        spoil=logger.grouped_digits,
     ),
     "separate_stamps": Fault(
         "accelerometers and gyros are saved apart, their stamps off by this part of the interval", expects="covered",
@@ -191,7 +194,7 @@ FAULTS: dict[str, Fault] = {
         tests=(MASS,), spoil=bench.jump,
     ),
     "gain_change": Fault(
-        "the gain of one run changes in the middle", "scale_changed", also=("runs_differ",), size=1.5, unit="times",
+        "the gain of one run changes in the middle", "scale_changed", also=("runs_differ",), size=4.0, unit="times",
         least=0.0, tests=(MASS,), spoil=bench.gain_change,
     ),
     "repeating_gain_change": Fault(

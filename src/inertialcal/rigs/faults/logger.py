@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from ...core.labelled import LabelledPart, labelled_csv
 from ...core.recording import SECOND
+from ..twin import Extra
 from .scene import Place, Scene
 
 
@@ -50,7 +52,14 @@ def doubled_samples(scene: Scene, size: float) -> None:
 def lost_samples(scene: Scene, size: float) -> None:
     """Lose samples here and there."""
     place = scene.chosen()
-    scene.take(place.file, scene.rng.random(len(scene.recordings[place.file])) >= size / 100.0)
+    kept = scene.rng.random(len(scene.recordings[place.file])) >= size / 100.0
+    scene.take(place.file, kept)
+    if "sections" in place.entry:  # of samples, counted in the file as it was saved
+        before = np.append(0, np.cumsum(kept))
+        file = place.entry["sections"]
+        parts: Sequence[LabelledPart] = scene.extras[file].content  # type: ignore[assignment]
+        saved = [replace(one, start=float(before[int(one.start)]), stop=float(before[int(one.stop)])) for one in parts]
+        scene.extras[file] = Extra(saved, labelled_csv(saved))
 
 
 def backward_stamps(scene: Scene, size: float) -> None:
@@ -70,6 +79,7 @@ def wrong_sample_rate(scene: Scene, size: float) -> None:
         stamps = scene.recordings[place.file].time_ns
         assert stamps is not None  # noqa: S101 - recordings of rigs have a clock
         scene.stamp(place.file, stamps[0] + np.rint((stamps - stamps[0]) * size).astype(np.int64))
+        scene.texts[place.file] = str  # read from its file: what a reader sees in the stamps counts
 
 
 def scaled(scene: Scene, size: float) -> None:

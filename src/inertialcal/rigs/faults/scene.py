@@ -37,6 +37,9 @@ def spoiled(twin: Twin, fault: Fault, size: float) -> Twin:
     scene = Scene(twin, fault.tests)
     if fault.spoil is not None:
         fault.spoil(scene, size)
+    every = {name for place in scene.places for name in place.names}
+    if every <= set(scene.spoiled):
+        scene.spoiled.clear()  # one as well as the other
     return replace(
         twin, campaign=scene.campaign, recordings=scene.recordings, extras=scene.extras, texts=scene.texts,
         spoiled=tuple(dict.fromkeys(scene.spoiled)),
