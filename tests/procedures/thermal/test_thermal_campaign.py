@@ -250,12 +250,14 @@ def test_one_recording_with_exchanged_axes_or_a_turned_sign_is_named() -> None:
     x, y = (recording.channel(name) for name in ("x", "y"))
     exchanged = {"x": replace(x, data=y.data), "y": replace(y, data=x.data)}
     turned = {"x": replace(x, data=2.0 * np.mean(x.data) - x.data)}
-    for made in (exchanged, turned):
+    for made, code in ((exchanged, "run_differs"), (turned, "sign_disagrees")):
         channels = tuple(made.get(channel.name, channel) for channel in recording.channels)
         recordings = {**twin.recordings, file: replace(recording, channels=channels)}
         found = fitted_tests(replace(twin, recordings=recordings))[0].result.remarks
-        assert [remark for remark in found if remark.code == "run_differs" and "ambient_3" in remark.what]
-    assert "run_differs" not in remarks_of(twin)
+        named = [remark for remark in found if remark.severity == "error"]
+        assert {remark.code for remark in named} == {code}
+        assert all("ambient_3" in remark.what and "ambient_3" in remark.where for remark in named)
+    assert not {"run_differs", "sign_disagrees"} & set(remarks_of(twin))
 
 
 def test_windows_that_overlap_are_refused(folder: Path, tmp_path: Path) -> None:

@@ -32,12 +32,10 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
 from ....core.estimate import Array
-from ....core.remarks import Remark
 from ....statistics.clustered import clustered_contrasts
 from ....statistics.least_squares import Fit, fit
 from ....statistics.polynomial import Polynomial
 from ....statistics.random_offsets import fit_with_offsets
-from ..recordings import Readings
 from .cells import Cells, Indices
 
 Level = Literal["run", "ramp", "block"]
@@ -167,47 +165,3 @@ def blocks(cells: Cells) -> Indices:
     lo, hi = cells.range
     at = np.clip(((cells.temperature - lo) / (hi - lo) * BLOCKS).astype(np.int64), 0, BLOCKS - 1)
     return np.asarray(cells.ramp * BLOCKS + at)
-
-
-FEWEST = 4  # runs, so that most of them can be right
-
-
-FAR = 8.0  # times the median distance of the others
-
-
-def odd_runs(axis: str, cells: Cells, readings: Readings) -> list[Remark]:
-    """Return a remark for each run of one sensor whose curve is not that of the others."""
-    runs = np.unique(cells.run)
-    if len(runs) < FEWEST:
-        return []
-    size = int(cells.bin.max()) + 1
-    table = np.full((len(runs), 3 * size), np.nan)
-    for row, run in enumerate(runs):
-        own = cells.run == run
-        key = (cells.path[own] + 1) * size + cells.bin[own]
-        weight = np.bincount(key, cells.weight[own], 3 * size)
-        total = np.bincount(key, cells.weight[own] * cells.reading[own], 3 * size)
-        table[row] = np.divide(total, weight, out=table[row], where=weight > 0.0)
-    apart = np.array([[_apart(one, other) for other in table] for one in table])
-    np.fill_diagonal(apart, np.nan)
-    if not np.isfinite(apart).any(axis=1).all():
-        return []
-    median = np.nanmedian(apart, axis=1)
-    found = []
-    for row, run in enumerate(runs):
-        others = float(np.median(np.delete(median, row)))
-        if others > 0.0 and median[row] > FAR * others:
-            what = f"{axis} sensor: run {readings.labels[run]!r} shows another curve than the others"
-            do = "Look for exchanged axes, a turned sign, or another unit in this recording"
-            found.append(Remark("run_differs", "warning", what, _place(readings, int(run)), do=do))
-    return found
-
-
-def _apart(one: np.ndarray, other: np.ndarray) -> float:
-    """Root mean square difference of two curves after their offset; NaN with less than three bins in common."""
-    difference = (one - other)[np.isfinite(one) & np.isfinite(other)]
-    return float(difference.std()) if len(difference) >= 3 else np.nan
-
-
-def _place(readings: Readings, run: int) -> str:
-    return next(one.place for one in readings.sweeps if one.run == readings.labels[run])

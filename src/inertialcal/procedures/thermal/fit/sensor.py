@@ -12,8 +12,9 @@ from ....core.estimate import Array
 from ....core.remarks import Remark
 from ..plan import Plan
 from ..recordings import Readings
+from .agreement import disagreements
 from .cells import Cells, Series, cells_of, series_of
-from .law import Law, law_of, odd_runs
+from .law import Law, law_of
 from .order import Choice, choose_order
 from .paths import Paths, paths_of
 from .start_up import StartUp, start_up_of
@@ -61,7 +62,7 @@ def reduce_sensor(plan: Plan, readings: Readings, axis: str) -> OfSensor:
         law = law_of(cells, choice.order)
     references = _references(plan, readings, series, start_up.cut)
     remarks = (
-        *odd_runs(axis, law.cells, readings),
+        *disagreements(axis, law.cells, readings),
         *_without_ramp(readings, series),
         *_remarks(plan, readings, axis, law, start_up),
     )
