@@ -33,6 +33,10 @@ Frame = Annotated[
     str | None, typer.Option("--frame", help="Axes of a PAD recording: data (as they are) or sensor (turned to them).")
 ]
 
+Decimal = Annotated[
+    str | None, typer.Option("--decimal", help="Decimal sign of a text: comma or point. By default, the file decides.")
+]
+
 
 def pairs(given: Sequence[str], option: str, example: str) -> dict[str, str]:
     """Return the pairs of an option that may be repeated.

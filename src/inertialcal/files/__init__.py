@@ -30,6 +30,7 @@ def read(
     stop: object = None,
     mission_start: object = None,
     frame: str | None = None,
+    decimal: str | None = None,
 ) -> Recording:
     """Return the recording in a file.
 
@@ -58,6 +59,8 @@ def read(
         Instant at which mission elapsed time is zero.
     frame : {"data", "sensor"}, optional
         Of a PAD recording: axes as the data are, or those of the sensor, turned by what the header says.
+    decimal : {"comma", "point"}, optional
+        Decimal sign of a text; by default the file decides, and is refused where it does not (``grouped_digits``).
 
     Returns
     -------
@@ -82,7 +85,8 @@ def read(
     from .time.window import Window  # noqa: PLC0415
 
     window = Window(start, stop, mission_start)
-    return read_recording(path, Request(units or {}, sample_rate, time_column, required, variables, window, frame))
+    request = Request(units or {}, sample_rate, time_column, required, variables, window, frame, decimal)
+    return read_recording(path, request)
 
 
 def read_table(path: str | Path) -> Table:

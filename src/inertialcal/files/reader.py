@@ -41,6 +41,7 @@ class Request:
     variables: Sequence[str] | None = None
     window: Window = field(default_factory=Window)
     frame: str | None = None
+    decimal: str | None = None
 
 
 @dataclass(frozen=True)

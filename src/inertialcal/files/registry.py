@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -41,6 +42,7 @@ READERS: Registry[Reader] = Registry(
     "reader", Reader, "inertialcal.readers", {name: f"{__package__}.{place}" for name, place in BUILT_IN.items()}
 )
 ARCHIVES: tuple[ArchiveReader, ...] = (pad.READER,)
+SIGNS: dict[str, Literal[".", ","]] = {"comma": ",", "point": "."}
 KINDS = "iufMO"  # of the values of a column: numbers, instants, text
 
 
@@ -59,7 +61,10 @@ def read_recording(path: str | Path, request: Request) -> Recording:
         )
     loaded = load(path)
     reader = find_reader(loaded)
-    content = reader.read(loaded, request.variables)
+    if request.decimal is None:
+        content = reader.read(loaded, request.variables)
+    else:
+        content = _with_decimal(loaded, reader, request.decimal)
     check_count(len(content.columns), COLUMNS, "columns", loaded.path)
     packed = ", gzip" if loaded.packed else ""
     source = Source(loaded.path, loaded.sha256, content.format + packed, reader.name)
@@ -73,6 +78,18 @@ def read_recording(path: str | Path, request: Request) -> Recording:
         required=request.required,
     )
     return cut(recording, request.window)
+
+
+def _with_decimal(loaded: Loaded, reader: Reader, decimal: str) -> Content:
+    """Return the columns of a text whose decimal sign was stated."""
+    if decimal not in SIGNS:
+        raise UsageError(f"decimal sign {decimal!r}", do=f"Write {' or '.join(SIGNS)}", code="wrong_value")
+    if reader.name != TEXT:
+        what, why = f"{loaded.path}: --decimal given", f"{reader.title} has no decimal sign"
+        raise UsageError(what, why=why, do="Leave --decimal out", code="wrong_value")
+    from .text.delimited import read_text  # noqa: PLC0415 - loaded where it is needed
+
+    return read_text(loaded, None, SIGNS[decimal])
 
 
 def find_reader(loaded: Loaded) -> Reader:

@@ -2,9 +2,10 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from inertialcal.core.errors import DataError
+from inertialcal.core.errors import DataError, UsageError
 from inertialcal.files import read, read_table
 
 NO_DECIMALS = "the column also has '998'"
@@ -59,3 +60,24 @@ def test_labels_are_no_numbers_with_grouped_digits(tmp_path: Path) -> None:
     file = tmp_path / "data.csv"
     file.write_text('x,label\n1,"1,242"\n2,up\n3,"1,242"\n')
     assert read(file).names == ("x",)
+
+
+def test_a_stated_decimal_sign_decides(tmp_path: Path) -> None:
+    file = tmp_path / "data.csv"
+    file.write_text("x\n1,242\n2,998\n1,500\n")
+    with pytest.raises(DataError, match="--decimal comma"):
+        read(file)
+    assert read(file, decimal="comma").channel("x").data.tolist() == [1.242, 2.998, 1.5]
+    file.write_text("x;y\n998;5\n1,242;6\n")
+    assert read(file, decimal="comma").channel("x").data.tolist() == [998.0, 1.242]
+    file.write_text("x\n" + '"1,242"\n' * 5)
+    with pytest.raises(DataError, match="grouped digits"):
+        read(file, decimal="point")
+    with pytest.raises(UsageError, match="comma or point"):
+        read(file, decimal=".")
+
+
+def test_only_text_has_a_decimal_sign(tmp_path: Path) -> None:
+    np.save(tmp_path / "a.npy", np.arange(6.0).reshape(3, 2))
+    with pytest.raises(UsageError, match="no decimal sign"):
+        read(tmp_path / "a.npy", decimal="comma")

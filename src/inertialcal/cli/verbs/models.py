@@ -12,7 +12,7 @@ from ...core.errors import UsageError
 from ...core.remarks import Remark
 from ...files.models.formats import BUILT_IN
 from .. import figures
-from ..options import Frame, Json, MissionStart, Quiet, Start, Stop, Units, pairs
+from ..options import Decimal, Frame, Json, MissionStart, Quiet, Start, Stop, Units, pairs
 from ..shown.output import clean, json_out, wrapped
 
 Model = Annotated[Path, typer.Argument(help="model.json, or the folder of a campaign.", show_default=False)]
@@ -167,6 +167,7 @@ def convert(
     stop: Stop = None,
     mission_start: MissionStart = None,
     frame: Frame = None,
+    decimal: Decimal = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -178,7 +179,7 @@ def convert(
     units = pairs(unit, "--unit", "gyro=deg/s")
     recording = read(
         source, units=units, sample_rate=sample_rate, time_column=time_column, start=start, stop=stop,
-        mission_start=mission_start, frame=frame,
+        mission_start=mission_start, frame=frame, decimal=decimal,
     )  # fmt: skip
     remarks = [*recording.remarks, *write(target, recording)]
     if as_json:

@@ -21,15 +21,24 @@ from ..columns import Column, Content, Rows
 from ..reader import Reader
 from ..source import Loaded
 from .grouped import can_be_either, commas, grouped_cell, grouped_column, problem
-from .layout import CELL, CELL_BYTES, Layout, is_blank, judge, looks_like_text, sniff, split, text_of
+from .layout import CELL, CELL_BYTES, Decimal, Layout, is_blank, judge, looks_like_text, sniff, split, text_of
 
 ENDINGS = ("", ".asc", ".csv", ".dat", ".log", ".mat", ".prn", ".tab", ".tsv", ".txt")  # that text usually has
 SHOWN = 60  # characters of a cell in a message
 BLOCK = 2**22  # bytes that are looked at together
 
 
-def parse(text: str, where: str, loaded: Loaded | None = None) -> Content:
-    r"""Return the columns of a text with ``\n`` line ends; ``loaded``: the file that it is the content of.
+def parse(text: str, where: str, loaded: Loaded | None = None, decimal: Decimal | None = None) -> Content:
+    r"""Return the columns of a text with ``\n`` line ends.
+
+    Parameters
+    ----------
+    text, where : str
+        The text, and its file.
+    loaded : Loaded, optional
+        The file that it is the content of.
+    decimal : {".", ","}, optional
+        Its decimal sign, where that was stated.
 
     Raises
     ------
@@ -37,7 +46,7 @@ def parse(text: str, where: str, loaded: Loaded | None = None) -> Content:
         If it has no row of data, rows differ in width, a name appears twice, or text stands among numbers;
         each with ``file:row``.
     """
-    layout = sniff(text, where)
+    layout = sniff(text, where, decimal)
     if layout.across:
         return _across(text, layout, where)
     names = column_names(layout, where)
@@ -53,7 +62,7 @@ def parse(text: str, where: str, loaded: Loaded | None = None) -> Content:
     if found is None:
         claim(where, on_disk, held + CELL_BYTES * (cells + rows), f"{cells:,} cells, read one by one")
         found = exact(text, layout, names, where)
-    if layout.decimal == ",":
+    if layout.decimal == "," and decimal is None:
         _refuse_grouped(found, text, layout, names, where)
     return replace(found, remarks=(*found.remarks, *cut))
 
@@ -406,10 +415,10 @@ def _across(text: str, layout: Layout, where: str) -> Content:
     return replace(content, rows=None, format=layout.words, remarks=(*content.remarks, remark))
 
 
-def read_text(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
+def read_text(loaded: Loaded, variables: Sequence[str] | None = None, decimal: Decimal | None = None) -> Content:
     """Return the columns of a text file, whatever variables are named; Raises as `parse` and ``encoding.decode``."""
     text, remarks = text_of(loaded)
-    content = parse(text, loaded.path, loaded)
+    content = parse(text, loaded.path, loaded, decimal)
     return replace(content, remarks=remarks + content.remarks)
 
 

@@ -96,9 +96,14 @@ def problem(name: str, cell: str, where: str, whole: str | None = None, certain:
     cell = cell.strip()
     shown = cell if len(cell) <= SHOWN else cell[:SHOWN] + "..."
     if certain or whole is not None:
-        why = "" if whole is None else f"the column also has {whole!r}: the comma groups digits, and is no decimal sign"
+        why = "" if whole is None else f"the column also has {whole!r}: the comma groups digits"
         what = f"grouped digits {shown!r} in number column {name!r}"
-        return Problem(what, where, why, "Write the numbers without grouping: 1242 or 1242.5", CODE)
+        do = "Write the numbers without grouping: 1242 or 1242.5"
+        if whole is not None:
+            do += ". If the comma is the decimal sign all the same: inertialcal convert FILE NEW.csv --decimal comma"
+        return Problem(what, where, why, do, CODE)
     what = f"{shown!r} in number column {name!r} is {cell.replace(',', '')} or {cell.replace(',', '.')}"
     why = "nothing in the file says whether the comma groups digits or is the decimal sign"
-    return Problem(what, where, why, "Write the numbers without grouping, or with a decimal point", CODE)
+    do = "If it is the decimal sign: inertialcal convert FILE NEW.csv --decimal comma. "
+    do += "Otherwise write the numbers without grouping"
+    return Problem(what, where, why, do, CODE)

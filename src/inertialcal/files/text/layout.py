@@ -92,16 +92,16 @@ class Layout:
         return f"text, {WORDS[self.separator] if self.width > 1 else 'one column'}{sign}"
 
 
-def sniff(text: str, where: str) -> Layout:
-    r"""Return the layout of a text with ``\n`` line ends.
+def sniff(text: str, where: str, decimal: Decimal | None = None) -> Layout:
+    r"""Return the layout of a text with ``\n`` line ends; ``decimal``: its decimal sign, where that was stated.
 
     Raises
     ------
     DataError
         If it holds no row, or the header is not as wide as the rows.
     """
-    layout = _sniff(text, where, SEMICOLON_COMMENT)
-    return _sniff(text, where, COMMENT) if layout.separator == ";" else layout
+    layout = _sniff(text, where, SEMICOLON_COMMENT, decimal)
+    return _sniff(text, where, COMMENT, decimal) if layout.separator == ";" else layout
 
 
 def split(line: str, separator: str | None) -> list[str]:
@@ -131,7 +131,7 @@ def _lines(text: str) -> Iterator[Line]:
         row, offset = row + 1, end + 1
 
 
-def _sniff(text: str, where: str, comment: tuple[str, ...]) -> Layout:
+def _sniff(text: str, where: str, comment: tuple[str, ...], stated: Decimal | None) -> Layout:
     comments, lines = _head(text, comment, where)
     if not lines:
         raise DataError("no rows of data", where=where, do="Record again", code="empty_file")
@@ -141,7 +141,7 @@ def _sniff(text: str, where: str, comment: tuple[str, ...]) -> Layout:
             check_count(len(line.text), LINE, "characters in a line", f"{where}:{line.row}")
         if len(lines) > 1:
             check_count(cells, COLUMNS, "columns", f"{where}:{line.row}")
-    separator, decimal, table = _separator(lines)
+    separator, decimal, table = _separator(lines, stated)
     width = _width(table)
     header, first = _first_data(table, decimal, width)
     notes = [line.text for line in lines[: first if header is None else header]]
@@ -155,7 +155,7 @@ def _sniff(text: str, where: str, comment: tuple[str, ...]) -> Layout:
     start = lines[first]
     return Layout(
         separator=separator,
-        decimal=_decimal(text, start, separator, decimal),
+        decimal=stated or _decimal(text, start, separator, decimal),
         width=width,
         names=names,
         units=units_row or ("",) * width,
@@ -186,12 +186,13 @@ def _head(text: str, comment: tuple[str, ...], where: str) -> tuple[list[str], l
     return comments, lines
 
 
-def _separator(lines: list[Line]) -> tuple[str | None, Decimal, Table]:
+def _separator(lines: list[Line], stated: Decimal | None) -> tuple[str | None, Decimal, Table]:
     """Separator and decimal sign with the best score, and the lines cut by it."""
     starts = [line.text[:LINE] for line in lines]
     tables = {separator: [split(start, separator) for start in starts] for separator in WORDS}
-    scores = [_score(tables[separator], decimal) for separator, decimal in CANDIDATES]
-    separator, decimal = CANDIDATES[scores.index(max(scores))]
+    candidates = [one for one in CANDIDATES if stated in (None, one[1])]
+    scores = [_score(tables[separator], decimal) for separator, decimal in candidates]
+    separator, decimal = candidates[scores.index(max(scores))]
     table = tables[separator]
     return separator, decimal, table if len(lines) > 1 else [split(lines[0].text, separator)]
 
