@@ -90,6 +90,12 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
         check(plan, readings)
         return readings
 
+    def agreement(self, plan: Plan, readings: Readings) -> Sequence[Remark]:
+        """Return which recordings are in another unit than the others, or have another sign."""
+        from .agreement import agreement
+
+        return tuple(agreement(plan, readings))
+
     def reduce(self, plan: Plan, readings: Readings) -> Result:
         """Return the noise terms."""
         from .reduction import reduce

@@ -35,6 +35,7 @@ class Run:
     # shape (n,): Time of each sample since the first of the recording [s], for messages; None where samples are
     # counted
     clock: Array | None = None
+    file: str = ""  # Of its recording
     found: Mapping[str, Screening] = field(default_factory=dict[str, Screening])  # What axes show, where they do
     # Samples of an axis that are no readings, by code: left out of ``present``, or kept where ``screened`` is False
     bad: Mapping[str, Mapping[str, int]] = field(default_factory=dict[str, Mapping[str, int]])
