@@ -109,7 +109,8 @@ def verdict(fault: Fault, case: Case, outcome: Outcome, clean: Outcome) -> str:
     """Return named, other or silent; for a false finding absent or false."""
     if fault.expects == "absent":
         return "false" if any(row["quantity"] in fault.codes for row in outcome.rows) else "absent"
-    names = "|".join(re.escape(name.rsplit(".", 1)[0]) for name in case.spoiled)
+    archived = any(table.kind == "pad" for table in case.tables.values())  # files have names of their own
+    names = r"\w+" if archived else "|".join(re.escape(name.rsplit(".", 1)[0]) for name in case.spoiled)
     new = Counter(code for code, _ in outcome.said) - Counter(code for code, _ in clean.said)
     for code, text in outcome.said:
         if code in fault.codes and (code in new or outcome.exit == 3) and re.search(rf"(?<!\w)({names})(?!\w)", text):

@@ -97,6 +97,8 @@ class InputSpec:
     screening : {"at_rest", "moving", "own"}
         How the gate looks axes through before the procedure sees them: steps, changes of the noise and waves count in
         records at rest only; ``"own"`` leaves it to the procedure.
+    still : bool
+        The sensor is not moved, though its level may drift: a jump of its readings is no motion.
     """
 
     kinds: tuple[Kind, ...]
@@ -113,6 +115,7 @@ class InputSpec:
     pulses: bool = False
     raw: bool = False
     screening: Literal["at_rest", "moving", "own"] = "moving"
+    still: bool = False
 
 
 @dataclass(frozen=True)

@@ -114,7 +114,7 @@ def passed(
             for one, remark in zip(kept, said, strict=True)
             if one.code in NO_READINGS
         ]
-    return Passed(_without(body, left_out), tuple(remarks), tuple(exclusions))
+    return Passed(without(body, left_out), tuple(remarks), tuple(exclusions))
 
 
 SLOW = re.compile(r"(?:temperature|pressure|supply|reference)(?:_|$)")  # names of channels that readings are made with
@@ -147,7 +147,7 @@ def without_stuck(name: str, entry: RecordingEntry, raw: Recording, body: Record
             )
             left_out[role] = np.zeros(len(raw), dtype=bool)
             left_out[role][found.first : found.last + 1] = True
-    return Passed(_without(body, left_out), tuple(remarks.values()), tuple(exclusions))
+    return Passed(without(body, left_out), tuple(remarks.values()), tuple(exclusions))
 
 
 def _entered(sensor: Sensor, axis: str) -> list[str]:
@@ -192,7 +192,7 @@ def _shown(channel: Channel) -> Callable[[float], str]:
     return lambda value: f"{value:g} {channel.unit or ''}".rstrip()
 
 
-def _without(body: Recording, left_out: Mapping[str, Flags]) -> Recording:
+def without(body: Recording, left_out: Mapping[str, Flags]) -> Recording:
     """Return a recording with NaN at samples by axis; readings stay as wide as they are."""
     if not left_out:
         return body

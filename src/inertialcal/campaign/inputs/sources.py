@@ -37,6 +37,7 @@ from .channels import TEMPERATURE, chain_of, in_body_axes, in_windows, windowed
 from .duplicates import Content, content_of_recording, content_of_table
 from .gate import Gate, passed, without_stuck
 from .ground import ChainModel, chain_model
+from .sense import sensible
 
 REFERENCES = {"reference": "reference_voltage", "temperature_reference": "temperature_reference_voltage"}
 MIXED = 1e-6  # of a direction cosine that is neither 0 nor 1
@@ -283,8 +284,13 @@ class Ready:
         for one in body.channels:
             if one.name in AXES:
                 check_readings(one.name, one.data, one.unit, body.place)
+        chosen = in_windows(body, self.of_test.windows)
+        still = spec.still or spec.screening != "moving"
+        found = sensible(self.name, entry, self.facts, self.raw, body, at_rest=still, chosen=chosen)
+        body = found.recording
+        self.remarks.extend(found.remarks)
+        self.exclusions.extend(found.exclusions)
         if self.screening and spec.screening != "own":
-            chosen = in_windows(body, self.of_test.windows)
             found = passed(self.gate, self.name, entry, sensor, self.raw, body,
                            at_rest=spec.screening == "at_rest", chosen=chosen, chain=chain)  # fmt: skip
             body = found.recording

@@ -75,6 +75,7 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
         (Role("temperature", "temperature", "degC", required=True), Role("pressure", "pressure", "Pa", by_axis=False)),
         voltages=True,
         by_body=True,
+        still=True,
     )
 
     def plan_fields(self, facts: Facts) -> dict[str, Any]:

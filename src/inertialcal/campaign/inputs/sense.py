@@ -1,0 +1,106 @@
+"""What the channels of a recording can be at all: impossible values, and changes of unit, sign, scale or axis in it.
+
+Every channel that a procedure reads is held against what is physically possible for its kind of unit, the axes also
+against the stated range of the sensor (``signals.sense.limits``). What is impossible becomes NaN, with a remark and an
+exclusion. All axes together are looked through for a change of what they record (``signals.sense.changes``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...core.errors import DataError
+from ...core.key import AXES
+from ...core.recording import SECOND, Recording
+from ...core.remarks import Remark
+from ...core.units import kind
+from ...procedures.protocol import Exclusion, Facts
+from ...signals.sense.changes import Change, changes
+from ...signals.sense.limits import ARCHIVE, impossible
+from ...signals.time.samples import Flags
+from ..file.recordings import RecordingEntry
+from .gate import Passed, without
+
+RULE = "impossible"
+APPLIED = "applied"
+LATE = 1.5  # intervals from which a sample is missing
+
+
+def sensible(
+    name: str,
+    entry: RecordingEntry,
+    facts: Facts,
+    raw: Recording,
+    body: Recording,
+    *,
+    at_rest: bool,
+    chosen: Flags | None = None,
+) -> Passed:
+    """Return a recording without values that are impossible, with what there is to say of its sense.
+
+    Parameters
+    ----------
+    name, entry, facts : str, RecordingEntry, Facts
+        Of the recording and its sensor.
+    raw, body : Recording
+        As stored, and in body axes, SI, named by role; of one length.
+    at_rest : bool
+        Whether the sensor was at rest.
+    chosen : ndarray of bool, shape (n,), optional
+        Samples that the test takes: of others nothing is said.
+
+    Raises
+    ------
+    DataError
+        ``impossible_temperature``, ...: if a channel holds nothing else.
+    """
+    place = replace(raw, source=replace(raw.source, path=entry.file)).place
+    given = entry.channels or {}
+    left_out: dict[str, Flags] = {}
+    remarks: list[Remark] = []
+    exclusions: list[Exclusion] = []
+    for one in body.channels:
+        if one.name not in given and not (one.name in AXES or one.name.rpartition("_")[0] in given):
+            continue
+        values = one.data if chosen is None else np.where(chosen, one.data, np.nan)
+        ends = facts.input_range if one.name in AXES and not facts.oblique else None
+        archived = raw.source.reader == ARCHIVE and one.name in AXES
+        found = impossible(values, one.unit, f"recording {name}, {one.name}", place, ends, archived, facts.unit)
+        remarks += [
+            replace(remark, axis=one.name if one.name in AXES else "", recording=name) for remark in found.remarks
+        ]
+        if not found.flags.any():
+            continue
+        said = found.remarks[0]
+        if not np.any(np.isfinite(values) & ~found.flags):
+            raise DataError(said.what, said.where, "nothing else is in the channel", said.do, said.code)
+        left_out[one.name] = found.flags
+        axis = one.name if one.name in AXES else ""
+        exclusions.append(
+            Exclusion(RULE, f"limits: {said.code}", said.what, said.where, axis, said.count, "sample", dwell=False)
+        )
+    body = without(body, left_out)
+    axes = [axis for axis in AXES if axis in body.names]
+    if axes and facts.kind is not None:
+        remarks += [
+            replace(change.remark(place), what=f"recording {name}: {change.remark(place).what}", recording=name)
+            for change in _changes(body, axes, at_rest, chosen)
+        ]
+    return Passed(body, tuple(remarks), tuple(exclusions))
+
+
+def _changes(body: Recording, axes: list[str], at_rest: bool, chosen: Flags | None) -> tuple[Change, ...]:
+    rows = slice(None) if chosen is None or chosen.all() else np.flatnonzero(chosen)
+    interval, breaks = body.sample_interval, None
+    if body.time_ns is not None and interval is not None:
+        step = np.diff(body.time_ns[rows], prepend=body.time_ns[rows][:1])
+        breaks = step > LATE * interval * SECOND
+    applied = body.channel(APPLIED).data[rows] if APPLIED in body.names else None
+    unit = body.channel(axes[0]).unit or ""
+    data = [body.channel(axis).data[rows] for axis in axes]
+    found = changes(data, axes, kind(unit) if unit else "", interval, breaks, applied, at_rest)
+    if isinstance(rows, slice):
+        return found
+    return tuple(replace(one, index=int(rows[one.index])) for one in found)
