@@ -62,7 +62,7 @@ def sensible(
     remarks: list[Remark] = []
     exclusions: list[Exclusion] = []
     for one in body.channels:
-        if one.name not in given and not (one.name in AXES or one.name.rpartition("_")[0] in given):
+        if one.name not in given and one.name not in AXES:
             continue
         values = one.data if chosen is None else np.where(chosen, one.data, np.nan)
         ends = facts.input_range if one.name in AXES and not facts.oblique else None
