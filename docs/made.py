@@ -19,11 +19,15 @@ from inertialcal.cli.app import app
 from inertialcal.core.settings import Setting, settings_of
 from inertialcal.core.units import factor, parse_quantity
 from inertialcal.procedures import BUILT_IN, procedure_of
+from inertialcal.rigs import BUILT_IN as RIG_NAMES
+from inertialcal.rigs import RIGS
+from inertialcal.rigs.faults import FAULTS
 
 FILE = Path(inertialcal.__file__).parent / "campaign" / "calls" / "nouns.pyi"
 COMMANDS = get_command(app)
 VALUES = {"size": " SIZE", "output": " FILE", "campaign": " FOLDER", "figure": " NAME", "figure_axis": " AXIS"}
 PAGES = Path(__file__).parent / "procedures"
+GATE = Path(__file__).parent / "gate.md"
 OF_PLANNERS = ("positions_planning.md", "mass_attraction.md")  # their settings are of another list
 HEAD = '''"""Made by docs/made.py of the settings of each procedure: do not edit."""
 
@@ -133,6 +137,17 @@ def options(word: str) -> list[str]:
     return [*lines, "| `--help` | Show the options. |"]
 
 
+def faults() -> list[str]:
+    """Return the lines of the table of general faults, with the rigs that take each."""
+    lines = ["| fault | size | what it does | expected | rigs |", "|---|---|---|---|---|"]
+    for name, one in FAULTS.items():
+        rigs = ", ".join(f"`{rig}`" for rig in RIG_NAMES if RIGS[rig].every_fault.get(name) is one)
+        codes = " or ".join(f"`{code}`" for code in one.codes)
+        expected = {"refused": f"refused, {codes}", "named": codes, "covered": "intervals hold"}[one.expects]
+        lines.append(f"| `{name}` | {one.default} | {escaped(one.what)} | {expected} | {rigs} |")
+    return lines
+
+
 def escaped(text: str) -> str:
     """Return text that does not end a cell."""
     return text.replace("|", "\\|")
@@ -141,6 +156,7 @@ def escaped(text: str) -> str:
 def made() -> dict[Path, str]:
     """Return the content of every file, by its path."""
     found = {FILE: text()}
+    found[GATE] = page(GATE.read_text(encoding="utf-8"), {"## Rigs that misbehave": faults()})
     for name in BUILT_IN:
         plan = procedure_of(name).plan_type
         marks = {"## Settings": plan}

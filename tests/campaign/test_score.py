@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 from inertialcal.campaign.engine.run import run
-from inertialcal.campaign.twins.score import Coverage, coverage, score, score_rig
+from inertialcal.campaign.twins.score import Coverage, Score, coverage, score, score_rig
+from inertialcal.campaign.twins.standards import apart
 from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import DataError, PlanError, UsageError
 from inertialcal.core.influence import Influence
@@ -22,7 +23,7 @@ from inertialcal.rigs import RIGS
 from inertialcal.rigs.protocol import Rig
 from inertialcal.rigs.rate_table import rig as rate_table
 from inertialcal.rigs.rate_table.setup import Bench, draw_gyro
-from inertialcal.rigs.twin import Twin
+from inertialcal.rigs.twin import DrawnError, Twin
 from inertialcal.statistics.intervals import covers
 from sized import sized
 from written_rows import sealed_text
@@ -84,6 +85,42 @@ def test_an_estimate_far_from_the_truth_is_outside_and_none_is_no_hit(scored: Pa
     assert after.estimated == before.estimated - 1
     inside = {row["axis"]: row["inside"] for row in after.rows if (row["test"], row["quantity"]) == ("fit", "bias")}
     assert (inside["x"], inside["y"]) == (False, None)
+
+
+def test_the_error_of_a_standard_is_taken_off_and_counts_once(scored: Path) -> None:
+    """A table 30 uncertainties off: no scale factor holds the truth, all do apart from the table."""
+    found = score(scored)
+    rate = DrawnError("rate_table.rate", 30.0)
+    rows = []
+    for row in found.rows:
+        off = 30.0 * row["shared"].get(rate.influence, 0.0)
+        lo, hi = row["interval"]["lo"] + off, row["interval"]["hi"] + off
+        moved = row | {"value": row["value"] + off, "interval": {"lo": lo, "hi": hi, "p": 0.95}}
+        inside = bool(lo <= row["truth"] <= hi)
+        rows.append(moved | {"inside": inside, "inside_apart": apart(moved, row["truth"], {rate.influence: rate})})
+    far = Score(replace(found.truth, errors=(rate,)), tuple(rows))
+    scale = [row for row in far.rows if row["quantity"].startswith("scale_factor") and row["shared"]]
+    assert len(scale) >= 9
+    assert not [row for row in scale if row["inside"]]
+    assert far.inside_apart >= 0.9 * far.judged_apart
+    assert "rate_table.rate drawn at 30.0 u: outside its 95 % interval (1 of 1)" in " ".join(str(far).split())
+
+
+def test_what_is_left_of_an_interval_is_that_of_what_is_left_of_its_uncertainty() -> None:
+    row: dict[str, Any] = {
+        "value": 1.0, "u": 0.5, "dof": None, "interval": {"lo": 0.02, "hi": 1.98, "p": 0.95}, "shared": {"a.b": -0.4},
+    }  # fmt: skip
+    error = {"a.b": DrawnError("a.b", 2.0)}  # which changed the value by -0.8: 1.8 +- 0.3 is left
+    assert apart(row, 1.8 - 1.95 * 0.3, error)
+    assert apart(row, 1.8 - 1.97 * 0.3, error) is False
+    assert apart(row, 0.1, {}) is True
+    assert apart(row | {"shared": {"a.b": 0.5}}, 1.0, error) is None  # nothing but the standard
+
+
+def test_an_error_of_a_standard_is_inside_the_middle_of_its_distribution() -> None:
+    assert DrawnError("a.b", -1.95).inside
+    assert not DrawnError("a.b", 1.97).inside
+    assert not DrawnError("a.b", 1.70, "rectangular").inside
 
 
 def test_other_ways_of_reduction_are_not_scored(scored: Path) -> None:
