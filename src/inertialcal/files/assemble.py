@@ -17,6 +17,8 @@ from ..core.unit.magnitudes import check_sample_rate
 from ..signals.time.time_axis import analyse
 from .columns import Content, missing_remarks, nan_in_required, without_unfilled_end
 from .info.describe import Described, axis_remarks, describe, find_column, rate_remark
+from .text.grouped import grouped_column, problem
+from .text.layout import CELL
 from .time.clock import Clock, find_clock, unit_rates
 from .time.unused import unused_clocks
 
@@ -60,6 +62,7 @@ def assemble(
         clock = find_clock(described, content, path, time_column)
     else:
         clock = Clock(None, content.time_ns, "utc")
+    _refuse_grouped(content, path)
     channels = _channels(described, clock, path)
     _require(described, required, content, path)
     timed = _timed(clock, content, described, sample_rate, path)
@@ -82,6 +85,17 @@ def assemble(
         first_row=_first_row(content),
         compensated_by=compensated_by,
     )
+
+
+def _refuse_grouped(content: Content, path: str) -> None:
+    """Refuse text that is numbers with grouped digits: a text file's reader has looked already."""
+    number = CELL["."].fullmatch
+    found = ((c, grouped_column(c.values, number)) for c in content.columns if c.values.dtype.kind == "O")
+    problems = [
+        problem(c.name, str(c.values[at]), content.place(path, at), certain=True) for c, at in found if at is not None
+    ]
+    if problems:
+        raise DataError(problems)
 
 
 def _without_mark(content: Content) -> tuple[Content, str]:

@@ -3,6 +3,8 @@
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 from inertialcal.core.errors import DataError, UsageError
@@ -81,3 +83,13 @@ def test_only_text_has_a_decimal_sign(tmp_path: Path) -> None:
     np.save(tmp_path / "a.npy", np.arange(6.0).reshape(3, 2))
     with pytest.raises(UsageError, match="no decimal sign"):
         read(tmp_path / "a.npy", decimal="comma")
+
+
+def test_grouped_digits_as_text_of_another_format(tmp_path: Path) -> None:
+    file = tmp_path / "a.parquet"
+    columns = {"t_s": np.arange(9) / 10, "gyro_x": ["998"] * 4 + ["1,242"] * 5, "gyro_y": np.ones(9)}
+    pq.write_table(pa.table(columns), file)
+    with pytest.raises(DataError, match="grouped digits '1,242' in number column 'gyro_x'") as refused:
+        read(file)
+    assert refused.value.problems[0].code == "grouped_digits"
+    assert refused.value.problems[0].where == f"{file}: sample 5"
