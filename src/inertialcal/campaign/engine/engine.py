@@ -281,26 +281,30 @@ class ReducedTest:
         return found
 
 
+def screened_samples(one: ReducedTest, prepared: Prepared) -> int:
+    """Return how many samples screening left out of a test."""
+    left_out = [*prepared.screened, *one.procedure.exclusions(one.tested)]
+    return sum(each.count for each in left_out if each.rule == RULE and each.counts == "sample")
+
+
 def with_all_samples(
-    campaign: Campaign, one: ReducedTest, prepared: Prepared, found: Mapping[str, Any], store: Store | None
+    campaign: Campaign, one: ReducedTest, count: int, found: Mapping[str, Any], store: Store | None
 ) -> ReducedTest:
-    """Return a test with its figures as they come out with the samples that screening left out, where it left out any.
+    """Return a test with its figures as they come out with the samples that screening left out.
 
     Parameters
     ----------
     campaign : Campaign
         As read.
-    one, prepared : ReducedTest, Prepared
+    one : ReducedTest
         The test.
+    count : int
+        Samples that were left out.
     found : mapping of str to Result
         Of every test, by name.
     store : Store or None
         That holds its files.
     """
-    left_out = [*prepared.screened, *one.procedure.exclusions(one.tested)]
-    count = sum(each.count for each in left_out if each.rule == RULE)
-    if not count:
-        return one
     said = f"with the {count} sample{'s' * (count > 1)} that screening left out"
     try:
         opened = prepare(campaign, campaign.file.tests.index(one.test), found, store, screening=False)
@@ -316,10 +320,10 @@ def with_all_samples(
 
 
 def _moved(campaign: Campaign, one: ReducedTest, opened: Sequence[Row]) -> str:
-    """Say by how much figures move with the samples that were left out, those that move most first."""
+    """Say how figures move with the samples that were left out, in the order of the results."""
     results = {row.key: row for row in one.rows if row.case.plain}
     pairs = [(results[row.key], row) for row in opened if row.key in results]
-    moved = sorted((pair for pair in pairs if _change(*pair) > STAYS), key=lambda pair: -_change(*pair))
+    moved = [pair for pair in pairs if _change(*pair) > STAYS]
     texts = []
     for pair in moved[:NAMED]:
         unit = sensor_of(campaign, one.test, pair[0].key.sensor).unit
@@ -329,17 +333,17 @@ def _moved(campaign: Campaign, one: ReducedTest, opened: Sequence[Row]) -> str:
         values = [number(row.value, 4) if row.value is not None else "not estimated" for row in (after, before)]
         texts.append(f"{name} {' instead of '.join(values)}{unit}")
     more, still = len(moved) - len(texts), len(pairs) - len(moved)
-    texts += [f"{more} other figures move"] * (more > 0)
-    texts += [f"{still} figures move by less than a tenth of their standard uncertainty"] * (still > 0)
+    texts += [f"{more} more figure{'s' * (more > 1)} changed"] * (more > 0)
+    texts += [f"{still} of {len(pairs)} figures within a tenth of their standard uncertainty"] * (still > 0)
     return "; ".join(texts) or "no figure"
 
 
 def _change(before: Row, after: Row) -> float:
-    """Return the change of a figure in standard uncertainties, of which the first one counts."""
+    """Return the change of a figure in standard uncertainties of the first, or relative to a limit without one."""
     if before.value is None or after.value is None:
         return 0.0 if before.value is after.value else math.inf
-    change = abs(after.value - before.value)
-    return change / before.u if before.u else math.inf if change else 0.0
+    change, scale = abs(after.value - before.value), before.u or abs(before.value)
+    return change / scale if scale else math.inf if change else 0.0
 
 
 def reduced_tests(prepared: Sequence[Prepared], results: Mapping[str, Result]) -> list[ReducedTest]:

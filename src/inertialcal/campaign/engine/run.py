@@ -39,6 +39,7 @@ from .engine import (
     prepare,
     reduce_test,
     reduced_tests,
+    screened_samples,
     shared_readings,
     with_all_samples,
 )
@@ -318,7 +319,10 @@ def reduce_tests(
         raise DataError(list(dict.fromkeys(problem for number in sorted(problems) for problem in problems[number])))
     prepared = [ready[number] for number in range(len(tests))]
     tested = beside_others(campaign, reduced_tests(prepared, results))
-    tested = [with_all_samples(campaign, one, each, results, store) for one, each in zip(tested, prepared, strict=True)]
+    for number, one in enumerate(tested):
+        if count := screened_samples(one, prepared[number]):
+            tell(len(tests), len(tests), f"{one.test.id}, with the samples that were left out")
+            tested[number] = with_all_samples(campaign, one, count, results, store)
     remarks = [remark.at(one.test.id) for one in tested for remark in one.remarks]
     return prepared, tested, remarks
 
