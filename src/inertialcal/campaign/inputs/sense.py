@@ -17,7 +17,7 @@ from ...core.recording import SECOND, Recording
 from ...core.remarks import Remark
 from ...core.units import kind
 from ...procedures.protocol import Exclusion, Facts
-from ...signals.sense.changes import Change, changes
+from ...signals.sense.changes import LATE, Change, changes
 from ...signals.sense.limits import ARCHIVE, impossible
 from ...signals.time.samples import Flags
 from ..file.recordings import RecordingEntry
@@ -25,7 +25,6 @@ from .gate import Passed, without
 
 RULE = "impossible"
 APPLIED = "applied"
-LATE = 1.5  # intervals from which a sample is missing
 
 
 def sensible(
@@ -81,6 +80,11 @@ def sensible(
         exclusions.append(
             Exclusion(RULE, f"limits: {said.code}", said.what, said.where, axis, said.count, "sample", dwell=False)
         )
+    columns = {one.column for one in given.values()}
+    for one in raw.channels:  # that the test does not read, but that tell of the file
+        if one.name not in columns:
+            for remark in impossible(one.data, one.unit, f"recording {name}, {one.name} (not used)", place).remarks:
+                remarks.append(replace(remark, severity="warning", recording=name))
     body = without(body, left_out)
     axes = [axis for axis in AXES if axis in body.names]
     if axes and facts.kind is not None:

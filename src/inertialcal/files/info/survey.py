@@ -19,6 +19,7 @@ from ..budget import SURVEY, claim_recording
 from ..time.stamps import time_remarks
 from .channel_survey import ChannelSurvey, Hint, channel_remarks, screened, survey_channel, unit_hints
 from .motion import is_sensed, motion_remarks
+from .sense import sense_remarks
 
 HEADS = ("channel", "axis", "what", "unit", "min", "max", "mean", "std", "missing", "")
 
@@ -207,6 +208,7 @@ def survey_recording(recording: Recording) -> Survey:
             *recording.remarks,
             *time_remarks(recording),
             *(remark for channel in channels for remark in channel_remarks(channel, place)),
+            *sense_remarks(recording),
             *motion,
         )
     )

@@ -52,6 +52,8 @@ LEAST_NOISE = np.log(3.0)  # least change of the noise that can be a unit
 STARTED = 35.0  # [rad/s^2], 2,000 deg/s^2: a table may start so fast, and one sample to the next is a jump then
 TURNED_WITHIN = 0.045  # [s]: nobody lays an accelerometer on another side so fast; slower samples may miss the turn
 
+LATE = 1.5  # intervals from one stamp to the next, from which a sample is missing
+
 DEG = 180.0 / np.pi
 Factors = Mapping[float, tuple[str, str]]
 FACTORS: Mapping[str, Factors] = {  # what a change of unit multiplies by: (before, after)
@@ -131,13 +133,14 @@ def changes(
     breaks: NDArray[np.bool_] | None = None,
     applied: Array | None = None,
     at_rest: bool = True,
+    scale: float = 1.0,
 ) -> tuple[Change, ...]:
     """Return where unit, sign, scale or axes of a record change, in order of time.
 
     Parameters
     ----------
     channels : sequence of ndarray, shape (n,)
-        Of one sensor, SI; NaN where a sample is missing.
+        Of one sensor, in one unit; NaN where a sample is missing.
     names : sequence of str
         Of the channels.
     kind : str
@@ -147,9 +150,11 @@ def changes(
     breaks : ndarray of bool, shape (n,), optional
         Samples before which a stretch of time is missing.
     applied : ndarray, shape (n,), optional
-        The true input along one axis, as far as it was recorded, SI.
+        The true input along one axis, as far as it was recorded, in the same unit.
     at_rest : bool
         Whether the sensor was at rest: else a jump of a rate from one sample to the next may be a start of a table.
+    scale : float
+        SI units in the unit of the channels.
 
     Returns
     -------
@@ -170,18 +175,18 @@ def changes(
     given = given if given is not None and np.isfinite(given).all() else None
     factors = FACTORS.get(kind, ANY)
     found: list[Change] = []
-    scale = _Noise.of(x)
+    noise = _Noise.of(x)
     if given is not None:
-        found += _by_response(x, given, scale, names, factors)
+        found += _by_response(x, given, noise, names, factors)
     if not found:
-        found += _by_noise(x, scale, names, factors)
+        found += _by_noise(x, noise, names, factors)
     if not found:
         motion = 0.0  # largest jump that a motion can make
         if kind == "acceleration":
             motion = 0.0 if interval is not None and interval * size <= TURNED_WITHIN else np.inf
         elif kind == "angular_rate" and not at_rest and given is None:
-            motion = np.inf if interval is None else STARTED * interval * size
-        found += _by_levels(x, scale, names, factors, cut, given, motion)
+            motion = np.inf if interval is None else STARTED * interval * size / scale
+        found += _by_levels(x, noise, names, factors, cut, given, motion)
     return tuple(replace(one, index=int(rows[one.index]) * size) for one in found)
 
 
