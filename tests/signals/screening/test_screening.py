@@ -17,6 +17,7 @@ from inertialcal.core.errors import DataError
 from inertialcal.signals.screening import _kernels
 from inertialcal.signals.screening.blocks import blocks_of
 from inertialcal.signals.screening.levels import level_steps, noise_changes, slow_wave
+from inertialcal.signals.screening.loops import Loops
 from inertialcal.signals.screening.remarks import remarks_of
 from inertialcal.signals.screening.resolution import Resolution, resolution_of
 from inertialcal.signals.screening.screen import Screening, screen
@@ -84,16 +85,19 @@ def test_running_median_is_that_of_numpy(missing: int) -> None:
     np.testing.assert_array_equal(off, own)
 
 
-def test_loops_say_the_same_without_the_compiler() -> None:
+@pytest.mark.parametrize("other", ["python", "numpy"])
+def test_loops_say_the_same_without_the_compiler(other: str) -> None:
     x = np.abs(np.rint(8.0 * rng().standard_normal(300)))
     x[40], x[200:220] = np.nan, 3.0
     bits, which, skip = x.view(np.int64), np.arange(10), np.array([7, 90])
     flip, inf = np.int64(2**63 - 1), np.array(np.inf).view(np.int64)[()]
 
-    def filled(compiled: bool) -> list[Any]:
+    def filled(by: str) -> list[Any]:
         def loop(name: str) -> Callable[..., Any]:
+            if by == "numpy" and name != "from_median":
+                return getattr(Loops, name)  # type: ignore[no-any-return]
             kernel = getattr(_kernels, name)
-            return kernel if compiled else kernel.py_func  # type: ignore[no-any-return]
+            return kernel.py_func if by == "python" else kernel  # type: ignore[no-any-return]
 
         lo, hi = np.zeros((2, 10), dtype=np.int64)
         mean, rough, far, off, apart, bent = np.zeros((6, 10))
@@ -113,8 +117,29 @@ def test_loops_say_the_same_without_the_compiler() -> None:
             loop("fill_prints")(bits, 32, prints, place)
         return [*found, *parts, at, far, starts, stops, off, apart, bent, prints, place]
 
-    for one, other in zip(filled(True), filled(False), strict=True):
-        np.testing.assert_allclose(one, other, rtol=1e-12)
+    for one, same in zip(filled("compiler"), filled(other), strict=True):
+        np.testing.assert_allclose(one, same, rtol=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["f8", "f4", "i4"])
+def test_short_records_show_what_long_ones_do(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    draw = rng(9)
+    for seed in range(6):
+        x = np.rint(20.0 * draw.standard_normal(6_000))
+        x[100 * seed] = 4_000.0
+        x[2_000:2_030], x[4_000:4_600], x[5_000:] = 7.0, x[1_000:1_600], x[5_000:] + 40.0 * (seed % 2)
+        x = np.minimum(x, 60.0 if seed > 3 else 1e4).astype(kind)
+        if kind != "i4":
+            x[3_000 : 3_000 + 5 * seed] = np.nan
+        with monkeypatch.context() as patched:
+            own = screen(x)
+            patched.setattr("inertialcal.signals.screening.loops.SHORT", 0)
+            compiled = screen(x)
+        assert own.codes == compiled.codes
+        assert own.codes
+        for one, other in zip(own.findings, compiled.findings, strict=True):
+            np.testing.assert_array_equal(one.places, other.places)
+            np.testing.assert_allclose(one.size, other.size, rtol=1e-9)
 
 
 def test_a_step_contrast_shows_two_thirds_of_a_step_and_nothing_of_a_slope() -> None:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ..time.samples import Indices
-from . import _kernels
+from .loops import loops
 
 SMALLEST = 16  # samples of a block
 FREE = 2**14  # blocks that any record may have
@@ -52,7 +52,9 @@ class Blocks:
         mean, rough, same, count = self.mean.copy(), self.rough.copy(), self.same.copy(), self.count.copy()
         lo, hi = np.zeros((2, len(self)), dtype=self.bits.dtype)
         flip = _flip(self.x.dtype, self.bits.dtype)
-        _kernels.fill_patched(self.x, self.bits, self.size, flip, which, skip, lo, hi, mean, rough, same, count)
+        loops(len(self.x)).fill_patched(
+            self.x, self.bits, self.size, flip, which, skip, lo, hi, mean, rough, same, count
+        )
         lowest, highest = self.lo.copy(), self.hi.copy()
         for every, part in ((lowest, lo), (highest, hi)):
             every[which] = np.where(count[which] == 0, np.nan, _values(part[which], self.x.dtype))
@@ -102,10 +104,10 @@ def blocks_of(x: NDArray[Any]) -> Blocks:
     same, count = np.empty((2, n), dtype=np.int32)
     flip = _flip(x.dtype, bits.dtype)
     inf = np.array(np.inf, dtype=x.dtype).view(bits.dtype)[()] if flip else bits.dtype.type(0)
-    if _kernels.fill_blocks(x, bits, size, flip, inf, lo, hi, mean, rough, same, count):
+    if loops(len(x)).fill_blocks(x, bits, size, flip, inf, lo, hi, mean, rough, same, count):
         odd = np.flatnonzero(count == 0)
         none = np.empty(0, dtype=np.int64)
-        _kernels.fill_patched(x, bits, size, flip, odd, none, lo, hi, mean, rough, same, count)
+        loops(len(x)).fill_patched(x, bits, size, flip, odd, none, lo, hi, mean, rough, same, count)
     lowest, highest = _values(lo, x.dtype), _values(hi, x.dtype)
     empty = count == 0
     if empty.any():

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from ...core.estimate import Array
 from ..time.samples import Flags, Indices
-from . import _kernels
 from .blocks import Blocks, pieces
+from .loops import loops
 
 FEWEST = 64  # samples that a scale needs
 FAR = 7.0  # scales
@@ -60,7 +60,7 @@ def scale_of(x: NDArray[Any]) -> Scale:
     """Return the scale of a record with 64 samples or more, from pieces spread evenly over it."""
     first, rows = pieces(x)
     off = np.empty_like(rows)
-    _kernels.fill_pieces(x, first, off)
+    loops(len(x)).fill_pieces(x, first, off)
     apart = np.abs(np.diff(rows, axis=1))
     apart = apart[np.isfinite(apart) & (apart > 0.0)]
     step = float(apart.min()) if len(apart) else 0.0
@@ -96,7 +96,7 @@ def far_samples(blocks: Blocks, scale: Scale, at_rest: bool) -> tuple[Stretches,
     room = ROOM
     while True:
         at, off = np.empty(room, dtype=np.int64), np.empty(room)
-        found = _kernels.fill_far(blocks.x, blocks.size, which, scale.limit, SKIRT * scale.limit, at, off)
+        found = loops(len(blocks.x)).fill_far(blocks.x, blocks.size, which, scale.limit, SKIRT * scale.limit, at, off)
         if found <= room:
             break
         room = found

@@ -26,7 +26,8 @@ import numpy as np
 from ...core.estimate import Array
 from ...statistics.quantiles import t_upper
 from ..time.samples import Flags, Indices
-from . import _kernels
+from .blocks import SMALLEST
+from .loops import loops
 
 FALSE_ALARM = 5e-4  # of changes of the noise, and of waves, a record
 STEP_ALARM = 1e-3  # of steps
@@ -190,14 +191,14 @@ def _sums(x: Array) -> Array:
 def _apart(sums: Array, w: int) -> Array:
     """Return the mean of w blocks less that of the w before, for blocks w .. b - w."""
     out = np.empty(max(len(sums) - 2 * w, 0))
-    _kernels.fill_apart(sums, w, out)
+    loops(SMALLEST * len(sums)).fill_apart(sums, w, out)
     return out
 
 
 def _bent(sums: Array, w: int) -> Array:
     """Return the contrast of four windows, for blocks 2 w .. b - 2 w."""
     out = np.empty(max(len(sums) - 4 * w, 0))
-    _kernels.fill_bent(sums, w, out)
+    loops(SMALLEST * len(sums)).fill_bent(sums, w, out)
     return out
 
 

@@ -1,0 +1,187 @@
+"""The loops of ``_kernels`` for short records, in numpy: a compiler takes longer to load than they take to run.
+
+The functions take and fill what those of their names in ``_kernels`` do.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.estimate import Array
+from ..time.samples import Flags, Indices
+
+SHORT = 2**17  # samples
+SUB, SIDE = 16, 15  # samples in which a glitch is looked for at once, and of a running median on each side
+WINDOW = 2 * SIDE + 1
+PRINT, CHANGES = 24, 6  # samples of a fingerprint, and changes of value that it needs
+ODD = 0x9E3779B97F4A7C15
+WORD = 0xFFFFFFFFFFFFFFFF
+
+
+def loops(samples: int) -> Any:
+    """Return the loops for a record: those of this module for a short one, else the compiled ones."""
+    if samples <= SHORT:
+        return Loops
+    from . import _kernels  # noqa: PLC0415 - loads the compiler
+
+    return _kernels
+
+
+def _per_block(
+    x: NDArray[Any], bits: NDArray[Any], size: int, flip: Any, good: Flags
+) -> tuple[NDArray[Any], NDArray[Any], Array, Array, NDArray[Any], NDArray[Any]]:
+    """Return what ``fill_patched`` fills, of all blocks: of their good samples alone."""
+    starts, info = np.arange(0, len(x), size), np.iinfo(bits.dtype)
+    key = bits ^ ((bits >> (8 * bits.itemsize - 1)) & flip)
+    lo = np.minimum.reduceat(np.where(good, key, info.max), starts)
+    hi = np.maximum.reduceat(np.where(good, key, info.min), starts)
+    count = np.add.reduceat(good.astype(np.int64), starts)
+    first = np.minimum.reduceat(np.where(good, np.arange(len(x)), len(x)), starts)
+    values = np.where(good, x, 0.0).astype(np.float64)
+    level = values[np.minimum(first, len(x) - 1)]
+    off = np.where(good, values - np.repeat(level, np.diff(np.append(starts, len(x)))), 0.0)
+    pair = good.copy()
+    pair[1:] &= good[:-1]
+    pair[starts] = False
+    step = np.diff(values, prepend=0.0)
+    pairs = np.add.reduceat(pair.astype(np.int64), starts)
+    mean = np.where(count > 0, level + np.add.reduceat(off, starts) / np.maximum(count, 1), np.nan)
+    rough = 0.5 * np.add.reduceat(np.where(pair, step, 0.0) ** 2, starts) / np.maximum(pairs, 1)
+    same = np.add.reduceat((pair & (step == 0.0)).astype(np.int64), starts)
+    return lo, hi, mean, np.where(pairs > 0, rough, np.nan), same, count
+
+
+def _off_median(x: NDArray[Any], at: Indices) -> Array:
+    """Return samples less the running median of 31 around each; NaN where there is none."""
+    padded = np.full(len(x) + 2 * SIDE, np.nan)
+    padded[SIDE:-SIDE] = np.where(np.isfinite(x), x, np.nan)
+    around = np.sort(padded[at[:, None] + np.arange(WINDOW)], axis=1)
+    held = np.maximum(np.count_nonzero(np.isfinite(around), axis=1), 1)
+    row = np.arange(len(at))
+    return np.asarray(padded[at + SIDE] - 0.5 * (around[row, (held - 1) // 2] + around[row, held // 2]))
+
+
+def _runs(x: NDArray[Any]) -> tuple[Indices, Indices]:
+    """Return start and stop of each run of equal samples."""
+    starts = np.concatenate(([0], np.flatnonzero(x[1:] != x[:-1]) + 1))
+    return starts, np.append(starts[1:], len(x))
+
+
+class Loops:
+    """The loops, called as those of the compiled module."""
+
+    @staticmethod
+    def fill_blocks(
+        x: NDArray[Any], bits: NDArray[Any], size: int, flip: Any, inf: Any, lo: NDArray[Any], hi: NDArray[Any],
+        mean: Array, rough: Array, same: NDArray[np.int32], count: NDArray[np.int32],
+    ) -> int:  # fmt: skip
+        """Fill what each block holds; 0 samples where some are not finite. Return how many blocks these are."""
+        good = np.isfinite(x)
+        lo[:], hi[:] = _per_block(x, bits, size, flip, np.ones(len(x), dtype=bool))[:2]
+        whole = np.logical_and.reduceat(good, np.arange(0, len(x), size))
+        for out, found in zip((mean, rough, same, count), _per_block(x, bits, size, flip, good)[2:], strict=True):
+            out[whole] = found[whole]
+        count[~whole] = 0
+        rough[np.isnan(rough) & whole] = 0.0
+        return int(np.count_nonzero(~whole))
+
+    @staticmethod
+    def fill_patched(
+        x: NDArray[Any], bits: NDArray[Any], size: int, flip: Any, which: Indices, skip: Indices, lo: NDArray[Any],
+        hi: NDArray[Any], mean: Array, rough: Array, same: NDArray[np.int32], count: NDArray[np.int32],
+    ) -> None:  # fmt: skip
+        """Fill the blocks ``which`` anew, of their finite samples but those of ``skip``."""
+        good = np.isfinite(x)
+        good[skip] = False
+        for out, found in zip((lo, hi, mean, rough, same, count), _per_block(x, bits, size, flip, good), strict=True):
+            out[which] = found[which]
+
+    @staticmethod
+    def fill_pieces(x: NDArray[Any], first: Indices, out: Array) -> None:
+        """Fill rows of ``out`` with samples from ``first`` on, less the running median around each."""
+        at = first[:, None] + np.arange(out.shape[1])
+        out[:] = _off_median(x, at.ravel()).reshape(out.shape)
+
+    @staticmethod
+    def fill_far(x: NDArray[Any], size: int, which: Indices, limit: float, low: float, at: Indices, off: Array) -> int:
+        """Fill samples of the blocks ``which`` further than ``low`` from the running median."""
+        first = (which[:, None] * size + np.arange(0, size, SUB)).ravel()
+        first = first[first < len(x)]
+        if not len(first):
+            return 0
+        around = first[:, None] + np.arange(-SIDE, SUB + SIDE)
+        inside = (around >= 0) & (around < len(x))
+        values = np.where(inside, x[np.clip(around, 0, len(x) - 1)], np.nan).astype(np.float64)
+        values[~np.isfinite(values)] = np.nan
+        least = np.where(np.isnan(values), np.inf, values).min(axis=1)
+        largest = np.where(np.isnan(values), -np.inf, values).max(axis=1)
+        some = (first[largest - least > limit][:, None] + np.arange(SUB)).ravel()
+        some = some[some < len(x)]
+        d = _off_median(x, some)
+        far = np.abs(d) > low
+        found = int(np.count_nonzero(far))
+        room = min(found, len(at))
+        at[:room], off[:room] = some[far][:room], d[far][:room]
+        return found
+
+    @staticmethod
+    def fill_runs(x: NDArray[Any], size: int, which: Indices, value: float, starts: Indices, stops: Indices) -> int:
+        """Fill the stretches of a value, which begin in the blocks ``which``; return their number, room or not."""
+        first, stop = _runs(x)
+        kept = (x[first] == value) & np.isin(first // size, which)
+        found = int(np.count_nonzero(kept))
+        room = min(found, len(starts))
+        starts[:room], stops[:room] = first[kept][:room], stop[kept][:room]
+        return found
+
+    @staticmethod
+    def longest_equal(bits: NDArray[Any], first: int, stop: int) -> tuple[int, int]:
+        """Return start and stop of the longest stretch of equal samples that meets first .. stop."""
+        starts, stops = _runs(bits)
+        meets = np.flatnonzero((stops > first) & (starts < stop))
+        best = meets[np.argmax(stops[meets] - starts[meets])]
+        return int(starts[best]), int(stops[best])
+
+    @staticmethod
+    def squared_runs(x: NDArray[Any]) -> float:
+        """Return the sum of the squared lengths of all runs of equal samples."""
+        starts, stops = _runs(x)
+        return float(np.sum((stops - starts).astype(np.float64) ** 2))
+
+    @staticmethod
+    def fill_prints(bits: NDArray[Any], size: int, prints: NDArray[np.uint64], at: NDArray[np.int32]) -> None:
+        """Fill a fingerprint of each block, and where in the block it is."""
+        n, starts = len(bits), np.arange(0, len(bits), size)
+        words = bits.astype(np.uint64)
+        least = np.full(n, WORD, dtype=np.uint64)
+        mixed = (words[:-2] + (words[1:-1] << np.uint64(7))) ^ (words[2:] << np.uint64(17))
+        mixed = (mixed ^ (mixed >> np.uint64(29))) * np.uint64(ODD)
+        place = np.arange(n) % size
+        stop = np.minimum(np.arange(n) - place + size, n)
+        here = np.flatnonzero((np.arange(n) < stop - 2)[: len(mixed)])
+        least[here] = (mixed[here] & np.uint64(WORD - 0xFFFF)) | place[here].astype(np.uint64)
+        lowest = np.minimum.reduceat(least, starts)
+        at[:] = (lowest & np.uint64(0xFFFF)).astype(np.int32)
+        first = starts + at
+        fits = (lowest < np.uint64(WORD)) & (first + PRINT <= n)
+        prints[:] = 0
+        v = words[first[fits][:, None] + np.arange(PRINT)]
+        weights = np.uint64(ODD) * (2 * np.arange(PRINT, dtype=np.uint64) + np.uint64(1))
+        digest = np.sum((v ^ (v >> np.uint64(32))) * weights, axis=1, dtype=np.uint64)
+        many = np.count_nonzero(v[:, 1:] != v[:, :-1], axis=1) >= CHANGES
+        prints[fits] = np.where(many, digest ^ (digest >> np.uint64(32)), np.uint64(0))
+
+    @staticmethod
+    def fill_apart(sums: Array, w: int, out: Array) -> None:
+        """Fill the mean of w values less that of the w before them."""
+        n = len(out)
+        out[:] = (sums[2 * w : 2 * w + n] - 2.0 * sums[w : w + n] + sums[:n]) / w
+
+    @staticmethod
+    def fill_bent(sums: Array, w: int, out: Array) -> None:
+        """Fill the contrast of four windows of w values."""
+        a, b, c, d, e = (sums[k * w : k * w + len(out)] for k in range(5))
+        out[:] = (4.0 * (d + b) - 6.0 * c - e - a) / (3.0 * w)
