@@ -393,7 +393,8 @@ def test_init_takes_a_matlab_file_whose_channels_have_no_axes_and_no_unit(shared
 
 def test_init_makes_a_test_of_each_set_of_axes(tmp_path: Path) -> None:
     still_file(tmp_path / "a.csv", 1)
-    (tmp_path / "b.csv").write_text((tmp_path / "a.csv").read_text().replace("gyro_x", "gyro_y"), encoding="utf-8")
+    still_file(tmp_path / "b.csv", 2)
+    (tmp_path / "b.csv").write_text((tmp_path / "b.csv").read_text().replace("gyro_x", "gyro_y"), encoding="utf-8")
     path, _, _ = start(tmp_path)
     text = path.read_text(encoding="utf-8")
     assert 'id = "noise_gyros_x"' in text

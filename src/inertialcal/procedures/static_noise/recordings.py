@@ -281,8 +281,8 @@ def screened(
             present[axis] = there & ~no_reading
         fate = "left out" if left_out else "kept in"
         said = remarks_of(one, axis, shown[axis].place, shown[axis].value, run.interval, fate)
-        own = (remark for remark in said if remark.code not in SAID_ELSEWHERE)
-        remarks += [replace(remark, axis=axis, recording=run.name) for remark in own]
+        kept = (remark for remark in said if remark.code not in SAID_ELSEWHERE)
+        remarks += [replace(remark, axis=axis, recording=run.name) for remark in kept]
     fine = {axis: resolution_of(values[run.there(axis)], shown[axis].times) for axis, values in run.values.items()}
     return replace(run, present=present, found=found, bad=bad, resolution=fine, screened=left_out), remarks
 

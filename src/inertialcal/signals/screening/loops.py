@@ -82,7 +82,8 @@ class Loops:
         good = np.isfinite(x)
         lo[:], hi[:] = _per_block(x, bits, size, flip, np.ones(len(x), dtype=bool))[:2]
         whole = np.logical_and.reduceat(good, np.arange(0, len(x), size))
-        for out, found in zip((mean, rough, same, count), _per_block(x, bits, size, flip, good)[2:], strict=True):
+        outs: tuple[NDArray[Any], ...] = (mean, rough, same, count)
+        for out, found in zip(outs, _per_block(x, bits, size, flip, good)[2:], strict=True):
             out[whole] = found[whole]
         count[~whole] = 0
         rough[np.isnan(rough) & whole] = 0.0
@@ -96,7 +97,8 @@ class Loops:
         """Fill the blocks ``which`` anew, of their finite samples but those of ``skip``."""
         good = np.isfinite(x)
         good[skip] = False
-        for out, found in zip((lo, hi, mean, rough, same, count), _per_block(x, bits, size, flip, good), strict=True):
+        outs: tuple[NDArray[Any], ...] = (lo, hi, mean, rough, same, count)
+        for out, found in zip(outs, _per_block(x, bits, size, flip, good), strict=True):
             out[which] = found[which]
 
     @staticmethod
