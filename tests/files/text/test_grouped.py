@@ -93,3 +93,11 @@ def test_grouped_digits_as_text_of_another_format(tmp_path: Path) -> None:
         read(file)
     assert refused.value.problems[0].code == "grouped_digits"
     assert refused.value.problems[0].where == f"{file}: sample 5"
+
+
+def test_a_row_that_grouped_digits_make_too_wide(tmp_path: Path) -> None:
+    file = tmp_path / "a.csv"
+    file.write_text("x,y\n998,1\n999,2\n1,242,3\n997,4\n")
+    with pytest.raises(DataError, match="1,242 with grouped digits") as refused:
+        read(file)
+    assert (refused.value.problems[0].code, refused.value.problems[0].where) == ("grouped_digits", f"{file}:4")

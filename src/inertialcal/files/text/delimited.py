@@ -20,7 +20,7 @@ from ..budget import VALUE, claim
 from ..columns import Column, Content, Rows
 from ..reader import Reader
 from ..source import Loaded
-from .grouped import can_be_either, commas, grouped_cell, grouped_column, problem
+from .grouped import CODE, can_be_either, commas, grouped_cell, grouped_column, grouped_row, problem
 from .layout import CELL, CELL_BYTES, Decimal, Layout, is_blank, judge, looks_like_text, sniff, split, text_of
 
 ENDINGS = ("", ".asc", ".csv", ".dat", ".log", ".mat", ".prn", ".tab", ".tsv", ".txt")  # that text usually has
@@ -245,6 +245,7 @@ def cell_columns(text: str, layout: Layout, where: str) -> tuple[Rows, list[list
     rows: list[int] = []
     flat: list[str] = []  # a list for each row would keep the garbage collector busy
     ragged: list[tuple[int, int]] = []
+    grouped = ""
     body = text[layout.start :]
     plain = layout.separator if '"' not in body else None
     for row, line in enumerate(body.split("\n"), start=layout.row):
@@ -253,6 +254,7 @@ def cell_columns(text: str, layout: Layout, where: str) -> tuple[Rows, list[list
         parts = line.split(plain) if plain else split(line, layout.separator)
         if len(parts) != layout.width:
             ragged.append((row, len(parts)))
+            grouped = grouped or (grouped_row(parts) if layout.separator == "," else "")
         rows.append(row)
         flat += parts
     if ragged:
@@ -261,9 +263,11 @@ def cell_columns(text: str, layout: Layout, where: str) -> tuple[Rows, list[list
             f"{width} cell(s) in this row, {layout.width} in the others"
             + (f" ({len(ragged)} such rows)" if len(ragged) > 1 else ""),
             where=f"{where}:{row}",
-            why="it is not clear which number belongs to which column",
-            do="Correct or delete the row",
-            code="ragged_row",
+            why=f"{grouped} with grouped digits?"
+            if grouped
+            else "it is not clear which number belongs to which column",
+            do="Write the numbers without grouping" if grouped else "Correct or delete the row",
+            code=CODE if grouped else "ragged_row",
         )
     return np.array(rows, dtype=np.int64), [flat[i :: layout.width] for i in range(layout.width)]
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -66,6 +67,12 @@ def grouped_column(cells: Iterable[object], number: Callable[[str], object]) -> 
                 return None
             first = index if first is None else first
     return first
+
+
+def grouped_row(parts: Sequence[str]) -> str:
+    """Return the first number that the commas of a row may have cut at its groups; empty where there is none."""
+    pairs = (f"{a.strip()},{b.strip()}" for a, b in pairwise(parts))
+    return next((pair for pair in pairs if EITHER.fullmatch(pair)), "")
 
 
 def can_be_either(column: Column) -> bool:
