@@ -7,7 +7,7 @@ import pytest
 from . import moved_mass
 from .bases import BASES
 from .coverage import HEAD, Study, binomial, like, lines
-from .gate import tried_clean
+from .gate import ALL, tried_clean, tried_lines
 from .trial import hits, tried
 
 SEEDS = 2
@@ -53,6 +53,11 @@ def test_a_line_of_coverage_counts_hits_and_refusals() -> None:
 def test_clean_records_that_ended_in_an_internal_error(kind: str, seed: int) -> None:
     """An end of an interval that the search did not enclose; a closed loop whose uncertainty is not finite."""
     assert tried_clean(kind, seed).exit in (0, 4)
+
+
+def test_a_rough_end_of_an_interval_at_the_estimate_is_no_endless_loop() -> None:
+    (found,) = tried_lines("allan:counts", 2, [ALL["v_bursts_5"]])
+    assert found.exit == 0
 
 
 @pytest.mark.slow

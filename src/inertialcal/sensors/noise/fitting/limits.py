@@ -237,7 +237,7 @@ def end_of(
         return first, stretch
     bread = sandwich(problem, there, covariance_of_runs(problem, there))
     stretch = float(bread.stretch[column_of(there, at)])
-    return crossing(rise, first, target * stretch, furthest), stretch
+    return crossing(rise, first or step, target * stretch, furthest), stretch  # a rough root may be zero
 
 
 def column_of(fitted: Fitted, at: int) -> int:
