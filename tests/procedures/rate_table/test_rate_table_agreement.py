@@ -113,6 +113,18 @@ def test_one_reading(runs: int, off: float, severity: str) -> None:
     assert [(one.code, one.severity, one.where) for one in remarks] == [("reading_disagrees", severity, "t.csv:5")]
 
 
+@pytest.mark.parametrize(("rates", "limit"), [((2, 5, 10), 9.0), ((2, 5, 10), 7.5), ((1, 2, 3, 5, 6), 5.5),
+                                              ((1, 2, 3, 4, 5, 8, 10), 6.0)])  # fmt: skip
+@pytest.mark.parametrize("runs", [1, 5])
+def test_means_that_saturate(rates: tuple[float, ...], limit: float, runs: int) -> None:
+    """The highest rate, or the two highest, both ways; other axes are not touched. One run shows what is large."""
+    both = np.radians([*(-rate for rate in reversed(rates)), *rates])
+    readings = campaign(runs=runs, rates=both)
+    clipped = np.clip(readings.outputs["y"], -np.radians(limit), np.radians(limit))
+    remarks = found(replace(readings, outputs=readings.outputs | {"y": clipped}))
+    assert [(one.code, one.axis) for one in remarks] == [("saturated", "y")]
+
+
 def test_readings_that_are_the_applied_rates() -> None:
     """A column of commanded rates is no reading."""
     readings = campaign(runs=1, axes="x")

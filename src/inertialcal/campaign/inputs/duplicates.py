@@ -11,6 +11,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations, groupby
 
+import numpy as np
+
 from ...core.errors import Problem
 from ...core.key import AXES
 from ...core.recording import Recording
@@ -20,6 +22,7 @@ from ...signals.time.samples import Flags
 from ..file.recordings import RecordingEntry, table_of
 
 CODE = "duplicate_recording"
+APPLIED = "applied"  # role of a channel
 WHY = "the same readings would count twice"
 DO = "Leave one of them out, or name the right file"
 ROWS = 4  # that must be equal, one after the other
@@ -55,9 +58,15 @@ class Content:
 
 
 def content_of_recording(name: str, entry: RecordingEntry, raw: Recording, chosen: Flags | None) -> Content:
-    """Return what a recording holds: its axes as stored, where a test takes them."""
+    """Return what a recording holds: its axes as stored, where a test takes them.
+
+    Columns that hold the applied quantity are equal in all recordings; the procedure remarks on them.
+    """
     channels = entry.channels or {}
     columns = [raw.channel(channels[axis].column).data for axis in AXES if axis in channels]
+    applied = raw.channel(channels[APPLIED].column).data if APPLIED in channels else None
+    if applied is not None and any(np.array_equal(column, applied) for column in columns):
+        return Content(name, entry.file)
     return Content(name, entry.file, fingerprints(columns, chosen))
 
 

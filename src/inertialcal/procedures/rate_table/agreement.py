@@ -25,6 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.estimate import Array
 from ...core.key import AXES
 from ...core.remarks import Remark, Severity
 from ...statistics.agreement import FALSE_ALARM, disagreeing, repeated_median_line, robust_scale
@@ -40,6 +41,9 @@ LIKE = 0.2  # relative difference of largest rates up to which runs are compared
 SAME_RATE = 0.005  # of the largest rate
 ENOUGH = 3  # readings at a rate that tell what a reading there should be
 FEW = 5  # runs below which the scatter between the runs about other axes counts as well
+CLIPPED = 0.01  # of the largest rate: what a saturated mean misses at least
+CUBIC = 0.4  # part of what a cubic bend, which misses a share at the highest rate, misses at the next one
+HELD = 0.1  # step of the readings from there to the highest, over that of the rates
 SURE = 30.0  # degrees of freedom from which a scale stands for itself
 EQUAL = 1e-9  # relative difference of numbers that are copies
 EFFICIENCY = 0.64  # of a repeated median
@@ -64,7 +68,12 @@ def agreement(plan: Plan, readings: Readings) -> list[Remark]:
     if copies:
         return copies
     judged = _Judged(plan, readings, runs)
-    return [*judged.against_nominal(), *judged.against_others(), *judged.single_readings()]
+    return [
+        *judged.saturated(),
+        *judged.against_nominal(),
+        *judged.against_others(),
+        *judged.single_readings(),
+    ]
 
 
 def _runs(readings: Readings) -> list[Run]:
@@ -76,8 +85,10 @@ def _runs(readings: Readings) -> list[Run]:
         at = np.flatnonzero((recording == name) & (run == label) & (readings.axis == axis))
         several = np.count_nonzero(recording == name) > len(at)
         said = [str(name)] if name else []
-        if label or several or not said:
-            said.append(f"run {label} about {axis}" if label else f"about {axis}")
+        if label not in ("", name):
+            said.append(f"run {label} about {axis}")
+        elif several or not said:
+            said.append(f"about {axis}")
         found.append(Run(", ".join(said), readings.where[at[0]] if readings.where else "", str(axis), at))
     return found
 
@@ -87,12 +98,14 @@ def _copies(readings: Readings, run: Run) -> Iterator[Remark]:
     x = readings.applied[run.at]
     if len(np.unique(x)) < ENOUGH:
         return
-    for sensor, output in readings.outputs.items():
-        y = output[run.at]
-        if np.isfinite(y).sum() >= ENOUGH and np.nanmax(np.abs(y - x)) <= EQUAL * np.max(np.abs(x)):
-            what = f"{sensor} holds the rates of the table, digit by digit: no sensor reads without error"
-            do = "Give the column with the readings of the sensor"
-            yield Cause("copy_of_applied", what, do).remark(run.name, run.place, sensor)
+    outputs = {sensor: y[run.at] for sensor, y in readings.outputs.items()}
+    read = {sensor: y for sensor, y in outputs.items() if np.isfinite(y).sum() >= ENOUGH}
+    copies = [sensor for sensor, y in read.items() if np.nanmax(np.abs(y - x)) <= EQUAL * np.max(np.abs(x))]
+    if copies:
+        holds = f"{' and '.join(copies)} hold{'s' * (len(copies) == 1)}"
+        what = f"{holds} the rates of the table, digit by digit: no sensor reads without error"
+        do = "Give the columns with the readings of the sensor"
+        yield Cause("copy_of_applied", what, do).remark(run.name, run.place, copies[0])
 
 
 class _Judged:
@@ -176,7 +189,7 @@ class _Judged:
     def against_nominal(self) -> Iterator[Remark]:
         """Yield what reads something else than the rate of the table."""
         for axis in dict.fromkeys(run.axis for run in self.runs):
-            mine = [i for i, run in enumerate(self.runs) if run.axis == axis]
+            mine = [i for i, run in enumerate(self.runs) if run.axis == axis and not self.named[i]]
             causes = {i: self._cause(i) for i in mine}
             bad = {i: cause for i, cause in causes.items() if cause is not None}
             self.named[list(bad)] = True
@@ -245,6 +258,47 @@ class _Judged:
             if not own:
                 code, do = "axes_disagree", "Check how the unit was mounted in this run, or leave it out"
             yield Cause(code, what, do).remark(self.runs[i].name, self.runs[i].place, sensor, severity)
+
+    def saturated(self) -> Iterator[Remark]:
+        """Yield runs that follow the lower rates and not the highest ones, both ways: their means saturate."""
+        for k, one in enumerate(self.sets):
+            axis = self.runs[one[0]].axis
+            ends = self._saturated(k, axis) if axis in self.sensors else None
+            if ends is not None:
+                self.named[one] = True
+                name = f"all {len(one)} runs about {axis}" if len(one) > 1 else self.runs[one[0]].name
+                low, high = np.degrees(ends)
+                what = f"{axis} follows the lower rates, and at the highest reads {low:+.5g} and {high:+.5g} deg/s only"
+                do = "Leave the highest rates out, or give the range of the sensor"
+                cause = Cause("saturated", f"{what}: it saturates", do)
+                yield cause.remark(name, self.runs[one[0]].place, axis)
+
+    def _saturated(self, k: int, axis: str) -> Array | None:
+        """Return the readings at the highest rates both ways, where they saturate; None elsewhere."""
+        at = np.concatenate([self.runs[i].at for i in self.sets[k]])
+        at = at[np.isfinite(self.off[axis][at])]
+        x, y, off = self.applied[at], self.outputs[axis][at], self.off[axis][at]
+        ends, least, step, others, bend = [], np.inf, 0.0, 0.0, 0.0
+        for way in (-1.0, 1.0):
+            rates = way * np.unique(np.abs(x[np.sign(x) == way]))[::-1]
+            if len(rates) < 2 or len(np.unique(np.abs(x))) < ENOUGH:
+                return None
+            (top, top_off), (lower, lower_off) = (
+                (float(np.median(y[x == rate])), float(np.median(off[x == rate]))) for rate in rates[:2]
+            )
+            ends.append(top)
+            least = min(least, -way * top_off)
+            others, bend = max(others, abs(lower_off)), max(bend, (rates[1] / rates[0]) ** 3)
+            step = max(step, abs((top - lower) / (rates[0] - rates[1])))
+        largest, fitted = float(np.max(np.abs(x))), 2 * len(self.sets[k])
+        inner = [off[np.abs(x) < (1.0 - SAME_RATE) * rate] for rate in (abs(rates[1]), largest)]
+        rest = next((one for one in inner if len(one) > fitted), None)
+        if rest is None:
+            return None
+        dof = float(len(rest) - fitted)
+        noise = float(np.sqrt(np.sum(rest**2) / dof)) * t_quantile(dof, 1.0 - FALSE_ALARM / 10.0)
+        clear = least > max(CLIPPED * largest, noise)
+        return np.array(ends) if clear and (others < CUBIC * bend * least or step < HELD) else None
 
     def single_readings(self) -> Iterator[Remark]:
         """Yield readings that are off the line of their run, unlike the others at their rate."""
