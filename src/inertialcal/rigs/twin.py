@@ -73,7 +73,7 @@ class Fault:
         Settings of the bench that differ.
     expects : {"named", "refused", "covered"}
         A remark, reason or refusal with the code that names a spoiled recording; a refusal with the code; intervals
-        that hold the truth all the same.
+        that hold the truth all the same, or, where there is a code, that code.
     also : tuple of str
         Other codes that name it, on some rigs or at some sizes.
     size : float, optional
@@ -109,7 +109,8 @@ class Fault:
     def expected(self) -> str:
         """What is expected, in words: ``"refused: overlap"``, ``"remark: glitch"``, ``"intervals hold"``."""
         codes = " or ".join(self.codes)
-        return {"refused": f"refused: {codes}", "named": f"named: {codes}", "covered": "intervals hold"}[self.expects]
+        covered = f"intervals hold, or named: {codes}" if codes else "intervals hold"
+        return {"refused": f"refused: {codes}", "named": f"named: {codes}", "covered": covered}[self.expects]
 
     @property
     def default(self) -> str:

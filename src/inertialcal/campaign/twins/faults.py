@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import tempfile
 import tomllib
-from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -20,7 +19,7 @@ from ..calls.call import campaign_of
 from ..engine.run import reduce_campaign, run
 from ..file.load import Campaign
 from ..inputs.sources import Memory
-from .twin import spoiled_names, write_twin
+from .twin import write_twin
 
 SHARE = 0.95  # of the campaigns in which a fault must be named: 57 of 60
 
@@ -92,7 +91,7 @@ def names_fault(fault: Fault, spoiled: Sequence[str], brought: Brought) -> bool:
         What the campaign brought up.
     """
     texts = [(one.code, f"{one.where} {one.what} {one.why}") for one in brought.problems]
-    if fault.expects == "named":
+    if fault.expects != "refused":
         texts += [(one.code, f"{one.where} {one.what} {one.subject}") for one in brought.remarks]
         texts += [] if spoiled else brought.reasons
     return any(code in fault.codes and (not spoiled or any(name in said for name in spoiled)) for code, said in texts)
@@ -129,20 +128,3 @@ class Named:
     def interval(self) -> tuple[float, float]:
         """Exact 95 % binomial interval of the rate."""
         return binomial_interval(self.hits, self.n, 0.95)
-
-
-def count_named(
-    make: Callable[[int], Twin], fault: Fault, n: int, first: int, tell: Callable[[int, int, str], None]
-) -> Named:
-    """Return how many campaigns of seeds in a row name a fault as its entry expects."""
-    hits, others = 0, Counter[str]()
-    for seed in range(first, first + n):
-        tell(seed - first, n, f"seed {seed}")
-        twin = make(seed)
-        brought = brought_by(twin)
-        if names_fault(fault, spoiled_names(twin), brought):
-            hits += 1
-        else:
-            others[brought_text(brought)] += 1
-    tell(n, n, "done")
-    return Named(hits, n, dict(others.most_common()))

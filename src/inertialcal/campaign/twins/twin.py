@@ -134,6 +134,13 @@ def write_twin(twin: Twin, folder: Path) -> Written:
     return Written(folder, tuple(twin.recordings), seal, twin.fault, twin.size)
 
 
+def truth_of(twin: Twin) -> Truth:
+    """Return the truth behind a simulated campaign that is not written."""
+    return Truth(
+        twin.truth, twin.rig, twin.seed, twin.fault, "", twin.size, tuple(spoiled_names(twin)), twin.errors
+    )  # fmt: skip
+
+
 def truth_text(twin: Twin) -> str:
     """Return the content of ``truth.json``."""
     head = {"schema": 3, "rig": twin.rig, "seed": twin.seed, "fault": twin.fault, "size": twin.size}

@@ -198,7 +198,7 @@ def _fault(rig: str, fault: str, n: int, first: int, as_json: bool, quiet: bool)
 def _counted(found: FaultScore, lo: float, hi: float, first: int) -> str:
     """Return the lines below the table of a fault over many seeds."""
     named, size = found.named, f" = {found.size}" if found.size else ""
-    did = {"covered": "reduced", "named": "named", "refused": "refused"}[found.fault.expects]
+    did = {"covered": "did", "named": "named", "refused": "refused"}[found.fault.expects]
     others = [f"  {count} x {what}" for what, count in named.others.items()]
     return "\n".join(
         [

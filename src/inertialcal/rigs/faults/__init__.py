@@ -69,8 +69,8 @@ FAULTS: dict[str, Fault] = {
         tests=SAMPLED, spoil=logger.lost_samples,
     ),
     "backward_stamps": Fault(
-        "the clock is set back in the middle", "time_backwards", size=50.0, unit="samples", least=1.0, most=1e6,
-        tests=SAMPLED, spoil=logger.backward_stamps,
+        "the clock is set back in the middle", "time_backwards", also=("time_goes_back",), size=50.0,
+        unit="samples", least=1.0, most=1e6, tests=SAMPLED, spoil=logger.backward_stamps,
     ),
     "wrong_sample_rate": Fault(
         "stamps are this many times too far apart", "sample_rate_disagrees",
@@ -80,7 +80,7 @@ FAULTS: dict[str, Fault] = {
     "scaled": Fault(
         "all readings are this many times too large", "beyond_range",
         also=("impossible_acceleration", "impossible_rate", "unit_slip", "magnitude"), size=1e3, unit="times",
-        least=1e-9, most=1e9, tests=(STILL, HAND), spoil=logger.scaled,
+        least=1e-9, most=1e9, tests=(HAND,), spoil=logger.scaled,
     ),
     "grouped_digits": Fault(
         'numbers from 1,000 on are written as "1,242"', "grouped_digits", expects="refused", tests=(MASS,),
@@ -117,12 +117,12 @@ FAULTS: dict[str, Fault] = {
         spoil=sense.sign_change,
     ),
     "axes_change": Fault(
-        "x and y are exchanged from the middle on", "axes_changed", tests=(TABLE, HAND, TURN),
+        "x and y are exchanged from the middle on", "axes_changed", also=("axes_disagree",), tests=(TABLE, HAND, TURN),
         spoil=sense.axes_change,
     ),
     "sensor_change": Fault(
         "another unit is read from the middle on: axes in another order, levels off", "axes_changed",
-        also=("level_step", "unit_changed", "scale_changed"), size=20.0, unit="sigma", least=0.0,
+        also=("axes_disagree", "level_step", "unit_changed", "scale_changed"), size=20.0, unit="sigma", least=0.0,
         tests=(TABLE, HAND, TURN), spoil=sense.sensor_change,
     ),
     "run_in_rad_s": Fault(
@@ -169,7 +169,7 @@ FAULTS: dict[str, Fault] = {
         most=20.0, tests=(FACES,), spoil=bench.face_error,
     ),
     "ambient_drift": Fault(
-        "the ambient acceleration changes steadily", "control_axis_not_zero", size=3.0, unit="ug/h", tests=(TURN,),
+        "the ambient acceleration changes steadily", expects="covered", size=3.0, unit="ug/h", tests=(TURN,),
         spoil=bench.ambient_drift,
     ),
     "wrong_label": Fault(

@@ -94,6 +94,6 @@ FAULTS: dict[str, Fault] = {
     "wrong_gate": Fault(
         "pulses were counted for 100 s, but the campaign states 10 s", "gate_disagrees", {"gate_said": 10.0}
     ),
-    "wooden": Fault("the cubes are of wood", "below_floor", {"lighter": 0.05}),
+    "wooden": Fault("the cubes are of wood", "below_floor", {"lighter": 0.05}, "covered"),
     "overlap": Fault("the mass stands where the instrument is", "overlap", {"stand_off_said": -0.02}),
 }
