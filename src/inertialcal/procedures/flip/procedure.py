@@ -84,6 +84,12 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
             return readings_of_means_tables(tables)
         return readings_from(plan, [turned_head(one) for one in sources])
 
+    def agreement(self, plan: Plan, readings: Readings) -> Sequence[Remark]:
+        """Return dwells and flips that disagree with the others."""
+        from .agreement import agreement
+
+        return agreement(plan, readings)
+
     def reduce(self, plan: Plan, readings: Readings) -> Result:
         """Return bias and ambient acceleration."""
         from .reduction import reduce

@@ -111,6 +111,8 @@ class Readings:
         Why a statistic of ``others`` is not there.
     predicted : mapping of str to ndarray, shape (n,)
         Bias that a ground model predicts in each dwell, in axes of the head [m/s^2]; NaN or absent where not given.
+    disagreements : tuple of Remark
+        Changes within recordings that no figure survives.
     """
 
     angle: Array
@@ -125,6 +127,7 @@ class Readings:
     remarks: tuple[Remark, ...] = ()
     reasons: Mapping[str, str] = field(default_factory=dict[str, str])
     predicted: Mapping[str, Array] = field(default_factory=dict[str, Array])
+    disagreements: tuple[Remark, ...] = ()
 
     def __len__(self) -> int:
         """Return the number of dwells."""

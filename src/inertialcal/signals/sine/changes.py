@@ -3,7 +3,7 @@
 *Jumps.* Means of four neighbouring windows of w readings, ``(m_3 - m_2) - (m_4 - m_1) / 3``: two thirds of a jump in
 the middle, nothing of a steady drift. Judged against its own median along all records, for each w, so that white noise
 and random walks set their own limits. What smooth drift leaves falls with the third power of w: windows half as long
-must show as large a jump. What comes back soon is none: windows twice as long must show it too.
+must show the jump as well. What comes back soon is none: windows twice as long must show it too.
 
 *Response.* The amplitude of each cycle, drift taken off: two parts of a record whose means differ, by the scatter of
 cycles in each.
@@ -27,7 +27,11 @@ STEP_PART = 2.0 / 3.0  # of a jump, that shows
 WINDOWS = (1, 2, 4, 8)  # readings
 ROOM = 12  # windows that a record must hold
 INDEPENDENT = 0.25  # of the windows that there is room for: their median scatter counts so many
-SMOOTH = 2.5  # standard deviations by which a jump may look smaller in windows half as long
+SMOOTH = 2.5  # standard deviations by which a jump may look smaller in windows half or twice as long
+SHOWS = (
+    0.35  # of a jump, that windows half as long show, also where it comes within a reading; of smooth drift, an eighth
+)
+CERTAIN = 10.0  # standard deviations that are a jump, wherever it comes
 STAYS = 0.75  # of a jump, that windows twice as long show
 FEWEST_CYCLES = 8  # of a record, in which a change of the response is looked for
 FEW = 3  # cycles of a part
@@ -83,12 +87,17 @@ def jumps(records: Sequence[Array], chance: float) -> list[Jump | None]:
             sign, size = float(np.sign(own[at])), abs(float(own[at]))
             score = size / (limit * max(scale, _scale(own)))
             narrow, wide = (contrasts[v][k] if v in contrasts else None for v in (w // 2, 2 * w))
-            smooth = narrow is not None and not sign * narrow[at] > size - SMOOTH * _scale(narrow)
+            smooth = narrow is not None and sign * narrow[at] < _shown(size, _scale(narrow))
             back = wide is not None and sign * wide[at] < STAYS * size - SMOOTH * _scale(wide)
             one = found[k]
             if score > (1.0 if one is None else one.score) and not smooth and not back:
                 found[k] = Jump(score, at, sign * size / STEP_PART)
     return found
+
+
+def _shown(size: float, noise: float) -> float:
+    """Return what windows half as long must show of a jump."""
+    return min(size - SMOOTH * noise, max(SHOWS * size, CERTAIN * noise))
 
 
 def contrast(x: Array, w: int) -> Array:

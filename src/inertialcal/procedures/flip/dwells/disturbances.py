@@ -20,20 +20,23 @@ from ....core.errors import DataError
 from ....core.key import AXES
 from ....core.recording import SECOND, Recording, Times
 from ....core.remarks import Remark
+from ....core.show.rounding import number
 from ....signals.segmentation.block_statistics import block_statistics
 from ....signals.segmentation.gain_changes import gain_changes
 from ....signals.segmentation.turn_windows import quiet_part
 from ....signals.segmentation.turns import Turns, find_turns
+from ...agreement import unit_mistaken
 from .quiet import Window
 
 BLOCK = 1.0  # [s]
+ALIKE = 0.2  # relative difference of factors that are one
 PART = 0.98  # of a window that is quiet where nothing moves
 LARGEST = 1e6  # [m/s^2], far beyond any accelerometer
 
 
 def disturbances(
     time_ns: Times, channels: Mapping[str, NDArray[np.floating]], windows: Sequence[Window], known_gain: Sequence[str]
-) -> tuple[frozenset[str], tuple[Remark, ...]]:
+) -> tuple[frozenset[str], tuple[Remark, ...], tuple[Remark, ...]]:
     """Look for movements in the windows of a recording, and for changes of gain in all of it.
 
     Parameters
@@ -53,10 +56,14 @@ def disturbances(
         Axes that cannot be read in the recording.
     remarks : tuple of Remark
         Why, and windows that are not quiet.
+    disagreements : tuple of Remark
+        That all axes change by one factor.
     """
     axes = [axis for axis, data in channels.items() if np.isfinite(data).any()]
     changed: dict[str, Remark] = {}
     moved: list[Remark] = []
+    factors: dict[str, float] = {}
+    alike: tuple[Remark, ...] = ()
     try:
         blocks = block_statistics([channels[axis] for axis in axes], BLOCK, time_ns)
         for one in gain_changes(blocks):
@@ -66,11 +73,27 @@ def disturbances(
                 what = f"level and scatter of {axis} change by a factor of {one.level:.3g}: {axis} is not read"
                 do = "Cut the record there (--from, --to), or record the gain as well"
                 changed.setdefault(axis, Remark("gain_changed", "warning", what, when, do=do, axis=axis))
+                factors.setdefault(axis, one.level)
+        alike = _changed_alike(axes, factors, changed)
         turns = find_turns(blocks.of([axis not in changed for axis in axes]))
         moved = [one for window in windows for one in _moved(turns, window)]
     except DataError:
         pass  # no axis remains, or the record is too short to tell what is quiet: `short_record` says so
-    return frozenset(changed), (*changed.values(), *moved)
+    return frozenset(changed), (*changed.values(), *moved), alike
+
+
+def _changed_alike(
+    axes: Sequence[str], factors: Mapping[str, float], changed: Mapping[str, Remark]
+) -> tuple[Remark, ...]:
+    """Return the remark that all axes change by one factor: the unit, or the range of all."""
+    every = np.abs(list(factors.values()))
+    if len(axes) < 2 or len(factors) < len(axes) or float(np.ptp(np.log(every))) > ALIKE:
+        return ()
+    size = float(np.median(every))
+    unit = unit_mistaken(size, "acceleration") or unit_mistaken(size, "angular_rate")
+    what = f"all axes change to {number(size, 3)} times what they were{f': {unit}' if unit else ''}"
+    do = "Cut the record there (--from, --to), and state unit and range of each part"
+    return (Remark("unit_changed" if unit else "scale_changed", "error", what, changed[axes[0]].where, do=do),)
 
 
 def _moved(turns: Turns, window: Window) -> list[Remark]:
