@@ -43,6 +43,18 @@ def test_a_campaign_makes_no_model_and_is_inconclusive(
     assert not (folder / "out" / "model.json").exists()
 
 
+def test_check_says_so_and_ends_with_the_same_status(
+    disagreeing: None, campaign: Callable[..., Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = campaign()
+    assert ended("check", str(folder)) == 4
+    said = capsys.readouterr().out
+    assert WRONG.what in said
+    assert "recordings disagree, no model is made: 1 test, 1 recording" in said
+    assert ended("check", str(folder), "--json") == 4
+    assert json.loads(capsys.readouterr().out)["exit"] == 4
+
+
 def test_what_a_test_disagrees_by_stands_before_why_it_cannot_be_reduced(
     disagreeing: None, campaign: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -130,6 +130,11 @@ class Checked(NamedTuple):
     inputs: dict[str, str]
     remarks: tuple[Remark, ...]
 
+    @property
+    def exit_status(self) -> int:
+        """0, or 4 where a remark is an error."""
+        return EXIT["INCONCLUSIVE"] if any(one.severity == "error" for one in self.remarks) else 0
+
     def parts(self) -> tuple[Block, ...]:
         """Return what is shown: the inputs that can be read, how many remarks."""
         file = self.campaign.file

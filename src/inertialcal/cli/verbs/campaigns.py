@@ -85,17 +85,20 @@ def check(folder: Folder, as_json: Json = False, quiet: Quiet = False) -> int:
     """Judge the inputs of a campaign: the campaign file and every recording it names."""
     from ...campaign.engine.run import check as check_campaign
 
-    campaign, inputs, remarks = check_campaign(folder)
+    checked = check_campaign(folder)
+    campaign, inputs, remarks = checked
     if as_json:
         listed = [{"path": path, "sha256": digest} for path, digest in sorted(inputs.items())]
-        json_out("check", {"inputs": listed, "remarks": [remark.to_dict() for remark in remarks]})
+        content = {"inputs": listed, "remarks": [remark.to_dict() for remark in remarks]}
+        json_out("check", content, checked.exit_status)
     elif not quiet:
         for remark in remarks:
             print(wrapped(str(remark), "    "))
         tests, recordings = len(campaign.file.tests), len(campaign.file.recordings)
         said = f"{tests} test{'s' * (tests != 1)}, {recordings} recording{'s' * (recordings != 1)}"
-        print(clean(f"ok: {said}. Next: inertialcal run {shlex.quote(str(folder))}"))
-    return 0
+        state = "recordings disagree, no model is made" if checked.exit_status else "ok"
+        print(clean(f"{state}: {said}. Next: inertialcal run {shlex.quote(str(folder))}"))
+    return checked.exit_status
 
 
 def init(
