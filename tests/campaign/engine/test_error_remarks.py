@@ -11,6 +11,7 @@ import pytest
 import inertialcal as ic
 from inertialcal.campaign.engine.engine import prepare, reduce_test
 from inertialcal.campaign.file.load import load
+from inertialcal.campaign.models.find import find_model
 from inertialcal.cli.__main__ import main
 from inertialcal.core.errors import DataError
 from inertialcal.core.remarks import Remark
@@ -41,6 +42,9 @@ def test_a_campaign_makes_no_model_and_is_inconclusive(
     assert all(WRONG.what in one["reason"] for one in content["verdicts"] if one["test"])
     assert WRONG.what in content["closed_loop"]["reason"]
     assert not (folder / "out" / "model.json").exists()
+    with pytest.raises(DataError, match="the last run of this campaign gave no model") as error:
+        find_model(folder)
+    assert error.value.problems[0].why == f"first: one.csv: {WRONG.what}"
 
 
 def test_check_says_so_and_ends_with_the_same_status(

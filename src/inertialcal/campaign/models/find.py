@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import os
 from pathlib import Path
 
 from ...core.errors import DataError
 from ...files.models.model_file import ModelFile, load_model_file
+from ...files.source import load
 from ...sensors.model.sensor_model import SensorModel
 from ..outcome.publish import OUT, RESULTS, restore
 
@@ -45,7 +47,8 @@ def _in_folder(folder: Path) -> Path:
         raise DataError(
             "the last run of this campaign gave no model",
             where=str(folder),
-            why="it has no [model], or its model did worse than none on recordings held out",
+            why=_error(folder / OUT / RESULTS)
+            or "it has no [model], or its model did worse than none on recordings held out",
             do=f"Look into {folder / OUT / RESULTS}",
             code="no_model",
         )
@@ -55,3 +58,12 @@ def _in_folder(folder: Path) -> Path:
         do=f"Name a {MODEL}, or type: inertialcal run {folder}",
         code="no_model",
     )
+
+
+def _error(results: Path) -> str:
+    """Return the first error among the remarks of a run; empty where there is none."""
+    try:
+        remarks = json.loads(load(results, document=True).data)["remarks"]
+        return next((f"{one['where']}: {one['what']}" for one in remarks if one["severity"] == "error"), "")
+    except (DataError, ValueError, RecursionError, KeyError, TypeError):
+        return ""
