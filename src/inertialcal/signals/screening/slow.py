@@ -30,13 +30,15 @@ HABIT = 0.25  # length of a hold at another value, of the longest, that makes ho
 WINDOW, WINDOWS, ENOUGH = 16, 512, 8  # samples of a window for the noise, how many at most, and at least
 ROUNDING = 1e-9  # of the largest value: less is no step of a code
 NOISY = 0.6  # standard deviation of the noise, in steps, that a run of a code cannot come from
+ALTERNATES = -0.4  # correlation of a third difference with the next one: -0.75 of noise, above 0 of curves
 CHANCE = 1e-6  # of so long a hold in noise, a record
 JUMP = 4.0  # largest other steps
 LATE = 3.0  # sample intervals from which a step has a gap in it
 BLOCKS, OUTSIDE, INSIDE = 64, 16, 6  # of the record, for the response to the channel
-FOLLOWS = 0.9  # share of the variance of the readings that the channel explains elsewhere
+FOLLOWS = 0.97  # share of the variance of the readings that the channel explains elsewhere
 BEYOND = 5.0  # standard deviations of the rest by which readings leave what the held value explains
-RANGE = 0.2  # of their range elsewhere by which they go on
+BACK = 0.5  # of its range that the channel must come back elsewhere
+RANGE = 0.5  # of their range elsewhere by which they go on
 
 
 @dataclass(frozen=True)
@@ -135,7 +137,8 @@ def _noise(x: NDArray[Any], first: int, last: int) -> str:
         return ""
     third, step = np.diff(rows, n=3, axis=1), float(apart.min())
     sigma = float(np.median(np.sqrt(np.mean(third**2, axis=1) / 20.0))) / step
-    if sigma < NOISY:
+    next_one = np.mean(third[:, 1:] * third[:, :-1], axis=1) / np.maximum(np.mean(third**2, axis=1), 1e-300)
+    if sigma < NOISY or float(np.median(next_one)) > ALTERNATES:
         return ""
     # Chance of one code a sample, at most: step / (sqrt(2 pi) sigma)
     stays = min(1.0 / (np.sqrt(2.0 * np.pi) * sigma), 0.9)
@@ -168,14 +171,20 @@ def _response(x: NDArray[Any], y: NDArray[Any], first: int, last: int) -> str:
     held = held[np.isfinite(held)]
     if np.count_nonzero(good) < OUTSIDE or len(held) < INSIDE or not np.ptp(channel[good]) > 0.0:
         return ""
-    middle, half = float(np.mean(channel[good])), float(np.ptp(channel[good]))
-    fit = np.polynomial.Polynomial.fit((channel[good] - middle) / half, there[good], 2)
-    left = there[good] - fit((channel[good] - middle) / half)
-    rms = float(np.sqrt(np.mean(left**2)))
-    if rms**2 > (1.0 - FOLLOWS) * float(np.var(there[good])):
+    channel, there = channel[good], there[good]
+    middle, swing = float(np.mean(channel)), float(np.ptp(channel))
+    up = float(np.max(channel - np.minimum.accumulate(channel)))
+    down = float(np.max(np.maximum.accumulate(channel) - channel))
+    if min(up, down) < BACK * swing:  # a drift of the readings cannot be told from a response to one ramp
         return ""
-    away = float(np.sqrt(np.mean((held - fit((float(x[first]) - middle) / half)) ** 2)))
-    goes_on = away > BEYOND * rms and float(np.ptp(held)) > RANGE * float(np.ptp(there[good]))
+    powers = np.vander((channel - middle) / swing, 3)
+    terms = np.linalg.lstsq(powers, there, rcond=None)[0]
+    rms = float(np.sqrt(np.mean((there - powers @ terms) ** 2)))
+    if rms**2 > (1.0 - FOLLOWS) * float(np.var(there)):
+        return ""
+    expected = float(np.polyval(terms, (float(x[first]) - middle) / swing))
+    away = float(np.sqrt(np.mean((held - expected) ** 2)))
+    goes_on = away > BEYOND * rms and float(np.ptp(held)) > RANGE * float(np.ptp(there))
     return "the readings go on changing with it" if goes_on else ""
 
 
