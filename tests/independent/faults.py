@@ -273,13 +273,14 @@ def one_reading(case: Case, size: float, rng: np.random.Generator) -> None:
 
 
 def equal_to_applied(case: Case, size: float, rng: np.random.Generator) -> None:
-    """The column of readings is a copy of the commanded rates, about the axis that is turned."""
-
-    def act(table: Table) -> None:
-        for name in table.signals:
-            table.columns[name] = table.columns[table.applied].copy()
-
-    _each(case, act)
+    """The readings along the axis that is turned are a copy of the commanded rates."""
+    for name in case.names:
+        table = case.tables[name]
+        for signal in table.signals:
+            axis = signal[1]
+            rows = table.columns["axis"] == axis if "axis" in table.columns else np.full(len(table), name[0] == axis)
+            table.columns[signal][rows] = table.columns[table.applied][rows]
+    case.spoiled = case.names
 
 
 # Copies

@@ -367,7 +367,7 @@ _TABLE = (
           quieter, issue="changes of noise level"),
     Fault("v_clip_one_side", "saturated below only", 0.03, "", ("positions:slow", "rate_table:three"), RAIL, one_side,
           issue="gyro clipped, 5 % of samples"),
-    Fault("v_four_low", "held at the least value", 4.0, "samples", ("allan:slow", "allan:counts", "flip:six"), RAIL,
+    Fault("v_four_low", "held at the least value", 4.0, "samples", ("allan:slow", "flip:six"), RAIL,
           four_low, issue="saturation from 4 held samples"),
     Fault("v_stuck_50", "one code for so many samples", 50.0, "samples", ("allan:slow", "flip:six"), ("stuck",), stuck,
           issue="stuck codes"),
