@@ -32,6 +32,8 @@ class Driven:
     applied: float | None = None  # Amplitude applied by a schedule [m/s^2]
     u_applied: float | None = None  # Its relative standard uncertainty
     remarks: tuple[Remark, ...] = ()  # On gaps and cycles
+    name: str = ""  # Of the recording
+    where: str = ""  # Its file
 
     @property
     def unit(self) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, cast
 
 from ...core.key import AXES
@@ -11,6 +12,7 @@ from .figures import FIGURES
 from .plan import INFLUENCES, Drive, Plan
 
 if TYPE_CHECKING:
+    from ...core.remarks import Remark
     from ...core.results import Row, WrittenRow
     from ...core.show.rows import Sentence
     from ..entries import EntryKey
@@ -71,11 +73,18 @@ class Sine(Procedure[Plan, "Readings", "Result"]):
                 remarks += list(recording.remarks)
                 for channel in (recording.channel(axis) for axis in AXES if axis in recording.names):
                     if drive is None:
-                        found.append(driven_by_sine(recording, channel, float(plan.period or 0.0), plan.phase))
+                        one = driven_by_sine(recording, channel, float(plan.period or 0.0), plan.phase)
                     else:
                         schedule = source.read_file(drive.schedule, read_schedule)
-                        found.append(driven_by_schedule(recording, channel, schedule, drive.schedule))
+                        one = driven_by_schedule(recording, channel, schedule, drive.schedule)
+                    found.append(replace(one, name=source.name, where=source.file))
         return Readings(tuple(found), tuple(remarks))
+
+    def agreement(self, plan: Plan, readings: Readings) -> Sequence[Remark]:
+        """Return recordings that disagree with the others, jumps, and changes of the response."""
+        from .agreement import agreement
+
+        return agreement(plan, readings)
 
     def reduce(self, plan: Plan, readings: Readings) -> Result:
         """Return the line of each channel."""
