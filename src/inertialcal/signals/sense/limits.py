@@ -53,7 +53,7 @@ LIMITS = {
         ),
         Limit("pressure", -200.0, 1e9, "Pa", "absolute pressure is positive", "deep boreholes: 0.2 GPa"),
         Limit("voltage", -1e3, 1e3, "V", "no converter of a sensor takes 1 kV", "no converter of a sensor takes 1 kV"),
-        Limit("frequency", 0.0, 1e12, "1/s", "a frequency is positive", "no counter counts so fast"),
+        Limit("frequency", -1e12, 1e12, "1/s", "no counter counts so fast", "no counter counts so fast"),  # less a zero
     )
 }  # fmt: skip
 
