@@ -22,6 +22,7 @@ from inertialcal.procedures import BUILT_IN, procedure_of
 from inertialcal.rigs import BUILT_IN as RIG_NAMES
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.faults import FAULTS
+from inertialcal.signals.sense.limits import limits_table
 
 FILE = Path(inertialcal.__file__).parent / "campaign" / "calls" / "nouns.pyi"
 COMMANDS = get_command(app)
@@ -148,6 +149,12 @@ def faults() -> list[str]:
     return lines
 
 
+def limits() -> list[str]:
+    """Return the lines of the table of what sensors can read."""
+    rows = [" | ".join(("", *cells, "")).strip() for cells in limits_table()]
+    return ["| kind | least | largest | why |", "|---|---|---|---|", *rows]
+
+
 def escaped(text: str) -> str:
     """Return text that does not end a cell."""
     return text.replace("|", "\\|")
@@ -156,7 +163,9 @@ def escaped(text: str) -> str:
 def made() -> dict[Path, str]:
     """Return the content of every file, by its path."""
     found = {FILE: text()}
-    found[GATE] = page(GATE.read_text(encoding="utf-8"), {"## Rigs that misbehave": faults()})
+    found[GATE] = page(
+        GATE.read_text(encoding="utf-8"), {"## What is possible": limits(), "## Rigs that misbehave": faults()}
+    )
     for name in BUILT_IN:
         plan = procedure_of(name).plan_type
         marks = {"## Settings": plan}

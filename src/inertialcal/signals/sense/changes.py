@@ -261,8 +261,7 @@ def _by_noise(x: Array, noise: _Noise, names: Sequence[str], factors: Factors) -
     before, after = jump.before, jump.after
     f = unit[0] if unit is not None else _common_factor(jump)
     u_level = np.hypot(after.u, f * before.u)
-    apart = np.abs((f - 1.0) * before.level)
-    informative = apart > CLEAR * u_level
+    informative = np.abs(jump.step) > CLEAR * jump.u
     agrees = np.abs(after.level - f * before.level) <= 6.0 * u_level + 0.1 * np.abs(f * before.level)
     # Channels whose level has to say the same
     enough = 2 if unit is None else 1 if len(columns) < 2 else 0
@@ -519,8 +518,7 @@ def _scaled(jump: _Jump, noise: _Noise, names: Sequence[str], factors: Factors) 
     if not f > 0.0 or abs(np.log(f)) < np.log(1.5):
         return None
     u_level = np.hypot(after.u, f * before.u)
-    step = np.abs((f - 1.0) * before.level)
-    tells = (step > CLEAR * u_level) & (np.abs(after.level) > 5.0 * after.u)
+    tells = (np.abs(jump.step) > CLEAR * jump.u) & (np.abs(after.level) > 5.0 * after.u)
     agrees = np.abs(after.level - f * before.level) <= TIGHT * u_level + RELATIVE * np.abs(f * before.level)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.log(after.scatter / before.scatter)

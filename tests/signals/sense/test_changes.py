@@ -1,0 +1,172 @@
+"""Changes of unit, sign, scale and axis inside a record: each is found where it is, and clean records have none."""
+
+import numpy as np
+import pytest
+
+from inertialcal.signals.sense.changes import changes
+
+N, AT = 3000, 1234
+DEG = 180.0 / np.pi
+BIAS = np.array([0.02, -0.05, 0.03])
+
+
+def still(seed: int = 1, bias: np.ndarray = BIAS, sigma: float = 0.003) -> np.ndarray:
+    return bias + sigma * np.random.default_rng(seed).standard_normal((N, 3))
+
+
+def by_hand(seed: int = 1) -> np.ndarray:
+    """Return gravity in a body that is turned smoothly from rest to rest [m/s^2], shape (N, 3)."""
+    rng = np.random.default_rng(seed)
+    angles = np.zeros((N, 2))
+    for first in range(200, N - 300, 500):
+        s = np.clip((np.arange(N) - first) / 150.0, 0.0, 1.0)
+        angles += rng.uniform(-2.0, 2.0, 2) * (s - np.sin(2 * np.pi * s) / (2 * np.pi))[:, None]
+    a, b = angles.T + np.array([[0.7], [0.4]])
+    up = np.column_stack([np.sin(a), -np.cos(a) * np.sin(b), np.cos(a) * np.cos(b)])
+    return 9.81 * up + [0.1, -0.2, 0.1] + 0.01 * rng.standard_normal((N, 3))
+
+
+def on_table(seed: int = 1) -> tuple[np.ndarray, np.ndarray]:
+    """Return rates of a triad about x, and what was applied [rad/s]."""
+    levels = np.repeat([0.0, -0.2, -0.1, 0.0, 0.1, 0.2], N // 6)
+    applied = np.convolve(levels, np.ones(20) / 20, mode="same")
+    return np.outer(applied, [1.0, 0.003, -0.002]) + 0.1 * still(seed), applied
+
+
+def judged(x: np.ndarray, kind: str = "angular_rate", **more: object) -> tuple:
+    return changes(list(x.T), "xyz"[: x.shape[1]], kind, 0.01, **more)
+
+
+@pytest.mark.parametrize(
+    ("factor", "units"),
+    [(1 / DEG, ("deg/s", "rad/s")), (DEG, ("rad/s", "deg/s")), (1e-3, ("its thousandth", "a unit"))],
+)
+def test_unit_of_a_record_at_rest(factor, units):
+    x = still()
+    x[AT:] *= factor
+    (found,) = judged(x)
+    assert (found.code, found.units, found.channels) == ("unit_changed", units, ("x", "y", "z"))
+    assert found.factor == pytest.approx(factor)
+    assert abs(found.index - AT) < 20
+
+
+def test_unit_without_a_level_shows_in_the_noise_of_two_channels():
+    x = still(bias=np.zeros(3))
+    x[AT:] /= DEG
+    assert [one.code for one in judged(x)] == ["unit_changed"]
+    assert judged(x[:, :1]) == ()  # one channel may be quieter for any reason
+
+
+def test_a_scale_that_is_no_unit():
+    x = still(bias=np.array([3.0, 1.0, -2.0]))
+    x[AT:] *= 2.0
+    (found,) = judged(x)
+    assert (found.code, found.index) == ("scale_changed", AT)
+    assert found.factor == pytest.approx(2.0, rel=0.01)
+
+
+@pytest.mark.parametrize("record", [still, by_hand])
+@pytest.mark.parametrize("axes", [[0, 1, 2], [2]])
+def test_sign(record, axes):
+    x, kind = record(), "angular_rate" if record is still else "acceleration"
+    x[AT:, axes] *= -1.0
+    (found,) = judged(x, kind)
+    assert (found.code, found.index, found.channels) == ("sign_changed", AT, tuple("xyz"[i] for i in axes))
+
+
+@pytest.mark.parametrize("order", [(1, 2, 0), (1, 0, 2)])
+def test_axes(order):
+    x = by_hand()
+    x[AT:] = x[AT:, list(order)]
+    (found,) = judged(x, "acceleration")
+    assert (found.code, found.index) == ("axes_changed", AT)
+    assert found.sources == tuple("xyz"[i] for i in order)
+    assert "x goes on as y" in found.remark("row {}".format).what
+
+
+def test_axes_of_another_sensor_have_another_bias():
+    x = still(sigma=0.001)
+    x[AT:] = x[AT:, [1, 2, 0]] + 0.07
+    (found,) = judged(x)
+    assert (found.code, found.sources) == ("axes_changed", ("y", "z", "x"))
+
+
+@pytest.mark.parametrize(
+    ("change", "code"),
+    [
+        (lambda x: -x, "sign_changed"),
+        (lambda x: x * DEG, "unit_changed"),
+        (lambda x: x[:, [2, 0, 1]], "axes_changed"),
+        (lambda x: 1.8 * x, "scale_changed"),
+    ],
+)
+def test_response_to_an_applied_rate(change, code):
+    x, applied = on_table()
+    assert judged(x, applied=applied, at_rest=False) == ()
+    x[AT:] = change(x[AT:])
+    (found,) = judged(x, applied=applied, at_rest=False)
+    assert found.code == code
+    assert abs(found.index - AT) <= 20
+
+
+def test_remark_says_where_and_what():
+    x = still()
+    x[AT:] /= DEG
+    (found,) = judged(x)
+    remark = found.remark(lambda index: f"file.csv:{index}")
+    assert (remark.code, remark.severity, remark.where) == ("unit_changed", "error", f"file.csv:{found.index}")
+    assert "from deg/s to rad/s" in remark.what
+
+
+@pytest.mark.parametrize("kind", ["turn", "shake", "fall", "step", "spike", "gap", "quiet", "zeros", "coarse", "slow"])
+def test_what_is_no_change_of_sense(kind):
+    rng = np.random.default_rng(3)
+    x, unit, more = still(), "angular_rate", {}
+    if kind == "turn":
+        x, unit = by_hand(), "acceleration"
+    elif kind == "shake":  # lies still, then is moved
+        x[AT:] += 0.5 * rng.standard_normal((N - AT, 3)) * [1.0, 2.0, 0.7]
+    elif kind == "fall":
+        x, unit = by_hand(), "acceleration"
+        x[AT:] = 0.01 * rng.standard_normal((N - AT, 3)) + [0.1, -0.2, 0.1]
+    elif kind == "step":
+        x[AT:] += [0.1, 0.0, 0.0]
+    elif kind == "spike":
+        x[AT] = -x[AT] * 100.0
+    elif kind == "gap":  # laid on the other side meanwhile
+        x, unit = by_hand(), "acceleration"
+        x[AT:] *= -1.0
+        more = {"breaks": np.arange(N) == AT}
+    elif kind == "quiet":  # the noise alone is less
+        x[AT:] = BIAS + (x[AT:] - BIAS) / DEG
+    elif kind == "zeros":
+        x[AT:] = 0.0
+    elif kind == "coarse":
+        x = 0.05 * np.rint(x / 0.05)
+    elif kind == "slow":  # an accelerometer of 1 Hz may be turned between two samples
+        x, unit = by_hand(), "acceleration"
+        x[AT:] *= -1.0
+        assert changes(list(x.T), "xyz", unit, 1.0) == ()
+        return
+    assert judged(x, unit, **more) == ()
+
+
+def test_a_long_record_is_averaged():
+    n = 500_000
+    rng = np.random.default_rng(5)
+    x = [(b + 0.003 * rng.standard_normal(n)).astype(np.float32) for b in BIAS]
+    for one in x:
+        one[300_000:] *= -1.0
+    (found,) = changes(x, "xyz", "angular_rate", 0.01)
+    assert found.code == "sign_changed"
+    assert abs(found.index - 300_000) < 40
+
+
+def test_missing_samples_and_short_records():
+    x = still()
+    x[AT:] *= -1.0
+    x[::7, 1] = np.nan
+    (found,) = judged(x)
+    assert found.code == "sign_changed"
+    assert judged(x[:30]) == ()
+    assert changes([], "") == ()
