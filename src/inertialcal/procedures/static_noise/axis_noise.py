@@ -48,8 +48,8 @@ SPOILED = {
     "noise_change": "the noise changes within the record",
 }  # what changes all terms
 SLOW = {
-    "level_step": "the level steps within the record: that feigns slow terms",
-    "slow_wave": "a slow wave runs through the record: that feigns slow terms",
+    "level_step": "a step of the level feigns slow terms",
+    "slow_wave": "a slow wave feigns slow terms",
 }  # what changes terms of long averaging times
 FAST = ("quantization", "random_walk")  # terms that it does not
 LEVELS = {"gyro": ("rad/s", "deg/h"), "accelerometer": ("m/s^2", "ug")}  # inside, and as people say a drift of bias

@@ -38,7 +38,7 @@ class Plan:
     lines: bool = setting("Find lines in the spectrum and include them in the fit.", True)
     warm_up: float = setting("Time left out at the start of each record.", 0.0, unit="s", example="600 s")
     disturbed: Literal["leave_out", "keep"] = setting(
-        "Samples in disturbances, stuck or at the end of the range.", "leave_out"
+        "Samples that are no readings: glitches, disturbances, stuck, saturated or repeated ones.", "leave_out"
     )
     spectrum: Method = setting("Estimator of the spectrum.", "welch")
     segment: float | None = setting(

@@ -33,6 +33,7 @@ FALSE_ALARM = 5e-4  # of changes of the noise, and of waves, a record
 STEP_ALARM = 1e-3  # of steps
 NARROW = 60  # windows of the widest step in a record
 NARROWEST = 4  # blocks that the noise is averaged over
+EVEN = 0.37  # scatter of the logarithm of the noise from window to window, from which it is nearly normal
 FEWEST = 24  # blocks
 SAMPLED = 2**11  # values that a scatter is taken from
 MAD = 0.6745  # median of |x| of normal noise
@@ -86,13 +87,15 @@ def noise_changes(rough: Array, step: float) -> tuple[Change, ...]:
         return ()
     y = np.log(np.maximum(rough, 1e-3 * float(np.median(rough))))
     sums = _sums(y)
-    narrow = _apart(sums, NARROWEST)
-    scale = _scatter(narrow) * np.sqrt(NARROWEST)  # of a difference of two blocks
+    narrow = NARROWEST
+    while (spread := _scatter(_apart(sums, narrow))) > EVEN and 8 * narrow <= b:
+        narrow *= 2  # until a filter, which makes neighbours alike, leaves enough that are independent
+    scale = spread * np.sqrt(narrow)  # of a difference of two blocks
     if not scale > 0.0:
         return ()
-    widths = _doubling(NARROWEST, b // 4)
+    widths = _doubling(narrow, b // 4)
     tests = sum(2.0 * b / w for w in widths)
-    limit = float(t_upper(0.5 * FALSE_ALARM / tests, _dof(b / NARROWEST)))
+    limit = float(t_upper(0.5 * FALSE_ALARM / tests, _dof(b / narrow)))
     found: list[Change] = []
     cuts = [0, b]
     while len(found) < MOST:

@@ -30,14 +30,17 @@ def loops(samples: int) -> Any:
     return _kernels
 
 
-def _per_block(
-    x: NDArray[Any], bits: NDArray[Any], size: int, flip: Any, good: Flags
-) -> tuple[NDArray[Any], NDArray[Any], Array, Array, NDArray[Any], NDArray[Any]]:
-    """Return what ``fill_patched`` fills, of all blocks: of their good samples alone."""
-    starts, info = np.arange(0, len(x), size), np.iinfo(bits.dtype)
+def _extremes(bits: NDArray[Any], size: int, flip: Any, good: Flags) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Return the least and largest good sample of each block, as sorted bits."""
+    starts, info = np.arange(0, len(bits), size), np.iinfo(bits.dtype)
     key = bits ^ ((bits >> (8 * bits.itemsize - 1)) & flip)
     lo = np.minimum.reduceat(np.where(good, key, info.max), starts)
-    hi = np.maximum.reduceat(np.where(good, key, info.min), starts)
+    return lo, np.maximum.reduceat(np.where(good, key, info.min), starts)
+
+
+def _moments(x: NDArray[Any], size: int, good: Flags) -> tuple[Array, Array, NDArray[Any], NDArray[Any]]:
+    """Return mean, half the mean squared step, equal steps and number of the good samples of each block."""
+    starts = np.arange(0, len(x), size)
     count = np.add.reduceat(good.astype(np.int64), starts)
     first = np.minimum.reduceat(np.where(good, np.arange(len(x)), len(x)), starts)
     values = np.where(good, x, 0.0).astype(np.float64)
@@ -51,7 +54,7 @@ def _per_block(
     mean = np.where(count > 0, level + np.add.reduceat(off, starts) / np.maximum(count, 1), np.nan)
     rough = 0.5 * np.add.reduceat(np.where(pair, step, 0.0) ** 2, starts) / np.maximum(pairs, 1)
     same = np.add.reduceat((pair & (step == 0.0)).astype(np.int64), starts)
-    return lo, hi, mean, np.where(pairs > 0, rough, np.nan), same, count
+    return mean, np.where(pairs > 0, rough, np.nan), same, count
 
 
 def _off_median(x: NDArray[Any], at: Indices) -> Array:
@@ -80,10 +83,10 @@ class Loops:
     ) -> int:  # fmt: skip
         """Fill what each block holds; 0 samples where some are not finite. Return how many blocks these are."""
         good = np.isfinite(x)
-        lo[:], hi[:] = _per_block(x, bits, size, flip, np.ones(len(x), dtype=bool))[:2]
+        lo[:], hi[:] = _extremes(bits, size, flip, np.ones(len(x), dtype=bool))
         whole = np.logical_and.reduceat(good, np.arange(0, len(x), size))
         outs: tuple[NDArray[Any], ...] = (mean, rough, same, count)
-        for out, found in zip(outs, _per_block(x, bits, size, flip, good)[2:], strict=True):
+        for out, found in zip(outs, _moments(x, size, good), strict=True):
             out[whole] = found[whole]
         count[~whole] = 0
         rough[np.isnan(rough) & whole] = 0.0
@@ -98,7 +101,7 @@ class Loops:
         good = np.isfinite(x)
         good[skip] = False
         outs: tuple[NDArray[Any], ...] = (lo, hi, mean, rough, same, count)
-        for out, found in zip(outs, _per_block(x, bits, size, flip, good), strict=True):
+        for out, found in zip(outs, (*_extremes(bits, size, flip, good), *_moments(x, size, good)), strict=True):
             out[which] = found[which]
 
     @staticmethod

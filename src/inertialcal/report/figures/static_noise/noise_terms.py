@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 from ....core.estimate import Array
 from ....core.results import case_of
 from ....core.show.rounding import with_uncertainty
-from ....core.show.rows import reason_text
+from ....core.show.rows import reason_code, reason_text
 from ....core.show.wording import words
 from ....sensors.noise.terms import GaussMarkov, quantity_name
 from ..drawing.data import Curve, numbers, unit
@@ -41,6 +41,7 @@ ALIKE = SIZES | {  # the field's words by kind of sensor
 OTHER: dict[str, Any] = {"color": COLOURS["quiet"], "linestyle": (0, (1, 2))}
 WHOLE: dict[str, Any] = {"color": COLOURS["vermilion"], "linewidth": 1.6}
 LONGEST = 120  # characters of a finding: two lines
+FEIGNED = ("level_step", "slow_wave")  # codes of reasons for which slow terms are not estimated
 NAMED = 2  # terms in a finding with their figures: two lines of it
 DOTS: tuple[dict[str, Any], ...] = (
     {"marker": "o", "color": COLOURS["blue"], "markersize": 3.6},
@@ -124,18 +125,22 @@ def _positive(values: Array) -> Array:
 def finding(results: Mapping[str, Any], test: str, axis: str, otherwise: str) -> str:
     """Return the finding: the terms of an axis with their uncertainty; ``otherwise`` where none is known.
 
-    Where the terms do not hold, that is the finding: a row says so.
+    Where the terms do not hold, or a step or a wave feigns some of them, that is the finding: a row says so.
     """
+    own = [
+        row for row in results.get("results", []) if (row["test"], row["axis"]) == (test, axis) and case_of(row).plain
+    ]
     mine = [
         (term, row)
-        for row in results.get("results", [])
-        if (row["test"], row["axis"], row["status"]) == (test, axis, "estimated") and case_of(row).member is None
+        for row in own
+        if row["status"] == "estimated"
         if (term := ALIKE.get(str(row["quantity"]), str(row["quantity"]))) in STROKES
     ]
     doubt = next((reason for _, row in mine if (reason := reason_text(row))), "")
     sized = [f"{_size(row)} {with_uncertainty(row['value'], row['u'])} {plain(row['unit'])}" for _, row in mine]
     others = [_size(row) for _, row in mine[NAMED:]]
-    said = doubt or ", ".join([*sized[:NAMED], *others]) or otherwise
+    feigned = dict.fromkeys(reason_text(row) for row in own if reason_code(row) in FEIGNED)
+    said = doubt or ", ".join([*sized[:NAMED], *others, *feigned]) or otherwise
     return f"{plain(axis)}: {plain(said, LONGEST)}"
 
 
