@@ -188,7 +188,7 @@ def _start_of_turns(problem: Problem, scale_known: bool) -> Array:
     return scale * np.eye(3)
 
 
-def judged_scale(W: Array, determined: NDArray[np.bool_], unit: str, stated: bool) -> list[Remark]:
+def judged_scale(W: Array, determined: NDArray[np.bool_], unit: str, stated: bool, where: str = "") -> list[Remark]:
     """Return the remark that rotations do not close, where readings in known units are off by a factor.
 
     Parameters
@@ -201,6 +201,8 @@ def judged_scale(W: Array, determined: NDArray[np.bool_], unit: str, stated: boo
         Of the readings of the gyros.
     stated : bool
         Whether the ideal scale factor is known: by the unit or by the plan.
+    where : str
+        Recording, and the first position in it.
 
     Raises
     ------
@@ -217,15 +219,15 @@ def judged_scale(W: Array, determined: NDArray[np.bool_], unit: str, stated: boo
     if min(abs(np.log(factor / DEGREE)), abs(np.log(factor * DEGREE))) < np.log(1.0 + MUCH):
         other = "deg/s" if factor < 1.0 else "rad/s"
         do = f'State the unit: --unit gyro={other}, or unit = "{other}" of the channels in campaign.toml'
-        raise DataError(size, why=f"these are readings in {other}", do=do, code="unit_slip")
+        raise DataError(size, where=where, why=f"these are readings in {other}", do=do, code="unit_slip")
     for ratio in (2.0, 0.5, 4.0, 0.25):
         if abs(np.log(factor / ratio)) < np.log(1.1):
             way = f"{ratio:g} times too high" if ratio > 1.0 else f"{1.0 / ratio:g} times too low"
             what = f"{size}: the sample rate is probably {way}"
             do = "Check the sample rate; for known turns, their angle"
-            return [Remark("sample_rate_suspect", "error", what, do=do)]
+            return [Remark("sample_rate_suspect", "error", what, where, do)]
     what = f"{size}: the time axis, the unit or the scale factor of the gyros is wrong ({unit})"
-    return [Remark("rotations_do_not_close", "error", what, do="Check sample rate, stamps and unit")]
+    return [Remark("rotations_do_not_close", "error", what, where, "Check sample rate, stamps and unit")]
 
 
 def remarks_of(result: Result) -> list[Remark]:

@@ -199,6 +199,5 @@ def _gyros(plan: Plan, readings: Readings, acc: Fitted) -> tuple[FittedGyro, lis
     fitted = fit_gyro(plan, readings, acc, ideal, zero, start, north)
     if fitted.rotated is None:
         return fitted, []
-    return fitted, judged_scale(
-        fitted.rotated.W, fitted.rotated.observed.determined[[0, 4, 8]], readings.gyro.unit, known
-    )
+    determined = fitted.rotated.observed.determined[[0, 4, 8]]
+    return fitted, judged_scale(fitted.rotated.W, determined, readings.gyro.unit, known, next(iter(readings.where), ""))
