@@ -103,7 +103,7 @@ def blocks_of(x: NDArray[Any]) -> Blocks:
     mean, rough = np.empty((2, n))
     same, count = np.empty((2, n), dtype=np.int32)
     flip = _flip(x.dtype, bits.dtype)
-    inf = np.array(np.inf, dtype=x.dtype).view(bits.dtype)[()] if flip else bits.dtype.type(0)
+    inf: Any = np.array(np.inf, dtype=x.dtype).view(bits.dtype)[()] if flip else bits.dtype.type(0)
     if loops(len(x)).fill_blocks(x, bits, size, flip, inf, lo, hi, mean, rough, same, count):
         odd = np.flatnonzero(count == 0)
         none = np.empty(0, dtype=np.int64)

@@ -5,13 +5,15 @@ The functions take and fill what those of their names in ``_kernels`` do.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
 from ..time.samples import Flags, Indices
+
+Whole = np.integer[Any]
 
 SHORT = 2**17  # samples
 SUB, SIDE = 16, 15  # samples in which a glitch is looked for at once, and of a running median on each side
@@ -21,16 +23,7 @@ ODD = 0x9E3779B97F4A7C15
 WORD = 0xFFFFFFFFFFFFFFFF
 
 
-def loops(samples: int) -> Any:
-    """Return the loops for a record: those of this module for a short one, else the compiled ones."""
-    if samples <= SHORT:
-        return Loops
-    from . import _kernels  # noqa: PLC0415 - loads the compiler
-
-    return _kernels
-
-
-def _extremes(bits: NDArray[Any], size: int, flip: Any, good: Flags) -> tuple[NDArray[Any], NDArray[Any]]:
+def _extremes(bits: NDArray[Any], size: int, flip: Whole, good: Flags) -> tuple[NDArray[Any], NDArray[Any]]:
     """Return the least and largest good sample of each block, as sorted bits."""
     starts, info = np.arange(0, len(bits), size), np.iinfo(bits.dtype)
     key = bits ^ ((bits >> (8 * bits.itemsize - 1)) & flip)
@@ -78,7 +71,7 @@ class Loops:
 
     @staticmethod
     def fill_blocks(
-        x: NDArray[Any], bits: NDArray[Any], size: int, flip: Any, inf: Any, lo: NDArray[Any], hi: NDArray[Any],
+        x: NDArray[Any], bits: NDArray[Any], size: int, flip: Whole, inf: Whole, lo: NDArray[Any], hi: NDArray[Any],
         mean: Array, rough: Array, same: NDArray[np.int32], count: NDArray[np.int32],
     ) -> int:  # fmt: skip
         """Fill what each block holds; 0 samples where some are not finite. Return how many blocks these are."""
@@ -94,7 +87,7 @@ class Loops:
 
     @staticmethod
     def fill_patched(
-        x: NDArray[Any], bits: NDArray[Any], size: int, flip: Any, which: Indices, skip: Indices, lo: NDArray[Any],
+        x: NDArray[Any], bits: NDArray[Any], size: int, flip: Whole, which: Indices, skip: Indices, lo: NDArray[Any],
         hi: NDArray[Any], mean: Array, rough: Array, same: NDArray[np.int32], count: NDArray[np.int32],
     ) -> None:  # fmt: skip
         """Fill the blocks ``which`` anew, of their finite samples but those of ``skip``."""
@@ -190,3 +183,12 @@ class Loops:
         """Fill the contrast of four windows of w values."""
         a, b, c, d, e = (sums[k * w : k * w + len(out)] for k in range(5))
         out[:] = (4.0 * (d + b) - 6.0 * c - e - a) / (3.0 * w)
+
+
+def loops(samples: int) -> type[Loops]:
+    """Return the loops for a record: those of this module for a short one, else the compiled ones."""
+    if samples <= SHORT:
+        return Loops
+    from . import _kernels  # noqa: PLC0415 - loads the compiler
+
+    return cast("type[Loops]", _kernels)
