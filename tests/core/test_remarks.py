@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from inertialcal.core.remarks import Remark, Severity, gather
+from inertialcal.core.remarks import Remark, Severity, condensed, gather
 
 SKIPPED = Remark("skipped_saves", "warning", "a save was skipped", "rt_x.csv:7", do="Look at the logger")
 
@@ -37,6 +37,18 @@ def test_182_skipped_saves_are_one_line() -> None:
     (line,) = gather(rows)
     assert line.count == 182
     assert line.where == "rt_x.csv:2"
+
+
+def test_many_alike_are_one_line_that_names_the_recordings() -> None:
+    found = [Remark("glitch", "warning", f"{name}: x", f"{name}.csv:7", recording=name) for name in "abcde"]
+    (line,) = condensed(found)
+    assert line.what == "a: x; and the like at 4 other places (a, b, c, d, e)"
+    assert line.count == 5
+
+
+def test_errors_stand_one_by_one() -> None:
+    found = [Remark("sign_disagrees", "error", f"{name}: x", f"{name}.csv") for name in "abcde"]
+    assert condensed(found) == tuple(found)
 
 
 severities: st.SearchStrategy[Severity] = st.sampled_from(["info", "warning", "error"])
