@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...core.key import PLAIN
+from ...core.key import PLAIN, Method
 from ...core.remarks import Remark
 from ...core.show.result_tables import degrees, figure, figure_beside, interval, not_estimated
 from ...core.show.rounding import number
@@ -71,7 +71,8 @@ def _in_doubt(rows: Sequence[Mapping[str, Any]]) -> str:
     """Return a line a reason why figures of axes may not hold."""
     axes: dict[str, dict[str, None]] = {}
     for row in rows:
-        if row["status"] == "estimated" and reason_code(row) == "in_doubt":
+        opened = row["method"] == Method.UNSCREENED
+        if row["status"] == "estimated" and reason_code(row) == "in_doubt" and not opened:
             axes.setdefault(reason_text(row), {})[row["axis"]] = None
     return "\n".join(f"  {reason} ({', '.join(found)})" for reason, found in axes.items())
 
