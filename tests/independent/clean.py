@@ -22,12 +22,14 @@ MOST = 9  # of 900 (issue 20)
 # Remarks and refusals of issue 20. Those of the files (gaps, clocks) stood before it and count here too.
 CODES = {
     "glitch", "disturbed", "saturated", "stuck", "repeated", "repeated_samples", "missing", "level_step",
-    "noise_change", "slow_wave", "gaps", "time_backwards", "time_goes_back", "unsorted_stamps",
-    "impossible_temperature", "impossible_acceleration", "impossible_angular_rate", "impossible_pressure",
-    "impossible_voltage", "beyond_range", "unit_changed", "sign_changed", "scale_changed", "axes_changed",
-    "sign_disagrees", "unit_disagrees", "axes_disagree", "sample_rate_disagrees", "sample_rate_suspect",
-    "gain_disagrees", "reading_disagrees", "recording_differs", "copy_of_applied", "duplicate_recording",
-    "zero_uncertainty", "grouped_digits", "run_differs", "odd_scatter", "jump",
+    "noise_change", "slow_wave", "not_at_rest", "unscreened", "unscreened_refused",
+    "gaps", "time_backwards", "time_goes_back", "unsorted_stamps", "stamps_not_used", "sample_rate_disagrees",
+    "sample_rate_suspect", "clock_disagrees", "grouped_digits", "header_repeated", "zero_uncertainty",
+    "impossible_temperature", "impossible_acceleration", "impossible_rate", "impossible_pressure", "impossible_voltage",
+    "impossible_frequency", "beyond_range", "implausible_acceleration", "unit_changed", "sign_changed",
+    "scale_changed", "axes_changed", "gain_changed", "jump", "odd_scatter",
+    "sign_disagrees", "unit_disagrees", "axes_disagree", "gain_disagrees", "reading_disagrees", "recording_differs",
+    "run_differs", "runs_differ", "runs_disagree", "gate_disagrees", "copy_of_applied", "duplicate_recording",
 }  # fmt: skip
 
 

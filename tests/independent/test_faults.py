@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
 
+import inertialcal
+
 from .bases import SHARED
 from .case import Case
-from .clean import KINDS
+from .clean import CODES, KINDS
 from .faults import spoiled
 from .gate import ALL, BASES, Result, failures, lines, main, tried_lines
 from .trial import tried
@@ -47,6 +50,16 @@ def test_a_fault_spoils_a_copy_and_says_which_file(name: str, on: str, clean: di
     assert written(spoiled(clean[on], ALL[name])) == written(bad), "the same seed, another fault"
     if name not in ("zero_u", "v_stated_zero"):
         assert bad.spoiled
+
+
+def test_codes_of_the_issue_exist_in_the_product() -> None:
+    source = "\n".join(path.read_text(encoding="utf-8") for path in Path(inertialcal.__file__).parent.rglob("*.py"))
+    quoted = set(re.findall(r'"([a-z_]+)"', source))
+    named = {code for fault in ALL.values() if fault.expects == "named" for code in fault.codes}
+    of_kind = {code for code in CODES if code.startswith("impossible_")}  # made of the kind of unit
+    assert named - of_kind <= quoted
+    assert CODES - of_kind <= quoted
+    assert {code for fault in ALL.values() if fault.issue and fault.expects == "named" for code in fault.codes} <= CODES
 
 
 def test_an_unknown_procedure_is_refused(clean: dict[str, Case]) -> None:
