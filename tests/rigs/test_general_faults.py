@@ -60,7 +60,7 @@ def test_each_fault_changes_the_recordings_that_it_names_and_no_others(rig: str,
     moved = {file for file in good.recordings if changed(good.recordings[file], bad.recordings[file])}
     assert bool(moved) == (name not in UNCHANGED)
     assert moved or bad.campaign != good.campaign or bad.texts
-    scene = Scene(good, FAULTS[name].tests)
+    scene = Scene(good, FAULTS[name].procedures)
     files = {place.file for place in scene.places if set(place.names) & set(bad.spoiled)}
     assert not bad.spoiled or moved <= files
     assert with_fault(good, name).spoiled == bad.spoiled  # by the seed

@@ -55,6 +55,7 @@ class TrueValue:
 Expectation = Literal["refused", "named", "covered"]
 
 
+OF_TEST = {"faces": "positions"}  # what only some rigs of a procedure have
 WORDS = {"sigma", "samples", "times"}  # units of a size that are no units of core.units
 
 
@@ -83,7 +84,8 @@ class Fault:
     least, most : float
         Limits of the size.
     tests : tuple of str
-        Procedures whose recordings it can spoil; empty for a mistake of the bench.
+        Procedures whose recordings it can spoil, or ``"faces"`` where a protocol names them; empty for a mistake of
+        the bench.
     spoil : callable, optional
         Scene and size: changes the scene.
     """
@@ -104,6 +106,11 @@ class Fault:
     def codes(self) -> tuple[str, ...]:
         """Every code that names it."""
         return (*((self.shows,) if self.shows else ()), *self.also)
+
+    @property
+    def procedures(self) -> frozenset[str]:
+        """Those whose recordings it can spoil."""
+        return frozenset(OF_TEST.get(name, name) for name in self.tests)
 
     @property
     def expected(self) -> str:

@@ -105,7 +105,8 @@ def _against_model(result: Result) -> list[Row]:
                          reason=reason, member=member))  # fmt: skip
         if one.quantity:
             row = _row(result, one.flip, one.flip.keys.index(one.key), member=member, called=one.quantity)
-            found.append(replace(row, reason=Reason(row.reason.code, text(row.reason.text, one))))
+            shared = {} if one.flip.estimate is None else one.flip.estimate.shared(one.key)
+            found.append(replace(row, reason=Reason(row.reason.code, text(row.reason.text, one)), shared=shared))
         elif not one.label:
             key = Key(CORRECTED if result.plan.corrected else SHIFT, one.axis)
             found.append(not_estimated(key, UNIT, ALONG))

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 import tomllib
 import zlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from datetime import datetime
 from functools import cached_property
@@ -28,13 +28,12 @@ Rows = slice | NDArray[Any]
 Act = Callable[[Array], Array]
 NORMAL = 0.6745 * np.sqrt(6.0)  # median of a second difference of white noise, over its standard deviation
 GRIDS = (1.0, 1.0 / 200.0)  # steps of counts that are stored [counts]
-OF_TEST = {"faces": "positions"}  # what only some rigs of a procedure have
 SETTLED = 0.1  # part at either end of a recording where no sample is spoiled
 
 
 def spoiled(twin: Twin, fault: Fault, size: float) -> Twin:
     """Return a twin with a general fault in it; where it lies follows from the seed and the name of the fault."""
-    scene = Scene(twin, fault.tests)
+    scene = Scene(twin, fault.procedures)
     if fault.spoil is not None:
         fault.spoil(scene, size)
     every = {name for place in scene.places for name in place.names}
@@ -89,12 +88,12 @@ class Scene:
     ----------
     twin : Twin
         As it was made.
-    tests : tuple of str
+    tests : collection of str
         Procedures whose recordings the fault can spoil.
     """
 
-    def __init__(self, twin: Twin, tests: tuple[str, ...]):
-        self.campaign, self.tests = twin.campaign, {OF_TEST.get(name, name) for name in tests}
+    def __init__(self, twin: Twin, tests: Collection[str]):
+        self.campaign, self.tests = twin.campaign, tests
         self.recordings = dict(twin.recordings)
         self.extras: dict[str, Extra] = dict(twin.extras)
         self.texts = dict(twin.texts)

@@ -55,7 +55,10 @@ FAULTS: dict[str, Fault] = {
     ),
     "only_cooling": Fault("the chamber only cooled", "one_path", {"set_points": (67.0, -30.0)}),
     "wide_requirement": Fault(
-        "the bias requirement goes beyond the temperatures of the ramps", "outside", {"required_degc": (-40.0, 85.0)}
+        "the bias requirement goes beyond the temperatures of the ramps",
+        "outside",
+        {"required_degc": (-40.0, 85.0)},
+        "covered",
     ),
     "no_zero_reference": Fault(
         "the rate table was never still",
