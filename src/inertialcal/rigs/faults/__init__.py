@@ -109,11 +109,12 @@ FAULTS: dict[str, Fault] = {
     ),
     # ---- units, signs, gains, axes
     "unit_change": Fault(
-        "readings are stored in rad/s, or in g, from the middle on", "unit_changed", also=("scale_changed",),
-        tests=SAMPLED, spoil=sense.unit_change,
+        "readings are stored in rad/s, or in g, from the middle on", "unit_changed",
+        also=("scale_changed", "unit_disagrees"), tests=SAMPLED, spoil=sense.unit_change,
     ),
     "sign_change": Fault(
-        "the sign of all readings turns in the middle", "sign_changed", tests=(TABLE, HOT, HAND, TURN),
+        "the sign of all readings turns in the middle", "sign_changed", also=("sign_disagrees",),
+        tests=(TABLE, HOT, HAND, TURN),
         spoil=sense.sign_change,
     ),
     "axes_change": Fault(
