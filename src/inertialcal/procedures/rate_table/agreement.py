@@ -54,7 +54,7 @@ class Run:
     """One run about one axis."""
 
     name: str  # As remarks call it
-    place: str  # Of its first reading
+    place: str  # Its file; of a table that of its first reading
     axis: str
     at: NDArray[np.intp]  # Its rows
 
@@ -80,6 +80,7 @@ def _runs(readings: Readings) -> list[Run]:
     blank = np.full(len(readings), "")
     recording = blank if readings.recording is None else readings.recording
     run = blank if readings.run is None else readings.run
+    files = {one.recording: file for one, file in zip(readings.traces, readings.files, strict=True)}
     found = []
     for name, label, axis in dict.fromkeys(zip(recording.tolist(), run.tolist(), readings.axis.tolist(), strict=True)):
         at = np.flatnonzero((recording == name) & (run == label) & (readings.axis == axis))
@@ -89,7 +90,8 @@ def _runs(readings: Readings) -> list[Run]:
             said.append(f"run {label} about {axis}")
         elif several or not said:
             said.append(f"about {axis}")
-        found.append(Run(", ".join(said), readings.where[at[0]] if readings.where else "", str(axis), at))
+        place = files.get(name) or (readings.where[at[0]] if readings.where else "")
+        found.append(Run(", ".join(said), place, str(axis), at))
     return found
 
 
