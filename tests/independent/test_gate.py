@@ -1,0 +1,35 @@
+"""Every line of issue 20 on some seeds, and clean records of every kind; `make gate` takes 60 and 900."""
+
+from __future__ import annotations
+
+import pytest
+
+from .clean import KINDS
+from .faults import FAULTS
+from .gate import failures, lines, tried_clean, tried_lines
+
+QUICK = ("mass_attraction", "rate_table:means", "rate_table:unlabelled", "rate_table:fast", "allan:pad")
+BASES = list(dict.fromkeys(on for fault, on in lines(list(FAULTS)) if fault.issue))
+
+
+@pytest.mark.parametrize("on", QUICK)
+def test_a_fault_is_named_with_its_recording(on: str) -> None:
+    assert failures(tried_lines(on, 1, [fault for fault, base in lines(list(FAULTS), [on]) if fault.issue])) == []
+
+
+@pytest.mark.parametrize("kind", [kind.name for kind in KINDS[::3]])
+def test_a_clean_record_passes(kind: str) -> None:
+    assert tried_clean(kind, 1).verdict == "clean"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("on", BASES)
+def test_each_fault_is_named_with_its_recording(on: str) -> None:
+    faults = [fault for fault, base in lines(list(FAULTS), [on]) if fault.issue]
+    assert failures([one for seed in (2, 3) for one in tried_lines(on, seed, faults)]) == []
+
+
+@pytest.mark.slow
+def test_clean_records_pass() -> None:
+    found = [tried_clean(kind.name, seed) for kind in KINDS for seed in (2, 3)]
+    assert [one for one in found if one.verdict != "clean"] == []
