@@ -65,7 +65,7 @@ def test_one_channel_may_be_named(tmp_path: Path) -> None:
 
 def test_a_table_of_dwells_on_a_regular_clock_stays_a_table(tmp_path: Path) -> None:
     path = tmp_path / "dwells.csv"
-    rows = [f"{i},{rate},{rate * 1.01 + 0.2}" for i, rate in enumerate(RATES * 3)]
+    rows = [f"{i},{rate},{rate * 1.01 + 0.2 + 1e-4 * i}" for i, rate in enumerate(RATES * 3)]
     path.write_text("\n".join(["time [s],rate [deg/s],gyro_z [deg/s]", *rows, ""]))
     found = ic.rate_table(path)
     assert len(found.result.readings) == len(rows)

@@ -80,7 +80,7 @@ def _runs(readings: Readings) -> list[Run]:
     blank = np.full(len(readings), "")
     recording = blank if readings.recording is None else readings.recording
     run = blank if readings.run is None else readings.run
-    files = {one.recording: file for one, file in zip(readings.traces, readings.files, strict=True)}
+    files = {one.recording: file for one, file in zip(readings.traces, readings.files, strict=False)}
     found = []
     for name, label, axis in dict.fromkeys(zip(recording.tolist(), run.tolist(), readings.axis.tolist(), strict=True)):
         at = np.flatnonzero((recording == name) & (run == label) & (readings.axis == axis))
