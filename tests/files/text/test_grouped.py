@@ -28,6 +28,7 @@ READ = {
     "decimal commas elsewhere": ("t;x\n0,50;1,242\n0,60;2,998\n0,70;1,500\n", [1.242, 2.998, 1.5]),
     "a decimal comma in the column": ("t\tx\n5\t1,242\n6\t0,998\n7\t1,500\n", [1.242, 0.998, 1.5]),
     "four digits before the comma": ("t\tx\n5\t1,242\n6\t1200,998\n7\t1,500\n", [1.242, 1200.998, 1.5]),
+    "an exponent elsewhere": ("t;x\n1,5e3;1,242\n2,5e3;2,998\n3,5e3;1,500\n", [1.242, 2.998, 1.5]),
     "two digits behind it": ("t x\n5 1,24\n6 998\n7 1,50\n", [1.24, 998.0, 1.5]),
 }
 

@@ -74,3 +74,11 @@ def test_missing_and_short() -> None:
     x = held(thermometer(RAMPS, FINE, 1), 1200, N - 1)
     x[100:140] = np.nan
     assert stuck_slow(x) is not None
+
+
+@pytest.mark.parametrize("value", [np.inf, -np.inf, 1e308, np.nan, 5e-324])
+def test_values_that_nothing_has_end_in_no_warning(value: float) -> None:
+    x, readings = held(thermometer(RAMPS, COARSE, 1), 1200, N - 1), gyro(RAMPS, 1)
+    x[100:160], readings[300:400] = value, value
+    with np.errstate(all="raise"):
+        stuck_slow(x, [readings, x])

@@ -79,10 +79,13 @@ def _refuse_grouped(found: Content, text: str, layout: Layout, names: Sequence[s
     either = {name for name, column in numbers.items() if can_be_either(column)}
     others = (column.values for name, column in numbers.items() if name not in either)
     decimal = any(v.dtype.kind == "f" and np.any(v[np.isfinite(v)] % 1.0 != 0.0) for v in others)
+    if either and not decimal:  # 1,5e3 is whole
+        whole = {name for name, c in numbers.items() if name not in either and c.values.dtype.kind == "f"}
+        decimal = any(commas(_cells(text, layout, at)).decimal for at, name in enumerate(names) if name in whole)
     judged = {}
     for at, name in enumerate(names):
-        whole = name in either and np.any((numbers[name].values % 1.0 == 0.0) & (numbers[name].values != 0.0))
-        if name in either and (whole or not decimal):
+        mixed = name in either and np.any((numbers[name].values % 1.0 == 0.0) & (numbers[name].values != 0.0))
+        if name in either and (mixed or not decimal):
             judged[name] = commas(_cells(text, layout, at))
             decimal |= judged[name].decimal
     problems = []

@@ -72,6 +72,7 @@ def unused_clocks(described: Sequence[Described], place: Callable[[int], str]) -
     return tuple(found)
 
 
+@np.errstate(over="ignore", invalid="ignore")  # values near the end of float64
 def irregularities(values: NDArray[np.generic]) -> Irregular | None:
     """Return where a column that runs like time does not; None where it does not run like time, or always does."""
     if len(values) < FEWEST or not _runs(values[:FIRST].astype(np.float64)):

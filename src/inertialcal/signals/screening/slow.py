@@ -34,6 +34,7 @@ ALTERNATES = -0.4  # correlation of a third difference with the next one: -0.75 
 CHANCE = 1e-6  # of so long a hold in noise, a record
 JUMP = 4.0  # largest other steps
 LATE = 3.0  # sample intervals from which a step has a gap in it
+LEAST, MOST = 1e-30, 1e30  # changes that a sensor has, in any unit
 BLOCKS, OUTSIDE, INSIDE = 64, 16, 6  # of the record, for the response to the channel
 FOLLOWS = 0.97  # share of the variance of the readings that the channel explains elsewhere
 BEYOND = 5.0  # standard deviations of the rest by which readings leave what the held value explains
@@ -56,6 +57,7 @@ class Stuck:
         return self.last - self.first + 1
 
 
+@np.errstate(over="ignore", invalid="ignore")  # values near the end of float64
 def stuck_slow(x: NDArray[Any], readings: Sequence[NDArray[Any]] = (), seconds: Array | None = None) -> Stuck | None:
     """Return the longest hold of a slow channel where it is stuck; None elsewhere.
 
@@ -141,7 +143,7 @@ def _noise(x: NDArray[Any], first: int, last: int) -> str:
     if sigma < NOISY or float(np.median(next_one)) > ALTERNATES:
         return ""
     # Chance of one code a sample, at most: step / (sqrt(2 pi) sigma)
-    stays = min(1.0 / (np.sqrt(2.0 * np.pi) * sigma), 0.9)
+    stays = float(np.clip(1.0 / (np.sqrt(2.0 * np.pi) * sigma), 1e-9, 0.9))
     enough = (last - first) * np.log(stays) < np.log(CHANCE / len(x))
     return "elsewhere it scatters by more than a step of its codes" if enough else ""
 
@@ -172,7 +174,10 @@ def _response(x: NDArray[Any], y: NDArray[Any], first: int, last: int) -> str:
     if np.count_nonzero(good) < OUTSIDE or len(held) < INSIDE or not np.ptp(channel[good]) > 0.0:
         return ""
     channel, there = channel[good], there[good]
-    middle, swing = float(np.mean(channel)), float(np.ptp(channel))
+    middle, swing, size = float(np.mean(channel)), float(np.ptp(channel)), float(np.ptp(there))
+    if not (LEAST < swing < MOST and LEAST < size < MOST and abs(middle) < MOST):  # readings that nothing has
+        return ""
+    there, held = (there - there[0]) / size, (held - there[0]) / size
     up = float(np.max(channel - np.minimum.accumulate(channel)))
     down = float(np.max(np.maximum.accumulate(channel) - channel))
     if min(up, down) < BACK * swing:  # a drift of the readings cannot be told from a response to one ramp
@@ -184,7 +189,7 @@ def _response(x: NDArray[Any], y: NDArray[Any], first: int, last: int) -> str:
         return ""
     expected = float(np.polyval(terms, (float(x[first]) - middle) / swing))
     away = float(np.sqrt(np.mean((held - expected) ** 2)))
-    goes_on = away > BEYOND * rms and float(np.ptp(held)) > RANGE * float(np.ptp(there))
+    goes_on = away > BEYOND * rms and float(np.ptp(held)) > RANGE
     return "the readings go on changing with it" if goes_on else ""
 
 
