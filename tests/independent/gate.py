@@ -44,6 +44,8 @@ BASES = bases.BASES | variations.BASES
 ALL = FAULTS | variations.VARIATIONS
 LEAST = 0.95  # of the cases of a line: 57 of 60
 ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "docs" / "gate.md"
+BEGIN, END = "<!-- make gate -->\n", "<!-- end of make gate -->"
 
 
 @dataclass(frozen=True)
@@ -192,6 +194,27 @@ def shown(found: Sequence[Result], issue: bool | None = None) -> str:
     return "\n".join(rows)
 
 
+def shown_short(found: Sequence[Result]) -> str:
+    """Return the table of the manual: what was found of each line of the issue, and in clean records."""
+    by_issue: dict[str, dict[str, list[Result]]] = defaultdict(lambda: defaultdict(list))
+    for one in found:
+        if one.on and one.line in FAULTS and ALL[one.line].issue:
+            by_issue[ALL[one.line].issue][one.on.split(":")[0]].append(one)
+    rows = ["| what goes wrong | cases in which it is found |", "|---|---|"]
+    for issue in dict.fromkeys(fault.issue for fault in FAULTS.values() if fault.issue in by_issue):
+        counts = (f"`{on}` {sum(r.passed for r in some)} of {len(some)}" for on, some in by_issue[issue].items())
+        rows.append(f"| {issue} | {', '.join(counts)} |")
+    rows += ["", "| clean records | false alarms |", "|---|---|"]
+    kinds: dict[str, list[Result]] = defaultdict(list)
+    for one in found:
+        if not one.on:
+            kinds[one.line].append(one)
+    rows += [f"| {kind} | {sum(r.verdict != 'clean' for r in some)} of {len(some)} |" for kind, some in kinds.items()]
+    every = [one for some in kinds.values() for one in some]
+    rows.append(f"| all | {sum(r.verdict != 'clean' for r in every)} of {len(every)} |")
+    return "\n".join(rows)
+
+
 def shown_clean(found: Sequence[Result]) -> str:
     """Return the table of the clean records."""
     rows = ["| clean record | records | false alarms | refused | codes |", "|---|---|---|---|---|"]
@@ -255,6 +278,7 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--show", action="store_true", help="print what was said of each case")
     parser.add_argument("--keep", type=Path, default=ROOT / "build/gate/cases.jsonl", help="where cases are kept")
     parser.add_argument("--out", type=Path, help="write the tables there too")
+    parser.add_argument("--page", action="store_true", help=f"put the short tables into docs/{PAGE.name}")
     parser.add_argument("--write", type=Path, metavar="FOLDER", help="only write the files, and print their commands")
     given = parser.parse_args(words)
     pairs = lines(given.line, given.on)
@@ -280,6 +304,10 @@ def main(words: Sequence[str] | None = None) -> int:
     print(text)
     if given.out:
         given.out.write_text(text + "\n", encoding="utf-8")
+    if given.page:
+        page = PAGE.read_text(encoding="utf-8")
+        before, _, rest = page.partition(BEGIN)
+        PAGE.write_text(f"{before}{BEGIN}\n{shown_short(found)}\n\n{END}{rest.partition(END)[2]}", encoding="utf-8")
     failed = failures(found)
     print(f"\n{len(found)} cases, {len(todo)} jobs in {time.monotonic() - begin:.0f} s")
     print("\n".join(["", *failed]) if failed else "Every line holds.")
