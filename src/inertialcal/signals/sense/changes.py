@@ -36,6 +36,7 @@ SIDE = 8, 2048  # samples, fewest and most, of a line before and after a jump
 TIGHT = 4.5  # standard deviations within which levels agree
 CLEAR = 15.0  # standard deviations from which a jump is one
 RELATIVE = 0.02  # of a jump: what levels may differ by besides
+OFFSET = 0.3  # of a jump: what one of three axes may be off by, where the other two agree
 EXACT = 0.002  # the same of a change of sign, which nothing else makes
 FITS = 3.5  # over the square root of samples: by how much more than white noise they may scatter about a line
 BENT = 3.5  # standard deviations of a curvature, up to which a line fits
@@ -228,6 +229,15 @@ class _Noise:
             logs = np.log(mean)
         return cls(size, logs, np.mean(np.isfinite(logs), axis=0) > 0.9)
 
+    def rounding(self, x: Array, at: int) -> Array:
+        """Return the standard deviation of rounding, over that of the noise before block ``at``."""
+        apart = np.abs(np.diff(x, axis=0))
+        least = 1e-9 * np.abs(x).max(axis=0)  # below it, two equal codes were rounded apart
+        step = np.array([np.min(d[d > one], initial=np.inf) for d, one in zip(apart.T, least, strict=True)])
+        step = np.where(np.isfinite(step), step, 0.0)
+        ratio: Array = step / np.sqrt(6.0) / np.exp(_middle(self.log[:at]))
+        return ratio
+
     def ratios(self, at: int) -> tuple[Array, Array]:
         """Return the logarithm of the noise after over before block ``at``, and its standard uncertainty."""
         parts = [self.log[:at], self.log[at:]]
@@ -251,10 +261,15 @@ def _by_noise(x: Array, noise: _Noise, names: Sequence[str], factors: Factors) -
     only = _Noise(noise.size, logs, noise.informative[columns])
     ratio, u = only.ratios(at)
     middle = float(np.median(ratio))
-    if abs(middle) < LEAST_NOISE or np.any(np.abs(ratio - middle) > NOISE_AGREES + 4.0 * u):
+    low = middle - NOISE_AGREES - 4.0 * u
+    with np.errstate(divide="ignore"):  # rounding to steps adds its own noise to what is quieter
+        rounded = 0.5 * np.log(np.exp(2.0 * middle) + only.rounding(x[:, columns], at) ** 2)
+    if abs(middle) < LEAST_NOISE or np.any(ratio < low) or np.any(ratio > rounded + NOISE_AGREES + 4.0 * u):
         return []
     unit = _unit(float(np.exp(middle)), factors, NOISE_AGREES + 4.0 * float(u.min()))
     index = _refined(x[:, columns], at, noise.size, only)
+    near = [one for one in _candidates(x) if abs(one - at * noise.size) <= 2 * noise.size]
+    index = near[0] if near else index  # where a level jumps, it tells the sample
     jump = _jump(x, index, np.zeros(len(x), dtype=bool))
     if jump is None:
         return []
@@ -265,16 +280,14 @@ def _by_noise(x: Array, noise: _Noise, names: Sequence[str], factors: Factors) -
     agrees = np.abs(after.level - f * before.level) <= 6.0 * u_level + 0.1 * np.abs(f * before.level)
     # Channels whose level has to say the same
     enough = 2 if unit is None else 1 if len(columns) < 2 else 0
-    if (
-        not f > 0.0
-        or abs(np.log(f) - middle) > SAME_NOISE
-        or not np.all(agrees)
-        or np.count_nonzero(informative) < enough
-    ):
+    if not f > 0.0 or abs(np.log(f) - middle) > SAME_NOISE:
         return []
-    if unit is None:
-        return [Change("scale_changed", index, tuple(names), f)]
-    return [Change("unit_changed", index, tuple(names), f, unit[1])]
+    clear = np.count_nonzero(agrees & informative)
+    offset = clear >= 2 and bool(np.all(np.abs(after.level) < OFFSET * np.abs(before.level)))  # of one of three axes
+    if clear < enough or not (np.all(agrees) or offset):
+        return []
+    code, units = ("scale_changed", None) if unit is None else ("unit_changed", unit[1])
+    return [Change(code, index, tuple(names), f, units)]
 
 
 def _common_factor(jump: _Jump) -> float:
@@ -457,9 +470,15 @@ def _mirrored(jump: _Jump, names: Sequence[str]) -> Change | None:
     before, after, step, u = jump.before.level, jump.after.level, np.abs(jump.step), jump.u
     jumped = step > 0.5 * CLEAR * u
     mirrored = np.abs(after + before) <= TIGHT * u + EXACT * step.max()
-    if not np.any(step > CLEAR * u) or not np.all(mirrored[jumped]) or not _same_noise(jump):
+    if not np.any(step > CLEAR * u) or not _same_noise(jump):
         return None
-    turned = names if np.all(mirrored) else [name for name, one in zip(names, jumped, strict=True) if one]
+    # Electronics behind the change may add an offset to one of three axes
+    most = np.count_nonzero(mirrored & jumped) >= 2 and bool(
+        np.all(np.abs(after + before) <= OFFSET * step + TIGHT * u)
+    )
+    if not np.all(mirrored[jumped]) and not most:
+        return None
+    turned = names if np.all(mirrored) or most else [name for name, one in zip(names, jumped, strict=True) if one]
     return Change("sign_changed", jump.at, tuple(turned), -1.0)
 
 
