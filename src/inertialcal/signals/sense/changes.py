@@ -22,7 +22,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d
 
 from ...core.estimate import Array
 from ...core.remarks import Remark
@@ -377,7 +376,7 @@ def _candidates(x: Array) -> list[int]:
         typical = np.maximum(np.median(step, axis=0), 1e-9 * np.abs(means).max(axis=0))
         beside = np.zeros_like(step)
         width = NEIGHBOURS
-        widest = maximum_filter1d(step, width, axis=0, mode="nearest")
+        widest = _widest(step, width)
         shift = width // 2 + gap
         beside[shift:] = np.maximum(beside[shift:], widest[:-shift])
         beside[:-shift] = np.maximum(beside[:-shift], widest[shift:])
@@ -393,6 +392,16 @@ def _candidates(x: Array) -> list[int]:
         if all(abs(place - other) > SIDE[0] for other in kept):
             kept.append(place)
     return kept[: 2 * CANDIDATES]
+
+
+def _widest(step: Array, width: int) -> Array:
+    """Return the largest value of each column within a width about each row."""
+    found = np.pad(step, ((width // 2, width - 1 - width // 2), (0, 0)), mode="edge")
+    size = 1
+    while size < width:  # of windows, twice as wide each time
+        more = min(size, width - size)
+        found, size = np.maximum(found[:-more], found[more:]), size + more
+    return found
 
 
 def _best_split(x: Array, first: int, last: int) -> int:
