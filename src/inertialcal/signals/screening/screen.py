@@ -26,7 +26,7 @@ what is held, repeated or missing are looked for.
 
 *False alarms.* Designed at 0.3 % of good channels in all: .1 % for steps, .05 % each for noise, waves and glitches,
 .04 % for samples piled up at an end, .01 % for what is stuck or repeated. ``tests/signals/screening`` counts them in
-18 kinds of simulated records, 900 of 1,000, 10,000 and 100,000 samples each, and in pieces of real ones: one or two of
+18 kinds of simulated records, 900 of 1,000, 10,000 and 100,000 samples each, and in pieces of real ones: none or one of
 900.
 
 *What it finds.* In 60 of 60 records each: one sample in 10,000 off by 50 standard deviations, bursts of three, one
