@@ -450,7 +450,10 @@ def _whole(jump: _Jump, x: Array, size: int) -> _Jump:
         level = np.median(means, axis=0)
         scatter = 1.4826 * np.median(np.abs(means - level), axis=0)
         lines.append(_Line(level, 0.5 * scatter, scatter * np.sqrt(size), len(part)))
-    return _Jump(jump.at, *lines)
+    whole = _Jump(jump.at, *lines)
+    # The record has to jump there, too: what was laid on another side before or after is no jump
+    apart = float(np.linalg.norm(whole.step - jump.step))
+    return whole if apart < OFFSET * float(np.linalg.norm(whole.step)) else jump
 
 
 def _is_alone(jump: _Jump, x: Array) -> bool:
