@@ -5,8 +5,10 @@ from __future__ import annotations
 import pytest
 
 from .clean import KINDS
-from .faults import FAULTS
+from .faults import FAULTS, spoiled
+from .gate import BASES as ALL_BASES
 from .gate import failures, lines, tried_clean, tried_lines
+from .trial import estimates, tried
 
 QUICK = ("mass_attraction", "rate_table:means", "rate_table:unlabelled", "rate_table:fast", "allan:pad")
 BASES = list(dict.fromkeys(on for fault, on in lines(list(FAULTS)) if fault.issue))
@@ -15,6 +17,17 @@ BASES = list(dict.fromkeys(on for fault, on in lines(list(FAULTS)) if fault.issu
 @pytest.mark.parametrize("on", QUICK)
 def test_a_fault_is_named_with_its_recording(on: str) -> None:
     assert failures(tried_lines(on, 1, [fault for fault, base in lines(list(FAULTS), [on]) if fault.issue])) == []
+
+
+def test_figures_stand_with_and_without_what_was_left_out() -> None:
+    case = ALL_BASES["allan"](1)
+    clean, after = estimates(tried(case)), tried(spoiled(case, "glitch"))
+    walk = {row["axis"]: row["value"] for row in after.rows
+            if row["quantity"] == "angle_random_walk" and row["method"] == "unscreened"}  # fmt: skip
+    ratios = {axis: walk[axis] / clean[f"angle_random_walk {axis}"]["value"] for axis in walk}
+    assert max(ratios.values()) > 3.0  # with the glitch
+    assert min(ratios.values()) == pytest.approx(1.0)  # on the other axis
+    assert "unscreened" in {code for code, _ in after.said}
 
 
 @pytest.mark.parametrize("kind", [kind.name for kind in KINDS[::3]])
