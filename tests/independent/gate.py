@@ -6,7 +6,7 @@
     PYTHONPATH=src:tests python -m independent.gate --line glitch --on allan --n 5 --show
     PYTHONPATH=src:tests python -m independent.gate --line glitch --write FOLDER
 
-Seeds are 1 to n, never chosen. A line passes if it is named in 57 of 60 cases (see ``trial``), writes no model where it
+Seeds are 1 to n, never chosen; variations take a third of them. A line passes if it is named in 57 of 60 cases (see ``trial``), writes no model where it
 must not, and keeps the figures that it must keep. Of a line that is no fault of this issue nothing is asked.
 
 n of n
@@ -135,7 +135,7 @@ def jobs(
     found: list[Job] = []
     for seed in range(1, n + 1):
         for on, names in by_base.items():
-            rest = [name for name in names if (name, on, seed) not in have]
+            rest = [name for name in names if (name, on, seed) not in have and (name in FAULTS or seed <= -(-n // 3))]
             if rest:
                 found.append((on, seed, rest, show))
     records: list[Job] = [
