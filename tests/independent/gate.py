@@ -6,8 +6,9 @@
     PYTHONPATH=src:tests python -m independent.gate --line glitch --on allan --n 5 --show
     PYTHONPATH=src:tests python -m independent.gate --line glitch --write FOLDER
 
-Seeds are 1 to n, never chosen; variations take a third of them. A line passes if it is named in 57 of 60 cases (see ``trial``), writes no model where it
-must not, and keeps the figures that it must keep. Of a line that is no fault of this issue nothing is asked.
+Seeds are 1 to n, never chosen; variations take a third of them. A line passes if it is named in 57 of 60 cases (see
+``trial``), writes no model where it must not, and keeps the figures that it must keep. Of a line that is no fault of
+this issue nothing is asked.
 
 n of n
     cases that pass; then named, other and silent;

@@ -35,6 +35,10 @@ def test_a_clean_record_passes(kind: str) -> None:
     assert tried_clean(kind, 1).verdict == "clean"
 
 
+def test_a_shaken_turn_changes_no_gain() -> None:
+    assert tried_clean("flip", 15).verdict == "clean"
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("on", BASES)
 def test_each_fault_is_named_with_its_recording(on: str) -> None:
