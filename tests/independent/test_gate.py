@@ -7,7 +7,7 @@ import pytest
 from .clean import KINDS
 from .faults import FAULTS, spoiled
 from .gate import BASES as ALL_BASES
-from .gate import failures, lines, tried_clean, tried_lines
+from .gate import ALL, failures, lines, tried_clean, tried_lines
 from .trial import estimates, tried
 
 QUICK = ("mass_attraction", "rate_table:means", "rate_table:unlabelled", "rate_table:fast", "allan:pad")
@@ -33,6 +33,11 @@ def test_figures_stand_with_and_without_what_was_left_out() -> None:
 @pytest.mark.parametrize("kind", [kind.name for kind in KINDS[::3]])
 def test_a_clean_record_passes(kind: str) -> None:
     assert tried_clean(kind, 1).verdict == "clean"
+
+
+def test_a_change_of_unit_is_named_where_its_samples_are_beyond_the_range() -> None:
+    (found,) = tried_lines("rate_table:three", 1, [ALL["v_unit_radians"]])
+    assert found.passed
 
 
 def test_a_shaken_turn_changes_no_gain() -> None:

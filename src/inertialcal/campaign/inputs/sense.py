@@ -58,6 +58,7 @@ def sensible(
     place = replace(raw, source=replace(raw.source, path=entry.file)).place
     given = entry.channels or {}
     left_out: dict[str, Flags] = {}
+    ranged: set[str] = set()  # axes with values that the range alone forbids: a change of unit may have made them
     remarks: list[Remark] = []
     exclusions: list[Exclusion] = []
     for one in body.channels:
@@ -76,6 +77,7 @@ def sensible(
         if not np.any(np.isfinite(values) & ~found.flags):
             raise DataError(said.what, said.where, "nothing else is in the channel", said.do, said.code)
         left_out[one.name] = found.flags
+        ranged |= {one.name} if said.code == "beyond_range" else set()
         axis = one.name if one.name in AXES else ""
         exclusions.append(
             Exclusion(RULE, f"limits: {said.code}", said.what, said.where, axis, said.count, "sample", dwell=False)
@@ -85,12 +87,13 @@ def sensible(
         if one.name not in columns:
             for remark in impossible(one.data, one.unit, f"recording {name}, {one.name} (not used)", place).remarks:
                 remarks.append(replace(remark, severity="warning", recording=name))
+    possible = without(body, {axis: flags for axis, flags in left_out.items() if axis not in ranged})
     body = without(body, left_out)
     axes = [axis for axis in AXES if axis in body.names]
     if axes and facts.kind is not None:
         remarks += [
             replace(change.remark(place), what=f"recording {name}: {change.remark(place).what}", recording=name)
-            for change in _changes(body, axes, at_rest, chosen)
+            for change in _changes(possible, axes, at_rest, chosen)
         ]
     return Passed(body, tuple(remarks), tuple(exclusions))
 
