@@ -22,6 +22,7 @@ from inertialcal.core.units import convert
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.protocol import Rig, on_bench
 from inertialcal.rigs.sams_tsh.rig import FAULTS, Bench, build
+from inertialcal.signals.screening.screen import screen
 
 STAMPS = 1e-8  # UNIX seconds with a fraction are good to 0.1 us in a file
 SMALL = replace(Bench(), rate=5.0)
@@ -286,6 +287,12 @@ def test_a_window_shorter_than_the_settling_is_refused(rig: str, tmp_path: Path)
         run(folder)
     assert [problem.code for problem in caught.value.problems] == [FAULTS["too_short"].shows]
     assert not (folder / "out").exists()
+
+
+def test_pushes_of_the_crew_are_no_glitches() -> None:
+    for seed in range(1, 6):
+        (held,) = SMALL_FLIP.twin(seed).recordings.values()
+        assert not [found for axis in "xyz" for found in screen(held.channel(axis).data, at_rest=False).codes], seed
 
 
 def test_without_a_mistake_no_mistake_is_named() -> None:

@@ -33,7 +33,8 @@ SKIRT = 0.5  # of the limit, that samples beside a glitch must exceed to be part
 BURST = 10  # samples
 APART = 5  # samples between the parts of one disturbance
 JUMP = 0.25  # of the height of a glitch, from one sample to the next, up and down
-ALONE = 3.0  # times the largest step of the samples around, where a sensor moves
+ALONE = 3.0  # times the largest step of the samples around, where a sensor moves, and ...
+TURNS = 1.5  # ... squared changes of its steps over the squared steps: 2 or more of a burst; 1 of a swing of 6 samples
 SIDE, WINDOW = 15, 31  # of a running median
 TOGETHER = 2**10  # places looked at together
 ROOM = 2**14  # far samples at first
@@ -118,7 +119,7 @@ def far_samples(blocks: Blocks, scale: Scale, at_rest: bool) -> tuple[Stretches,
 def _jumps(x: NDArray[Any], places: Indices, peak: Array, at_rest: bool) -> Flags:
     """Whether samples jump up and down at a place, as a corner of a smooth motion does not.
 
-    Of a sensor that moves, they must do so more than those around.
+    Of a sensor that moves, they must do so more than those around, and not swing as after a push.
     """
     reach = 2 * WINDOW
     at = places[:, :1] + np.arange(-reach, BURST + reach)
@@ -130,7 +131,10 @@ def _jumps(x: NDArray[Any], places: Indices, peak: Array, at_rest: bool) -> Flag
     up, down = own.max(axis=1), -own.min(axis=1)
     ends = (places[:, 0] == 0) | (places[:, 1] == len(x) - 1)
     least = np.maximum(JUMP * peak, 0.0 if at_rest else ALONE * others)
-    return np.asarray(np.where(ends, np.maximum(up, down), np.minimum(up, down)) > least)
+    jumps = np.where(ends, np.maximum(up, down), np.minimum(up, down)) > least
+    if not at_rest:
+        jumps &= np.sum(np.diff(own, axis=1) ** 2, axis=1) > TURNS * np.sum(own**2, axis=1)
+    return np.asarray(jumps)
 
 
 def _off_line(x: NDArray[Any], place: Indices, limit: float) -> bool:

@@ -65,6 +65,7 @@ def remarks_of(
 
 def _what(one: Finding, found: Screening, long: Callable[[float], str], shown: Callable[[float], str]) -> str:
     of_all = f"{one.count} of {found.samples} samples"
+    lie, repeat, are = ("lies", "repeats", "is") if one.count == 1 else ("lie", "repeat", "are")
     largest = int(np.nanargmax(np.abs(one.size))) if np.isfinite(one.size).any() else 0
     size = _three(abs(float(one.size[largest])))
     if one.code == "noise_change":
@@ -72,13 +73,13 @@ def _what(one: Finding, found: Screening, long: Callable[[float], str], shown: C
         return f"the noise changes to {_three(ratio)} times what it was"
     values = " and ".join(shown(float(value)) for value in np.unique(one.value[np.isfinite(one.value)])[:3])
     texts: dict[Code, str] = {
-        "glitch": f"{of_all} lie up to {size} standard deviations of the noise from their neighbours",
+        "glitch": f"{of_all} {lie} up to {size} standard deviations of the noise from their neighbours",
         "disturbed": f"disturbed for {long(one.count)} in all, by up to {size} standard deviations of the noise",
-        "saturated": f"{of_all} lie at the end of the range, {values}",
+        "saturated": f"{of_all} {lie} at the end of the range, {values}",
         "stuck": f"stuck at {values} for {long(one.count)} in all",
-        "repeated": f"{of_all} repeat those {long(float(one.value[0]))} before, one by one",
-        "repeated_samples": f"{of_all} repeat the sample before",
-        "missing": f"{of_all} are missing",
+        "repeated": f"{of_all} {repeat} those {long(float(one.value[0]))} before, one by one",
+        "repeated_samples": f"{of_all} {repeat} the sample before",
+        "missing": f"{of_all} {are} missing",
         "level_step": f"the level steps by up to {size} standard deviations of the noise",
         "slow_wave": f"a wave of {long(float(one.value[0]))}, {size} standard deviations of the noise high",
     }

@@ -103,7 +103,8 @@ class Segmentation:
         outliers, stuck = int(np.count_nonzero(self.samples.outlier)), int(np.count_nonzero(self.stuck))
         found = []
         if missing:
-            found.append(Remark("missing_samples", "info", "sample without a value, left out", count=missing))
+            where = f"sample {np.argmin(self.samples.finite)}"
+            found.append(Remark("missing_samples", "info", "sample without a value, left out", where, missing))
         if outliers:
             where = f"sample {np.argmax(self.samples.outlier)}"
             found.append(Remark("outliers", "warning", "single outlier, left out", where, outliers))
