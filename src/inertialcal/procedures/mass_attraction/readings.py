@@ -166,7 +166,7 @@ def readings_from(plan: Plan, moved: Iterable[SourceMassRecording]) -> Readings:
         dwell = np.where(inside, at, -1)
         outside = int(np.sum(dwell < 0))
         if outside > 1 and outside > HALF * len(dwell):
-            what = f"{one.name}: {outside} of {len(dwell)} samples {'lies' if outside == 1 else 'lie'} in no dwell of the schedule"
+            what = f"{one.name}: {outside} of {len(dwell)} samples lie in no dwell of the schedule"
             do = "Check begin, the clock, and dwell and move of the schedule"
             raise DataError(what, where, "their times do not fit", do, "schedule_differs")
         if outside:

@@ -225,9 +225,9 @@ def judged_scale(W: Array, determined: NDArray[np.bool_], unit: str, stated: boo
             way = f"{ratio:g} times too high" if ratio > 1.0 else f"{1.0 / ratio:g} times too low"
             what = f"{size}: the sample rate is probably {way}"
             do = "Check the sample rate; for known turns, their angle"
-            return [Remark("sample_rate_suspect", "error", what, where, do)]
+            return [Remark("sample_rate_suspect", "error", what, where, do=do)]
     what = f"{size}: the time axis, the unit or the scale factor of the gyros is wrong ({unit})"
-    return [Remark("rotations_do_not_close", "error", what, where, "Check sample rate, stamps and unit")]
+    return [Remark("rotations_do_not_close", "error", what, where, do="Check sample rate, stamps and unit")]
 
 
 def remarks_of(result: Result) -> list[Remark]:
@@ -289,9 +289,14 @@ def _gyro_remarks(result: Result) -> list[Remark]:
         elif np.all(np.diag(gyro.rotated.W) < 0.0):
             what = "all gyros read the known turns with the opposite sign: scale factors come out negative"
             do = "If the turns were clockwise, change the sign of the angles"
-            stated = result.plan.gyro_scale_factor is not None or (
-                readings.gyro is not None and readings.gyro.unit == "rad/s"
-            )
+            in_si = readings.gyro is not None and readings.gyro.unit == "rad/s"
+            stated = result.plan.gyro_scale_factor is not None or in_si
+            if any(one.assumed for one in rotations):
+                what = "all gyros read the turns, taken as +360 deg, with the opposite sign"
+                do, stated = (
+                    "If they were clockwise, state it: --turn=-360deg; else check the signs of the gyros",
+                    False,
+                )
             found.append(Remark("turn_sense", "error" if stated else "warning", what, do=do))
         fit = gyro.rotated.found
         if fit is not None and fit.free == 0:

@@ -133,8 +133,8 @@ def _sections(pair: Sequence[Part], recording: Recording) -> tuple[Section, ...]
     if source is None:
         return ()
     entry = _entry(source)
-    named, turn = str(entry.sections), 2.0 * np.pi if entry.turn is None else entry.turn
-    if problems := turn_problems(turn):
+    named, turn = str(entry.sections), entry.turn
+    if turn is not None and (problems := turn_problems(turn)):
         raise DataError(problems)
     if source.has(named):
         return tuple(section_of(one, recording, turn) for one in source.read_file(named, sections_of))
@@ -153,7 +153,7 @@ def _is_label(text: str) -> bool:
     return direction_of(text) is not None or turn_of(text) is not None
 
 
-def section_of(said: LabelledPart, recording: Recording, turn: float) -> Section:
+def section_of(said: LabelledPart, recording: Recording, turn: float | None) -> Section:
     """Return a labelled part in samples; a turn by its own angle, else by the one given [rad].
 
     Raises
@@ -171,11 +171,15 @@ def section_of(said: LabelledPart, recording: Recording, turn: float) -> Section
     return named_section(said.label, round(start), round(stop), turn if said.angle is None else said.angle)
 
 
-def named_section(label: str, start: int, stop: int, turn: float) -> Section:
-    """Return samples [start, stop) as the position, or the turn by an angle [rad], that the label says."""
+def named_section(label: str, start: int, stop: int, turn: float | None) -> Section:
+    """Return samples [start, stop) as the position, or the turn by an angle [rad], that the label says.
+
+    A turn whose angle nobody stated is one by 360 deg.
+    """
     axis = turn_of(label)
     if axis is not None:
-        return Section(start, stop, axis=_triple(axis), angle=turn, name=label)
+        angle = 2.0 * np.pi if turn is None else turn
+        return Section(start, stop, axis=_triple(axis), angle=angle, name=label, assumed=turn is None)
     direction = direction_of(label)
     known = direction is not None and bool(np.isfinite(direction).all())
     return Section(start, stop, _triple(direction) if known and direction is not None else None, name=label)

@@ -63,6 +63,7 @@ class Rotation:
     angle: float | None = None  # Turned by [rad], where it is known; several turns count fully (two turns are 4 pi)
     where: str = ""  # Place, for messages
     missing: int = 0  # Samples of the longest gap in it
+    assumed: bool = False  # Whether nobody stated the angle
 
     @property
     def known(self) -> bool:

@@ -46,7 +46,8 @@ SMALL = 1e-4  # of all that a rotation turned: a gap that changes its angle by l
 class Section:
     """Samples [start, stop) that a protocol names: a position by its direction, or a turn by axis and angle [rad].
 
-    ``direction`` is the specific force over gravity in body axes: (0, 0, 1) lies with z up.
+    ``direction`` is the specific force over gravity in body axes: (0, 0, 1) lies with z up. The angle is ``assumed``
+    where nobody stated it.
     """
 
     start: int
@@ -55,6 +56,7 @@ class Section:
     axis: tuple[float, float, float] | None = None
     angle: float | None = None
     name: str = ""
+    assumed: bool = False
 
 
 def readings_from(
@@ -140,10 +142,9 @@ def _one(plan: Plan, recording: Recording, sections: Sequence[Section], saturate
     if sections:
         return _by_sections(recording, values, seconds, sections, saturated)
     try:
-        segmentation = detect(values["acc"], recording.time_ns, recording.sample_interval)
+        segmentation = detect(values["acc"], recording.time_ns, recording.sample_interval, place=recording.place)
     except DataError as error:
-        path = recording.source.path
-        raise DataError([replace(p, where=": ".join(filter(None, (path, p.where)))) for p in error.problems]) from None
+        raise DataError([replace(p, where=p.where or recording.source.path) for p in error.problems]) from None
     shortest = plan.shortest if plan.shortest is not None else shortest_placement(segmentation)
     placed: Sequence[Placement] = placements(segmentation, shortest, values.get("gyro"))
     if not placed:
@@ -162,7 +163,8 @@ def _one(plan: Plan, recording: Recording, sections: Sequence[Section], saturate
     )  # fmt: skip
     found = _readings(recording, segmentation.samples, values, placed, rotations if "gyro" in values else ())
     found = _whole_rotations(found, recording.source.path, saturated)
-    remarks = [*recording.remarks, *segmentation.remarks, *more, *_disturbed(found, values, placed), *found.remarks]
+    cut = [replace(one, where=one.where and recording.place(one.index)) for one in segmentation.remarks]
+    remarks = [*recording.remarks, *cut, *more, *_disturbed(found, values, placed), *found.remarks]
     return replace(found, remarks=gather(remarks), left_out=tuple(sorted(set(range(total)) - set(there))))
 
 
@@ -177,10 +179,10 @@ def _by_sections(
     placed = [Placement(one.start, one.stop) for one in still]
     placed, there, more = _there(recording, values, placed, [one.name for one in still])
     still = [still[k] for k in there]
-    samples = samples_of(values["acc"], recording.time_ns, recording.sample_interval)
+    samples = samples_of(values["acc"], recording.time_ns, recording.sample_interval, recording.place)
     turns = tuple(
         replace(_rotation(values, seconds, one.start, one.stop, -1, -1), where=one.name,
-                axis=np.array(one.axis, dtype=float), angle=one.angle)
+                axis=np.array(one.axis, dtype=float), angle=one.angle, assumed=one.assumed)
         for one in sections if one.angle is not None and one.axis is not None and "gyro" in values
     )  # fmt: skip
     cut = _whole_rotations(_readings(recording, samples, values, placed, turns), path, saturated)

@@ -3,7 +3,8 @@
 Two figures of a recording are compared with the medians of the others: the density of its white noise, which hardly
 changes from run to run, and its mean, where those of the others agree closely. What differs by the factor between two
 units of the kind, or by a prefix, is in another unit; a mean that is minus that of the others has another sign. Noise
-that differs by other factors is for the test of the fit (``runs_disagree``).
+that differs by other factors is for the test of the fit (``runs_disagree``). Means of accelerometers are not compared:
+they depend on the face that the unit lies on.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ def agreement(plan: Plan, readings: Readings) -> Iterator[Remark]:
         others = np.arange(len(readings)) != i
         loud, level = _ratio(noise, i, others), _ratio(mean, i, others)
         steady = np.zeros(len(readings.axes), dtype=bool)
-        if len(readings) >= FEWEST:
+        if len(readings) >= FEWEST and plan.kind != "accelerometer":
             middle = np.abs(np.median(mean[others], axis=0))
             steady = (np.ptp(mean[others], axis=0) <= CLOSE * middle) & (np.abs(mean[i]) > sure[i]) & (middle > sure[i])
         for ratio, told, of in ((loud, np.isfinite(loud), "noise"), (level, steady & (level > 0.0), "mean")):

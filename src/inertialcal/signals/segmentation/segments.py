@@ -18,6 +18,7 @@ and variances.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -103,20 +104,21 @@ class Segmentation:
         outliers, stuck = int(np.count_nonzero(self.samples.outlier)), int(np.count_nonzero(self.stuck))
         found = []
         if missing:
-            where = f"sample {np.argmin(self.samples.finite)}"
-            found.append(Remark("missing_samples", "info", "sample without a value, left out", where, missing))
+            at = int(np.argmin(self.samples.finite))
+            text = "sample without a value, left out"
+            found.append(Remark("missing_samples", "info", text, f"sample {at}", missing, index=at))
         if outliers:
-            where = f"sample {np.argmax(self.samples.outlier)}"
-            found.append(Remark("outliers", "warning", "single outlier, left out", where, outliers))
+            at = int(np.argmax(self.samples.outlier))
+            found.append(Remark("outliers", "warning", "single outlier, left out", f"sample {at}", outliers, index=at))
         if np.any(self.widening > NOT_WHITE):
             ratio = float(self.widening.max())
             text = f"window means scatter {ratio:.2g} times as much as white noise: there may be slow motion"
             do = "State the noise at rest, unless the output is filtered"
             found.append(Remark("noise_not_white", "warning", text, do=do))
         if stuck:
-            where = f"sample {self.start[np.flatnonzero(self.stuck)[0]]}"
+            at = int(self.start[np.flatnonzero(self.stuck)[0]])
             text = "a channel repeats one value for a whole stretch"
-            found.append(Remark("stuck", "warning", text, where, stuck, "Check for saturation"))
+            found.append(Remark("stuck", "warning", text, f"sample {at}", stuck, "Check for saturation", index=at))
         return tuple(found)
 
 
@@ -125,6 +127,7 @@ def detect(
     time_ns: Times | None = None,
     sample_interval: float | None = None,
     plan: Detection | None = None,
+    place: Callable[[int], str] = "sample {}".format,
 ) -> Segmentation:
     """Cut a signal into still and moving stretches.
 
@@ -139,6 +142,8 @@ def detect(
         Nominal time from sample to sample [s]; from the stamps by default.
     plan : Detection, optional
         Default settings if absent.
+    place : callable
+        Index of a sample -> its place, for messages.
 
     Returns
     -------
@@ -151,7 +156,7 @@ def detect(
         If a channel has no values, fewer than 16 good samples are left, or the time does not fit.
     """
     plan = plan or Detection()
-    samples = samples_of(signal, time_ns, sample_interval)
+    samples = samples_of(signal, time_ns, sample_interval, place)
     rows = np.flatnonzero(samples.finite)
     n, channels = samples.values.shape
     if not len(rows) and n:

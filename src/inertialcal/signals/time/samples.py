@@ -13,6 +13,7 @@ bins, each sample stands alone.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,8 +63,13 @@ class Samples:
         return max(1, round(seconds / self.sample_interval))
 
 
-def samples_of(signal: Numbers, time_ns: Times | None = None, sample_interval: float | None = None) -> Samples:
-    """Return a signal, (n,) or (n, channels), as Samples, its time looked through.
+def samples_of(
+    signal: Numbers,
+    time_ns: Times | None = None,
+    sample_interval: float | None = None,
+    place: Callable[[int], str] = "sample {}".format,
+) -> Samples:
+    """Return a signal, (n,) or (n, channels), as Samples, its time looked through; ``place`` names one in messages.
 
     Raises
     ------
@@ -79,7 +85,7 @@ def samples_of(signal: Numbers, time_ns: Times | None = None, sample_interval: f
         raise DataError(f"a sample interval of {sample_interval} s", do="It must be positive")
     gap, ticks = np.zeros(n, dtype=bool), np.arange(n, dtype=np.float64)
     if time_ns is not None:
-        axis = _checked_axis(time_ns, n)
+        axis = _checked_axis(time_ns, n, place)
         gap[axis.gaps.after + 1] = True
         sample_interval = sample_interval or axis.interval
         if sample_interval is not None:
@@ -90,14 +96,14 @@ def samples_of(signal: Numbers, time_ns: Times | None = None, sample_interval: f
     return Samples(values, finite, np.zeros(n, dtype=bool), gap, ticks, time_ns, sample_interval)
 
 
-def _checked_axis(time_ns: Times, n: int) -> TimeAxis:
+def _checked_axis(time_ns: Times, n: int, place: Callable[[int], str]) -> TimeAxis:
     if time_ns.shape != (n,):
         raise DataError(f"{n} samples, time of shape {time_ns.shape}")
     axis = analyse(time_ns)
     if len(axis.backward):
         raise DataError(
             f"time runs backwards at {len(axis.backward)} place(s)",
-            where=f"sample {axis.backward[0]}",
+            where=place(int(axis.backward[0])),
             why="a stretch across it has no length",
             do="Sort the record, or cut it there",
             code="time_backwards",

@@ -190,7 +190,23 @@ def test_labelled_parts_of_faces_and_turns(
         if true.quantity == "misalignment" and true.sensor == "accelerometer" and abs(true.value) > 8e-3:
             assert form[true.sensor, "direction_cosine", true.axis] == pytest.approx(true.value, abs=6e-3), true
     turned = call_json(capsys, "positions", path, *SI, "--sections", sections, "--turn", "-360 deg")
-    assert "turn_sense" in {one["code"] for one in turned["remarks"]}
+    assert [one["severity"] for one in turned["remarks"] if one["code"] == "turn_sense"] == ["error"]
+
+
+def test_a_sense_that_nobody_stated_is_a_warning(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, ferraris: tuple[str, str, list[str]]
+) -> None:
+    table = np.genfromtxt(ferraris[0], delimiter=",", names=True)
+    for axis in "xyz":
+        table[f"gyro_{axis}"] *= -1.0
+    path = tmp_path / "clockwise.csv"
+    np.savetxt(path, table, "%.12g", ",", header=",".join(table.dtype.names or ()), comments="")
+    found = call_json(capsys, "positions", str(path), *SI, "--sections", ferraris[1])
+    (remark,) = (one for one in found["remarks"] if one["code"] == "turn_sense")
+    assert remark["severity"] == "warning"
+    assert "--turn=-360deg" in remark["do"]
+    mended = call_json(capsys, "positions", str(path), *SI, "--sections", ferraris[1], "--turn=-360deg")
+    assert "turn_sense" not in {one["code"] for one in mended["remarks"]}
 
 
 def test_a_file_a_position(
