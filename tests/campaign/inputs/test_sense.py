@@ -76,6 +76,25 @@ def test_a_change_is_an_error_where_the_test_takes_samples() -> None:
     assert remark.where == "run1.csv:1202"
 
 
+def test_a_change_to_a_unit_beyond_the_range_is_named_though_the_samples_are_left_out() -> None:
+    body = recording()
+    for axis in "xyz":
+        body.channel(axis).data[1200:] *= 180.0 / np.pi
+    found = judged(body)
+    assert {one.code for one in found.remarks} == {"beyond_range", "unit_changed"}
+    assert np.isnan(found.recording.channel("x").data[1300:]).all()
+
+
+def test_columns_change_places_as_the_sensor_has_them() -> None:
+    body = recording()
+    x, y = (body.channel(axis).data for axis in "xy")  # x is mounted inverted: the column has -x
+    x[1200:], y[1200:] = -y[1200:].copy(), -x[1200:].copy()
+    mounting = [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]
+    (remark,) = sensible("first", ENTRY, FACTS, body, body, at_rest=True, mounting=mounting).remarks
+    assert remark.code == "axes_changed"
+    assert "x goes on as y, y goes on as x" in remark.what
+
+
 def test_a_column_that_the_test_does_not_read_is_named() -> None:
     body = recording()
     raw = Recording((*body.channels, Channel("air", np.full(N, -300.0), "degC", "header")), first_row=2)

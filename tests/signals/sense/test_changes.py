@@ -170,3 +170,40 @@ def test_missing_samples_and_short_records():
     assert found.code == "sign_changed"
     assert judged(x[:30]) == ()
     assert changes([], "") == ()
+
+
+def exchanged(x: np.ndarray, first: int, second: int) -> np.ndarray:
+    x = x.copy()
+    x[AT:, [first, second]] = x[AT:, [second, first]]
+    return x
+
+
+@pytest.mark.parametrize("pair", [(0, 1), (0, 2)])
+def test_an_exchange_on_a_table_names_no_more_axes_than_it_moves(pair):
+    x, applied = on_table()
+    (found,) = judged(exchanged(x, *pair), applied=applied)
+    moved = {a: b for a, b in zip(found.channels, found.sources, strict=True) if a != b}
+    assert moved == {"xyz"[pair[0]]: "xyz"[pair[1]], "xyz"[pair[1]]: "xyz"[pair[0]]}
+
+
+def test_an_exchange_of_axes_that_are_not_turned_shows_in_their_responses():
+    x, applied = on_table()
+    x[:, 1:] -= x[:, 1:].mean(axis=0)  # no jump
+    at = int(np.flatnonzero(applied == 0.0)[-1])  # at rest
+    x[at:, [1, 2]] = x[at:, [2, 1]]
+    (found,) = judged(x, applied=applied)
+    assert (found.code, found.sources) == ("axes_changed", ("x", "z", "y"))
+
+
+def test_all_axes_change_places_on_a_table():
+    x, applied = on_table()
+    x[AT:] = x[AT:, [1, 2, 0]]
+    (found,) = judged(x, applied=applied)
+    assert found.sources == ("y", "z", "x")
+
+
+@pytest.mark.parametrize("seed", range(1, 6))
+def test_channels_that_drift_past_each_other_do_not_change_places(seed):
+    x, applied = on_table(seed)
+    drift = 0.005 * np.tanh(np.linspace(-2.0, 2.0, N))
+    assert judged(x + np.outer(drift, [0.0, 1.0, -1.0]), applied=applied) == ()

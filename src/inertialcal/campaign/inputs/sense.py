@@ -7,6 +7,7 @@ exclusion. All axes together are looked through for a change of what they record
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -36,6 +37,7 @@ def sensible(
     *,
     at_rest: bool,
     chosen: Flags | None = None,
+    mounting: Sequence[Sequence[float]] | None = None,
 ) -> Passed:
     """Return a recording without values that are impossible, with what there is to say of its sense.
 
@@ -49,6 +51,8 @@ def sensible(
         Whether the sensor was at rest.
     chosen : ndarray of bool, shape (n,), optional
         Samples that the test takes: of others nothing is said.
+    mounting : shape (3, 3), optional
+        Of the sensor: its axes from those of the body. Columns change places as the sensor has them.
 
     Raises
     ------
@@ -58,7 +62,6 @@ def sensible(
     place = replace(raw, source=replace(raw.source, path=entry.file)).place
     given = entry.channels or {}
     left_out: dict[str, Flags] = {}
-    ranged: set[str] = set()  # axes with values that the range alone forbids: a change of unit may have made them
     remarks: list[Remark] = []
     exclusions: list[Exclusion] = []
     for one in body.channels:
@@ -77,7 +80,6 @@ def sensible(
         if not np.any(np.isfinite(values) & ~found.flags):
             raise DataError(said.what, said.where, "nothing else is in the channel", said.do, said.code)
         left_out[one.name] = found.flags
-        ranged |= {one.name} if said.code == "beyond_range" else set()
         axis = one.name if one.name in AXES else ""
         exclusions.append(
             Exclusion(RULE, f"limits: {said.code}", said.what, said.where, axis, said.count, "sample", dwell=False)
@@ -87,18 +89,26 @@ def sensible(
         if one.name not in columns:
             for remark in impossible(one.data, one.unit, f"recording {name}, {one.name} (not used)", place).remarks:
                 remarks.append(replace(remark, severity="warning", recording=name))
-    possible = without(body, {axis: flags for axis, flags in left_out.items() if axis not in ranged})
-    body = without(body, left_out)
+    whole, body = body, without(body, left_out)
     axes = [axis for axis in AXES if axis in body.names]
     if axes and facts.kind is not None:
+        found_changes = _changes(body, axes, at_rest, chosen, mounting)
+        if not found_changes and any(axis in left_out for axis in axes):  # what was left out may be in another unit
+            found_changes = _changes(whole, axes, at_rest, chosen, mounting)
         remarks += [
             replace(change.remark(place), what=f"recording {name}: {change.remark(place).what}", recording=name)
-            for change in _changes(possible, axes, at_rest, chosen)
+            for change in found_changes
         ]
     return Passed(body, tuple(remarks), tuple(exclusions))
 
 
-def _changes(body: Recording, axes: list[str], at_rest: bool, chosen: Flags | None) -> tuple[Change, ...]:
+def _changes(
+    body: Recording,
+    axes: Sequence[str],
+    at_rest: bool,
+    chosen: Flags | None,
+    mounting: Sequence[Sequence[float]] | None,
+) -> tuple[Change, ...]:
     rows = slice(None) if chosen is None or chosen.all() else np.flatnonzero(chosen)
     interval, breaks = body.sample_interval, None
     if body.time_ns is not None and interval is not None:
@@ -107,6 +117,8 @@ def _changes(body: Recording, axes: list[str], at_rest: bool, chosen: Flags | No
     applied = body.channel(APPLIED).data[rows] if APPLIED in body.names else None
     unit = body.channel(axes[0]).unit or ""
     data = [body.channel(axis).data[rows] for axis in axes]
+    if mounting is not None and len(axes) == len(AXES):
+        data = list(np.asarray(mounting) @ np.array(data, dtype=np.float64))
     found = changes(data, axes, kind(unit) if unit else "", interval, breaks, applied, at_rest)
     if isinstance(rows, slice):
         return found

@@ -286,7 +286,8 @@ class Ready:
                 check_readings(one.name, one.data, one.unit, body.place)
         chosen = in_windows(body, self.of_test.windows)
         still = spec.still or spec.screening != "moving"
-        found = sensible(self.name, entry, self.facts, self.raw, body, at_rest=still, chosen=chosen)
+        found = sensible(self.name, entry, self.facts, self.raw, body, at_rest=still, chosen=chosen,
+                         mounting=sensor.mounting)  # fmt: skip
         body = found.recording
         self.remarks.extend(found.remarks)
         self.exclusions.extend(found.exclusions)

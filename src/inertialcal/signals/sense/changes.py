@@ -177,7 +177,8 @@ def changes(
     found: list[Change] = []
     noise = _Noise.of(x)
     if given is not None:
-        found += _by_response(x, given, noise, names, factors)
+        exchange = _exchanged_response(x, given, names)
+        found += [exchange] if exchange is not None else _by_response(x, given, noise, names, factors)
     if not found:
         found += _by_noise(x, noise, names, factors)
     if not found:
@@ -571,6 +572,9 @@ def _scaled(jump: _Jump, noise: _Noise, names: Sequence[str], factors: Factors) 
 
 SAME_RESPONSE = 1.5  # factor up to which a response is the same: saturation, lag and nonlinearity change it
 EXPLAINED = 4.0  # times that two responses explain more than one
+EXCHANGED = 15.0  # gain of logarithmic likelihood by an exchange, as for white noise
+EXPLAINS = 0.8  # of the gain by any change of levels and responses
+ALIKE = 0.97  # of the largest gain
 LEAST_PART = 0.05  # of the record before and after
 
 
@@ -584,7 +588,7 @@ def _by_response(x: Array, applied: Array, noise: _Noise, names: Sequence[str], 
     own = float(after[axis] / before[axis])
     other = int(np.argmax(np.abs(after)))
     if other != axis and abs(own) < 0.5 and abs(after[other] / before[axis]) > 1.0 / SAME_RESPONSE:
-        order = [(i + axis - other) % len(names) for i in range(len(names))]
+        order = _simplest(len(names), axis, other)
         return [Change("axes_changed", index, tuple(names), 1.0, None, tuple(names[i] for i in order))]
     if 1.0 / SAME_RESPONSE < -own < SAME_RESPONSE:
         return [Change("sign_changed", index, tuple(names), -1.0)]
@@ -595,6 +599,71 @@ def _by_response(x: Array, applied: Array, noise: _Noise, names: Sequence[str], 
     if own > 0.0 and abs(np.log(own)) > np.log(SAME_RESPONSE) and abs(ratio[axis] - np.log(own)) < SAME_NOISE:
         return [Change("scale_changed", index, tuple(names), own)]
     return []
+
+
+def _simplest(k: int, axis: int, other: int) -> tuple[int, ...]:
+    """Return the exchange of the fewest axes after which one axis shows in the column of another."""
+    order = list(range(k))
+    order[axis], order[other] = other, axis
+    return tuple(order)
+
+
+def _exchanged_response(x: Array, applied: Array, names: Sequence[str]) -> Change | None:
+    """Return an exchange of axes that explains levels and responses: it shows without a jump, too.
+
+    With the columns put back from a sample on, a level, a drift and one response explain each channel; how much better
+    than without is counted in likelihoods, for each sample and each exchange.
+    """
+    n, k = x.shape
+    spread = float(np.ptp(applied))
+    if n < FEWEST or k < 2 or not spread > 0.0:
+        return None
+    terms, _ = np.linalg.qr(np.column_stack([np.ones(n), applied / spread, np.linspace(-1.0, 1.0, n)]))
+    y = x - x.mean()
+    edge = max(SIDE[0], round(LEAST_PART * n))
+    cuts: Indices = np.arange(edge, n - edge)
+    sums = [np.cumsum(one, axis=0) for one in (y * y, *(term[:, None] * y for term in terms.T))]
+    parts = [(one[cuts - 1], one[-1] - one[cuts - 1]) for one in sums]  # before and after each cut
+    least = 1e-12 * float(sums[0][-1].sum())
+    if not least > 0.0:
+        return None
+
+    def loss(order: Sequence[int]) -> Array:
+        """Return the sum of squares of each channel, shape (cuts, channels), with columns put back after each cut."""
+        square, *products = [before + after[:, order] for before, after in parts]
+        found: Array = np.maximum(square - sum(one**2 for one in products), least)
+        return found
+
+    same = loss(tuple(range(k)))[0]
+    found: list[tuple[float, int, tuple[int, ...]]] = []
+    for order in permutations(range(k)):
+        if order != tuple(range(k)):
+            gains = 0.5 * n * np.log(same / loss(order))
+            best = int(np.argmax(gains.sum(axis=1)))
+            found.append((float(gains[best].sum()), best, order))
+    most = max(one[0] for one in found)
+    if most < EXCHANGED:
+        return None
+    # Of those that explain as well, that of the fewest axes
+    gain, best, order = min((one for one in found if one[0] > ALIKE * most), key=lambda one: (_moved(one[2]), -one[0]))
+    index = int(cuts[best])
+    moved = [i for i in range(k) if order[i] != i]
+    sets = [np.linalg.lstsq(terms[part], y[part][:, moved], rcond=None)[0] for part in (slice(index), slice(index, n))]
+    rest = np.concatenate([y[:index, moved] - terms[:index] @ sets[0], y[index:, moved] - terms[index:] @ sets[1]])
+    free = np.maximum(np.sum(rest**2, axis=0), least)
+    whole = float(np.sum(0.5 * n * np.log(same[moved] / free)))
+    size = max(2, round(np.sqrt(n)))
+    blocks = rest[: n // size * size].reshape(-1, size, len(moved)).mean(axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        colour = float(np.nanmax(np.append(size * blocks.var(axis=0) / rest.var(axis=0), 1.0)))
+    if gain < EXCHANGED * colour or gain < EXPLAINS * whole:
+        return None
+    return Change("axes_changed", index, tuple(names), 1.0, None, tuple(names[order.index(i)] for i in range(k)))
+
+
+def _moved(order: Sequence[int]) -> int:
+    """Return how many axes an exchange moves."""
+    return sum(i != j for i, j in enumerate(order))
 
 
 def response_change(x: Array, applied: Array) -> tuple[int, Array, Array] | None:
