@@ -368,7 +368,7 @@ def _jump(x: Array, index: int, cut: NDArray[np.bool_]) -> _Jump | None:
 
 def _candidates(x: Array) -> list[int]:
     """Return the samples at which the record jumps: the step is far larger than those beside it."""
-    found: list[tuple[float, int]] = []
+    found: dict[int, float] = {}  # how far each step stands out
     size = 1
     while len(x) // size >= FEWEST:
         means = x[: len(x) // size * size].reshape(-1, size, x.shape[1]).mean(axis=1) if size > 1 else x
@@ -386,13 +386,11 @@ def _candidates(x: Array) -> list[int]:
         for row in np.argsort(excess)[: -CANDIDATES - 1 : -1].tolist():
             if excess[row] > 3.0:
                 place = row + 1 if size == 1 else _best_split(x, row * size, (row + gap + 1) * size)
-                found.append((float(excess[row]), place))
+                near = [one for one in found if abs(place - one) <= SIDE[0]]  # shorter means tell the sample better
+                place = min(near, key=lambda one: abs(place - one)) if near else place
+                found[place] = max(found.get(place, 0.0), float(excess[row]))
         size *= 8
-    kept: list[int] = []
-    for _, place in sorted(found, reverse=True):
-        if all(abs(place - other) > SIDE[0] for other in kept):
-            kept.append(place)
-    return kept[: 2 * CANDIDATES]
+    return sorted(found, key=lambda one: -found[one])[: 2 * CANDIDATES]
 
 
 def _widest(step: Array, width: int) -> Array:
