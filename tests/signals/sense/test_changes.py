@@ -207,3 +207,12 @@ def test_channels_that_drift_past_each_other_do_not_change_places(seed):
     x, applied = on_table(seed)
     drift = 0.005 * np.tanh(np.linspace(-2.0, 2.0, N))
     assert judged(x + np.outer(drift, [0.0, 1.0, -1.0]), applied=applied) == ()
+
+
+def test_a_small_jump_shows_beside_a_fast_turn():
+    x = by_hand()
+    x[:, 0] += 0.1 - x[AT - 20 : AT + 20, 0].mean()  # near zero at the change, while steps of a turn are larger
+    x[AT:, 0] *= -1.0
+    x[:, 1:] += 0.002 * np.arange(N)[:, None]
+    assert np.abs(np.diff(by_hand(), axis=0)).max() > 0.1
+    assert [one.code for one in judged(x, "acceleration")] == ["sign_changed"]

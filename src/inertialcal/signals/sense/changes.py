@@ -463,10 +463,13 @@ def _is_alone(jump: _Jump, x: Array) -> bool:
         if size > ALONE[0] and 2 * size > min(jump.before.size, jump.after.size):
             break
         means = (total[size:] - total[:-size]) / size
-        step = np.linalg.norm(means[size:] - means[:-size], axis=1)  # of the samples from ``size`` on
-        step[max(0, jump.at - 2 * size) : jump.at] = 0.0
-        if step.max(initial=0.0) < SMOOTH * whole:
-            return True
+        step = means[size:] - means[:-size]  # of the samples from ``size`` on
+        bend = step[size:] - step[:-size]  # a steady turn has none
+        for change, width in ((step, 2), (bend, 3)):
+            length = np.linalg.norm(change, axis=1)
+            length[max(0, jump.at - width * size) : jump.at] = 0.0
+            if length.max(initial=0.0) < SMOOTH * whole:
+                return True
     return False
 
 
