@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import inertialcal as ic
-from inertialcal.campaign.engine.engine import prepare, reduce_test
+from inertialcal.campaign.engine.engine import in_order, prepare, reduce_test
 from inertialcal.campaign.file.load import load
 from inertialcal.campaign.models.find import find_model
 from inertialcal.cli.__main__ import main
@@ -86,3 +86,19 @@ def test_a_command_prints_figures_and_refuses_the_model(
     assert not model.exists()
     found = ic.rate_table(table, units="deg/s", axis="x")
     assert (found.models, found.exit_status) == ({}, 4)
+
+
+def test_a_change_in_mid_record_comes_first_and_stands_for_what_follows_from_it() -> None:
+    change = Remark("unit_changed", "error", "recording one: the unit changes", "one.csv:700", recording="one")
+    following = [
+        Remark("gain_disagrees", "error", "one reads less", "one.csv"),
+        Remark("level_step", "warning", "x: the level steps", "one.csv:698", recording="one, window 1"),
+    ]
+    of_another = [
+        WRONG,
+        Remark("gain_disagrees", "error", "two reads less", "two.csv"),
+        Remark("not_at_rest", "warning", "x: not at rest"),
+    ]
+    assert in_order([*of_another, *following, change], ["one", "two"]) == (change, *of_another)
+    assert in_order([*of_another, *following, change], ["one"]) == (change, *of_another[:2])
+    assert in_order([*following, *of_another], ["one", "two"])[0] is following[0]

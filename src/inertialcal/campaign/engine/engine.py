@@ -34,6 +34,20 @@ from ..inputs.sources import Folder, Origin, Ready, Store, facts_of
 
 STAYS = 0.1  # standard uncertainties that a figure may move by and count as the same
 NAMED = 3  # figures that a remark names
+CHANGES = frozenset({"unit_changed", "sign_changed", "scale_changed", "axes_changed"})  # in mid-record
+FOLLOWING = frozenset(
+    {
+        "gain_disagrees",
+        "reading_disagrees",
+        "run_differs",
+        "recording_differs",
+        "level_step",
+        "noise_change",
+        "not_stationary",
+        "disturbed",
+        "not_at_rest",
+    }
+)  # remarks that a change in mid-record brings about in its recording
 COMPENSATED = "compensated"  # code of the remark of a reader, and of that on the recording of a test
 
 
@@ -165,7 +179,7 @@ def prepare_test(
     unsaid = [one for source in sources for one in source.on_time if (one.code, one.what) not in known]
     more = (*disagreements, *gated, *rates, *unsaid, *readings.remarks, *procedure.remarks(first), *exact)
     if len(more) > len(readings.remarks):
-        readings = replace(readings, remarks=tuple(sorted(more, key=lambda one: one.severity != "error")))
+        readings = replace(readings, remarks=in_order(more, test.recordings))
     inputs = one_digest(pair for one in sources for pair in one.inputs.items())
     screened = tuple(exclusion for one in sources for exclusion in one.exclusions)
     origins = tuple(one.origin for one in sources)
@@ -387,7 +401,23 @@ def _remarks(tested: Tested[Any, Any, Any]) -> tuple[Remark, ...]:
     own = tested.result.remarks
     known = {(one.code, one.what) for one in own}
     every = [*own, *(one for one in tested.readings.remarks if (one.code, one.what) not in known)]
-    return tuple(sorted(every, key=lambda one: one.severity != "error"))
+    return in_order(every, tested.recordings)
+
+
+def in_order(remarks: Sequence[Remark], recordings: Sequence[str]) -> tuple[Remark, ...]:
+    """Return remarks, errors first, and of these changes in mid-record, without what follows from a change."""
+    changed = {one.recording: one.where.rpartition(":")[0] for one in remarks if one.code in CHANGES and one.recording}
+
+    def follows(one: Remark) -> bool:
+        if one.code not in FOLLOWING:
+            return False
+        if one.recording or one.where:
+            places = (one.where == file or one.where.startswith(f"{file}:") for file in changed.values())
+            return one.recording.split(",")[0] in changed or any(places)
+        return all(name in changed for name in recordings)
+
+    kept = [one for one in remarks if not (changed and follows(one))]
+    return tuple(sorted(kept, key=lambda one: (one.severity != "error", one.recording not in changed)))
 
 
 def _with_those_before(test: Test, tests: Mapping[str, Test]) -> list[str]:
