@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -93,6 +95,18 @@ def test_columns_change_places_as_the_sensor_has_them() -> None:
     (remark,) = sensible("first", ENTRY, FACTS, body, body, at_rest=True, mounting=mounting).remarks
     assert remark.code == "axes_changed"
     assert "x goes on as y, y goes on as x" in remark.what
+
+
+def test_a_unit_shows_in_the_columns_where_a_bias_was_taken_off() -> None:
+    raw = recording()
+    for axis in "xyz":
+        raw.channel(axis).data[1200:] /= 9.80665
+    body = replace(raw, channels=tuple(replace(one, data=one.data - 0.1) for one in raw.channels))
+    facts = Facts("accelerometer", "m/s^2", "m/s^2")
+    channels = {axis: ChannelEntry(column=axis, unit="m/s^2") for axis in "xyz"}
+    entry = RecordingEntry(sensor="suite", file="run1.csv", channels=channels)
+    (remark,) = sensible("first", entry, facts, raw, body, at_rest=True).remarks
+    assert remark.code == "unit_changed"
 
 
 def test_a_column_that_the_test_does_not_read_is_named() -> None:

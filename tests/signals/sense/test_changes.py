@@ -216,3 +216,12 @@ def test_a_small_jump_shows_beside_a_fast_turn():
     x[:, 1:] += 0.002 * np.arange(N)[:, None]
     assert np.abs(np.diff(by_hand(), axis=0)).max() > 0.1
     assert [one.code for one in judged(x, "acceleration")] == ["sign_changed"]
+
+
+def test_gyros_at_rest_that_change_places_though_the_body_turns_later():
+    x = still()
+    x[200:400] += np.outer(np.sin(np.linspace(0.0, np.pi, 200)) ** 2, [0.0, 3.0, 0.0])
+    assert judged(x, at_rest=False) == ()
+    (found,) = judged(exchanged(x, 0, 1), at_rest=False)
+    assert (found.code, found.sources) == ("axes_changed", ("y", "x", "z"))
+    assert abs(found.index - AT) < 3

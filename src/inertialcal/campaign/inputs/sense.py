@@ -9,8 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...core.errors import DataError
 from ...core.key import AXES
@@ -26,6 +28,7 @@ from .gate import Passed, without
 
 RULE = "impossible"
 APPLIED = "applied"
+SAME = 1e-6  # relative
 
 
 def sensible(
@@ -92,9 +95,10 @@ def sensible(
     whole, body = body, without(body, left_out)
     axes = [axis for axis in AXES if axis in body.names]
     if axes and facts.kind is not None:
-        found_changes = _changes(body, axes, at_rest, chosen, mounting)
+        stored = [raw.channel(given[axis].column).data for axis in axes if axis in given]
+        found_changes = _changes(body, axes, at_rest, chosen, mounting, stored)
         if not found_changes and any(axis in left_out for axis in axes):  # what was left out may be in another unit
-            found_changes = _changes(whole, axes, at_rest, chosen, mounting)
+            found_changes = _changes(whole, axes, at_rest, chosen, mounting, stored)
         remarks += [
             replace(change.remark(place), what=f"recording {name}: {change.remark(place).what}", recording=name)
             for change in found_changes
@@ -108,7 +112,9 @@ def _changes(
     at_rest: bool,
     chosen: Flags | None,
     mounting: Sequence[Sequence[float]] | None,
+    stored: Sequence[NDArray[Any]],
 ) -> tuple[Change, ...]:
+    """Return changes of the axes of a sensor, or of its columns, where a bias was taken off them in between."""
     rows = slice(None) if chosen is None or chosen.all() else np.flatnonzero(chosen)
     interval, breaks = body.sample_interval, None
     if body.time_ns is not None and interval is not None:
@@ -119,7 +125,25 @@ def _changes(
     data = [body.channel(axis).data[rows] for axis in axes]
     if mounting is not None and len(axes) == len(AXES):
         data = list(np.asarray(mounting) @ np.array(data, dtype=np.float64))
-    found = changes(data, axes, kind(unit) if unit else "", interval, breaks, applied, at_rest)
+    of_unit = kind(unit) if unit else ""
+    found = changes(data, axes, of_unit, interval, breaks, applied, at_rest)
+    if not found and len(stored) == len(axes):
+        columns = [np.where(np.isfinite(x), column[rows], np.nan) for x, column in zip(data, stored, strict=True)]
+        scale = _scale(data, columns)
+        if scale is not None:
+            found = changes(columns, axes, of_unit, interval, breaks, applied, at_rest, scale)
     if isinstance(rows, slice):
         return found
     return tuple(replace(one, index=int(rows[one.index])) for one in found)
+
+
+def _scale(data: Sequence[NDArray[Any]], columns: Sequence[NDArray[Any]]) -> float | None:
+    """Return SI units in the unit of columns; None where one factor makes the data of them, or none does about."""
+    x, y = (np.array(one, dtype=np.float64) for one in (columns, data))
+    good = np.isfinite(x) & np.isfinite(y)
+    spread = np.std(x, where=good) if good.any() else 0.0
+    if not spread > 0.0:
+        return None
+    scale = float(np.std(y, where=good) / spread)
+    off = np.abs(np.abs(y) - scale * np.abs(x))
+    return scale if scale > 0.0 and np.any(off[good] > SAME * scale * np.abs(x)[good]) else None

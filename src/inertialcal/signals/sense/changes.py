@@ -433,6 +433,8 @@ def _by_levels(
         change = _scaled(one, noise, names, factors)
         if change is None and float(np.linalg.norm(one.step)) > motion and _is_alone(one, x):
             change = _mirrored(one, names) or _exchanged(one, names)
+        if change is None and np.isfinite(motion):
+            change = _exchanged_biases(one, names)
         if change is not None:
             return [change]
     return []
@@ -527,6 +529,19 @@ def _exchanged(jump: _Jump, names: Sequence[str]) -> Change | None:
     if best is None:
         return None
     return Change("axes_changed", jump.at, tuple(names), 1.0, None, tuple(names[i] for i in best[1]))
+
+
+def _exchanged_biases(jump: _Jump, names: Sequence[str]) -> Change | None:
+    """Return an exchange of two of three axes at rest, where long lines agree exactly: no start of a turn does that."""
+    before, after, u = jump.before.level, jump.after.level, jump.u
+    if len(before) != 3 or min(jump.before.size, jump.after.size) < NEAR:
+        return None
+    for order in ((1, 0, 2), (2, 1, 0), (0, 2, 1)):
+        moved = np.array([i != j for i, j in enumerate(order)])
+        agrees = np.abs(after - before[list(order)]) <= TIGHT * np.hypot(u, u[list(order)])
+        if np.all(agrees) and np.all(np.abs(jump.step[moved]) > CLEAR * u[moved]) and _same_noise(jump):
+            return Change("axes_changed", jump.at, tuple(names), 1.0, None, tuple(names[i] for i in order))
+    return None
 
 
 def _partly_exchanged(jump: _Jump) -> tuple[float, tuple[int, ...]] | None:
