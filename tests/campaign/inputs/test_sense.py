@@ -99,6 +99,7 @@ def test_columns_change_places_as_the_sensor_has_them() -> None:
 
 def test_a_unit_shows_in_the_columns_where_a_bias_was_taken_off() -> None:
     raw = recording()
+    raw = replace(raw, channels=tuple(replace(raw.channel(axis), unit="m/s^2") for axis in "xyz"))
     for axis in "xyz":
         raw.channel(axis).data[1200:] /= 9.80665
     body = replace(raw, channels=tuple(replace(one, data=one.data - 0.1) for one in raw.channels))
