@@ -181,18 +181,6 @@ def test_built_in_test_per_axis() -> None:
     np.testing.assert_array_equal(got.valid, [[True, True], [True, False]])
 
 
-def test_stuck_code_is_remarked_and_kept() -> None:
-    rng = np.random.default_rng(4)
-    codes = rng.integers(1900, 2100, (500, 2)).astype(float)
-    codes[100:160, 1] = 2001
-    got = convert(adc(axes=("x", "y")), codes)
-    assert got.valid.all()
-    assert [(one.code, one.where) for one in got.remarks] == [("stuck", "sample 100")]
-    assert "y: code 2001 stands for 60 readings" in got.remarks[0].what
-    np.testing.assert_array_equal(np.flatnonzero(got.stuck[:, 1]), np.arange(100, 160))
-    assert not got.stuck[:, 0].any()
-
-
 def test_run_at_a_rail_is_a_rail() -> None:
     codes = np.random.default_rng(4).integers(1900, 2100, (500, 1)).astype(float)
     codes[100:160] = 4095

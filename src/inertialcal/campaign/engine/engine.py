@@ -303,7 +303,7 @@ def screened_samples(one: ReducedTest, prepared: Prepared) -> int:
 
 
 def with_all_samples(
-    campaign: Campaign, one: ReducedTest, count: int, found: Mapping[str, Any], store: Store | None
+    campaign: Campaign, one: ReducedTest, count: int, found: Mapping[str, Any], store: Store | None, gate: Gate
 ) -> ReducedTest:
     """Return a test with its figures as they come out with the samples that screening left out.
 
@@ -319,10 +319,12 @@ def with_all_samples(
         Of every test, by name.
     store : Store or None
         That holds its files.
+    gate : Gate
+        That knows its columns.
     """
     said = f"with the {count} sample{'s' * (count > 1)} that screening left out"
     try:
-        opened = prepare(campaign, campaign.file.tests.index(one.test), found, store, screening=False)
+        opened = prepare(campaign, campaign.file.tests.index(one.test), found, store, gate, screening=False)
         result = reduce_test(opened)
         with computable(one.test.id):
             rows = one.procedure.rows(result)

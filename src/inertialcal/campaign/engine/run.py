@@ -327,7 +327,7 @@ def reduce_tests(
     for number, one in enumerate(tested):
         if count := screened_samples(one, prepared[number]):
             tell(len(tests), len(tests), f"{one.test.id}, with the samples that were left out")
-            tested[number] = with_all_samples(campaign, one, count, results, store)
+            tested[number] = with_all_samples(campaign, one, count, results, store, gate)
     remarks = [remark.at(one.test.id) for one in tested for remark in one.remarks]
     return prepared, tested, remarks
 

@@ -8,7 +8,7 @@ exclusion with its count.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -21,6 +21,7 @@ from ...sensors.chain.converter import Chain
 from ...signals.screening.remarks import remarks_of
 from ...signals.screening.screen import NO_READINGS, Finding, Screening, screen
 from ...signals.screening.slow import stuck_remark, stuck_slow
+from ...signals.sense.changes import Change
 from ...signals.time.samples import Flags
 from ..file.recordings import RecordingEntry
 from ..file.sensors import Sensor
@@ -32,11 +33,12 @@ MIXED = 1e-9  # direction cosine from which a sensor axis enters a body axis
 
 @dataclass(frozen=True, eq=False)
 class Gate:
-    """What columns show: each is looked through once, however many tests read it."""
+    """What columns show, and where axes change: each is looked through once, however many tests read it."""
 
     found: dict[tuple[str, str, int, bool], Screening] = field(
         default_factory=dict[tuple[str, str, int, bool], Screening]
     )
+    changed: dict[Hashable, tuple[Change, ...]] = field(default_factory=dict[Hashable, tuple[Change, ...]])
 
     def screening(self, file: str, channel: Channel, at_rest: bool) -> Screening:
         """Return what a column of a file shows."""
@@ -101,8 +103,10 @@ def passed(
             if one.code in NO_READINGS:
                 flags = found.screened(channel.data, (one.code,))
                 for name_of_body in entered:
-                    left_out[name_of_body] = left_out.get(name_of_body, False) | flags
-                flags, there = flags & there, there & ~flags
+                    known = left_out.get(name_of_body)
+                    left_out[name_of_body] = flags if known is None else known | flags
+                flags = flags & there
+                there ^= flags
             kept += _inside(one, flags)
         shown = _shown(channel)
         said = remarks_of(
@@ -163,7 +167,9 @@ def _there(body: Recording, axes: Sequence[str], chosen: Flags | None) -> Flags:
     there = np.zeros(len(body), dtype=bool)
     for axis in axes:
         there |= np.isfinite(body.channel(axis).data)
-    return there if chosen is None else there & chosen
+    if chosen is not None:
+        there &= chosen
+    return there
 
 
 def _is_known(one: Finding, chain: Chain | None) -> bool:
@@ -176,12 +182,15 @@ def _is_known(one: Finding, chain: Chain | None) -> bool:
 
 def _inside(one: Finding, flags: Flags) -> list[Finding]:
     """Return a finding as it concerns some samples; nothing where it does not."""
-    before = np.concatenate(([0], np.cumsum(flags)))
-    inside = before[one.places[:, 1] + 1] > before[one.places[:, 0]]
+    inside = np.array([flags[first : last + 1].any() for first, last in one.places.tolist()], dtype=bool)
     if not inside.any():
         return []
     places, size, value = one.places[inside], one.size[inside], one.value[inside]
-    return [replace(one, places=places, size=size, value=value, count=_count(one, int(before[-1]), len(places)))]
+    return [
+        replace(
+            one, places=places, size=size, value=value, count=_count(one, int(np.count_nonzero(flags)), len(places))
+        )
+    ]
 
 
 def _count(one: Finding, samples: int, places: int) -> int:

@@ -7,7 +7,7 @@ exclusion. All axes together are looked through for a change of what they record
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -15,20 +15,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import DataError
+from ...core.estimate import Array
 from ...core.key import AXES
-from ...core.recording import SECOND, Recording
+from ...core.recording import SECOND, Recording, Times
 from ...core.remarks import Remark
 from ...core.units import kind
 from ...procedures.protocol import Exclusion, Facts
-from ...signals.sense.changes import LATE, Change, changes
+from ...signals.sense.changes import LATE, MOST, Change, averaged, changes
 from ...signals.sense.limits import ARCHIVE, impossible
-from ...signals.time.samples import Flags
+from ...signals.time.samples import Flags, Indices
 from ..file.recordings import RecordingEntry
 from .gate import Passed, without
 
 RULE = "impossible"
 APPLIED = "applied"
 SAME = 1e-6  # relative
+AT_ONCE = 2**20  # stamps
 
 
 def sensible(
@@ -41,6 +43,8 @@ def sensible(
     at_rest: bool,
     chosen: Flags | None = None,
     mounting: Sequence[Sequence[float]] | None = None,
+    known: dict[Hashable, tuple[Change, ...]] | None = None,
+    key: Hashable = None,
 ) -> Passed:
     """Return a recording without values that are impossible, with what there is to say of its sense.
 
@@ -56,6 +60,8 @@ def sensible(
         Samples that the test takes: of others nothing is said.
     mounting : shape (3, 3), optional
         Of the sensor: its axes from those of the body. Columns change places as the sensor has them.
+    known : dict, optional
+        Changes that were looked for before, by ``key``.
 
     Raises
     ------
@@ -95,14 +101,15 @@ def sensible(
     whole, body = body, without(body, left_out)
     axes = [axis for axis in AXES if axis in body.names]
     if axes and facts.kind is not None:
-        stored = [raw.channel(given[axis].column).data for axis in axes if axis in given]
-        found_changes = _changes(body, axes, at_rest, chosen, mounting, stored)
-        if not found_changes and any(axis in left_out for axis in axes):  # what was left out may be in another unit
-            found_changes = _changes(whole, axes, at_rest, chosen, mounting, stored)
-        remarks += [
-            replace(change.remark(place), what=f"recording {name}: {change.remark(place).what}", recording=name)
-            for change in found_changes
-        ]
+        known = known if known is not None else {}
+        if key not in known:
+            stored = [raw.channel(given[axis].column).data for axis in axes if axis in given]
+            # What was left out may be in another unit
+            bodies = [body, whole] if left_out.keys() & {*axes} else [body]
+            found_in = (_changes(one, axes, at_rest, chosen, mounting, stored) for one in bodies)
+            known[key] = next(filter(None, found_in), ())
+        named = (change.remark(place) for change in known[key])
+        remarks += [replace(one, what=f"recording {name}: {one.what}", recording=name) for one in named]
     return Passed(body, tuple(remarks), tuple(exclusions))
 
 
@@ -118,28 +125,34 @@ def _changes(
     rows = slice(None) if chosen is None or chosen.all() else np.flatnonzero(chosen)
     interval, breaks = body.sample_interval, None
     if body.time_ns is not None and interval is not None:
-        step = np.diff(body.time_ns[rows], prepend=body.time_ns[rows][:1])
-        breaks = step > LATE * interval * SECOND
-    applied = body.channel(APPLIED).data[rows] if APPLIED in body.names else None
+        breaks = _breaks(body.time_ns[rows], LATE * interval * SECOND)
+    n = len(body) if isinstance(rows, slice) else len(rows)
+    size = max(1, -(-n // MOST))  # samples that are joined: of a long record all that follows is short
+    if breaks is not None:
+        breaks = -(-breaks // size)
+    interval = None if interval is None else interval * size
+    applied = averaged(body.channel(APPLIED).data[rows], size) if APPLIED in body.names else None
     unit = body.channel(axes[0]).unit or ""
-    data = [body.channel(axis).data[rows] for axis in axes]
+    data = [averaged(body.channel(axis).data[rows], size) for axis in axes]
     if mounting is not None and len(axes) == len(AXES):
-        data = list(np.asarray(mounting) @ np.array(data, dtype=np.float64))
+        data = list(np.asarray(mounting) @ np.array(data))
     of_unit = kind(unit) if unit else ""
     found = changes(data, axes, of_unit, interval, breaks, applied, at_rest)
     if not found and len(stored) == len(axes):
-        columns = [np.where(np.isfinite(x), column[rows], np.nan) for x, column in zip(data, stored, strict=True)]
+        means = [averaged(column[rows], size) for column in stored]
+        columns = [np.where(np.isfinite(x), own, np.nan) for x, own in zip(data, means, strict=True)]
         scale = _scale(data, columns)
         if scale is not None:
             found = changes(columns, axes, of_unit, interval, breaks, applied, at_rest, scale)
-    if isinstance(rows, slice):
-        return found
-    return tuple(replace(one, index=int(rows[one.index])) for one in found)
+    at = [one.index * size for one in found]
+    if not isinstance(rows, slice):
+        at = [int(rows[one]) for one in at]
+    return tuple(replace(one, index=index) for one, index in zip(found, at, strict=True))
 
 
-def _scale(data: Sequence[NDArray[Any]], columns: Sequence[NDArray[Any]]) -> float | None:
+def _scale(data: Sequence[Array], columns: Sequence[Array]) -> float | None:
     """Return SI units in the unit of columns; None where one factor makes the data of them, or none does about."""
-    x, y = (np.array(one, dtype=np.float64) for one in (columns, data))
+    x, y = np.array(columns), np.array(data)
     good = np.isfinite(x) & np.isfinite(y)
     spread = np.std(x, where=good) if good.any() else 0.0
     if not spread > 0.0:
@@ -147,3 +160,10 @@ def _scale(data: Sequence[NDArray[Any]], columns: Sequence[NDArray[Any]]) -> flo
     scale = float(np.std(y, where=good) / spread)
     off = np.abs(np.abs(y) - scale * np.abs(x))
     return scale if scale > 0.0 and np.any(off[good] > SAME * scale * np.abs(x)[good]) else None
+
+
+def _breaks(time_ns: Times, longest: float) -> Indices:
+    """Return the samples before which more time than the longest step is missing [ns]; a part of the stamps at once."""
+    starts = range(0, max(len(time_ns) - 1, 1), AT_ONCE)
+    steps = (np.diff(time_ns[first : first + AT_ONCE + 1]) > longest for first in starts)
+    return np.concatenate([first + 1 + np.flatnonzero(long) for first, long in zip(starts, steps, strict=True)])

@@ -286,8 +286,10 @@ class Ready:
                 check_readings(one.name, one.data, one.unit, body.place)
         chosen = in_windows(body, self.of_test.windows)
         still = spec.still or spec.screening != "moving"
-        found = sensible(self.name, entry, self.facts, self.raw, body, at_rest=still, chosen=chosen,
-                         mounting=sensor.mounting)  # fmt: skip
+        key = (self.name, str(self.of_test.windows), still, spec.ground_model)
+        found = sensible(self.name, entry, self.facts, self.raw, body,
+                         at_rest=still, chosen=chosen, mounting=sensor.mounting,
+                         known=self.gate.changed, key=key)  # fmt: skip
         body = found.recording
         self.remarks.extend(found.remarks)
         self.exclusions.extend(found.exclusions)

@@ -2,8 +2,7 @@
 
 The equation stands in ``sensors.chain``. A code below or above the converter is refused: the file or the campaign
 is wrong. A code at either end is a rail: the input may lie beyond, so the reading is left out, and counted. So
-are readings while the built-in test is low. Long runs of one code are remarked and kept: a quiet input below one
-step looks the same. Means of codes (not whole numbers) are codes too.
+are readings while the built-in test is low. Means of codes (not whole numbers) are codes too.
 """
 
 from __future__ import annotations
@@ -17,7 +16,6 @@ from numpy.typing import ArrayLike, NDArray
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
 from ...core.remarks import Remark
-from ...signals.screening.screen import screen
 from .converter import Chain, missing_channel, nonzero, wide, zero_at_gains
 
 Mask = NDArray[np.bool_]
@@ -33,7 +31,6 @@ class Converted:
     readings: Array | None  # r [input unit]; NaN where not valid; None without a scale factor
     temperature: Array | None  # [degC]; NaN where its own channel or the reference is at a rail or missing
     valid: Mask  # False at rails, where a code is missing, while the built-in test is low
-    stuck: Mask  # In a run of equal codes that the channel's other readings do not explain; such readings stay
     remarks: tuple[Remark, ...] = ()  # The same, counted
 
 
@@ -104,8 +101,7 @@ def convert(
         good, found = _tested(chain.axes, chain.step * channels["validity"], chain.validity_minimum, place)
         output, remarks = np.where(good, output, np.nan), remarks + found
     readings = None if chain.scale_factor is None else output / chain.scale_factor
-    stuck, found = stuck_runs(chain.axes, signal, chain.codes, place)
-    return Converted(output, readings, degrees, np.isfinite(output), stuck, (*remarks, *found))
+    return Converted(output, readings, degrees, np.isfinite(output), tuple(remarks))
 
 
 def _volts(chain: Chain, channels: Mapping[str, Array], place: Place) -> tuple[dict[str, Array], list[Remark]]:
@@ -249,29 +245,3 @@ def counted(code: str, names: Sequence[str], where: Mask, what: str, place: Plac
             text = f"{name}: {count} of {len(column)} {what}"
             remarks.append(Remark(code, "warning", text, place(int(np.argmax(column))), count, do))
     return remarks
-
-
-def stuck_runs(names: Sequence[str], codes: Array, ends: Ends, place: Place) -> tuple[Mask, list[Remark]]:
-    """Return where a channel repeats one code far longer than its other readings explain, and remarks.
-
-    As ``signals.screening`` finds it; a run at a rail is a rail.
-    """
-    where, remarks = np.zeros(codes.shape, dtype=bool), []
-    for i, name in enumerate(names):
-        found = screen(codes[:, i], at_rest=False)
-        if "stuck" not in found:
-            continue
-        one = found["stuck"]
-        inside = ~np.isin(one.value, () if ends is None else ends)
-        places, values = one.places[inside], one.value[inside]
-        for first, last in places.tolist():
-            where[first : last + 1, i] = True
-        count = int(np.count_nonzero(where[:, i]))
-        if count:
-            longest = int(np.argmax(places[:, 1] - places[:, 0]))
-            text = (
-                f"{name}: code {values[longest]:g} stands for {int(np.ptp(places[longest])) + 1} readings on end; kept"
-            )
-            do = "Look at the channel: stuck, or an input quieter than one step?"
-            remarks.append(Remark("stuck", "warning", text, place(int(places[longest, 0])), count, do))
-    return where, remarks

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import permutations
 from typing import Any, NamedTuple
 
@@ -130,7 +131,7 @@ def changes(
     names: Sequence[str],
     kind: str = "",
     interval: float | None = None,
-    breaks: NDArray[np.bool_] | None = None,
+    breaks: Indices | None = None,
     applied: Array | None = None,
     at_rest: bool = True,
     scale: float = 1.0,
@@ -147,8 +148,8 @@ def changes(
         Of unit, as ``core.units.kind`` has it.
     interval : float, optional
         From sample to sample [s].
-    breaks : ndarray of bool, shape (n,), optional
-        Samples before which a stretch of time is missing.
+    breaks : ndarray of int64, optional
+        Samples before which a stretch of time is missing, ascending.
     applied : ndarray, shape (n,), optional
         The true input along one axis, as far as it was recorded, in the same unit.
     at_rest : bool
@@ -163,15 +164,15 @@ def changes(
     """
     n = len(channels[0]) if len(channels) else 0
     size = max(1, -(-n // MOST))
-    x = np.column_stack([_averaged(one, size) for one in channels]) if n >= FEWEST else np.zeros((0, 1))
+    x = np.column_stack([averaged(one, size) for one in channels]) if n >= FEWEST else np.zeros((0, 1))
     rows = np.flatnonzero(np.all(np.isfinite(x), axis=1))
     if len(rows) < FEWEST:
         return ()
     x = x[rows]
     cut = np.diff(rows, prepend=rows[0]) > 3
-    if breaks is not None and breaks.any():
-        cut |= np.diff(np.cumsum(breaks)[rows * size], prepend=0) > 0
-    given = None if applied is None else _averaged(applied, size)[rows]
+    if breaks is not None and len(breaks):
+        cut |= np.diff(np.searchsorted(breaks, rows * size, side="right"), prepend=0) > 0
+    given = None if applied is None else averaged(applied, size)[rows]
     given = given if given is not None and np.isfinite(given).all() else None
     factors = FACTORS.get(kind, ANY)
     found: list[Change] = []
@@ -191,7 +192,7 @@ def changes(
     return tuple(replace(one, index=int(rows[one.index]) * size) for one in found)
 
 
-def _averaged(x: NDArray[Any], size: int) -> Array:
+def averaged(x: NDArray[Any], size: int) -> Array:
     """Return the means of so many samples each."""
     if size == 1:
         return np.asarray(x, dtype=np.float64)
@@ -317,6 +318,16 @@ def _refined(x: Array, at: int, size: int, noise: _Noise) -> int:
 # ---- levels -----------------------------------------------------------------------------------------------------
 
 
+@lru_cache(maxsize=16)
+def _shapes(size: int) -> tuple[Array, float, Array]:
+    """Return a line through the middle of a stretch, its moment, and the two bends after it, of length 1."""
+    t: Array = np.arange(size, dtype=np.float64) + 0.5 - 0.5 * size
+    x1 = 2.0 * t / size
+    bends: Array = np.stack([1.5 * x1**2 - 0.5, 2.5 * x1**3 - 1.5 * x1])
+    bends /= np.sqrt(np.sum(bends**2, axis=1))[:, None]
+    return t, float(np.sum(t**2)), bends
+
+
 def _line(x: Array, index: int, side: int, room: int) -> _Line | None:
     """Return the level at a jump from the samples before (side -1) or after (1), the longest stretch a line fits."""
     found: _Line | None = None
@@ -325,18 +336,15 @@ def _line(x: Array, index: int, side: int, room: int) -> _Line | None:
     size, failed = SIDE[0], 0
     while size <= min(room, SIDE[1]) and failed < PATIENCE:
         part = x[index - size : index][::-1] if side < 0 else x[index : index + size]  # away from the jump
-        t = np.arange(size) + 0.5
-        moment = float(np.sum((t - 0.5 * size) ** 2))
+        t, moment, bends = _shapes(size)
         mean = part.mean(axis=0)
-        slope = (t - 0.5 * size) @ part / moment
-        rest = part - mean - np.outer(t - 0.5 * size, slope)
+        slope = t @ part / moment
+        rest = part - mean - np.outer(t, slope)
         scatter = np.sqrt(np.sum(rest**2, axis=0) / (size - 2))
         noise, close = _white(part), _white(part[: max(SIDE[0], size // 4)])
         more = 1.0 + FITS / np.sqrt(size)
         alike = 1.5 + FITS / np.sqrt(0.5 * size)
-        x1 = (2.0 * t - size) / size
-        bends = np.column_stack([1.5 * x1**2 - 0.5, 2.5 * x1**3 - 1.5 * x1])
-        bent = np.abs(bends.T @ rest) / np.sqrt(np.sum(bends**2, axis=0))[:, None]
+        bent = np.abs(bends @ rest)
         fits = bool(np.all(bent <= BENT * noise) and np.all(scatter <= more * noise))
         fits = fits and bool(np.all((close <= alike * noise) & (noise <= alike * close)))
         if found is None or fits:

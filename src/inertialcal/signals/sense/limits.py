@@ -60,6 +60,7 @@ LIMITS = {
 HEAD_FULL_SCALE = 1.25 * _G  # [m/s^2]: microgravity heads of the archive, at gain 1
 HEAD_RMS = 5e-3 * _G  # [m/s^2]: root sum square of the vibration limits of the space station, .01 to 300 Hz: 4.6 mg
 SHAKEN = 10.0  # times that: nobody shakes a laboratory so, and the scale is wrong
+AT_ONCE = 2**20  # samples
 ARCHIVE = "pad"  # reader of archive records
 
 CODES_OF_MISSING = (-9999.0, -999.0, -99.0, 999.0, 9999.0, -32768.0, 32767.0, 65535.0)
@@ -149,7 +150,7 @@ def impossible(
             return Impossible(
                 flags, (remark("beyond_range", flags, f"is far beyond the stated range, {low} to {high}"),)
             )
-    rms = float(np.nanstd(values, dtype=np.float64)) if head and np.isfinite(values).any() else 0.0
+    rms = _rms(values) if head else 0.0
     if rms > float(convert(HEAD_RMS, known.unit, unit)):
         what = (
             f"{name}: vibration of {said(rms)} rms; the limits of the space station add up to "
@@ -165,9 +166,24 @@ def impossible(
 
 def _outside(values: NDArray[Any], ends: tuple[float, float], given: str, unit: str) -> Flags:
     low, high = (float(one) for one in convert(list(ends), given, unit))
+    if not (np.fmin.reduce(values) < low or np.fmax.reduce(values) > high):  # also where nothing is there
+        return np.zeros(len(values), dtype=bool)
     with np.errstate(invalid="ignore"):
         flags: Flags = (values < low) | (values > high)
     return flags
+
+
+def _rms(values: NDArray[Any]) -> float:
+    """Return the standard deviation of the samples that are there, a part of them at once."""
+    count, total, squares, middle = 0, 0.0, 0.0, None
+    for first in range(0, len(values), AT_ONCE):
+        part = values[first : first + AT_ONCE].astype(np.float64)
+        part = part[np.isfinite(part)]
+        if len(part):
+            middle = float(part.mean()) if middle is None else middle
+            part -= middle
+            count, total, squares = count + len(part), total + float(part.sum()), squares + float(part @ part)
+    return float(np.sqrt(max(squares / count - (total / count) ** 2, 0.0))) if count else 0.0
 
 
 def likely_cause(values: NDArray[Any], flags: Flags, unit: str) -> str:
