@@ -81,7 +81,7 @@ def signed_permutations() -> list[Array]:
     return found
 
 
-def start_of(problem: Problem, scale_known: bool) -> Array:
+def start_of(problem: Problem, scale_known: bool, places: Sequence[str] = ()) -> Array:
     """Return an inverse matrix from which the fit converges; the identity where that is good enough.
 
     Parameters
@@ -90,6 +90,8 @@ def start_of(problem: Problem, scale_known: bool) -> Array:
         Rotations, readings over the ideal scale factor.
     scale_known : bool
         Whether readings are in rad/s, so that a factor is a mistake and not a choice.
+    places : sequence of str
+        Of the turns by known angles, for messages.
 
     Raises
     ------
@@ -97,7 +99,7 @@ def start_of(problem: Problem, scale_known: bool) -> Array:
         ``axes_disagree`` where other axes explain the rotations, and these do not.
     """
     if problem.sizes[0] < 3:
-        return _start_of_turns(problem, scale_known)
+        return _start_of_turns(problem, scale_known, places)
     small = _few(problem)
     eye = np.eye(3)
     if scale_known and np.median(angles(small, eye)) < CLOSE:
@@ -167,7 +169,7 @@ def _converged(problem: Problem, W: Array) -> Array:
     return converged(problem, W, np.ones(2 * problem.sizes[0], dtype=bool))
 
 
-def _start_of_turns(problem: Problem, scale_known: bool) -> Array:
+def _start_of_turns(problem: Problem, scale_known: bool, places: Sequence[str]) -> Array:
     """Inverse matrix from turns by known angles: their mean scale, unless they turn about other axes than named."""
     if not problem.sizes[1]:
         return np.eye(3)
@@ -180,6 +182,7 @@ def _start_of_turns(problem: Problem, scale_known: bool) -> Array:
         k = int(np.flatnonzero((read != along) | (signs != signs[0]))[0])
         raise DataError(
             f"a turn about {AXES[along[k]]} shows in gyro {'-' if signs[k] < 0 else ''}{AXES[read[k]]}",
+            places[k] if places else "",
             why="the gyro axes are not those of the turns",
             do="Rename or invert the columns, or correct axis and sense of the turn",
             code="axes_disagree",

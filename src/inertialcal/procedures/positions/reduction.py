@@ -189,7 +189,7 @@ def _gyros(plan: Plan, readings: Readings, acc: Fitted) -> tuple[FittedGyro, lis
     north = apart(force)
     if readings.transitions or readings.turns:
         rough = problem_of(plan, readings, acc, at_rest(plan, readings.gyro, force, ideal, zero), ideal, zero)
-        start = start_of(rough, known)
+        start = start_of(rough, known, [one.where for one in readings.turns])
         north = joined(rough, force, start)
     if not known:  # the scale factor that is found, rounded, is what errors then refer to
         size = float(np.cbrt(abs(np.linalg.det(start))))
