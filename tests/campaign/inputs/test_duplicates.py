@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from inertialcal.campaign.engine.run import check, run
+from inertialcal.campaign.inputs.duplicates import Content, duplicates
 from inertialcal.core.errors import DataError
+from inertialcal.signals.fingerprints import fingerprints
 
 Write = Callable[..., Path]
 
@@ -101,3 +103,11 @@ def test_a_stretch_of_the_fit_in_the_hold_out_is_refused(fit_and_held_out: Path)
     (fit_and_held_out / "b.csv").write_text("\n".join(other) + "\n")
     with pytest.raises(DataError, match=r"hold the same 2.. samples, from"):
         check(fit_and_held_out)
+
+
+def test_each_copy_is_named_once_with_the_first() -> None:
+    x, y = (np.random.default_rng(seed).normal(size=2000) for seed in (1, 2))
+    held = {"a": x, "b": x, "other": y, "c": x, "d": x}
+    contents = [Content(name, f"{name}.csv", fingerprints([one])) for name, one in held.items()]
+    found = [problem.what for problem in duplicates(contents)]
+    assert found == [f"recordings a (a.csv) and {name} ({name}.csv) hold the same samples" for name in "bcd"]
