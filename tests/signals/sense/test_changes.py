@@ -202,6 +202,13 @@ def test_all_axes_change_places_on_a_table():
     assert found.sources == ("y", "z", "x")
 
 
+def test_a_turned_sign_is_no_exchange_of_axes_of_opposite_bias():
+    x, applied = on_table()
+    x[:, 1:] += [0.01, -0.01] - x[:, 1:].mean(axis=0)
+    x[AT:] *= -1.0
+    assert [one.code for one in judged(x, applied=applied)] == ["sign_changed"]
+
+
 @pytest.mark.parametrize("seed", range(1, 6))
 def test_channels_that_drift_past_each_other_do_not_change_places(seed):
     x, applied = on_table(seed)

@@ -178,8 +178,10 @@ def changes(
     found: list[Change] = []
     noise = _Noise.of(x)
     if given is not None:
-        exchange = _exchanged_response(x, given, names)
-        found += [exchange] if exchange is not None else _by_response(x, given, noise, names, factors)
+        found += _by_response(x, given, noise, names, factors)
+        if not found or found[0].code == "axes_changed":
+            exchange = _exchanged_response(x, given, names)
+            found = found if exchange is None else [exchange]
     if not found:
         found += _by_noise(x, noise, names, factors)
     if not found:
