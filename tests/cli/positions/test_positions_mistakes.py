@@ -162,4 +162,5 @@ def test_annotated_session_of_imucal_by_the_closed_form(capsys: pytest.CaptureFi
         ]
         theirs = np.array(expected[name])
         wanted = np.diag(theirs) if quantity == "scale_factor" else theirs.ravel()
-        assert rows == pytest.approx(wanted, rel=1e-6), name
+        knock = name in ("K_g", "R_g")  # two samples of the turn about y are left out, and bridged by a straight line
+        assert rows == pytest.approx(wanted, rel=1e-6, abs=3e-4 * np.max(np.abs(wanted)) if knock else 0.0), name

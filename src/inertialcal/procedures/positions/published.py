@@ -79,8 +79,10 @@ def ferraris(readings: Readings, gravity: float) -> Ferraris:
         one, vector = about[0], np.asarray(about[0].axis)
         angle = float((one.angle or 0.0) * np.sign(vector[np.argmax(np.abs(vector))]))
         force = np.zeros_like(one.gyro) if one.acc is None else (one.acc - b_a) @ inverse.T
-        interval = one.seconds[-1] / (len(one.seconds) - 1)
-        sums[:, k] = interval * (one.gyro - b_g - force @ K_ga.T).sum(axis=0) / angle
+        interval = np.full(len(one.seconds), one.seconds[-1] / (len(one.seconds) - 1))
+        if one.missing:  # a gap is bridged by the samples on both sides of it
+            interval = np.gradient(one.seconds)
+        sums[:, k] = interval @ (one.gyro - b_g - force @ K_ga.T) / angle
     K_g, R_g = _split(sums)
     return Ferraris(K_a, R_a, b_a, K_g, R_g, K_ga, b_g)
 

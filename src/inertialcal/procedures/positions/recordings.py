@@ -39,7 +39,7 @@ ACC, GYRO = tuple(f"acc_{a}" for a in AXES), tuple(f"gyro_{a}" for a in AXES)
 TEMPERATURE = "temperature"
 FACE_WITHIN = 0.9  # cosine of the angle from a face, below which a position is none
 HALF = 0.5  # of the samples of a position, that must be there
-SMALL = 1e-4  # of all that a rotation turned: a gap that changes its angle by less is no matter
+SMALL = 5e-4  # of all that a rotation turned: a gap that changes its angle by less is no matter
 
 
 @dataclass(frozen=True)
@@ -251,7 +251,7 @@ def _whole_rotations(readings: Readings, path: str, saturated: bool) -> Readings
     """Leave out rotations that hold saturated samples, or gaps that change their angle.
 
     What a gap does is seen from the same rotation: gaps as long elsewhere in it, bridged by a straight line. It may do
-    as much as the noise of the gyros, or a ten-thousandth of all that was turned.
+    as much as the noise of the gyros, or half a thousandth of all that was turned.
     """
     if readings.gyro is None or not any(one.missing for one in readings.rotations):
         return readings
