@@ -328,10 +328,10 @@ MUTANTS = (
     ),
     Mutant("correlation.py", "[x[: n - lag] @ y[lag:] for lag", "[x[lag:] @ y[: n - lag] for lag", "test_correlation"),
     Mutant(
-        "codes.py",
-        "log_chance = np.log(len(values)) + (longest - 1)",
-        "log_chance = np.log(len(values)) - (longest - 1)",
-        "test_codes",
+        "held.py",
+        "least = max(STUCK, LONGER * mean_run, 1.0 + np.log(CHANCE / n)",
+        "least = max(STUCK, LONGER * mean_run, 1.0 + np.log(n / CHANCE)",
+        "test_screening",
     ),
     Mutant("codes.py", "before = read - step**2 / 12.0", "before = read - step**2 / 6.0", "test_codes"),
     Mutant(

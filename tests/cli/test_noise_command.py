@@ -204,11 +204,11 @@ SATURATED = np.clip(np.rint(32_700 + 600.0 * rates()), -32_768, 32_767).astype(i
     [
         (HEAD, (STAMPS[:300], rates()[:300]), "gyro: 3 s at 100 Hz"),
         (HEAD, (STAMPS, missing()), "of 6000 samples are missing"),
-        (HEAD, (STAMPS, stuck()), "(row 2002): 600 of 6000 samples left out"),
+        (HEAD, (STAMPS, stuck()), "bad.csv:2002: x: stuck at -0.007 deg/s for 6 s in all; left out"),
         (
             "time [s],gyro_x [count]",
             (STAMPS, SATURATED),
-            "samples lie at the end of the range: x 21 at 32767 count, of 6000; left out",
+            "21 of 6000 samples lie at the end of the range, 32767 count; left out",
         ),
         ("time [s],gyro_x", (STAMPS, rates()), "unit not given, figures are in that of the file: gyro_x"),
         ("time [s],gyro_x [V]", (STAMPS, rates()), "V*sqrt(s)"),

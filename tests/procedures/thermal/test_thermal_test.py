@@ -250,9 +250,9 @@ def test_a_run_with_another_curve_is_named_and_the_rest_is_not() -> None:
     bad = given.sweeps[2]
     turned = replace(bad, outputs={"x": -bad.outputs["x"]})
     found = reduce(plan(), replace(given, sweeps=(*given.sweeps[:2], turned, *given.sweeps[3:])))
-    named = [remark for remark in found.remarks if remark.code == "run_differs"]
-    assert [remark.where for remark in named] == ["run3.csv"]
-    assert not [remark for remark in reduce(plan(), given).remarks if remark.code == "run_differs"]
+    named = [remark for remark in found.remarks if remark.severity == "error"]
+    assert [(remark.code, remark.where) for remark in named] == [("sign_disagrees", "run3.csv")]
+    assert not [remark for remark in reduce(plan(), given).remarks if remark.severity == "error"]
 
 
 def test_a_recording_without_a_ramp_is_named_and_is_no_run() -> None:

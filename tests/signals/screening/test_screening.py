@@ -417,11 +417,11 @@ def test_each_finding_has_a_remark_that_says_where_and_how_much() -> None:
     remarks = remarks_of(found, "x", place=lambda i: f"row {i + 2}", interval=0.02)
     assert tuple(one.code for one in remarks) == found.codes
     text = {one.code: str(one) for one in remarks}
-    assert "row 103: x: 1 of 8192 samples lie up to 5" in text["glitch"]
+    assert "row 103: x: 1 of 8192 samples lies up to 5" in text["glitch"]
     assert "for 2 s in all" in text["stuck"]
     assert "200 of 8192 samples repeat those 20 s before" in text["repeated"]
     assert "steps by up to" in text["level_step"]
-    assert "1 of 8192 samples are missing" in text["missing"]
+    assert "1 of 8192 samples is missing" in text["missing"]
 
 
 @pytest.mark.parametrize("fault", records.FAULTS)
