@@ -102,7 +102,8 @@ def _changed(where: str, axes: Sequence[str], before: Array, after: Array, noise
     if np.all(np.abs(after + before) < OPPOSITE * np.abs(before)):
         what = f"all axes read the opposite from here on: the sign of {', '.join(axes)} changes"
         return Remark("sign_changed", "error", what, where, do="Cut the recording there, and mend the sign of one part")
-    middle = float(after @ before / (before @ before))
+    square = float(before @ before)
+    middle = float(after @ before) / square if square > 0.0 else 0.0
     if middle > 0.0 and np.all(np.abs(after - middle * before) < ALIKE * np.abs(middle * before) + 3.0 * noise):
         unit = unit_mistaken(middle, "acceleration") or unit_mistaken(middle, "angular_rate")
         what = f"all axes read {number(middle, 3)} times as much from here on{f': {unit}' if unit else ''}"
@@ -146,7 +147,10 @@ def _residual(plan: Plan, readings: Readings, scale: Mapping[str, tuple[float, f
         If the dwells do not determine a drift of the plan.
     """
     total, free = 0.0, 0
-    most = float(np.sqrt(np.mean([scale[axis][0] ** 2 for axis in plan.turned if axis in readings.axes])))
+    turned = [scale[axis][0] for axis in plan.turned if axis in readings.axes]
+    if not any(turned):
+        return total, free
+    most = float(np.sqrt(np.mean(np.square(turned))))
     unit = {axis: own / most for axis, own in readings.outputs.items()}
     scaled = replace(readings, outputs=unit)
     for label in readings.flips:
@@ -266,7 +270,9 @@ def _opposite_flips(plan: Plan, readings: Readings, scale: Mapping[str, tuple[fl
         others = np.delete(values, k, axis=0)
         middle = np.median(others, axis=0)
         agree = np.all(np.sum(others * middle, axis=1) > 0.5 * float(middle @ middle))
-        apart = float(np.sum(((values[k] - middle) / u) ** 2)) / len(u)
+        off = np.abs(values[k] - middle)
+        away = np.divide(off, u, out=np.where(off > 0.0, np.inf, 0.0), where=u > 0.0)
+        apart = float(np.mean(away**2))
         opposite = np.linalg.norm(values[k] + middle) < 0.3 * np.linalg.norm(middle)
         if agree and opposite and float(special.fdtrc(len(u), dof, apart / 2.0)) < PART / len(parts):
             what = (

@@ -104,7 +104,13 @@ def unlike_others(measured: Sequence[Measured], axis: str, nominal: float | None
     if split and nominal:  # no majority: the data sheet knows the sign
         middle = nominal
     for k in np.flatnonzero(apart).tolist():
-        one, ratio, noise = measured[k], values[k] / middle, u[k] / abs(middle)
+        one = measured[k]
+        if middle == 0.0:
+            what = f"{kind} {one.name} responds, the others do not"
+            do = f"Check gain, schedule and input of this {kind}"
+            yield Remark("gain_disagrees", "error", what, one.where, do=do, axis=axis, subject=one.name)
+            continue
+        ratio, noise = values[k] / middle, u[k] / abs(middle)
         cause = likely_cause({axis: ratio}, axis, max(MUCH, 4.0 * noise), applied="the response of the others")
         if cause is not None and cause.code in ("sign_disagrees", "unit_disagrees"):
             yield replace(cause.remark(f"{kind} {one.name}", one.where, axis), subject=one.name)
@@ -175,7 +181,8 @@ def _changes(moved: Sequence[Measured]) -> Iterator[Remark]:
         if change is None or abs(change.after - change.before) <= MUCH * min(abs(change.before), abs(change.after)):
             continue
         dwell = int(begins[change.at])
-        what = f"run {one.name}: the response becomes {number(change.after / change.before, 3)} times what it was"
+        ratio = number(change.after / change.before, 3) if change.before else "-"
+        what = f"run {one.name}: the response becomes {ratio} times what it was"
         what += f", near dwell {dwell + 1}"
         do = "Check gain and range of the instrument, and whether the mass still moved as it should"
         yield Remark("scale_changed", "error", what, one.where, do=do, subject=one.name, index=dwell)

@@ -167,7 +167,8 @@ def _turns(plan: Plan, readings: Readings, force: Array) -> Iterator[Remark]:
          if rate is not None]  # fmt: skip
     whole = packed(rotations, z, [np.zeros_like(one) for one in z])
     samples = thinned(whole, list(pairwise(whole.first.tolist())))
-    up = force / np.linalg.norm(force, axis=1)[:, None]
+    size = np.linalg.norm(force, axis=1)[:, None]
+    up = force / np.where(size > 0.0, size, 1.0)  # no direction disagrees with none
     start, stop = (up[[getattr(one, side) for one in rotations]] for side in ("before", "after"))
     as_read = _errors(samples, start, stop, np.eye(3))
     if np.sum(as_read > DISAGREES) < 2:

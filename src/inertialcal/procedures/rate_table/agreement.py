@@ -244,9 +244,9 @@ class _Judged:
 
     def _different(self, bad: Sequence[int], one: Sequence[int], j: int, sensor: str) -> Iterator[Remark]:
         axis, own = self.runs[one[0]].axis, self.runs[one[0]].axis == sensor
-        everything = len(bad) == np.count_nonzero(~self.named[one])
-        sound = [i for i in one if not self.named[i] and (everything or i not in bad)]
-        rest = float(np.nanmedian(self.slope[sound, j]))
+        judged = [i for i in one if not self.named[i] and np.isfinite(self.slope[i, j])]
+        everything = len(bad) == len(judged)
+        rest = float(np.median([self.slope[i, j] for i in judged if everything or i not in bad]))
         for i in bad:
             size = abs(self.slope[i, j] - rest)
             severity: Severity = "error" if size > MATTERS * self.plan.agreement else "warning"

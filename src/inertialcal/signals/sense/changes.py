@@ -242,11 +242,14 @@ class _Noise:
         return ratio
 
     def ratios(self, at: int) -> tuple[Array, Array]:
-        """Return the logarithm of the noise after over before block ``at``, and its standard uncertainty."""
+        """Return the logarithm of the noise after over before block ``at``, and its standard uncertainty.
+
+        NaN where a channel has no noise before or after.
+        """
         parts = [self.log[:at], self.log[at:]]
         middle = [_middle(part) for part in parts]
         var = [
-            (1.4826 * 1.2533 * np.nanmedian(np.abs(part - m), axis=0)) ** 2 / len(part)
+            (1.4826 * 1.2533 * np.median(np.abs(part - m), axis=0)) ** 2 / len(part)
             for part, m in zip(parts, middle, strict=True)
         ]
         return middle[1] - middle[0], np.sqrt(var[0] + var[1])
@@ -267,7 +270,8 @@ def _by_noise(x: Array, noise: _Noise, names: Sequence[str], factors: Factors) -
     low = middle - NOISE_AGREES - 4.0 * u
     with np.errstate(divide="ignore"):  # rounding to steps adds its own noise to what is quieter
         rounded = 0.5 * np.log(np.exp(2.0 * middle) + only.rounding(x[:, columns], at) ** 2)
-    if abs(middle) < LEAST_NOISE or np.any(ratio < low) or np.any(ratio > rounded + NOISE_AGREES + 4.0 * u):
+    known = np.isfinite(ratio).all() and abs(middle) >= LEAST_NOISE
+    if not known or np.any(ratio < low) or np.any(ratio > rounded + NOISE_AGREES + 4.0 * u):
         return []
     unit = _unit(float(np.exp(middle)), factors, NOISE_AGREES + 4.0 * float(u.min()))
     index = _refined(x[:, columns], at, noise.size, only)
@@ -294,14 +298,17 @@ def _by_noise(x: Array, noise: _Noise, names: Sequence[str], factors: Factors) -
 
 
 def _common_factor(jump: _Jump) -> float:
-    """Return the factor that takes the levels before a jump to those after it best."""
-    weight = 1.0 / np.maximum(jump.u, 1e-300) ** 2
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return float(np.sum(weight * jump.before.level * jump.after.level) / np.sum(weight * jump.before.level**2))
+    """Return the factor that takes the levels before a jump to those after it best; NaN where a level has no noise."""
+    u, before, after = jump.u, jump.before.level, jump.after.level
+    if not np.all(u > 0.0) or not np.any(before != 0.0):
+        return float("nan")
+    return float(np.sum(before / u * (after / u)) / np.sum((before / u) ** 2))
 
 
 def _middle(logs: Array) -> Array:
-    return np.array([np.median(column[np.isfinite(column)]) for column in logs.T])
+    """Return the median of each channel's finite logarithms; NaN where there are none."""
+    finite = [column[np.isfinite(column)] for column in logs.T]
+    return np.array([np.median(column) if len(column) else np.nan for column in finite])
 
 
 def _refined(x: Array, at: int, size: int, noise: _Noise) -> int:
@@ -607,7 +614,7 @@ LEAST_PART = 0.05  # of the record before and after
 def _by_response(x: Array, applied: Array, noise: _Noise, names: Sequence[str], factors: Factors) -> list[Change]:
     """Return the change of the slope of the readings against the applied quantity."""
     found = response_change(x, applied)
-    if found is None:
+    if found is None or not np.any(found[1]):
         return []
     index, before, after = found
     axis = int(np.argmax(np.abs(before)))
@@ -729,6 +736,6 @@ def response_change(x: Array, applied: Array) -> tuple[int, Array, Array] | None
     if not np.isfinite(two).any():
         return None
     best = int(np.nanargmin(two))
-    if all_sse < EXPLAINED * two[best]:
+    if all_sse <= EXPLAINED * max(float(two[best]), 0.0):
         return None
     return int(cuts[best]), slopes[0][best] / spread, slopes[1][best] / spread

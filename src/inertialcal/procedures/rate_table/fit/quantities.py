@@ -78,6 +78,7 @@ def _quantities(one: Line) -> Part:
 
 
 def _all_quantities(one: Line) -> Part:
+    """Return what ``_quantities`` chooses from; no ratio to the sensor's own response where that is zero."""
     s, theta, k = one.sensor, one.fit.coefficients, len(one.names)
     unit = np.eye(k)
     keys, values, jacobian, about = [Key("bias", s)], [theta[0]], [unit[0]], [0]
@@ -87,7 +88,8 @@ def _all_quantities(one: Line) -> Part:
         values.append(theta[own] - 1.0)
         jacobian.append(unit[own])
         about.append(own)
-    if one.asymmetry and own is not None:
+    responds = own is not None and theta[own] != 0.0
+    if one.asymmetry and own is not None and responds:
         keys.append(Key("scale_factor_asymmetry", s))
         values.append(2.0 * theta[-1] / theta[own])
         jacobian.append(_ratio(unit, -1, own, theta, 2.0))
@@ -100,7 +102,7 @@ def _all_quantities(one: Line) -> Part:
         values.append(theta[at])
         jacobian.append(unit[at])
         about.append(at)
-        if own is not None:
+        if own is not None and responds:
             keys.append(Key("misalignment", s + axis))
             values.append(theta[at] / theta[own])
             jacobian.append(_ratio(unit, at, own, theta, 1.0))
