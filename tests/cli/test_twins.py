@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import get_type_hints
 
 import pytest
-from click import Command
 from typer import Context
+from typer.core import TyperCommand
 
 from inertialcal.cli.options import faults_beginning
 from inertialcal.cli.verbs.twins import simulate
@@ -85,7 +85,7 @@ def test_faults_are_listed_with_what_is_expected(capsys: pytest.CaptureFixture[s
 
 
 def test_faults_are_completed_by_name() -> None:
-    context = Context(Command("simulate"))
+    context = Context(TyperCommand("simulate"))
     context.params["rig"] = "small"
     assert [name for name, _ in faults_beginning(context, "run_")] == ["run_in_rad_s", "run_sign", "run_gain"]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from inertialcal.campaign.file.sensors import Sensor
 from inertialcal.campaign.inputs import gate as module
 from inertialcal.campaign.inputs.gate import Gate, Passed, passed, without_stuck
 from inertialcal.core.recording import Channel, Recording, Source
+from inertialcal.signals.screening.screen import Screening, screen
 
 N = 4000
 MIXING = ((1.0, 0.0, 0.0), (0.0, 0.6, 0.8), (0.0, -0.8, 0.6))
@@ -40,12 +42,13 @@ def test_a_clean_recording_is_not_touched() -> None:
 
 
 @pytest.mark.parametrize("width", [np.float32, np.float64])
-def test_a_glitch_is_named_and_counted_and_gone(width: type) -> None:
+def test_a_glitch_is_named_and_counted_and_gone(width: type[np.float32] | type[np.float64]) -> None:
     raw = recording(("gx", "gy", "gz"), width)
     raw.channels[1].data[1234] = -32768.0
     found = seen(raw)
     y = found.recording.channel("y").data
-    assert (np.flatnonzero(np.isnan(y)).tolist(), y.dtype) == ([1234], width)
+    assert np.flatnonzero(np.isnan(y)).tolist() == [1234]
+    assert y.dtype == width
     assert raw.channels[1].data[1234] == -32768.0
     (remark,) = found.remarks
     assert (remark.code, remark.where, remark.axis) == ("glitch", "run1.csv:1236", "y")
@@ -73,8 +76,12 @@ def test_of_samples_that_the_test_does_not_take_nothing_is_said() -> None:
 
 def test_a_column_is_looked_through_once(monkeypatch: pytest.MonkeyPatch) -> None:
     looked: list[int] = []
-    screen = module.screen
-    monkeypatch.setattr(module, "screen", lambda x, at_rest: looked.append(1) or screen(x, at_rest))
+
+    def counted(x: Any, at_rest: bool) -> Screening:
+        looked.append(len(x))
+        return screen(x, at_rest)
+
+    monkeypatch.setattr(module, "screen", counted)
     gate = Gate()
     for _ in range(3):
         seen(recording(("gx", "gy", "gz")), gate=gate)

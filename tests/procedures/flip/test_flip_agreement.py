@@ -115,8 +115,8 @@ def test_samples_that_are_no_readings_change_nothing() -> None:
     y[2000:2060] = np.nan  # stuck
     lossy = readings(y)
     assert not found(lossy)
-    for axis in "yz":
-        assert np.max(np.abs(lossy.outputs[axis] - clean.outputs[axis])) < 0.6 * NOISE * UG / np.sqrt(DWELL * RATE)
+    for name in "yz":
+        assert np.max(np.abs(lossy.outputs[name] - clean.outputs[name])) < 0.6 * NOISE * UG / np.sqrt(DWELL * RATE)
 
 
 def test_two_dwells_or_no_record_say_nothing() -> None:

@@ -77,6 +77,7 @@ def test_one_run_of_five(factor: float, code: str, says: str) -> None:
 def test_all_runs_about_an_axis_are_judged_against_the_nominal(factor: float, runs: int) -> None:
     """A single run, and runs that all have the same mistake: one remark."""
     readings = campaign(runs=runs, axes="x")
+    assert readings.run is not None
     for run in np.unique(readings.run):
         readings = spoiled(readings, str(run), factor)
     remarks = found(readings)
@@ -121,14 +122,14 @@ def test_means_that_saturate(rates: tuple[float, ...], limit: float, runs: int) 
     both = np.radians([*(-rate for rate in reversed(rates)), *rates])
     readings = campaign(runs=runs, rates=both)
     clipped = np.clip(readings.outputs["y"], -np.radians(limit), np.radians(limit))
-    remarks = found(replace(readings, outputs=readings.outputs | {"y": clipped}))
+    remarks = found(replace(readings, outputs={**readings.outputs, "y": clipped}))
     assert [(one.code, one.axis) for one in remarks] == [("saturated", "y")]
 
 
 def test_readings_that_are_the_applied_rates() -> None:
     """A column of commanded rates is no reading."""
     readings = campaign(runs=1, axes="x")
-    remarks = found(replace(readings, outputs=readings.outputs | {"x": readings.applied.copy()}))
+    remarks = found(replace(readings, outputs={**readings.outputs, "x": readings.applied.copy()}))
     assert [one.code for one in remarks] == ["copy_of_applied"]
 
 
@@ -158,11 +159,13 @@ def test_sound_campaigns_are_silent(runs: int, case: str) -> None:
 def test_runs_at_other_rates_are_not_compared() -> None:
     """A curved sensor reads another slope at low rates: no mistake."""
     fast, slow = campaign(1, 3, "x", k3=1.0), campaign(2, 3, "x", 0.2 * RATES, k3=1.0)
+    assert fast.run is not None
+    assert slow.run is not None
     both = Readings(
         np.concatenate([fast.applied, slow.applied]),
         np.concatenate([fast.axis, slow.axis]),
         {s: np.concatenate([fast.outputs[s], slow.outputs[s]]) for s in AXES},
-        run=np.concatenate([fast.run, np.char.add("slow ", slow.run.astype(str))]),  # type: ignore[arg-type, list-item]
+        run=np.concatenate([fast.run, np.char.add("slow ", slow.run.astype(str))]),
         sensors=AXES,
     )
     assert not found(both)

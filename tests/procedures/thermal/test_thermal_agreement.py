@@ -23,7 +23,7 @@ def bench(runs: int, seed: int = 1, slope: float = 2e-4) -> Readings:
         own = slope + 1e-6 * rng.standard_normal()
         y = 0.02 + own * away + 3e-6 * (slope > 0.0) * away**2
         y = y + 0.003 * rng.standard_normal() + 0.002 * rng.standard_normal(len(away))
-        time = 10.0 * np.arange(len(y))
+        time = np.arange(0.0, 10.0 * len(y), 10.0)
         name = f"run{number}"
         sweeps.append(Sweep(name, name, f"{name}.csv", time, {"x": TEMPERATURE}, {"x": np.radians(y)}))
     return Readings(tuple(sweeps))

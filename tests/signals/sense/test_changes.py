@@ -1,9 +1,11 @@
 """Changes of unit, sign, scale and axis inside a record: each is found where it is, and clean records have none."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
-from inertialcal.signals.sense.changes import changes
+from inertialcal.signals.sense.changes import Change, changes
 
 N, AT = 3000, 1234
 DEG = 180.0 / np.pi
@@ -33,7 +35,7 @@ def on_table(seed: int = 1) -> tuple[np.ndarray, np.ndarray]:
     return np.outer(applied, [1.0, 0.003, -0.002]) + 0.1 * still(seed), applied
 
 
-def judged(x: np.ndarray, kind: str = "angular_rate", **more: object) -> tuple:
+def judged(x: np.ndarray, kind: str = "angular_rate", **more: Any) -> tuple[Change, ...]:
     return changes(list(x.T), "xyz"[: x.shape[1]], kind, 0.01, **more)
 
 
@@ -41,7 +43,7 @@ def judged(x: np.ndarray, kind: str = "angular_rate", **more: object) -> tuple:
     ("factor", "units"),
     [(1 / DEG, ("deg/s", "rad/s")), (DEG, ("rad/s", "deg/s")), (1e-3, ("its thousandth", "a unit"))],
 )
-def test_unit_of_a_record_at_rest(factor, units):
+def test_unit_of_a_record_at_rest(factor: Any, units: Any) -> None:
     x = still()
     x[AT:] *= factor
     (found,) = judged(x)
@@ -50,14 +52,14 @@ def test_unit_of_a_record_at_rest(factor, units):
     assert abs(found.index - AT) < 20
 
 
-def test_unit_without_a_level_shows_in_the_noise_of_two_channels():
+def test_unit_without_a_level_shows_in_the_noise_of_two_channels() -> None:
     x = still(bias=np.zeros(3))
     x[AT:] /= DEG
     assert [one.code for one in judged(x)] == ["unit_changed"]
     assert judged(x[:, :1]) == ()  # one channel may be quieter for any reason
 
 
-def test_a_scale_that_is_no_unit():
+def test_a_scale_that_is_no_unit() -> None:
     x = still(bias=np.array([3.0, 1.0, -2.0]))
     x[AT:] *= 2.0
     (found,) = judged(x)
@@ -67,7 +69,7 @@ def test_a_scale_that_is_no_unit():
 
 @pytest.mark.parametrize("record", [still, by_hand])
 @pytest.mark.parametrize("axes", [[0, 1, 2], [2]])
-def test_sign(record, axes):
+def test_sign(record: Any, axes: Any) -> None:
     x, kind = record(), "angular_rate" if record is still else "acceleration"
     x[AT:, axes] *= -1.0
     (found,) = judged(x, kind)
@@ -75,7 +77,7 @@ def test_sign(record, axes):
 
 
 @pytest.mark.parametrize("order", [(1, 2, 0), (1, 0, 2)])
-def test_axes(order):
+def test_axes(order: Any) -> None:
     x = by_hand()
     x[AT:] = x[AT:, list(order)]
     (found,) = judged(x, "acceleration")
@@ -84,7 +86,7 @@ def test_axes(order):
     assert "x goes on as y" in found.remark("row {}".format).what
 
 
-def test_axes_of_another_sensor_have_another_bias():
+def test_axes_of_another_sensor_have_another_bias() -> None:
     x = still(sigma=0.001)
     x[AT:] = x[AT:, [1, 2, 0]] + 0.07
     (found,) = judged(x)
@@ -100,7 +102,7 @@ def test_axes_of_another_sensor_have_another_bias():
         (lambda x: 1.8 * x, "scale_changed"),
     ],
 )
-def test_response_to_an_applied_rate(change, code):
+def test_response_to_an_applied_rate(change: Any, code: Any) -> None:
     x, applied = on_table()
     assert judged(x, applied=applied, at_rest=False) == ()
     x[AT:] = change(x[AT:])
@@ -109,7 +111,7 @@ def test_response_to_an_applied_rate(change, code):
     assert abs(found.index - AT) <= 20
 
 
-def test_remark_says_where_and_what():
+def test_remark_says_where_and_what() -> None:
     x = still()
     x[AT:] /= DEG
     (found,) = judged(x)
@@ -119,7 +121,7 @@ def test_remark_says_where_and_what():
 
 
 @pytest.mark.parametrize("kind", ["turn", "shake", "fall", "step", "spike", "gap", "quiet", "zeros", "coarse", "slow"])
-def test_what_is_no_change_of_sense(kind):
+def test_what_is_no_change_of_sense(kind: Any) -> None:
     rng = np.random.default_rng(3)
     x, unit, more = still(), "angular_rate", {}
     if kind == "turn":
@@ -151,7 +153,7 @@ def test_what_is_no_change_of_sense(kind):
     assert judged(x, unit, **more) == ()
 
 
-def test_a_long_record_is_averaged():
+def test_a_long_record_is_averaged() -> None:
     n = 500_000
     rng = np.random.default_rng(5)
     x = [(b + 0.003 * rng.standard_normal(n)).astype(np.float32) for b in BIAS]
@@ -162,7 +164,7 @@ def test_a_long_record_is_averaged():
     assert abs(found.index - 300_000) < 40
 
 
-def test_missing_samples_and_short_records():
+def test_missing_samples_and_short_records() -> None:
     x = still()
     x[AT:] *= -1.0
     x[::7, 1] = np.nan
@@ -179,14 +181,14 @@ def exchanged(x: np.ndarray, first: int, second: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("pair", [(0, 1), (0, 2)])
-def test_an_exchange_on_a_table_names_no_more_axes_than_it_moves(pair):
+def test_an_exchange_on_a_table_names_no_more_axes_than_it_moves(pair: Any) -> None:
     x, applied = on_table()
     (found,) = judged(exchanged(x, *pair), applied=applied)
     moved = {a: b for a, b in zip(found.channels, found.sources, strict=True) if a != b}
     assert moved == {"xyz"[pair[0]]: "xyz"[pair[1]], "xyz"[pair[1]]: "xyz"[pair[0]]}
 
 
-def test_an_exchange_of_axes_that_are_not_turned_shows_in_their_responses():
+def test_an_exchange_of_axes_that_are_not_turned_shows_in_their_responses() -> None:
     x, applied = on_table()
     x[:, 1:] -= x[:, 1:].mean(axis=0)  # no jump
     at = int(np.flatnonzero(applied == 0.0)[-1])  # at rest
@@ -195,14 +197,14 @@ def test_an_exchange_of_axes_that_are_not_turned_shows_in_their_responses():
     assert (found.code, found.sources) == ("axes_changed", ("x", "z", "y"))
 
 
-def test_all_axes_change_places_on_a_table():
+def test_all_axes_change_places_on_a_table() -> None:
     x, applied = on_table()
     x[AT:] = x[AT:, [1, 2, 0]]
     (found,) = judged(x, applied=applied)
     assert found.sources == ("y", "z", "x")
 
 
-def test_a_turned_sign_is_no_exchange_of_axes_of_opposite_bias():
+def test_a_turned_sign_is_no_exchange_of_axes_of_opposite_bias() -> None:
     x, applied = on_table()
     x[:, 1:] += [0.01, -0.01] - x[:, 1:].mean(axis=0)
     x[AT:] *= -1.0
@@ -210,13 +212,13 @@ def test_a_turned_sign_is_no_exchange_of_axes_of_opposite_bias():
 
 
 @pytest.mark.parametrize("seed", range(1, 6))
-def test_channels_that_drift_past_each_other_do_not_change_places(seed):
+def test_channels_that_drift_past_each_other_do_not_change_places(seed: Any) -> None:
     x, applied = on_table(seed)
     drift = 0.005 * np.tanh(np.linspace(-2.0, 2.0, N))
     assert judged(x + np.outer(drift, [0.0, 1.0, -1.0]), applied=applied) == ()
 
 
-def test_a_small_jump_shows_beside_a_fast_turn():
+def test_a_small_jump_shows_beside_a_fast_turn() -> None:
     x = by_hand()
     x[:, 0] += 0.1 - x[AT - 20 : AT + 20, 0].mean()  # near zero at the change, while steps of a turn are larger
     x[AT:, 0] *= -1.0
@@ -225,7 +227,7 @@ def test_a_small_jump_shows_beside_a_fast_turn():
     assert [one.code for one in judged(x, "acceleration")] == ["sign_changed"]
 
 
-def test_gyros_at_rest_that_change_places_though_the_body_turns_later():
+def test_gyros_at_rest_that_change_places_though_the_body_turns_later() -> None:
     x = still()
     x[200:400] += np.outer(np.sin(np.linspace(0.0, np.pi, 200)) ** 2, [0.0, 3.0, 0.0])
     assert judged(x, at_rest=False) == ()

@@ -37,7 +37,7 @@ def _changes(recording: Recording, channels: list[Channel]) -> Iterator[Remark]:
         return
     interval, breaks = recording.sample_interval, None
     if recording.time_ns is not None and interval is not None:
-        breaks = np.diff(recording.time_ns, prepend=recording.time_ns[:1]) > LATE * interval * SECOND
+        breaks = np.flatnonzero(np.diff(recording.time_ns) > LATE * interval * SECOND) + 1
     driven = [
         one for one in recording.channels
         if one.unit == unit and not one.axis and one not in channels and one.data.dtype.kind in "iuf"
