@@ -108,6 +108,12 @@ def far_samples(blocks: Blocks, scale: Scale, at_rest: bool) -> tuple[Stretches,
     last = np.append(first[1:], found) - 1
     places = np.column_stack((at[first], at[last]))
     peak = np.maximum.reduceat(size, first)
+    if not at_rest:  # a turn is far from its median for long: of it, what stands out
+        strong = size > 0.5 * np.repeat(peak, last - first + 1)
+        begin, end = np.where(strong, at, len(blocks.x)), np.where(strong, at, -1)
+        inner = np.column_stack((np.minimum.reduceat(begin, first), np.maximum.reduceat(end, first)))
+        at_ends = (places[:, :1] < SIDE) | (places[:, 1:] >= len(blocks.x) - SIDE)  # medians there see one side
+        places = np.where(at_ends, places, inner)
     kept, short = peak > scale.limit, places[:, 1] - places[:, 0] < BURST
     for part in np.array_split(np.flatnonzero(kept), len(kept) // TOGETHER + 1):
         kept[part] = np.where(short[part], _jumps(blocks.x, places[part], peak[part], at_rest), at_rest)
