@@ -22,6 +22,7 @@ slow: $(READY)  ## long coverage runs
 
 coverage: $(READY)  ## do the 95 % intervals hold the truth, n = 1,000: RIGS="npsat1 mesa", TESTS=tests/procedures/flip
 	$(BIN)/python tests/coverage_runs.py $(RIGS)
+	PYTHONPATH=tests OMP_NUM_THREADS=1 $(BIN)/python -m independent.coverage --n 1000 --resume
 	INERTIALCAL_COVERAGE=full $(BIN)/python -m pytest -m "slow and not bench" --durations=20 $(or $(TESTS),tests/procedures tests/rigs tests/campaign)
 
 mutants: $(READY)  ## wrong changes to the numerics, each of which a test must catch

@@ -55,7 +55,8 @@ class Protocol:
     turn_gap: float = 3600.0  # from run to run [s]
     shuffled: bool = False
     labelled: bool = True
-    standards: dict[str, str] = field(default_factory=dict)  # as stated, {"rate_table.rate": "0.05 %"}
+    standards: dict[str, dict[str, str]] = field(default_factory=dict)  # {"rate_table.rate": {"u": "0.05 %"}}
+    mounting: str = ""  # what the campaign calls this laying of the unit
 
 
 @dataclass
@@ -243,9 +244,9 @@ def campaign_text(
         sensor["range"] = [f"{-gyros.limit} deg/s", f"{gyros.limit} deg/s"]
     groups: dict[str, object] = {"schema": 2, "campaign": {"id": "gyros"}, "site": {"latitude": "90 deg"}}
     by_name: dict[str, dict[str, object]] = {}
-    for key, u in protocol.standards.items():
+    for key, stated in protocol.standards.items():
         standard, quantity = key.split(".")
-        by_name.setdefault(f"standards.{standard}", {})[quantity] = {"u": u}
+        by_name.setdefault(f"standards.{standard}", {})[quantity] = stated
     return toml(groups | by_name | {"sensors.gyros": sensor} | dict(entries) | {"tests": tests})
 
 

@@ -6,8 +6,9 @@ import pytest
 
 from . import moved_mass
 from .bases import BASES
-from .coverage import HEAD, Study, binomial, like, lines
+from .coverage import HEAD, binomial, keeps, lines
 from .gate import ALL, tried_clean, tried_lines
+from .studies import Figure, Study, Tried, every, like
 from .trial import hits, tried
 
 SEEDS = 2
@@ -43,10 +44,25 @@ def test_the_binomial_interval_is_the_exact_one() -> None:
 
 def test_a_line_of_coverage_counts_hits_and_refusals() -> None:
     study = Study("mass", "known", moved_mass.moved, {"scale factor": like("scale_factor x")})
-    (row,) = lines(study, 2)
+    (row,) = lines(study, [study.tried(seed) for seed in (1, 2)])
     assert row.count("|") == HEAD.splitlines()[0].count("|")
     assert "/2 |" in row
     assert "| 0x2 |" in row
+
+
+def test_a_hit_rate_that_is_not_what_is_asked_is_bold() -> None:
+    assert keeps("holds", 950, 1000)
+    assert keeps("holds", 1000, 1000)
+    assert not keeps("holds", 900, 1000)
+    assert keeps("few", 925, 1000)
+    study = Study("table", "", moved_mass.moved, {"one": like("x")})
+    (row,) = lines(study, [Tried(0, [Figure("one", held=seed % 2 == 0)], []) for seed in range(40)])
+    assert "**50.0**" in row
+
+
+def test_names_of_studies_are_unique() -> None:
+    names = [one.name for one in every()]
+    assert len(set(names)) == len(names)
 
 
 @pytest.mark.parametrize(("kind", "seed"), [("filtered at 1/10", 18), ("rate table, recordings", 31)])

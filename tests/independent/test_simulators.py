@@ -18,7 +18,13 @@ from . import flip, moved_mass, positions, rate_table, static, thermal
 from .case import START, csv_text, turned, write_pad
 
 FOLDER = Path(__file__).parent
-CALLERS = {"trial", "gate", "coverage", "screened"}  # these call the commands, and no simulator may import them
+CALLERS = {
+    "trial",
+    "gate",
+    "coverage",
+    "screened",
+    "studies",
+}  # these call the commands, and no simulator may import them
 SIMULATORS = sorted(
     path.stem for path in FOLDER.glob("*.py") if path.stem not in CALLERS and not path.stem.startswith(("test_", "__"))
 )
