@@ -86,16 +86,16 @@ def lines(study: Study | Pair | LeftOut, found: Sequence[Tried]) -> list[str]:
     told = " ".join(f"{code}x{number}" for code, number in notes.most_common(6))
     out = " ".join(f"{code}x{number}" for code, number in sorted(exits.items()))
     rows = []
-    for name, one in counts.items():
-        low, high = binomial(one.hits, one.n)
-        rate = f"{100 * one.hits / one.n:.1f}" if one.n else "-"
-        rate = rate if keeps(study.rule, one.hits, one.n) else f"**{rate}**"
-        rms = math.sqrt(statistics.fmean(e * e for e in one.errors)) if one.errors else math.nan
-        part = f"{100 * statistics.median(one.parts):.2g} %" if one.parts else ""
-        u = statistics.median(one.u) if one.u else math.nan
-        cells = [study.name, name, study.stated, f"{one.hits}/{one.n}", rate, f"{100 * low:.1f}-{100 * high:.1f}"]
-        ratio = f"{statistics.median(one.ratios):.3g}" if one.ratios else ""
-        cells += [part, f"{rms:.2g}", f"{u:.2g}", ratio, str(one.missing), out, told]
+    for name, count in counts.items():
+        low, high = binomial(count.hits, count.n)
+        rate = f"{100 * count.hits / count.n:.1f}" if count.n else "-"
+        rate = rate if keeps(study.rule, count.hits, count.n) else f"**{rate}**"
+        rms = math.sqrt(statistics.fmean(e * e for e in count.errors)) if count.errors else math.nan
+        part = f"{100 * statistics.median(count.parts):.2g} %" if count.parts else ""
+        u = statistics.median(count.u) if count.u else math.nan
+        cells = [study.name, name, study.stated, f"{count.hits}/{count.n}", rate, f"{100 * low:.1f}-{100 * high:.1f}"]
+        ratio = f"{statistics.median(count.ratios):.3g}" if count.ratios else ""
+        cells += [part, f"{rms:.2g}", f"{u:.2g}", ratio, str(count.missing), out, told]
         rows.append("| " + " | ".join(cells) + " |")
     return rows
 

@@ -117,11 +117,11 @@ def tables() -> list[Study]:
                 groups,
             )
         )
-    runs = rate_table.Protocol()
-    shuffled = replace(runs, shuffled=True, runs=3)
-    short = replace(runs, rates=(-20.0, -1.0, 1.0, 20.0), runs=3)
+    five = rate_table.Protocol()
+    shuffled = replace(five, shuffled=True, runs=3)
+    short = replace(five, rates=(-20.0, -1.0, 1.0, 20.0), runs=3)
     for name, gyros, protocol in (
-        ("slopes scatter by 3e-4", rate_table.Gyros(turn_on=0.003, dwell=0.003, slope_scatter=3e-4), runs),
+        ("slopes scatter by 3e-4", rate_table.Gyros(turn_on=0.003, dwell=0.003, slope_scatter=3e-4), five),
         ("3 runs, shuffled rates, turn-on 0.01", rate_table.Gyros(turn_on=0.01, dwell=0.003), shuffled),
         ("3 runs, four rates, turn-on 0.03", rate_table.Gyros(turn_on=0.03, dwell=0.001), short),
         ("1 run, not labelled, turn-on 0.01", rate_table.Gyros(turn_on=0.01, dwell=0.003),
@@ -162,9 +162,9 @@ def hands() -> list[Study]:
         )
         for times, stated in ((2, "misalignment 79, bias 85, scale 79"), (1, "scale factor u 20 times too large"))
     ]
-    for error, times, stated in ((0.1, 2, True), (0.1, 2, False), (0.5, 1, False), (0.5, 3, False), (1.0, 2, False)):
-        case = partial(positions.six_faces, face_error=error, repeats=times, stated=stated)
-        how = "stated" if stated else "not stated"
+    for error, times, known in ((0.1, 2, True), (0.1, 2, False), (0.5, 1, False), (0.5, 3, False), (1.0, 2, False)):
+        case = partial(positions.six_faces, face_error=error, repeats=times, stated=known)
+        how = "stated" if known else "not stated"
         found.append(Study(f"positions, six faces laid {times}x, face error {error} deg, {how}", "", case, faces))
     for b, stated in ((0.0, ""), (2e-5, "79"), (1e-4, "63"), (5e-4, "44")):
         unit = positions.Unit(upper_triangular=True, gyro_flicker=b)

@@ -24,7 +24,7 @@ CALLERS = {
     "coverage",
     "screened",
     "studies",
-}  # these call the commands, and no simulator may import them
+}  # of commands: no simulator imports them
 SIMULATORS = sorted(
     path.stem for path in FOLDER.glob("*.py") if path.stem not in CALLERS and not path.stem.startswith(("test_", "__"))
 )
