@@ -2,9 +2,8 @@
 
 The covariance is a sum of components (JCGM 100, 5.1 and 5.2): each is one source of uncertainty, of
 Type A (scatter that was observed) or Type B (a standard's certificate, a mounting tolerance), with its
-own degrees of freedom. The degrees of freedom of a value follow from those of its components by
-Welch-Satterthwaite (JCGM 100, G.4), so a budget is no separate piece of book-keeping: it is the
-estimate itself.
+own degrees of freedom. The degrees of freedom of a value follow from those of its components (`joined_dof`),
+so a budget is no separate piece of book-keeping: it is the estimate itself.
 
 An Estimate has no operators: propagate a function of it with ``statistics.propagate``.
 
@@ -12,6 +11,7 @@ References
 ----------
 .. [1] JCGM 100:2008, Evaluation of measurement data - Guide to the expression of uncertainty in
    measurement (GUM), clauses 4.2, 4.3, 5.1, 5.2, G.4.
+.. [2] S. K. Banerjee, Sankhya A 23 (1961) 85: confidence interval of a sum of normal means, any number of variances.
 """
 
 from __future__ import annotations
@@ -38,8 +38,59 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Numbers = NDArray[np.integer | np.floating]  # readings as they were recorded: counts, or floats of any width
 
+P = 0.95  # Of the two-sided interval that degrees of freedom are joined for
+FEW = 1.5  # Degrees of freedom up to which Banerjee's bound is taken as it is
+NO_EXCESS = 1e-7  # of k^2 over that of the normal distribution: degrees of freedom beyond 1e8 are infinite
 SYMMETRY = 1e-9  # largest relative asymmetry that a covariance may have from rounding
 TINY = float(np.finfo(float).tiny)
+
+
+def joined_dof(variances: Sequence[Array], dofs: Sequence[Array | float], total: Array | None = None) -> Array:
+    """Return the degrees of freedom of sums of independent parts, shape (k,): those whose t gives a 95 % interval.
+
+    Welch-Satterthwaite takes the shares of the parts as known. With few degrees of freedom they are not: of a part with
+    1 that is three times a known one, its intervals hold 87 %. Here, with q_i = w_i / sum(w), t_i Student's quantile of
+    part i and z that of the normal distribution, the interval is ``k u``::
+
+        k^2 = z^2 + sum q_i^a_i (t_i^2 - z^2)        a_i = max(1, 2 - 1.5 / dof_i)
+
+    and the degrees of freedom are those with t = k. With all a_i = 1 this is Banerjee's bound [2]_, proven to hold 95 %
+    or more whatever the true variances; a_i = 2 is Welch-Satterthwaite to first order in 1 / dof. It holds 94.9 to
+    98.7 % for one part of 1 to 30 degrees of freedom with known ones of any size, up to 99.2 % for several such parts.
+    One-sided bounds of 95 % hold as well; beyond 99 % probability the tails are those of t, and thinner than true ones.
+
+    Parameters
+    ----------
+    variances : sequence of ndarray, shape (k,)
+        Of each part.
+    dofs : sequence of ndarray, shape (k,), or float
+        Of each part; infinite where its size is known.
+    total : ndarray, shape (k,), optional
+        Variance of the sum, where it holds other parts of known size, or some cancel; by default the sum of the parts.
+
+    Returns
+    -------
+    ndarray, shape (k,)
+        From the fewest of a part to infinity.
+    """
+    from scipy import special  # noqa: PLC0415 - starts slowly, and many commands join nothing
+
+    p = 0.5 * (1.0 + P)
+    whole = np.asarray(sum(variances) if total is None else total, dtype=float)
+    z_square = float(special.ndtri(p)) ** 2
+    excess, largest, fewest = np.zeros(whole.shape), np.zeros(whole.shape), np.full(whole.shape, np.inf)
+    for variance, given in zip(variances, dofs, strict=True):
+        dof = np.broadcast_to(np.asarray(given, dtype=float), whole.shape)
+        acts = (np.asarray(variance) > 0.0) & (whole > 0.0) & np.isfinite(dof)
+        dof = np.where(acts, dof, 1.0)
+        share = np.divide(variance, whole, out=np.zeros(whole.shape), where=acts)
+        own = special.stdtrit(dof, p) ** 2 - z_square
+        excess += share ** np.maximum(1.0, 2.0 - FEW / dof) * own
+        largest = np.where(acts, np.maximum(largest, own), largest)
+        fewest = np.where(acts, np.minimum(fewest, dof), fewest)
+    between = special.stdtridf(p, np.sqrt(z_square + np.maximum(excess, NO_EXCESS)))
+    alone = excess >= largest * (1.0 - SYMMETRY)  # to the last digit that of the part
+    return np.asarray(np.where((excess > NO_EXCESS) & ~alone, np.maximum(between, fewest), fewest))
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,16 +193,11 @@ class Estimate:
         """Standard uncertainties, shape (k,)."""
         return np.sqrt(np.diag(self.covariance))
 
-    @property
+    @cached_property
     def dof(self) -> Array:
-        """Degrees of freedom by Welch-Satterthwaite, shape (k,); infinite where all sources are known."""
-        variance = np.diag(self.covariance)
-        known = np.where(variance > 0.0, variance, 1.0)
-        spent = np.zeros(len(self.names))  # sum of (share of the variance)^2 / dof
-        for component in self.components:
-            spent = spent + (np.diag(component.covariance) / known) ** 2 / np.asarray(component.dof, dtype=float)
-        with np.errstate(divide="ignore"):
-            return np.asarray(1.0 / spent, dtype=float)
+        """Degrees of freedom whose t gives the interval, shape (k,); infinite where all sources are known."""
+        variances = [np.diag(component.covariance) for component in self.components]
+        return joined_dof(variances, [component.dof for component in self.components], np.diag(self.covariance))
 
     def shared(self, name: Key | str, times: float = 1.0) -> dict[str, float]:
         """Return the change of a value for one standard uncertainty of each unknown of a standard, with its sign.

@@ -16,6 +16,10 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
+from ..core.estimate import joined_dof
+
 
 @dataclass(frozen=True)
 class Figure:
@@ -40,8 +44,8 @@ def difference(a: Figure, b: Figure, shared: Iterable[str] | None = None) -> Fig
     Returns
     -------
     Figure
-        Its degrees of freedom are those of the parts that do not cancel, by Welch-Satterthwaite; shared unknowns are
-        taken as known in size. Its changes are those by unknowns that are shared.
+        Its degrees of freedom are those of the parts that do not cancel (``core.estimate.joined_dof``); shared unknowns
+        are taken as known in size. Its changes are those by unknowns that are shared.
 
     Examples
     --------
@@ -53,5 +57,6 @@ def difference(a: Figure, b: Figure, shared: Iterable[str] | None = None) -> Fig
     left = {name: b.changes.get(name, 0.0) - a.changes.get(name, 0.0) for name in names}
     own = [max(one.u**2 - sum(one.changes.get(name, 0.0) ** 2 for name in names), 0.0) for one in (a, b)]
     variance = sum(own) + sum(change**2 for change in left.values())
-    spent = sum(one.u**4 / one.dof for one in (a, b))
-    return Figure(b.value - a.value, math.sqrt(variance), variance**2 / spent if spent else math.inf, left)
+    squares = [np.array(one.u**2) for one in (a, b)]
+    dof = float(joined_dof(squares, [a.dof, b.dof], np.array(variance)))
+    return Figure(b.value - a.value, math.sqrt(variance), dof, left)

@@ -1,8 +1,8 @@
 """Intervals with a stated probability: for a value, a standard deviation, a hit rate, a whole curve.
 
 Values are taken as ``value + u * t`` with Student's t of ``dof`` degrees of freedom, normal where they are
-infinite (JCGM 100, G.3). Degrees of freedom need not be whole numbers: Welch-Satterthwaite and
-Satterthwaite give any positive number [1]_. Zero or NaN degrees of freedom mean that no scatter was
+infinite (JCGM 100, G.3). Degrees of freedom need not be whole numbers: Satterthwaite's [1]_, and those of joined parts
+(``core.estimate.joined_dof``), are any positive number. Zero or NaN degrees of freedom mean that no scatter was
 estimated, and no interval is made of them.
 
 References

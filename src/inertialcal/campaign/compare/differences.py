@@ -1,7 +1,7 @@
 """Differences of figures, and whether they are shown to differ.
 
 A difference is second less first; what both share cancels (`statistics.difference`), the rest adds, and degrees of
-freedom follow by Welch-Satterthwaite [1]_. It is called ``different`` if its t test rejects equality, with Holm's
+freedom are joined (`joined_dof`) [1]_. It is called ``different`` if its t test rejects equality, with Holm's
 step-down over all figures compared [2]_: where nothing differs, the word falls in at most 5 % of all comparisons. The
 interval holds for each figure by itself. Standard deviations (``scatter_...``) are not normal: they have the F test and
 the interval of ``statistics.scatters``.

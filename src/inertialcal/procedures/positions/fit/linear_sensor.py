@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-from ....core.estimate import Array
+from ....core.estimate import Array, joined_dof
 from ....core.influence import Influence
 from ....core.key import AXES, Key, Origin, Reason
 from ....statistics.two_levels import TwoLevels
@@ -167,16 +167,14 @@ def _ratio(a: Array, b: Array) -> Array:
 
 
 def summed(groups: Sequence[Sequence[Source]]) -> list[Source]:
-    """Return sources of one name as one: variances add, degrees of freedom by Welch and Satterthwaite."""
+    """Return sources of one name as one: variances and degrees of freedom are joined."""
     found: dict[str, Source] = {}
     for one in (source for group in groups for source in group):
         before = found.setdefault(one.name, one)
         if before is one:
             continue
         covariance = before.covariance + one.covariance
-        with np.errstate(divide="ignore", invalid="ignore"):
-            weight = np.diag(before.covariance) ** 2 / before.dof + np.diag(one.covariance) ** 2 / one.dof
-            dof = np.where(weight > 0.0, np.diag(covariance) ** 2 / weight, np.inf)
+        dof = joined_dof([np.diag(before.covariance), np.diag(one.covariance)], [before.dof, one.dof])
         found[one.name] = replace(before, covariance=covariance, dof=dof, changes=None)
     return list(found.values())
 

@@ -26,7 +26,7 @@ from typing import Literal
 import numpy as np
 
 from ....core.errors import DataError
-from ....core.estimate import Array
+from ....core.estimate import Array, joined_dof
 from ....core.key import AXES
 from ..plan import Plan
 from ..readings import Readings
@@ -98,8 +98,7 @@ def _at_rate(plan: Plan, one: Line, rate: float, here: Readings, of: Of, largest
     type_a, dof = found[0] / rate**2, found[1]
     parts = [(type_a, dof), *_type_b(plan, one, 1.0 + error), (_earth_variance(here, sensor) / rate**2, np.inf)]
     variance = sum(part for part, _ in parts)
-    spent = sum(part**2 / d for part, d in parts)
-    known = variance**2 / spent if spent > 0.0 else np.inf
+    known = float(joined_dof([np.array(part) for part, _ in parts], [d for _, d in parts]))
     return RateError(sensor, rate, error, float(np.sqrt(variance)), known, len(here), here.runs, largest)
 
 
@@ -135,15 +134,14 @@ def _pooled(one: Line, here: Readings, errors: Array, of: Of) -> tuple[float, Sp
 
 
 def _with_samples(one: Line, parts: list[tuple[float, float]], of: Of) -> Spread:
-    """Join the parts by Satterthwaite, with the scatter within a dwell where single readings are asked for."""
+    """Join the parts, with the scatter within a dwell where single readings are asked for."""
     if of == "reading":
         sample = next(level for level in one.levels if level.name == "sample")
         if sample.std is None:
             return None
         parts = [*parts, (sample.std**2, sample.dof if np.isfinite(sample.dof) else np.inf)]
     whole = sum(part for part, _ in parts)
-    spent = sum(part**2 / dof for part, dof in parts)
-    return whole, whole**2 / spent if spent > 0.0 else np.inf
+    return whole, float(joined_dof([np.array(part) for part, _ in parts], [dof for _, dof in parts]))
 
 
 def _type_b(plan: Plan, one: Line, gain: float) -> list[tuple[float, float]]:
