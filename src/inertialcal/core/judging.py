@@ -1,4 +1,4 @@
-"""What a requirement asks and what a test answers: its limits, its ``where``, and the verdict at each place.
+"""What a requirement asks and what a test answers: limits, decision rule, ``where``, and the verdict at each place.
 
 ``where`` follows a small stated grammar, never eval::
 
@@ -15,13 +15,14 @@ from __future__ import annotations
 import operator
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from statistics import NormalDist
 from typing import Literal
 
 from .errors import DataError
 from .results import Interval
-from .units import kind, parse_quantity, same_dimension, si_unit
+from .units import Quantity, kind, parse_quantity, same_dimension, si_unit
 
 LEVEL = 0.95
 LONGEST = 400  # characters
@@ -34,6 +35,113 @@ OPERATORS: dict[str, Callable[[float, float], bool]] = {
 }
 COMPARISON = re.compile(r"\s*(?:abs\(\s*(?P<sized>\w+)\s*\)|(?P<plain>\w+))\s*(?P<op>>=|<=|>|<)\s*(?P<value>.+?)\s*")
 ROUNDING = 1e-9  # relative: 0.1 deg/s in a table and in a condition are the same rate
+
+RuleName = Literal["interval", "simple_acceptance", "guard_factor", "false_accept_risk", "test_uncertainty_ratio"]
+
+
+@dataclass(frozen=True)
+class Process:
+    """Distribution of the true values of all items, normal: what a global risk is about (JCGM 106, clause 7)."""
+
+    mean: Quantity | None = None  # Middle of the limits where not given
+    sd: Quantity | None = None
+    in_tolerance: float | None = None  # Instead of sd: share of all items inside the limits
+
+    def normal(self, unit: str, lower: float | None, upper: float | None) -> tuple[float, float]:
+        """Return mean and standard deviation in the unit of the limits."""
+        middle = 0.0 if lower is None or upper is None else 0.5 * (lower + upper)
+        mean = middle if self.mean is None else self.mean.to(unit)
+        if self.sd is not None:
+            return mean, self.sd.to(unit, difference=True)
+        half = 0.0 if lower is None or upper is None else 0.5 * (upper - lower)
+        return mean, half / NormalDist().inv_cdf(0.5 * (1.0 + (self.in_tolerance or 0.5)))
+
+    def __str__(self) -> str:
+        """Return it in words."""
+        if self.in_tolerance is not None:
+            return f"items of which {100.0 * self.in_tolerance:g} % conform (normal, centred)"
+        return f"items of mean {self.mean or 'at the middle of the limits'} and standard deviation {self.sd} (normal)"
+
+
+@dataclass(frozen=True)
+class Rule:
+    """Decision rule of a requirement: how far inside its limits a value must lie to PASS."""
+
+    name: RuleName = "interval"
+    factor: float = 1.0  # Of ``guard_factor``: multiple of U
+    risk: float = 0.05  # Of ``false_accept_risk``
+    process: Process | None = None  # With it the risk is global: over all items
+    ratio: float = 4.0  # Of ``test_uncertainty_ratio``
+    otherwise: Rule | None = None  # Of ``test_uncertainty_ratio``: rule below that ratio
+    binary: bool = False  # FAIL in place of INCONCLUSIVE where u is known
+    normal: tuple[float, float] | None = None  # Mean and standard deviation of the process, in the unit of the limits
+
+    def within(self, unit: str, lower: float | None, upper: float | None) -> Rule:
+        """Return the rule with the process in the unit of the limits."""
+        inner = None if self.otherwise is None else self.otherwise.within(unit, lower, upper)
+        normal = None if self.process is None else self.process.normal(unit, lower, upper)
+        return replace(self, normal=normal, otherwise=inner)
+
+    @property
+    def fallback(self) -> Rule:
+        """Rule below the ratio."""
+        return self.otherwise or Rule()
+
+    def __str__(self) -> str:
+        """Return it in words."""
+        rest = "else FAIL" if self.binary else "else INCONCLUSIVE"
+        if self.name == "simple_acceptance":
+            return "simple acceptance: PASS if the value lies inside the limits, else FAIL"
+        if self.name == "test_uncertainty_ratio":
+            below = "95 % interval" if self.fallback == Rule() else str(self.fallback)
+            return (
+                f"test uncertainty ratio: where the limits lie {2.0 * self.ratio:g} U apart or more"
+                f" (TUR {self.ratio:g}:1), simple acceptance; below: {below}"
+            )
+        outside = "" if self.binary else self._outside
+        return f"{self._inside}{outside}, {rest}"
+
+    @property
+    def _inside(self) -> str:
+        if self.name == "guard_factor":
+            return (
+                f"guard factor {self.factor:g}: PASS if the value lies inside the limits by {self.factor:g} U or more"
+            )
+        if self.name == "interval":
+            return "PASS if the 95 % interval lies inside the limits"
+        if self.process is not None:
+            return (
+                f"global false-accept risk {100.0 * self.risk:g} %: PASS inside a guard band that lets pass, of"
+                f" {self.process}, {100.0 * self.risk:g} % at most that do not conform"
+            )
+        return (
+            f"false-accept risk {100.0 * self.risk:g} %: PASS if the true value lies outside the limits with a"
+            f" probability of {100.0 * self.risk:g} % at most"
+        )
+
+    @property
+    def _outside(self) -> str:
+        if self.name == "guard_factor":
+            return f", FAIL if outside by more than {self.factor:g} U"
+        if self.name == "interval":
+            return ", FAIL if wholly outside"
+        if self.process is not None:
+            return ", FAIL outside by more than that band"
+        return ", FAIL if it lies inside with that at most"
+
+
+@dataclass(frozen=True)
+class Basis:
+    """What a verdict was made by."""
+
+    rule: str = ""  # In words
+    accept_lower: float | None = None  # Values from here on PASS, at this uncertainty; None for no limit
+    accept_upper: float | None = None
+    # Specific risk: of a PASS, the probability that the true value lies outside the limits, of a FAIL inside, by this
+    # measurement alone; None for another verdict, or where no probability can be said
+    risk: float | None = None
+    ratio: float | None = None  # Test uncertainty ratio: span of two limits over 2 U
+    compared: Interval | None = None  # Value with its guard band on both sides: what was compared with the limits
 
 
 @dataclass(frozen=True)
@@ -113,6 +221,7 @@ class Asked:
     lower: str | None = None  # As stated
     upper: str | None = None  # As stated
     where: str = ""  # Over which range
+    rule: Rule = Rule()  # By which it is decided
 
     @cached_property
     def condition(self) -> Condition:
@@ -159,3 +268,4 @@ class Verdict:
     reason: str = ""  # Why not PASS or FAIL
     at_unit: str = "rad/s"
     sensor: str = ""  # Kind of sensor where one test has several
+    basis: Basis = field(default_factory=Basis)  # Rule, acceptance limits, risk

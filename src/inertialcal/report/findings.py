@@ -122,7 +122,12 @@ def of_verdict(verdict: str | None, verification: Sequence[Branch], loop: Branch
     found: list[Finding] = []
     if verdict in ("FAIL", "INCONCLUSIVE"):
         if names := stated["FAIL"]:
-            found.append((*_names(names), ": an interval lies entirely outside its limits."))
+            why = (
+                ": by its decision rule."
+                if _named_rule(verification)
+                else ": an interval lies entirely outside its limits."
+            )
+            found.append((*_names(names), why))
         if LOOP in named["FAIL"]:
             found.append(("Compensation makes hold-out readings worse than raw, so no model is delivered.",))
         if names := stated["INCONCLUSIVE"]:
@@ -134,10 +139,45 @@ def of_verdict(verdict: str | None, verification: Sequence[Branch], loop: Branch
             found.append(("No test covers ", *_names(named["OPEN"]), "."))
     else:
         if any(stated.values()):
-            found.append(("All requirements are met, uncertainty included.",))
+            by = "by their decision rules" if _named_rule(verification) else "uncertainty included"
+            found.append((f"All requirements are met, {by}.",))
         if loop["axes"]:
             found.append(("Compensation improves hold-out readings.",))
     return tuple(part for i, one in enumerate(found) for part in ((" ", *one) if i else one))
+
+
+def _named_rule(verification: Sequence[Branch]) -> bool:
+    """Return whether a contract names a rule in place of the interval."""
+    return any(row["decision"] and str(row["decision"]["rule"]) != "interval" for row in verification)
+
+
+def own_rules(verification: Sequence[Branch], general: str) -> list[tuple[str, str]]:
+    """Return the requirements with a rule of their own, and the rule."""
+    return [(row["requirement"], row["rule"]) for row in verification if row["rule"] and row["rule"] != general]
+
+
+def of_decision(verification: Sequence[Branch], verdicts: Sequence[Branch]) -> list[Finding]:
+    """Say by which rules requirements were decided, and which verdict is the likeliest to be wrong."""
+    rules = dict.fromkeys(row["rule"] for row in verification if row["rule"])
+    lines: list[Finding] = []
+    for rule in rules:
+        mine = [row["requirement"] for row in verification if row["rule"] == rule]
+        lines.append((*(("Decision rule",) if len(rules) == 1 else _names(mine)), ": ", rule, "."))
+    one = max((one for one in verdicts if one["risk"] is not None), key=lambda row: row["risk"].raw, default=None)
+    if one is None:
+        return lines
+    at: Finding = () if one["at"] is None else (" at ", Figure(one["at"], None, one["at_unit"]))
+    ends = [(word, one[key]) for word, key in ((" from ", "accept_lower"), (" up to ", "accept_upper"))]
+    parts = [part for word, end in ends if end is not None for part in (word, Figure(end, None, _unit(one["unit"])))]
+    accepted: Finding = ("; PASS", *parts) if parts else ()
+    ratio: Finding = () if one["ratio"] is None else ("; test uncertainty ratio ", Figure(one["ratio"]))
+    lines.append(
+        (
+            "Likeliest to be wrong: ", one["requirement"], " ", one["verdict"], " (", one["test"], " ", one["axis"], *at,
+            "), with a probability of ", Figure(one["risk"]), *accepted, *ratio, ".",
+        )
+    )  # fmt: skip
+    return lines
 
 
 def _names(names: Sequence[str]) -> Finding:
@@ -257,7 +297,7 @@ def _largest_error(rows: Sequence[Branch]) -> Highlight | None:
 
 
 def _smallest_margin(verdicts: Sequence[Branch]) -> Highlight | None:
-    """Return the verdict with the smallest margin relative to its limits; negative = outside."""
+    """Return the verdict with the smallest margin relative to its limits; negative = no PASS."""
 
     def relative(one: Branch) -> float:
         limits = [abs(float(end.raw)) for end in (one["lower"], one["upper"]) if end is not None and end.raw]
@@ -273,7 +313,7 @@ def _smallest_margin(verdicts: Sequence[Branch]) -> Highlight | None:
     if lower is not None and upper is not None:
         limits = ("; limits ", Figure(lower), " to ", Figure(upper, None, unit))
     label = ("margin of ", one["requirement"], ", ", one["test"], " ", one["axis"], *at, ": ", one["verdict"], *limits)
-    rule = "smallest margin to a limit; negative = outside"
+    rule = "smallest margin to a limit; negative = no PASS"
     return Highlight(label, (Figure(one["margin"], None, unit),), rule)
 
 

@@ -1,14 +1,14 @@
 """Verdicts on a requirement, with a stated rule and a stated risk (JCGM 106).
 
-The rule is guarded on both sides: PASS if the 95 % interval of the value lies inside the limits, FAIL if it
+By default it is guarded on both sides: PASS if the 95 % interval of the value lies inside the limits, FAIL if it
 lies wholly outside, else INCONCLUSIVE - the measurement is not good enough to decide. With one limit the
 bound on its side is one-sided: PASS if the one-sided 95 % upper bound is at or below an upper limit, FAIL
-if the one-sided 95 % lower bound is above it.
+if the one-sided 95 % lower bound is above it. ``guard_band`` has the other rules that a contract may name.
 
 The risk: with one limit, a true value on the limit gets PASS in 5 % of all measurements (exactly, for a
 normal value with u known or with Student's t), less often the further outside it lies; FAIL likewise for
 good ones. With two limits it is at most 2.5 %, and that is approached where the limits are far apart
-compared with u; limits nearer to each other than twice ``k u`` can never give PASS. `pass_probability`
+compared with u; limits nearer to each other than twice ``k u`` can never give PASS. ``guard_band.pass_probability``
 gives the figure for any true value. These risks hold for a single decision: several are held together by
 `holm` or by ``intervals.band_factor``.
 
@@ -22,21 +22,20 @@ References
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import special
 
 from ..core.errors import DataError, PlanError
-from ..core.results import Interval
-from .intervals import coverage_factor, ends, t_interval, t_quantile
+from ..core.judging import Basis, Rule
+from ..core.results import Interval, finite
+from .guard_band import INTERVAL, applied, below, guard_band, uncertainty_ratio
+from .intervals import coverage_factor, ends, t_interval
 
 Status = Literal["PASS", "FAIL", "INCONCLUSIVE", "OPEN"]
-
-NODES = 2000  # of the scatter's distribution, in steps of equal probability
 
 
 @dataclass(frozen=True)
@@ -56,6 +55,7 @@ class Verdict:
     limit_upper: float | None = None
     rule: str = ""  # the decision rule in words
     reason: str = ""  # what decided
+    basis: Basis = field(default_factory=Basis)  # acceptance limits, risk
 
 
 def decide(
@@ -65,6 +65,7 @@ def decide(
     lower: float | None = None,
     upper: float | None = None,
     p: float = 0.95,
+    rule: Rule = INTERVAL,
 ) -> Verdict:
     """Return the verdict on a value against one or two limits.
 
@@ -79,6 +80,8 @@ def decide(
         Limits, in the same unit; a value on the limit conforms.
     p : float
         Probability of the interval, or of each one-sided bound.
+    rule : Rule
+        Decision rule; by default the interval against the limits. With its process in the unit of the limits.
 
     Raises
     ------
@@ -92,40 +95,55 @@ def decide(
     'PASS'
     >>> decide(0.95, 0.05, 20, upper=1.0).status
     'INCONCLUSIVE'
+    >>> decide(0.95, 0.05, 20, upper=1.0, rule=Rule("simple_acceptance")).status
+    'PASS'
     """
     _check_limits(lower, upper)
     dof = math.inf if dof is None else float(dof)
     both = lower is not None and upper is not None
-    rule = _rule(p, both)
+    words = _words(rule, p, both)
     missing = _missing(value, u, dof)
     if missing or value is None or u is None:
-        return Verdict("INCONCLUSIVE", value, u, dof, None, lower, upper, rule, missing)
-    interval = t_interval(value, u, dof, p if both else round(2.0 * p - 1.0, 12))
-    status, reason = _compared(interval, lower, upper)
-    return Verdict(status, value, u, dof, interval, lower, upper, rule, reason)
+        return Verdict("INCONCLUSIVE", value, u, dof, None, lower, upper, words, missing, Basis(words))
+    shown = p if both or rule.name != "interval" else round(2.0 * p - 1.0, 12)
+    interval = t_interval(value, u, dof, shown)
+    rule = applied(rule, coverage_factor(dof, p) * u, lower, upper)
+    bands = guard_band(rule, u, dof, lower, upper, p)
+    accept, reject = (Interval(value - band, value + band, shown) for band in bands)
+    low = 0.0 if lower is None else below((lower - value) / u, dof)
+    high = 0.0 if upper is None else below((value - upper) / u, dof)
+    ratio = uncertainty_ratio(coverage_factor(dof, p) * u, lower, upper)
+    found = _judged(rule, value, accept, reject, lower, upper, low + high, ratio, words)
+    return replace(found, value=value, u=u, dof=dof, interval=interval)
 
 
 def decide_by(
-    interval: Interval | None,
+    interval_at: Callable[[float], Interval | None],
     value: float | None,
     u: float | None,
     lower: float | None = None,
     upper: float | None = None,
     p: float = 0.95,
+    rule: Rule = INTERVAL,
 ) -> Verdict:
-    """Return the verdict by an interval that is no t-interval about the value, such as that of a profile.
+    """Return the verdict by intervals that are not Student's about the value, such as those of a profile.
+
+    A guard factor stretches the interval about the value, a false-accept risk takes the interval of that probability
+    (half of the risk on each side where there are two limits). No specific risk is stated: it would take the whole
+    distribution.
 
     Parameters
     ----------
-    interval : Interval or None
-        Two-sided of probability ``p``; with one limit, of ``2 p - 1``, so that each end is a one-sided bound of ``p``.
-        None where there is none.
+    interval_at : callable
+        Probability -> two-sided interval; None where there is none of that probability.
     value, u : float or None
-        What was measured, for the record.
+        What was measured.
     lower, upper : float or None
         Limits, in the same unit.
     p : float
         Probability of the rule.
+    rule : Rule
+        Decision rule, without a process.
 
     Raises
     ------
@@ -133,15 +151,41 @@ def decide_by(
         If there is no limit, or they are not numbers in order.
     """
     _check_limits(lower, upper)
-    rule = _rule(p, lower is not None and upper is not None)
+    both = lower is not None and upper is not None
+    words = _words(rule, p, both)
+    nothing = Verdict("INCONCLUSIVE", value, u, None, None, lower, upper, words, basis=Basis(words))
+    shown = p if both or rule.name != "interval" else round(2.0 * p - 1.0, 12)
+    interval = interval_at(shown)
     if interval is None:
-        return Verdict("INCONCLUSIVE", value, u, None, None, lower, upper, rule, "no interval is estimated")
-    status, reason = _compared(interval, lower, upper)
-    return Verdict(status, value, u, None, interval, lower, upper, rule, reason)
+        return replace(nothing, reason="no interval is estimated")
+    lo, hi = ends(interval)
+    ratio = uncertainty_ratio(0.5 * (hi - lo), lower, upper)
+    rule = applied(rule, 0.5 * (hi - lo), lower, upper)
+    if rule.name == "interval":
+        accept = interval
+    elif rule.name == "false_accept_risk":
+        level = round(1.0 - rule.risk * (1.0 if both else 2.0), 12)
+        found = None if rule.process is not None else interval_at(level)
+        if found is None:
+            return replace(nothing, interval=interval, reason=f"no interval of {100.0 * level:g} % is estimated")
+        accept = found
+    elif value is None:
+        return replace(nothing, interval=interval, reason="the value is not estimated")
+    else:
+        factor = rule.factor if rule.name == "guard_factor" else 0.0
+        accept = Interval(value - factor * (value - lo) if factor else value,
+                          value + factor * (hi - value) if factor else value, interval.p)  # fmt: skip
+    found = _judged(rule, value, accept, accept, lower, upper, None, ratio, words)
+    return replace(found, value=value, u=u, interval=interval)
 
 
 def no_change(
-    difference: float | None, u: float | None, dof: float | None, allowed: float | None, p: float = 0.95
+    difference: float | None,
+    u: float | None,
+    dof: float | None,
+    allowed: float | None,
+    p: float = 0.95,
+    rule: Rule = INTERVAL,
 ) -> Verdict:
     """Return the verdict on "it did not change": the interval of the change lies within ± allowed.
 
@@ -155,6 +199,8 @@ def no_change(
         Largest change that does not matter, in the same unit; None is INCONCLUSIVE.
     p : float
         Probability of the interval.
+    rule : Rule
+        Decision rule; the limits are ± allowed.
 
     Raises
     ------
@@ -163,10 +209,10 @@ def no_change(
     """
     if allowed is None:
         reason = "no allowed change is stated: without one, no measurement can show that nothing changed"
-        return Verdict("INCONCLUSIVE", difference, u, dof, rule=_rule(p, both=True), reason=reason)
+        return Verdict("INCONCLUSIVE", difference, u, dof, rule=_words(rule, p, both=True), reason=reason)
     if not (allowed > 0.0 and math.isfinite(allowed)):
         raise PlanError(f"allowed change {allowed:g}", do="Need a positive number")
-    return decide(difference, u, dof, -allowed, allowed, p)
+    return decide(difference, u, dof, -allowed, allowed, p, rule)
 
 
 def overall(verdicts: Iterable[Verdict]) -> Status:
@@ -211,60 +257,6 @@ def holm(p_values: ArrayLike, alpha: float = 0.05) -> NDArray[np.bool_]:
     return rejected
 
 
-def pass_probability(
-    true_value: float,
-    u: float,
-    dof: float,
-    lower: float | None = None,
-    upper: float | None = None,
-    p: float = 0.95,
-) -> float:
-    """Return how often `decide` says PASS for a true value: outside the limits, its risk of a false PASS.
-
-    Parameters
-    ----------
-    true_value : float
-        In the unit of the limits.
-    u : float
-        True standard uncertainty of the measurement; what is found scatters about it as chi does.
-    dof : float
-        Degrees of freedom with which each measurement estimates u.
-    lower, upper : float or None
-        Limits.
-    p : float
-        Of the rule.
-
-    Raises
-    ------
-    DataError
-        If ``u`` is not positive, or there are no degrees of freedom.
-    PlanError
-        If there is no limit, or the lower is above the upper.
-    """
-    _check_limits(lower, upper)
-    missing = _missing(true_value, u, dof)
-    if missing:
-        raise DataError(f"probability of PASS at {true_value:g}: {missing}", code="no_uncertainty")
-    both = lower is not None and upper is not None
-    factor = coverage_factor(dof, p) if both else t_quantile(dof, p)
-    guard = factor * u * _scatter_ratios(dof)
-    below = 1.0 if upper is None else special.ndtr((upper - guard - true_value) / u)
-    outside = 0.0 if lower is None else special.ndtr((lower + guard - true_value) / u)
-    return float(np.mean(np.maximum(below - outside, 0.0)))
-
-
-def _scatter_ratios(dof: float) -> NDArray[np.float64]:
-    """Found over true standard uncertainty, at the middle of steps of equal probability."""
-    if math.isinf(dof):
-        return np.ones(1)
-    middle = (np.arange(NODES) + 0.5) / NODES
-    return np.asarray(np.sqrt(special.chdtri(dof, middle) / dof), dtype=float)
-
-
-def _probability_below(t: float, dof: float) -> float:
-    return float(special.ndtr(t) if math.isinf(dof) else special.stdtr(dof, t))
-
-
 def _check_limits(lower: float | None, upper: float | None) -> None:
     given = [limit for limit in (lower, upper) if limit is not None]
     if not given or not all(math.isfinite(limit) for limit in given) or given != sorted(given):
@@ -286,7 +278,9 @@ def _missing(value: float | None, u: float | None, dof: float) -> str:
     return ""
 
 
-def _rule(p: float, both: bool) -> str:
+def _words(rule: Rule, p: float, both: bool) -> str:
+    if rule != INTERVAL:
+        return str(rule)
     if both:
         return (
             f"JCGM 106, guarded: PASS if the {100 * p:g} % interval lies inside the limits, "
@@ -298,12 +292,41 @@ def _rule(p: float, both: bool) -> str:
     )
 
 
-def _compared(interval: Interval, lower: float | None, upper: float | None) -> tuple[Status, str]:
-    lo, hi = ends(interval)
+def _judged(
+    rule: Rule,
+    value: float | None,
+    accept: Interval,
+    reject: Interval,
+    lower: float | None,
+    upper: float | None,
+    outside: float | None,
+    ratio: float | None,
+    words: str,
+) -> Verdict:
+    """Return the verdict of a value with its guard bands; ``outside``: probability that it lies outside the limits."""
+    lo, hi = ends(accept)
     low = -math.inf if lower is None else lower
     high = math.inf if upper is None else upper
+    status: Status = "INCONCLUSIVE"
+    what = "value" if lo == hi else "interval" if rule == INTERVAL else "value with its guard band"
     if low <= lo and hi <= high:
-        return "PASS", "the interval lies inside the limits"
-    if hi < low or lo > high:
-        return "FAIL", "the interval lies outside the limits"
-    return "INCONCLUSIVE", "the interval reaches over a limit: u is too large to decide"
+        status, reason = "PASS", f"the {what} lies inside the limits"
+    elif ends(reject)[1] < low or ends(reject)[0] > high:
+        status, reason = "FAIL", f"the {what} lies outside the limits"
+    elif rule.binary:
+        status, reason = "FAIL", f"the {what} does not lie inside the limits"
+    elif math.isinf(hi - lo) and math.isfinite(high - low):
+        reason = "the limits are too close together for any value to pass: u is too large"
+    else:
+        reason = f"the {what} reaches over a limit: u is too large to decide"
+    risk = None if outside is None else {"PASS": outside, "FAIL": 1.0 - outside}.get(status)
+    at = math.nan if value is None else value
+    basis = Basis(
+        words,
+        None if lower is None else finite(lower + (at - lo)),
+        None if upper is None else finite(upper - (hi - at)),
+        risk,
+        ratio,
+        reject if status == "FAIL" and not rule.binary else accept,
+    )
+    return Verdict(status, None, None, None, None, lower, upper, words, reason, basis)

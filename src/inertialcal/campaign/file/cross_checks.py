@@ -13,6 +13,7 @@ from ...core.units import kind, normalise, parse_quantity, same_dimension
 from ...procedures import all_quantities, procedure_names, procedure_of
 from ...procedures.protocol import Quantity
 from ..inputs.ground import chain_model, has_model
+from .decisions import fit_problems, key_problems
 from .recording_checks import recording_checks, sensor_checks
 from .schema import CampaignFile, Requirement
 from .sensors import Sensor
@@ -36,6 +37,7 @@ def cross_checks(folder: Path | None, file: CampaignFile, at: At) -> list[Proble
         *_model_terms(file, at),
         *ground_checks(folder, file, at),
         *requirement_checks(file, at),
+        *decision_checks(file, at),
     ]
 
 
@@ -91,6 +93,21 @@ def requirement_checks(file: CampaignFile, at: At) -> Iterator[Problem]:
                 yield from _limit(one, text, at("requirements", number, key))
         yield from _spelling(one, at("requirements", number, "quantity"))
         yield from _where(one, at("requirements", number, "where"))
+
+
+def decision_checks(file: CampaignFile, at: At) -> Iterator[Problem]:
+    """Find decision rules that are not complete, and those that cannot judge a requirement."""
+    yield from key_problems(file.decision, ("decision",), at)
+    for number, one in enumerate(file.requirements):
+        if one.decision is not None:
+            yield from key_problems(one.decision, ("requirements", number, "decision"), at)
+        known = _known(one)
+        pair = (None, one.limit) if known.size else (one.limit, one.limit)
+        limits = (one.lower, one.upper) if one.limit is None else pair
+        over = known.over if one.where or known.over == "rate" else ""
+        key = ("id",) if one.decision is None else ("decision", "rule")
+        where = at("requirements", number, *key)
+        yield from fit_problems(one.decision or file.decision, one.id, limits, over, known.size, where)
 
 
 def _where(one: Requirement, where: str) -> Iterator[Problem]:

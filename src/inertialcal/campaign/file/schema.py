@@ -13,6 +13,7 @@ from pydantic import Field, field_validator, model_validator
 from ...core.schema.quantities import Acceleration, Angle, Length, Name, Strict, Text
 from ...core.schema.standards import StandardEntry
 from ...core.times import read_instant
+from .decisions import Decision
 from .recordings import RecordingEntry
 from .sensors import Sensor
 
@@ -108,6 +109,7 @@ class Requirement(Strict):
     where: Text = ""
     condition: Text | None = None
     tests: list[Name] | None = Field(default=None, min_length=1)
+    decision: Decision | None = None
 
     @model_validator(mode="after")
     def _limits(self) -> Requirement:
@@ -130,4 +132,5 @@ class CampaignFile(Strict):
     recordings: dict[Name, RecordingEntry] = Field(min_length=1)
     tests: list[Test] = Field(min_length=1)
     model: Model = Model()
+    decision: Decision = Decision()
     requirements: list[Requirement] = Field(default=[])

@@ -34,7 +34,7 @@ from ..inputs.sources import Origin
 from ..models.content import closed_loop_content, named_models, parameter_rows
 from ..models.judged import NOT_RUN, JudgedModel
 from .exclusions import LeftOut, exclusion_rows, left_out
-from .requirements import RULE, judge, margin, worst
+from .requirements import judge, margin, rule_text, worst
 
 
 def results_content(
@@ -68,8 +68,9 @@ def results_content(
     judged: list[tuple[Verdict, str]] = []
     tests = {one.test.id: one.test for one in tested}
     unit = campaign.file.sensors[next(iter(campaign.file.sensors))].unit
+    general = campaign.file.decision.made()
     for requirement in campaign.file.requirements:
-        found, more = judge(requirement, tested)
+        found, more = judge(requirement, tested, general)
         judged += [(verdict, requirement.quantity) for verdict in found]
         known = {(row.test, row.key, row.case) for row in rows}
         new = [row for row in more if (row.test, row.key, row.case) not in known]
@@ -91,7 +92,7 @@ def results_content(
         "budgets": _budgets(campaign, tested, modelled),
         "curves": curves_content(campaign, tested, modelled),
         "remarks": [remark.to_dict() for remark in condensed(remarks)],
-        "decision_rule": RULE,
+        "decision_rule": rule_text(general),
         "verdicts": [
             _verdict_row(
                 verdict,
@@ -176,6 +177,7 @@ def _verdict_row(verdict: Verdict, sensor_unit: str, quantity: str) -> dict[str,
     scale = factor(verdict.unit, unit) if verdict.unit else 1.0
     interval = scaled_interval(verdict.interval, scale)
     lower, upper = scaled(verdict.lower, scale), scaled(verdict.upper, scale)
+    basis, compared = verdict.basis, scaled_interval(verdict.basis.compared, scale)
     shown = sensor_unit if verdict.at_unit == "rad/s" else verdict.at_unit
     at = None if verdict.at is None else ten_digits(float(convert([verdict.at], verdict.at_unit, shown)[0]))
     return {
@@ -184,8 +186,10 @@ def _verdict_row(verdict: Verdict, sensor_unit: str, quantity: str) -> dict[str,
         "value": finite(scaled(verdict.value, scale)), "u": finite(scaled(verdict.u, scale)), "unit": unit,
         "interval": None if interval is None else
         {"lo": finite(interval.lo), "hi": finite(interval.hi), "p": interval.p},
-        "lower": lower, "upper": upper, "margin": margin(interval, lower, upper),
-        "verdict": verdict.verdict, "reason": verdict.reason,
+        "lower": lower, "upper": upper, "margin": margin(compared or interval, lower, upper),
+        "verdict": verdict.verdict, "reason": verdict.reason, "rule": basis.rule,
+        "accept_lower": scaled(basis.accept_lower, scale), "accept_upper": scaled(basis.accept_upper, scale),
+        "risk": basis.risk, "ratio": basis.ratio,
     }  # fmt: skip
 
 
@@ -202,6 +206,8 @@ def _verification(
                 "requirement": requirement.id, "text": requirement.text, "method": "" if is_open else "test",
                 "evidence": list(dict.fromkeys(one.test for one in mine if one.test)),
                 "verdict": "OPEN" if is_open else worst(mine),
+                "rule": mine[0].basis.rule,
+                "decision": (requirement.decision or campaign.file.decision).model_dump(exclude_none=True),
             }
         )  # fmt: skip
     if modelled is not None and modelled.whole_verdict != NOT_RUN:
@@ -213,6 +219,8 @@ def _verification(
             "method": "test",
             "evidence": held,
             "verdict": modelled.whole_verdict,
+            "rule": "",
+            "decision": {},
         }
         rows.append(row)
     return rows

@@ -1,9 +1,9 @@
 """Requirements: which result each one asks about, and what the decision rule says.
 
-The rule (JCGM 106, and DESIGN): PASS if the 95 % interval lies inside the limits, FAIL if wholly outside, else
-INCONCLUSIVE. A procedure may judge its own figures, such as those over a range, where a band has to hold for all places
-together; every other figure is judged here by its interval. A requirement that no test speaks to is OPEN and counts as
-INCONCLUSIVE.
+By default PASS if the 95 % interval lies inside the limits, FAIL if wholly outside, else INCONCLUSIVE (JCGM 106); or by
+the rule that the campaign names (``statistics.guard_band``). A procedure may judge its own figures, such as those over a
+range, where a band has to hold for all places together; every other figure is judged here. A requirement that no test
+speaks to is OPEN and counts as INCONCLUSIVE.
 
 References
 ----------
@@ -20,24 +20,32 @@ from dataclasses import replace
 import numpy as np
 
 from ...core.errors import DataError
-from ...core.judging import LEVEL, Asked, Verdict
+from ...core.judging import LEVEL, Asked, Rule, Verdict
 from ...core.results import Interval, Row, finite
 from ...procedures import all_quantities, procedure_of
 from ...procedures.protocol import Quantity
 from ...statistics.decision import Verdict as Decision
 from ...statistics.decision import decide, decide_by
+from ...statistics.guard_band import INTERVAL
 from ..engine.engine import ReducedTest
 from ..file.schema import Requirement
 
-RULE = (
-    "PASS if the 95 % interval lies inside the limits, FAIL if wholly outside, else INCONCLUSIVE;"
-    " over several rates the 95 % hold for all together"
-)
+TOGETHER = "over several rates the 95 % hold for all together"
 OPEN = "OPEN"
 BELOW = "not found; its 95 % upper limit lies inside the limit"
+ONLY = "not found; it has a 95 % upper limit alone, the rule asks for more"
 
 
-def judge(requirement: Requirement, tested: Sequence[ReducedTest]) -> tuple[list[Verdict], list[Row]]:
+def rule_text(rule: Rule) -> str:
+    """Return a rule in words, with what its interval, or U, means."""
+    if rule.name in ("guard_factor", "test_uncertainty_ratio"):
+        return f"{rule}; U is half of the 95 % interval, {TOGETHER}"
+    return f"{rule}; {TOGETHER}" if rule.name == "interval" else str(rule)
+
+
+def judge(
+    requirement: Requirement, tested: Sequence[ReducedTest], general: Rule = INTERVAL
+) -> tuple[list[Verdict], list[Row]]:
     """Return the verdicts of a requirement, and rows that follow from it (the resolution).
 
     They are INCONCLUSIVE for a test that has a remark that is an error.
@@ -48,10 +56,13 @@ def judge(requirement: Requirement, tested: Sequence[ReducedTest]) -> tuple[list
         As the campaign states it.
     tested : sequence of ReducedTest
         All tests that were run; those that the requirement is about are chosen here.
+    general : Rule
+        Decision rule of the campaign, for a requirement that names none.
     """
+    rule = general if requirement.decision is None else requirement.decision.made()
     asked = Asked(
         requirement.id, requirement.quantity, requirement.axis, requirement.of, requirement.limit, requirement.lower,
-        requirement.upper, requirement.where,
+        requirement.upper, requirement.where, rule,
     )  # fmt: skip
     about = [one for one in tested if _is_about(requirement, one)]
     verdicts: list[Verdict] = []
@@ -70,7 +81,8 @@ def judge(requirement: Requirement, tested: Sequence[ReducedTest]) -> tuple[list
         replace(one, verdict="INCONCLUSIVE", reason=f"in doubt: {errors[one.test]}") if one.test in errors else one
         for one in verdicts
     ]
-    return (verdicts or [_open(asked)]), rows
+    words = rule_text(rule)
+    return [replace(one, basis=replace(one.basis, rule=words)) for one in verdicts or [_open(asked)]], rows
 
 
 def worst(verdicts: Sequence[Verdict]) -> str:
@@ -102,13 +114,17 @@ def _figures(asked: Asked, about: Sequence[ReducedTest]) -> Iterator[Verdict]:
         yield from (_figure(asked, one, row) for row in comparable or rows)
 
 
-def _decided(one: ReducedTest, row: Row, size: bool, lower: float | None, upper: float | None) -> Decision:
+def _decided(one: ReducedTest, row: Row, size: bool, lower: float | None, upper: float | None, rule: Rule) -> Decision:
     """Compare a size, as of a term of noise, by its own interval: that is no t-interval about the value."""
     if size:
-        p = LEVEL if lower is not None and upper is not None else round(2.0 * LEVEL - 1.0, 12)
-        return decide_by(one.procedure.interval_at(one.result, row, p), row.value, row.u, lower, upper)
+
+        def interval_at(p: float) -> Interval | None:
+            return one.procedure.interval_at(one.result, row, p)
+
+        return decide_by(interval_at, row.value, row.u, lower, upper, rule=rule)
     value, u = (np.nan if number is None else number for number in (row.value, row.u))
-    return decide(value, u, np.inf if row.dof is None else row.dof, lower, upper)
+    dof = np.inf if row.dof is None else row.dof
+    return decide(value, u, dof, lower, upper, rule=rule.within(row.unit, lower, upper))
 
 
 def _figure(asked: Asked, one: ReducedTest, row: Row) -> Verdict:
@@ -120,6 +136,8 @@ def _figure(asked: Asked, one: ReducedTest, row: Row) -> Verdict:
         return Verdict(*head, row.interval, None, None, "INCONCLUSIVE", error.problems[0].what, sensor=row.key.sensor)
     doubt = one.procedure.doubt(one.result, row.axis)
     below = row.status == "upper_limit" and row.value is not None and upper is not None and row.value <= upper
+    if below and (lower is None or lower <= 0.0) and not _enough(asked.rule):
+        return Verdict(*head, row.interval, lower, upper, "INCONCLUSIVE", ONLY, sensor=row.key.sensor)
     if below and (lower is None or lower <= 0.0):
         return Verdict(
             *head,
@@ -131,10 +149,18 @@ def _figure(asked: Asked, one: ReducedTest, row: Row) -> Verdict:
         )
     if row.status != "estimated":
         return Verdict(*head, row.interval, lower, upper, "INCONCLUSIVE", row.reason.text, sensor=row.key.sensor)
-    found = _decided(one, row, size, lower, upper)
+    found = _decided(one, row, size, lower, upper, asked.rule)
     return Verdict(
-        *head, found.interval, lower, upper, *_doubted(found.status, found.reason, doubt), sensor=row.key.sensor
-    )
+        *head, found.interval, lower, upper, *_doubted(found.status, found.reason, doubt), sensor=row.key.sensor,
+        basis=found.basis,
+    )  # fmt: skip
+
+
+def _enough(rule: Rule) -> bool:
+    """Return whether a 95 % upper limit inside the limits is enough to PASS."""
+    if rule.name == "false_accept_risk":
+        return rule.risk >= round(1.0 - LEVEL, 12) and rule.process is None
+    return rule.name != "guard_factor" or rule.factor <= 1.0
 
 
 def _doubted(status: str, reason: str, doubt: str) -> tuple[str, str]:

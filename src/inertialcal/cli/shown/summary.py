@@ -103,7 +103,10 @@ def verdicts_text(results: Mapping[str, Any]) -> str:
         groups.setdefault((verdict["requirement"], verdict["test"], axis), []).append(verdict)
     for (requirement, test, axis), verdicts in groups.items():
         lines.append([f"  {requirement}", test, axis, *_counts(verdicts)])
-    return table(lines, ["  requirement", "test", "axis", "verdict", "where"])
+    shown = table(lines, ["  requirement", "test", "axis", "verdict", "where"])
+    own = {one["requirement"]: one["rule"] for one in results["verdicts"] if one["rule"] != results["decision_rule"]}
+    rules = [wrapped(f"  {clean(name)} by its own rule: {clean(rule)}", "    ") for name, rule in own.items()]
+    return "\n".join([shown, *rules])
 
 
 def _counts(verdicts: Sequence[Mapping[str, Any]]) -> tuple[str, str]:
@@ -115,8 +118,25 @@ def _counts(verdicts: Sequence[Mapping[str, Any]]) -> tuple[str, str]:
         rated = [one for one in at if one["at"] is not None]
         if rated:
             parts.append(f"{name} at {_rates(rated)}")
-        parts += [one["reason"] for one in at if one["at"] is None]
+        parts += [f"{one['reason']}{_decided(one)}" for one in at if one["at"] is None]
     return word, "; ".join(part for part in parts if part)
+
+
+def _decided(verdict: Mapping[str, Any]) -> str:
+    """Return what PASSes, the risk and the test uncertainty ratio of a figure, in brackets."""
+    low, high, risk, ratio = (verdict[name] for name in ("accept_lower", "accept_upper", "risk", "ratio"))
+    parts = []
+    if low is not None or high is not None:
+        ends = f"{number(low, 4)} to {number(high, 4)}" if None not in (low, high) else ""
+        ends = ends or (f"up to {number(high, 4)}" if low is None else f"from {number(low, 4)}")
+        parts.append(f"PASS {ends} {'' if verdict['unit'] == '1' else verdict['unit']}".strip())
+    if risk is not None:
+        parts.append(
+            f"false {'accept' if verdict['verdict'] == 'PASS' else 'reject'} {'< 0.01 %' if risk < 1e-4 else f'{100.0 * risk:.2g} %'}"
+        )
+    if ratio is not None:
+        parts.append(f"TUR {number(ratio, 2)}:1")
+    return f" ({', '.join(parts)})" if parts else ""
 
 
 def _rates(verdicts: Sequence[Mapping[str, Any]]) -> str:

@@ -214,6 +214,13 @@ class Verdict(Part):
     margin: Number | None
     verdict: Words
     reason: str
+    rule: str = Field(description="Decision rule in words.")
+    accept_lower: Number | None = Field(description="Values from here on PASS; null without limit, or where none can.")
+    accept_upper: Number | None
+    risk: Number | None = Field(
+        description="Of a PASS, probability that the true value lies outside the limits; of a FAIL, inside."
+    )
+    ratio: Number | None = Field(description="Test uncertainty ratio: span of two limits over 2 U.")
 
 
 class LoopAxis(Part):
@@ -265,6 +272,8 @@ class Verified(Part):
     method: str
     evidence: list[str]
     verdict: Words
+    rule: str = Field(description="Decision rule in words.")
+    decision: dict[str, Any] = Field(description="Decision rule as campaign.toml states it.")
 
 
 class Results(Part):

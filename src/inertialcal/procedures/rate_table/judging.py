@@ -70,10 +70,10 @@ def _untested_sense(asked: Asked, test: str, sensor: str, rates: list[float]) ->
 
 def _rate_verdict(asked: Asked, test: str, error: RateError, p: float) -> Verdict:
     lower, upper = asked.limits("1")
-    found = decide(_nan(error.error), _nan(error.u), error.dof, lower, upper, p)
+    found = decide(_nan(error.error), _nan(error.u), error.dof, lower, upper, p, asked.rule)
     return Verdict(
         asked.id, test, error.sensor, error.applied, asked.of, error.error, error.u, "1", found.interval,
-        lower, upper, found.status, error.reason or found.reason,
+        lower, upper, found.status, error.reason or found.reason, basis=found.basis,
     )  # fmt: skip
 
 

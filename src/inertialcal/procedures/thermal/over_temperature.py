@@ -9,16 +9,17 @@ Scheffe's for a whole polynomial of that order.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy import special
 
 from ...core.errors import DataError
 from ...core.estimate import Array
-from ...core.judging import LEVEL, Asked, Condition, Verdict
+from ...core.judging import LEVEL, Asked, Basis, Condition, Rule, Verdict
 from ...core.results import Interval
 from ...statistics.decision import decide
+from ...statistics.guard_band import INTERVAL
 from ...statistics.intervals import band_factor
 from ..protocol import Tested
 from .fit.law import Law
@@ -40,6 +41,7 @@ class Place:
     interval: Interval | None
     status: str
     reason: str = ""
+    basis: Basis = field(default_factory=Basis)
 
 
 def judge_bias(asked: Asked, tests: Sequence[Tested[Plan, Readings, Result]]) -> Iterator[Verdict]:
@@ -52,15 +54,23 @@ def judge_bias(asked: Asked, tests: Sequence[Tested[Plan, Readings, Result]]) ->
             continue
         for axis, sensor in one.result.sensors.items():
             if asked.axis in (None, axis):
-                for place in judged_over(one.result.plan, sensor.law, axis, unit, asked.condition, lower, upper):
+                judged = judged_over(one.result.plan, sensor.law, axis, unit, asked.condition, lower, upper, asked.rule)
+                for place in judged:
                     yield Verdict(
                         asked.id, one.id, axis, place.at, "expected", place.value, place.u, unit,
-                        place.interval, lower, upper, place.status, place.reason, "degC",
+                        place.interval, lower, upper, place.status, place.reason, "degC", basis=place.basis,
                     )  # fmt: skip
 
 
 def judged_over(
-    plan: Plan, law: Law, axis: str, unit: str, condition: Condition, lower: float | None, upper: float | None
+    plan: Plan,
+    law: Law,
+    axis: str,
+    unit: str,
+    condition: Condition,
+    lower: float | None,
+    upper: float | None,
+    rule: Rule = INTERVAL,
 ) -> Iterator[Place]:
     """Yield the verdicts at the temperatures that a condition takes in.
 
@@ -72,6 +82,8 @@ def judged_over(
         On ``temperature`` [degC].
     lower, upper : float or None
         Limits [unit].
+    rule : Rule
+        By which each place is decided.
     """
     at = temperatures_of(condition, law.domain)
     inside = (at >= law.domain[0]) & (at <= law.domain[1])
@@ -86,8 +98,8 @@ def judged_over(
             yield Place(float(one), None, None, None, "INCONCLUSIVE", "the bias has no uncertainty there")
             continue
         value, u, dof = float(found.values[i]), float(found.u[i]), float(found.dof[i])
-        verdict = decide(value, u, dof, lower, upper, _p(len(known), law.order + 1, dof))
-        yield Place(float(one), value, u, verdict.interval, verdict.status, verdict.reason)
+        verdict = decide(value, u, dof, lower, upper, _p(len(known), law.order + 1, dof), rule)
+        yield Place(float(one), value, u, verdict.interval, verdict.status, verdict.reason, verdict.basis)
 
 
 def temperatures_of(condition: Condition, ramps: tuple[float, float]) -> Array:
