@@ -174,7 +174,7 @@ def _bands(
     both = lower is not None and upper is not None
     if rule.normal is None and not (rule.name == "false_accept_risk" and both):  # in proportion to u
         return guard_band(rule, 1.0, dof, lower, upper, p).accept * sizes
-    few = sizes[:: max(sizes.size // SIZES, 1)]
+    few = np.sort(sizes)[:: max(sizes.size // SIZES, 1)]
     return np.interp(sizes, few, [guard_band(rule, float(one), dof, lower, upper, p).accept for one in few])
 
 

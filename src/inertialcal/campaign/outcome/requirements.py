@@ -1,8 +1,8 @@
 """Requirements: which result each one asks about, and what the decision rule says.
 
 By default PASS if the 95 % interval lies inside the limits, FAIL if wholly outside, else INCONCLUSIVE (JCGM 106); or by
-the rule that the campaign names (``statistics.guard_band``). A procedure may judge its own figures, such as those over a
-range, where a band has to hold for all places together; every other figure is judged here. A requirement that no test
+the rule that the campaign names (``statistics.guard_band``). A procedure may judge its own figures, such as those over
+a range, where a band has to hold for all places together; every other figure is judged here. A requirement that no test
 speaks to is OPEN and counts as INCONCLUSIVE.
 
 References

@@ -131,9 +131,8 @@ def _decided(verdict: Mapping[str, Any]) -> str:
         ends = ends or (f"up to {number(high, 4)}" if low is None else f"from {number(low, 4)}")
         parts.append(f"PASS {ends} {'' if verdict['unit'] == '1' else verdict['unit']}".strip())
     if risk is not None:
-        parts.append(
-            f"false {'accept' if verdict['verdict'] == 'PASS' else 'reject'} {'< 0.01 %' if risk < 1e-4 else f'{100.0 * risk:.2g} %'}"
-        )
+        size = "< 0.01 %" if risk < 1e-4 else f"{100.0 * risk:.2g} %"
+        parts.append(f"false {'accept' if verdict['verdict'] == 'PASS' else 'reject'} {size}")
     if ratio is not None:
         parts.append(f"TUR {number(ratio, 2)}:1")
     return f" ({', '.join(parts)})" if parts else ""
