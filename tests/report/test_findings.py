@@ -99,13 +99,32 @@ def test_a_test_that_carries_nothing_says_so() -> None:
 def test_the_verdict_says_why(
     word: str | None, verification: list[tuple[str, str]], axes: list[int], said: str
 ) -> None:
-    rows = wrap([{"requirement": name, "verdict": found} for name, found in verification], "/verification")
+    stated = [{"requirement": name, "verdict": found, "decision": {}} for name, found in verification]
+    rows = wrap(stated, "/verification")
     text = plain(findings.of_verdict(word, rows, wrap({"axes": axes}, "/closed_loop")))
     assert said in text
     assert text.endswith(".")
     assert "decide closed loop" not in text
     if said.startswith("R1:"):
         assert "R2" not in text
+
+
+def test_the_box_of_the_verdict_says_the_rules_and_the_likeliest_to_be_wrong() -> None:
+    basis = {"accept_lower": -4.0, "accept_upper": 4.0, "ratio": 5.0}
+    matrix = [
+        {"requirement": name, "rule": rule, "decision": {"rule": "guard_factor"}, "verdict": "PASS"}
+        for name, rule in (("R1", "guard factor 1"), ("R2", "guard factor 1"), ("R3", "simple"), ("closed loop", ""))
+    ]
+    judged = [verdict("PASS", risk=0.001, **basis), verdict("FAIL", risk=0.2, **basis), verdict("OPEN", risk=None)]
+    lines = findings.of_decision(wrap(matrix, "/verification"), wrap(judged, "/verdicts"))
+    assert [plain(line) for line in lines] == [
+        "R1 and R2: guard factor 1.",
+        "R3: simple.",
+        "Likeliest to be wrong: R1 FAIL (t x at 2 deg/s), with a probability of 0.2; PASS from -4 % up to 4 %;"
+        " test uncertainty ratio 5.",
+    ]
+    text = plain(findings.of_verdict("FAIL", wrap([matrix[0] | {"verdict": "FAIL"}], "/verification"), wrap({}, "")))
+    assert text == "R1: by its decision rule."
 
 
 def test_the_closed_loop_says_the_axis_with_the_largest_error_left() -> None:

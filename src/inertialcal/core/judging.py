@@ -111,8 +111,8 @@ class Rule:
             return "PASS if the 95 % interval lies inside the limits"
         if self.process is not None:
             return (
-                f"global false-accept risk {100.0 * self.risk:g} %: PASS inside a guard band that lets pass, of"
-                f" {self.process}, {100.0 * self.risk:g} % at most that do not conform"
+                f"global false-accept risk {100.0 * self.risk:g} %: PASS inside the limits by a guard band w or more,"
+                f" which passes {100.0 * self.risk:g} % nonconforming items at most among {self.process}"
             )
         return (
             f"false-accept risk {100.0 * self.risk:g} %: PASS if the true value lies outside the limits with a"
@@ -126,7 +126,7 @@ class Rule:
         if self.name == "interval":
             return ", FAIL if wholly outside"
         if self.process is not None:
-            return ", FAIL outside by more than that band"
+            return ", FAIL outside by more than w"
         return ", FAIL if it lies inside with that at most"
 
 
