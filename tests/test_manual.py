@@ -26,6 +26,7 @@ from typer.main import get_command
 
 import inertialcal as ic
 from inertialcal.campaign.engine.run import VERDICT_COLUMNS
+from inertialcal.campaign.file import decisions as schema_decisions
 from inertialcal.campaign.file import recordings as schema_recordings
 from inertialcal.campaign.file import schema
 from inertialcal.campaign.file import sensors as schema_sensors
@@ -79,6 +80,8 @@ CAMPAIGN_TABLES: dict[str, type[schema_words.Strict]] = {
     "`mass`, of": mass_attraction.MovedMass,
     "`drive`, of": sine.KnownDrive,
     "`[[tests]]`": schema.Test,
+    "`[decision]`": schema_decisions.Decision,
+    "`process`, normal": schema_decisions.ProcessEntry,
     "`[model]`": schema.Model,
     "`[[requirements]]`": schema.Requirement,
 }
@@ -297,7 +300,8 @@ def tables_of(annotation: Any) -> Iterator[type[schema_words.Strict]]:
     if isinstance(annotation, type) and issubclass(annotation, schema_words.Strict):
         yield annotation
         for field in annotation.model_fields.values():
-            yield from tables_of(field.annotation)
+            if annotation not in get_args(field.annotation):  # a table of its own kind inside
+                yield from tables_of(field.annotation)
     for part in get_args(annotation):
         yield from tables_of(part)
 

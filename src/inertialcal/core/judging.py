@@ -59,8 +59,8 @@ class Process:
     def __str__(self) -> str:
         """Return it in words."""
         if self.in_tolerance is not None:
-            return f"items of which {100.0 * self.in_tolerance:g} % conform (normal, centred)"
-        return f"items of mean {self.mean or 'at the middle of the limits'} and standard deviation {self.sd} (normal)"
+            return f"a process with {100.0 * self.in_tolerance:g} % in tolerance (normal, centred)"
+        return f"a process of mean {self.mean or 'midway'} and standard deviation {self.sd} (normal)"
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ class Rule:
         if self.process is not None:
             return (
                 f"global false-accept risk {100.0 * self.risk:g} %: PASS inside the limits by a guard band w or more,"
-                f" which passes {100.0 * self.risk:g} % nonconforming items at most among {self.process}"
+                f" so that {100.0 * self.risk:g} % of all items at most PASS and do not conform, of {self.process}"
             )
         return (
             f"false-accept risk {100.0 * self.risk:g} %: PASS if the true value lies outside the limits with a"

@@ -165,10 +165,10 @@ def decide_by(
         accept = interval
     elif rule.name == "false_accept_risk":
         level = round(1.0 - rule.risk * (1.0 if both else 2.0), 12)
-        found = None if rule.process is not None else interval_at(level)
-        if found is None:
+        wide = None if rule.process is not None else interval_at(level)
+        if wide is None:
             return replace(nothing, interval=interval, reason=f"no interval of {100.0 * level:g} % is estimated")
-        accept = found
+        accept = wide
     elif value is None:
         return replace(nothing, interval=interval, reason="the value is not estimated")
     else:

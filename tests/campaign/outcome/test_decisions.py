@@ -1,4 +1,4 @@
-"""Decision rules of a campaign: for all requirements, for one of them, and refused with the line where they cannot be."""
+"""Decision rules of a campaign: for all requirements, for one, and refused with the line where they cannot be."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def test_a_global_risk_takes_the_stated_process(campaign: Write) -> None:
 
     good, poor = judged('in_tolerance = "99.9 %"'), judged('sd = "0.9 %"')
     assert good["accept_upper"] == pytest.approx(1.05)  # nearly all items conform: no guard band is needed
-    assert "items of which 99.9 % conform" in str(good["rule"])
+    assert "99.9 % in tolerance" in str(good["rule"])
     assert "standard deviation 0.9 %" in str(poor["rule"])
 
 
