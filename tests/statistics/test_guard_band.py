@@ -197,7 +197,7 @@ def test_acceptance_limits_agree_with_the_verdict(rule: Rule, value: float, u: f
 def test_limits_that_are_too_close_can_pass_nothing() -> None:
     found = decide(0.0, 2.0, None, -1.0, 1.0, rule=RISK)
     assert (found.status, found.basis.accept_upper) == ("INCONCLUSIVE", None)
-    assert "too close together" in found.reason
+    assert "wider than the limits" in found.reason
     assert pass_probability(0.0, 2.0, math.inf, -1.0, 1.0, rule=RISK) == 0.0
 
 

@@ -315,16 +315,17 @@ def _judged(
         status, reason = "FAIL", f"the {what} lies outside the limits"
     elif rule.binary:
         status, reason = "FAIL", f"the {what} does not lie inside the limits"
-    elif math.isinf(hi - lo) and math.isfinite(high - low):
-        reason = "the limits are too close together for any value to pass: u is too large"
+    elif hi - lo > high - low:
+        reason = f"the {what} is wider than the limits: u is too large for any value to PASS"
     else:
         reason = f"the {what} reaches over a limit: u is too large to decide"
     risk = None if outside is None else {"PASS": outside, "FAIL": 1.0 - outside}.get(status)
     at = math.nan if value is None else value
+    possible = hi - lo <= high - low
     basis = Basis(
         words,
-        None if lower is None else finite(lower + (at - lo)),
-        None if upper is None else finite(upper - (hi - at)),
+        None if lower is None or not possible else lower + (at - lo),
+        None if upper is None or not possible else finite(upper - (hi - at)),
         risk,
         ratio,
         reject if status == "FAIL" and not rule.binary else accept,
