@@ -324,7 +324,7 @@ def _judged(
     possible = hi - lo <= high - low
     basis = Basis(
         words,
-        None if lower is None or not possible else lower + (at - lo),
+        None if lower is None or not possible else finite(lower + (at - lo)),
         None if upper is None or not possible else finite(upper - (hi - at)),
         risk,
         ratio,

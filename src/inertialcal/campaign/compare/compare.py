@@ -11,14 +11,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ...core.errors import DataError
+from ...core.errors import DataError, UsageError
+from ...core.judging import Rule
 from ...core.remarks import Remark
 from ...core.results import Interval, Row, finite, identity_fields
 from ...core.show.result_tables import folded, remarks_line
 from ...core.show.rounding import number, with_uncertainty
 from ...core.show.tables import Block, Table, html, text
-from ...statistics.decision import Status, Verdict, no_change, overall
-from ...statistics.intervals import ends
+from ...statistics.decision import Verdict, decide_by, no_change, overall
+from ...statistics.guard_band import INTERVAL
+from ..file.decisions import read_decision
 from .allowed_change import Allowed, allowed_for, is_named, parse_allowed
 from .differences import Difference, P, differences, is_scatter, matched, rows_remark
 from .sources import Kind, load_both, shared_influences, shared_remarks
@@ -64,7 +66,9 @@ class Comparison:
         return {"": 0, "PASS": 0, "FAIL": 1}.get(self.verdict, 4)
 
 
-def compare(first: str | os.PathLike[str], second: str | os.PathLike[str], allowed: Sequence[str] = ()) -> Comparison:
+def compare(
+    first: str | os.PathLike[str], second: str | os.PathLike[str], allowed: Sequence[str] = (), decision: str = ""
+) -> Comparison:
     """Compare two models, or the results of two campaigns.
 
     Parameters
@@ -74,15 +78,23 @@ def compare(first: str | os.PathLike[str], second: str | os.PathLike[str], allow
         a model.
     allowed : sequence of str
         Changes that do not matter: ``"0.1 %"``, ``"bias=0.01 deg/s"``; see ``campaign.compare.allowed_change``.
+    decision : str
+        Rule by which allowed changes are judged: ``"simple_acceptance"``, ``"guard_factor=1"``,
+        ``"false_accept_risk=2 %"``, ``"test_uncertainty_ratio=4"``, or a table as ``campaign.toml`` has it; the
+        95 % interval where not given.
 
     Raises
     ------
     DataError
         As ``load_both``; ``no_shared_quantity`` if no figure stands in both, or none that a change is allowed for.
     UsageError
-        ``allowed``.
+        ``allowed``, ``decision``.
     """
-    stated = parse_allowed(allowed)
+    stated, rule = parse_allowed(allowed), read_decision(decision) if decision else INTERVAL
+    if decision and not stated:
+        raise UsageError(
+            f"--decision {decision!r} without an allowed change", do='Add --allowed "0.1 %"', code="decision"
+        )
     kind, one, other = load_both(first, second)
     pairs, remarks = matched(one.rows, other.rows, by_test=kind == "results")
     if not pairs:
@@ -92,14 +104,16 @@ def compare(first: str | os.PathLike[str], second: str | os.PathLike[str], allow
             do="Compare campaigns of one kind of sensor and test",
             code="no_shared_quantity",
         )
-    found, judging = judged(differences(pairs, shared_influences(one, other)), stated)
+    found, judging = judged(differences(pairs, shared_influences(one, other)), stated, rule)
     what = "first and second are taken as independent, but for standards that both share"
     assumed = Remark("taken_as_independent", "info", what)
     everything = (assumed, *shared_remarks(one, other), *remarks, *judging)
     return Comparison(kind, found, everything, {one.path: one.sha256, other.path: other.sha256})
 
 
-def judged(found: Sequence[Difference], stated: Sequence[Allowed]) -> tuple[tuple[Difference, ...], tuple[Remark, ...]]:
+def judged(
+    found: Sequence[Difference], stated: Sequence[Allowed], rule: Rule = INTERVAL
+) -> tuple[tuple[Difference, ...], tuple[Remark, ...]]:
     """Return the differences with a verdict where a change is allowed, and a remark on those without one.
 
     A change stated for all judges the figures that could be compared, without other ways of reduction beside them
@@ -113,7 +127,7 @@ def judged(found: Sequence[Difference], stated: Sequence[Allowed]) -> tuple[tupl
     """
     if not stated:
         return tuple(found), ()
-    done = [replace(one, no_change=_judge(one, stated)) for one in found]
+    done = [replace(one, no_change=_judge(one, stated, rule)) for one in found]
     open_ones = [one.row for one in done if one.no_change is None]
     if len(open_ones) == len(done):
         raise DataError(
@@ -124,7 +138,7 @@ def judged(found: Sequence[Difference], stated: Sequence[Allowed]) -> tuple[tupl
     return tuple(done), tuple(rows_remark("not_judged", "no allowed change is stated for", open_ones))
 
 
-def _judge(one: Difference, stated: Sequence[Allowed]) -> Verdict | None:
+def _judge(one: Difference, stated: Sequence[Allowed], rule: Rule) -> Verdict | None:
     compared, beside = one.word != "not compared", one.row.case.beside
     named = is_named(one.row, stated) and (compared or not beside)  # a figure without u beside the result is none
     if not (named or (compared and not beside)):
@@ -132,16 +146,14 @@ def _judge(one: Difference, stated: Sequence[Allowed]) -> Verdict | None:
     limit = allowed_for(one.first, stated)
     if limit is None:
         return None
-    verdict = no_change(one.row.value, one.row.u, one.row.dof, limit, P)
     interval = one.row.interval
-    return verdict if interval is None or not is_scatter(one.row) else _by_interval(verdict, interval, limit)
+    if interval is None or not is_scatter(one.row):
+        return no_change(one.row.value, one.row.u, one.row.dof, limit, P, rule)
 
+    def interval_at(p: float) -> Interval | None:
+        return interval if p == P else None
 
-def _by_interval(verdict: Verdict, interval: Interval, limit: float) -> Verdict:
-    """Return the verdict by an interval that is not Student's."""
-    lo, hi = ends(interval)
-    status: Status = "PASS" if max(-lo, hi) <= limit else "FAIL" if lo > limit or hi < -limit else "INCONCLUSIVE"
-    return replace(verdict, status=status, interval=interval, reason=f"{lo:.6g} to {hi:.6g} against ±{limit:g}")
+    return decide_by(interval_at, one.row.value, one.row.u, -limit, limit, P, rule)
 
 
 def _verdict(one: Difference, verdict: Verdict) -> dict[str, Any]:
@@ -158,6 +170,11 @@ def _verdict(one: Difference, verdict: Verdict) -> dict[str, Any]:
         "upper": verdict.limit_upper,
         "verdict": verdict.status,
         "reason": verdict.reason,
+        "rule": verdict.rule,
+        "accept_lower": verdict.basis.accept_lower,
+        "accept_upper": verdict.basis.accept_upper,
+        "risk": verdict.basis.risk,
+        "ratio": verdict.basis.ratio,
     }
 
 
@@ -194,7 +211,13 @@ def comparison_parts(
     parts += [*reasons, *remarks_line(remarks)]
     if not shown:
         parts.insert(0, "nothing could be compared")
-    return (*parts, *((f"overall: {verdict}",) if verdict else ()))
+    return (*parts, *rule_lines(differences), *((f"overall: {verdict}",) if verdict else ()))
+
+
+def rule_lines(differences: Sequence[Difference]) -> list[str]:
+    """Return by which rule changes were judged, in a line; none where it is the interval."""
+    rules = dict.fromkeys(one.no_change.rule for one in differences if one.no_change is not None)
+    return [f"no change by {rule}" for rule in rules if not rule.startswith("JCGM 106")]
 
 
 def is_shown(one: Difference) -> bool:

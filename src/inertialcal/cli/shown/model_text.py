@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ...campaign.compare.compare import HEADS, JUDGED, Comparison, is_beside, is_shown, line, not_compared
+from ...campaign.compare.compare import HEADS, JUDGED, Comparison, is_beside, is_shown, line, not_compared, rule_lines
 from ...core.results import key_of
 from ...core.show.rounding import number
 from ...core.show.rows import names_of, reason_text
@@ -44,6 +44,7 @@ def comparison_text(found: Comparison) -> str:
     reasons = [wrapped(f"  {reason}", "    ") for reason in not_compared(found.differences)]
     blocks = [_figures(found), *reasons, *_beside(found)]
     blocks += list(remarks_text([remark.to_dict() for remark in found.remarks]))
+    blocks += [wrapped(line) for line in rule_lines(found.differences)]
     if found.verdict:
         blocks.append(f"overall: {found.verdict}")
     return "\n".join(block for block in blocks if block)

@@ -235,6 +235,12 @@ def compare(
         list[str],
         typer.Option("--allowed", help='Change that does not matter: "0.1 %", or bias="0.01 deg/s". May be repeated.'),
     ] = [],  # noqa: B006 - typer copies it
+    decision: Annotated[
+        str,
+        typer.Option(
+            "--decision", help='Rule for allowed changes: simple_acceptance, guard_factor=1, "false_accept_risk=2 %".'
+        ),
+    ] = "",
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -242,7 +248,7 @@ def compare(
     from ...campaign.compare.compare import compare as compare_both
     from ..shown.model_text import comparison_text
 
-    found = compare_both(first, second, allowed)
+    found = compare_both(first, second, allowed, decision)
     if as_json:
         content = {
             "inputs": [{"path": path, "sha256": digest} for path, digest in found.inputs.items()],
