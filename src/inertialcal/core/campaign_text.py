@@ -5,6 +5,7 @@ A mapping that fits on one line is written on one; a longer one becomes a table.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -13,6 +14,8 @@ SCHEMA = 2  # of campaign.toml
 FILL_IN = "FILL IN"  # comment behind a value that `init` does not know
 MARK = f"# {FILL_IN}"
 WIDTH = 120  # [characters]
+BARE = re.compile(r"[A-Za-z0-9_-]+")  # keys that need no quotes
+PLAIN = re.compile(r"[ !#-\[\]-~]*")  # ASCII without quotation mark and backslash: nothing to escape
 Path = tuple[str, ...]  # keys of a table
 
 
@@ -93,6 +96,8 @@ def _fits(line: str, table: Mapping[str, object]) -> bool:
 
 
 def _key(name: str) -> str:
+    if BARE.fullmatch(name):
+        return name
     import tomlkit  # noqa: PLC0415 - starts slowly
 
     return tomlkit.key(name).as_string()
@@ -107,6 +112,8 @@ def _inline(value: object) -> str:
         return f"{{ {', '.join(pairs)} }}"
     if isinstance(value, list | tuple):
         return f"[{', '.join(map(_inline, value))}]"
+    if isinstance(value, str) and PLAIN.fullmatch(value):
+        return f'"{value}"'
     import tomlkit  # noqa: PLC0415 - starts slowly
 
     return str(tomlkit.item(value).as_string())

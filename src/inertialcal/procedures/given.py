@@ -277,6 +277,22 @@ def chain_said(given: GivenFile) -> dict[str, Any]:
     return chain
 
 
+def own_clock(given: GivenFile, sensor: str) -> dict[str, Any]:
+    """Return the column of the stamps of this sensor, as an entry has it, where sensors of a file have their own."""
+    from ..files.text.headers import sensor_of_stamps  # noqa: PLC0415 - files start slowly
+
+    recording = given.recording
+    times = [c.name for c in recording.channels if c.quantity == "time"]
+    times += [recording.time_column] if recording.time_column else []
+    by_sensor = {name: sensor_of_stamps(name) for name in times}
+    if given.said.time_column is not None or not any(by_sensor.values()):
+        return {}
+    own = [name for name in times if by_sensor[name] == GROUP.get(sensor)] or [
+        name for name in times if not by_sensor[name]
+    ]
+    return {"clock": {"column": own[0]}} if len(own) == 1 and own[0] != recording.time_column else {}
+
+
 def sensor_said(given: GivenFile, sensor: Kind, axes: Sequence[str], unit: str) -> dict[str, Any]:
     """Return a sensor as a campaign has it."""
     said: dict[str, Any] = {"kind": sensor, "axes": list(axes), "unit": unit}

@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from inertialcal.signals.sense.changes import Change, changes
+from inertialcal.signals.sense.change import Change
+from inertialcal.signals.sense.changes import changes
 
 N, AT = 3000, 1234
 DEG = 180.0 / np.pi

@@ -21,7 +21,7 @@ from ...sensors.chain.converter import Chain
 from ...signals.screening.remarks import remarks_of
 from ...signals.screening.screen import NO_READINGS, Finding, Screening, screen
 from ...signals.screening.slow import stuck_remark, stuck_slow
-from ...signals.sense.changes import Change
+from ...signals.sense.change import Change
 from ...signals.time.samples import Flags
 from ..file.recordings import RecordingEntry
 from ..file.sensors import Sensor

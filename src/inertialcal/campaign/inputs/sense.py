@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import DataError
-from ...core.estimate import Array
 from ...core.key import AXES
 from ...core.recording import SECOND, Recording, Times
 from ...core.remarks import Remark
 from ...core.units import kind
 from ...procedures.protocol import Exclusion, Facts
-from ...signals.sense.changes import LATE, MOST, Change, averaged, changes
+from ...signals.sense.change import Change
+from ...signals.sense.changes import LATE, MOST, averaged, changes
 from ...signals.sense.limits import ARCHIVE, impossible
 from ...signals.time.samples import Flags, Indices
 from ..file.recordings import RecordingEntry
@@ -29,7 +29,6 @@ from .gate import Passed, without
 
 RULE = "impossible"
 APPLIED = "applied"
-SAME = 1e-6  # relative
 AT_ONCE = 2**20  # stamps
 
 
@@ -90,9 +89,7 @@ def sensible(
             raise DataError(said.what, said.where, "nothing else is in the channel", said.do, said.code)
         left_out[one.name] = found.flags
         axis = one.name if one.name in AXES else ""
-        exclusions.append(
-            Exclusion(RULE, f"limits: {said.code}", said.what, said.where, axis, said.count, "sample", dwell=False)
-        )
+        exclusions.append(Exclusion(RULE, f"limits: {said.code}", said.what, said.where, axis, said.count, "sample"))
     columns = {one.column for one in given.values()}
     for one in raw.channels:  # that the test does not read, but that tell of the file
         if one.name not in columns:
@@ -137,29 +134,13 @@ def _changes(
     if mounting is not None and len(axes) == len(AXES):
         data = list(np.asarray(mounting) @ np.array(data))
     of_unit = kind(unit) if unit else ""
-    found = changes(data, axes, of_unit, interval, breaks, applied, at_rest)
-    if not found and len(stored) == len(axes):
-        means = [averaged(column[rows], size) for column in stored]
-        columns = [np.where(np.isfinite(x), own, np.nan) for x, own in zip(data, means, strict=True)]
-        scale = _scale(data, columns)
-        if scale is not None:
-            found = changes(columns, axes, of_unit, interval, breaks, applied, at_rest, scale)
+    means = [averaged(column[rows], size) for column in stored]
+    columns = [np.where(np.isfinite(x), own, np.nan) for x, own in zip(data, means, strict=False)]
+    found = changes(data, axes, of_unit, interval, breaks, applied, at_rest, columns)
     at = [one.index * size for one in found]
     if not isinstance(rows, slice):
         at = [int(rows[one]) for one in at]
     return tuple(replace(one, index=index) for one, index in zip(found, at, strict=True))
-
-
-def _scale(data: Sequence[Array], columns: Sequence[Array]) -> float | None:
-    """Return SI units in the unit of columns; None where one factor makes the data of them, or none does about."""
-    x, y = np.array(columns), np.array(data)
-    good = np.isfinite(x) & np.isfinite(y)
-    spread = np.std(x, where=good) if good.any() else 0.0
-    if not spread > 0.0:
-        return None
-    scale = float(np.std(y, where=good) / spread)
-    off = np.abs(np.abs(y) - scale * np.abs(x))
-    return scale if scale > 0.0 and np.any(off[good] > SAME * scale * np.abs(x)[good]) else None
 
 
 def _breaks(time_ns: Times, longest: float) -> Indices:

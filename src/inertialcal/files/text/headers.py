@@ -165,6 +165,14 @@ def heading(name: str, unit: str | None = None) -> Heading:
     return Heading(known, _axis(words), quantity or BY_KIND.get(kind, ""), unknown)
 
 
+def sensor_of_stamps(name: str) -> str:
+    """Return the sensor, ``"gyro"`` or ``"acc"``, whose stamps a column holds by its name (``acc_time``), or ``""``."""
+    words = [word.lower() for word in WORD.findall(bare_name(name))]
+    if not TIME.intersection(words) or NOT_TIME.intersection(words) or _axis(words):
+        return ""
+    return next((one for one, known in (("gyro", GYRO), ("acc", ACC)) if known.intersection(words)), "")
+
+
 def bare_name(name: str) -> str:
     """Return the name without a unit in brackets."""
     at = _opening(name)
@@ -245,6 +253,8 @@ def _quantity(bare: str, words: list[str]) -> str:
     for phrase, quantity in PHRASES.items():
         if phrase in spaced:
             return quantity
+    if sensor_of_stamps(bare):
+        return "time"
     for quantity, known in WORDS:
         if any(_stem(word) in known or word in known for word in words):
             return "" if quantity == "time" and NOT_TIME.intersection(words) else quantity

@@ -18,7 +18,7 @@ from ...core.key import AXES, Kind
 from ...core.recording import Channel
 from ...core.remarks import Remark
 from ...core.units import kind, normalise
-from ..given import EXAMPLE, KIND_OF_UNIT, Described, GivenFile, bare, sensor_said
+from ..given import EXAMPLE, KIND_OF_UNIT, Described, GivenFile, bare, own_clock, sensor_said
 from .orientations import LABELS, direction_of, orientation_list, turn_of
 
 KINDS: Mapping[str, Kind] = {"acc": "accelerometer", "gyro": "gyro"}
@@ -79,7 +79,8 @@ def described(given: GivenFile) -> list[Described]:
         if len(warm) == 1:
             channels[TEMPERATURE] = {"column": warm[0].name, "unit": str(warm[0].unit)}
         said_sensor = sensor_said(given, KINDS[sensor], AXES, units[sensor])
-        found.append(Described({"channels": channels, **entry}, said_sensor, columns, remarks=tuple(remarks)))
+        own = entry | own_clock(given, KINDS[sensor])
+        found.append(Described({"channels": channels, **own}, said_sensor, columns, remarks=tuple(remarks)))
     return found
 
 

@@ -1,6 +1,7 @@
 """Readings of a test of positions: recordings of accelerometers and of gyros on one clock, each of its own sensor.
 
-Recordings of both sensors are paired in their order; gyros need the accelerometers of the same recording.
+Recordings of both sensors are paired in their order; gyros need the accelerometers of the same recording. Stamps may
+differ (phone logs): then gyros are interpolated to those of the accelerometers to find rests, and nothing else.
 """
 
 from __future__ import annotations
@@ -16,20 +17,24 @@ from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.key import AXES, Kind
 from ...core.labelled import LabelledPart
-from ...core.recording import SECOND, Channel, Recording
+from ...core.recording import SECOND, Channel, Recording, Times
 from ...core.remarks import Remark
+from ...core.show.rounding import number
 from ...core.units import kind
+from ...signals.time.interpolation import interpolated
+from ...signals.time.samples import samples_of
 from ..protocol import Source
 from .entry import PositionsEntry, Rests
 from .orientations import FACES, direction_of, parse_directions, runs_of, sections_of, turn_of
 from .plan import Plan
 from .readings import Readings, Triad, turn_problems
-from .recordings import Section, readings_from
+from .recordings import GYRO, Section, readings_from
 
 TEMPERATURE = "temperature"
 PREFIX: dict[str, str] = {"accelerometer": "acc", "gyro": "gyro"}
 SATURATED = ("saturated", "rail")  # remarks
 SAME_STAMP = 0.01  # of a sample interval, by which stamps of one clock may differ
+OVERLAP = 0.5  # of the shorter recording, that must lie within the other
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,11 +66,12 @@ def readings_of(plan: Plan, sources: Sequence[Source]) -> Readings:
         return _read_tables(tables)
     parts = [Part(one, recording) for one in sources for _, recording in one.recordings()]
     pairs = _paired(parts, sources[0].test)
-    joined = [_joined(pair) for pair in pairs]
+    both = [_joined(pair) for pair in pairs]
+    joined, gyros = [one for one, _ in both], [own for _, own in both]
     sections = [_sections(pair, one) for pair, one in zip(pairs, joined, strict=True)]
     faces = any(_entry(one).orientations == [FACES] for one in sources)
     saturated = [any(_saturated(one) for one in pair if one.kind == "gyro") for pair in pairs]
-    return _oriented(readings_from(plan, joined, sections, faces, saturated), pairs)
+    return _oriented(readings_from(plan, joined, sections, faces, saturated, gyros), pairs)
 
 
 def _saturated(part: Part) -> bool:
@@ -93,9 +99,9 @@ def _paired(parts: Sequence[Part], test: str) -> list[list[Part]]:
     return [[one, other] for one, other in zip(acc, gyro, strict=True)] if gyro else [[one] for one in acc]
 
 
-def _joined(pair: Sequence[Part]) -> Recording:
-    """Return one recording with channels ``acc_x``, ..., ``gyro_z``, in SI."""
-    check_clock([one.recording for one in pair])
+def _joined(pair: Sequence[Part]) -> tuple[Recording, Recording | None]:
+    """Return one recording with channels ``acc_x``, ..., ``gyro_z``, in SI; that of gyros with stamps of their own."""
+    apart = own_stamps([one.recording for one in pair])
     made: list[Channel] = []
     for one in pair:
         if len(one.recording) < 2:
@@ -114,7 +120,17 @@ def _joined(pair: Sequence[Part]) -> Recording:
     first = pair[0].recording
     made += [c for c in first.channels if c.name == TEMPERATURE]
     remarks = tuple(dict.fromkeys(remark for one in pair for remark in one.recording.remarks))
-    return replace(first, channels=tuple(made), remarks=remarks)
+    if not apart:
+        return replace(first, channels=tuple(made), remarks=remarks), None
+    gyro = replace(pair[1].recording, channels=tuple(c for c in made if c.name in GYRO))
+    stamps, onto = cast("Times", gyro.time_ns), cast("Times", first.time_ns)
+    for sensor in (first, gyro):
+        samples_of(
+            sensor.channels[0].data, sensor.time_ns, sensor.sample_interval, sensor.place
+        )  # refuses time that goes back
+    values = dict(zip(GYRO, interpolated(gyro.array(GYRO), stamps, onto).T, strict=True))
+    made = [replace(c, data=values[c.name]) if c.name in GYRO else c for c in made]
+    return replace(first, channels=tuple(made), remarks=(*remarks, _joined_by_stamps(first, gyro))), gyro
 
 
 def _entry(source: Source) -> PositionsEntry:
@@ -190,26 +206,52 @@ def _triple(vector: Array) -> tuple[float, float, float]:
     return x, y, z
 
 
-def check_clock(recordings: Sequence[Recording]) -> None:
-    """Refuse recordings whose samples are not taken at the same times.
+def own_stamps(pair: Sequence[Recording]) -> bool:
+    """Return whether gyros have stamps of their own, on the clock of the accelerometers.
 
     Raises
     ------
     DataError
-        ``clocks_differ``.
+        ``clocks_differ`` if the recordings hardly overlap, or one has no stamps.
     """
-    first, *others = recordings
-    for other in others:
-        one, two = first.time_ns, other.time_ns
-        differ = len(first) != len(other) or (one is None) != (two is None)
-        if not differ and one is not None and two is not None and len(first):
+    if len(pair) < 2:
+        return False
+    first, other = pair
+    one, two = first.time_ns, other.time_ns
+    if len(first) == len(other):
+        if one is None and two is None:
+            return False
+        if one is not None and two is not None:
             most = SAME_STAMP * (first.sample_interval or 0.0) * SECOND
-            differ = bool(np.max(np.abs(one - two)) > most)
-        if differ:
-            what = f"{_span(first)}, {_span(other)}: not of one clock"
-            why = "rotations of the gyros would belong to positions of another time"
-            do = "Record both on one clock, or bring them to the same stamps"
-            raise DataError(what, other.source.path, why, do, "clocks_differ")
+            if not len(first) or np.max(np.abs(one - two)) <= most:
+                return False
+    if one is not None and two is not None and min(len(one), len(two)) > 1:
+        together = min(one[-1], two[-1]) - max(one[0], two[0])
+        if together > OVERLAP * min(one[-1] - one[0], two[-1] - two[0]):
+            return True
+    what = f"{_span(first)}, {_span(other)}: not of one clock"
+    why = "rotations of the gyros would belong to positions of another time"
+    do = "Record both on one clock, or bring them to the same stamps"
+    raise DataError(what, other.source.path, why, do, "clocks_differ")
+
+
+def _joined_by_stamps(acc: Recording, gyro: Recording) -> Remark:
+    """Say how two sensors with stamps of their own were joined."""
+    one, two = cast("Times", acc.time_ns), cast("Times", gyro.time_ns)
+    after = np.clip(np.searchsorted(two, one), 1, len(two) - 1)
+    near = np.where(one - two[after - 1] <= two[after] - one, after - 1, after)
+    inside = (one >= two[0]) & (one <= two[-1])
+    apart = 1e-6 * np.percentile((two[near] - one)[inside], (0.0, 50.0, 100.0))
+    out = [int(np.count_nonzero((a < b[0]) | (a > b[-1]))) for a, b in ((one, two), (two, one))]
+    rates = [f"{number(one.sample_rate, 4)} Hz" if one.sample_rate else "no rate" for one in (acc, gyro)]
+    what = (
+        f"accelerometers ({rates[0]}) and gyros ({rates[1]}) have stamps of their own, taken as of one clock: the gyro "
+        f"sample nearest to one of the accelerometers lies {number(apart[0], 3)} to {number(apart[2], 3)} ms from it "
+        f"(median {number(apart[1], 3)} ms). Means at rest and rotations are of each sensor's own samples; where both "
+        f"are needed at one time, straight lines between samples. Samples outside the overlap: accelerometers "
+        f"{out[0]}, gyros {out[1]}"
+    )
+    return Remark("joined_by_stamps", "info", what, gyro.source.path, do="Check that both stamps are of one clock")
 
 
 def _span(one: Recording) -> str:

@@ -3,6 +3,7 @@
 Static intervals are found by the accelerometers alone (``signals.segmentation.segments``): at rest
 the level is that of gravity.
 Where a protocol says which samples are which position or turn, sections are cut by it instead.
+Gyros may have stamps of their own on the same clock: their means and rotations are then of their own samples.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.key import AXES
-from ...core.recording import Recording
+from ...core.recording import SECOND, Recording
 from ...core.remarks import Remark, gather
 from ...signals.segmentation.dwells import dwell_of
 from ...signals.segmentation.placements import (
@@ -30,6 +31,7 @@ from ...signals.segmentation.placements import (
     shortest_placement,
 )
 from ...signals.segmentation.segments import detect
+from ...signals.time.interpolation import interpolated
 from ...signals.time.samples import Samples, samples_of
 from .orientations import check_sections, pointing
 from .plan import Plan
@@ -65,6 +67,7 @@ def readings_from(
     sections: Sequence[Sequence[Section]] = (),
     faces: bool = False,
     saturated: Sequence[bool] = (),
+    gyros: Sequence[Recording | None] = (),
 ) -> Readings:
     """Return static intervals and rotations.
 
@@ -81,6 +84,9 @@ def readings_from(
         Each static interval lies on the face of the body that it is nearest to.
     saturated : sequence of bool, optional
         For each recording whether samples that are missing may be gyros at the end of their range.
+    gyros : sequence of Recording or None, optional
+        For each recording that of its gyros as it was, ``gyro_x``, ..., where its stamps are others: the recording then
+        holds what was interpolated to its own stamps.
 
     Raises
     ------
@@ -100,7 +106,9 @@ def readings_from(
             raise DataError(what, name, why, "Leave one of them out", "duplicate_recording")
     chosen = [*sections, *([()] * (len(recordings) - len(sections)))]
     ends = [*saturated, *([False] * (len(recordings) - len(saturated)))]
-    parts = [_one(plan, one, own, end) for one, own, end in zip(recordings, chosen, ends, strict=True)]
+    others = [*gyros, *([None] * (len(recordings) - len(gyros)))]
+    apart = [_own_gyros(one, other) for one, other in zip(recordings, others, strict=True)]
+    parts = [_one(plan, *one) for one in zip(recordings, chosen, ends, apart, strict=True)]
     if not any(len(part) for part in parts):
         do, why = "Name the parts in which it rests: x_p, x_a, ...", "gravity at rest calibrates the accelerometers"
         raise DataError("no section is a position", recordings[0].source.path, why, do, "wrong_section")
@@ -108,6 +116,27 @@ def readings_from(
     for part in parts[1:]:
         readings = _joined(readings, part)
     return on_faces(readings) if faces else readings
+
+
+@dataclass(frozen=True, eq=False)
+class OwnGyros:
+    """Samples of gyros with stamps of their own, cut by times of the accelerometers."""
+
+    samples: Samples
+    seconds: Array  # shape (n,): since the first sample of the accelerometers [s]
+    acc: Array  # shape (n, 3): accelerometers at these times
+
+    def span(self, start: float, last: float) -> tuple[int, int]:
+        """Return the samples from one time to another, both included [s]."""
+        return int(np.searchsorted(self.seconds, start)), int(np.searchsorted(self.seconds, last, side="right"))
+
+
+def _own_gyros(recording: Recording, gyros: Recording | None) -> OwnGyros | None:
+    if gyros is None or gyros.time_ns is None or recording.time_ns is None:
+        return None
+    samples = samples_of(gyros.array(GYRO), gyros.time_ns, gyros.sample_interval, gyros.place)
+    seconds = np.asarray((gyros.time_ns - recording.time_ns[0]) / SECOND, dtype=np.float64)
+    return OwnGyros(samples, seconds, interpolated(recording.array(ACC), recording.time_ns, gyros.time_ns))
 
 
 def on_faces(readings: Readings) -> Readings:
@@ -134,13 +163,15 @@ def on_faces(readings: Readings) -> Readings:
     return replace(readings, direction=direction)
 
 
-def _one(plan: Plan, recording: Recording, sections: Sequence[Section], saturated: bool) -> Readings:
+def _one(
+    plan: Plan, recording: Recording, sections: Sequence[Section], saturated: bool, own: OwnGyros | None
+) -> Readings:
     values = {"acc": np.asfortranarray(recording.array(ACC), dtype=np.float64)}
     if all(name in recording.names for name in GYRO):
         values["gyro"] = np.asfortranarray(recording.array(GYRO), dtype=np.float64)
     seconds = _seconds(recording)
     if sections:
-        return _by_sections(recording, values, seconds, sections, saturated)
+        return _by_sections(recording, values, seconds, sections, saturated, own)
     try:
         segmentation = detect(values["acc"], recording.time_ns, recording.sample_interval, place=recording.place)
     except DataError as error:
@@ -158,10 +189,10 @@ def _one(plan: Plan, recording: Recording, sections: Sequence[Section], saturate
     total = len(placed)
     placed, there, more = _there(recording, values, placed, [f"{seconds[one.start]:.6g} s" for one in placed])
     rotations = tuple(
-        _rotation(values, seconds, a, b, k, k + 1)
+        _rotation(values, seconds, a, b, k, k + 1, own)
         for k, (a, b) in enumerate(between(placed)) if there[k + 1] == there[k] + 1
     )  # fmt: skip
-    found = _readings(recording, segmentation.samples, values, placed, rotations if "gyro" in values else ())
+    found = _readings(recording, segmentation.samples, values, placed, rotations if "gyro" in values else (), own)
     found = _whole_rotations(found, recording.source.path, saturated)
     cut = [replace(one, where=one.where and recording.place(one.index)) for one in segmentation.remarks]
     remarks = [*recording.remarks, *cut, *more, *_disturbed(found, values, placed), *found.remarks]
@@ -169,7 +200,12 @@ def _one(plan: Plan, recording: Recording, sections: Sequence[Section], saturate
 
 
 def _by_sections(
-    recording: Recording, values: Mapping[str, Array], seconds: Array, sections: Sequence[Section], saturated: bool
+    recording: Recording,
+    values: Mapping[str, Array],
+    seconds: Array,
+    sections: Sequence[Section],
+    saturated: bool,
+    own: OwnGyros | None,
 ) -> Readings:
     """Cut by protocol; transitions are known between static sections that follow one another."""
     path = recording.source.path
@@ -181,11 +217,11 @@ def _by_sections(
     still = [still[k] for k in there]
     samples = samples_of(values["acc"], recording.time_ns, recording.sample_interval, recording.place)
     turns = tuple(
-        replace(_rotation(values, seconds, one.start, one.stop, -1, -1), where=one.name,
+        replace(_rotation(values, seconds, one.start, one.stop, -1, -1, own), where=one.name,
                 axis=np.array(one.axis, dtype=float), angle=one.angle, assumed=one.assumed)
         for one in sections if one.angle is not None and one.axis is not None and "gyro" in values
     )  # fmt: skip
-    cut = _whole_rotations(_readings(recording, samples, values, placed, turns), path, saturated)
+    cut = _whole_rotations(_readings(recording, samples, values, placed, turns, own), path, saturated)
     nowhere = (np.nan, np.nan, np.nan)
     direction = np.array([one.direction or nowhere for one in still], dtype=float).reshape(-1, 3)
     named = tuple(f"{one.name}, {where}" if one.name else where for one, where in zip(still, cut.where, strict=True))
@@ -204,15 +240,21 @@ def _seconds(recording: Recording) -> Array:
     return np.asarray(np.arange(len(recording)) * recording.sample_interval, dtype=np.float64)
 
 
-def _rotation(values: Mapping[str, Array], seconds: Array, a: int, b: int, before: int, after: int) -> Rotation:
-    gyro = values.get("gyro", np.empty((len(seconds), 3)))[a:b]
-    acc = values["acc"][a:b]
+def _rotation(
+    values: Mapping[str, Array], seconds: Array, a: int, b: int, before: int, after: int, own: OwnGyros | None
+) -> Rotation:
+    late = 0
+    if own is None:
+        at, acc, gyro = seconds[a:b], values["acc"][a:b], values.get("gyro", np.empty((len(seconds), 3)))[a:b]
+    else:
+        first, stop = own.span(seconds[a], seconds[b - 1])
+        at, acc, gyro = (one[first:stop] for one in (own.seconds, own.acc, own.samples.values))
+        late = round(float(np.max(np.diff(own.samples.ticks[first:stop]), initial=1.0))) - 1 if len(at) else b - a
     good: NDArray[np.bool_] = np.asarray(np.isfinite(gyro).all(axis=1))
     if not np.isfinite(acc).all():  # what the gyros read of specific force is small: a neighbour will do
         acc = filled(acc)
-    place = f"{seconds[a]:.6g} s"
-    return Rotation(seconds[a:b][good] - seconds[a], gyro[good], acc[good], before, after, where=place,
-                    missing=_longest(~good))  # fmt: skip
+    return Rotation(at[good] - at[:1], gyro[good], acc[good], before, after, where=f"{seconds[a]:.6g} s",
+                    missing=max(_longest(~good), late))  # fmt: skip
 
 
 def _longest(out: NDArray[np.bool_]) -> int:
@@ -287,16 +329,20 @@ def _readings(
     values: Mapping[str, Array],
     placed: Sequence[Placement],
     rotations: tuple[Rotation, ...],
+    own: OwnGyros | None,
 ) -> Readings:
-    """Return the mean readings; ``samples`` are those of the accelerometers, with the clock of all."""
+    """Return the mean readings; ``samples`` are those of the accelerometers, with the clock of all but ``own``."""
     triads = {"acc": _triad(recording, samples, "acc", placed)}
-    if "gyro" in values:
+    seconds, temperature = _seconds(recording), None
+    if own is not None:
+        at = [Placement(*own.span(seconds[one.start], seconds[one.stop - 1])) for one in placed]
+        triads["gyro"] = _triad(recording, own.samples, "gyro", at)
+    elif "gyro" in values:
         gyro = values["gyro"]
         nothing = np.zeros(len(gyro), dtype=bool)
-        own = replace(samples, values=gyro, finite=np.asarray(np.isfinite(gyro).all(axis=1)), outlier=nothing)
-        triads["gyro"] = _triad(recording, own, "gyro", placed)
+        alike = replace(samples, values=gyro, finite=np.asarray(np.isfinite(gyro).all(axis=1)), outlier=nothing)
+        triads["gyro"] = _triad(recording, alike, "gyro", placed)
     path, stamps = recording.source.path, recording.time_ns
-    seconds, temperature = _seconds(recording), None
     if TEMPERATURE in recording.names:
         degrees = np.asarray(recording.channel(TEMPERATURE).data, dtype=float)
         within = [degrees[one.start : one.stop] for one in placed]

@@ -17,7 +17,7 @@ from ...core.recording import Channel
 from ...core.remarks import Remark
 from ...core.units import divide, kind, normalise, parse_quantity, si_unit
 from ...files.info.channel_survey import survey_channel, unit_hints
-from ..given import Described, GivenFile, bare, chain_said, described, sensor_said
+from ..given import Described, GivenFile, bare, chain_said, described, own_clock, sensor_said
 from ..protocol import InputSpec
 
 SENSED = {"gyro": "gyro", "acc": "accelerometer", "": ""}  # quantities of channels that may be a sensor's
@@ -75,7 +75,8 @@ def described_sensors(given: GivenFile, inputs: InputSpec) -> list[Described]:
             columns = {
                 f"{name} {axis}" if len(taken) > len(AXES) else axis: one.channel.name for axis, one in part.items()
             }
-            found.append(Described({"channels": channels}, sensor, columns, test=name))
+            own = own_clock(given, first.kind)
+            found.append(Described({"channels": channels, **own}, sensor, columns, test=name))
     return [replace(found[0], remarks=tuple(remarks)), *found[1:]]
 
 
