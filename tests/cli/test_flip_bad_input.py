@@ -158,7 +158,7 @@ def a_word(cells: np.ndarray) -> None:
     [
         (gain_changes, 0, "level and scatter of y change by a factor of 0.1"),
         (one_is_impossible, 0, "head.csv:1002: recording head, x: 1e+26 ug is impossible"),
-        (time_goes_back, 3, "the time goes back by 19.8 s"),
+        (time_goes_back, 3, "time goes back by 19.8 s"),
         (a_word, 3, "text 'lost' in number column 'x'"),
     ],
 )

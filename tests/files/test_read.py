@@ -149,7 +149,7 @@ def test_gaps_and_order_are_remarked_with_their_row(file: Path) -> None:
     assert found["gaps"].where == f"{file}:41"
     assert "longest step 3 s against 1 s" in found["gaps"].what
     assert found["repeated_stamps"].where == f"{file}:62"
-    assert found["unsorted_stamps"].count == 1
+    assert found["time_backwards"].count == 1
 
 
 @pytest.mark.parametrize("name", ["column_1", "1"])

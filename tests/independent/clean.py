@@ -23,7 +23,7 @@ MOST = 9  # of 900 (issue 20)
 CODES = {
     "glitch", "disturbed", "saturated", "stuck", "repeated", "repeated_samples", "missing", "level_step",
     "noise_change", "slow_wave", "not_at_rest", "unscreened", "unscreened_refused",
-    "gaps", "time_backwards", "time_goes_back", "unsorted_stamps", "stamps_not_used", "sample_rate_disagrees",
+    "gaps", "time_backwards", "stamps_not_used", "sample_rate_disagrees",
     "sample_rate_suspect", "clock_disagrees", "grouped_digits", "header_repeated", "zero_uncertainty",
     "impossible_temperature", "impossible_acceleration", "impossible_rate", "impossible_pressure", "impossible_voltage",
     "impossible_frequency", "beyond_range", "implausible_acceleration", "unit_changed", "sign_changed",

@@ -498,7 +498,7 @@ HAND, HOT, MASS, TURN = "positions", "thermal", "mass_attraction", "flip"
 FILES = (STILL, TABLE, HAND, HOT, TURN)  # recordings of samples
 
 GLITCH = ("glitch", "disturbed")
-BACKWARDS = ("time_backwards", "time_goes_back", "unsorted_stamps")
+BACKWARDS = ("time_backwards",)
 UNIT = ("unit_changed", "scale_changed")
 RAIL = ("saturated",)
 COPY = ("duplicate_recording",)

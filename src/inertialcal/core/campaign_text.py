@@ -95,12 +95,12 @@ def _fits(line: str, table: Mapping[str, object]) -> bool:
     return len(line) <= WIDTH and not any(isinstance(one, Noted) for one in table.values())
 
 
-def _key(name: str) -> str:
-    if BARE.fullmatch(name):
-        return name
+def _key(key: str) -> str:
+    if BARE.fullmatch(key):
+        return key
     import tomlkit  # noqa: PLC0415 - starts slowly
 
-    return tomlkit.key(name).as_string()
+    return tomlkit.key(key).as_string()
 
 
 def _inline(value: object) -> str:

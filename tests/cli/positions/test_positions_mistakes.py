@@ -111,7 +111,7 @@ def test_wrong_words_are_told(
         ("header", "a header, but no rows"),
         ("one", "one.csv: 1 sample(s)"),
         ("no_value", "literal 'NaN' in required column 'acc_z'"),
-        ("back", "back.csv:302: time runs backwards"),
+        ("back", "back.csv:302: time goes back"),
     ],
 )
 def test_files_that_hold_nothing_are_told(

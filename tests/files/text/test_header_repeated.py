@@ -45,8 +45,11 @@ def test_time_that_starts_again_is_named_with_its_row(tmp_path: Path) -> None:
     file.write_text(f"t_s,gyro_x\n{part(5.0)}{part(5.0)}")
     found = {one.code: one for one in read(file).remarks}
     assert found["time_backwards"].where == f"{file}:42"
-    assert found["time_backwards"].what == "time starts again: a second recording in the same file?"
-    assert "unsorted_stamps" not in found
+    assert found["time_backwards"].what == (
+        "time goes back by 3.9 s, from 3.9 s to 0 s after the first stamp, its beginning: "
+        "a second recording in the same file?"
+    )
+    assert found["time_backwards"].do == "Split the file there"
 
 
 def test_a_stamp_out_of_order_is_no_second_recording(tmp_path: Path) -> None:
@@ -54,6 +57,7 @@ def test_a_stamp_out_of_order_is_no_second_recording(tmp_path: Path) -> None:
     time = 0.1 * np.arange(60)
     time[30] -= 1.0
     file.write_text("t_s,gyro_x\n" + "".join(f"{t:.1f},1\n" for t in time))
-    codes = [one.code for one in read(file).remarks]
-    assert "unsorted_stamps" in codes
-    assert "time_backwards" not in codes
+    (found,) = [one for one in read(file).remarks if one.code == "time_backwards"]
+    assert found.where == f"{file}:32"
+    assert found.what == "time goes back by 0.9 s, from 2.9 s to 2 s after the first stamp"
+    assert "--sample-rate" in found.do

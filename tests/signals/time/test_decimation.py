@@ -94,5 +94,5 @@ def test_what_cannot_be_drawn_is_refused() -> None:
         min_max(one, np.arange(3))
     with pytest.raises(DataError, match="no samples to draw"):
         min_max(np.zeros((0, 1)), np.arange(0))
-    with pytest.raises(DataError, match="time runs backwards"):
+    with pytest.raises(DataError, match="time goes back"):
         min_max(one, np.array([1, 0]))

@@ -11,7 +11,7 @@ from ...core import units
 from ...core.errors import DataError, UsageError
 from ...core.recording import SECOND, Times
 from ...core.remarks import Remark
-from ...signals.time.time_axis import TimeAxis
+from ...signals.time.time_axis import AGAIN, TimeAxis, backward_steps
 from ..columns import Column
 from ..text.headers import KINDS, Heading, bare_name, heading, normal_unit
 
@@ -197,11 +197,12 @@ def axis_remarks(axis: TimeAxis, time_ns: Times, row: Callable[[int], str]) -> t
         again = axis.backward[(np.abs(time_ns[axis.backward] - time_ns[0]) <= near) & (axis.backward >= RESTARTS)]
         others = np.setdiff1d(axis.backward, again)
         if len(again):
-            what = "time starts again: a second recording in the same file?"
+            what = f"{backward_steps(time_ns, again)}, its beginning: a second recording in the same file?"
             do = "Split the file there"
             remarks.append(replace(_counted("time_backwards", what, again, row), do=do))
         if len(others):
-            remarks.append(_counted("unsorted_stamps", "time stamp earlier than the previous one", others, row))
+            remark = _counted("time_backwards", backward_steps(time_ns, others), others, row)
+            remarks.append(replace(remark, do=AGAIN))
     if axis.pattern == "bursts" and axis.interval is not None:
         what = (
             f"time stamps come in bursts: steps of {_si(axis.median_step)} (median) up to "

@@ -27,10 +27,11 @@ from ...files.text.table import Table
 from ...files.time.window import Window as Between
 from ...signals.segmentation.turn_windows import turn_windows
 from ...signals.segmentation.turns import Turn, TurnPlan, find_turns
+from ...signals.sense.limits import impossible
 from ..given import Described, GivenFile, bare
 from ..given import described as described_channels
 from ..protocol import InputSpec
-from .dwells.disturbances import readable
+from .dwells.disturbances import stamped
 from .dwells.quiet import Window
 from .entry import Position
 from .inputs import windows_of
@@ -123,8 +124,10 @@ def head_recording(recording: Recording, channels: Mapping[str, Mapping[str, Any
         check_readings(channel.name, channel.data, channel.unit, recording.place)
         sensed = kind(unit) == "acceleration"
         data = convert_as_wide(channel.data, unit, "m/s^2") if sensed else channel.data
+        out = impossible(data, "m/s^2" if sensed else None, axis, recording.place).flags
+        data = np.where(out, np.nan, data) if out.any() else data
         made.append(Channel(axis, data, "m/s^2", channel.unit_from, axis))
-    return readable(replace(recording, channels=tuple(made)))
+    return stamped(replace(recording, channels=tuple(made)))
 
 
 def _other_channels(recording: Recording, taken: Mapping[str, Any]) -> dict[str, dict[str, str]]:

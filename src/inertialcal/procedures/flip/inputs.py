@@ -18,7 +18,7 @@ from ...core.times import read_elapsed, read_instant
 from ...core.units import convert, factor, kind, si_unit
 from ...files.text.table import Table
 from ..protocol import Source
-from .dwells.disturbances import is_reading, readable
+from .dwells.disturbances import is_reading, stamped
 from .dwells.quiet import Window
 from .dwells.recordings import FlipRecording
 from .entry import FlipEntry, Means, Position
@@ -134,7 +134,7 @@ def turned_head(source: Source) -> FlipRecording:
         ``wrong_time`` if a time is not on the clock of the recording.
     """
     entry = cast("FlipEntry", source.entry)
-    recording = readable(source.recordings()[0][1])
+    recording = stamped(source.recordings()[0][1])
     begin = None if entry.clock is None else entry.clock.mission_start
     origin = None if begin is None else read_instant(begin)
     return FlipRecording(recording, windows_of(entry.positions or (), recording, source.name, origin), source.name)

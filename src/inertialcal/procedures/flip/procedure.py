@@ -34,7 +34,7 @@ QUANTITIES = dict.fromkeys(
     Quantity(READING),
 )  # fmt: skip
 
-RULES = {"settling": ("settle", "window"), "no_reading": ("no_reading", "sample")}  # remark: rule, what it counts
+RULES = {"settling": ("settle", "window")}  # remark: rule, what it counts
 UNREAD = {"dwell_incomplete": "missing", "gain_changed": "gain"}  # remark: rule by which an axis is not read
 
 

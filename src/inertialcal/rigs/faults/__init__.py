@@ -69,7 +69,7 @@ FAULTS: dict[str, Fault] = {
         tests=SAMPLED, spoil=logger.lost_samples,
     ),
     "backward_stamps": Fault(
-        "the clock is set back in the middle", "time_backwards", also=("time_goes_back",), size=50.0,
+        "the clock is set back in the middle", "time_backwards", size=50.0,
         unit="samples", least=1.0, most=1e6, tests=SAMPLED, spoil=logger.backward_stamps,
     ),
     "wrong_sample_rate": Fault(

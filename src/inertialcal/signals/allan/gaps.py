@@ -24,6 +24,7 @@ from ...core.errors import DataError
 from ...core.estimate import Numbers
 from ...core.recording import SECOND, Times
 from ...core.remarks import Remark
+from ..time.time_axis import backward_steps
 
 MOST_EMPTY = 100.0  # places on the grid, a sample, above which a record is no record with gaps
 
@@ -57,8 +58,9 @@ def on_grid(x: Numbers, time_ns: Times, interval: float) -> tuple[Numbers, NDArr
     steps = np.diff(time_ns)
     if np.any(steps <= 0):
         first, repeated = int(np.argmax(steps <= 0)) + 1, int(np.count_nonzero(steps == 0))
+        back = f"; {backward_steps(time_ns)}" if np.any(steps < 0) else ""
         raise DataError(
-            f"{repeated} repeated timestamp(s), {np.count_nonzero(steps < 0)} out of order",
+            f"{repeated} repeated timestamp(s), {np.count_nonzero(steps < 0)} out of order{back}",
             where=f"sample {first}",
             why="averaging times are counted in samples, which must be in order",
             do="Sort the record and remove or correct repeated rows",

@@ -18,6 +18,7 @@ from ...core.errors import DataError, PlanError
 from ...core.estimate import Array, Numbers
 from ...core.recording import SECOND, Times
 from ..time.samples import Flags, Indices
+from ..time.time_axis import AGAIN, backward_steps
 
 FULL = 0.5  # part of the usual number of samples from which a block counts
 
@@ -160,8 +161,7 @@ def _first(time_ns: Times, length: int) -> tuple[Indices, Indices]:
     first, at = np.empty(room, dtype=np.int64), np.empty(room, dtype=np.int64)
     found = fill_first(time_ns, length, first, at)
     if found < 0:
-        where, do = f"sample {-1 - found}", "Sort the record, or cut it there"
-        raise DataError("time runs backwards", where, do=do, code="time_backwards")
+        raise DataError(backward_steps(time_ns), f"sample {-1 - found}", do=AGAIN, code="time_backwards")
     return first[:found], at[:found]
 
 

@@ -49,6 +49,7 @@ def changes(
     applied: Array | None = None,
     at_rest: bool = True,
     stored: Sequence[NDArray[Any]] = (),
+    scale: float = 1.0,
 ) -> tuple[Change, ...]:
     """Return where unit, sign, scale or axes of a record change, in order of time.
 
@@ -71,6 +72,8 @@ def changes(
     stored : sequence of ndarray, shape (n,), optional
         The channels as they were stored. Where a zero was taken off them in between they are looked through, too: a
         sign or a unit changes about the zero of what was written.
+    scale : float
+        SI units in the unit of the channels.
 
     Returns
     -------
@@ -93,15 +96,15 @@ def changes(
     if kind == "acceleration":
         motion = 0.0 if interval is not None and interval * size <= TURNED_WITHIN else np.inf
     elif kind == "angular_rate" and not at_rest and given is None:
-        motion = np.inf if interval is None else STARTED * interval * size
+        motion = np.inf if interval is None else STARTED * interval * size / scale
     record = _Record(x, cut, Noise.of(x))
     factors = FACTORS.get(kind, ANY)
     found = _found(record, names, factors, given, motion)
     if not found and len(stored) == x.shape[1]:
         y = np.column_stack([averaged(one, size) for one in stored])[rows]
-        scale = _scale(x, y)
-        if scale is not None and np.isfinite(y).all():
-            found = _found(_as_stored(record, y), names, factors, given, motion / scale)
+        ratio = _scale(x, y)
+        if ratio is not None and np.isfinite(y).all():
+            found = _found(_as_stored(record, y), names, factors, given, motion / ratio)
     return tuple(replace(one, index=int(rows[one.index]) * size) for one in found)
 
 

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array, Numbers
 from ...core.recording import SECOND, Times
-from .time_axis import TimeAxis, analyse
+from .time_axis import AGAIN, TimeAxis, analyse, backward_steps
 
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
@@ -102,10 +102,10 @@ def _checked_axis(time_ns: Times, n: int, place: Callable[[int], str]) -> TimeAx
     axis = analyse(time_ns)
     if len(axis.backward):
         raise DataError(
-            f"time runs backwards at {len(axis.backward)} place(s)",
+            backward_steps(time_ns),
             where=place(int(axis.backward[0])),
             why="a stretch across it has no length",
-            do="Sort the record, or cut it there",
+            do=AGAIN,
             code="time_backwards",
         )
     return axis
@@ -178,4 +178,4 @@ def _check(signal: Numbers, time_ns: Times, bins: int) -> None:
         raise DataError("no samples to draw")
     if np.any(np.diff(time_ns) < 0):
         at = int(np.flatnonzero(np.diff(time_ns) < 0)[0])
-        raise DataError("time runs backwards", f"sample {at}", do="Sort the record", code="time_backwards")
+        raise DataError(backward_steps(time_ns), f"sample {at + 1}", do=AGAIN, code="time_backwards")

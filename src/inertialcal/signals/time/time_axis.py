@@ -40,6 +40,7 @@ GAP_SIGMA = 6.0  # ... and in robust standard deviations of the steps
 MAD_TO_SIGMA = 1.4826  # median absolute deviation to standard deviation, normal distribution
 QUARTER = 4  # the table of steps counts them to a quarter of the interval
 TABLE_LINES = 12  # longest table of steps
+AGAIN = "Cut the record there; sort its rows if they are in another order; or give --sample-rate if its clock was set"
 WIDEST = float(np.iinfo(np.int64).max)  # [ns]
 
 
@@ -136,6 +137,22 @@ def analyse(time_ns: Times, averaging: float | None = None) -> TimeAxis:
         backward=backward,
         averaging=averaging,
     )
+
+
+def backward_steps(time_ns: Times, at: Indices | None = None) -> str:
+    """Return how often time goes back, and the first such step since the first stamp, in words.
+
+    Parameters
+    ----------
+    time_ns : ndarray of int64, shape (n,)
+        Stamps [ns].
+    at : ndarray of int64, optional
+        Stamps that are earlier than the one before; all of them by default.
+    """
+    at = np.flatnonzero(np.diff(time_ns) < 0) + 1 if at is None else at
+    before, after = ((int(time_ns[i]) - int(time_ns[0])) / SECOND for i in (at[0] - 1, at[0]))
+    times = f"{len(at)} times, first" if len(at) > 1 else f"by {before - after:.4g} s,"
+    return f"time goes back {times} from {before:.9g} s to {after:.9g} s after the first stamp"
 
 
 def _pattern(time_ns: Times, forward: Array, median: float) -> tuple[Literal["regular", "bursts", "single"], float]:

@@ -1,4 +1,4 @@
-"""Evidence in a record against its own windows: a movement in one, a change of gain, numbers that are no readings.
+"""Evidence in a record against its own windows: a movement in one, a change of gain, time that goes back.
 
 Movements and changes of gain come from the one detector (``signals.segmentation.turns``,
 ``signals.segmentation.gain_changes``). A window with blocks that are not quiet is read all the same, and remarked. An
@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....core.errors import DataError
-from ....core.key import AXES
 from ....core.recording import SECOND, Recording, Times
 from ....core.remarks import Remark
 from ....core.show.rounding import number
@@ -25,13 +24,14 @@ from ....signals.segmentation.block_statistics import block_statistics
 from ....signals.segmentation.gain_changes import gain_changes
 from ....signals.segmentation.turn_windows import quiet_part
 from ....signals.segmentation.turns import Turns, find_turns
+from ....signals.sense.limits import LIMITS
+from ....signals.time.time_axis import AGAIN, backward_steps
 from ...agreement import unit_mistaken
 from .quiet import Window
 
 BLOCK = 1.0  # [s]
 ALIKE = 0.2  # relative difference of factors that are one
 PART = 0.98  # of a window that is quiet where nothing moves
-LARGEST = 1e6  # [m/s^2], far beyond any accelerometer
 
 
 def disturbances(
@@ -115,57 +115,23 @@ def _moved(turns: Turns, window: Window) -> list[Remark]:
 
 def is_reading(value: float) -> bool:
     """Tell whether a number [m/s^2] can be a reading, or is missing (NaN)."""
-    return math.isnan(value) or abs(value) <= LARGEST
+    return math.isnan(value) or abs(value) <= LIMITS["acceleration"].high
 
 
-def readable(recording: Recording) -> Recording:
-    """Return the recording with impossible samples of its axes as missing, counted in a remark.
-
-    Bit errors and wrong columns leave such numbers. Samples without stamps count from their first, by the interval.
-
-    Parameters
-    ----------
-    recording : Recording
-        Channels ``x``, ``y``, ``z`` [m/s^2], as far as they are there.
+def stamped(recording: Recording) -> Recording:
+    """Return the recording with stamps; samples without count from their first, by the interval.
 
     Raises
     ------
     DataError
-        ``time_goes_back`` if a stamp is earlier than the one before: windows could not be placed.
+        ``time_backwards`` if a stamp is earlier than the one before: windows could not be placed.
     """
     if recording.time_ns is None and recording.sample_interval:
         time_ns = np.rint(np.arange(len(recording)) * (recording.sample_interval * SECOND)).astype(np.int64)
         recording = replace(recording, time_ns=time_ns, epoch="elapsed")
-    _check_time(recording)
-    channels, remarks = [], []
-    for channel in recording.channels:
-        data = channel.data
-        # without a copy of a day's samples
-        if channel.name in AXES and len(data) and (np.fmax.reduce(data) > LARGEST or np.fmin.reduce(data) < -LARGEST):
-            out = np.abs(data) > LARGEST
-            first = int(np.argmax(out))
-            what = f"{channel.name}: sample {first + 1} reads {data[first]:.3g} m/s^2, too large for an accelerometer"
-            do = "They were left out. Look where the file is damaged, or whether this is the right column"
-            where = recording.source.path
-            remarks.append(Remark("no_reading", "warning", what, where, count=int(np.count_nonzero(out)), do=do))
-            channels.append(replace(channel, data=np.where(out, np.nan, data)))
-        else:
-            channels.append(channel)
-    if not remarks:
-        return recording
-    return replace(recording, channels=tuple(channels), remarks=(*recording.remarks, *remarks))
-
-
-def _check_time(recording: Recording) -> None:
     time_ns = recording.time_ns
-    if time_ns is None or not len(time_ns):
-        return
-    goes = time_ns[1:] >= time_ns[:-1]
-    if not goes.all():
-        first = int(np.argmin(goes))
-        back = float(time_ns[first] - time_ns[first + 1]) / SECOND
-        where = recording.source.path
-        where = f"{where}:{recording.first_row + first + 1}" if recording.first_row else f"{where}: sample {first + 2}"
-        what = f"the time goes back by {back:.6g} s (steps back in all: {int(np.count_nonzero(~goes))})"
-        do = "Mend the stamp, or sort the rows if they are out of order"
-        raise DataError(what, where, "windows cannot be placed on such a clock", do, "time_goes_back")
+    if time_ns is not None and np.any(time_ns[1:] < time_ns[:-1]):
+        where = recording.place(int(np.argmax(time_ns[1:] < time_ns[:-1])) + 1)
+        why = "windows cannot be placed on such a clock"
+        raise DataError(backward_steps(time_ns), where, why, AGAIN, "time_backwards")
+    return recording
