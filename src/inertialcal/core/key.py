@@ -64,13 +64,16 @@ class Method(StrEnum):
     BETWEEN_RUNS = "between_runs"
     DIFFERENCES = "differences"
     GENERALISED = "generalised"
+    PRIOR = "prior"  # what was stated before any reading
+    WITHOUT_PRIOR = "without_prior"
+    AS_READ = "as_read"  # nothing compensated
     UNSCREENED = "unscreened"  # with the samples that screening left out
 
 
 # Ways that stand beside a result in tables, in the order of their columns.
 WAYS = (
     Method.ALL_READINGS, Method.MEDIAN, Method.LOW_PASS, Method.TEXTBOOK, Method.WITHIN_RUNS, Method.BETWEEN_RUNS,
-    Method.UNSCREENED,
+    Method.PRIOR, Method.WITHOUT_PRIOR, Method.AS_READ, Method.UNSCREENED,
 )  # fmt: skip
 PARTS = ("flip", "run")  # members that stand beside a result, too
 

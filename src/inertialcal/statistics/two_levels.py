@@ -15,12 +15,13 @@ References
 .. [2] S. R. Searle, G. Casella and C. E. McCulloch, Variance Components, Wiley, 1992, 8.2 and 8.3.
 .. [3] A. Giesbrecht and J. C. Burns, Biometrics 41 (1985) 477.
 .. [4] W. Viechtbauer, Stat. Med. 26 (2007) 37 (interval of tau by its weighted sum of squares).
+.. [5] G. K. Robinson, Statistical Science 6 (1991) 15 (coefficients with a prior are random effects).
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import optimize, stats
@@ -120,6 +121,69 @@ def fit_two_levels(
         what = f"some of the {n} readings have no scatter of their own, and they do not scatter about the fit"
         raise DataError(what, do="Check for copied or rounded readings", code="no_scatter")
     return _solved(design, readings, sources, fixed, square, limits, found=between is None)
+
+
+def fit_with_prior(
+    design: Array,
+    readings: Array,
+    known: Mapping[str, Array],
+    prior: Mapping[str, tuple[Array, Array]],
+    most: float = np.inf,
+) -> TwoLevels:
+    """Return the fit of readings with known errors and a scatter between them, and a prior on the coefficients.
+
+    Combinations with a prior are random effects [5]_: tau, its degrees of freedom and the deletion residuals follow
+    from the readings with these integrated out, so that there may be fewer readings than coefficients.
+
+    Parameters
+    ----------
+    design : ndarray, shape (n, p)
+        A column a coefficient.
+    readings : ndarray, shape (n,)
+        In one unit.
+    known : mapping of str to ndarray, shape (n,) or (n, n)
+        As `fit_two_levels` takes it.
+    prior : mapping of str to (ndarray, ndarray), shapes (k, p) and (k,)
+        By the name of each source: combinations of coefficients, each over its prior standard uncertainty, and the
+        values that these are expected to have. Together of full rank.
+    most : float
+        Largest scatter between readings that they show without the prior: a wrong prior is no scatter.
+
+    Raises
+    ------
+    DataError
+        ``no_dof`` where there are no more readings than combinations without a prior; ``no_scatter`` as there.
+    """
+    n = len(design)
+    rows, expected = (np.concatenate([part[k] for part in prior.values()]) for k in range(2))
+    flat = np.linalg.svd(rows)[2][len(rows) :].T  # combinations without a prior
+    lift = np.linalg.pinv(rows)
+    wide, at = dict(known), 0
+    for name, (own, _) in prior.items():
+        moved = design @ lift[:, at : at + len(own)]
+        wide[name], at = moved @ moved.T, at + len(own)
+    reduced = design @ flat, readings - design @ (lift @ expected), wide
+    marginal = fit_two_levels(*reduced)
+    if marginal.between > most:
+        marginal = replace(fit_two_levels(*reduced, between=most), information=marginal.information)
+    sources = {name: np.diag(part) if part.ndim == 1 else part for name, part in known.items()}
+    fixed = sum(sources.values(), np.zeros((n, n)))
+    inverse = _inverse(fixed, marginal.between**2) if np.any(fixed) or marginal.between > 0.0 else np.eye(n)
+    bare = np.linalg.inv(design.T @ inverse @ design + rows.T @ rows)
+    gain = bare @ design.T @ inverse
+    coefficients = gain @ readings + bare @ (rows.T @ expected)
+    parts = {name: _part(gain, part) for name, part in sources.items()}
+    parts |= {name: _part(bare @ own.T, np.eye(len(own))) for name, (own, _) in prior.items()}
+    residuals = readings - design @ coefficients
+    return replace(
+        marginal,
+        coefficients=coefficients,
+        covariance=0.5 * (bare + bare.T),
+        parts=parts,
+        between_part=marginal.between**2 * gain @ gain.T,
+        residuals=residuals,
+        gain=gain,
+    )
 
 
 def _restricted(design: Array, readings: Array, fixed: Array) -> tuple[float, tuple[float, float]]:

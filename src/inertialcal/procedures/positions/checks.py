@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import stdtrit
 
 from ...core.errors import DataError
 from ...core.estimate import Array
@@ -24,7 +25,7 @@ from .fit.linear_sensor import HIDDEN as JUDGED_BY_NOTHING
 from .fit.linear_sensor import Observability
 from .fit.rotations import Packed, Problem, angles, converged, packed
 from .plan import INFLUENCES
-from .readings import Readings
+from .readings import Readings, local_gravity
 from .rows import missing
 
 if TYPE_CHECKING:
@@ -41,6 +42,10 @@ LIKELY = 3  # permutations that are fitted
 USED = 8  # transitions that a search uses
 DEGREE = float(np.pi / 180.0)
 HIDDEN = 0.5  # share of a variance that nothing shows, from which on it is remarked
+CONFLICT = 0.01  # probability of a disagreement of prior and positions, below which it is remarked
+WIDE_INTERVAL = 0.05  # half of an interval of 95 %, over gravity or the scale factor
+STATE_A_PRIOR = 'state what is known of the unit: --prior-misalignment "0.02 rad", --prior-scale-factor "3 %", ...'
+PRIOR_UNIT = {"misalignment": "rad", "scale_factor_error": "", "bias": "m/s^2"}
 ALONE = 0.8  # leverage of a position on which some combination rests
 
 
@@ -241,7 +246,9 @@ def remarks_of(result: Result) -> list[Remark]:
         found.append(_unobserved("positions", acc.observed, "accelerometers"))
     if acc.free == 0:
         what = f"{len(readings)} positions for {acc.observed.rank} unknowns: no degrees of freedom left"
-        found.append(Remark("no_dof", "warning", what, do="Lay the unit into more orientations"))
+        do = "Lay the unit into more orientations" + ("" if acc.known else f"; or {STATE_A_PRIOR}")
+        found.append(Remark("no_dof", "warning", what, do=do))
+    found += _prior_remarks(result)
     for kind, one in result.estimates.items():
         unseen = sum(
             (np.diag(part.covariance) for part in one.components if part.origin.level == JUDGED_BY_NOTHING),
@@ -272,6 +279,57 @@ def remarks_of(result: Result) -> list[Remark]:
         what = "local gravity not given: standard gravity used, up to 0.3 % off"
         found.append(Remark("gravity_assumed", "warning", what, do="Give gravity, or the latitude of the site"))
     return found
+
+
+def _prior_remarks(result: Result) -> list[Remark]:
+    """Return what a stated prior does; without one, which figures the positions hardly determine."""
+    plan, judged, found = result.plan, result.prior, list[Remark]()
+    if judged is None:
+        if plan.priors and result.acc.known:
+            what = "the prior is not used: the orientations are known, and their positions determine the accelerometers"
+            found.append(Remark("prior_not_used", "warning", what, do="Leave the prior out"))
+        elif plan.priors:
+            what = "the prior is not used: with it, too, no degree of freedom is left"
+            found.append(Remark("prior_not_used", "warning", what, do="State a prior on the other quantities, too"))
+        return found + _hardly_determined(result)
+    sizes = {name: float(np.sqrt(np.mean(errors**2))) for name, errors in judged.left_out.items()}
+    own, alone, raw = (sizes[name] for name in ("prior", "without_prior", "as_read"))
+    prior = ", ".join(f"{name} {u:.3g} {PRIOR_UNIT[name]}".strip() for name, u in judged.stated.items())
+    what = (
+        f"prior on the accelerometers: {prior}. In a position left out, gravity is off by {own:.2g} m/s^2 with it, "
+        f"{alone:.2g} without it, {raw:.2g} as read"
+    )
+    if own > min(alone, raw):
+        better = "the positions alone" if alone <= raw else "the bare readings"
+        do = f"By positions left out, {better} are better: leave the prior out, or check it"
+        found.append(Remark("prior_does_not_help", "warning", what, do=do))
+    else:
+        found.append(Remark("prior_used", "info", what))
+    if judged.p_value < CONFLICT:
+        key, size = judged.farthest
+        what = (
+            f"the positions disagree with the prior (p = {judged.p_value:.1g}): {key.quantity} {key.axis} lies "
+            f"{abs(size):.2g} times its prior u from zero, and a wrong prior biases every figure"
+        )
+        found.append(Remark("prior_conflict", "warning", what, do="State a wider prior, or leave it out"))
+    return found
+
+
+def _hardly_determined(result: Result) -> list[Remark]:
+    """Return the remark that intervals are wider than anybody needs: a data sheet knows more."""
+    one, g = result.estimates.get("accelerometer"), local_gravity(result.plan)
+    if one is None:
+        return []
+    wide = []
+    for key, u, dof in zip(one.keys, one.u, one.dof, strict=True):
+        half = float(stdtrit(dof, 0.975)) * u / (g if key.quantity == "bias" else 1.0)
+        if key.quantity in PRIOR_UNIT and half > WIDE_INTERVAL:
+            wide.append(f"{key.quantity} {key.axis}")
+    if not wide:
+        return []
+    what = f"intervals wider than {100.0 * WIDE_INTERVAL:.0f} % of gravity, or of the scale factor: {', '.join(wide)}"
+    do = "Add orientations between the faces, about all axes" + ("" if result.acc.known else f"; or {STATE_A_PRIOR}")
+    return [Remark("hardly_determined", "warning", what, do=do)]
 
 
 def _gyro_remarks(result: Result) -> list[Remark]:

@@ -67,7 +67,29 @@ class Plan:
         "Reading of each gyro that stands for no input, by axis, in the unit of the readings; 0 where not given.",
         None, example="{ x = 32768 }",
     )  # fmt: skip
+    prior_misalignment: float | None = setting(
+        "Prior standard uncertainty of each misalignment of the accelerometers about 0, where no orientation is known; "
+        "none by default.", None, unit="rad", example="0.02 rad", above=0.0, most=1.0,
+    )  # fmt: skip
+    prior_scale_factor: float | None = setting(
+        "Prior standard uncertainty of each scale factor of the accelerometers about the ideal one; none by default.",
+        None, unit="1", example="3 %", above=0.0, most=1.0,
+    )  # fmt: skip
+    prior_bias: float | None = setting(
+        "Prior standard uncertainty of each bias of the accelerometers about 0; none by default.", None,
+        unit="m/s^2", example="0.5 m/s^2", above=0.0, most=1e3,
+    )  # fmt: skip
     standards: Standards = fact("Uncertainties of the standards.", "standards", dict[str, Influence])
+
+    @property
+    def priors(self) -> Mapping[str, float]:
+        """Stated prior standard uncertainties, by quantity [rad, 1, m/s^2]."""
+        given = {
+            "misalignment": self.prior_misalignment,
+            "scale_factor_error": self.prior_scale_factor,
+            "bias": self.prior_bias,
+        }
+        return {name: u for name, u in given.items() if u is not None}
 
 
 LARGEST = 1000  # positions that anybody lays

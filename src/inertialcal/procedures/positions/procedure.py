@@ -45,6 +45,7 @@ QUANTITIES = {
     "cross_axis_sensitivity": Quantity(RELATIVE, shown="%"),
     "g_sensitivity": Quantity(("other",), shown="({unit})/g"),  # of readings in counts it stays in counts
     "scatter_position": Quantity(READING),
+    "gravity_error_left_out": Quantity(READING),
     "scatter_rotation": Quantity(("angle",), shown="deg"),
     "transition_error": Quantity(("angle",), shown="deg"),
 }

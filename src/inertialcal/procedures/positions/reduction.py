@@ -1,6 +1,7 @@
 """Positions: accelerometers and gyros from static positions and the rotations between them, without a turntable.
 
-What is fitted stands in ``accelerometer`` (known orientations, or |f| = g), ``at_rest`` (bias and g-sensitivity of
+What is fitted stands in ``accelerometer`` (known orientations, or |f| = g), ``prior`` (with a
+stated prior), ``at_rest`` (bias and g-sensitivity of
 gyros) and ``rotations`` (their matrix); what the positions cannot determine in ``linear_sensor``, which of them
 disagree in ``outliers``, mistakes of unit, axis and time in ``checks``, the closed form of Ferraris in ``published``.
 
@@ -38,6 +39,7 @@ from .fit.accelerometer import FEWEST, Fitted, among, fit_known, fit_unknown
 from .fit.at_rest import apart, at_rest, joined
 from .fit.gyro import FittedGyro, fit_gyro, problem_of
 from .fit.linear_sensor import rounded_scale, with_ideal
+from .fit.prior import Judgement, check_prior, fit_prior
 from .orientations import check_names, missing_faces
 from .plan import INFLUENCES, Plan
 from .published import Ferraris, ferraris
@@ -82,6 +84,7 @@ class Result:
     models: Mapping[str, SensorModel]  # The same as models, for readings as they were recorded
     remarks: tuple[Remark, ...]  # Findings
     sensor: Kind | Literal[""] = ""  # Kind of sensor that this is the part of; empty for the whole
+    prior: Judgement | None = None  # How a stated prior agrees and whether it helps; None without one
 
     @property
     def estimate(self) -> Estimate | None:
@@ -124,7 +127,7 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     Raises
     ------
     DataError
-        ``too_few_positions``, ``unit_slip``, ``position_misnamed``, ``axes_disagree``.
+        ``too_few_positions``, ``unit_slip``, ``position_misnamed``, ``axes_disagree``, ``prior_without_ideal``.
     """
     check_units(readings, local_gravity(plan))
     check_names(readings)
@@ -133,12 +136,15 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     near, middle = _start(readings.acc.mean, g)
     ideal = by_axis(plan.acc_scale_factor, 1.0) if si or plan.acc_scale_factor else near
     zero = by_axis(plan.acc_zero, 0.0) if si or plan.acc_zero else middle
-    direction = readings.direction
+    direction, prior = readings.direction, None
     named = np.asarray(np.isfinite(np.nan if direction is None else direction).all(axis=-1), dtype=np.bool_)
     if direction is not None and np.sum(named) >= FEWEST:
         fitted = among(fit_known(plan, readings.acc.take(named), direction[named], ideal, zero), named)
     else:
+        check_prior(plan, si)
         fitted = fit_unknown(plan, readings.acc, ideal, zero)
+        if plan.priors:
+            fitted, prior = fit_prior(plan, readings.acc, ideal, zero, fitted)
     sensor = fitted.sensor
     final = ideal if si or plan.acc_scale_factor else rounded_scale(sensor, np.ones(3, dtype=bool))
     acc = replace(fitted, sensor=with_ideal(sensor, final, by_axis(plan.acc_zero, 0.0)))
@@ -158,9 +164,12 @@ def reduce(plan: Plan, readings: Readings) -> Result:
         found_model = model(fit.sensor, kind, triad.unit, input_range)
         if found_estimate is not None and found_model is not None:
             estimates[kind], models[kind] = found_estimate, found_model
-    bare = Result(plan, readings, acc, gyro, estimates, models, ())
+    if prior is not None:
+        alone = with_ideal(prior.without.sensor, final, by_axis(plan.acc_zero, 0.0))
+        prior = replace(prior, without=replace(prior.without, sensor=alone))
+    bare = Result(plan, readings, acc, gyro, estimates, models, (), prior=prior)
     remarks = gather([*readings.remarks, *missing_faces(readings), *found, *remarks_of(bare)])
-    return Result(plan, readings, acc, gyro, estimates, models, remarks)
+    return replace(bare, remarks=remarks)
 
 
 def _start(mean: Array, g: float) -> tuple[Array, Array]:

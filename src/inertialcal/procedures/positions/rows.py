@@ -13,14 +13,14 @@ import numpy as np
 
 from ...core.curve import Column, Curve
 from ...core.estimate import Array, Component, Estimate
-from ...core.key import AXES, Key, Kind, Reason
+from ...core.key import AXES, Key, Kind, Method, Reason
 from ...core.results import Interval, Row, not_estimated
 from ...core.units import normalise
 from ...sensors.model.assemble import model_from
 from ...sensors.model.sensor_model import SensorModel
 from ...statistics.intervals import chi_square_interval, t_interval
 from ...statistics.two_levels import TwoLevels
-from .fit.accelerometer import Fitted
+from .fit.accelerometer import OF_FRAME, Fitted
 from .fit.gyro import FittedGyro, fit_gyro
 from .fit.linear_sensor import BIAS, FEWEST, G_SENSITIVITY, MATRIX, LinearSensor, with_ideal
 from .fit.rotations import across
@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
 NO_LEVEL = Reason("not_repeated", "nothing was repeated")
 NOT_SEEN = Reason("hardly_seen", "hardly larger than the known noise: less than one degree of freedom")
+STATED = Reason("stated", "stated before any reading")
+LEFT_OUT = Reason("left_out", "root mean square over the positions, each left out of the fit in turn")
 SCALE = tuple(Key("scale_factor", a) for a in AXES)
 ROUNDING = 1e-12  # of the terms that make up a variance
 UNIT: dict[str, str] = {"accelerometer": "m/s^2", "gyro": "rad/s"}
@@ -43,11 +45,14 @@ UNIT: dict[str, str] = {"accelerometer": "m/s^2", "gyro": "rad/s"}
 
 def rows(result: Result) -> list[Row]:
     """Return all rows, SI, accelerometers first."""
-    found = _sensor_rows(result, "accelerometer", result.acc.sensor, result.readings.acc.unit)
+    found = _sensor_rows(
+        result, "accelerometer", result.acc.sensor, result.readings.acc.unit, result.estimates.get("accelerometer")
+    )
     found.append(_between(Key("scatter_position", "", "accelerometer"), "m/s^2", result.acc))
+    found += _prior_rows(result)
     gyro = result.gyro
     if gyro is not None and result.readings.gyro is not None:
-        found += _sensor_rows(result, "gyro", gyro.sensor, result.readings.gyro.unit)
+        found += _sensor_rows(result, "gyro", gyro.sensor, result.readings.gyro.unit, result.estimates.get("gyro"))
         for axis, fit in zip(AXES, gyro.rest.fits or (None,) * 3, strict=True):
             found.append(_between(Key("scatter_position", axis, "gyro"), "rad/s", fit))
         fit = None if gyro.rotated is None or gyro.rotated.found is None else gyro.rotated.found
@@ -60,8 +65,30 @@ def rows(result: Result) -> list[Row]:
     return found + published_rows(result.readings, local_gravity(result.plan))
 
 
-def _sensor_rows(result: Result, kind: Kind, sensor: LinearSensor, unit: str) -> list[Row]:
-    estimate, count = result.estimates.get(kind), len(sensor.values)
+def _prior_rows(result: Result) -> list[Row]:
+    """Return the prior, what the positions give without it, and the error of gravity in positions left out."""
+    judged, unit = result.prior, result.readings.acc.unit
+    if judged is None:
+        return []
+    alone = judged.without.sensor
+    found = [
+        replace(row, method=Method.WITHOUT_PRIOR)
+        for row in _sensor_rows(result, "accelerometer", alone, unit, estimate(alone, "accelerometer", unit))
+        if row.key.quantity in judged.stated and row.reason != OF_FRAME
+    ]
+    for row in list(found):
+        u = judged.stated[row.key.quantity]
+        ends = t_interval(0.0, u, np.inf)
+        found.append(Row(row.key, 0.0, u, row.unit, None, ends, reason=STATED, method=Method.PRIOR))
+    for name, errors in judged.left_out.items():
+        key, size = Key("gravity_error_left_out", "", "accelerometer"), float(np.sqrt(np.mean(errors**2)))
+        method = Method.RESULT if name == "prior" else Method(name)
+        found.append(Row(key, size, None, "m/s^2", reason=LEFT_OUT, method=method))
+    return found
+
+
+def _sensor_rows(result: Result, kind: Kind, sensor: LinearSensor, unit: str, estimate: Estimate | None) -> list[Row]:
+    count = len(sensor.values)
     wanted = list(zip((*MATRIX, *BIAS, *G_SENSITIVITY)[:count], units_of(kind, count), strict=True))
     if unit != UNIT[kind]:
         wanted = [(name, f"{unit}/({UNIT[kind]})") for name in SCALE] + wanted

@@ -21,7 +21,7 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -29,11 +29,12 @@ from numpy.typing import NDArray
 
 from ....core.errors import DataError
 from ....core.estimate import Array
+from ....core.influence import Influence, Standards
 from ....core.key import AXES, Reason
 from ....statistics.two_levels import TwoLevels, fit_two_levels
 from ..plan import Plan
 from ..readings import Triad, local_gravity
-from .linear_sensor import BIAS, MATRIX, SMALLEST, USELESS, LinearSensor, Observability, Source, level_sources, observe
+from .linear_sensor import BIAS, MATRIX, SMALLEST, LinearSensor, Observability, Source, level_sources, observe
 from .outliers import found_outliers, robust_scale, weights
 
 NOTHING_LEFT = Reason("nothing_left", "as many positions as unknowns: no degrees of freedom left")
@@ -45,6 +46,8 @@ BETWEEN = "scatter between positions"
 FEWEST = 4  # positions without which nothing is determined
 
 Flags = NDArray[np.bool_]
+# Of each quantity with a prior: its derivatives by the scaled parameters, and its value, over the prior u
+Prior = Mapping[str, tuple[Array, Array]]
 LOWER = ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2))
 ROW, COLUMN = np.array(LOWER).T
 STEPS, HALVINGS = 60, 12
@@ -52,6 +55,10 @@ NAMES = tuple(MATRIX[3 * i + j] for i, j in LOWER) + BIAS  # of the parameters o
 COARSE = 0.02  # singular value over the largest, below which the first steps leave a combination alone
 PLANE = 0.06  # spread of the positions across a plane [gravities], below which they lie in it
 SETTLED = 1e-9  # of gravity
+LOST = 1.0  # standard uncertainty of a combination of size one (100 % of gravity), above which it is not determined
+UNKNOWN = 0.02  # standard uncertainty of such a combination, for parameters that hardly take part in it
+NOT_DETERMINED = "combinations not determined"
+FEW_FREE = 2  # degrees of freedom, fewer than which a scatter of zero says nothing
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,8 +117,9 @@ def fit_known(plan: Plan, triad: Triad, direction: Array, ideal: Array, zero: Ar
     back = scale[:, None] * observed.kept
     away = y - reduced @ (found.coefficients if found else np.linalg.lstsq(reduced[kept], y[kept], rcond=None)[0])
     values = usual + back @ (found.coefficients if found else np.linalg.lstsq(reduced, y, rcond=None)[0])
-    sensor = _sensor(plan, values, back, found, observed.determined, ideal, zero)
-    return _fitted(sensor, observed, outliers, away.reshape(m, 3), found, known=True)
+    sources = None if found is None else level_sources(found, back, plan.standards, BETWEEN)
+    sensor = sensor_of(plan, values, sources, observed.determined, ideal, zero)
+    return finished(sensor, observed, outliers, away.reshape(m, 3), found, known=True)
 
 
 def fit_unknown(plan: Plan, triad: Triad, ideal: Array, zero: Array) -> Fitted:
@@ -130,27 +138,38 @@ def fit_unknown(plan: Plan, triad: Triad, ideal: Array, zero: Array) -> Fitted:
     _check_count(m)
     r, inside = normalised(triad, ideal, zero)
     check_plane(r, g)
-    everyone = np.ones(m)
-    theta = converged(r, g, everyone, nominal(g), COARSE)
-    scatter = _scatter(theta, r, inside, g)
-    cut = max(scatter / (g * USELESS), SMALLEST)
-    theta = converged(r, g, everyone, theta, cut)
-    for _ in range(4):
-        free = max(m - len(theta), 1)
-        theta = converged(r, g, np.sqrt(weights(lengths(theta, r, g)[0], free)), theta, cut)
-    scatter = _scatter(theta, r, inside, g)
+    theta, scatter, cut = sphere(r, inside, g)
     e, jacobian, u = lengths(theta, r, g)
-    observed = observe(jacobian / g, NAMES, scatter / g)
+    observed = _observe(jacobian, scatter, g)
     known = {INSIDE: variances(theta, u, inside, g)}
     outliers = _outliers(plan, jacobian @ observed.kept, -e, known, np.arange(m))
     kept = ~outliers
-    theta = converged(r[kept], g, everyone[kept], theta, cut)
+    theta = converged(r[kept], g, np.ones(int(kept.sum())), theta, cut)
     found, observed, theta = _second_level(r[kept], inside[kept], g, theta, scatter)
     e = lengths(theta, r, g)[0]
     values, to_values = forward(theta, g)
     determined = determined_forward(observed.determined)
-    sensor = _sensor(plan, values, to_values @ observed.kept, found, determined, ideal, zero, of_frame=True)
-    return _fitted(sensor, observed, outliers, e[:, None], found, known=False)
+    noise = variances(theta, lengths(theta, r, g)[2], inside, g)
+    sources = None
+    if found is not None:
+        sources = [
+            *sources_of(found, to_values @ observed.kept, plan.standards, noise[kept]),
+            *_undetermined(observed, to_values, g),
+        ]
+    sensor = sensor_of(plan, values, sources, determined, ideal, zero, of_frame=True)
+    return finished(sensor, observed, outliers, e[:, None], found, known=False)
+
+
+def sphere(r: Array, inside: Array, g: float) -> tuple[Array, float, float]:
+    """Return scaled parameters by a robust fit, the scatter of a length, and the singular value that is cut off."""
+    everyone = np.ones(len(r))
+    theta = converged(r, g, everyone, nominal(g), COARSE)
+    cut = max(_scatter(theta, r, inside, g) / (g * LOST), SMALLEST)
+    theta = converged(r, g, everyone, theta, cut)
+    for _ in range(4):
+        free = max(len(r) - len(theta), 1)
+        theta = converged(r, g, np.sqrt(weights(lengths(theta, r, g)[0], free)), theta, cut)
+    return theta, _scatter(theta, r, inside, g), cut
 
 
 def among(fitted: Fitted, named: Flags) -> Fitted:
@@ -170,6 +189,10 @@ def among(fitted: Fitted, named: Flags) -> Fitted:
     outliers = np.zeros(len(named), dtype=bool)
     outliers[named] = fitted.outliers
     return replace(fitted, residuals=residuals, deletion=deletion, outliers=outliers)
+
+
+def _observe(jacobian: Array, scatter: float, g: float) -> Observability:
+    return observe(jacobian / g, NAMES, scatter / g, LOST)
 
 
 def _scatter(theta: Array, r: Array, inside: Array, g: float) -> float:
@@ -230,7 +253,7 @@ def _second_level(
     everyone = np.ones(len(r), dtype=bool)
     for _ in range(10):
         e, jacobian, u = lengths(theta, r, g)
-        observed = observe(jacobian / g, NAMES, scatter / g)
+        observed = _observe(jacobian, scatter, g)
         found = _two_levels(jacobian @ observed.kept, -e, {INSIDE: variances(theta, u, inside, g)}, everyone)
         if found is None:
             break
@@ -241,25 +264,40 @@ def _second_level(
     return found, observed, theta
 
 
-def _sensor(
+def _undetermined(observed: Observability, to_values: Array, g: float) -> list[Source]:
+    """Return what combinations that stay at their nominal value do to the parameters that hardly take part in them."""
+    if observed.whole:
+        return []
+    moved = to_values @ (np.eye(observed.count) - observed.kept @ observed.kept.T) * (UNKNOWN * g)
+    return [Source(NOT_DETERMINED, "B", moved @ moved.T, np.inf, Influence(UNKNOWN, certificate="none: assumed"))]
+
+
+def sources_of(found: TwoLevels, back: Array, stated: Standards, noise: Array) -> list[Source]:
+    """Return the sources of numbers; where next to nothing is left over, t counts even if no scatter shows."""
+    sources = level_sources(found, back, stated, BETWEEN)
+    free = max(1.0, found.information * float(np.mean(noise + found.between**2)) ** 2)
+    if free >= FEW_FREE:
+        return sources
+    return [one if one.kind == "B" else replace(one, dof=np.minimum(one.dof, free)) for one in sources]
+
+
+def sensor_of(
     plan: Plan,
     values: Array,
-    back: Array,
-    found: TwoLevels | None,
+    sources: list[Source] | None,
     determined: Flags,
     ideal: Array,
     zero: Array,
     of_frame: bool = False,
 ) -> LinearSensor:
-    """Gather values, sources and reasons."""
+    """Gather values, sources and reasons; no sources: nothing judges the numbers."""
     names = (*MATRIX, *BIAS)
     reasons = {k: NOT_TOLD for k in range(12) if not determined[k]}
     if of_frame:
         reasons |= {3 * i + j: OF_FRAME for i in range(3) for j in range(i + 1, 3)}
-    if found is None:
+    if sources is None:
         reasons |= {k: NOTHING_LEFT for k in range(12) if k not in reasons}
         return LinearSensor(values, (), reasons, ideal, zero, names)
-    sources = level_sources(found, back, plan.standards, BETWEEN)
     gravity = plan.standards.get("gravity.value")  # moves all positions alike, as the mounting does
     if gravity is not None:
         change = np.concatenate([-values[:9], np.zeros(3)]) * gravity.u / local_gravity(plan)
@@ -283,9 +321,10 @@ def mounting_source(values: Array, u: float, plan: Plan) -> Source:
     return Source("fixture.mounting", "B", total, influence.dof, influence)
 
 
-def _fitted(
+def finished(
     sensor: LinearSensor, observed: Observability, outliers: Flags, away: Array, found: TwoLevels | None, known: bool
 ) -> Fitted:
+    """Return a fit with how each position agrees."""
     deletion = np.full(away.shape, np.nan)
     if found is None:
         return Fitted(sensor, observed, outliers, away, deletion, None, 0.0, (0.0, np.inf), np.nan, np.nan, 0, known)
@@ -338,16 +377,25 @@ def lengths(theta: Array, r: Array, g: float) -> tuple[Array, Array, Array]:
     return length - g, jacobian, u
 
 
-def converged(r: Array, g: float, root: Array, theta: Array, cut: float) -> Array:
+def converged(
+    r: Array, g: float, root: Array, theta: Array, cut: float, prior: Callable[[Array], Prior] | None = None
+) -> Array:
     """Return where damped Gauss-Newton with weights root^2 ends; what is not determined stays as it starts."""
-    e, jacobian, _ = lengths(theta, r, g)
-    cost = float(np.sum((root * e) ** 2))
+
+    def errors(at: Array) -> tuple[Array, Array]:
+        e, jacobian, _ = lengths(at, r, g)
+        e, jacobian = root * e, root[:, None] * jacobian
+        also = () if prior is None else prior(at).values()
+        return np.concatenate([e, *(q for _, q in also)]), np.vstack([jacobian, *(rows for rows, _ in also)])
+
+    e, jacobian = errors(theta)
+    cost = float(e @ e)
     for _ in range(STEPS):
-        step = np.linalg.lstsq(jacobian * root[:, None], -root * e, rcond=cut)[0]
+        step = np.linalg.lstsq(jacobian, -e, rcond=cut)[0]
         for _ in range(HALVINGS):
             trial = theta + step
-            e_trial, jacobian_trial, _ = lengths(trial, r, g)
-            new = float(np.sum((root * e_trial) ** 2))
+            e_trial, jacobian_trial = errors(trial)
+            new = float(e_trial @ e_trial)
             if new <= cost:
                 break
             step = 0.5 * step

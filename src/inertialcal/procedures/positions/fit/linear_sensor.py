@@ -203,7 +203,14 @@ class Observability:
         return self.rank == self.count
 
 
-def observe(scaled: Array, names: Sequence[Key], scatter: float) -> Observability:
+def observe(
+    scaled: Array,
+    names: Sequence[Key],
+    scatter: float,
+    useless: float = USELESS,
+    takes_part: float = TAKES_PART,
+    smallest: float = SMALLEST,
+) -> Observability:
     """Return what a scaled Jacobian can tell.
 
     Parameters
@@ -214,13 +221,19 @@ def observe(scaled: Array, names: Sequence[Key], scatter: float) -> Observabilit
         Of the parameters.
     scatter : float
         Standard deviation of a reading, in that unit.
+    useless : float
+        Standard uncertainty of a combination of size one, above which it is not determined.
+    takes_part : float
+        Share of a parameter in a combination that is not, below which the parameter is determined.
+    smallest : float
+        Singular value over the largest one, below which a combination is not determined.
     """
     n, p = scaled.shape
     padded = scaled if n >= p else np.vstack([scaled, np.zeros((p - n, p))])
     s, rows = np.linalg.svd(padded, full_matrices=False)[1:]
-    good = (s > SMALLEST * s[0]) & (scatter < USELESS * s) if s[0] > 0.0 else np.zeros(p, dtype=bool)
+    good = (s > smallest * s[0]) & (scatter < useless * s) if s[0] > 0.0 else np.zeros(p, dtype=bool)
     lost = rows[~good].T
-    determined = np.sqrt(np.sum(lost**2, axis=1)) < TAKES_PART
+    determined = np.sqrt(np.sum(lost**2, axis=1)) < takes_part
     rank = int(np.sum(good))
     condition = float(s[good].max() / s[good].min()) if rank else np.inf
     simple = _simple(lost, names)
