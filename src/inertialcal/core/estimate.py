@@ -41,6 +41,7 @@ Numbers = NDArray[np.integer | np.floating]  # readings as they were recorded: c
 P = 0.95  # Of the two-sided interval that degrees of freedom are joined for
 FEW = 1.5  # Degrees of freedom up to which Banerjee's bound is taken as it is
 NO_EXCESS = 1e-7  # of k^2 over that of the normal distribution: degrees of freedom beyond 1e8 are infinite
+AFTER = "after"  # of an unknown: it came with what another test found, which was taken off before
 SYMMETRY = 1e-9  # largest relative asymmetry that a covariance may have from rounding
 TINY = float(np.finfo(float).tiny)
 
@@ -111,6 +112,23 @@ class Component:
     # where these are known: ``covariance = changes.T @ changes``. With them the difference of two results knows
     # what both share.
     changes: Array | None = None
+    # One a row of ``changes``: which unknown of the influence it is, by what it belongs to and not by its place:
+    # ``"xz"``; empty where there is one alone. Several without names are known to no other result.
+    unknowns: tuple[str, ...] = ()
+
+    @property
+    def named_changes(self) -> dict[str, Array]:
+        """Changes of all values, shape (k,), by the unknown of a standard: ``"rate_table.mounting[xz]"``.
+
+        Unknowns of what another test found and took off before say so: ``"site.latitude[after]"``.
+        """
+        origin = self.origin
+        if self.changes is None or not origin.standard:
+            return {}
+        indices = self.unknowns or ("",) * (len(self.changes) == 1)
+        texts = [" ".join(filter(None, (AFTER if origin.test else "", one))) for one in indices]
+        name = f"{origin.standard}.{origin.quantity}"
+        return {f"{name}[{one}]" if one else name: row for one, row in zip(texts, self.changes, strict=False)}
 
     @property
     def origin(self) -> Origin:
@@ -202,15 +220,13 @@ class Estimate:
     def shared(self, name: Key | str, times: float = 1.0) -> dict[str, float]:
         """Return the change of a value for one standard uncertainty of each unknown of a standard, with its sign.
 
-        Unknowns go by the name of their influence: ``"rate_table.rate"``; of several, ``"site.latitude[1]"``.
+        Unknowns go by the name of their influence: ``"rate_table.rate"``; of several, ``"rate_table.mounting[xz]"``.
         """
-        at, found = self.index(name), {}
+        at: int = self.index(name)
+        found: dict[str, float] = {}
         for one in self.components:
-            origin = one.origin
-            if one.changes is not None and origin.standard and not origin.test:
-                for i, change in enumerate(one.changes[:, at]):
-                    number = f"[{i}]" if len(one.changes) > 1 else ""
-                    found[f"{origin.standard}.{origin.quantity}{number}"] = float(change) * times
+            for unknown, changes in one.named_changes.items():
+                found[unknown] = found.get(unknown, 0.0) + float(changes[at]) * times
         return found
 
     def index(self, name: Key | str) -> int:

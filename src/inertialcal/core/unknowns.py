@@ -38,7 +38,7 @@ class Unknowns:
         The same of those parameters [SI].
     dof : ndarray, shape (3,)
         Degrees of freedom, by sensor.
-    distribution, stated
+    distribution, stated, unknowns
         As ``Component`` has them.
     """
 
@@ -50,6 +50,7 @@ class Unknowns:
     dof: Array
     distribution: str = "normal"
     stated: tuple[float, str] | None = None
+    unknowns: tuple[str, ...] = ()
 
     def take(self, keep: Chosen) -> Unknowns:
         """Return the same of some of the dwells."""

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, Protocol, TypeVar
 
 from ..core.figure import FigureSpec
+from ..core.influence import Occasion, Selection
 from ..core.key import AXES, Kind
 from ..core.results import WrittenRow
 from ..core.show.rows import Compared, Sentence, error_sentence
@@ -514,6 +515,10 @@ class Tested(Generic[P, R, S]):
         Of its sensor.
     against : Tested or None
         The test that it is set beside.
+    occasion : Occasion
+        What drew the errors of standards in it.
+    selection : Selection
+        What it takes of its recordings.
     """
 
     id: str
@@ -526,6 +531,8 @@ class Tested(Generic[P, R, S]):
     files: tuple[str, ...] = ()
     facts: Facts = Facts(None, "", "")
     against: Tested[Any, Any, Any] | None = None
+    occasion: Occasion = field(default_factory=Occasion)
+    selection: Selection = field(default_factory=Selection)
 
 
 class Procedure(Generic[P, R, S]):

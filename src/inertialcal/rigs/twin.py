@@ -214,7 +214,7 @@ class Extra:
 class DrawnError:
     """Error of a standard, as it was drawn for a campaign."""
 
-    influence: str  # As results name it: ``"rate_table.rate"``, ``"converter.zero[1]"``
+    influence: str  # As results name it: ``"rate_table.rate"``, ``"converter.zero[y]"``
     error: float  # Stated or read less true, in its standard uncertainties: results change by it times ``shared``
     distribution: str = "normal"  # That it was drawn from
 

@@ -22,8 +22,9 @@ from ...statistics.decision import Verdict, decide_by, no_change, overall
 from ...statistics.guard_band import INTERVAL
 from ..file.decisions import read_decision
 from .allowed_change import Allowed, allowed_for, is_named, parse_allowed
+from .common import common_of
 from .differences import Difference, P, differences, is_scatter, matched, rows_remark
-from .sources import Kind, load_both, shared_influences, shared_remarks
+from .sources import Kind, load_both
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,11 @@ class Comparison:
 
 
 def compare(
-    first: str | os.PathLike[str], second: str | os.PathLike[str], allowed: Sequence[str] = (), decision: str = ""
+    first: str | os.PathLike[str],
+    second: str | os.PathLike[str],
+    allowed: Sequence[str] = (),
+    decision: str = "",
+    shared: Sequence[str] = (),
 ) -> Comparison:
     """Compare two models, or the results of two campaigns.
 
@@ -82,13 +87,15 @@ def compare(
         Rule by which allowed changes are judged: ``"simple_acceptance"``, ``"guard_factor=1"``,
         ``"false_accept_risk=2 %"``, ``"test_uncertainty_ratio=4"``, or a table as ``campaign.toml`` has it; the
         95 % interval where not given.
+    shared : sequence of str
+        Standards whose error is the same in both though the campaigns do not say so: ``"rate_table.mounting"``.
 
     Raises
     ------
     DataError
         As ``load_both``; ``no_shared_quantity`` if no figure stands in both, or none that a change is allowed for.
     UsageError
-        ``allowed``, ``decision``.
+        ``allowed``, ``decision``; ``not_shared`` for a standard that is not in both, or of which both state two.
     """
     stated, rule = parse_allowed(allowed), read_decision(decision) if decision else INTERVAL
     if decision and not stated:
@@ -104,10 +111,11 @@ def compare(
             do="Compare campaigns of one kind of sensor and test",
             code="no_shared_quantity",
         )
-    found, judging = judged(differences(pairs, shared_influences(one, other)), stated, rule)
+    common = common_of(one, other, shared)
+    found, judging = judged(differences(pairs, common), stated, rule)
     what = "first and second are taken as independent, but for standards that both share"
     assumed = Remark("taken_as_independent", "info", what)
-    everything = (assumed, *shared_remarks(one, other), *remarks, *judging)
+    everything = (assumed, *common.remarks(pairs), *remarks, *judging)
     return Comparison(kind, found, everything, {one.path: one.sha256, other.path: other.sha256})
 
 

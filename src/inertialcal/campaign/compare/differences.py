@@ -18,17 +18,16 @@ import math
 from collections import Counter
 from collections.abc import Collection, Hashable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, Protocol
 
 from scipy import special
 
-from ...core.influence import influence_of
 from ...core.key import Reason
 from ...core.remarks import Remark
 from ...core.results import Interval, Row, finite
 from ...core.units import convert, factor, same_dimension
 from ...statistics.decision import Verdict, holm
-from ...statistics.difference import Figure, difference
+from ...statistics.difference import SAME, Figure, difference
 from ...statistics.intervals import t_interval
 from ...statistics.scatters import difference_interval, equality_p_value
 
@@ -60,20 +59,30 @@ class Difference:
         }
 
 
-def differences(pairs: Sequence[tuple[Row, Row]], shared: Collection[str] = ()) -> tuple[Difference, ...]:
-    """Return the difference of each pair, second less first; `shared`: influences with one error in both."""
+class Relation(Protocol):
+    """What two sides have in common."""
+
+    def identical(self, one: Row, other: Row) -> bool:
+        """Whether two figures are one and the same."""
+        ...
+
+    def shared(self, one: Row, other: Row) -> Collection[str]:
+        """Return the unknowns whose error is the same in two figures."""
+        ...
+
+
+def differences(pairs: Sequence[tuple[Row, Row]], common: Relation | None = None) -> tuple[Difference, ...]:
+    """Return the difference of each pair, second less first; without anything in common where none is given."""
     reasons = [_not_comparable(*pair) for pair in pairs]
     usable = [pair for pair, reason in zip(pairs, reasons, strict=True) if not reason]
     figures = [
-        difference(
-            _figure(one),
-            _figure(other),
-            [name for name in {*one.shared, *other.shared} if influence_of(name) in shared],
-        )
+        SAME
+        if common is not None and common.identical(one, other)
+        else difference(_figure(one), _figure(other), () if common is None else common.shared(one, other))
         for one, other in usable
     ]
     p_values = [
-        _scatter_p(*pair) if is_scatter(pair[0]) else _p_value(found.value, found.u, found.dof)
+        _scatter_p(*pair) if is_scatter(pair[0]) and found is not SAME else _p_value(found.value, found.u, found.dof)
         for pair, found in zip(usable, figures, strict=True)
     ]
     rejected = iter(holm(p_values, 1.0 - P))
@@ -128,7 +137,7 @@ def _scatter_p(one: Row, other: Row) -> float:
 
 
 def _interval(one: Row, other: Row, d: float, u: float, dof: float) -> Interval:
-    if is_scatter(one):
+    if is_scatter(one) and u:
         return difference_interval(*(float(number or 0.0) for row in (one, other) for number in (row.value, row.dof)))
     return t_interval(d, u, dof, P)
 

@@ -10,9 +10,11 @@ from pathlib import Path
 from typing import Any, Literal
 
 from ...core.errors import DataError
+from ...core.estimate import AFTER, Component
+from ...core.influence import Drawn, Influence, Occasion, Selection, influence_of, influence_read
 from ...core.key import Method
-from ...core.remarks import Remark
 from ...core.results import Row
+from ...core.times import read_instant
 from ...files.models.model_file import load_model_file
 from ...files.source import load
 from ...procedures.display import displayed
@@ -39,8 +41,24 @@ class Compared:
     # SHA-256 -> path of each recording that went in, as far as ``provenance.json`` lies beside
     recordings: Mapping[str, str]
     sensor: str = ""  # What a model senses: ``"accelerometer"``, ``"gyro"``; empty for results
-    influences: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)  # Of results
-    site: Mapping[str, Any] = field(default_factory=dict)  # Of results
+    influences: Mapping[str, Influence] = field(default_factory=dict)  # By name, as stated
+    # By test, of a model under no name: what drew the errors of standards, and what went in
+    occasions: Mapping[str, Occasion] = field(default_factory=dict)
+    selections: Mapping[str, tuple[Selection, ...]] = field(default_factory=dict)
+
+    def drawn(self, unknown: str, row: Row) -> Drawn | None:
+        """Return which error an unknown of a figure is; None where its standard is not stated."""
+        one = self.influences.get(influence_of(unknown))
+        if one is None:
+            return None
+        occasion = self.occasions.get(row.test, self.occasions.get("", Occasion()))
+        drew = occasion.drew(one.redrawn_by, one.standard)
+        before = unknown.partition("[")[2].startswith(AFTER) and one.redrawn_by not in ("never", "certificate")
+        return Drawn(one, "" if before else drew, self.serial)  # of what was taken off nobody said when it was drawn
+
+    def selected(self, row: Row) -> tuple[Selection, ...]:
+        """Return what went into a figure; nothing where that is not known."""
+        return self.selections.get(row.test, self.selections.get("", ()))
 
 
 def load_both(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> tuple[Kind, Compared, Compared]:
@@ -75,43 +93,6 @@ def load_both(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> 
     return kind, one, other
 
 
-def shared_influences(one: Compared, other: Compared) -> list[str]:
-    """Return the influences whose error is the same in both: one certificate, or one constant or site."""
-    found = []
-    for name, mine in one.influences.items():
-        of_site = mine["standard"] in ("site", "gravity")
-        same = mine == other.influences.get(name) and (not of_site or one.site == other.site)
-        lasting = mine["redrawn_by"] == "never" or (mine["redrawn_by"] == "certificate" and mine["certificate"])
-        if same and lasting:
-            found.append(name)
-    return found
-
-
-def shared_remarks(one: Compared, other: Compared) -> tuple[Remark, ...]:
-    """Return remarks on what two sides share, or may share."""
-    remarks = []
-    same = [path for digest, path in one.recordings.items() if digest in other.recordings]
-    if one.sha256 == other.sha256:
-        remarks.append(Remark("same_file", "warning", "both files have the same content: every difference is 0"))
-    elif same:
-        what = f"recordings that went into both: {', '.join(same)[:120]}: not independent, u of a difference is wrong"
-        remarks.append(Remark("same_recordings", "warning", what, count=len(same), do="Compare separate recordings"))
-    known = shared_influences(one, other)
-    if known:
-        what = f"one standard in both, so its error cancels in each difference: {', '.join(known)}"
-        remarks.append(Remark("standards_shared", "info", what, count=len(known)))
-    unknown = sorted((one.type_b & other.type_b) - set(known))
-    if unknown:
-        what = f"Type B in both ({', '.join(unknown)[:160]}): taken as independent. "
-        what += "With one standard in both, u of a difference is smaller than stated"
-        do = "Give both campaigns the certificate of the standard"
-        remarks.append(Remark("standards_may_be_shared", "info", what, count=len(unknown), do=do))
-    if one.serial and other.serial and one.serial != other.serial:
-        what = f"two units: serial {one.serial!r} and {other.serial!r}"
-        remarks.append(Remark("different_serials", "info", what))
-    return tuple(remarks)
-
-
 def _kind_of(path: Path) -> str:
     if path.is_dir():
         return "both"
@@ -128,10 +109,19 @@ def _model(path: Path) -> Compared:
         source.sha256,
         tuple(displayed(row, FIELD_UNIT[model.kind]) for row in model_rows(model)),
         model.item.serial,
-        frozenset(one.source for one in components if one.kind == "B"),
+        frozenset(_source(one) for one in components if one.kind == "B" and one.u.any()),
         _recordings(Path(source.path)),
         model.kind,
+        model.influences,
+        {"": model.occasion},
+        {"": model.selections},
     )
+
+
+def _source(component: Component) -> str:
+    """Return the influence that a source is of; in words where it is of none."""
+    origin = component.origin
+    return f"{origin.standard}.{origin.quantity}" if origin.standard else component.source
 
 
 def _results(given: Path) -> Compared:
@@ -150,7 +140,8 @@ def _results(given: Path) -> Compared:
         budgets = [b for b in content.get("budgets", []) if b["kind"] == "B"]
         type_b = frozenset(str(b.get("influence") or b["source"]) for b in budgets)
         serial = str(content.get("item", {}).get("serial", ""))
-        influences, site = content.get("influences", {}), content.get("site", {})
+        influences = {name: influence_read(one) for name, one in content.get("influences", {}).items()}
+        occasions, selections = _tests(content)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise DataError(
             f"neither a model nor results: {type(error).__name__} {error}",
@@ -159,8 +150,28 @@ def _results(given: Path) -> Compared:
             code="schema",
         ) from None
     return Compared(
-        str(path), sha256, rows, serial, type_b, _recordings(path), influences=influences, site=site
+        str(path), sha256, rows, serial, type_b, _recordings(path), "", influences, occasions, selections
     )  # fmt: skip
+
+
+def _tests(content: Mapping[str, Any]) -> tuple[dict[str, Occasion], dict[str, tuple[Selection, ...]]]:
+    """Return what drew errors in each test and model, and what went into its figures."""
+    steps = {one["test"]: one for one in content.get("sequence", [])}
+    known = content.get("occasions", {})
+    occasions = {name: Occasion(*(one[field] for field in Occasion._fields)) for name, one in known.items()}
+    selections = {}
+    for name, one in known.items():
+        behind = [steps[test] for test in one["tests"] if test in steps]
+        more = [steps[test] for step in behind for test in (*step["after"], step["against"]) if test in steps]
+        selections[name] = tuple(
+            _selection(step) for step in {step["test"]: step for step in (*behind, *more)}.values()
+        )
+    return occasions, selections
+
+
+def _selection(step: Mapping[str, Any]) -> Selection:
+    windows = tuple((read_instant(start), read_instant(stop)) for start, stop in step["windows"] or ())
+    return Selection(tuple(one["sha256"] for one in step["recordings"]), tuple(step["groups"] or ()), windows)
 
 
 def _content(path: Path) -> tuple[dict[str, Any], str]:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import combinations, product
 from typing import Any
 
 from ...core.curve import Curve
 from ...core.errors import DataError, InertialcalError, PlanError, Problem
-from ...core.influence import Standards, zero_remarks
+from ...core.influence import Occasion, Selection, Standards, zero_remarks
 from ...core.key import Method
 from ...core.remarks import Remark
 from ...core.results import Row
@@ -23,7 +23,7 @@ from ...signals.screening.screen import NO_READINGS
 from ...signals.time.sample_rates import rate_remarks
 from ..file.load import Campaign
 from ..file.plans import plan_values
-from ..file.schema import CampaignFile, Test
+from ..file.schema import CampaignFile, Test, site_text
 from ..file.sensors import Sensor
 from ..file.test_checks import counts_twice
 from ..inputs.changed import one_digest
@@ -56,7 +56,7 @@ class Prepared:
     """A test ready to be reduced.
 
     Its entry, facts, plan and readings; SHA-256 of its files by path; its recordings; samples that the gate left out;
-    what recordings hold, where it is compared with others.
+    what recordings hold, where it is compared with others; what drew the errors of standards in it.
     """
 
     test: Test
@@ -67,6 +67,13 @@ class Prepared:
     origins: tuple[Origin, ...] = ()
     screened: tuple[Exclusion, ...] = ()
     contents: tuple[Content, ...] = ()
+    occasion: Occasion = field(default_factory=Occasion)
+
+    @property
+    def selection(self) -> Selection:
+        """What it takes of its recordings."""
+        hashes = tuple(one.sha256 for one in self.origins)
+        return Selection(hashes, tuple(self.test.groups or ()), tuple(self.test.windows or ()))
 
 
 @contextmanager
@@ -183,7 +190,21 @@ def prepare_test(
     inputs = one_digest(pair for one in sources for pair in one.inputs.items())
     screened = tuple(exclusion for one in sources for exclusion in one.exclusions)
     origins = tuple(one.origin for one in sources)
-    return Prepared(test, first, plan, readings, inputs, origins, screened, tuple(contents))
+    occasion = occasion_of(file, test, sources)
+    return Prepared(test, first, plan, readings, inputs, origins, screened, tuple(contents), occasion)
+
+
+def occasion_of(file: CampaignFile, test: Test, sources: Sequence[Ready]) -> Occasion:
+    """Return what drew the errors of standards in a test: as stated, else the one day and power-up of its recordings.
+
+    A label of a power-up holds in its campaign alone.
+    """
+    days = {day for one in sources for day in one.days}
+    day = test.day or (days.pop() if len(days) == 1 else "")
+    runs = {one.run for one in sources}
+    run = runs.pop() if len(runs) == 1 else ""
+    power_up = test.power_up or (f"{file.campaign.id}, {day}, {run}" if run and day else "")
+    return Occasion(test.mounting, power_up, day, site_text(file.site))
 
 
 def _rates(sources: Sequence[Ready], sensor: str) -> list[tuple[str, str, float]]:
@@ -384,6 +405,8 @@ def reduced_tests(prepared: Sequence[Prepared], results: Mapping[str, Result]) -
             tuple(one.test.recordings),
             tuple(one.inputs),
             one.facts,
+            occasion=one.occasion,
+            selection=one.selection,
         )
         for one in prepared
     }

@@ -6,6 +6,7 @@ All quantities are text "number unit" and are SI here. Sensors, recordings and s
 from __future__ import annotations
 
 from itertools import pairwise
+from math import pi
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator, model_validator
@@ -42,6 +43,13 @@ class Site(Strict):
     gravity: Acceleration | None = None
 
 
+def site_text(site: Site) -> str:
+    """Return what is stated of a site as a label; empty where nothing is."""
+    given = {"latitude": (site.latitude, 180.0 / pi, "deg"), "height": (site.height, 1.0, "m"),
+             "gravity": (site.gravity, 1.0, "m/s^2")}  # fmt: skip
+    return ", ".join(f"{name} {x * scale:.12g} {unit}" for name, (x, scale, unit) in given.items() if x is not None)
+
+
 Window = tuple[int, int]
 
 
@@ -57,6 +65,9 @@ class Test(Strict):
     groups: list[Text] | None = Field(default=None, min_length=1)
     windows: list[Window] | None = Field(default=None, min_length=1)
     condition: Text = ""
+    mounting: Text = ""
+    power_up: Text = ""
+    day: Text = ""
     source: Text = ""
     against: Name | None = None
     after: list[Name] = Field(default=[], max_length=1)

@@ -20,6 +20,7 @@ from ...core.influence import Standards
 from ...core.key import AXES
 from ...core.recording import Channel, Recording
 from ...core.remarks import Remark
+from ...core.times import instant_text
 from ...core.unit.magnitudes import check_readings
 from ...core.units import convert, factor, kind, parse_quantity, si_unit
 from ...files import read, read_table
@@ -186,6 +187,18 @@ class Ready:
         """Of a recording that was read [Hz]; None where it has none, or was not read."""
         raw: Recording | None = self.__dict__.get("raw")
         return None if raw is None else raw.sample_rate
+
+    @property
+    def days(self) -> set[str]:
+        """Days (UTC) of the readings that are chosen; the empty one where a recording does not say its day."""
+        raw: Recording | None = self.__dict__.get("raw")
+        if self.windows:
+            ends = [end for window in self.windows for end in window]
+        elif raw is None or raw.time_ns is None or not len(raw.time_ns):
+            return {""}
+        else:
+            ends = [int(raw.time_ns[0]), int(raw.time_ns[-1])]
+        return {instant_text(end)[:10] for end in ends} if raw is not None and raw.epoch == "utc" else {""}
 
     @property
     def on_time(self) -> tuple[Remark, ...]:

@@ -8,11 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import reduce
 from typing import Any
 
 import numpy as np
 
 from ...core.errors import InertialcalError, PlanError
+from ...core.influence import Occasion, influence_of
 from ...core.remarks import Remark
 from ...files.models.model_json import dump_model
 from ...procedures import procedure_of
@@ -136,9 +138,12 @@ def _build(
     if terms is None or terms.estimate is None:
         return None
     correction = _correction([*matrix, *bias, *held], corrections)
-    model = whole = _model(campaign, sensor, terms)
+    own = dict.fromkeys(one.id for one in (*matrix, *bias))
+    before = dict.fromkeys(name for test in (*matrix, *bias) for name in test.after)
+    sources = [[reduced[test] for test in tests] for tests in (own, before)]
+    model = whole = _model(campaign, sensor, terms, sources)
     if correction is not None and bias:
-        whole = _model(campaign, sensor, correction.with_terms(terms))
+        whole = _model(campaign, sensor, correction.with_terms(terms), sources)
     procedure.check_alike([reduced[test.id] for test in (*fitted, *held)])
     if not held:
         return JudgedModel(whole)
@@ -192,8 +197,18 @@ def _correction(tests: Sequence[Test], corrections: Mapping[str, Correction]) ->
     return corrections.get(names.pop()) if names else None
 
 
-def _model(campaign: Campaign, sensor: Sensor, terms: ModelTerms) -> SensorModel:
-    """Return the model for the output of the sensor: volts where its chain has them and its axes are the body's."""
+def _model(
+    campaign: Campaign, sensor: Sensor, terms: ModelTerms, sources: Sequence[Sequence[Tested[Any, Any, Any]]]
+) -> SensorModel:
+    """Return the model for the output of the sensor: volts where its chain has them and its axes are the body's.
+
+    Parameters
+    ----------
+    campaign, sensor, terms
+        Of it.
+    sources : (sequence of Tested, sequence of Tested)
+        Tests that it is made of, and those whose results were taken off before.
+    """
     assert terms.estimate is not None  # noqa: S101 - the caller has looked
     assert sensor.kind != "other"  # noqa: S101 - of which no procedure makes a model
     volts = None if sensor.mounting is not None else body_scale_factors(sensor)
@@ -202,8 +217,10 @@ def _model(campaign: Campaign, sensor: Sensor, terms: ModelTerms) -> SensorModel
         "reference_temperature": terms.reference_temperature,
         "temperature_range": terms.temperature_range,
     }
+    estimate = terms.estimate.select(terms.parameters)
+    drawn_on = {influence_of(name) for one in estimate.components for name in one.named_changes}
     return model_from(
-        terms.estimate.select(terms.parameters),
+        estimate,
         sensor.kind,
         terms.axes,
         scale_factor=terms.scale_factor if volts is None else np.array([volts[axis] for axis in terms.axes]),
@@ -214,6 +231,10 @@ def _model(campaign: Campaign, sensor: Sensor, terms: ModelTerms) -> SensorModel
         bias_run_to_run=terms.bias_run_to_run,
         not_estimated=terms.not_estimated,
         provenance={str(key): one for key, one in terms.provenance.items()},
+        influences={name: one for name, one in campaign.standards.items() if name in drawn_on},
+        occasion=reduce(Occasion.joined, [one.occasion for one in sources[0]]),
+        tests=tuple(one.id for tests in sources for one in tests),
+        selections=tuple(one.selection for tests in sources for one in tests),
         **({} if terms.reference_temperature is None else of_temperature),
     )
 

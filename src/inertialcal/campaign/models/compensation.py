@@ -13,6 +13,7 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ...core.influence import lasting
 from ...core.key import Reason
 from ...core.recording import MARK, Channel, Recording
 from ...core.remarks import Remark
@@ -254,6 +255,9 @@ def model_rows(model: SensorModel) -> tuple[Row, ...]:
                 "not_estimated" if line.u is None else "estimated",
                 Reason("note", line.note),
                 test=origin.test if origin is not None else "",
+                shared={}
+                if model.estimate is None or line.u is None
+                else lasting(model.estimate.shared(one.name), line.u, model.influences),
             )
         )
     return tuple(rows)

@@ -7,12 +7,12 @@ from dataclasses import replace
 from typing import Any
 
 from ...core.estimate import Component, Estimate
-from ...core.influence import Influence, influence_of, standard_of
+from ...core.influence import Influence, influence_fields, lasting, standard_of
 from ...core.judging import Verdict
 from ...core.key import Key, Method
 from ...core.remarks import Remark, condensed
 from ...core.results import SCHEMA, Row, finite, key_fields
-from ...core.schema.standards import OUTLIVES, STANDARDS
+from ...core.schema.standards import STANDARDS
 from ...core.times import instant_text
 from ...core.units import Quantity, convert, divide, factor
 from ...procedures import loaded_procedures, procedure_of
@@ -63,7 +63,11 @@ def results_content(
     for name, (unit, one) in named_models(campaign, modelled).items():
         estimate = None if one.model is None else one.model.estimate
         for row in parameter_rows(one):
-            shared = {} if estimate is None or row.u is None else _outliving(campaign, estimate.shared(row.key))
+            shared = (
+                {}
+                if estimate is None or row.u is None
+                else lasting(estimate.shared(row.key), row.u, campaign.standards)
+            )
             rows.append(displayed(replace(row, test=name, shared=shared), unit))
     judged: list[tuple[Verdict, str]] = []
     tests = {one.test.id: one.test for one in tested}
@@ -84,7 +88,8 @@ def results_content(
         "site": site_content(campaign.file.site),
         "sensors": sensors_content(campaign.file.sensors),
         "standards": standards_rows(campaign, tested),
-        "influences": {name: _influence(one) for name, one in sorted(campaign.standards.items())},
+        "influences": {name: influence_fields(one) for name, one in sorted(campaign.standards.items())},
+        "occasions": _occasions(campaign, tested, modelled),
         "sequence": sequence_rows(prepared, unused),
         "exclusions": exclusion_rows(unused),
         "results": [row.to_dict() for row in rows],
@@ -117,7 +122,7 @@ def displayed_rows(campaign: Campaign, tested: Sequence[ReducedTest]) -> list[Ro
             shared = dict(row.shared)
             if estimate is not None and row.u is not None and row.method is Method.RESULT and row.member is None:
                 shared = shared or (estimate.shared(keys[row.key]) if row.key in keys else {})
-            whole = replace(row, condition=one.test.condition, shared=_outliving(campaign, shared))
+            whole = replace(row, condition=one.test.condition, shared=lasting(shared, row.u, campaign.standards))
             found.append(displayed(whole, sensor_of(campaign, one.test, row.key.sensor).unit))
     return found
 
@@ -131,18 +136,17 @@ def _known(one: ReducedTest, kind: str) -> tuple[Estimate | None, dict[Key, Key]
     return part.estimate, {key._replace(sensor=kind): own for key, own in called.items()} | called
 
 
-def _outliving(campaign: Campaign, shared: Mapping[str, float]) -> dict[str, float]:
-    """Return the changes by influences whose error is the same in the next test."""
-    stated = {name: one for name, one in campaign.standards.items() if one.redrawn_by in OUTLIVES}
-    return {name: change for name, change in shared.items() if influence_of(name) in stated and change}
-
-
-def _influence(one: Influence) -> dict[str, Any]:
-    u, unit = one.stated
-    return {
-        "standard": one.standard, "quantity": one.quantity, "u": u, "unit": unit, "certificate": one.certificate,
-        "valid": one.valid, "redrawn_by": one.redrawn_by,
-    } | ({"reason": one.reason} if one.reason else {})  # fmt: skip
+def _occasions(
+    campaign: Campaign, tested: Sequence[ReducedTest], modelled: JudgedModel | None
+) -> dict[str, dict[str, Any]]:
+    """Return what drew the errors of standards, by test, and by model with the tests that it is made of."""
+    by_test = {one.test.id: (one.tested.occasion, [one.test.id]) for one in tested}
+    models = {
+        name: (one.model.occasion, list(one.model.tests))
+        for name, (_, one) in named_models(campaign, modelled).items()
+        if one.model is not None
+    }
+    return {name: occasion._asdict() | {"tests": tests} for name, (occasion, tests) in (by_test | models).items()}
 
 
 def _budgets(campaign: Campaign, tested: Sequence[ReducedTest], modelled: JudgedModel | None) -> list[dict[str, Any]]:

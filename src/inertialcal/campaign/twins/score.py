@@ -247,7 +247,8 @@ def _score(truth: Truth, fault: Fault | None, brought: Brought) -> Score:
     pairs = [(row, truth.of((key_of(row), row["test"]))) for row in rows]
     errors = {one.influence: one for one in truth.errors}
     scored = tuple(_scored(row, true, errors) for row, true in pairs if true is not None)
-    shared = {influence_of(name) for row in scored for name in row["shared"]}
+    drawn = {one.influence for one in truth.errors}
+    shared = {influence_of(name) for row in scored for name in row["shared"] if name in drawn}
     unshared = tuple(name for name in brought.results["influences"] if name not in shared)
     return Score(truth, scored, fault, brought, unshared)
 

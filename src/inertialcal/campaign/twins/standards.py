@@ -12,6 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from ...rigs.twin import DrawnError
+from ...statistics.difference import Figure, taken_off
 from ...statistics.intervals import coverage_factor
 
 NOTHING = 1e-6  # of an uncertainty: figures that the standards alone make uncertain
@@ -38,14 +39,12 @@ def apart(row: Mapping[str, Any], truth: float, errors: Mapping[str, DrawnError]
     lo, hi, value, u = row["interval"]["lo"], row["interval"]["hi"], row["value"], row["u"]
     if not changes or not u or lo is None or hi is None:
         return bool((lo is None or lo <= truth) and (hi is None or truth <= hi))
-    left = u**2 - math.fsum(change**2 for change in changes.values())
-    if left <= (NOTHING * u) ** 2:
+    whole = Figure(value, u, row["dof"] or math.inf, changes)
+    left = taken_off(whole, {name: one.error for name, one in errors.items()})
+    if left.u <= NOTHING * u:
         return None
-    off = math.fsum(change * errors[name].error for name, change in changes.items())
-    part, dof = math.sqrt(left) / u, row["dof"] or math.inf
-    wider = coverage_factor(max(dof * part**4, 1.0)) / coverage_factor(max(dof, 1.0))
-    below, above = (value - lo) * part * wider, (hi - value) * part * wider
-    return bool(value - off - below <= truth <= value - off + above)
+    wider = left.u / u * coverage_factor(max(left.dof, 1.0)) / coverage_factor(max(whole.dof, 1.0))
+    return bool(left.value - (value - lo) * wider <= truth <= left.value + (hi - value) * wider)
 
 
 def entering(rows: Iterable[Mapping[str, Any]], errors: Sequence[DrawnError]) -> dict[DrawnError, int]:

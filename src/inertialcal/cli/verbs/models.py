@@ -241,6 +241,10 @@ def compare(
             "--decision", help='Rule for allowed changes: simple_acceptance, guard_factor=1, "false_accept_risk=2 %".'
         ),
     ] = "",
+    shared: Annotated[
+        list[str],
+        typer.Option("--shared", help="Standard whose error is the same in both: rate_table.rate. May be repeated."),
+    ] = [],  # noqa: B006 - typer copies it
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -248,7 +252,7 @@ def compare(
     from ...campaign.compare.compare import compare as compare_both
     from ..shown.model_text import comparison_text
 
-    found = compare_both(first, second, allowed, decision)
+    found = compare_both(first, second, allowed, decision, shared)
     if as_json:
         content = {
             "inputs": [{"path": path, "sha256": digest} for path, digest in found.inputs.items()],

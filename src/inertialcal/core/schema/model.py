@@ -30,6 +30,46 @@ class Stated(Part):
     unit: str
 
 
+class Origin(Part):
+    """Where an uncertainty comes from."""
+
+    what: str
+    test: str
+    standard: str
+    quantity: str
+    level: str
+
+
+class Influence(Part):
+    """Uncertainty of one quantity of a standard, as stated."""
+
+    standard: str
+    quantity: str
+    u: Number
+    unit: str
+    certificate: str
+    valid: str
+    redrawn_by: str
+
+
+class Occasion(Part):
+    """What drew the errors of standards; empty where that is not known."""
+
+    mounting: str
+    power_up: str
+    day: str
+    site: str
+    tests: list[str]
+
+
+class Selection(Part):
+    """What a test takes of recordings."""
+
+    sha256: list[str]
+    groups: list[str]
+    windows: list[list[int]]
+
+
 class Component(Part):
     """One source of the uncertainty."""
 
@@ -39,6 +79,9 @@ class Component(Part):
     dof: Number | list[Number | None] | None
     distribution: str
     stated: Stated | None = None
+    origin: Origin | None = None
+    unknowns: list[str] = []
+    changes: Numbers | None = None
 
 
 class Estimate(Part):
@@ -75,3 +118,6 @@ class Model(Part):
     estimate: Estimate | None
     not_estimated: dict[str, str]
     provenance: dict[str, Provenance]
+    influences: dict[str, Influence] = {}
+    occasion: Occasion | None = None
+    selections: list[Selection] = []

@@ -82,7 +82,7 @@ class Figure(Key):
     reason: Reason | None
     shared: dict[str, Number] = Field(
         description="Signed change of the value, in its unit, for one standard uncertainty of an influence that "
-        "outlives the test; several unknowns of one influence are numbered: site.latitude[0]."
+        "another test can share; several unknowns of one influence are named: rate_table.mounting[xz]."
     )
 
 
@@ -97,6 +97,16 @@ class Influence(Part):
     valid: str
     reason: str = Field("", description="Why the uncertainty is zero, where it is.")
     redrawn_by: Literal["never", "certificate", "day", "mounting", "power_up", "dwell"]
+
+
+class Occasion(Part):
+    """What drew the errors of standards in a test, or in the tests of a model; empty where that is not known."""
+
+    mounting: str
+    power_up: str
+    day: str
+    site: str
+    tests: list[str]
 
 
 class Standard(Part):
@@ -286,6 +296,7 @@ class Results(Part):
     sensors: dict[str, dict[str, Any]]
     standards: list[Standard]
     influences: dict[str, Influence]
+    occasions: dict[str, Occasion] = Field({}, description="By test, and by model.")
     sequence: list[Step]
     exclusions: list[Excluded]
     results: list[Figure]

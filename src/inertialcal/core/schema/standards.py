@@ -35,7 +35,6 @@ REDRAWN: dict[str, Redrawn] = {
     "source_mass.placing": "mounting", "source_mass.gravitational_constant": "never", "site.latitude": "never",
     "gravity.value": "never", "sensor.hysteresis": "power_up", "pad.tilt": "day",
 }  # fmt: skip
-OUTLIVES: tuple[Redrawn, ...] = ("never", "certificate")  # the test: its error is the same in the next one
 
 
 class StandardEntry(Strict):

@@ -204,7 +204,9 @@ def estimate(sensor: LinearSensor, kind: Kind, output_unit: str) -> Estimate | N
         distribution = "t" if one.influence is None else one.influence.distribution
         kind_of: Literal["A", "B"] = "B" if one.kind == "B" else "A"
         changes = None if one.changes is None else one.changes @ by_numbers.T
-        components.append(Component(one.origin, kind_of, covariance, least, distribution, stated, changes))
+        components.append(
+            Component(one.origin, kind_of, covariance, least, distribution, stated, changes, one.unknowns)
+        )
     known_units = tuple(normalise(units[k]) for k in determined)
     return Estimate(tuple(names[k] for k in determined), values[determined], known_units, tuple(components))
 

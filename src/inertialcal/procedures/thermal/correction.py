@@ -206,10 +206,12 @@ def law_keys(axis: str, order: int) -> list[Key]:
 
 def _taken_off(found: Estimate, component: Component, n: int, test: str) -> Unknowns:
     """Return a source as independent unknowns."""
-    sizes, vectors = np.linalg.eigh(_scaled(component))
-    keep = sizes > TINY * sizes[-1]
-    scale = np.maximum(component.u, np.finfo(float).tiny)
-    changes = (vectors[:, keep] * np.sqrt(sizes[keep])).T * scale  # (s, names)
+    changes = component.changes  # (s, names)
+    if changes is None:
+        sizes, vectors = np.linalg.eigh(_scaled(component))
+        keep = sizes > TINY * sizes[-1]
+        scale = np.maximum(component.u, np.finfo(float).tiny)
+        changes = (vectors[:, keep] * np.sqrt(sizes[keep])).T * scale
     dof = np.broadcast_to(np.asarray(component.dof, dtype=float), len(found.names))
     patterns, of_sensor = np.zeros((len(changes), n, 3)), np.full(3, np.inf)
     for i, key in enumerate(found.keys):
@@ -220,7 +222,8 @@ def _taken_off(found: Estimate, component: Component, n: int, test: str) -> Unkn
     keys = tuple(found.keys[i] for i in law)
     kind, shape = component.kind, component.distribution
     origin = component.origin._replace(test=test)
-    return Unknowns(origin, kind, patterns, keys, changes[:, law], of_sensor, shape, component.stated)
+    return Unknowns(origin, kind, patterns, keys, changes[:, law], of_sensor, shape, component.stated,
+                    component.unknowns)  # fmt: skip
 
 
 def _scaled(component: Component) -> Array:
@@ -259,6 +262,8 @@ def _joint(off: Unknowns, keys: tuple[Key, ...], changes: Mapping[Key, Array]) -
         (changes[key] if key in changes and len(changes[key]) else np.zeros(size)) + own.get(key, np.zeros(size))
         for key in keys
     ]
-    covariance = np.array(rows) @ np.array(rows).T
+    whole = np.array(rows)
+    covariance = whole @ whole.T
     dof = np.array([off.dof["xyz".index(key.axis[0])] for key in keys])
-    return Component(off.origin, off.kind, 0.5 * (covariance + covariance.T), dof, off.distribution, off.stated)
+    return Component(off.origin, off.kind, 0.5 * (covariance + covariance.T), dof, off.distribution, off.stated,
+                     whole.T, off.unknowns)  # fmt: skip

@@ -40,8 +40,8 @@ def drawn_errors(standards: Mapping[str, Influence], errors: Mapping[str, float]
     standards : mapping of str to Influence
         By ``"rate_table.rate"``.
     errors : mapping of str to float
-        What is stated of the standard, or read, less what is true, by its name, with a number where there are several:
-        ``"converter.zero[1]"`` [its unit].
+        What is stated of the standard, or read, less what is true, by its name, with the axis where there are several:
+        ``"converter.zero[y]"`` [its unit].
     """
     stated = {name: standards[influence_of(name)] for name in errors if influence_of(name) in standards}
     return tuple(

@@ -95,8 +95,8 @@ def build(bench: Bench, seed: int) -> Twin:
     files = {FILE: saved(bench, head, made, of_files)}
     off = {
         "turn.angle": made.errors.angle,
-        **{f"converter.zero[{i}]": float(one) for i, one in enumerate(made.errors.zero)},
-        **{f"sensor.scale_factor[{i}]": float(one) for i, one in enumerate(made.errors.scale)},
+        **{f"converter.zero[{axis}]": float(one) for axis, one in zip(AXES, made.errors.zero, strict=True)},
+        **{f"sensor.scale_factor[{axis}]": float(one) for axis, one in zip(AXES, made.errors.scale, strict=True)},
     }
     errors = drawn_errors(bench.standards, off)
     return Twin(campaign_text(bench, head, model), files, tuple(truth), drawn, errors=errors)

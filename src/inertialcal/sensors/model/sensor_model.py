@@ -35,6 +35,7 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array, Estimate
+from ...core.influence import Influence, Occasion, Selection
 from ...core.key import Kind
 from ...core.show.rounding import number, with_uncertainty
 from ...core.show.tables import Block, Details, Table, clean, html, text
@@ -138,6 +139,12 @@ class SensorModel:
     provenance: Mapping[str, Provenance] = field(default_factory=dict)  # Parameter -> where it comes from
     judged: bool = False  # Whether the closed loop has passed on recordings held out
     source: str = ""  # Citation, for published models
+    # What another model, or another test, can share with it: influences that the estimate draws on, by name, as stated;
+    # what drew their errors; its tests, and what they take of recordings
+    influences: Mapping[str, Influence] = field(default_factory=dict)
+    occasion: Occasion = field(default_factory=Occasion)
+    tests: tuple[str, ...] = ()
+    selections: tuple[Selection, ...] = ()
 
     def __post_init__(self) -> None:
         if self.kind not in INPUT_UNIT:

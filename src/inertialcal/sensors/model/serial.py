@@ -16,6 +16,8 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array, Component, Estimate
+from ...core.influence import Occasion, Selection, influence_fields, influence_read
+from ...core.key import Origin
 from ...core.results import finite
 from ...core.schema.checksum import checksum
 from ...core.schema.content import check_content
@@ -62,6 +64,12 @@ def to_dict(model: SensorModel) -> dict[str, Any]:
             name: {"test": one.test, "recordings": list(one.recordings), "source": one.source}
             for name, one in model.provenance.items()
         },
+        "influences": {name: influence_fields(one) for name, one in sorted(model.influences.items())},
+        "occasion": model.occasion._asdict() | {"tests": list(model.tests)},
+        "selections": [
+            {"sha256": list(one.sha256), "groups": list(one.groups), "windows": [list(pair) for pair in one.windows]}
+            for one in model.selections
+        ],
     }
 
 
@@ -123,10 +131,27 @@ def _model(content: Mapping[str, Any]) -> SensorModel:
             name: Provenance(one["test"], tuple(one["recordings"]), one["source"])
             for name, one in content["provenance"].items()
         },
+        **_shared(content),
     )
     if content["unit"] != model.unit:
         raise DataError(f"unit {content['unit']!r} for a {model.kind}, need {model.unit!r}", code="schema")
     return model
+
+
+def _shared(content: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what another model can share with this one; nothing of a file from before it was stored."""
+    occasion = content.get("occasion")
+    if occasion is None:
+        return {}
+    return {
+        "influences": {name: influence_read(one) for name, one in content["influences"].items()},
+        "occasion": Occasion(*(occasion[name] for name in Occasion._fields)),
+        "tests": tuple(occasion["tests"]),
+        "selections": tuple(
+            Selection(tuple(one["sha256"]), tuple(one["groups"]), tuple((a, b) for a, b in one["windows"]))
+            for one in content["selections"]
+        ),
+    }
 
 
 def _estimate_to_dict(estimate: Estimate) -> dict[str, Any]:
@@ -142,6 +167,9 @@ def _estimate_to_dict(estimate: Estimate) -> dict[str, Any]:
                 "dof": [finite(dof) for dof in one.dof] if isinstance(one.dof, np.ndarray) else finite(one.dof),
                 "distribution": one.distribution,
                 "stated": None if one.stated is None else {"u": float(one.stated[0]), "unit": one.stated[1]},
+                "origin": one.origin._asdict(),
+                "unknowns": list(one.unknowns),
+                "changes": _list(one.changes),
             }
             for one in estimate.components
         ],
@@ -151,12 +179,14 @@ def _estimate_to_dict(estimate: Estimate) -> dict[str, Any]:
 def _estimate(content: Mapping[str, Any], axes: Sequence[str]) -> Estimate:
     components = tuple(
         Component(
-            one["source"],
+            Origin(**one["origin"]) if one.get("origin") else one["source"],
             one["kind"],
             np.array(one["covariance"], dtype=float),
             _dof(one["dof"]),
             one["distribution"],
             None if one.get("stated") is None else (float(one["stated"]["u"]), str(one["stated"]["unit"])),
+            None if one.get("changes") is None else np.array(one["changes"], dtype=float),
+            tuple(one.get("unknowns", ())),
         )
         for one in content["components"]
     )

@@ -91,7 +91,7 @@ def flips_of(plan: Plan, readings: Readings) -> tuple[Flip, ...]:
         one = separate(plan, readings, label)
         noise, reason = noise_components(plan, readings, one)
         if noise and not reason:
-            parts = [*noise, *components(plan, patterns(plan, readings, one))]
+            parts = [*noise, *components(plan, patterns(plan, readings, one), one)]
             flips.append(Flip.of(label, one.values, parts, (one,)))
         else:
             why = reason or Reason("not_read", "nothing was read")
@@ -110,7 +110,7 @@ def pooled(plan: Plan, readings: Readings, flips: Sequence[Flip]) -> Flip:
     separated = tuple(part for one in used for part in one.separated)
     every = [patterns(plan, readings, one) for one in separated]
     common = {name: np.mean([one[name] for one in every], axis=0) for name in every[0]}
-    parts = [between, *_in_common(plan, readings, used), *components(plan, common)]
+    parts = [between, *_in_common(plan, readings, used), *components(plan, common, separated[0])]
     return Flip.of("", values.mean(axis=0), parts, separated)
 
 

@@ -272,12 +272,18 @@ def _raw(plan: Plan, readings: Readings, axis: str) -> Array:
     return np.asarray(raw + np.nan_to_num(readings.predicted[axis]))
 
 
-def components(plan: Plan, parts: Patterns) -> list[Component]:
-    """Return the Type B components that patterns make."""
+def components(plan: Plan, parts: Patterns, flip: Separated) -> list[Component]:
+    """Return the Type B components that patterns make; unknowns go by the axis that they belong to."""
+    read = tuple(flip.weights)
+    unknowns = {
+        "turn.axis": tuple(f"{axis}, {way}" for axis in plan.turned for way in ("across", "along")),
+        "converter.zero": read, "sensor.scale_factor": read,
+    }  # fmt: skip
     made = []
     for name, pattern in parts.items():
         one = plan.standards[name]
         covariance = pattern.T @ pattern
         origin = one.origin(NAMES[name])
-        made.append(Component(origin, "B", covariance, one.dof, one.distribution, one.stated, pattern))
+        named = unknowns.get(name, ())
+        made.append(Component(origin, "B", covariance, one.dof, one.distribution, one.stated, pattern, named))
     return made

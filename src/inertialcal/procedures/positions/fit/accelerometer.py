@@ -312,13 +312,12 @@ def sensor_of(
 
 def mounting_source(values: Array, u: float, plan: Plan) -> Source:
     """Return what a common rotation of all positions and turns does to a matrix: A is taken for A R."""
-    total = np.zeros((len(values), len(values)))
-    for axis in np.eye(3):
-        change = np.zeros(len(values))
+    changes = np.zeros((3, len(values)))
+    for change, axis in zip(changes, np.eye(3), strict=True):
         change[:9] = u * (values[:9].reshape(3, 3) @ np.cross(np.eye(3), axis)).ravel()
-        total += np.outer(change, change)
+    total = np.sum([np.outer(change, change) for change in changes], axis=0)
     influence = plan.standards["fixture.mounting"]
-    return Source("fixture.mounting", "B", total, influence.dof, influence)
+    return Source("fixture.mounting", "B", total, influence.dof, influence, changes=changes, unknowns=tuple(AXES))
 
 
 def finished(

@@ -40,6 +40,7 @@ class Source:
     influence: Influence | None = None
     level: str = ""
     changes: Array | None = None
+    unknowns: tuple[str, ...] = ()  # Which each of them is, where there are several
 
     @property
     def origin(self) -> Origin:

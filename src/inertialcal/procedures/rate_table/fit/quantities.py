@@ -152,11 +152,12 @@ def _type_b(plan: Plan, keys: tuple[Key, ...], values: Array, parts: list[Part],
         )
     mounting = plan.standards.get("rate_table.mounting")
     if mounting is not None:
-        covariance = _mounting(parts, lines, mounting.u)
-        shape = mounting.distribution
-        found.append(
-            Component(mounting.origin("mounting on the table"), "B", covariance, mounting.dof, shape, mounting.stated)
-        )
+        angles = _mounting(parts, lines, mounting.u)
+        changes = np.array(list(angles.values()))
+        covariance = changes.T @ changes
+        shape, origin = mounting.distribution, mounting.origin("mounting on the table")
+        covariance = 0.5 * (covariance + covariance.T)
+        found.append(Component(origin, "B", covariance, mounting.dof, shape, mounting.stated, changes, tuple(angles)))
     reference = plan.standards.get("converter.reference")
     if reference is not None:
         gain = proportional + np.array(
@@ -178,20 +179,19 @@ def _type_b(plan: Plan, keys: tuple[Key, ...], values: Array, parts: list[Part],
     return found
 
 
-def _mounting(parts: list[Part], lines: list[Line], u: float) -> Array:
-    """Covariance from the angles between the axes turned and those named.
+def _mounting(parts: list[Part], lines: list[Line], u: float) -> dict[str, Array]:
+    """Return the changes of all quantities by the angles between axes turned and named: ``"xz"``, x towards z.
 
     With axis a turned, an angle towards j adds ``M_sj`` times the angle to what every sensor s reads of a; the
-    angles are others for each axis turned. Second order, all entries of a shrink together.
+    angles are others for each axis turned. Second order, all entries of a shrink together: ``"xx"``.
     """
-    patterns = []
+    patterns = {}
     for a in sorted({axis for one in lines for axis in one.axes}):
         for j in (axis for axis in AXES if axis != a):
-            patterns.append(_through(parts, lines, a, [u * matrix_entry(one, j) for one in lines]))
-        patterns.append(_through(parts, lines, a, [np.sqrt(2.0) * u**2 * matrix_entry(one, a) for one in lines]))
-    whole = np.array(patterns)
-    covariance: Array = whole.T @ whole
-    return 0.5 * (covariance + covariance.T)
+            patterns[f"{a}{j}"] = _through(parts, lines, a, [u * matrix_entry(one, j) for one in lines])
+        shrunk = [np.sqrt(2.0) * u**2 * matrix_entry(one, a) for one in lines]
+        patterns[f"{a}{a}"] = _through(parts, lines, a, shrunk)
+    return patterns
 
 
 def _through(parts: list[Part], lines: list[Line], axis: str, changes: list[float]) -> Array:
@@ -221,6 +221,8 @@ def _earth(plan: Plan, parts: list[Part], lines: list[Line]) -> list[Component]:
         if source in known:  # else the readings were made with another attitude than this plan has
             own = known[source]
             component = replace(component, dof=own.dof, distribution=own.distribution, stated=own.stated)
+            if own.standard:
+                component = replace(component, given=own.origin(component.source), changes=changes.T)
         found.append(component)
     return found
 
@@ -242,7 +244,9 @@ def _taken_off(keys: tuple[Key, ...], parts: list[Part], lines: list[Line]) -> l
         covariance = changes @ changes.T
         dof = np.array([off.dof[AXES.index(key.axis[0])] for key in keys])
         covariance = 0.5 * (covariance + covariance.T)
-        found.append(Component(origin, off.kind, covariance, dof, off.distribution, off.stated))
+        found.append(
+            Component(origin, off.kind, covariance, dof, off.distribution, off.stated, changes.T, off.unknowns)
+        )
     return found
 
 
