@@ -99,7 +99,7 @@ def test_the_error_of_a_standard_is_taken_off_and_counts_once(scored: Path) -> N
         inside = bool(lo <= row["truth"] <= hi)
         rows.append(moved | {"inside": inside, "inside_apart": apart(moved, row["truth"], {rate.influence: rate})})
     far = Score(replace(found.truth, errors=(rate,)), tuple(rows))
-    scale = [row for row in far.rows if row["quantity"].startswith("scale_factor") and row["shared"]]
+    scale = [row for row in far.rows if row["quantity"].startswith("scale_factor") and rate.influence in row["shared"]]
     assert len(scale) >= 9
     assert not [row for row in scale if row["inside"]]
     assert far.inside_apart >= 0.9 * far.judged_apart
