@@ -236,9 +236,10 @@ def campaign_text(
 ) -> str:
     """Return campaign.toml for these recordings."""
     plan = {"attitude": {"tilt": "0 deg"}}
-    tests = [{"id": "rates", "procedure": "rate_table", "recordings": fit, "plan": plan}]
+    common = {"procedure": "rate_table", "plan": plan} | ({"mounting": protocol.mounting} if protocol.mounting else {})
+    tests = [{"id": "rates", "recordings": fit} | common]
     if hold:
-        tests.append({"id": "judged", "procedure": "rate_table", "recordings": hold, "use": "hold_out", "plan": plan})
+        tests.append({"id": "judged", "recordings": hold, "use": "hold_out"} | common)
     sensor: dict[str, object] = {"kind": "gyro", "axes": list(AXES), "unit": "deg/s"}
     if np.isfinite(gyros.limit):
         sensor["range"] = [f"{-gyros.limit} deg/s", f"{gyros.limit} deg/s"]

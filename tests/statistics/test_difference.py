@@ -11,7 +11,8 @@ import pytest
 import inertialcal as ic
 from inertialcal.campaign.compare.differences import differences
 from inertialcal.core.results import Row
-from inertialcal.statistics.difference import Figure, difference
+from inertialcal.statistics.difference import Figure, Part, difference, taken_off
+from inertialcal.statistics.intervals import coverage_factor
 
 RATES = np.array([-4.0, -2.0, 2.0, 4.0] * 2)
 TABLE, NOISE = 5e-4, 2e-3  # relative standard uncertainty of the rate; scatter of a dwell [deg/s]
@@ -32,6 +33,20 @@ def scale_error(path: Path) -> Row:
     return next(row for row in found.rows if row.quantity == "scale_factor_error" and row.case.plain)
 
 
+class OneTable:
+    """Two results of one table."""
+
+    def identical(self, one: Row, other: Row) -> bool:
+        return False
+
+    def shared(self, one: Row, other: Row) -> list[str]:
+        return ["rate_table.rate"]
+
+    def figures(self, one: Row, other: Row) -> tuple[Figure, Figure]:
+        found = [Figure(row.value or 0.0, row.u or 0.0, row.dof or math.inf, row.shared) for row in (one, other)]
+        return found[0], found[1]
+
+
 def drawn_differences(rng: np.random.Generator, shared: bool) -> np.ndarray:
     """Return slopes of two units on a table whose rate is wrong, fitted by numpy alone, second less first [%]."""
     first = TABLE * rng.standard_normal((DRAWS, 1))
@@ -49,7 +64,7 @@ def test_two_units_on_one_table_differ_by_what_a_monte_carlo_gives(tmp_path: Pat
     assert one.shared.keys() == {"rate_table.rate"}
     assert one.shared["rate_table.rate"] == pytest.approx(-100.0 * TABLE * 1.01, rel=2e-3)
     apart = differences([(one, other)])[0].row
-    together = differences([(one, other)], ["rate_table.rate"])[0].row
+    together = differences([(one, other)], OneTable())[0].row
     assert apart.u is not None
     assert together.u is not None
     # What the fit knows of its own scatter is one draw; the exact scatter of a slope takes its place.
@@ -88,3 +103,37 @@ def test_a_figure_less_itself_has_twice_its_own_variance_alone() -> None:
     one = Figure(1.0, 0.5, changes={"table": 0.4, "mass": -0.3})
     assert difference(one, one).u == pytest.approx(0.0, abs=1e-7)
     assert difference(one, one, ["table"]).u == pytest.approx(math.sqrt(2.0) * 0.3)
+
+
+def test_what_is_left_has_the_degrees_of_freedom_of_its_scatter() -> None:
+    """A large shared part hid that the scatter has 4 degrees of freedom; once it is gone they count."""
+    scatter, table = 0.1, 1.0
+    u = math.hypot(scatter, table)
+    one = Figure(0.0, u, 1e5, {"table": table}, (Part("", scatter / u, 4.0),))
+    assert difference(one, one).u == pytest.approx(math.sqrt(2.0) * scatter)
+    assert 4.0 <= difference(one, one).dof < 8.0
+    assert difference(one, one, ()).dof > 1e3
+    assert taken_off(one, {"table": 2.0}).dof == pytest.approx(4.0, rel=1e-6)
+
+
+def test_an_interval_of_what_is_left_holds() -> None:
+    """Two runs of 5 on one table whose error is ten times their scatter: the interval of the difference holds 95 %."""
+    rng = np.random.default_rng(11)
+    hits, n = 0, 2000
+    for e in rng.standard_normal(n):
+        sides = []
+        for _ in range(2):
+            runs = 0.1 * rng.standard_normal(5) + e
+            own = float(runs.std(ddof=1)) / math.sqrt(5.0)
+            u = math.hypot(own, 1.0)
+            sides.append(Figure(float(runs.mean()), u, 1e6, {"table": 1.0}, (Part("", own / u, 4.0),)))
+        found = difference(*sides)
+        hits += abs(found.value) <= coverage_factor(found.dof) * found.u
+    assert 0.94 < hits / n < 0.985
+
+
+def test_errors_that_are_known_are_taken_off_with_their_uncertainty() -> None:
+    left = taken_off(Figure(1.0, 0.5, changes={"table": 0.4, "mass": -0.3}), {"table": 2.0})
+    assert left.value == pytest.approx(0.2)
+    assert left.u == pytest.approx(0.3)
+    assert left.changes == {"mass": -0.3}

@@ -15,6 +15,7 @@ from ...core.errors import UsageError
 from ...core.influence import Drawn, influence_of
 from ...core.remarks import Remark
 from ...core.results import Row
+from ...statistics.difference import Figure
 from .sources import Compared
 
 SAME_DIGITS = 1e-12  # of a figure: two that came out of the same readings the same way differ by rounding alone
@@ -52,6 +53,10 @@ class Common:
         """Return the unknowns whose error is the same in two figures."""
         both = one.shared.keys() & other.shared.keys()
         return sorted(name for name in both if (fate := self.fate(name, one, other)) is not None and fate.shared)
+
+    def figures(self, one: Row, other: Row) -> tuple[Figure, Figure]:
+        """Return both figures with what their uncertainty is made of."""
+        return self.first.figure(one), self.second.figure(other)
 
     def fate(self, unknown: str, one: Row, other: Row) -> Fate | None:
         """Return what becomes of an unknown of both figures; None where it is not said which standard it is of."""

@@ -155,11 +155,11 @@ def _judge(one: Difference, stated: Sequence[Allowed], rule: Rule) -> Verdict | 
     if limit is None:
         return None
     interval = one.row.interval
-    if interval is None or not is_scatter(one.row):
+    if interval is None or not (is_scatter(one.row) or one.row.u == 0.0):
         return no_change(one.row.value, one.row.u, one.row.dof, limit, P, rule)
 
     def interval_at(p: float) -> Interval | None:
-        return interval if p == P else None
+        return interval if p == P or not one.row.u else None  # one figure of the same readings twice: no u, at any p
 
     return decide_by(interval_at, one.row.value, one.row.u, -limit, limit, P, rule)
 

@@ -70,17 +70,16 @@ class Relation(Protocol):
         """Return the unknowns whose error is the same in two figures."""
         ...
 
+    def figures(self, one: Row, other: Row) -> tuple[Figure, Figure]:
+        """Return both figures with what their uncertainty is made of."""
+        ...
+
 
 def differences(pairs: Sequence[tuple[Row, Row]], common: Relation | None = None) -> tuple[Difference, ...]:
     """Return the difference of each pair, second less first; without anything in common where none is given."""
     reasons = [_not_comparable(*pair) for pair in pairs]
     usable = [pair for pair, reason in zip(pairs, reasons, strict=True) if not reason]
-    figures = [
-        SAME
-        if common is not None and common.identical(one, other)
-        else difference(_figure(one), _figure(other), () if common is None else common.shared(one, other))
-        for one, other in usable
-    ]
+    figures = [_difference(one, other, common) for one, other in usable]
     p_values = [
         _scatter_p(*pair) if is_scatter(pair[0]) and found is not SAME else _p_value(found.value, found.u, found.dof)
         for pair, found in zip(usable, figures, strict=True)
@@ -109,6 +108,14 @@ def differences(pairs: Sequence[tuple[Row, Row]], common: Relation | None = None
         row = _row(one, other, figure.value, figure.u, figure.dof)
         found.append(Difference(row, one, other, float(p), "different" if next(rejected) else "not shown different"))
     return tuple(found)
+
+
+def _difference(one: Row, other: Row, common: Relation | None) -> Figure:
+    if common is None:
+        return difference(_figure(one), _figure(other), ())
+    if common.identical(one, other):
+        return SAME
+    return difference(*common.figures(one, other), common.shared(one, other))
 
 
 def _not_comparable(one: Row, other: Row) -> str:

@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 import json
+import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
+
 from ...core.errors import DataError
-from ...core.estimate import AFTER, Component
+from ...core.estimate import AFTER, Component, Estimate
 from ...core.influence import Drawn, Influence, Occasion, Selection, influence_of, influence_read
-from ...core.key import Method
-from ...core.results import Row
+from ...core.key import Key, Method
+from ...core.results import Row, key_of
 from ...core.times import read_instant
 from ...files.models.model_file import load_model_file
 from ...files.source import load
 from ...procedures.display import displayed
 from ...sensors.model.sensor_model import FIELD_UNIT
 from ...sensors.model.serial import FORMAT
+from ...statistics.difference import Figure, Part
 from ..models.compensation import model_rows
 from ..models.find import find_model
 from ..outcome.publish import OUT, RESULTS, restore
@@ -45,6 +49,14 @@ class Compared:
     # By test, of a model under no name: what drew the errors of standards, and what went in
     occasions: Mapping[str, Occasion] = field(default_factory=dict)
     selections: Mapping[str, tuple[Selection, ...]] = field(default_factory=dict)
+    # By test and key: sources of the uncertainty of a figure that are not known in size
+    parts: Mapping[tuple[str, Key], tuple[Part, ...]] = field(default_factory=dict)
+
+    def figure(self, row: Row) -> Figure:
+        """Return a figure with what its uncertainty is made of."""
+        plain = row.method is Method.RESULT and row.member is None
+        parts = self.parts.get((row.test, row.key), ()) if plain else ()
+        return Figure(float(row.value or 0.0), float(row.u or 0.0), row.dof or math.inf, row.shared, parts)
 
     def drawn(self, unknown: str, row: Row) -> Drawn | None:
         """Return which error an unknown of a figure is; None where its standard is not stated."""
@@ -115,7 +127,38 @@ def _model(path: Path) -> Compared:
         model.influences,
         {"": model.occasion},
         {"": model.selections},
+        {} if model.estimate is None else _parts_of_model(model.estimate, model_rows(model)),
     )
+
+
+def _parts_of_model(estimate: Estimate, rows: Sequence[Row]) -> dict[tuple[str, Key], tuple[Part, ...]]:
+    """Return the sources that are not known in size, by test and key of a row."""
+    found = {}
+    for row in rows:
+        if row.u:
+            at = estimate.index(row.key)
+            shares = [(one, float(one.u[at]) / row.u, float(np.broadcast_to(one.dof, len(one.u))[at])) for one in
+                      estimate.components]  # fmt: skip
+            found[row.test, row.key] = tuple(
+                Part(_source(one) if one.origin.standard else "", share, dof)
+                for one, share, dof in shares
+                if share and math.isfinite(dof)
+            )
+    return found
+
+
+def _parts_of_results(
+    budgets: Sequence[Mapping[str, Any]], rows: Sequence[Row]
+) -> dict[tuple[str, Key], tuple[Part, ...]]:
+    """Return the sources that are not known in size, by test and key of a row."""
+    figures = {(row.test, row.key): row.u for row in rows if row.case.plain and row.u}
+    found: dict[tuple[str, Key], tuple[Part, ...]] = {}
+    for one in budgets:
+        of = str(one["test"]), key_of(one)
+        u = figures.get(of)
+        if u and one["dof"] is not None:
+            found[of] = (*found.get(of, ()), Part(str(one["influence"]), float(one["u"]) / u, float(one["dof"])))
+    return found
 
 
 def _source(component: Component) -> str:
@@ -142,6 +185,7 @@ def _results(given: Path) -> Compared:
         serial = str(content.get("item", {}).get("serial", ""))
         influences = {name: influence_read(one) for name, one in content.get("influences", {}).items()}
         occasions, selections = _tests(content)
+        parts = _parts_of_results(content.get("budgets", []), rows)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise DataError(
             f"neither a model nor results: {type(error).__name__} {error}",
@@ -150,7 +194,7 @@ def _results(given: Path) -> Compared:
             code="schema",
         ) from None
     return Compared(
-        str(path), sha256, rows, serial, type_b, _recordings(path), "", influences, occasions, selections
+        str(path), sha256, rows, serial, type_b, _recordings(path), "", influences, occasions, selections, parts
     )  # fmt: skip
 
 
