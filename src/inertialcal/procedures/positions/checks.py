@@ -43,6 +43,7 @@ USED = 8  # transitions that a search uses
 DEGREE = float(np.pi / 180.0)
 HIDDEN = 0.5  # share of a variance that nothing shows, from which on it is remarked
 CONFLICT = 0.01  # probability of a disagreement of prior and positions, below which it is remarked
+CLEARLY = 1.25  # error of gravity in positions left out over another, from which on it is called worse
 WIDE_INTERVAL = 0.05  # half of an interval of 95 %, over gravity or the scale factor
 STATE_A_PRIOR = 'state what is known of the unit: --prior-misalignment "0.02 rad", --prior-scale-factor "3 %", ...'
 PRIOR_UNIT = {"misalignment": "rad", "scale_factor_error": "", "bias": "m/s^2"}
@@ -299,7 +300,7 @@ def _prior_remarks(result: Result) -> list[Remark]:
         f"prior on the accelerometers: {prior}. In a position left out, gravity is off by {own:.2g} m/s^2 with it, "
         f"{alone:.2g} without it, {raw:.2g} as read"
     )
-    if own > min(alone, raw):
+    if own > CLEARLY * min(alone, raw):
         better = "the positions alone" if alone <= raw else "the bare readings"
         do = f"By positions left out, {better} are better: leave the prior out, or check it"
         found.append(Remark("prior_does_not_help", "warning", what, do=do))

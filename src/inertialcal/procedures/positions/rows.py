@@ -83,7 +83,7 @@ def _prior_rows(result: Result) -> list[Row]:
     for name, errors in judged.left_out.items():
         key, size = Key("gravity_error_left_out", "", "accelerometer"), float(np.sqrt(np.mean(errors**2)))
         method = Method.RESULT if name == "prior" else Method(name)
-        found.append(Row(key, size, None, "m/s^2", reason=LEFT_OUT, method=method))
+        found.append(Row(key, float(f"{size:.3g}"), None, "m/s^2", reason=LEFT_OUT, method=method))
     return found
 
 

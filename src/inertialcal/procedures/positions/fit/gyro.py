@@ -10,16 +10,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....core.estimate import Array
 from ....core.key import Reason
 from ..plan import Plan
 from ..readings import Readings, Rotation, local_gravity
-from .accelerometer import Fitted, mounting_source
+from .accelerometer import NOT_DETERMINED, UNKNOWN, Fitted, mounting_source
 from .at_rest import AtRest, Carried, apart, at_rest, earth_in_g, sources_of
-from .linear_sensor import BIAS, G_SENSITIVITY, MATRIX, LinearSensor, Source, level_sources, propagated
+from .linear_sensor import BIAS, G_SENSITIVITY, MATRIX, TAKES_PART, LinearSensor, Source, level_sources, propagated
 from .rotations import BETWEEN, Packed, Problem, Rotated, angles, ends_of, packed, solve
 
+DIRECTION = 0.01  # standard uncertainty of the direction of gravity, from which on no rotation is judged [rad]
 NAMES = (*MATRIX, *BIAS, *G_SENSITIVITY)
 MODEL = "uncertainty of the accelerometers"
 NO_ROTATIONS = Reason("no_rotations", "no rotations: at rest, gyros show only their bias")
@@ -28,7 +30,7 @@ NOTHING_LEFT = Reason(
     "nothing_left",
     "no rotation was repeated, and turn.angle and fixture.orientation are not both stated",
 )
-NO_GRAVITY = Reason("no_gravity", "the accelerometers are not fully determined, so the direction of gravity is unknown")
+NO_GRAVITY = Reason("no_gravity", "it rests on accelerometer figures that these positions do not determine")
 ONE_PLACE = Reason("one_place", "as many positions as unknowns: no degrees of freedom left")
 
 
@@ -75,8 +77,9 @@ def fit_gyro(
     if not readings.transitions and not readings.turns:
         return FittedGyro(_sensor(plan, readings, acc, rest, None, force, ideal, zero), rest, None, None, np.empty(0))
     problem = problem_of(plan, readings, acc, rest, ideal, zero)
-    whole = acc.observed.whole or not readings.transitions  # else errors of the accelerometers make the ends disagree
-    rotated = solve(plan, problem, start, judge=whole)
+    known = acc.observed.whole and float(np.max(_direction_u(acc, force))) < DIRECTION
+    # Else errors of the accelerometers make the ends disagree
+    rotated = solve(plan, problem, start, judge=known or not readings.transitions)
     sensor = _sensor(plan, readings, acc, rest, rotated, force, ideal, zero)
     return FittedGyro(sensor, rest, rotated, problem, angles(problem, rotated.W))
 
@@ -140,8 +143,13 @@ def _sensor(
         covariance = np.zeros((21, 21))
         covariance[9:, 9:] = unknown.covariance
         found.append(replace(unknown, covariance=covariance))
+    moved = np.zeros(9)  # u by combinations of accelerometer figures that stay at their nominal value
     if rotated is not None:
-        found.append(_accelerometer_source(acc, rotated, force, forward))
+        back = _by_accelerometers(acc, rotated, force, forward)
+        dof = float(acc.free) if acc.free else np.inf
+        found.append(Source(MODEL, "A", propagated(back, acc.sensor.covariance), dof))
+        open_ones = [one.covariance for one in acc.sensor.sources if one.name == NOT_DETERMINED]
+        moved = np.sqrt(sum((np.diag(propagated(back, one))[:9] for one in open_ones), moved))
     clock, gravity = plan.standards.get("clock.rate"), plan.standards.get("gravity.value")
     if clock is not None and rotated is not None:
         change = np.concatenate([values[:9] * clock.u, np.zeros(12)])
@@ -151,32 +159,45 @@ def _sensor(
         found.append(Source("gravity.value", "B", np.outer(change, change), gravity.dof, gravity, changes=change[None]))
     if "fixture.mounting" in plan.standards and readings.turns and not readings.transitions and rotated is not None:
         found.append(mounting_source(values, plan.standards["fixture.mounting"].u, plan))
-    reasons = _reasons(rest, rotated, acc, bool(readings.transitions))
+    reasons = _reasons(rest, rotated, acc, bool(readings.transitions), moved > TAKES_PART * UNKNOWN)
     return LinearSensor(values, tuple(found), reasons, ideal, zero, NAMES)
 
 
-def _accelerometer_source(acc: Fitted, rotated: Rotated, force: Array, forward: Array) -> Source:
-    """Return what uncertain accelerometers do to the directions of gravity, and these to the matrix."""
+def _directions_by(acc: Fitted, force: Array) -> Array:
+    """Return the derivatives of the directions of gravity by matrix and offset of accelerometers, shape (m, 3, 12)."""
     length = np.linalg.norm(force, axis=1)
     u = force / length[:, None]
     inverse = np.linalg.inv(acc.sensor.matrix)
     across = (np.eye(3) - u[:, :, None] * u[:, None, :]) / length[:, None, None]
     by_offset = -across @ inverse  # (m, 3, 3)
     by_matrix = by_offset[:, :, :, None] * force[:, None, None, :]  # (m, 3, row of A, column of A)
-    wide = np.concatenate([by_matrix.reshape(len(u), 3, 9), by_offset], axis=2)
+    return np.concatenate([by_matrix.reshape(len(u), 3, 9), by_offset], axis=2)
+
+
+def _direction_u(acc: Fitted, force: Array) -> Array:
+    """Return the standard uncertainty of the direction of gravity in each position, shape (m,) [rad]."""
+    wide = _directions_by(acc, force)
+    return np.asarray(np.sqrt(np.einsum("mij,jk,mik->m", wide, acc.sensor.covariance, wide)))
+
+
+def _by_accelerometers(acc: Fitted, rotated: Rotated, force: Array, forward: Array) -> Array:
+    """Return what the accelerometers do to the directions of gravity, and these to the matrix, shape (21, 12)."""
+    wide = _directions_by(acc, force)
     back = np.zeros((21, 12))
     back[:9] = forward @ np.einsum("wkj,kjq->wq", rotated.by_positions, wide)
-    return Source(MODEL, "A", propagated(back, acc.sensor.covariance), float(acc.free) if acc.free else np.inf)
+    return back
 
 
-def _reasons(rest: AtRest, rotated: Rotated | None, acc: Fitted, by_gravity: bool) -> dict[int, Reason]:
+def _reasons(
+    rest: AtRest, rotated: Rotated | None, acc: Fitted, by_gravity: bool, unknown: NDArray[np.bool_]
+) -> dict[int, Reason]:
     found: dict[int, Reason] = {}
     if rotated is None:
         found |= dict.fromkeys(range(9), NO_ROTATIONS)
     else:
         found |= {k: NOT_TOLD for k in range(9) if not rotated.observed.determined[k]}
-        if by_gravity and (not acc.observed.whole or acc.free == 0):
-            found |= {k: NO_GRAVITY for k in range(9) if k not in found}
+        if by_gravity:
+            found |= {k: NO_GRAVITY for k in range(9) if k not in found and (unknown[k] or acc.free == 0)}
         if rotated.found is None:
             found |= {k: NOTHING_LEFT for k in range(9) if k not in found}
     if rest.fits is None:

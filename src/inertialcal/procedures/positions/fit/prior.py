@@ -20,7 +20,7 @@ one cause, a bent board, are not independent: their intervals hold together or f
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -151,7 +151,8 @@ def fit_prior(plan: Plan, triad: Triad, ideal: Array, zero: Array, without: Fitt
     influences = {f"prior.{name}": Influence(u, UNIT[name], certificate="stated prior") for name, u in stated.items()}
     sources = sources_of(found, to_values @ observed.kept, {**plan.standards, **influences}, noise)
     sensor = sensor_of(plan, values, sources, determined_forward(observed.determined), ideal, zero, of_frame=True)
-    fitted = finished(sensor, observed, without.outliers, away[:, None], found, known=False)
+    worth = max(1, round(found.information * float(np.mean(noise + found.between**2)) ** 2))
+    fitted = finished(sensor, observed, without.outliers, away[:, None], replace(found, free=worth), known=False)
     chi_square, free, farthest = conflict(theta, r, inside, g, stated, found.between)
     p_value = float(special.chdtrc(free, chi_square)) if free else 1.0
     return fitted, Judgement(without, stated, p_value, farthest, left_out(r, inside, g, stated, found.between))
