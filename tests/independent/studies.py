@@ -191,6 +191,28 @@ def hands() -> list[Study]:
             remarks("not_observable", "no_dof"),
         )
     )
+    for times in (0.25, 1.0, 2.0):
+        unit = positions.Unit(
+            upper_triangular=True, bias=0.5 * times, scale=0.03 * times, misalignment=0.02 * times, position=0.001
+        )
+        groups = {name: like(f"{name}.* accelerometer") for name in ("scale_factor_error", "misalignment", "bias")}
+        case = partial(positions.tumbled, unit=unit)
+        codes = remarks("prior_conflict", "prior_does_not_help", "hardly_determined", "not_observable")
+        found += [
+            Study(f"positions, 10 in a cone, truth {times:g} prior u, prior", "", partial(stating, case=case), groups,
+                  codes),
+            Study(f"positions, 10 in a cone, truth {times:g} prior u, no prior", "", case, groups, codes),
+        ]  # fmt: skip
+    return found
+
+
+PRIOR = ("--prior-misalignment", "0.02 rad", "--prior-scale-factor", "3 %", "--prior-bias", "0.5 m/s2")
+
+
+def stating(seed: int, case: Callable[[int], Case]) -> Case:
+    """Return the case with a prior that its command states."""
+    found = case(seed)
+    found.words += PRIOR
     return found
 
 
@@ -559,4 +581,5 @@ def densities(case: Case, outcome: Outcome) -> Sequence[str]:
 def every() -> list[Study | Pair | LeftOut]:
     """Return all studies: those of issue 21, and those of issue 22, of which nothing is asked yet."""
     later = [replace(one, rule="shown") for one in (*masses(), *heads(), *noises())]
-    return [*tables(), *hands(), *chambers(), *pairs(), LeftOut(), *later]
+    stated = LeftOut("leave one out, 10 positions, condition 50 to 1300, with the prior", words=PRIOR)
+    return [*tables(), *hands(), *chambers(), *pairs(), LeftOut(), stated, *later]

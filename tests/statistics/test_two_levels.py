@@ -8,7 +8,7 @@ from scipy import stats
 
 from inertialcal.core.errors import DataError
 from inertialcal.statistics.intervals import coverage_factor, covers
-from inertialcal.statistics.two_levels import fit_two_levels
+from inertialcal.statistics.two_levels import fit_two_levels, fit_with_prior
 
 EXACT = 1e-6
 
@@ -120,3 +120,43 @@ def test_as_many_unknowns_as_readings_is_refused() -> None:
 def test_no_scatter_at_all_is_refused() -> None:
     with pytest.raises(DataError, match="do not scatter at all"):
         fit_two_levels(np.ones((4, 1)), np.zeros(4), {})
+
+
+class TestPrior:
+    """A prior on coefficients: closed form, limits, coverage."""
+
+    def test_one_coefficient_is_the_weighted_mean_of_prior_and_readings(self) -> None:
+        y = 1.0 + np.array([0.3, -0.2, 0.1, -0.3, 0.2])
+        prior = {"prior": (np.array([[1.0 / 0.1]]), np.array([0.5 / 0.1]))}
+        found = fit_with_prior(np.ones((5, 1)), y, {"noise": np.full(5, 0.04)}, prior)
+        weights = np.array([5.0 / (0.04 + found.between**2), 1.0 / 0.1**2])
+        assert found.coefficients[0] == pytest.approx(weights @ [y.mean(), 0.5] / weights.sum())
+        assert found.covariance[0, 0] == pytest.approx(1.0 / weights.sum())
+        total = sum(found.parts.values()) + found.between_part
+        assert total == pytest.approx(found.covariance)
+
+    def test_a_prior_that_says_nothing_changes_nothing(self) -> None:
+        rng = np.random.default_rng(5)
+        x, noise = rng.normal(size=(12, 3)), np.full(12, 0.01)
+        y = x @ [1.0, -2.0, 0.5] + rng.normal(0.0, 0.3, 12)
+        plain = fit_two_levels(x, y, {"noise": noise})
+        wide = fit_with_prior(x, y, {"noise": noise}, {"prior": (1e-3 * np.eye(3), np.zeros(3))})
+        assert wide.coefficients == pytest.approx(plain.coefficients, rel=1e-4)
+        assert wide.covariance == pytest.approx(plain.covariance, rel=1e-3)
+        assert wide.between == pytest.approx(plain.between, rel=1e-3)
+
+    def test_a_wrong_prior_is_no_scatter_beyond_the_one_given(self) -> None:
+        y = 1.0 + np.array([0.3, -0.2, 0.1, -0.3, 0.2])
+        prior = {"prior": (np.array([[1000.0]]), np.array([0.0]))}
+        noise = {"noise": np.full(5, 1e-4)}
+        assert fit_with_prior(np.ones((5, 1)), y, noise, prior).between > 0.9
+        assert fit_with_prior(np.ones((5, 1)), y, noise, prior, most=0.4).between == pytest.approx(0.4)
+
+    def test_fewer_readings_than_coefficients(self) -> None:
+        rng, hits = np.random.default_rng(6), []
+        for _ in range(200):
+            x, b = rng.normal(size=(4, 6)), rng.normal(0.0, 0.5, 6)
+            y = x @ b + rng.normal(0.0, 0.1, 4)
+            found = fit_with_prior(x, y, {"noise": np.full(4, 0.01)}, {"prior": (2.0 * np.eye(6), np.zeros(6))})
+            hits += list(np.abs(found.coefficients - b) <= 1.96 * np.sqrt(np.diag(found.covariance)))
+        assert 0.93 < np.mean(hits) < 0.97

@@ -319,7 +319,7 @@ def _prior_remarks(result: Result) -> list[Remark]:
 def _hardly_determined(result: Result) -> list[Remark]:
     """Return the remark that intervals are wider than anybody needs: a data sheet knows more."""
     one, g = result.estimates.get("accelerometer"), local_gravity(result.plan)
-    if one is None:
+    if one is None or result.acc.known:
         return []
     wide = []
     for key, u, dof in zip(one.keys, one.u, one.dof, strict=True):
@@ -329,7 +329,7 @@ def _hardly_determined(result: Result) -> list[Remark]:
     if not wide:
         return []
     what = f"intervals wider than {100.0 * WIDE_INTERVAL:.0f} % of gravity, or of the scale factor: {', '.join(wide)}"
-    do = "Add orientations between the faces, about all axes" + ("" if result.acc.known else f"; or {STATE_A_PRIOR}")
+    do = f"Add orientations between the faces, about all axes; or {STATE_A_PRIOR}"
     return [Remark("hardly_determined", "warning", what, do=do)]
 
 
