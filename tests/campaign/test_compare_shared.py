@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from independent import rate_table
@@ -201,3 +202,30 @@ def test_a_model_file_from_before_sensitivities_were_stored_is_read(pairs: Path)
     assert model.estimate is not None
     assert not model.estimate.shared("misalignment_xz")
     assert model.occasion == Occasion()
+
+
+@pytest.mark.parametrize(("mountings", "fails"), [(("laying 1", "laying 1"), True), (("laying 1", "laying 2"), False)])
+def test_a_model_is_not_judged_by_another_mounting(tmp_path: Path, mountings: tuple[str, str], fails: bool) -> None:
+    """The unit was laid anew before the readings held out: its angles differ, and where that is stated they are known.
+
+    Of one mounting they would be a wrong model.
+    """
+    gyros = rate_table.Gyros(scale=(0.0, 0.0, 0.0), bias=(0.0, 0.0, 0.0), misalignment=0.0, dwell=1e-4, fixture=5e-3)
+    given = rate_table.Protocol(standards={"rate_table.mounting": {"u": "5 mrad"}}, mounting=mountings[0])
+    fit, held = rate_table.reduced(3, gyros, given), rate_table.reduced(3, gyros, given, 1, remounted=True)
+    fit.tables["held.csv"] = held.tables["table.csv"]
+    runs = fit.tables["held.csv"].columns["run"]
+    fit.tables["held.csv"].columns["run"] = np.array([f"later {run}" for run in runs], dtype=object)
+    folder = tmp_path / "campaign"
+    words = fit.write(folder)
+    path = folder / "campaign.toml"
+    text = path.read_text()
+    start = text.index("[recordings.table]")
+    entry, test = text[start : text.index("[[tests]]")], text[text.index("[[tests]]") :]
+    later = entry.replace(".table]", ".held]").replace("table.csv", "held.csv")
+    held_out = test.replace('"rates"', '"judged"\nuse = "hold_out"').replace('["table"]', '["held"]')
+    held_out = held_out.replace("laying 1", mountings[1])
+    path.write_text(text[:start] + entry + later + test + held_out)
+    called(words, folder)
+    found = json.loads((folder / "out/results.json").read_text())["closed_loop"]
+    assert (found["verdict"] == "FAIL") == fails

@@ -76,6 +76,10 @@ class Occasion(NamedTuple):
             return self.site if standard in OF_SITE else ""
         return {"mounting": self.mounting, "power_up": self.power_up, "day": self.day}.get(redrawn_by, "")
 
+    def remounted(self, other: Occasion) -> bool:
+        """Whether the unit was laid anew in between, as both state."""
+        return bool(self.mounting and other.mounting) and self.mounting != other.mounting
+
     def joined(self, other: Occasion) -> Occasion:
         """Return the occasion of two tests together: what both state alike."""
         return Occasion(*(mine if mine == its else "" for mine, its in zip(self, other, strict=True)))

@@ -696,7 +696,7 @@ class Procedure(Generic[P, R, S]):
         """Return what later tests may take off their readings; None where there is nothing."""
         return None
 
-    def against(self, result: S, other: Tested[Any, Any, Any], condition: str) -> Sequence[Row] | None:
+    def against(self, test: Tested[P, R, S], other: Tested[Any, Any, Any]) -> Sequence[Row] | None:
         """Return what two tests differ by; None where they are not set beside each other.
 
         Raises

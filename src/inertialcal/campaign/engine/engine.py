@@ -543,7 +543,7 @@ def beside_others(campaign: Campaign, tested: Sequence[ReducedTest]) -> list[Red
 def _beside(campaign: Campaign, one: ReducedTest, other: Tested[Any, Any, Any]) -> ReducedTest:
     try:
         with computable(one.test.id):
-            rows = one.procedure.against(one.result, other, one.test.condition) or ()
+            rows = one.procedure.against(one.tested, other) or ()
     except InertialcalError as error:
         number = campaign.file.tests.index(one.test)
         raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None

@@ -127,11 +127,11 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
         left = result.plan.corrected and key.quantity == "bias"
         return key._replace(quantity=MODEL_BIAS) if left else key
 
-    def against(self, result: Result, other: Tested[Any, Any, Any], condition: str) -> Sequence[Row]:
+    def against(self, test: Tested[Plan, Readings, Result], other: Tested[Any, Any, Any]) -> Sequence[Row]:
         """Return the differences of two tests of one head, as after one ground model and another."""
         from .side_by_side import side_by_side
 
-        return side_by_side(result, other.result, other.id)
+        return side_by_side(test.result, other.result, other.id)
 
     def finding(self, rows: Sequence[WrittenRow]) -> Sentence:
         """Return the largest bias, and the error of the control axis."""

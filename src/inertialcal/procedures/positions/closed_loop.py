@@ -4,7 +4,8 @@ Accelerometers: in every position held out the length of the specific force must
 known each component too. Gyros: each axis at rest must read the earth rate that is known, and in every rotation held
 out gravity, carried by them, must arrive where the accelerometers find it. Squares of errors are paired by position or
 rotation; the scatter of their differences says how well the mean is known. The verdict is that of all models
-(``statistics.closed_loop``); what is common to fit and judgement cancels.
+(``statistics.closed_loop``); what is common to fit and judgement cancels. Where both state another mounting, the
+fixture's mounting counts as uncertainty, once for each.
 
 Positions of one record count as independent, also where they share a power-up: what differs from power-up to power-up
 is judged by as many draws as there are records held out.
@@ -31,6 +32,7 @@ from .fit.linear_sensor import LinearSensor
 from .fit.rotations import errors
 from .readings import local_gravity
 
+MOUNTING = "fixture.mounting"
 Errors = Callable[[Array], Array]  # of the numbers of the model: one row a position or rotation
 
 
@@ -50,7 +52,9 @@ class Judge:
         return self.by_matrix or bool(np.all(values[:9] == other[:9]))
 
 
-def loops_of(fitted: positions.Result, held: Sequence[positions.Readings], kind: Kind) -> tuple[AxisLoop, ...]:
+def loops_of(
+    fitted: positions.Result, held: Sequence[positions.Readings], kind: Kind, remounted: bool = False
+) -> tuple[AxisLoop, ...]:
     """Return what readings held out say of one sensor, without verdicts; empty where they cannot judge it.
 
     Parameters
@@ -61,6 +65,8 @@ def loops_of(fitted: positions.Result, held: Sequence[positions.Readings], kind:
         Held out, in the same units; one a record.
     kind : {"accelerometer", "gyro"}
         Which.
+    remounted : bool
+        The unit was laid anew in between.
     """
     fit = fitted.acc if kind == "accelerometer" else fitted.gyro
     if fit is None:
@@ -74,7 +80,7 @@ def loops_of(fitted: positions.Result, held: Sequence[positions.Readings], kind:
         return lambda values: np.concatenate([part.errors(values) for part in parts])
 
     pooled = [replace(parts[0], errors=over_all_records(parts)) for parts in by_name.values()]
-    return before_and_after(fit.sensor, fit.sensor.values, pooled, own, len(held))
+    return before_and_after(fit.sensor, fit.sensor.values, pooled, own, len(held), remounted)
 
 
 def judges_of(fitted: positions.Result, held: positions.Readings, kind: Kind) -> tuple[Judge, ...]:
@@ -85,7 +91,12 @@ def judges_of(fitted: positions.Result, held: positions.Readings, kind: Kind) ->
 
 
 def before_and_after(
-    sensor: LinearSensor, values: Array, judges: Sequence[Judge], own: Mapping[str, Judge], runs: int
+    sensor: LinearSensor,
+    values: Array,
+    judges: Sequence[Judge],
+    own: Mapping[str, Judge],
+    runs: int,
+    remounted: bool = False,
 ) -> tuple[AxisLoop, ...]:
     """Return what the numbers of a model do to readings held out, with the uncertainty of the sensor that was fitted.
 
@@ -105,13 +116,19 @@ def before_and_after(
         The same of the readings of the fit, by name: they say how errors scatter.
     runs : int
         Records behind them.
+    remounted : bool
+        The unit was laid anew in between.
     """
     covariance = sum((one.covariance for one in sensor.sources if one.kind == "A"), np.zeros((len(values),) * 2))
     variances, directions = np.linalg.eigh(0.5 * (covariance + covariance.T))
     steps = (directions * np.sqrt(np.maximum(variances, 0.0))).T[variances > 0.0]  # one u along each
+    mountings = [
+        one.changes for one in sensor.sources if one.name == MOUNTING and one.changes is not None and remounted
+    ]
+    laid = np.sqrt(2.0) * np.concatenate([np.empty((0, len(values))), *mountings])  # of the fit, and of those held out
     rivals = mixed_up(values, not set(range(9)) & set(sensor.reasons))
     raw = as_read(sensor)
-    found = (_loop(one, own.get(one.name), sensor, values, raw, steps, rivals, runs) for one in judges)
+    found = (_loop(one, own.get(one.name), sensor, values, raw, (steps, laid), rivals, runs) for one in judges)
     return tuple(one for one in found if one is not None)
 
 
@@ -121,7 +138,7 @@ def _loop(
     sensor: LinearSensor,
     values: Array,
     raw: Array,
-    steps: Array,
+    steps: tuple[Array, Array],
     rivals: Mapping[str, Array],
     runs: int,
 ) -> AxisLoop | None:
@@ -130,7 +147,7 @@ def _loop(
     n = len(error)
     if n < 2:
         return None
-    moved = [judge.errors(values + step) - error for step in steps]
+    moved, laid = ([judge.errors(values + step) - error for step in each] for each in steps)
     residuals = np.empty((0, 1)) if own is None else own.errors(sensor.values)
     rows = int(np.sum(np.any(residuals != 0.0, axis=0))) * len(residuals)
     dof = float(max(rows - judge.free, 0))
@@ -139,12 +156,13 @@ def _loop(
     def p_rival(rival: Array) -> float:
         change = judge.errors(rival) - error
         gain = float(np.mean(_squares(error + change) - _squares(error)))
-        shift = [2.0 * float(np.mean(np.sum(change * one, axis=1))) for one in moved]
+        shift = [2.0 * float(np.mean(np.sum(change * one, axis=1))) for one in (*moved, *laid)]
         whole = 4.0 * variance * float(np.sum(change**2)) / n**2 + float(np.sum(np.square(shift)))
         return float(special.stdtr(dof, gain / np.sqrt(whole))) if np.isfinite(whole) and whole > 0.0 else 1.0
 
     before, after = _squares(judge.errors(raw)), _squares(error)
     gain = before - after
+    by_laying = [2.0 * float(np.mean(np.sum((judge.errors(raw) - error) * one, axis=1))) for one in laid]
     return AxisLoop(
         judge.name,
         n,
@@ -152,9 +170,9 @@ def _loop(
         float(np.sqrt(np.mean(before))),
         float(np.sqrt(np.mean(after))),
         float(np.mean(gain)),
-        float(np.std(gain, ddof=1) / np.sqrt(n)),
+        float(np.hypot(np.std(gain, ddof=1) / np.sqrt(n), np.linalg.norm(by_laying))),
         float(n - 1),
-        float(sum(np.mean(_squares(one)) for one in moved)),
+        float(sum(np.mean(_squares(one)) for one in (*moved, *laid))),
         judge.unit,
         {name: p_rival(rival) for name, rival in rivals.items() if judge.tells(values, rival)},
     )

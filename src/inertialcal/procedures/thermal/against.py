@@ -8,13 +8,16 @@ both laws are taken together, and what they share cancels.
 What one power-up can differ from the mean offset by is told beside, ``..._run_to_run``: the root sum of squares of the
 scatters of both.
 
-Of the standards, the thermometer acts by the difference of the slopes, the converter in proportion to the difference;
-earth rate cancels where both tests say the same attitude.
+The standards are those of one campaign: the thermometer acts by the difference of the slopes, the converter in
+proportion to the difference, the latitude not at all at one place. How far the body stands from its stated attitude
+cancels where both tests state one attitude and one mounting, or share all their power-ups; else the body counts as laid
+anew in between (``statistics.difference``).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,20 +26,23 @@ from numpy.typing import NDArray
 from scipy import linalg
 
 from ...core.estimate import Array, Component, Estimate
+from ...core.influence import Influence, Occasion
 from ...core.key import AXES, Key, Origin, Reason
 from ...core.results import Row, not_estimated
 from ...statistics.clustered import clustered_contrasts
+from ...statistics.difference import changes_left
 from ...statistics.intervals import chi_square_interval
 from ...statistics.least_squares import fit
 from .fit.law import Law
 from .fit.quantities import SOURCES, at_degrees, earth_along
 from .fit.sensor import OfSensor
-from .plan import Plan
 from .rows import ONE_RUN, SAME, estimate_row
 
 if TYPE_CHECKING:
     from .reduction import Result
 
+THERMOMETER, REFERENCE, EARTH = "thermometer.temperature", "converter.reference", "earth rate: "
+WORDS = {THERMOMETER: "thermometer", REFERENCE: "converter reference"}  # as budgets call them
 SHIFT, VACUUM = "bias_shift", "vacuum_offset"
 
 
@@ -45,19 +51,37 @@ def quantity_of(condition: str) -> str:
     return VACUUM if condition == "vacuum" else SHIFT
 
 
-def offset_rows(result: Result, other: Result, name: str, quantity: str) -> list[Row]:
-    """Return the bias of `result` less that of `other`, at the reference temperature and where the plan asks."""
+def offset_rows(
+    result: Result,
+    other: Result,
+    name: str,
+    quantity: str,
+    occasions: tuple[Occasion, Occasion] = (Occasion(), Occasion()),
+) -> list[Row]:
+    """Return the bias of `result` less that of `other`, at the reference temperature and where the plan asks.
+
+    Parameters
+    ----------
+    result, other : Result
+        This test, and the one that it is set against.
+    name, quantity : str
+        Of the other; what the difference is called.
+    occasions : (Occasion, Occasion)
+        What drew the errors of standards in each.
+    """
     found: list[Row] = []
     for axis in AXES:
         if axis in result.sensors and axis in other.sensors:
-            found += _of_axis(result, other, axis, name, quantity)
+            found += _of_axis(result, other, axis, name, quantity, occasions)
         elif axis in result.sensors or axis in other.sensors:
             reason = Reason("not_reduced", f"the {axis} sensor was not reduced in both tests")
             found.append(not_estimated(Key(quantity, axis), result.readings.unit, reason))
     return found
 
 
-def _of_axis(result: Result, other: Result, axis: str, name: str, quantity: str) -> Iterator[Row]:
+def _of_axis(
+    result: Result, other: Result, axis: str, name: str, quantity: str, occasions: tuple[Occasion, Occasion]
+) -> Iterator[Row]:
     one, two = result.sensors[axis], other.sensors[axis]
     unit = result.readings.unit
     key = Key(quantity, axis)
@@ -71,17 +95,23 @@ def _of_axis(result: Result, other: Result, axis: str, name: str, quantity: str)
     outside = Reason("outside", f"outside what both tests went through, {low:.4g} to {high:.4g} degC")
     yield from (not_estimated(own, unit, outside) for own in wanted if own not in inside)
     keys = list(inside)
-    estimate, known = _difference(result, other, axis, np.array(list(inside.values())), keys)
+    estimate, known = _difference(result, other, axis, np.array(list(inside.values())), keys, occasions)
+    limits = Reason("limits", f"this test less {name}")
     for own, is_known in zip(keys, known, strict=True):
         if is_known and estimate is not None:
-            yield estimate_row(estimate, own, Reason("limits", f"this test less {name}"))
+            yield replace(estimate_row(estimate, own, limits), shared=estimate.shared(own))
         else:
             yield not_estimated(own, unit, ONE_RUN)
     yield _run_to_run(result, other, Key(f"{quantity}_run_to_run", axis))
 
 
 def _difference(
-    result: Result, other: Result, axis: str, places: Array, keys: list[Key]
+    result: Result,
+    other: Result,
+    axis: str,
+    places: Array,
+    keys: list[Key],
+    occasions: tuple[Occasion, Occasion],
 ) -> tuple[Estimate | None, list[bool]]:
     """Return the differences at temperatures that have an uncertainty, and which those are."""
     laws = [one.sensors[axis].law for one in (result, other)]
@@ -92,11 +122,12 @@ def _difference(
         return None, list(known)
     names = tuple(key for key, keep in zip(keys, known, strict=True) if keep)
     unit = result.readings.unit
-    components = [*scatter, *_type_b(result.plan, laws, rows, values, known)]
+    mine, its = (
+        _changes(one, law, row, axis, known) for one, law, row in zip((result, other), laws, rows, strict=True)
+    )
+    components = [*scatter, *_type_b(mine, its, _shared(result, other, mine, occasions))]
     if unit == "rad/s":
         values = values - (earth_along(result.plan)[0] - earth_along(other.plan)[0])[AXES.index(axis)]
-        whole = np.ones((len(names), len(names)))
-        components += [Component(source, "B", u**2 * whole) for source, u in _earth(result.plan, other.plan, axis)]
     return Estimate(names, values[known], (unit,) * len(names), tuple(components)), list(known)
 
 
@@ -133,22 +164,60 @@ def _symmetric(covariance: Array) -> Array:
     return 0.5 * (covariance + covariance.T)
 
 
-def _type_b(plan: Plan, laws: list[Law], rows: list[Array], values: Array, known: NDArray[np.bool_]) -> list[Component]:
-    found = []
-    thermometer = plan.standards.get("thermometer.temperature")
+Changes = dict[str, tuple[Influence, Array]]  # by source: what it rests on, and what it changes, shape (s, k)
+
+
+def _changes(result: Result, law: Law, rows: Array, axis: str, known: NDArray[np.bool_]) -> Changes:
+    """Return what one standard uncertainty of each source changes in the biases of one test."""
+    found = {}
+    thermometer, reference = (result.plan.standards.get(name) for name in (THERMOMETER, REFERENCE))
     if thermometer is not None:
-        slopes = [row @ _slope(law) for law, row in zip(laws, rows, strict=True)]
-        change = (thermometer.u * (slopes[1] - slopes[0]))[known]
-        found.append(("thermometer", thermometer, change))
-    reference = plan.standards.get("converter.reference")
+        found[THERMOMETER] = thermometer, -(thermometer.u * (rows @ _slope(law)))[None, known]
     if reference is not None:
-        found.append(("converter reference", reference, (reference.u * values)[known]))
-    return [
-        Component(
-            one.origin(source), "B", np.outer(change, change), one.dof, one.distribution, one.stated, change[None]
-        )
-        for source, one, change in found
-    ]
+        found[REFERENCE] = reference, (reference.u * (rows @ law.coefficients))[None, known]
+    if result.readings.unit == "rad/s":
+        for source, one in earth_along(result.plan)[1].items():
+            along = -one.patterns[:, [AXES.index(axis)]]
+            if np.any(along):
+                found[f"{EARTH}{source}"] = one.influence, np.repeat(along, int(known.sum()), axis=1)
+    return found
+
+
+def _shared(result: Result, other: Result, changes: Changes, occasions: tuple[Occasion, Occasion]) -> set[str]:
+    """Return the sources whose error is the same in both tests of a campaign."""
+    plan, its = result.plan, other.plan
+    one, two = occasions
+    laid_alike = bool(one.mounting) and one.mounting == two.mounting
+    laid_alike = laid_alike or set(result.readings.labels) == set(other.readings.labels)
+    found = set()
+    for name, (influence, _) in changes.items():
+        if name == f"{EARTH}latitude":
+            same = plan.latitude == its.latitude
+        elif name.startswith(EARTH):  # errors of the attitude
+            same = laid_alike and plan.attitude == its.attitude and plan.latitude == its.latitude
+        else:
+            labels = [each.drew(influence.redrawn_by) for each in occasions]
+            lasting = influence.redrawn_by in ("", "never", "certificate")
+            same = lasting or (bool(labels[0]) and labels[0] == labels[1])
+        if same:
+            found.add(name)
+    return found
+
+
+def _type_b(mine: Changes, its: Changes, shared: set[str]) -> list[Component]:
+    """Return the components of the differences: what both tests share cancels."""
+    whose = {"mine": ", this test", "its": ", the other", "": ""}
+    found = []
+    own, others = ({name: change for name, (_, change) in one.items()} for one in (mine, its))
+    left = changes_left(own, others, shared)
+    for (name, side), change in left.items():
+        if np.any(change):
+            one = (its if side == "its" else mine)[name][0]
+            what = f"{WORDS.get(name, name)}{whose[side]}"
+            origin = Origin(what) if side or not one.standard else one.origin(what)
+            covariance = _symmetric(change.T @ change)
+            found.append(Component(origin, "B", covariance, one.dof, one.distribution, one.stated, change))
+    return found
 
 
 def _slope(law: Law) -> Array:
@@ -156,19 +225,6 @@ def _slope(law: Law) -> Array:
     if law.order == 0:
         return np.zeros(1)
     return np.append(chebyshev.chebder(law.coefficients), 0.0) * 2.0 / (law.domain[1] - law.domain[0])
-
-
-def _earth(plan: Plan, other: Plan, axis: str) -> list[tuple[str, float]]:
-    """Return what is not known of the difference of earth rate, by source; none for one known attitude."""
-    if plan.attitude is not None and plan.attitude == other.attitude and plan.latitude == other.latitude:
-        return []
-    found = []
-    for which, one in (("this test", plan), ("the other", other)):
-        for source, unknown in earth_along(one)[1].items():
-            u = float(np.sqrt(np.sum(unknown.patterns[:, AXES.index(axis)] ** 2)))
-            if u > 0.0:
-                found.append((f"earth rate: {source}, {which}", u))
-    return found
 
 
 def _run_to_run(result: Result, other: Result, key: Key) -> Row:

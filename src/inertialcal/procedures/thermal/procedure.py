@@ -116,16 +116,17 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
         from .held_out.closed_loop import held_out, loops, overlays, residual_rows
 
         (own,), (other,) = fitted, held
-        residuals = held_out(result, other.result)
+        residuals = held_out(result, other.result, own.occasion.remounted(other.occasion))
         first, second = (result, None) if own.against is None else (own.against.result, result)
         rows = residual_rows(residuals, other.result.readings.unit, own.id)
         return HeldOut(loops(residuals, other.result.readings.unit), tuple(rows), overlays(other.result, first, second))
 
-    def against(self, result: Result, other: Tested[Any, Any, Any], condition: str) -> Sequence[Row]:
+    def against(self, test: Tested[Plan, Readings, Result], other: Tested[Any, Any, Any]) -> Sequence[Row]:
         """Return the bias that one condition has more than the other."""
         from .against import offset_rows, quantity_of
 
-        return offset_rows(result, other.result, other.id, quantity_of(condition))
+        occasions = (test.occasion, other.occasion)
+        return offset_rows(test.result, other.result, other.id, quantity_of(test.condition), occasions)
 
     def exclusions(self, test: Tested[Plan, Readings, Result]) -> Iterator[Exclusion]:
         """Yield the samples that no cell was made of, by rule."""

@@ -129,7 +129,7 @@ def _thermal_tests(bench: Bench) -> Iterator[Noted]:
     for where in bench.chambers:
         names = [recording_name(where, number) for number in range(1, bench.chamber_runs + 1)]
         fit, held = names[: bench.chamber_fit_runs], names[bench.chamber_fit_runs :]
-        settings: Content = {"condition": where}
+        settings: Content = {"condition": where, "mounting": "chamber"}
         against = {"against": NAMES[AIR]} if where == VACUUM and AIR in bench.chambers else {}
         early: Content = {}
         late: Content = {}

@@ -11,7 +11,8 @@ run do not count as independent, and nothing is assumed of how runs differ, but 
 the fit do. A fit of one run, or of runs not named, cannot judge another power-up: INCONCLUSIVE. What follows from it
 is ``statistics.closed_loop``; against a mixed-up form the uncertainty of the model counts as scatter.
 
-Errors of the table that are the same in fit and judgement cancel: the loop says nothing about them.
+Errors of the table that are the same in fit and judgement cancel: the loop says nothing about them. Where both state
+that the unit was laid anew in between, the angles of the two mountings are two draws: they count as uncertainty.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from ....core.curve import Column, Curve
 from ....core.estimate import Array
 from ....core.key import AXES
 from ....statistics.closed_loop import AxisLoop
+from ..fit.quantities import matrix_entry
 from ..fit.regression import Line
 from ..readings import Labels, Readings
 
@@ -33,7 +35,7 @@ Find = Callable[[Readings], Mapping[str, Array]]
 
 
 def closed_loop(
-    lines: Mapping[str, Line], held: Readings, model: Find, rivals: Mapping[str, Find]
+    lines: Mapping[str, Line], held: Readings, model: Find, rivals: Mapping[str, Find], laid: float = 0.0
 ) -> tuple[AxisLoop, ...]:
     """Return how much better compensated readings of dwells held out are, axis by axis, without verdicts.
 
@@ -47,6 +49,8 @@ def closed_loop(
         From dwells to the inputs that the model finds, by axis [rad/s], shape (n,); NaN where it finds none.
     rivals : mapping of str to callable
         The same for each mixed-up form of the model.
+    laid : float
+        Standard uncertainty of each angle of the mounting, where that of the fit was another one [rad].
 
     Returns
     -------
@@ -54,7 +58,7 @@ def closed_loop(
         For the axes that have compensated readings.
     """
     compensated = model(held)
-    views = [_view(lines[axis], held, model, axis) for axis in compensated if axis in lines]
+    views = [_view(lines[axis], held, model, axis, laid) for axis in compensated if axis in lines]
     return tuple(_axis(view, rivals) for view in views if len(view.dwells))
 
 
@@ -95,12 +99,25 @@ class _View:
     dwells: Readings
     found: Array
     found_in_fit: Array
+    laid: Array  # shape (s, n): what each angle between two mountings changes, one standard uncertainty [rad/s]
 
 
-def _view(one: Line, held: Readings, model: Find, axis: str) -> _View:
+def _view(one: Line, held: Readings, model: Find, axis: str, laid: float = 0.0) -> _View:
     values = model(held)[axis]
     use = np.isfinite(values) & np.isfinite(held.outputs[axis])
-    return _View(axis, one, held.take(use), values[use], model(one.readings)[axis])
+    dwells = held.take(use)
+    return _View(axis, one, dwells, values[use], model(one.readings)[axis], _angles(one, dwells, laid))
+
+
+def _angles(one: Line, dwells: Readings, u: float) -> Array:
+    """Return the changes of readings by the angles of the fit's mounting and of another one, shape (s, n) [rad/s]."""
+    patterns = [
+        np.sqrt(2.0) * u * matrix_entry(one, j) * np.where(dwells.axis == turned, dwells.applied, 0.0)
+        for turned in AXES
+        for j in AXES
+        if j != turned
+    ]
+    return np.array(patterns) if u else np.zeros((0, len(dwells)))
 
 
 def _axis(view: _View, rivals: Mapping[str, Find]) -> AxisLoop:
@@ -109,6 +126,7 @@ def _axis(view: _View, rivals: Mapping[str, Find]) -> AxisLoop:
     delta = reading - view.found
     in_fit = view.line.readings.outputs[view.axis] - view.found_in_fit
     variance, dof = _variance(view, delta, in_fit)
+    variance += _by_laying(view, delta)
     return AxisLoop(
         view.axis,
         len(view.dwells),
@@ -118,9 +136,14 @@ def _axis(view: _View, rivals: Mapping[str, Find]) -> AxisLoop:
         float(np.mean(delta * (2.0 * error - delta))),
         float(np.sqrt(variance)),
         dof,
-        float(np.mean(_model_variance(view.line, view.dwells))),
+        float(np.mean(_model_variance(view.line, view.dwells) + np.sum(view.laid**2, axis=0))),
         rivals={name: _p_rival(view, find) for name, find in rivals.items()},
     )
+
+
+def _by_laying(view: _View, delta: Array) -> float:
+    """Return the variance of the mean of d by the angles between two mountings."""
+    return float(np.sum((2.0 * view.laid @ delta / max(len(delta), 1)) ** 2))
 
 
 def _variance(view: _View, delta: Array, in_fit: Array) -> tuple[float, float]:
@@ -189,7 +212,7 @@ def _p_rival(view: _View, find: Find) -> float:
     gain = float(np.mean(delta * (2.0 * error - delta)))
     variance, dof = _variance(view, delta, in_fit)
     moved = delta @ _rows(one, dwells) / len(dwells)
-    variance += 4.0 * float(moved @ one.covariance @ moved)
+    variance += 4.0 * float(moved @ one.covariance @ moved) + _by_laying(view, delta)
     if not (np.isfinite(variance) and variance > 0.0):
         return 1.0
     return float(special.stdtr(dof, -gain / np.sqrt(variance)))

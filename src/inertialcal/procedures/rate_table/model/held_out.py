@@ -36,8 +36,11 @@ def judged_on(model: SensorModel, result: Result, fitted: Sequence[Turned], held
     if shared:
         what = "readings held out come from runs that the model was fitted on: run-to-run error is not judged"
         remarks.append(Remark("shared_runs", "warning", what, count=len(shared), do="Hold out whole power-up runs"))
+    mounting = result.plan.standards.get("rate_table.mounting")
+    remounted = any(one.occasion.remounted(other.occasion) for one in fitted for other in held)
+    laid = mounting.u if mounting is not None and remounted else 0.0
     return HeldOut(
-        closed_loop(result.lines, readings, find, mixed_up(model)),
+        closed_loop(result.lines, readings, find, mixed_up(model), laid),
         curves=compensated_curves(result.lines, readings, find),
         remarks=tuple(remarks),
     )

@@ -8,8 +8,9 @@ Bins that were seen on both paths count on each alike, so hysteresis drops out o
 repeated: the scatter of both is that of the power-ups of the fit, and nothing is assumed of those held out but that
 they differ as these do. The polynomial of a finite test is off by its own (Type A) uncertainty even where it is right:
 in the residual it counts as uncertainty, in the gain that much is allowed. Errors that are the same in both tests
-(thermometer, attitude, converter) cancel and are not judged. The polynomial is known on temperatures that it was fitted
-to: cells beyond are left out.
+(thermometer, attitude, converter) cancel and are not judged; where both state that the body was laid anew in between,
+what is not known of its attitude counts as uncertainty, once for each. The polynomial is known on temperatures that it
+was fitted to: cells beyond are left out.
 """
 
 from __future__ import annotations
@@ -54,8 +55,15 @@ class AxisResidual:
     dof: float  # Degrees of freedom of both
 
 
-def held_out(fitted: Result, held: Result) -> tuple[AxisResidual, ...]:
+def held_out(fitted: Result, held: Result, remounted: bool = False) -> tuple[AxisResidual, ...]:
     """Return what the polynomials of one test leave of another, axis by axis.
+
+    Parameters
+    ----------
+    fitted, held : Result
+        Of both tests.
+    remounted : bool
+        The body was laid anew in between.
 
     Raises
     ------
@@ -63,14 +71,28 @@ def held_out(fitted: Result, held: Result) -> tuple[AxisResidual, ...]:
         ``outside`` if no cell held out lies at temperatures of the polynomial.
     """
     earth = earth_along(fitted.plan)[0] if fitted.readings.unit == "rad/s" else np.zeros(3)
+    laid = _attitude_variance(fitted, held) if remounted else np.zeros(3)
     return tuple(
-        _axis_residual(axis, fitted.sensors[axis].law, one.law.cells, float(earth[AXES.index(axis)]))
+        _axis_residual(
+            axis, fitted.sensors[axis].law, one.law.cells, *(float(x[AXES.index(axis)]) for x in (earth, laid))
+        )
         for axis, one in held.sensors.items()
         if axis in fitted.sensors
     )
 
 
-def _axis_residual(axis: str, law: Law, cells: Cells, earth: float) -> AxisResidual:
+def _attitude_variance(*results: Result) -> Array:
+    """Return the variance of the earth rate along the axes that the attitudes of tests leave, shape (3,)."""
+    total = np.zeros(3)
+    for one in results:
+        if one.readings.unit == "rad/s":
+            for source, unknown in earth_along(one.plan)[1].items():
+                if source != "latitude":  # of one place
+                    total += np.sum(unknown.patterns**2, axis=0)
+    return total
+
+
+def _axis_residual(axis: str, law: Law, cells: Cells, earth: float, laid: float = 0.0) -> AxisResidual:
     low, high = law.domain
     inside = (cells.temperature >= low) & (cells.temperature <= high)
     if not inside.any():
@@ -95,10 +117,10 @@ def _axis_residual(axis: str, law: Law, cells: Cells, earth: float) -> AxisResid
         float(np.sqrt(np.average((off + error) ** 2, weights=weight))),
         float(np.sqrt(np.average(error**2, weights=weight))),
         residual,
-        float(np.sqrt(spread / m + both[0, 0])),
+        float(np.sqrt(spread / m + both[0, 0] + laid)),
         gain,
-        float(2.0 * np.sqrt(spread_gain / m + both[1, 1])),
-        float(np.average(np.diag(fit_rows), weights=weight)),
+        float(2.0 * np.sqrt(spread_gain / m + both[1, 1] + laid * float(np.average(off, weights=weight)) ** 2)),
+        float(np.average(np.diag(fit_rows), weights=weight)) + laid,
         float(min(freedom, dof.min())) if freedom > 0.0 else 0.0,
     )
 
