@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from .campaign.engine.run import check, run
     from .campaign.models.compensation import compensate
     from .campaign.models.find import load_model
+    from .campaign.outcome.budget import budget
     from .campaign.start.info import info
     from .campaign.twins.score import score
     from .campaign.twins.twin import simulate
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "allan",
+    "budget",
     "check",
     "compare",
     "compensate",
@@ -63,6 +65,7 @@ __all__ = [
 _HOMES = {
     "allan": ("campaign.calls.nouns", "allan"),
     "psd": ("campaign.calls.nouns", "psd"),
+    "budget": ("campaign.outcome.budget", "budget"),
     "check": ("campaign.engine.run", "check"),
     "compare": ("campaign.compare.compare", "compare"),
     "compensate": ("campaign.models.compensation", "compensate"),

@@ -25,7 +25,7 @@ FIRST = {"info": "verbs.info"}
 VERBS = {
     "init": "verbs.campaigns", "check": "verbs.campaigns", "run": "verbs.campaigns", "demo": "verbs.demos",
     "show": "verbs.models", "compensate": "verbs.models", "convert": "verbs.models", "export": "verbs.models",
-    "compare": "verbs.models", "simulate": "verbs.twins", "score": "verbs.twins",
+    "budget": "verbs.campaigns", "compare": "verbs.models", "simulate": "verbs.twins", "score": "verbs.twins",
     "programme-1969": "verbs.programme1969",
 }  # fmt: skip
 READ_NOTHING = ("demo", "simulate")  # commands that read no file of a user

@@ -33,8 +33,9 @@ from ..file.sensors import Sensor
 from ..inputs.sources import Origin
 from ..models.content import closed_loop_content, named_models, parameter_rows
 from ..models.judged import NOT_RUN, JudgedModel
+from .budget import advice, budgeted, deciding_u
 from .exclusions import LeftOut, exclusion_rows, left_out
-from .requirements import judge, margin, rule_text, worst
+from .requirements import IN_DOUBT, judge, margin, rule_text, worst
 
 
 def results_content(
@@ -81,7 +82,15 @@ def results_content(
         rows += [displayed(row, unit) for row in new]
     verdicts = [verdict for verdict, _ in judged]
     unused = left_out(campaign, prepared, tested)
-    results = {
+    judged_rows = [
+        _verdict_row(
+            verdict,
+            sensor_of(campaign, tests[verdict.test], verdict.sensor).unit if verdict.test in tests else unit,
+            asked,
+        )
+        for verdict, asked in judged
+    ]
+    results: dict[str, Any] = {
         "schema": SCHEMA,
         "campaign": campaign.file.campaign.model_dump(),
         "item": campaign.file.item.model_dump(),
@@ -98,17 +107,11 @@ def results_content(
         "curves": curves_content(campaign, tested, modelled),
         "remarks": [remark.to_dict() for remark in condensed(remarks)],
         "decision_rule": rule_text(general),
-        "verdicts": [
-            _verdict_row(
-                verdict,
-                sensor_of(campaign, tests[verdict.test], verdict.sensor).unit if verdict.test in tests else unit,
-                asked,
-            )
-            for verdict, asked in judged
-        ],
+        "verdicts": judged_rows,
         "closed_loop": closed_loop_content(campaign, modelled, unit, [one for each in tested for one in each.errors]),
         "verification": _verification(campaign, verdicts, modelled),
     }
+    _with_advice(judged_rows, results, [quantity for _, quantity in judged])
     return results, verdicts
 
 
@@ -191,10 +194,30 @@ def _verdict_row(verdict: Verdict, sensor_unit: str, quantity: str) -> dict[str,
         "interval": None if interval is None else
         {"lo": finite(interval.lo), "hi": finite(interval.hi), "p": interval.p},
         "lower": lower, "upper": upper, "margin": margin(compared or interval, lower, upper),
+        "deciding_u": _deciding_u(verdict, scale),
         "verdict": verdict.verdict, "reason": verdict.reason, "rule": basis.rule,
         "accept_lower": scaled(basis.accept_lower, scale), "accept_upper": scaled(basis.accept_upper, scale),
         "risk": basis.risk, "ratio": basis.ratio,
     }  # fmt: skip
+
+
+def _deciding_u(verdict: Verdict, scale: float) -> float | None:
+    """Return what u would decide a single figure; None where u is not what keeps it from being decided."""
+    undecided = verdict.verdict == "INCONCLUSIVE" and verdict.at is None and not verdict.reason.startswith(IN_DOUBT)
+    compared = verdict.basis.compared if undecided else None
+    return scaled(deciding_u(verdict.value, verdict.u, compared, verdict.lower, verdict.upper), scale)
+
+
+def _with_advice(verdicts: list[dict[str, Any]], results: Mapping[str, Any], asked: Sequence[str]) -> None:
+    """Add to the reason of what is not decided which u would decide, and what must improve for it."""
+    known = {(one.row["test"], one.row["quantity"], one.row["axis"], one.row["sensor"]): one
+             for one in budgeted(results) if one.row["at"] is None}  # fmt: skip
+    for verdict, quantity in zip(verdicts, asked, strict=True):
+        one = known.get((verdict["test"], quantity, verdict["axis"], verdict["sensor"]))
+        if verdict["deciding_u"] is not None and one is not None:
+            found = advice(one.sources, verdict["deciding_u"], verdict["unit"])
+            size = f"{verdict['deciding_u']:.2g} {verdict['unit']}".removesuffix(" 1")
+            verdict["reason"] += f"; u = {size} would decide: {found}"
 
 
 def _verification(
@@ -410,6 +433,7 @@ def _contribution(figure: BudgetFigure, component: Component, sensor_unit: str) 
     dof = component.dof if isinstance(component.dof, float) else float(component.dof[figure.at])
     return {
         "source": component.source, "influence": _named(component), "kind": component.kind,
+        "level": component.origin.level,
         "distribution": component.distribution,
         **_sensitivity(component, u, unit, sensor_unit), "u": u, "unit": unit, "dof": finite(dof),
     }  # fmt: skip

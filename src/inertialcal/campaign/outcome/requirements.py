@@ -32,6 +32,7 @@ from ..file.schema import Requirement
 
 TOGETHER = "over several rates the 95 % hold for all together"
 OPEN = "OPEN"
+IN_DOUBT = "in doubt: "
 BELOW = "not found; its 95 % upper limit lies inside the limit"
 ONLY = "not found; it has a 95 % upper limit alone, the rule asks for more"
 
@@ -78,7 +79,7 @@ def judge(
         verdicts += _figures(asked, [one for one in about if one.test.procedure in others])
     errors = {one.test.id: one.errors[0].what for one in about if one.errors}
     verdicts = [
-        replace(one, verdict="INCONCLUSIVE", reason=f"in doubt: {errors[one.test]}") if one.test in errors else one
+        replace(one, verdict="INCONCLUSIVE", reason=f"{IN_DOUBT}{errors[one.test]}") if one.test in errors else one
         for one in verdicts
     ]
     words = rule_text(rule)
@@ -167,7 +168,7 @@ def _doubted(status: str, reason: str, doubt: str) -> tuple[str, str]:
     """Return verdict and reason: no PASS by a figure that may not hold."""
     if not doubt:
         return status, reason
-    said = f"in doubt: {doubt}"
+    said = f"{IN_DOUBT}{doubt}"
     return ("INCONCLUSIVE", said) if status == "PASS" else (status, f"{reason}; {said}" if reason else said)
 
 

@@ -27,6 +27,7 @@ from .. import figures
 from .output import clean, cleaned, json_out, table, wrapped
 
 if TYPE_CHECKING:
+    from ...campaign.outcome.budget import Budgets
     from ...campaign.outcome.results_file import ResultsFile
 
 
@@ -146,6 +147,18 @@ def _rates(verdicts: Sequence[Mapping[str, Any]]) -> str:
     if unit == "degC":
         return f"{len(rates)} temperatures, {min(rates):g} to {max(rates):g} {unit}"
     return f"{len(rates)} rates, |rate| {abs(rates[0]):g} to {abs(rates[-1]):g} {unit}"
+
+
+def budgets_text(budgets: Budgets) -> str:
+    """Return the sources of uncertainty test by test, then what must improve."""
+    blocks = []
+    for one in budgets.tables:
+        rows = [[f"  {name}", *rest] for name, *rest in one.rows]
+        heads = [f"  {one.heads[0]}", *one.heads[1:]]
+        blocks.append(f"{clean(one.caption)}\n{table(cleaned(rows), heads, right=one.right)}")
+    if budgets.said:
+        blocks.append("\n".join(wrapped(clean(line), "  ") for line in budgets.said))
+    return "\n\n".join(blocks)
 
 
 def closed_loop_text(results: Mapping[str, Any]) -> str:

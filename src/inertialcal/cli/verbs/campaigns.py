@@ -81,6 +81,33 @@ def print_outcome(outcome: Outcome) -> None:
     print(f"\n{where_text(outcome)}")
 
 
+def budget(
+    source: Annotated[Path, typer.Argument(help="Folder of a campaign, or its results.json.", show_default=False)],
+    wanted: Annotated[
+        list[str],
+        typer.Option("--wanted", help='Standard uncertainty to reach: "scale_factor_error=0.02 %". May be repeated.'),
+    ] = [],  # noqa: B006 - typer copies it
+    test: Annotated[str | None, typer.Option(help="Of this test alone; model for the model.")] = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Where the uncertainty of each result comes from, and which standard must improve to reach a wanted one."""
+    from ...campaign.outcome.budget import budget as budget_of
+    from ..shown.summary import budgets_text
+
+    found_budgets = budget_of(source, wanted, test)
+    if as_json:
+        content = {
+            "inputs": [{"path": found_budgets.path, "sha256": found_budgets.sha256}],
+            "budgets": [one.to_dict() for one in found_budgets.figures],
+            "undecided": list(found_budgets.undecided),
+        }
+        json_out("budget", content)
+    elif not quiet:
+        print(budgets_text(found_budgets))
+    return 0
+
+
 def check(folder: Folder, as_json: Json = False, quiet: Quiet = False) -> int:
     """Judge the inputs of a campaign: the campaign file and every recording it names."""
     from ...campaign.engine.run import check as check_campaign

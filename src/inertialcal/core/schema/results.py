@@ -183,6 +183,7 @@ class Budget(Key):
     source: str
     influence: str = Field(description="Name under [standards]; empty for other sources.")
     kind: Literal["A", "B"]
+    level: str = Field(description="What was repeated, of scatter: run, dwell, sample, ...; empty for a standard.")
     distribution: str
     stated_u: Number | None
     stated_unit: str
@@ -222,6 +223,7 @@ class Verdict(Part):
     lower: Number | None
     upper: Number | None
     margin: Number | None
+    deciding_u: Number | None = Field(description="u that would decide at this value; null where u does not matter.")
     verdict: Words
     reason: str
     rule: str = Field(description="Decision rule in words.")
