@@ -101,6 +101,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
         "estimate": one.result.estimate,
         "check": ic.check(folder),
         "run": run,
+        "budget": ic.budget(folder),
         "model": ic.load_model(model),
         "compare": ic.compare(folder, folder),
         "judged": ic.compare(model, model, ["1 %"]),
@@ -112,7 +113,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
 NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "thermal", "allan", "psd", "sine",
          "mass_attraction", "plan_mass_attraction", "positions", "positions_batch", "plan_positions",
          "result", "estimate",
-         "check", "run", "model", "compare", "judged", "simulate", "score")  # fmt: skip
+         "check", "run", "budget", "model", "compare", "judged", "simulate", "score")  # fmt: skip
 
 
 class Cells(HTMLParser):
