@@ -62,7 +62,7 @@ def test_an_ideal_unit_reads_gravity_and_rates_that_carry_it(variant: Any) -> No
         up = acc[here.start]
         for row in gyro[here.stop : there.start]:
             up = carried(up, row / bench.sample_rate, np.ones(1))[0]
-        np.testing.assert_allclose(up, acc[there.start], atol=6e-3)  # the earth turns on meanwhile
+        np.testing.assert_allclose(up, acc[there.start], atol=8e-3)  # the earth turns on meanwhile
 
 
 def test_readings_are_the_sensor_equation() -> None:

@@ -27,7 +27,7 @@ SHORT = Bench(variant="ferraris", dwell=2.5, first=5.0, sample_rate=50.0)
 IDEAL = replace(
     SHORT, acc_noise=0.0, gyro_noise=0.0, acc_between=0.0, gyro_between=0.0, lift=0.0, scale=0.0, misalignment=0.0,
     acc_bias=0.0, gyro_bias=0.0, g_sensitivity=0.0, angle=Influence(0.0, "rad"), orientation=Influence(0.0, "rad"),
-    gravity_error=Influence(0.0, "m/s^2"), clock=Influence(0.0), mounting=Influence(0.01, "rad"),
+    repeatability=0.0,    gravity_error=Influence(0.0, "m/s^2"), clock=Influence(0.0), mounting=Influence(0.01, "rad"),
 )  # fmt: skip
 DIRECTION = {f"{axis}{sign}1": float(f"{sign}1") * row for axis, row in zip("xyz", np.eye(3), strict=True)
              for sign in "+-"}  # fmt: skip

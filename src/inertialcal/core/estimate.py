@@ -91,7 +91,8 @@ def joined_dof(variances: Sequence[Array], dofs: Sequence[Array | float], total:
         fewest = np.where(acts, np.minimum(fewest, dof), fewest)
     between = special.stdtridf(p, np.sqrt(z_square + np.maximum(excess, NO_EXCESS)))
     alone = excess >= largest * (1.0 - SYMMETRY)  # to the last digit that of the part
-    return np.asarray(np.where((excess > NO_EXCESS) & ~alone, np.maximum(between, fewest), fewest))
+    joined = np.where(excess > NO_EXCESS, np.maximum(between, fewest), np.inf)
+    return np.asarray(np.where(alone, fewest, joined))
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,7 +24,7 @@ STANDARDS: dict[str, dict[str, str]] = {
     "tilt_meter": {"mercury": "rad"},
     "pad": {"tilt": "rad"},
     "gravity": {"value": "m/s^2"},
-    "fixture": {"orientation": "rad", "mounting": "rad"},
+    "fixture": {"orientation": "rad", "repeatability": "rad", "mounting": "rad"},
     "clock": {"rate": "1"},
 }
 
@@ -33,7 +33,7 @@ STANDARDS: dict[str, dict[str, str]] = {
 REDRAWN: dict[str, Redrawn] = {
     "rate_table.mounting": "mounting", "turn.axis": "mounting", "fixture.mounting": "mounting",
     "source_mass.placing": "mounting", "source_mass.gravitational_constant": "never", "site.latitude": "never",
-    "gravity.value": "never", "sensor.hysteresis": "power_up", "pad.tilt": "day",
+    "gravity.value": "never", "fixture.repeatability": "dwell", "sensor.hysteresis": "power_up", "pad.tilt": "day",
 }  # fmt: skip
 
 

@@ -21,6 +21,7 @@ from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.key import AXES
 from ...core.remarks import Remark
+from .fit.fixture import ASSUMED, FACE, FACE_FOUND
 from .fit.linear_sensor import HIDDEN as JUDGED_BY_NOTHING
 from .fit.linear_sensor import Observability
 from .fit.rotations import Packed, Problem, angles, converged, packed
@@ -250,15 +251,7 @@ def remarks_of(result: Result) -> list[Remark]:
         do = "Lay the unit into more orientations" + ("" if acc.known else f"; or {STATE_A_PRIOR}")
         found.append(Remark("no_dof", "warning", what, do=do))
     found += _prior_remarks(result)
-    for kind, one in result.estimates.items():
-        unseen = sum(
-            (np.diag(part.covariance) for part in one.components if part.origin.level == JUDGED_BY_NOTHING),
-            np.zeros(len(one.names)),
-        )
-        names = [name for name, part, u in zip(one.names, unseen, one.u, strict=True) if part > HIDDEN * u**2]
-        if names:
-            what = f"{kind}: no repeats show the scatter of {', '.join(names)}; their u is mostly an upper bound"
-            found.append(Remark("scatter_not_judged", "warning", what, do="Lay each face and make each turn twice"))
+    found += _scatter_remarks(result)
     for k in np.flatnonzero(acc.outliers):
         what = "this position disagrees with the others: left out of the accelerometers"
         found.append(Remark("outlier_position", "warning", what, readings.place(int(k)), do="Check it"))
@@ -331,6 +324,35 @@ def _hardly_determined(result: Result) -> list[Remark]:
     what = f"intervals wider than {100.0 * WIDE_INTERVAL:.0f} % of gravity, or of the scale factor: {', '.join(wide)}"
     do = f"Add orientations between the faces, about all axes; or {STATE_A_PRIOR}"
     return [Remark("hardly_determined", "warning", what, do=do)]
+
+
+def _scatter_remarks(result: Result) -> list[Remark]:
+    """Say what scatter nothing shows, and which stated one the readings contradict."""
+    found, laid = [], result.acc.laid
+    for kind, one in result.estimates.items():
+        unseen = sum(
+            (np.diag(part.covariance) for part in one.components if part.origin.level == JUDGED_BY_NOTHING),
+            np.zeros(len(one.names)),
+        )
+        names = [name for name, part, u in zip(one.names, unseen, one.u, strict=True) if part > HIDDEN * u**2]
+        if not names:
+            continue
+        what = f"{kind}: no repeats show the scatter of {', '.join(names)}; their u is mostly an upper bound"
+        do = "Lay each face and make each turn again"
+        if kind == "accelerometer" and laid is not None and laid.widened == 1.0:
+            what = f"nothing was laid again: the scatter of {', '.join(names)} between positions is taken as "
+            what += f"{ASSUMED:g} times the noise inside them"
+            do = "Lay each face again: repeats show the scatter along gravity"
+        found.append(Remark("scatter_not_judged", "warning", what, do=do))
+    if laid is not None and laid.contradicted:
+        size = np.degrees(np.sqrt(laid.found.variances[FACE_FOUND]))
+        stated = np.degrees(result.plan.standards[FACE].u)
+        what = (
+            f"opposite faces show them askew by {size:.2g} deg, not by {stated:.2g} deg as stated: {size:.2g} deg used"
+        )
+        do = "Correct fixture.orientation, or the faces"
+        found.append(Remark("face_error_disagrees", "warning", what, do=do))
+    return found
 
 
 def _gyro_remarks(result: Result) -> list[Remark]:

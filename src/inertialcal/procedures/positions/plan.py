@@ -12,7 +12,8 @@ from ...core.settings import fact, setting
 # Influences that a test of positions is subject to, and what each would change.
 INFLUENCES = {
     "gravity.value": "scale factors of the accelerometers in proportion, and g-sensitivity",
-    "fixture.orientation": "cross-axis entries: each position is slightly off its nominal direction",
+    "fixture.orientation": "cross-axis entries: each face and each axis turned about is slightly off, always alike",
+    "fixture.repeatability": "cross-axis entries: each laying is slightly off that of its face",
     "fixture.mounting": "misalignments: all positions and turns share one tilt against the nominal axes",
     "turn.angle": "scale factors of the gyros: each turn is slightly off its nominal angle",
     "clock.rate": "scale factors of the gyros in proportion: time is part of an angle",

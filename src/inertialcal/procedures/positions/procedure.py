@@ -46,6 +46,8 @@ QUANTITIES = {
     "g_sensitivity": Quantity(("other",), shown="({unit})/g"),  # of readings in counts it stays in counts
     "scatter_position": Quantity(READING),
     "gravity_error_left_out": Quantity(READING),
+    "face_error": Quantity(("angle",), shown="deg"),
+    "scatter_laying": Quantity(("angle",), shown="deg"),
     "scatter_rotation": Quantity(("angle",), shown="deg"),
     "transition_error": Quantity(("angle",), shown="deg"),
 }

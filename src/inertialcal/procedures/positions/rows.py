@@ -21,6 +21,7 @@ from ...sensors.model.sensor_model import SensorModel
 from ...statistics.intervals import chi_square_interval, t_interval
 from ...statistics.two_levels import TwoLevels
 from .fit.accelerometer import OF_FRAME, Fitted
+from .fit.fixture import FACE_FOUND, LAYING_FOUND
 from .fit.gyro import FittedGyro, fit_gyro
 from .fit.linear_sensor import BIAS, FEWEST, G_SENSITIVITY, MATRIX, LinearSensor, with_ideal
 from .fit.rotations import across
@@ -39,6 +40,7 @@ NOT_SEEN = Reason("hardly_seen", "hardly larger than the known noise: less than 
 STATED = Reason("stated", "stated before any reading")
 LEFT_OUT = Reason("left_out", "root mean square over the positions, each left out of the fit in turn")
 SCALE = tuple(Key("scale_factor", a) for a in AXES)
+NEGLIGIBLE = 0.01  # of the largest part of a variance, below which a part's degrees of freedom do not matter
 ROUNDING = 1e-12  # of the terms that make up a variance
 UNIT: dict[str, str] = {"accelerometer": "m/s^2", "gyro": "rad/s"}
 
@@ -49,6 +51,12 @@ def rows(result: Result) -> list[Row]:
         result, "accelerometer", result.acc.sensor, result.readings.acc.unit, result.estimates.get("accelerometer")
     )
     found.append(_between(Key("scatter_position", "", "accelerometer"), "m/s^2", result.acc))
+    laid = result.acc.laid
+    if laid is not None:
+        for quantity, name in (("face_error", FACE_FOUND), ("scatter_laying", LAYING_FOUND)):
+            if name in laid.found.variances:
+                key, dof = Key(quantity, "", "accelerometer"), laid.found.variance_dof(name)
+                found.append(_scatter(key, "rad", float(np.sqrt(laid.found.variances[name])), dof))
     found += _prior_rows(result)
     gyro = result.gyro
     if gyro is not None and result.readings.gyro is not None:
@@ -111,7 +119,8 @@ def missing(result: Result) -> list[str]:
     """Return the standards that this test is subject to and that are not stated."""
     readings, wanted = result.readings, ["gravity.value"]
     if result.acc.known:
-        wanted += ["fixture.orientation", "fixture.mounting"]
+        wanted += ["fixture.mounting"]
+        wanted += ["fixture.orientation"] if result.acc.laid is None else []  # else found from the readings
     if readings.turns:
         wanted += ["turn.angle", "fixture.orientation", "fixture.mounting"]
     if readings.rotations and readings.gyro is not None:
@@ -199,7 +208,9 @@ def estimate(sensor: LinearSensor, kind: Kind, output_unit: str) -> Estimate | N
         moved = np.diag(whole) > ROUNDING * size  # else by rounding alone
         covariance = np.asarray(np.where(np.outer(moved, moved), 0.5 * (whole + whole.T), 0.0))
         dof = np.asarray(one.dof, dtype=float)
-        least: Array | float = float(dof) if not dof.ndim else np.array([dof[row].min() for row in by_numbers != 0.0])
+        parts = by_numbers**2 * np.diag(one.covariance)
+        matters = (by_numbers != 0.0) & (parts >= NEGLIGIBLE * parts.max(axis=1, keepdims=True))
+        least: Array | float = float(dof) if not dof.ndim else np.array([dof[row].min() for row in matters])
         stated = None if one.influence is None else one.influence.stated
         distribution = "t" if one.influence is None else one.influence.distribution
         kind_of: Literal["A", "B"] = "B" if one.kind == "B" else "A"

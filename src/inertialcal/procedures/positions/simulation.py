@@ -62,14 +62,16 @@ FACES = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0,
 def simulate(plan: Plan, truth: Truth, rng: np.random.Generator) -> Readings:
     """Return the readings of one test; errors of the plan's standards are drawn.
 
-    ``gravity.value``, ``fixture.mounting`` and ``clock.rate`` are drawn once, ``fixture.orientation`` for each position
-    and each turn, ``turn.angle`` for each turn.
+    ``gravity.value``, ``fixture.mounting`` and ``clock.rate`` are drawn once, ``fixture.orientation`` for each face and
+    each axis, the same in all its positions or turns, ``fixture.repeatability`` for each position, ``turn.angle`` for
+    each turn.
     """
     g = local_gravity(plan) + _draw(plan, "gravity.value", rng)
     mounting = _small(np.array([_draw(plan, "fixture.mounting", rng) for _ in range(3)]))
     clock = 1.0 + _draw(plan, "clock.rate", rng)
     lain = truth.directions
-    away = [np.array([_draw(plan, "fixture.orientation", rng) for _ in range(3)]) for _ in lain]
+    faces = {tuple(np.round(one, 6)): _three(plan, "fixture.orientation", rng) for one in lain}
+    away = [faces[tuple(np.round(one, 6))] + _three(plan, "fixture.repeatability", rng) for one in lain]
     if truth.known:
         tilts = [_small(a - (a @ one) * one) for a, one in zip(away, lain, strict=True)]
         lain = np.array([mounting @ tilt @ one for tilt, one in zip(tilts, lain, strict=True)])
@@ -83,7 +85,10 @@ def simulate(plan: Plan, truth: Truth, rng: np.random.Generator) -> Readings:
         vectors = [_between(lain[k], lain[k + 1]) for k in range(m - 1)]
         starts = lain[:-1]
     else:
-        vectors = [_turned(plan, one, mounting, rng) for one in truth.turns]
+        ways = [one / np.linalg.norm(one) for one in truth.turns]
+        lines = [tuple(np.round(np.outer(one, one).ravel(), 6)) for one in ways]  # the same there and back
+        axes = {line: _three(plan, "fixture.orientation", rng) for line in lines}
+        vectors = [_turned(plan, one, axes[line], mounting, rng) for one, line in zip(truth.turns, lines, strict=True)]
         starts = np.array([one / np.linalg.norm(one) for one in truth.turns])
     gyro_mean = gyro_mean + _level_earth_rate(truth, lain, vectors, sine, rng) @ truth.gyro_matrix.T
     acc = _triad(acc_mean, truth.acc_noise, truth.samples, "m/s^2", rng)
@@ -113,10 +118,13 @@ def _level_earth_rate(
     return np.asarray(EARTH_ROTATION_RATE.value * np.sqrt(1.0 - sine**2) * heading)
 
 
-def _turned(plan: Plan, vector: Array, mounting: Array, rng: np.random.Generator) -> Array:
+def _three(plan: Plan, name: str, rng: np.random.Generator) -> Array:
+    return np.array([_draw(plan, name, rng) for _ in range(3)])
+
+
+def _turned(plan: Plan, vector: Array, away: Array, mounting: Array, rng: np.random.Generator) -> Array:
     angle = float(np.linalg.norm(vector))
     axis = vector / angle
-    away = np.array([_draw(plan, "fixture.orientation", rng) for _ in range(3)])
     return np.asarray(
         (angle + _draw(plan, "turn.angle", rng)) * (mounting @ _small(away - (away @ axis) * axis) @ axis)
     )

@@ -150,9 +150,9 @@ def _vector(first: Array, second: Array) -> Array:
 Sequenced = tuple[Array, tuple[Leg, ...], dict[int, tuple[float, float, float]]]
 
 
-def sequence(bench: Bench, mounting: Array, rng: np.random.Generator) -> Sequenced:
+def sequence(bench: Bench, mounting: Array, faces: Array, rng: np.random.Generator) -> Sequenced:
     """Return up at first, what is done in order of time, and the directions that are written down, by position."""
-    return _ferraris(bench, mounting, rng) if bench.variant == "ferraris" else _tumble(bench, rng)
+    return _ferraris(bench, mounting, faces, rng) if bench.variant == "ferraris" else _tumble(bench, rng)
 
 
 def labelled_parts(parts: Sequence[Part]) -> tuple[LabelledPart, ...]:
@@ -200,13 +200,13 @@ def _scattered(directions: Array, spread: float, rng: np.random.Generator) -> Ar
     return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
 
 
-def _ferraris(bench: Bench, mounting: Array, rng: np.random.Generator) -> Sequenced:
-    """Six faces, then a turn about each axis, that axis up, each laid anew and off by its errors."""
+def _ferraris(bench: Bench, mounting: Array, off: Array, rng: np.random.Generator) -> Sequenced:
+    """Six faces, then a turn about each axis, that axis up: each face off by its error, and by that of the laying."""
     faces = np.vstack([FACES[[name != bench.left_out for name in NAMES]]] * bench.rounds)
     meant = np.vstack([faces, *[np.eye(3)] * bench.rounds])
     ups = meant.copy()
     for k, one in enumerate(meant):
-        away = np.array([drawn_error(bench.orientation, rng) for _ in range(3)])
+        away = off[int(np.argmax(FACES @ one))] + bench.repeatability * rng.normal(size=3)
         ups[k] = one + np.cross(away + mounting, one)
         ups[k] /= np.linalg.norm(ups[k])
     legs = []

@@ -26,7 +26,7 @@ from .campaign import campaign_text, protocol_file, recording_file
 from .motion import FACES, Motion, Part, labelled_parts, moved, sequence
 from .setup import RIG_NAMES, Bench, Unit
 
-__all__ = ["FAULTS", "RIG", "Bench", "Held", "Unit", "build", "draw_unit", "held"]
+__all__ = ["FAULTS", "RIG", "Bench", "Held", "Unit", "build", "draw_unit", "drawn_faces", "held"]
 
 BEGIN = 1_272_467_400  # 2010-04-28 15:10:00 UTC [s]
 APART = 3_600  # from record to record [s]
@@ -72,11 +72,13 @@ def build(bench: Bench, seed: int) -> Twin:
     gravity = bench.gravity + drawn_error(bench.gravity_error, of_bench)
     pace = bench.pace * (1.0 + drawn_error(bench.clock, of_bench))
     drawn: dict[str, float | list[float]] = {"gravity": gravity, "clock": pace}
-    mounting = np.zeros(3)
+    mounting, faces = np.zeros(3), np.zeros((6, 3))
     if bench.variant == "ferraris":
         mounting = np.array([drawn_error(bench.mounting, of_bench) for _ in AXES])
         drawn["mounting"] = mounting.tolist()
-    records = [held(bench, unit, gravity, pace, number, of_records, mounting) for number in range(bench.records)]
+        faces = drawn_faces(bench, of_bench)
+        drawn["faces"] = faces.ravel().tolist()
+    records = [held(bench, unit, gravity, pace, number, of_records, mounting, faces) for number in range(bench.records)]
     lots = [one.recording for one in records for _ in range(bench.copies)]
     files = {recording_file(number): recording for number, recording in enumerate(lots, 1)}
     text = campaign_text(bench, RIG_NAMES[bench.variant], len(lots))
@@ -87,6 +89,11 @@ def build(bench: Bench, seed: int) -> Twin:
     standards = {"gravity.value": bench.gravity_error, "clock.rate": bench.clock}
     off = {"gravity.value": bench.gravity - gravity, "clock.rate": pace / bench.pace - 1.0}
     return Twin(text, files, true_values(bench, unit), drawn, protocols, drawn_errors(standards, off))
+
+
+def drawn_faces(bench: Bench, rng: np.random.Generator) -> Array:
+    """Return the rotations by which the faces are off at every use, shape (6, 3) [rad]."""
+    return np.array([[drawn_error(bench.orientation, rng) for _ in AXES] for _ in FACES])
 
 
 def draw_unit(bench: Bench, rng: np.random.Generator) -> Unit:
@@ -116,6 +123,7 @@ def held(
     number: int,
     rng: np.random.Generator,
     mounting: Array | None = None,
+    faces: Array | None = None,
 ) -> Held:
     """Return one record.
 
@@ -129,8 +137,13 @@ def held(
         Of the record, from 0.
     mounting : ndarray, shape (3,), optional
         By which all faces and turns are off alike [rad]; absent: not at all.
+    faces : ndarray, shape (6, 3), optional
+        By which each face is off at every use [rad]; absent: drawn for this record.
     """
-    up, legs, meant = sequence(bench, np.zeros(3) if mounting is None else mounting, rng)
+    off = faces
+    if off is None:
+        off = drawn_faces(bench, rng) if bench.variant == "ferraris" else np.zeros((len(FACES), 3))
+    up, legs, meant = sequence(bench, np.zeros(3) if mounting is None else mounting, off, rng)
     lifts = bench.lift * rng.normal(size=(len(legs), 3)) / np.sqrt(3.0)
     motion = moved(legs, up, 1.0 / bench.sample_rate, gravity, bench.latitude, lifts)
     readings = _readings(bench, unit, motion, rng)

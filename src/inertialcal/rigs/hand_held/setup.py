@@ -40,12 +40,13 @@ class Bench:
     dwell: float = 5.0
     turn: float = 1.6
     sample_rate: float = 100.0  # [Hz]
-    # scatter of orientations about the intended one: of a hand, or of a face that is not square [rad]
+    # scatter of orientations about the intended one, by hand [rad]
     spread: float = 0.15
     lift: float = 2.0  # acceleration while the unit is moved [m/s2]
     # noise of a sample [m/s2], [rad/s]
     acc_noise: float = 0.02
     gyro_noise: float = 2e-3
+    repeatability: float = 2e-4  # scatter of each laying about that of its face, and of each turn about its axis [rad]
     # scatter between positions [m/s2], [rad/s]
     acc_between: float = 1e-3
     gyro_between: float = 1e-4
@@ -59,7 +60,8 @@ class Bench:
     # site [rad]; as stated [m/s2]
     latitude: float = 0.8
     gravity: float = 9.807
-    # uncertainty of local gravity, a known turn, one face, all faces and turns in common, the logger's clock
+    # uncertainty of local gravity, a known turn, one face at each use, all faces and turns in common, the
+    # logger's clock
     gravity_error: Influence = field(default=Influence(3e-4, "m/s^2", certificate="gravity map"))
     angle: Influence = field(default=Influence(2e-3, "rad", certificate="square block"))
     orientation: Influence = field(default=Influence(2e-3, "rad", certificate="square block"))

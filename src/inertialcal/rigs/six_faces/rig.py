@@ -1,8 +1,9 @@
 """Rig of an IMU on its six faces: that of ``hand_held``, whose engineer knows which face is up and what he turns.
 
 On each face twice, then turned once about each axis, and, laid anew, back: two records, of which the second is held
-out. Beside each lies the protocol of its faces and turns. Faces and turns are off by their own errors, and all alike by
-that of the mounting, drawn once for the unit.
+out. Beside each lies the protocol of its faces and turns. Each face is off by its own error, the same whenever the unit
+is laid on it or turned about its axis, in both records; each laying by a further one; all alike by that of the
+mounting.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """Accelerometers from static positions: known orientations (linear), or none known but that |f| is gravity.
 
-Known orientations: ``reading_k = A f_k + b`` with ``f_k = g d_k``; all twelve numbers follow from a linear fit.
+Known orientations: ``reading_k = A f_k + b`` with ``f_k = g d_k``; all twelve numbers follow from a fit that is linear
+about the tilts of a fixture (``fixture``).
 
 Unknown orientations: the inverse ``x_k = T (reading_k - b)`` has the length g in every position. A rotation of all
 positions changes no length, so that the frame is a convention: T, and with it A, is lower triangular, which lays the
@@ -11,8 +12,8 @@ Gauss-Newton with::
 
 There the parameters are scaled to one size: the entries of T times gravity, and b, all [m/s^2].
 
-Each position has the noise inside it (over its effective number of samples), the stated error of its orientation, and
-a scatter between positions of one unknown size [1]_.
+Each position has the noise inside it (over its effective number of samples), and a scatter between positions of one
+unknown size [1]_.
 
 References
 ----------
@@ -34,15 +35,14 @@ from ....core.key import AXES, Reason
 from ....statistics.two_levels import TwoLevels, fit_two_levels
 from ..plan import Plan
 from ..readings import Triad, local_gravity
+from .fixture import BETWEEN, INSIDE, Laid, derivatives, fit_agreeing, judged, scatter_interval, tilts_of
+from .fixture import sources_of as fixture_sources
 from .linear_sensor import BIAS, MATRIX, SMALLEST, LinearSensor, Observability, Source, level_sources, observe
 from .outliers import found_outliers, robust_scale, weights
 
 NOTHING_LEFT = Reason("nothing_left", "as many positions as unknowns: no degrees of freedom left")
 NOT_TOLD = Reason("not_told", "these positions do not determine it")
 OF_FRAME = Reason("of_frame", "0 by definition: the accelerometer axes define the body frame")
-INSIDE = "noise inside positions"
-ORIENTATION = "fixture.orientation"
-BETWEEN = "scatter between positions"
 FEWEST = 4  # positions without which nothing is determined
 
 Flags = NDArray[np.bool_]
@@ -77,6 +77,7 @@ class Fitted:
     chi_square_known: float  # By the noise inside positions alone
     free: int  # Degrees of freedom
     known: bool  # Whether the orientations were known
+    laid: Laid | None = None  # What a fixture's tilts are, where these were
 
 
 def normalised(triad: Triad, ideal: Array, zero: Array) -> tuple[Array, Array]:
@@ -101,25 +102,41 @@ def fit_known(plan: Plan, triad: Triad, direction: Array, ideal: Array, zero: Ar
     m, g = len(triad.mean), local_gravity(plan)
     _check_count(m)
     r, inside = normalised(triad, ideal, zero)
-    design, usual = _design(g * direction), np.concatenate([np.eye(3).ravel(), np.zeros(3)])
-    scatter = float(np.sqrt(np.mean(inside)))
-    observed = observe(_design(direction), (*MATRIX, *BIAS), scatter / g)
-    known = {INSIDE: inside.ravel()}
-    pose = plan.standards.get(ORIENTATION)
-    if pose is not None:
-        near = np.linalg.lstsq(design, r.ravel() - design @ usual, rcond=1e-6)[0] + usual
-        known[ORIENTATION] = _pose_covariance(near[:9].reshape(3, 3), g * direction, pose.u)
-    scale = np.concatenate([np.ones(9), np.full(3, g)])
-    reduced, y = design * scale @ observed.kept, r.ravel() - design @ usual
-    outliers = _outliers(plan, reduced, y, known, np.repeat(np.arange(m), 3))
-    kept = np.repeat(~outliers, 3)
-    found = _two_levels(reduced[kept], y[kept], known, kept)
+    tilts, everyone = tilts_of(direction, plan.standards), np.ones(m, dtype=bool)
+    observed = observe(derivatives(tilts.direction), (*MATRIX, *BIAS), float(np.sqrt(np.mean(inside))) / g)
+    scale, usual = np.concatenate([np.ones(9), np.full(3, g)]), np.concatenate([np.eye(3).ravel(), np.zeros(3)])
     back = scale[:, None] * observed.kept
-    away = y - reduced @ (found.coefficients if found else np.linalg.lstsq(reduced[kept], y[kept], rcond=None)[0])
-    values = usual + back @ (found.coefficients if found else np.linalg.lstsq(reduced, y, rcond=None)[0])
-    sources = None if found is None else level_sources(found, back, plan.standards, BETWEEN)
-    sensor = sensor_of(plan, values, sources, observed.determined, ideal, zero)
-    return finished(sensor, observed, outliers, away.reshape(m, 3), found, known=True)
+    if not observed.rank or not judged(tilts, observed.rank):
+        design, y = derivatives(g * tilts.direction), r.ravel()
+        values = usual + back @ np.linalg.lstsq(design @ back, y - design @ usual, rcond=None)[0]
+        sensor = sensor_of(plan, values, None, observed.determined, ideal, zero)
+        return finished(sensor, observed, ~everyone, (y - design @ values).reshape(m, 3), None, known=True)
+    laid, outliers = fit_agreeing(r, inside, g, tilts, observed.kept, plan.outlier_risk)
+    kept = ~outliers
+    sensor = sensor_of(plan, laid.values, fixture_sources(laid, tilts), observed.determined, ideal, zero)
+    stretch = np.ones(m)
+    stretch[kept] = laid.stretch
+    away = r - g * (tilts.direction * stretch[:, None]) @ sensor.matrix.T - sensor.offset
+    fitted = finished(sensor, observed, outliers, away, None, known=True)
+    found = laid.found
+    scatter, dof = (None, 0.0) if laid.assumed else (found.variances[BETWEEN] ** 0.5, found.variance_dof(BETWEEN))
+    limits = (0.0, np.inf) if scatter is None else scatter_interval(scatter, dof, found.variances_covariance[0, 0])
+    fitted.deletion[kept] = found.deletion.reshape(-1, 3)
+    alone = derivatives(g * tilts.direction[kept]) @ back
+    noise = _chi_square(alone, r[kept].ravel() - derivatives(g * tilts.direction[kept]) @ usual, inside[kept].ravel())
+    return replace(
+        fitted, between=scatter, between_dof=dof, between_interval=limits, chi_square=found.chi_square,
+        chi_square_known=noise, free=found.free, laid=laid,
+    )  # fmt: skip
+
+
+def _chi_square(design: Array, y: Array, variances: Array) -> float:
+    """Chi-square that the noise inside positions alone would give; NaN where that is not known."""
+    if not np.all(variances > 0.0):
+        return float("nan")
+    root = np.sqrt(variances)
+    white, target = design / root[:, None], y / root
+    return float(np.sum((target - white @ np.linalg.lstsq(white, target, rcond=None)[0]) ** 2))
 
 
 def fit_unknown(plan: Plan, triad: Triad, ideal: Array, zero: Array) -> Fitted:
@@ -210,25 +227,6 @@ def _check_count(m: int) -> None:
             do="Lay the unit into more orientations, each still for some seconds",
             code="too_few_positions",
         )
-
-
-def _design(force: Array) -> Array:
-    """Return the derivatives of the readings by A and b, shape (3 m, 12)."""
-    design = np.zeros((3 * len(force), 12))
-    for i in range(3):
-        design[i::3, 3 * i : 3 * i + 3] = force
-        design[i::3, 9 + i] = 1.0
-    return design
-
-
-def _pose_covariance(matrix: Array, force: Array, u: float) -> Array:
-    """Covariance of the readings from orientations that are each uncertain by u about two axes, shape (3 m, 3 m)."""
-    m = len(force)
-    covariance = np.zeros((3 * m, 3 * m))
-    for k, f in enumerate(force):
-        across = u**2 * (f @ f * np.eye(3) - np.outer(f, f))
-        covariance[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] = matrix @ across @ matrix.T
-    return covariance
 
 
 def _outliers(plan: Plan, design: Array, y: Array, known: Mapping[str, Array], group: NDArray[np.int64]) -> Flags:

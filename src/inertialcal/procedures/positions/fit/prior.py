@@ -34,7 +34,6 @@ from ....statistics.two_levels import TwoLevels, fit_with_prior
 from ..plan import Plan
 from ..readings import Triad, local_gravity
 from .accelerometer import (
-    INSIDE,
     LOST,
     LOWER,
     NAMES,
@@ -53,6 +52,7 @@ from .accelerometer import (
     sphere,
     variances,
 )
+from .fixture import INSIDE
 from .linear_sensor import Observability, observe
 
 STEPS = 30

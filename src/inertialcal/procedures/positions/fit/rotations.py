@@ -42,6 +42,7 @@ BETWEEN = "scatter between rotations"
 ANGLE, ORIENTATION = "turn.angle", "fixture.orientation"
 STEPS, HALVINGS = 40, 10
 SETTLED = 1e-10
+SAME_AXIS = 1e-9  # one less the cosine between axes that are the same
 ROUNDS = 4  # of leaving out and looking again
 REFINED, REFINEMENTS = 1e-8, 6  # step of W from which its weights no longer move it; at most so many
 
@@ -299,9 +300,9 @@ def known_errors(plan: Plan, problem: Problem, by_start: Array) -> dict[str, Arr
         found[POSITIONS] = np.asarray(scaled @ scaled.T)
     angle, pose = plan.standards.get(ANGLE), plan.standards.get(ORIENTATION)
     if t and angle is not None:
-        found[ANGLE] = _turn_covariance(problem, angle.u, along=True)
+        found[ANGLE] = _turn_covariance(problem, angle.u)
     if t and pose is not None:
-        found[ORIENTATION] = _turn_covariance(problem, pose.u, along=False)
+        found[ORIENTATION] = _axis_covariance(problem, pose.u)
     return found
 
 
@@ -311,14 +312,27 @@ def noise_variances(problem: Problem) -> Array:
     return noise * np.concatenate([np.repeat(problem.moves.squares, 2), np.repeat(problem.turns.squares, 3)])
 
 
-def _turn_covariance(problem: Problem, u: float, along: bool) -> Array:
+def _turn_covariance(problem: Problem, u: float) -> Array:
+    """Covariance of all rows by angles that are each uncertain by u [rad]."""
     k, t = problem.sizes
     covariance = np.zeros((2 * k + 3 * t, 2 * k + 3 * t))
     for row, vector in enumerate(problem.turned):
-        outer = np.outer(vector, vector) / max(float(vector @ vector), 1e-300)
-        own = outer if along else float(vector @ vector) * (np.eye(3) - outer)
         at = slice(2 * k + 3 * row, 2 * k + 3 * row + 3)
-        covariance[at, at] = u**2 * own
+        covariance[at, at] = u**2 * np.outer(vector, vector) / max(float(vector @ vector), 1e-300)
+    return covariance
+
+
+def _axis_covariance(problem: Problem, u: float) -> Array:
+    """Covariance of all rows by axes that are each off by u [rad], the same in all turns about one, there and back."""
+    k, t = problem.sizes
+    covariance = np.zeros((2 * k + 3 * t, 2 * k + 3 * t))
+    for row, one in enumerate(problem.turned):
+        for column, other in enumerate(problem.turned):
+            size = float(np.linalg.norm(one) * np.linalg.norm(other))
+            if abs(float(one @ other)) < (1.0 - SAME_AXIS) * size or size == 0.0:
+                continue
+            at = (slice(2 * k + 3 * i, 2 * k + 3 * i + 3) for i in (row, column))
+            covariance[tuple(at)] = u**2 * (float(one @ other) * np.eye(3) - np.outer(other, one))
     return covariance
 
 

@@ -1,0 +1,369 @@
+"""Orientations that a fixture gives, each a little off: what that does to matrix and offset.
+
+Laying k on face p points up along ``d_p`` turned by a tilt ``a_k = t_p + l_k`` of two small angles across it: the error
+of the face, the same whenever the unit is laid on it, and that of the laying, drawn anew. To second order::
+
+    reading = A g [(1 - |a|^2 / 2) d + T a] + b + noise         T: two axes across d, (3, 2)
+
+About what the readings tell of the tilts (a0 of a face, a1 of a laying on it, with covariance C) and of A this is
+linear again::
+
+    reading = A g [(1 - |a0|^2 / 2 - |a1 - a0|^2 / 2 - tr(C) / 2) d + T a0] + A_0 g (T - d a0') (a - a0) + b
+    beyond: covariance of |a - a0|^2 / 2 between layings k and l: half the sum of squares of C_kl
+
+so that the cosine, which takes the square of a tilt off the scale factor, is added again. Tilts move readings across
+gravity in proportion, those along it by their square: opposite faces read across gravity show how large the tilts
+are (half their sum, less the bias, is half the sum of two tilts), although each face was laid once. Three variances are
+found by restricted maximum likelihood [1]_: of the face errors (not where ``fixture.orientation`` states them), of the
+laying (where a face is laid again, and ``fixture.repeatability`` is not stated), and of the scatter of positions, which
+readings along gravity tell where more of them are there than they have unknowns.
+
+What the uncertainty means: the scatter of the figure over fixtures of the like errors, laid anew.
+
+Three ways in which real data break this. Faces that are askew in common (the whole fixture is turned) are
+``fixture.mounting``: no reading shows it. One face that is far worse than the others widens all u. Six faces laid once
+each have no reading along gravity to spare: how a position scatters beyond the noise inside it is not seen; `ASSUMED`
+times that noise is taken, and remarked.
+
+References
+----------
+.. [1] ``statistics.variance_components``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import special, stats
+
+from ....core.estimate import Array, joined_dof
+from ....core.influence import Influence
+from ....core.key import AXES
+from ....statistics.variance_components import Components, fit_components
+from .linear_sensor import HIDDEN, Source, propagated
+from .outliers import FREE
+from .rotations import across
+
+INSIDE = "noise inside positions"
+BETWEEN = "scatter between positions"
+FACE, LAYING = "fixture.orientation", "fixture.repeatability"
+FACE_FOUND, LAYING_FOUND = "face error of the fixture", "repeatability of laying"
+COSINE = "cosine of the tilts"
+ASSUMED = 3.0  # scatter between positions over the noise inside them, where no reading tells it
+UNKNOWN = 0.01  # share of all residuals that is taken for it in the weights where that noise is not known
+STANDS_OUT = 10.5  # square of a position's standardised deletion residual, three components, from which it is judged
+SAME = 1e-6  # difference of directions that are one face
+ROUNDS = 12
+SETTLED = 1e-10  # of gravity
+LEAST_DOF, MOST_DOF, HALVINGS = 0.2, 1e6, 25
+CONTRADICTED = 0.001  # risk of calling a stated face error too small
+
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Tilts:
+    """Positions as a fixture gives them."""
+
+    direction: Array  # shape (m, 3): as named
+    axes: Array  # shape (m, 3, 2): across these
+    same: Array  # shape (m, m): one where two layings are on one face
+    stated: Mapping[str, Influence]  # ``fixture.orientation``, ``fixture.repeatability``, where they are stated
+
+    @property
+    def repeated(self) -> bool:
+        """Whether a face was laid again."""
+        return bool(self.same.sum() > len(self.same))
+
+
+@dataclass(frozen=True, eq=False)
+class Laid:
+    """Twelve numbers with the tilts about which they are linear."""
+
+    found: Components
+    back: Array  # shape (12, rank): the numbers by the coefficients
+    values: Array  # shape (12,)
+    stretch: Array  # shape (m,): c of each position
+    assumed: bool  # Whether the scatter between positions was not told
+    contradicted: bool  # Whether the stated face error is too small for what was read
+    hidden: float  # Its variance at most, where it was not [(m/s^2)^2]
+    widened: float  # By which that part of the variance is then multiplied
+    design: Array  # shape (3 m, rank): of the fit, linear about the tilts
+    readings: Array  # shape (3 m,): the same
+    lever: Array  # shape (3 m, 2 m): derivatives of these by the tilts
+    known: Mapping[str, Array]  # Covariances of the readings that were known, by source
+
+
+def tilts_of(direction: Array, stated: Mapping[str, Influence]) -> Tilts:
+    """Return positions as a fixture gives them; those of one direction lie on one face."""
+    same = np.max(np.abs(direction[:, None] - direction[None]), axis=2) < SAME
+    rounded = direction[np.argmax(same, axis=1)]
+    kept = {name: stated[name] for name in (FACE, LAYING) if name in stated}
+    return Tilts(rounded, np.swapaxes(across(rounded), 1, 2), same.astype(float), kept)
+
+
+def chosen(tilts: Tilts, kept: Flags) -> Tilts:
+    """Return some of the positions."""
+    return Tilts(tilts.direction[kept], tilts.axes[kept], tilts.same[np.ix_(kept, kept)], tilts.stated)
+
+
+def derivatives(force: Array) -> Array:
+    """Return the derivatives of the readings by A and b, shape (3 m, 12)."""
+    design = np.zeros((3 * len(force), 12))
+    for i in range(3):
+        design[i::3, 3 * i : 3 * i + 3] = force
+        design[i::3, 9 + i] = 1.0
+    return design
+
+
+def judged(tilts: Tilts, rank: int) -> bool:
+    """Tell whether anything judges the numbers: readings to spare on different faces, or a stated face error."""
+    faces = len(np.unique(tilts.same, axis=0))
+    return 3 * (len(tilts.same) if FACE in tilts.stated else faces) > rank
+
+
+def fit_laid(r: Array, inside: Array, g: float, tilts: Tilts, kept: Array) -> Laid:
+    """Return the numbers of positions that a fixture gives.
+
+    Parameters
+    ----------
+    r : ndarray, shape (m, 3)
+        Readings in units of the input [m/s^2].
+    inside : ndarray, shape (m, 3)
+        Their variances by the noise inside.
+    g : float
+        Gravity.
+    tilts : Tilts
+        Positions as the fixture gives them.
+    kept : ndarray, shape (12, rank)
+        Combinations that the positions determine, the offset in gravities.
+    """
+    found = _fit(r, inside, g, tilts, kept)
+    if FACE not in tilts.stated:
+        return found
+    free = Tilts(tilts.direction, tilts.axes, tilts.same, {k: v for k, v in tilts.stated.items() if k != FACE})
+    if not judged(free, kept.shape[1]):
+        return found
+    other = _fit(r, inside, g, free, kept)
+    square = tilts.stated[FACE].u ** 2
+    if other.found.variances[FACE_FOUND] <= square:
+        return found
+    patterns = {name: one for name, one in other.found.patterns.items() if name != FACE_FOUND}
+    known = {**other.known, FACE: square * other.found.patterns[FACE_FOUND]}
+    smaller = fit_components(other.design, other.readings, known, patterns)
+    if 2.0 * (other.found.likelihood - smaller.likelihood) <= stats.chi2.isf(2.0 * CONTRADICTED, 1):
+        return found
+    widened = other.widened  # the excess may be of the tilts or of the sensors: along gravity it counts as the latter
+    if other.assumed and np.all(inside > 0.0):
+        widened = max(1.0, other.hidden / float(np.mean(_hidden(inside, other.hidden)[0])))
+    return replace(other, contradicted=True, widened=widened)
+
+
+def _fit(r: Array, inside: Array, g: float, tilts: Tilts, kept: Array) -> Laid:
+    m = len(r)
+    usual, scale = np.concatenate([np.eye(3).ravel(), np.zeros(3)]), np.concatenate([np.ones(9), np.full(3, g)])
+    back = scale[:, None] * kept
+    along = np.einsum("ki,kip->kp", tilts.direction, (derivatives(tilts.direction) @ kept).reshape(m, 3, -1))
+    assumed = m <= int(np.linalg.matrix_rank(along, tol=1e-6))
+    patterns = {FACE: np.kron(tilts.same, np.eye(2)), LAYING: np.eye(2 * m)}
+    wanted = [FACE_FOUND] if FACE not in tilts.stated else []
+    wanted += [LAYING_FOUND] if LAYING not in tilts.stated and tilts.repeated else []
+    values, tilt, spread = usual, np.zeros((m, 2)), np.zeros((2 * m, 2 * m))
+    stretch, most = np.ones(m), 0.0
+    for number in range(ROUNDS):
+        A = values[:9].reshape(3, 3)
+        up = tilts.direction * stretch[:, None] + np.einsum("kia,ka->ki", tilts.axes, tilt)
+        design = derivatives(g * up)
+        Z = np.zeros((3 * m, 2 * m))
+        for k, (d, T, a) in enumerate(zip(tilts.direction, tilts.axes, tilt, strict=True)):
+            Z[3 * k : 3 * k + 3, 2 * k : 2 * k + 2] = g * A @ (T - np.outer(d, a))
+        y = r.ravel() - design @ usual + Z @ tilt.ravel()
+        turned = {name: Z @ one @ Z.T for name, one in patterns.items()}
+        if assumed and number == 0:
+            most = fit_components(design @ back, y, {}, {BETWEEN: np.eye(3 * m)}).variances[BETWEEN]
+        known = {INSIDE: np.diag(inside.ravel()), COSINE: _cosine(g * tilts.direction @ A.T, spread)}
+        if assumed:
+            known[BETWEEN] = np.diag(_hidden(inside, most)[0])
+        known |= {name: one.u**2 * turned[name] for name, one in tilts.stated.items()}
+        unknown = {} if assumed else {BETWEEN: np.eye(3 * m)}
+        unknown |= {name: turned[FACE if name == FACE_FOUND else LAYING] for name in wanted}
+        found = fit_components(design @ back, y, known, unknown)
+        values = usual + back @ found.coefficients
+        sizes = {name: one.u**2 for name, one in tilts.stated.items()}
+        sizes |= {FACE if k == FACE_FOUND else LAYING: v for k, v in found.variances.items() if k in wanted}
+        prior = sum((size * patterns[name] for name, size in sizes.items()), np.zeros((2 * m, 2 * m)))
+        pull = prior @ Z.T
+        each = (pull @ found.projector @ y).reshape(m, 2)
+        tilt = tilts.same @ each / np.sum(tilts.same, axis=1)[:, None]  # one for a face: its layings differ by little
+        spread = prior - pull @ found.projector @ pull.T
+        before = stretch
+        own = np.array([np.trace(spread[2 * k : 2 * k + 2, 2 * k : 2 * k + 2]) for k in range(m)])
+        stretch = 1.0 - 0.5 * np.sum(tilt**2 + (each - tilt) ** 2, axis=1) - 0.5 * own
+        if np.max(np.abs(stretch - before)) < SETTLED:
+            break
+    widened = _hidden(inside, most)[1]
+    return Laid(found, back, values, stretch, assumed, False, most, widened, design @ back, y, Z, known)
+
+
+def _cosine(up: Array, spread: Array) -> Array:
+    """Covariance of the readings by the squares of the tilts, shape (3 m, 3 m); ``up``: A g d of each, (m, 3)."""
+    m = len(up)
+    squares = 0.5 * np.sum(spread.reshape(m, 2, m, 2) ** 2, axis=(1, 3))
+    return np.asarray(np.einsum("kl,ki,lj->kilj", squares, up, up).reshape(3 * m, 3 * m))
+
+
+def _hidden(inside: Array, most: float) -> tuple[Array, float]:
+    """Variance between positions that no reading tells, shape (3 m,), and how many times that counts.
+
+    `ASSUMED` times the noise inside, no more than all residuals show. Where the noise inside is not known these are
+    all that bounds it; readings are weighed as if it were a part of that, for along gravity no tilt moves them.
+    """
+    own = ASSUMED**2 * inside.ravel()
+    if np.all(own > 0.0):
+        return np.minimum(own, most), 1.0
+    return np.full(len(own), UNKNOWN * most), 1.0 / UNKNOWN
+
+
+def sources_of(laid: Laid, tilts: Tilts) -> list[Source]:
+    """Return the sources of the twelve numbers."""
+    found, back = laid.found, laid.back
+    stated = {} if laid.contradicted else tilts.stated
+    parts = {name: propagated(back, one) for name, one in (*found.known.items(), *found.unknown.items())}
+    cosine = parts.pop(COSINE)
+    if laid.assumed:
+        parts[BETWEEN] = laid.widened * parts[BETWEEN]
+    face = FACE if FACE in stated else FACE_FOUND
+    exact = {name: one for name, one in parts.items() if name not in stated}
+    judged_by = sum((np.diag(one) for one in exact.values()), np.zeros(12))
+    moved = back @ found.gain
+    slopes = np.array([np.einsum("qn,nm,qm->q", moved, one, moved) for one in found.patterns.values()]).reshape(-1, 12)
+    spread = np.einsum("jq,jk,kq->q", slopes, found.variances_covariance, slopes)
+    if face == FACE_FOUND:  # what goes with the square of a variance is known half as well
+        half = max(0.5 * found.variance_dof(FACE_FOUND), 1.0)
+        spread = spread + 2.0 * np.diag(cosine) ** 2 / half
+        judged_by = judged_by + np.diag(cosine)
+        exact[FACE_FOUND] = exact[FACE_FOUND] + cosine
+    with np.errstate(divide="ignore", invalid="ignore"):
+        dof = np.where(spread > 0.0, 2.0 * judged_by**2 / spread, np.inf)
+        shares = np.array([np.diag(one) / judged_by for one in exact.values()])
+    dof = _dof_of_each(np.nan_to_num(shares), np.where(judged_by > 0.0, dof, np.inf))
+    sources = []
+    for name, part in exact.items():
+        level = HIDDEN if name == BETWEEN and laid.assumed else ""
+        shown = f"{name}, as much as may be hidden" if level else name
+        sources.append(Source(shown, "A", part, dof, level=level))
+    if LAYING in stated:
+        sources.append(Source(LAYING, "B", parts[LAYING], stated[LAYING].dof, stated[LAYING]))
+    if FACE in stated:
+        one, unknowns = stated[FACE], []
+        changes = np.zeros((0, 12))
+        for same in np.unique(tilts.same, axis=0):
+            own = laid.lever @ np.kron(same[:, None], np.eye(2))  # tilted alike
+            changes = np.vstack([changes, one.u * (moved @ own).T])
+            unknowns += [f"{_face(tilts.direction[int(np.argmax(same))])} {k}" for k in (1, 2)]
+        whole = changes.T @ changes
+        sources.append(Source(FACE, "B", whole, one.dof, one, changes=changes, unknowns=tuple(unknowns)))
+        sources.append(Source(COSINE, "B", cosine, one.dof))
+    return [one for one in sources if np.any(np.diag(one.covariance) > 0.0)]
+
+
+def _face(direction: Array) -> str:
+    """Return what a face is called: ``"x+"``, or its direction."""
+    k = int(np.argmax(np.abs(direction)))
+    if abs(direction[k]) > 1.0 - SAME:
+        return f"{AXES[k]}{'+' if direction[k] > 0.0 else '-'}"
+    return " ".join(f"{one:.4f}" for one in direction)
+
+
+def _dof_of_each(shares: Array, dof: Array) -> Array:
+    """Return degrees of freedom that, given to each part of a variance, join to those of the whole, shape (k,).
+
+    The parts are judged together, by one mixture of variances: none of them has degrees of freedom of its own.
+
+    Parameters
+    ----------
+    shares : ndarray, shape (parts, k)
+        Of the whole.
+    dof : ndarray, shape (k,)
+        Of the whole.
+    """
+    low, high = np.log(np.full(len(dof), LEAST_DOF)), np.log(dof.clip(LEAST_DOF, MOST_DOF))
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        each = np.exp(middle)
+        fewer = joined_dof(list(shares), [each] * len(shares)) < dof
+        low, high = np.where(fewer, middle, low), np.where(fewer, high, middle)
+    return np.where(dof < MOST_DOF, np.exp(high), np.inf)
+
+
+def fit_agreeing(r: Array, inside: Array, g: float, tilts: Tilts, kept: Array, risk: float) -> tuple[Laid, Flags]:
+    """Return the fit of the positions that agree, and which do not, shape (m,).
+
+    The position that stands out most is left out if the fit without it says that chance explains it at less than the
+    risk, shared among all; and so on.
+
+    Parameters
+    ----------
+    r, inside, g, tilts, kept
+        As `fit_laid` takes them.
+    risk : float
+        Probability that any of a clean set is called an outlier.
+    """
+    m = len(r)
+    rest, laid = np.ones(m, dtype=bool), fit_laid(r, inside, g, tilts, kept)
+    scale = np.concatenate([np.ones(9), np.full(3, g)])
+    usual = np.concatenate([np.eye(3).ravel(), np.zeros(3)])
+    design, y = derivatives(g * tilts.direction) * scale @ kept, r.ravel() - derivatives(g * tilts.direction) @ usual
+    while True:
+        P, pull = laid.found.projector, (laid.found.projector @ laid.readings).reshape(-1, 3)
+        blocks = [P[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] for k in range(len(pull))]
+        ratios = [float(a @ np.linalg.pinv(B, rcond=1e-9) @ a) for a, B in zip(pull, blocks, strict=True)]
+        worst = int(np.flatnonzero(rest)[np.argmax(ratios)])
+        fewer = rest & (np.arange(m) != worst)
+        rows, among = np.repeat(fewer, 3), np.repeat(rest, 3)
+        enough = rows.sum() - kept.shape[1] >= FREE and judged(chosen(tilts, fewer), kept.shape[1])
+        if max(ratios) < STANDS_OUT or not enough or np.linalg.matrix_rank(design[rows]) < kept.shape[1]:
+            break
+        without = fit_laid(r[fewer], inside[fewer], g, chosen(tilts, fewer), kept)
+        V = _covariance(without, tilts, inside, g)
+        at = np.flatnonzero(np.flatnonzero(among) // 3 == worst)
+        P = _projector(design[among], V[np.ix_(among, among)])
+        a = (P @ y[among])[at]
+        ratio = float(a @ np.linalg.solve(P[np.ix_(at, at)], a)) / 3.0
+        found = without.found
+        dofs = [found.variance_dof(name) for name, size in found.variances.items() if size > 0.0]
+        if special.fdtrc(3, max(min(dofs, default=found.free), 2.0), ratio) >= risk / m:
+            break
+        rest, laid = fewer, without
+    return laid, ~rest
+
+
+def _covariance(laid: Laid, tilts: Tilts, inside: Array, g: float) -> Array:
+    """Covariance of readings in positions, also in those that are not in the fit, shape (3 m, 3 m)."""
+    m, A, found = len(inside), laid.values[:9].reshape(3, 3), laid.found
+    sizes = {name: one.u**2 for name, one in tilts.stated.items()}
+    face = found.variances.get(FACE_FOUND, sizes.get(FACE, 0.0))
+    laying = found.variances.get(LAYING_FOUND, sizes.get(LAYING, 0.0))
+    Z = np.zeros((3 * m, 2 * m))
+    for k, T in enumerate(tilts.axes):
+        Z[3 * k : 3 * k + 3, 2 * k : 2 * k + 2] = g * A @ T
+    spread: Array = np.kron(face * tilts.same + laying * np.eye(m), np.eye(2)).astype(np.float64)
+    hidden = _hidden(inside, laid.hidden)[0] if laid.assumed else found.variances[BETWEEN]
+    return np.asarray(Z @ spread @ Z.T + _cosine(g * tilts.direction @ A.T, spread) + np.diag(inside.ravel() + hidden))
+
+
+def scatter_interval(scatter: float, dof: float, square_variance: float) -> tuple[float, float]:
+    """Interval of 95 % of a standard deviation whose square is known with a variance; from zero where it hardly is."""
+    if dof >= 1.0:
+        low, high = np.sqrt(dof / stats.chi2.ppf([0.975, 0.025], dof)) * scatter
+        return float(low), float(high)
+    return 0.0, float(np.sqrt(scatter**2 + 1.96 * np.sqrt(square_variance)))
+
+
+def _projector(design: Array, V: Array) -> Array:
+    inverse = np.linalg.inv(V)
+    weighted = inverse @ design
+    return np.asarray(inverse - weighted @ np.linalg.solve(design.T @ weighted, weighted.T))
