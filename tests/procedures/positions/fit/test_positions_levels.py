@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from inertialcal.core.estimate import joined_dof
 from inertialcal.core.influence import Influence
 from inertialcal.procedures.positions.fit.linear_sensor import HIDDEN, Source, level_sources, summed
 from inertialcal.statistics.intervals import coverage_factor, covers
@@ -77,5 +78,5 @@ def test_sources_of_one_name_add_with_their_degrees_of_freedom() -> None:
     first, second = summed([[a, other], [b]])
     assert (first.name, second.name) == ("scatter", "pose")
     assert first.covariance[0, 0] == 6.0
-    assert np.asarray(first.dof)[0] == pytest.approx(36.0 / (16.0 / 2.0 + 4.0 / 4.0))
+    assert np.asarray(first.dof)[0] == pytest.approx(float(joined_dof([np.array(4.0), np.array(2.0)], [2.0, 4.0])))
     assert np.isinf(np.asarray(first.dof)[1])
