@@ -78,7 +78,7 @@ def fit_with_offsets(
     if weights.shape != readings.shape or not np.all(weights > 0.0):
         raise DataError(f"weights of shape {weights.shape} for {readings.size} readings: need one above zero for each")
     numbers = np.unique(groups, return_inverse=True)[1]
-    ratio = offset_ratio(_moments(design, readings, weights, numbers))
+    ratio = offset_ratio(group_moments(design, readings, weights, numbers))
     white = whitened(np.column_stack([design, readings]), weights, numbers, ratio)
     return fit(white[:, :-1], white[:, -1], names=names)
 
@@ -95,12 +95,29 @@ def whitened(columns: Array, weights: Array, numbers: NDArray[np.intp], ratio: f
     numbers : ndarray of int, shape (n,)
         Number of the group of each, from 0.
     ratio : float
-        Variance of an offset over that of a reading of weight 1.
+        Variance of an offset over that of a reading of weight 1; infinite takes all of the mean.
     """
     total = np.bincount(numbers, weights)
     means = _group_sums(columns * weights[:, None], numbers) / total[:, None]
     part = 1.0 - 1.0 / np.sqrt(1.0 + ratio * total)
     return np.asarray(np.sqrt(weights)[:, None] * (columns - (part[:, None] * means)[numbers]))
+
+
+def whitening(rows: Array, weights: Array, numbers: NDArray[np.intp], ratio: float) -> Array:
+    """Return rows that are applied to whitened readings as rows that are applied to the readings, shape of ``rows``.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (m, n)
+        For readings as `whitened` returns them.
+    weights, numbers, ratio
+        As there.
+    """
+    total = np.bincount(numbers, weights)
+    part = 1.0 - 1.0 / np.sqrt(1.0 + ratio * total)
+    scaled = rows * np.sqrt(weights)
+    sums = _group_sums(scaled.T, numbers)
+    return np.asarray(scaled - ((part / total)[:, None] * sums)[numbers].T * weights)
 
 
 def offset_ratio(moments: Grouped) -> float:
@@ -131,7 +148,8 @@ def _cost(moments: Grouped, ratio: float) -> float:
     return float(np.sum(np.log(grown)) + log_design + (moments.count - p) * np.log(left))
 
 
-def _moments(design: Array, readings: Array, weights: Array, numbers: NDArray[np.intp]) -> Grouped:
+def group_moments(design: Array, readings: Array, weights: Array, numbers: NDArray[np.intp]) -> Grouped:
+    """Return the moments of readings, numbered by group from 0."""
     columns = np.column_stack([design, readings])
     total = np.asarray(np.bincount(numbers, weights), dtype=np.float64)
     means = _group_sums(columns * weights[:, None], numbers) / total[:, None]

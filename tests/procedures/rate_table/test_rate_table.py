@@ -16,6 +16,7 @@ from inertialcal.core.influence import Influence
 from inertialcal.core.results import Row
 from inertialcal.procedures.rate_table import reduction
 from inertialcal.procedures.rate_table.fit.earth_input import OMEGA, earth_in_dwells
+from inertialcal.procedures.rate_table.fit.nonlinearity import Chosen
 from inertialcal.procedures.rate_table.fit.regression import Level, Line, dwell_variance, line, reading_of_line
 from inertialcal.procedures.rate_table.reduction import (
     Plan,
@@ -93,14 +94,14 @@ def test_published_standard_errors_are_reproduced_within_four_percent() -> None:
 
 def test_dwells_left_out_that_cannot_be_fitted_refuse_the_sensor(monkeypatch: pytest.MonkeyPatch) -> None:
     readings = table("table10_x", "x", "minus_ref")
-    fit = reduction._lines
+    fit = reduction._chosen
 
-    def refusing(plan: Plan, some: Readings, sensor: str) -> tuple[Line, Line]:
+    def refusing(plan: Plan, some: Readings, sensor: str, sensors: int) -> Chosen:
         if len(some) == len(readings):
             raise DataError("not to be told apart", code="no_asymmetry")
-        return fit(plan, some, sensor)
+        return fit(plan, some, sensor, sensors)
 
-    monkeypatch.setattr(reduction, "_lines", refusing)
+    monkeypatch.setattr(reduction, "_chosen", refusing)
     plan = Plan(axis="x", scale_factor=IDEAL, input_range=(-np.radians(5.0), np.radians(5.0)))
     with pytest.raises(DataError, match="not to be told apart"):
         reduce(plan, readings)
@@ -304,6 +305,8 @@ def true_value(truth: Truth, name: str) -> float:
         "scale_factor_asymmetry": float(truth.asymmetry[i]),
         "cross_axis_sensitivity": entry,
         "misalignment": entry / float(truth.matrix[i, i]),
+        "second_order": 0.0,
+        "third_order": 0.0,
     }[quantity]
 
 

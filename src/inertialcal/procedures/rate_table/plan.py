@@ -40,6 +40,10 @@ class Plan:
         "The reading at rest was subtracted from every reading: its bias is then that of the subtraction.", False
     )
     asymmetry: bool = setting("Fit one scale factor for each sense of rotation.", True)
+    nonlinearity: Literal["auto", "always", "none"] = setting(
+        "Second- and third-order terms in the line and the model: those that are seen, all that the rates allow, none.",
+        "auto",
+    )
     run_level: Literal["power_up", "recording"] = setting(
         "What the runs are: separate power-ups, or merely separate recordings.", "power_up"
     )

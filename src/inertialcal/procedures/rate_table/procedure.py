@@ -46,6 +46,8 @@ QUANTITIES = {
     "scale_factor": Quantity(("other",)),
     "scale_factor_error": Quantity(RELATIVE, shown="%"),
     "scale_factor_asymmetry": Quantity(RELATIVE, shown="%"),
+    "second_order": Quantity(("other",), shown="1/({unit})"),
+    "third_order": Quantity(("other",), shown="1/({unit})^2"),
     "cross_axis_sensitivity": Quantity(RELATIVE, shown="%"),
     "misalignment": Quantity(("angle",)),
     "linearity_error": Quantity(RELATIVE),

@@ -3,8 +3,8 @@
 The model, the levels of scatter and the signs stand in ``regression`` and ``quantities``; what is left out in
 ``exclusions``; the error in percent in ``rate_error``.
 
-What is assumed: a dwell is at one rate; the offset of a run (power-up) is the same for all its dwells; the
-dwells of different runs are independent; scatter within a run does not depend on the rate. What the
+What is assumed: a dwell is at one rate; the offset of a run (power-up) is the same for all its dwells about one axis;
+the dwells of different runs are independent; scatter within a run does not depend on the rate. What the
 uncertainty means: the standard deviation that the estimate would have if the whole test were made again with
 new runs, joined with the stated uncertainties of the standards.
 
@@ -32,9 +32,10 @@ from ...core.show.tables import Block, html, text
 from .curves import curves
 from .exclusions import exclusions
 from .fit.earth_input import with_earth
+from .fit.nonlinearity import Chosen, with_nonlinearity
 from .fit.quantities import estimate
 from .fit.rate_error import RateError, Resolution, rate_errors, resolution
-from .fit.regression import Line, can_tell_asymmetry, line
+from .fit.regression import Line, can_tell_asymmetry, line, recordings_of
 from .plan import INFLUENCES, Plan
 from .readings import Readings
 from .rows import applies, rows
@@ -69,7 +70,9 @@ class Result:
     plan: Plan  # As given
     readings: Readings  # As given
     lines: Mapping[str, Line]  # Per sensor, dwells left out by rule
-    straight: Mapping[str, Line]  # The same without asymmetry, for the linearity error
+    straight: Mapping[str, Line]  # The same without asymmetry and curvature, for the linearity error
+    full: Mapping[str, Line]  # The same with all curvatures that the rates allow
+    no_curvature: Mapping[str, Mapping[str, Reason]]  # Per sensor, why K2 or K3 is not estimated
     estimate: Estimate | None  # All quantities of all sensors, SI
     all_readings: Estimate | None  # The same with nothing left out; None where nothing was
     reasons: Mapping[str, Reason]  # Why a sensor has no line
@@ -128,46 +131,56 @@ def reduce(plan: Plan, readings: Readings) -> Result:
         )
     if readings.earth is None:
         readings = with_earth(plan, readings)
-    lines, straight, everything, reasons = {}, {}, {}, {}
+    chosen: dict[str, Chosen] = {}
+    straight, everything, reasons = {}, {}, {}
     remarks = [*readings.remarks]
     for sensor in readings.outputs:
         left_out = exclusions(plan, readings, sensor)
         remarks += left_out.remarks
         used = readings.take(~left_out.any)
         try:
-            own, plain = _lines(plan, used, sensor)
-            everything[sensor] = _lines(plan, readings, sensor)[0] if left_out.any.any() else own
-            lines[sensor], straight[sensor] = own, plain
+            plain = line(plan, used, sensor, asymmetry=False)
+            own = _chosen(plan, used, sensor, len(readings.outputs))
+            everything[sensor] = _chosen(plan, readings, sensor, len(readings.outputs)) if left_out.any.any() else own
+            chosen[sensor], straight[sensor] = own, plain
         except DataError as error:
             reasons[sensor] = Reason(error.problems[0].code, error.problems[0].what)
             remarks.append(Remark("no_line", "warning", reasons[sensor].text, error.problems[0].where))
-    if not lines:
+    if not chosen:
         raise DataError(
             f"no sensor can be reduced: {'; '.join(map(str, reasons.values()))}",
             where=readings.where[0] if readings.where else "",
         )
+    lines = {sensor: one.line for sensor, one in chosen.items()}
     if any(one.level == "dwell" for one in lines.values()) and readings.runs >= 2:
         what = "some axis was turned in one run only: the uncertainty is the scatter between dwells, not between runs"
         remarks.append(Remark("not_repeated_between_runs", "warning", what, do="Turn every axis in every run"))
-    repeated = any(lines[sensor] is not everything[sensor] for sensor in lines)
+    repeated = any(chosen[sensor] is not everything[sensor] for sensor in chosen)
+    full = {sensor: one.full for sensor, one in chosen.items()}
     return Result(
         plan,
         readings,
         lines,
         straight,
-        estimate(plan, lines),
-        estimate(plan, everything) if repeated else None,
+        full,
+        {sensor: one.reasons for sensor, one in chosen.items()},
+        estimate(plan, lines, full),
+        _estimate_of_all(plan, everything) if repeated else None,
         reasons,
         gather([*remarks, *_remarks(plan, readings)]),
     )
 
 
-def _lines(plan: Plan, readings: Readings, sensor: str) -> tuple[Line, Line]:
-    """Fit the line with asymmetry where the rates allow it, and the straight one."""
-    straight = line(plan, readings, sensor, asymmetry=False)
-    if plan.asymmetry and can_tell_asymmetry(readings, sensor):
-        return line(plan, readings, sensor, asymmetry=True), straight
-    return straight, straight
+def _chosen(plan: Plan, readings: Readings, sensor: str, sensors: int) -> Chosen:
+    """Fit the line with asymmetry where the rates allow it, and with the curvatures that are seen."""
+    asymmetry = plan.asymmetry and can_tell_asymmetry(readings, sensor)
+    return with_nonlinearity(plan, readings, sensor, asymmetry, sensors)
+
+
+def _estimate_of_all(plan: Plan, chosen: Mapping[str, Chosen]) -> Estimate | None:
+    return estimate(
+        plan, {sensor: one.line for sensor, one in chosen.items()}, {sensor: one.full for sensor, one in chosen.items()}
+    )
 
 
 def _remarks(plan: Plan, readings: Readings) -> list[Remark]:
@@ -177,6 +190,9 @@ def _remarks(plan: Plan, readings: Readings) -> list[Remark]:
         found.append(Remark("few_runs", "warning", what, do=f"Repeat until there are {FEW_RUNS} power-ups or more"))
     if readings.runs < 2:
         what = "power-up runs were not repeated or not given: the scatter between runs is not in the uncertainty"
+        recordings = len(np.unique(recordings_of(readings)[0]))
+        if recordings >= 2 and not readings.runs:
+            what = f"power-up runs were not given: each of {recordings} recordings is taken as a power-up"
         found.append(Remark("no_runs", "warning", what, do="Name the run of each dwell, and repeat the power-up"))
     for axis in np.unique(readings.axis):
         rates = readings.applied[readings.axis == axis]

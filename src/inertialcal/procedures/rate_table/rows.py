@@ -13,6 +13,7 @@ from ...core.results import Interval, Row, not_estimated
 from ...statistics.intervals import chi_square_interval, t_interval
 from ...statistics.least_squares import fit
 from .fit.linearity import linearity_row
+from .fit.quantities import CURVATURES, UNITS
 from .fit.regression import Level, Line
 from .plan import INFLUENCES, Plan
 from .readings import Readings
@@ -32,7 +33,11 @@ def rows(result: Result) -> list[Row]:
         found += _of_sensor(result, sensor, result.estimate, Method.RESULT)
         if sensor in result.lines:
             found.append(
-                linearity_row((result.straight[sensor] if sensor in result.straight[sensor].axes else None), sensor)
+                linearity_row(
+                    result.straight[sensor] if sensor in result.straight[sensor].axes else None,
+                    sensor,
+                    result.full[sensor],
+                )
             )
             found += _scatter_rows(result, sensor)
             found += _all_readings_rows(result, sensor)
@@ -67,6 +72,7 @@ def _wanted(result: Result, sensor: str) -> list[tuple[Key, str]]:
         if result.plan.scale_factor is not None:
             wanted.append((Key("scale_factor", sensor), "V/(rad/s)"))
         wanted += [(Key("scale_factor_error", sensor), "1"), (Key("scale_factor_asymmetry", sensor), "1")]
+        wanted += [(Key(quantity, sensor), UNITS[quantity]) for quantity in CURVATURES.values()]
     for axis in np.unique(result.readings.axis):
         if axis != sensor:
             wanted += [
@@ -124,6 +130,9 @@ def _why_not(result: Result, sensor: str, quantity: str, axis: str = "") -> Reas
         return Reason("not_read", f"no readings of the {sensor} sensor while {', '.join(turned)} turned")
     if sensor in result.reasons:
         return result.reasons[sensor]
+    terms = {quantity: name for name, quantity in CURVATURES.items()}
+    if quantity in terms and terms[quantity] in result.no_curvature[sensor] and sensor in result.lines[sensor].axes:
+        return result.no_curvature[sensor][terms[quantity]]
     return _why_not_by(result.plan, result.lines[sensor], sensor, quantity)
 
 

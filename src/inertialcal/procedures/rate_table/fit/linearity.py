@@ -1,8 +1,9 @@
 """Linearity error: largest deviation of the mean reading at a rate from the best straight line.
 
-In percent of the largest rate that was used (IEEE 528, linearity error; 1431, 12.9). The largest of k deviations
-is large by chance alone, so it counts as seen only where it exceeds the simultaneous (Sidak) bound of k means;
-otherwise that bound on top of the largest deviation is published as an upper limit.
+The line is straight, without asymmetry and curvature, with an intercept of its own in each recording. In percent of
+the largest rate that was used (IEEE 528, linearity error; 1431, 12.9). The largest of k deviations is large by chance
+alone, so it counts as seen only where it exceeds the simultaneous (Sidak) bound of k means; otherwise that bound on
+top of the largest deviation is published as an upper limit.
 """
 
 from __future__ import annotations
@@ -11,10 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ....core.estimate import Array
 from ....core.key import Key, Reason
 from ....core.results import Interval, Row, not_estimated
 from ....statistics.intervals import band_factor, coverage_factor
-from .regression import Line, dwell_variance
+from .regression import Line, dwell_variance, recordings_of
+
+FEW = 3.0  # degrees of freedom that the scatter about a line of its own slope in each recording needs
 
 
 @dataclass(frozen=True)
@@ -29,30 +33,69 @@ class Deviation:
     full_scale: float
 
 
-def largest_deviation(straight: Line) -> Deviation | None:
-    """Find the largest deviation of a rate's mean from the line; None where scatter or rates are too few."""
+def deviations(straight: Line, full: Line | None = None) -> tuple[Array, Array, Array, float] | None:
+    """Return rates, mean deviations from the line, their u [rad/s] and its degrees of freedom.
+
+    None where scatter or rates are too few. The scatter is that of the dwells about ``full``, a line of its own slope
+    in each recording with all curvatures that the rates allow, so that no curvature counts as scatter.
+    """
     readings = straight.readings
     own = readings.axis == straight.sensor
     rates = np.unique(readings.applied[own])
-    variance = dwell_variance(straight.levels, len(readings) / readings.runs if readings.runs else 1.0)
+    variance = _scatter(straight, full)
     if variance is None or len(rates) < 3 or variance[1] < 1.0:
         return None
     means, sigmas = [], []
     for rate in rates:
         at = own & (readings.applied == rate)
-        here = readings.take(at)
-        count = here.runs if here.runs else len(here)
-        means.append(float(np.mean(straight.fit.residuals[at])))
-        leverage = float(np.mean(straight.fit.leverage[at]))
-        sigmas.append(float(np.sqrt(variance[0] * max(1.0 / count - leverage, 0.0) + np.finfo(float).tiny)))
+        means.append(float(np.mean(straight.fit.local[at])))
+        if straight.fit.own:
+            mean = at / np.sum(at)
+            taken = straight.fit.basis.T @ mean
+            part = float(mean @ mean - taken @ taken)
+        else:
+            here = readings.take(at)
+            count = here.runs if here.runs else len(here)
+            part = 1.0 / count - float(np.mean(straight.fit.leverage[at]))
+        sigmas.append(float(np.sqrt(variance[0] * max(part, 0.0) + np.finfo(float).tiny)))
+    return rates, np.array(means), np.array(sigmas), variance[1]
+
+
+def _scatter(straight: Line, full: Line | None) -> tuple[float, float] | None:
+    """Return the variance of a dwell [(rad/s)^2], and its degrees of freedom."""
+    readings = straight.readings
+    if not straight.fit.own:
+        return dwell_variance(straight.levels, len(readings) / readings.runs if readings.runs else 1.0)
+    lines = [straight] if full is None or len(full.readings) != len(readings) else [full, straight]
+    for one in lines:
+        groups = np.unique(recordings_of(readings)[0], return_inverse=True)[1]
+        each = np.eye(groups.max() + 1)[groups]
+        columns = np.column_stack([each, each * readings.applied[:, None], one.fit.design[:, 1:]])
+        size = np.linalg.norm(columns, axis=0)
+        left, singular, _ = np.linalg.svd(columns[:, size > 0.0] / size[size > 0.0], full_matrices=False)
+        basis = left[:, singular > singular[0] * 1e-10]
+        dof = len(readings) - basis.shape[1]
+        residuals = one.fit.local - basis @ (basis.T @ one.fit.local)
+        if dof >= FEW:
+            return float(residuals @ residuals) / dof, float(dof)
+    fit = straight.fit
+    return None if fit.mean_square is None else (float(fit.local @ fit.local) / fit.dof, fit.dof)
+
+
+def largest_deviation(straight: Line, full: Line | None = None) -> Deviation | None:
+    """Find the largest deviation of a rate's mean from the line; None where scatter or rates are too few."""
+    found = deviations(straight, full)
+    if found is None:
+        return None
+    rates, means, sigmas, dof = found
     worst = int(np.argmax(np.abs(means)))
     full_scale = float(np.max(np.abs(rates)))
-    return Deviation(float(rates[worst]), abs(means[worst]), sigmas[worst], variance[1], len(rates), full_scale)
+    return Deviation(float(rates[worst]), abs(float(means[worst])), float(sigmas[worst]), dof, len(rates), full_scale)
 
 
-def linearity_row(straight: Line | None, sensor: str) -> Row:
+def linearity_row(straight: Line | None, sensor: str, full: Line | None = None) -> Row:
     """Return the linearity error in percent of the largest rate used."""
-    found = None if straight is None else largest_deviation(straight)
+    found = None if straight is None else largest_deviation(straight, full)
     key = Key("linearity_error", sensor)
     if found is None:
         reason = "needs three rates or more about the sensor's own axis, and repeated dwells"

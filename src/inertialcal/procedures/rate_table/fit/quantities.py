@@ -3,7 +3,9 @@
 Signs and words (DESIGN of the sensor equation; IEEE 528, 1431): ``bias`` is K0, the reading at no rate;
 ``scale_factor_error_x`` is M_xx - 1, positive when the sensor reads too much; ``misalignment_xz`` is
 M_xz / M_xx: the row is the sensor that reads, the column the axis that turns; ``scale_factor_asymmetry`` is
-K1' = 2 c / M, the difference of the scale factors of the two senses of rotation over their mean.
+K1' = 2 c / M, the difference of the scale factors of the two senses of rotation over their mean;
+``second_order`` and ``third_order`` are K2 = b2 / M^2 and K3 = b3 / M^3. Where a line has K3, its scale factor is the
+slope at zero rate, M of the sensor equation; where it has not, that of the best straight line.
 
 Type B (one unknown value for the whole test, so dwells do not average it):
 
@@ -28,19 +30,23 @@ from ....core.estimate import Array, Component, Estimate
 from ....core.key import AXES, Key, Origin
 from ..plan import Plan
 from .earth_input import earth_influences
-from .regression import Line
+from .regression import POWERS, WORDS, Line
 
 UNITS = {
     "bias": "rad/s", "scale_factor_error": "1", "scale_factor_asymmetry": "1", "cross_axis_sensitivity": "1",
-    "misalignment": "rad",
+    "misalignment": "rad", "second_order": "1/(rad/s)", "third_order": "1/(rad/s)^2",
 }  # fmt: skip
 
 
-def estimate(plan: Plan, lines: dict[str, Line]) -> Estimate | None:
+CURVATURES = {"K2": "second_order", "K3": "third_order"}
+
+
+def estimate(plan: Plan, lines: Mapping[str, Line], full: Mapping[str, Line] | None = None) -> Estimate | None:
     """Return bias, scale factor error, asymmetry, cross-axis sensitivity and misalignment of all sensors.
 
-    The Type A parts of different sensors are taken as independent. Sensors whose scatter was not repeated at
-    any level are left out.
+    The Type A parts of different sensors are taken as independent, and so are curvatures that a line does not have,
+    which come from ``full``, its line with all curvatures that the rates allow. Sensors whose scatter was not
+    repeated at any level are left out.
 
     Returns
     -------
@@ -52,6 +58,12 @@ def estimate(plan: Plan, lines: dict[str, Line]) -> Estimate | None:
     if not usable:
         return None
     parts = [_quantities(one) for one in usable]
+    for one in [*usable]:
+        whole = (full or {}).get(one.sensor)
+        if whole is not None and whole.covariance is not None and whole.curvature != one.curvature:
+            keys = [Key(CURVATURES[name], one.sensor) for name in whole.curvature if name not in one.curvature]
+            usable.append(whole)
+            parts.append(_chosen(_quantities(whole), keys))
     keys = tuple(key for part in parts for key in part[0])
     values = np.concatenate([part[1] for part in parts])
     units = tuple(UNITS[key.quantity] for key in keys)
@@ -60,8 +72,29 @@ def estimate(plan: Plan, lines: dict[str, Line]) -> Estimate | None:
         *_type_b(plan, keys, values, parts, usable),
         *_earth(plan, parts, usable),
         *_taken_off(keys, parts, usable),
+        *_unresolved(parts, usable, len(keys)),
     ]
     return Estimate(keys, values, units, tuple(components))
+
+
+def _chosen(part: Part, wanted: list[Key]) -> Part:
+    """Return what a part says of some of its quantities."""
+    keys, values, jacobian, about = part
+    at = [i for i, key in enumerate(keys) if key in wanted]
+    return [keys[i] for i in at], values[at], jacobian[at], [about[i] for i in at]
+
+
+def _unresolved(parts: list[Part], lines: list[Line], k: int) -> list[Component]:
+    """Components of curvatures that the readings hint at: what each would change."""
+    found, start = [], 0
+    for (keys, _, jacobian, _), one in zip(parts, lines, strict=True):
+        for other in one.unresolved:
+            change = np.zeros(k)
+            change[start : start + len(keys)] = other.size * (jacobian @ other.pattern)
+            source = f"{WORDS[other.name]} of {one.sensor}, not resolved"
+            found.append(Component(source, "B", np.outer(change, change), other.dof, "t"))
+        start += len(keys)
+    return found
 
 
 Part = tuple[list[Key], Array, Array, list[int]]
@@ -90,10 +123,18 @@ def _all_quantities(one: Line) -> Part:
         about.append(own)
     responds = own is not None and theta[own] != 0.0
     if one.asymmetry and own is not None and responds:
+        at = one.names.index("c")
         keys.append(Key("scale_factor_asymmetry", s))
-        values.append(2.0 * theta[-1] / theta[own])
-        jacobian.append(_ratio(unit, -1, own, theta, 2.0))
-        about.append(k - 1)
+        values.append(2.0 * theta[at] / theta[own])
+        jacobian.append(_ratio(unit, at, own, theta, 2.0))
+        about.append(at)
+    for name in one.curvature if responds else ():
+        at, power = one.names.index(name), POWERS[name]
+        assert own is not None  # noqa: S101 - as it responds
+        keys.append(Key(CURVATURES[name], s))
+        values.append(theta[at] / theta[own] ** power)
+        jacobian.append(unit[at] / theta[own] ** power - power * values[-1] / theta[own] * unit[own])
+        about.append(at)
     for axis in one.axes:
         if axis == s:
             continue
@@ -231,7 +272,7 @@ def _earth_change(part: Part, one: Line, source: str) -> Array:
     """Change of the quantities of a sensor for each pattern of a source, shape (names, s)."""
     row = np.array([matrix_entry(one, axis) for axis in AXES])
     readings = one.readings.earth_sources[source] @ row  # (s, n): what the sensor reads of each pattern
-    changes: Array = -part[2] @ (np.linalg.pinv(one.fit.design) @ readings.T)
+    changes: Array = -part[2] @ (one.fit.solve @ readings.T)
     return changes
 
 
@@ -275,7 +316,7 @@ def taken_off_change(jacobian: Array, one: Line, origin: Origin) -> Array:
     off = one.readings.taken_off.get(origin)
     if off is None:
         return np.zeros((len(jacobian), 0))
-    changes: Array = -jacobian @ (np.linalg.pinv(one.fit.design) @ off.of_sensor(one.sensor).T)
+    changes: Array = -jacobian @ (one.fit.solve @ off.of_sensor(one.sensor).T)
     return changes
 
 

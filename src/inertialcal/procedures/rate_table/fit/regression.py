@@ -1,23 +1,35 @@
 """The line of one sensor: reading over applied rates, and the scatter at each level that was repeated.
 
-Per sensor ``s``, with the rates ``x_a`` about the axes that were turned::
+Per sensor ``s``, with the rates ``x_a`` about the axes ``a`` that were turned, and a recording ``g`` (the dwells about
+one axis in one power-up; where no power-ups are named, those of one file about one axis)::
 
-    y_s = K0_s + sum_a M_sa x_a + c_s |x_s| + noise          c_s = K1'_s |M_ss| / 2
+    y_s = K0_sg + sum_a M_sa x_a + c_s |x_s| + b2_s x_s^2 + b3_s x_s^3 + noise
 
-Every dwell has the same weight. The scatter has three levels: samples within a dwell, dwells about the
-line within a run, runs. The covariance of the coefficients comes from the highest level that was repeated:
+``K1' = 2 c / M_ss``, ``K2 = b2 / M_ss^2``, ``K3 = b3 / M_ss^3`` of the sensor equation. Slopes come from within the
+recordings, so that no turn-on offset bends them; ``K0`` is the mean of the intercepts over power-ups (``own_offsets``).
+Dwells have the same weight, or that of their number of samples where these differ by more than a factor of two. The
+covariance of each slope comes from the highest level that was repeated:
 
-runs (two or more)
-    cluster-robust covariance CR2 over the runs, Satterthwaite degrees of freedom per coefficient [1]_ [2]_.
+runs (an axis turned in two runs or more; of recordings without labels, in two recordings)
+    cluster-robust covariance CR2 over them, Satterthwaite degrees of freedom per coefficient [1]_ [2]_.
     Where every run has the same rates this is the scatter of the runs' own fits over the number of
-    runs, with one degree of freedom fewer than there are runs: exact.
-dwells (no runs, or some coefficient rests on one run alone; more dwells than coefficients)
-    residual mean square, n - p degrees of freedom.
+    runs, with one degree of freedom fewer than there are runs: exact, also where slopes differ from run to run.
+dwells
+    residual mean square within the recordings.
 samples (as many dwells as coefficients)
     scatter within the dwells over the number of samples, where both are given.
 
+Recordings that cannot tell the coefficients apart by themselves (one pair of rates each, say) share one intercept;
+their offsets are then a random effect whose size is found by restricted maximum likelihood, or left in the scatter
+where nothing tells it. So it is too where twelve runs or more know an offset better than each its own.
+
 Scatters are published as observed: each contains its share of the levels below it (mean squares, never
 differences cut at zero).
+
+Not held: (1) a scale factor that differs from power-up to power-up, each axis turned in one: its interval holds the
+truth of that power-up; (2) one recording an axis whose bias walks while the rates rise in order: with a walk of half
+the scatter of a dwell from dwell to dwell, 90 % of the intervals of the scale factor hold; (3) scatter that grows with
+the rate, one recording an axis.
 
 References
 ----------
@@ -27,6 +39,7 @@ References
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,10 +49,18 @@ from ....core.estimate import Array
 from ....core.key import AXES
 from ....statistics.clustered import clustered_covariance
 from ....statistics.least_squares import Fit, fit
+from ....statistics.own_offsets import OwnOffsets, fit_own_offsets
+from ....statistics.random_offsets import group_moments, offset_ratio, whitened, whitening
 from ..plan import Plan
-from ..readings import Readings
+from ..readings import Labels, Readings
 
 EARTH_PASSES = 3
+UNEQUAL = 2.0  # most over fewest samples of a dwell, from which on they decide its weight
+MANY = 12  # runs, from which on their scatter is known well enough to weigh an offset by it
+COST = 2.0  # of an intercept for each recording, in u of any coefficient, that many runs need not pay
+HALVINGS = 60
+POWERS = {"K2": 2, "K3": 3}
+WORDS = {"K2": "second-order term", "K3": "third-order term"}
 
 
 @dataclass(frozen=True)
@@ -54,31 +75,59 @@ class Level:
 
 
 @dataclass(frozen=True, eq=False)
+class Solution:
+    """Coefficients of a line as combinations of the readings."""
+
+    coefficients: Array  # shape (p,)
+    solve: Array  # shape (p, n): ``coefficients = solve @ readings``
+    design: Array  # shape (n, p): the first column is 1
+    residuals: Array  # shape (n,): reading less line, the offset of its recording included [rad/s]
+    local: Array  # shape (n,): the same without that offset, where recordings have intercepts of their own [rad/s]
+    leverage: Array  # shape (n,): change of the fitted value with its own reading
+    basis: Array  # shape (n, q): orthonormal, of all that was fitted
+    mean_square: float | None  # of ``local`` [(rad/s)^2]; None where nothing is left
+    dof: float  # of it
+    own: bool  # Whether recordings have intercepts of their own
+
+
+@dataclass(frozen=True, eq=False)
+class Unresolved:
+    """A curvature that the readings hint at and do not show: what it would change is an uncertainty."""
+
+    name: str  # ``"K2"``
+    size: float  # Root mean square of what it may be [(rad/s)^(1 - power)]
+    dof: float  # Degrees of freedom of it
+    pattern: Array  # shape (p,): what one unit of it adds to the coefficients of the line
+
+
+@dataclass(frozen=True, eq=False)
 class Line:
     """Fit of one sensor."""
 
     sensor: str  # Axis of the sensor
     axes: tuple[str, ...]  # Axes that were turned: the order of the matrix entries
-    asymmetry: bool  # Whether the last coefficient is that of ``|x_s|``
-    fit: Fit  # Coefficients (K0, M_sa for a in ``axes``, c) and residuals [rad/s]
+    asymmetry: bool  # Whether there is a coefficient of ``|x_s|``
+    fit: Solution  # Coefficients (K0, M_sa for a in ``axes``, c, b2, b3) and residuals [rad/s]
     covariance: Array | None  # shape (p, p): type A; None where nothing was repeated
     dof: Array  # shape (p,): degrees of freedom of each coefficient
-    level: str  # Level that the covariance comes from
+    level: str  # Level that the covariance of the slopes comes from
     levels: tuple[Level, ...]  # Scatter at each level
     readings: Readings  # The dwells that were used, and read by this sensor
+    curvature: tuple[str, ...] = ()  # Of ``"K2"``, ``"K3"``: what it has
+    unresolved: tuple[Unresolved, ...] = ()  # What it may lack
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the coefficients."""
         entries = tuple(f"M_{self.sensor}{axis}" for axis in self.axes)
-        return ("K0", *entries, "c") if self.asymmetry else ("K0", *entries)
+        return ("K0", *entries, *(("c",) if self.asymmetry else ()), *self.curvature)
 
     def coefficient(self, name: str) -> float:
         """One coefficient by name."""
         return float(self.fit.coefficients[self.names.index(name)])
 
 
-def line(plan: Plan, readings: Readings, sensor: str, asymmetry: bool) -> Line:
+def line(plan: Plan, readings: Readings, sensor: str, asymmetry: bool, curvature: tuple[str, ...] = ()) -> Line:
     """Fit the line of one sensor to the dwells that it read.
 
     Raises
@@ -88,7 +137,7 @@ def line(plan: Plan, readings: Readings, sensor: str, asymmetry: bool) -> Line:
     """
     used = readings.take(np.isfinite(readings.outputs[sensor]))
     axes = tuple(str(axis) for axis in np.unique(used.axis))
-    columns, names = _design(used, sensor, axes, asymmetry)
+    columns, names = design(used, sensor, axes, asymmetry, curvature)
     y = _without_earth(used, sensor, columns, axes)
     if len(y) < len(names):
         raise DataError(
@@ -97,7 +146,7 @@ def line(plan: Plan, readings: Readings, sensor: str, asymmetry: bool) -> Line:
             code="too_few_dwells",
         )
     try:
-        found = fit(columns, y, names=names)
+        plain = fit(columns, y, names=names)
     except DataError as error:
         if error.problems[0].code != "rank_deficient":
             raise
@@ -106,8 +155,108 @@ def line(plan: Plan, readings: Readings, sensor: str, asymmetry: bool) -> Line:
         raise DataError(
             what, used.where[0] if used.where else "", do="Turn at more rates", code="rank_deficient"
         ) from None
-    covariance, dof, level = _type_a(used, sensor, found)
-    return Line(sensor, axes, asymmetry, found, covariance, dof, level, scatter_levels(used, sensor, found), used)
+    found, covariance, dof, level = _solved(used, sensor, columns, y, plain)
+    levels = (_sample_level(used, sensor), *_dwell_and_run_levels(used, plain, found))
+    return Line(sensor, axes, asymmetry, found, covariance, dof, level, levels, used, curvature)
+
+
+def recordings_of(readings: Readings) -> tuple[Labels, Labels]:
+    """Return the recording of each dwell, and its run: the power-up, or the recording where none is named."""
+    if readings.runs:
+        assert readings.run is not None  # noqa: S101 - for the type checker
+        label = readings.run
+    else:
+        label = np.full(len(readings), "") if readings.recording is None else readings.recording
+    groups = np.array([f"{one} {axis}" for one, axis in zip(label, readings.axis, strict=True)])
+    return groups, label if readings.runs else groups
+
+
+Solved = tuple[Solution, Array | None, Array, str]
+
+
+def _solved(readings: Readings, sensor: str, columns: Array, y: Array, plain: Fit) -> Solved:
+    """Return coefficients with covariance, degrees of freedom and the level that those of the slopes come from."""
+    groups, clusters = recordings_of(readings)
+    weights = _weights(readings, sensor, columns, y, groups)
+    own = fit_own_offsets(columns[:, 1:], y, groups, clusters, weights)
+    numbers = np.unique(groups, return_inverse=True)[1]
+    ratio = offset_ratio(group_moments(columns, y, weights, numbers)) if plain.dof >= 2 else 0.0
+    white = fit(whitened(columns, weights, numbers, ratio), whitened(y[:, None], weights, numbers, ratio)[:, 0])
+    many = readings.runs >= MANY and own is not None and _cost(own, white) > COST
+    if own is None or many:
+        return _with_random_offsets(readings, sensor, columns, y, white, whitening(
+            white.transform @ white.basis.T, weights, numbers, ratio
+        ))  # fmt: skip
+    found = Solution(
+        own.coefficients,
+        own.solve,
+        columns,
+        y - columns @ own.coefficients,
+        own.local,
+        np.sum(own.basis**2, axis=1),
+        own.basis,
+        own.mean_square,
+        own.spare,
+        True,
+    )
+    between = "run" if readings.runs else "recording"
+    return found, own.covariance, own.dof, between if np.all(own.repeated[1:]) else "dwell"
+
+
+def _cost(own: OwnOffsets, white: Fit) -> float:
+    """Return by how much an intercept for each recording makes u of a slope larger, at most."""
+    size = np.sqrt(np.sum(own.solve[1:] ** 2, axis=1))
+    return float(np.max(size / np.sqrt(np.sum(white.transform[1:] ** 2, axis=1))))
+
+
+def _with_random_offsets(readings: Readings, sensor: str, columns: Array, y: Array, white: Fit, solve: Array) -> Solved:
+    """Return a line with one intercept, the offsets of recordings a random effect, or in the scatter."""
+    residuals = y - columns @ white.coefficients
+    found = Solution(
+        white.coefficients, solve, columns, residuals, residuals, white.leverage, white.basis, white.mean_square,
+        white.dof, False,
+    )  # fmt: skip
+    p = len(white.coefficients)
+    if readings.runs >= 2 and white.dof > 0:
+        assert readings.run is not None  # noqa: S101 - for the type checker
+        covariance, dof = clustered_covariance(white, readings.run)
+        if np.all(dof > 0.0):
+            return found, covariance, dof, "run"
+        # One coefficient has one run only: use the scatter of the dwells about the line.
+    if white.dof > 0:
+        return found, white.covariance, np.full(p, float(white.dof)), "dwell"
+    scatter, samples = readings.scatters.get(sensor), readings.samples
+    if scatter is not None and samples is not None and np.all(np.isfinite(scatter)) and np.all(samples > 1):
+        covariance = (solve * (scatter**2 / samples)) @ solve.T
+        return found, covariance, np.full(p, float(np.sum(samples - 1))), "sample"
+    return found, None, np.full(p, np.nan), ""
+
+
+def _weights(readings: Readings, sensor: str, columns: Array, y: Array, groups: Labels) -> Array:
+    """Return the weights of dwells, shape (n,): equal, or by their number of samples where these differ much.
+
+    The variance of a mean is that of a sample over their number and that of a dwell, the latter such that the
+    residuals are as large as expected.
+    """
+    equal, samples, scatter = np.ones(len(y)), readings.samples, readings.scatters.get(sensor)
+    if samples is None or scatter is None or not (np.all(np.isfinite(samples)) and np.all(np.isfinite(scatter))):
+        return equal
+    if np.max(samples) <= UNEQUAL * np.min(samples) or not np.any(scatter > 0.0):
+        return equal
+    within = float(np.sum(samples * scatter**2) / np.sum(samples)) / samples
+
+    def left(dwell: float) -> float:
+        weights = 1.0 / (within + dwell)
+        own = fit_own_offsets(columns[:, 1:], y, groups, groups, weights)
+        return 0.0 if own is None else own.mean_square - 1.0
+
+    low, high = 0.0, float(np.var(y - columns @ np.linalg.lstsq(columns, y, rcond=None)[0])) * len(y)
+    if left(0.0) > 0.0:
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if left(middle) > 0.0 else (low, middle)
+    found = 1.0 / (within + low)
+    return np.asarray(found / found.mean())
 
 
 def _without_earth(readings: Readings, sensor: str, columns: Array, axes: tuple[str, ...]) -> Array:
@@ -130,7 +279,7 @@ def reading_of_line(one: Line, readings: Readings) -> Array:
     -------
     ndarray, shape (n,)
     """
-    columns, _ = _design(readings, one.sensor, one.axes, one.asymmetry)
+    columns, _ = design(readings, one.sensor, one.axes, one.asymmetry, one.curvature)
     expected: Array = columns @ one.fit.coefficients
     if readings.earth is None:
         return expected
@@ -140,13 +289,26 @@ def reading_of_line(one: Line, readings: Readings) -> Array:
     return np.asarray(expected + readings.earth @ row)
 
 
-def _design(readings: Readings, sensor: str, axes: tuple[str, ...], asymmetry: bool) -> tuple[Array, list[str]]:
+def design(
+    readings: Readings, sensor: str, axes: tuple[str, ...], asymmetry: bool, curvature: tuple[str, ...] = ()
+) -> tuple[Array, list[str]]:
+    """Return the columns of a line, the first one of the intercept, shape (n, p), and their names in words."""
     x = {axis: np.where(readings.axis == axis, readings.applied, 0.0) for axis in axes}
-    columns = [np.ones(len(readings)), *x.values()]
-    names = ["bias", *(f"matrix entry {sensor}{axis}" for axis in axes)]
+    return columns_of(x, sensor, asymmetry, curvature)
+
+
+def columns_of(
+    x: Mapping[str, Array], sensor: str, asymmetry: bool, curvature: tuple[str, ...]
+) -> tuple[Array, list[str]]:
+    """Return the columns of a line for rates about its axes, and their names in words."""
+    columns = [np.ones(len(next(iter(x.values())))), *x.values()]
+    names = ["bias", *(f"matrix entry {sensor}{axis}" for axis in x)]
     if asymmetry:
         columns.append(np.abs(x[sensor]))
         names.append("asymmetry")
+    for name in curvature:
+        columns.append(x[sensor] ** POWERS[name])
+        names.append(WORDS[name])
     return np.column_stack(columns), names
 
 
@@ -156,29 +318,6 @@ def can_tell_asymmetry(readings: Readings, sensor: str) -> bool:
     positive, negative = np.unique(rates[rates > 0.0]), np.unique(rates[rates < 0.0])
     at_rest = bool(np.any(rates == 0.0))
     return min(len(positive), len(negative)) >= 1 and len(positive) + len(negative) + at_rest >= 3
-
-
-def _type_a(readings: Readings, sensor: str, found: Fit) -> tuple[Array | None, Array, str]:
-    p = len(found.coefficients)
-    if readings.runs >= 2 and found.dof > 0:
-        assert readings.run is not None  # noqa: S101 - for the type checker
-        covariance, dof = clustered_covariance(found, readings.run)
-        if np.all(dof > 0.0):
-            return covariance, dof, "run"
-        # One coefficient has one run only: use the scatter of the dwells about the line.
-    if found.dof > 0:
-        return found.covariance, np.full(p, float(found.dof)), "dwell"
-    scatter, samples = readings.scatters.get(sensor), readings.samples
-    if scatter is not None and samples is not None and np.all(np.isfinite(scatter)) and np.all(samples > 1):
-        solve = np.linalg.pinv(found.design)
-        covariance = (solve * (scatter**2 / samples)) @ solve.T
-        return covariance, np.full(p, float(np.sum(samples - 1))), "sample"
-    return None, np.full(p, np.nan), ""
-
-
-def scatter_levels(readings: Readings, sensor: str, found: Fit) -> tuple[Level, ...]:
-    """Observe the scatter of samples within dwells, of dwells within runs, and of runs."""
-    return (_sample_level(readings, sensor), *_dwell_and_run_levels(readings, found))
 
 
 def _sample_level(readings: Readings, sensor: str) -> Level:
@@ -196,12 +335,12 @@ def _sample_level(readings: Readings, sensor: str) -> Level:
     return Level("sample", float(np.sqrt(np.sum(weight * scatter[given] ** 2) / np.sum(weight))), float(weight.sum()))
 
 
-def _dwell_and_run_levels(readings: Readings, found: Fit) -> tuple[Level, Level]:
+def _dwell_and_run_levels(readings: Readings, found: Fit, own: Solution) -> tuple[Level, Level]:
     total = float(found.residuals @ found.residuals)
-    if readings.runs == 0:
-        return _dwell_level(total, found.dof), Level("run", None, reason="runs were not given")
-    if readings.runs == 1:
-        return _dwell_level(total, found.dof), Level("run", None, reason="one run: not repeated")
+    if readings.runs < 2:
+        reason = "one run: not repeated" if readings.runs else "runs were not given"
+        square = float(own.local @ own.local) if own.own else total
+        return _dwell_level(square, own.dof if own.own else found.dof), Level("run", None, reason=reason)
     assert readings.run is not None  # noqa: S101 - for the type checker
     labels, at = np.unique(readings.run, return_inverse=True)
     columns = np.column_stack([found.design, np.eye(len(labels))[at]])

@@ -28,7 +28,7 @@ from ....core.estimate import Array
 from ....core.key import AXES
 from ....statistics.closed_loop import AxisLoop
 from ..fit.quantities import matrix_entry
-from ..fit.regression import Line
+from ..fit.regression import Line, columns_of
 from ..readings import Labels, Readings
 
 Find = Callable[[Readings], Mapping[str, Array]]
@@ -195,10 +195,8 @@ def _model_variance(one: Line, dwells: Readings) -> Array:
 
 def _rows(one: Line, dwells: Readings) -> Array:
     """Design of the line at the dwells, shape (n, p)."""
-    columns = [np.ones(len(dwells)), *(true_input(dwells, axis) for axis in one.axes)]
-    if one.asymmetry:
-        columns.append(np.abs(true_input(dwells, one.sensor)))
-    return np.column_stack(columns)
+    x = {axis: true_input(dwells, axis) for axis in one.axes}
+    return columns_of(x, one.sensor, one.asymmetry, one.curvature)[0]
 
 
 def _p_rival(view: _View, find: Find) -> float:

@@ -20,7 +20,7 @@ from ...model_terms import HeldOut, ModelTerms
 from ...protocol import Tested
 from ..exclusions import exclusions
 from ..fit.earth_input import with_earth
-from ..fit.quantities import taken_off_changes
+from ..fit.quantities import CURVATURES, taken_off_changes
 from ..plan import Plan
 from ..readings import Readings
 from ..recordings import together
@@ -91,12 +91,19 @@ def mixed_up(model: SensorModel) -> dict[str, Find]:
 
 
 def _inverted(model: SensorModel, matrix: Array, bias: Array, readings: Readings) -> dict[str, Array]:
-    """Return the inputs found with another matrix and bias [rad/s], by axis; bias, asymmetry and matrix alone."""
+    """Return the inputs found with another matrix and bias [rad/s], by axis; bias, curve and matrix alone."""
     columns = _columns(model, readings)
-    bend = np.zeros(len(model.axes)) if model.scale_factor_asymmetry is None else model.scale_factor_asymmetry
+    nothing = np.zeros(len(model.axes))
+    bend, second, third = (
+        nothing if term is None else term
+        for term in (model.scale_factor_asymmetry, model.second_order, model.third_order)
+    )
     without = np.nan_to_num(columns) - bias
     inverse: Array = np.linalg.inv(matrix).astype(np.float64)
-    x = (without / (1.0 + 0.5 * bend * np.sign(without))) @ inverse.T
+    u = without / (1.0 + 0.5 * bend * np.sign(without))
+    for _ in range(CURVE_PASSES if np.any(second) or np.any(third) else 0):
+        u = (without - second * u**2 - third * u**3) / (1.0 + 0.5 * bend * np.sign(without))
+    x = u @ inverse.T
     return _known(model, x, columns, inverse)
 
 
@@ -122,6 +129,8 @@ def _known(model: SensorModel, x: Array, columns: Array, inverse: Array) -> dict
 
 
 TERM = ("bias", "scale_factor_error", "misalignment", "scale_factor_asymmetry")
+NOT_SEEN = "not seen at the rates of the test: taken as 0"
+CURVE_PASSES = 8  # of K2 u^2 + K3 u^3, which is small beside u
 
 
 Turned = Tested[Plan, Readings, Any]
@@ -160,9 +169,11 @@ def model_terms(result: Result, tests: Sequence[Turned]) -> ModelTerms:
     """Return the terms that a joint reduction gives."""
     axes = tuple(axis for axis in tests[0].facts.axes if axis in result.lines)
     estimate, referenced = result.estimate, result.plan.zero_reference
+    curved = {Key(CURVATURES[name], sensor) for sensor, line in result.lines.items() for name in line.curvature}
     keys = () if estimate is None else tuple(
         key for key in estimate.keys
-        if key.quantity in TERM and set(key.axis) <= set(axes) and not (key.quantity == "bias" and referenced)
+        if (key.quantity in TERM or key in curved) and set(key.axis) <= set(axes)
+        and not (key.quantity == "bias" and referenced)
     )  # fmt: skip
     taken_off = {source: one for line in result.lines.values() for source, one in line.readings.taken_off.items()}
     return ModelTerms(
@@ -170,7 +181,8 @@ def model_terms(result: Result, tests: Sequence[Turned]) -> ModelTerms:
         keys,
         axes,
         {key: _provenance(key, tests) for key in keys},
-        {str(row.key): row.reason.text for row in result.rows() if row.status == "not_estimated" and row.case.plain},
+        {str(Key(quantity, axis)): NOT_SEEN for quantity in CURVATURES.values() for axis in axes}
+        | {str(row.key): row.reason.text for row in result.rows() if row.status == "not_estimated" and row.case.plain},
         input_range=_input_range(result, axes),
         bias_run_to_run=_run_to_run(result, axes),
         referenced=referenced,
