@@ -17,7 +17,7 @@ from inertialcal.core.results import Row
 from inertialcal.procedures.rate_table import reduction
 from inertialcal.procedures.rate_table.fit.earth_input import OMEGA, earth_in_dwells
 from inertialcal.procedures.rate_table.fit.nonlinearity import Chosen
-from inertialcal.procedures.rate_table.fit.regression import Level, Line, dwell_variance, line, reading_of_line
+from inertialcal.procedures.rate_table.fit.regression import Level, dwell_variance, line, reading_of_line
 from inertialcal.procedures.rate_table.reduction import (
     Plan,
     Readings,

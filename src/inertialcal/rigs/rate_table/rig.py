@@ -88,7 +88,7 @@ def build(bench: Bench, seed: int, gyro: Gyro | None = None) -> Twin:
         The unit; drawn by default.
     """
     of_unit, of_bench, of_runs = np.random.default_rng(seed).spawn(3)
-    unit = gyro or draw_gyro(bench.inverted, of_unit)
+    unit = gyro or draw_gyro(bench.inverted, of_unit, bench.curvature)
     stands = {"table": (bench.tilt_deg, bench.u_tilt_deg, bench.azimuth_deg, bench.u_azimuth_deg)}
     world, drawn = draw_world(bench.standards, bench.latitude_deg, bench.table_gain, stands, of_bench)
     recordings = {}
@@ -103,7 +103,10 @@ def build(bench: Bench, seed: int, gyro: Gyro | None = None) -> Twin:
 def true_values(gyro: Gyro) -> tuple[TrueValue, ...]:
     """Return the quantities of a unit as the results name them, SI."""
     model, found = gyro.model, []
-    asymmetry = np.zeros(3) if model.scale_factor_asymmetry is None else model.scale_factor_asymmetry
+    asymmetry, second, third = (
+        np.zeros(3) if term is None else term
+        for term in (model.scale_factor_asymmetry, model.second_order, model.third_order)
+    )
     matrix = model.matrix[0]
     for i, axis in enumerate(model.axes):
         own = float(matrix[i, i])
@@ -112,6 +115,8 @@ def true_values(gyro: Gyro) -> tuple[TrueValue, ...]:
             TrueValue("scale_factor", axis, float(model.scale_factor[i]) * own, "V/(rad/s)"),
             TrueValue("scale_factor_error", axis, own - 1.0, "1"),
             TrueValue("scale_factor_asymmetry", axis, float(asymmetry[i]), "1"),
+            TrueValue("second_order", axis, float(second[i]), "1/(rad/s)"),
+            TrueValue("third_order", axis, float(third[i]), "1/(rad/s)^2"),
         ]
         for j, other in enumerate(model.axes):
             if j != i:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -13,6 +13,8 @@ from ...core.key import AXES
 from ...sensors.chain.converter import Chain
 from ...sensors.model.sensor_model import SensorModel
 from ..parts.gyro_bench import CODES, INVERTED, STANDARDS, STEP, VALID_VOLTS, VOLTS_PER_RAD_S, Gyro
+
+HIGHEST_DEG_S = 4.5  # of the rates by default
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,9 @@ class Bench:
     # true mounting: -1 for inverted; the campaign states ``INVERTED``
     inverted: tuple[int, ...] = INVERTED
     reference_saved: bool = True  # whether the logger saves the reference voltages
+    curvature: float = (
+        0.0  # standard deviation of the second- and of the third-order term at the highest rate, relative
+    )
     built_in_test: float = 4.2  # voltage of the built-in test [V]
 
 
@@ -56,7 +61,7 @@ def chain() -> Chain:
     )
 
 
-def draw_gyro(inverted: tuple[int, ...], rng: np.random.Generator) -> Gyro:
+def draw_gyro(inverted: tuple[int, ...], rng: np.random.Generator, curvature: float = 0.0) -> Gyro:
     """Return a unit of the family: scale factors within some 0.5 %, cross terms of 1 %, biases of 0.02 deg/s."""
     matrix: Array = np.eye(3) + np.where(np.eye(3) > 0.0, rng.normal(0.0, 0.005, (3, 3)), rng.normal(0.0, 0.01, (3, 3)))
     model = SensorModel(
@@ -68,6 +73,13 @@ def draw_gyro(inverted: tuple[int, ...], rng: np.random.Generator) -> Gyro:
         bias=rng.normal(0.0, np.radians(0.02), 3),
         scale_factor_asymmetry=rng.normal(0.0, 1e-3, 3),
     )
+    if curvature:
+        largest = float(np.radians(HIGHEST_DEG_S))
+        model = replace(
+            model,
+            second_order=rng.normal(0.0, curvature, 3) / largest,
+            third_order=rng.normal(0.0, curvature, 3) / largest**2,
+        )
     return Gyro(
         model,
         mounting=np.diag(np.asarray(inverted, dtype=float)),

@@ -5,7 +5,7 @@ asymmetry is 3 to 6 times larger beside K2, that of the scale factor 2 to 3 time
 is not fitted. Of the fit with all terms that the rates allow:
 
 seen
-    its t test, at 5 % for all terms of all sensors together (Bonferroni): the line has the term, and so has the model.
+    its t test, at 2 % for all terms of all sensors together (Bonferroni): the line has the term, and so has the model.
 hinted at
     its own t test, at 10 %: the line has it not, and its root mean square size, sqrt(value^2 + u^2), times what one
     unit of it adds to each coefficient, is an uncertainty of them.
@@ -34,7 +34,7 @@ from ..plan import Plan
 from ..readings import Readings
 from .regression import POWERS, Line, Unresolved, design, line, recordings_of
 
-SEEN = 0.05  # false-alarm rate for all terms together
+SEEN = 0.02  # false-alarm rate for all terms together
 HINTED = 0.1  # of one term
 APART = 0.02  # part of a term's column that the other columns do not explain, from which on it is told apart
 NEEDS = {
@@ -80,7 +80,8 @@ def _fitted(plan: Plan, readings: Readings, sensor: str, asymmetry: bool, terms:
 
 def allowed(plain: Line) -> tuple[str, ...]:
     """Return the terms that the rates tell apart from the coefficients of a line, and from each other."""
-    readings, found = plain.readings, ()
+    readings = plain.readings
+    found: tuple[str, ...] = ()
     if plain.sensor not in plain.axes:
         return found
     groups = recordings_of(readings)[0] if plain.fit.own else np.zeros(len(readings))

@@ -61,9 +61,9 @@ def estimate(plan: Plan, lines: Mapping[str, Line], full: Mapping[str, Line] | N
     for one in [*usable]:
         whole = (full or {}).get(one.sensor)
         if whole is not None and whole.covariance is not None and whole.curvature != one.curvature:
-            keys = [Key(CURVATURES[name], one.sensor) for name in whole.curvature if name not in one.curvature]
+            lacking = [Key(CURVATURES[name], one.sensor) for name in whole.curvature if name not in one.curvature]
             usable.append(whole)
-            parts.append(_chosen(_quantities(whole), keys))
+            parts.append(_chosen(_quantities(whole), lacking))
     keys = tuple(key for part in parts for key in part[0])
     values = np.concatenate([part[1] for part in parts])
     units = tuple(UNITS[key.quantity] for key in keys)

@@ -58,7 +58,7 @@ EARTH_PASSES = 3
 UNEQUAL = 2.0  # most over fewest samples of a dwell, from which on they decide its weight
 MANY = 12  # runs, from which on their scatter is known well enough to weigh an offset by it
 COST = 2.0  # of an intercept for each recording, in u of any coefficient, that many runs need not pay
-HALVINGS = 60
+HALVINGS = 24
 POWERS = {"K2": 2, "K3": 3}
 WORDS = {"K2": "second-order term", "K3": "third-order term"}
 
