@@ -124,4 +124,4 @@ def _unresolved(own: Line, full: Line, name: str) -> Unresolved:
     assert full.covariance is not None  # noqa: S101 - as checked
     column: Array = full.fit.design[:, at]
     size = float(np.sqrt(full.fit.coefficients[at] ** 2 + full.covariance[at, at]))
-    return Unresolved(name, size, float(full.dof[at]), own.fit.solve @ column)
+    return Unresolved(name, size, own.fit.solve @ column)

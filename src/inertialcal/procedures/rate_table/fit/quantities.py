@@ -92,7 +92,7 @@ def _unresolved(parts: list[Part], lines: list[Line], k: int) -> list[Component]
             change = np.zeros(k)
             change[start : start + len(keys)] = other.size * (jacobian @ other.pattern)
             source = f"{WORDS[other.name]} of {one.sensor}, not resolved"
-            found.append(Component(source, "B", np.outer(change, change), other.dof, "t"))
+            found.append(Component(source, "B", np.outer(change, change)))
         start += len(keys)
     return found
 

@@ -96,7 +96,6 @@ class Unresolved:
 
     name: str  # ``"K2"``
     size: float  # Root mean square of what it may be [(rad/s)^(1 - power)]
-    dof: float  # Degrees of freedom of it
     pattern: Array  # shape (p,): what one unit of it adds to the coefficients of the line
 
 
