@@ -20,7 +20,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from .case import START, Array, Case, Table, turned
-from .static import flicker
+from .static import flicker, walk
 
 AXES = "xyz"
 G = 9.81
@@ -43,6 +43,9 @@ class Unit:
     sample: float = 0.01
     gyro_sample: float = 0.002
     gyro_flicker: float = 0.0  # B
+    gyro_walk: float = 0.0  # K [rad/s / sqrt(s)]
+    gyro_drift: float = 0.0  # [rad/s / s]: temperature, the same again in the next record
+    acc_flicker: float = 0.0  # B
     position: float = 0.0005  # what differs between positions beyond the noise inside
     limit: float = np.inf  # of the gyros
     upper_triangular: bool = False  # accelerometer frame as the command defines it where positions are unknown
@@ -165,9 +168,10 @@ def by_hand(
         still.append(np.zeros(steps, dtype=bool))
         C = turned(-angle * axis) @ C
     f, w, quiet = np.concatenate(force), np.concatenate(rates), np.concatenate(still)
+    slow, lazy = wandering(rng, unit, len(f), dt)
     acc = f @ truth.A.T + truth.b + unit.sample * rng.standard_normal(f.shape)
-    slow = np.column_stack([flicker(rng, unit.gyro_flicker, len(w)) for _ in AXES]) if unit.gyro_flicker else 0.0 * w
-    gyro = w @ truth.W.T + truth.c + slow + f @ truth.G.T + unit.gyro_sample * rng.standard_normal(w.shape)
+    acc += lazy[: len(f)]
+    gyro = w @ truth.W.T + truth.c + slow[: len(w)] + f @ truth.G.T + unit.gyro_sample * rng.standard_normal(w.shape)
     gyro = np.clip(gyro, -unit.limit, unit.limit)
     columns = {"unix_s": START + dt * np.arange(len(f))}
     columns |= {f"acc_{a} [m/s^2]": acc[:, i] for i, a in enumerate(AXES)}
@@ -176,13 +180,28 @@ def by_hand(
     table = Table(columns, signals, "unix_s", form={"unix_s": "%.3f"} | dict.fromkeys(signals, "%.6f"))
     words = ["positions", "@hand.csv", "--gravity", f"{G} m/s2", "--latitude", "48 deg", "-o", "@model.json"]
     found = truth.truth
-    found |= {f"bias of these rests {a} gyro": truth.c[i] + float(slow[quiet, i].mean()) for i, a in enumerate(AXES)}
-    if unit.gyro_flicker:  # the bias of a record that comes next, as long as this one
-        after = [flicker(rng, unit.gyro_flicker, 2 * len(w))[len(w) :].mean() for _ in AXES]
-        found |= {f"bias of the next record {a} gyro": truth.c[i] + float(after[i]) for i, a in enumerate(AXES)}
+    for name, bias, own in (("gyro", truth.c, slow), ("accelerometer", truth.b, lazy)):
+        here, onward = (bias + one.mean(axis=0) for one in (own[: len(f)][quiet], own[len(f) :]))
+        found |= {f"bias of these rests {a} {name}": float(here[i]) for i, a in enumerate(AXES)}
+        found |= {f"bias_next_record that follows {a} {name}": float(onward[i]) for i, a in enumerate(AXES)}
+    if not (unit.gyro_walk or unit.gyro_drift):  # the bias of a record some time later, as long as this one
+        later = [flicker(rng, unit.gyro_flicker, 2 * len(w))[len(w) :].mean() for _ in AXES]
+        found |= {f"bias_next_record {a} gyro": truth.c[i] + float(later[i]) for i, a in enumerate(AXES)}
     case = Case("positions", {"hand.csv": table}, words, found, noise=unit.gyro_sample, rate=rate, rng_seed=seed)
     case.truth["condition"] = condition_number(ups)
     return case
+
+
+def wandering(rng: np.random.Generator, unit: Unit, n: int, dt: float) -> tuple[Array, Array]:
+    """Return the slow noise of gyros and accelerometers over a record and the one that follows, shape (2 n, 3) each."""
+    slow, lazy = (
+        np.column_stack([flicker(rng, size, 2 * n) for _ in AXES]) if size else np.zeros((2 * n, 3))
+        for size in (unit.gyro_flicker, unit.acc_flicker)
+    )
+    if unit.gyro_walk:
+        slow += np.column_stack([walk(rng, unit.gyro_walk, 2 * n, dt) for _ in AXES])
+    slow += unit.gyro_drift * dt * np.tile(np.arange(n), 2)[:, None]
+    return slow, lazy
 
 
 def orientations(

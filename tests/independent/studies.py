@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -79,7 +80,8 @@ def like(pattern: str, of: str = "") -> Truths:
         expression = re.compile(pattern)
         if not of:
             return {key: value for key, value in case.truth.items() if expression.match(key)}
-        return {key.replace(f" {of}", ""): value for key, value in case.truth.items() if f" {of}" in key}
+        some = {key: value for key, value in case.truth.items() if f" {of}" in key and expression.match(key)}
+        return {key.replace(f" {of}", ""): value for key, value in some.items()}
 
     return found
 
@@ -166,22 +168,35 @@ def hands() -> list[Study]:
         case = partial(positions.six_faces, face_error=error, repeats=times, stated=known)
         how = "stated" if known else "not stated"
         found.append(Study(f"positions, six faces laid {times}x, face error {error} deg, {how}", "", case, faces))
-    for b, stated in ((0.0, ""), (2e-5, "79"), (1e-4, "63"), (5e-4, "44")):
-        unit = positions.Unit(upper_triangular=True, gyro_flicker=b)
-        found.append(
-            Study(
-                f"positions by hand, gyro flicker {b:g} rad/s",
-                stated,
-                partial(positions.by_hand, unit=unit),
-                {
-                    "gyro bias b0": like(r"bias [xyz] gyro"),
-                    "gyro bias of these rests": like("", "of these rests"),
-                    "gyro bias of the next record": like("", "of the next record"),
-                    "acc bias": like(r"bias [xyz] accelerometer"),
-                    "gyro scale factor": like(r"scale_factor_error [xyz] gyro"),
-                },
-            )
-        )
+    biases = {
+        "gyro bias b0": like(r"bias [xyz] gyro"),
+        "gyro bias of these rests": like(r".* gyro", "of these rests"),
+        "gyro bias of the record that follows": like(r".* gyro", "that follows"),
+        "gyro bias of a later record": like(r"bias_next_record [xyz] gyro"),
+        "acc bias of these rests": like(r".* accelerometer", "of these rests"),
+        "acc bias of the record that follows": like(r".* accelerometer", "that follows"),
+        "acc scale factor": like(r"scale_factor_error [xyz] accelerometer"),
+        "acc misalignment": like(r"misalignment .* accelerometer"),
+        "gyro scale factor": like(r"scale_factor_error [xyz] gyro"),
+        "gyro misalignment": like(r"misalignment .* gyro"),
+    }
+    wanders: tuple[tuple[dict[str, Any], dict[str, Any], str], ...] = (
+        ({}, {}, ""),
+        ({"gyro_flicker": 2e-5}, {}, "79"),
+        ({"gyro_flicker": 1e-4}, {}, "63"),
+        ({"gyro_flicker": 5e-4}, {}, "44"),
+        ({"gyro_flicker": 1e-4}, {"positions": 12}, ""),
+        ({"gyro_flicker": 1e-4}, {"positions": 40}, ""),
+        ({"gyro_flicker": 1e-4}, {"rest": 30.0}, "44"),
+        ({"gyro_walk": 3e-5}, {}, ""),
+        ({"gyro_drift": 2e-6}, {}, ""),
+        ({"acc_flicker": 1e-3, "position": 0.0}, {}, "77-89"),
+        ({"acc_flicker": 1e-3}, {}, "77-89"),
+    )
+    for noise, hand, stated in wanders:
+        name = ", ".join(f"{key} {value:g}" for key, value in (noise | hand).items()) or "no slow noise"
+        case = partial(positions.by_hand, unit=positions.Unit(upper_triangular=True, **noise), **hand)
+        found.append(Study(f"positions by hand, {name}", stated, case, biases))
     found.append(
         Study(
             "positions by hand, 10 positions, condition 50 to 1300",

@@ -178,6 +178,31 @@ def walk_covariance(times: Array, length: float) -> Array:
     return np.asarray((2.0 * lag**3 - ends) / (12.0 * length**2))
 
 
+FLICKER, WALK = "flicker", "walk"
+
+
+def window_covariance(start: Array, stop: Array, noise: str) -> Array:
+    """Return the generalised covariance of means of slow noise of unit size over windows, shape (n, n) [unit^2].
+
+    Parameters
+    ----------
+    start, stop : ndarray, shape (n,)
+        Ends of the windows, of any lengths and order [s].
+    noise : str
+        ``FLICKER`` (spectrum 1 / f), or ``WALK`` (variance of the change over a second).
+    """
+    integral = _twice_integrated if noise == FLICKER else _cubed
+    size = np.outer(stop - start, stop - start)
+    same = integral(np.subtract.outer(stop, stop)) + integral(np.subtract.outer(start, start))
+    mixed = integral(np.subtract.outer(stop, start))
+    return np.asarray((same - mixed - mixed.T) / size)
+
+
+def _cubed(lag: Array) -> Array:
+    """Twice integrated |t| / 2."""
+    return np.asarray(np.abs(lag) ** 3 / 12.0)
+
+
 def _twice_integrated(lag: Array) -> Array:
     """Twice integrated ln|t|."""
     size = np.abs(lag)

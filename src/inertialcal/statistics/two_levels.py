@@ -54,6 +54,15 @@ class TwoLevels:
     residuals: Array  # reading less fitted value, (n,)
     gain: Array  # coefficients per reading, (p, n)
     projector: Array  # p of [2]_: ``P y`` are the residuals weighted by the inverse of V, (n, n)
+    design: Array  # as given, (n, p)
+    readings: Array  # as given, (n,)
+    known: Mapping[str, Array]  # the known covariances, by name, (n, n)
+    by_scatter: Array  # square root of what tau^2 does to the coefficients: the gain, if it counts in all, (p, k)
+
+    @property
+    def fixed(self) -> Array:
+        """Sum of the known covariances, (n, n)."""
+        return sum(self.known.values(), np.zeros((len(self.readings), len(self.readings))))
 
     @property
     def hidden(self) -> float:
@@ -68,7 +77,7 @@ class TwoLevels:
 
     def by_between(self, back: Array) -> Array:
         """Return the derivative by tau^2 of the covariance of ``back @ coefficients``, shape (q, q)."""
-        moved = back @ self.gain
+        moved = back @ self.by_scatter
         return np.asarray(moved @ moved.T)
 
     def dof_of(self, back: Array) -> Array:
@@ -183,7 +192,31 @@ def fit_with_prior(
         between_part=marginal.between**2 * gain @ gain.T,
         residuals=residuals,
         gain=gain,
+        by_scatter=gain,
     )
+
+
+def with_gain(fit: TwoLevels, gain: Array, by_scatter: Array) -> TwoLevels:
+    """Return a fit with other coefficients of the same readings.
+
+    Parameters
+    ----------
+    fit : TwoLevels
+        Of n readings.
+    gain : ndarray, shape (p, n)
+        Coefficients per reading.
+    by_scatter : ndarray, shape (p, k)
+        The same per draw of a scatter between readings of unit size.
+    """
+    parts = {name: _part(gain, known) for name, known in fit.known.items()}
+    between = fit.between**2 * by_scatter @ by_scatter.T
+    covariance = sum(parts.values(), between)
+    coefficients = gain @ fit.readings
+    residuals = fit.readings - fit.design @ coefficients
+    return replace(
+        fit, coefficients=coefficients, covariance=covariance, parts=parts, between_part=between, gain=gain,
+        by_scatter=by_scatter, residuals=residuals,
+    )  # fmt: skip
 
 
 def _restricted(design: Array, readings: Array, fixed: Array) -> tuple[float, tuple[float, float]]:
@@ -276,6 +309,10 @@ def _solved(
         residuals,
         gain,
         np.asarray(projector),
+        design,
+        readings,
+        sources,
+        gain,
     )
 
 

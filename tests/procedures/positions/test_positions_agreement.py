@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -109,6 +110,13 @@ def test_a_recording_of_an_xsens_agrees_and_half_of_it_turned_does_not(shared: P
     assert not agreement(PLAN, readings(si))
     si[len(si) // 2 :] *= -1.0
     assert places(agreement(PLAN, readings(si))) == ["sign_changed"]
+
+
+def test_gyros_without_any_reading_are_not_judged() -> None:
+    sound = readings(hand(3))
+    assert sound.gyro is not None
+    nothing = replace(sound.gyro, mean=np.full_like(sound.gyro.mean, np.nan))
+    assert agreement(PLAN, replace(sound, gyro=nothing, rotations=())) == []
 
 
 def test_counts_of_unknown_scale_are_not_judged() -> None:

@@ -137,10 +137,15 @@ def _rests(plan: Plan, readings: Readings, force: Array) -> Iterator[Remark]:
 
 
 def _turning(rate: Array) -> NDArray[np.bool_]:
-    """Return where gyros at rest, shape (m, 3) [rad/s], read something else than in most; everywhere if they wander."""
+    """Return where gyros at rest, shape (m, 3) [rad/s], read something else than in most; everywhere if they wander.
+
+    Gyros that read nothing anywhere are not judged.
+    """
     near = np.max(np.abs(rate[:, None] - rate[None]), axis=2) < TURNING
     usual = near[int(np.argmax(near.sum(axis=1)))]
     at = np.flatnonzero(usual)
+    if not len(at):  # no reading in any position
+        return np.zeros(len(rate), dtype=bool)
     wanders = 2 * len(at) < len(rate) and at[-1] - at[0] >= len(at)
     return np.ones(len(rate), dtype=bool) if wanders else np.asarray(~usual)
 

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 
 QUANTITIES = {
     "bias": Quantity(READING),
+    "bias_next_record": Quantity(READING),
     "scale_factor": Quantity(("other",)),
     "scale_factor_error": Quantity(RELATIVE, shown="%"),
     "cross_axis_sensitivity": Quantity(RELATIVE, shown="%"),

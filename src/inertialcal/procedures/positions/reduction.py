@@ -20,7 +20,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -28,7 +28,7 @@ import numpy as np
 from ...core.curve import Curve
 from ...core.errors import DataError
 from ...core.estimate import Array, Estimate
-from ...core.key import AXES, Kind
+from ...core.key import AXES, Kind, Reason
 from ...core.remarks import Remark, gather
 from ...core.results import Row, by_quantity
 from ...core.show.result_tables import estimate_table, remarks_line
@@ -39,6 +39,7 @@ from .fit.accelerometer import FEWEST, Fitted, among, fit_known, fit_unknown
 from .fit.at_rest import apart, at_rest, joined
 from .fit.gyro import FittedGyro, fit_gyro, problem_of
 from .fit.linear_sensor import rounded_scale, with_ideal
+from .fit.next_record import FEW, NO_TIME, NextRecord, rests_of, slow_noise_of
 from .fit.prior import Judgement, check_prior, fit_prior
 from .orientations import check_names, missing_faces
 from .plan import INFLUENCES, Plan
@@ -83,6 +84,8 @@ class Result:
     estimates: Mapping[str, Estimate]  # ``"accelerometer"``, ``"gyro"`` -> what is estimated, SI
     models: Mapping[str, SensorModel]  # The same as models, for readings as they were recorded
     remarks: tuple[Remark, ...]  # Findings
+    # Of each sensor: bias of a record that comes next, or why nothing says it
+    next_record: Mapping[str, NextRecord | Reason] = field(default_factory=dict)
     sensor: Kind | Literal[""] = ""  # Kind of sensor that this is the part of; empty for the whole
     prior: Judgement | None = None  # How a stated prior agrees and whether it helps; None without one
 
@@ -169,7 +172,33 @@ def reduce(plan: Plan, readings: Readings) -> Result:
         prior = replace(prior, without=replace(prior.without, sensor=alone))
     bare = Result(plan, readings, acc, gyro, estimates, models, (), prior=prior)
     remarks = gather([*readings.remarks, *missing_faces(readings), *found, *remarks_of(bare)])
-    return replace(bare, remarks=remarks)
+    onward: dict[str, NextRecord | Reason] = {"accelerometer": _next_accelerometers(readings, fitted, acc)}
+    if gyro is not None:
+        onward["gyro"] = _next_gyros(readings, gyro)
+    return replace(bare, remarks=remarks, next_record=onward)
+
+
+def _next_accelerometers(readings: Readings, fitted: Fitted, final: Fitted) -> NextRecord | Reason:
+    """Return what the bias is in the next record; ``final`` is the fit relative to its ideal scale factor."""
+    rests, wander = rests_of(readings), fitted.wander
+    if rests is None:
+        return NO_TIME
+    slow = None if wander is None else slow_noise_of(wander.fit, wander.place, wander.loading, rests)
+    if slow is None or wander is None:
+        return FEW
+    u, dof = np.array([slow.next_record(wander.gain[k], k) for k in range(3)]).T
+    return NextRecord(u * fitted.sensor.ideal / final.sensor.ideal, dof)
+
+
+def _next_gyros(readings: Readings, gyro: FittedGyro) -> NextRecord | Reason:
+    """Return what the bias is in the next record."""
+    if rests_of(readings) is None:
+        return NO_TIME
+    rest = gyro.rest
+    if rest.fits is None or any(one is None for one in rest.slow):
+        return FEW
+    pairs = [slow.next_record(fit.gain[0], 0) for fit, slow in zip(rest.fits, rest.slow, strict=True) if slow]
+    return NextRecord(*np.array(pairs).T)
 
 
 def _start(mean: Array, g: float) -> tuple[Array, Array]:

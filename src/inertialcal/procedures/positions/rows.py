@@ -5,7 +5,7 @@ The sensor of the key says whose: ``accelerometer`` or ``gyro``.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
@@ -112,6 +112,21 @@ def _sensor_rows(result: Result, kind: Kind, sensor: LinearSensor, unit: str, es
         value, u, dof = float(estimate.values[k]), float(estimate.u[k]), float(estimate.dof[k])
         finite = dof if np.isfinite(dof) else None
         found.append(Row(key, value, u, estimate.units[k], finite, t_interval(value, u, dof), reason=limits))
+    return found + _next_rows(result, [row for row in found if row.key.quantity == "bias"])
+
+
+def _next_rows(result: Result, now: Sequence[Row]) -> list[Row]:
+    """Return the bias of the record that comes next, by that of this one."""
+    found = []
+    for k, row in enumerate(now):
+        key = row.key._replace(quantity="bias_next_record")
+        onward = result.next_record.get(row.key.sensor, NO_LEVEL)
+        if row.value is None or isinstance(onward, Reason):
+            why = row.reason if row.value is None else onward
+            found.append(not_estimated(key, row.unit, why if isinstance(why, Reason) else NO_LEVEL))
+            continue
+        u, dof = float(onward.u[k]), float(onward.dof[k])
+        found.append(replace(row, key=key, u=u, dof=dof, interval=t_interval(row.value, u, dof)))
     return found
 
 

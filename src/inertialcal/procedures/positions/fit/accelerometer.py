@@ -78,6 +78,17 @@ class Fitted:
     free: int  # Degrees of freedom
     known: bool  # Whether the orientations were known
     laid: Laid | None = None  # What a fixture's tilts are, where these were
+    wander: Wander | None = None  # How a bias that wanders from rest to rest is seen; None where nothing is judged
+
+
+@dataclass(frozen=True, eq=False)
+class Wander:
+    """What a bias of each axis in each rest does to n readings, and what these do to the bias that is found."""
+
+    fit: TwoLevels  # Of the readings
+    place: NDArray[np.int64]  # shape (n,): position of each
+    loading: Array  # shape (n, 3): of each by the bias of x, y, z [input unit]
+    gain: Array  # shape (3, n): the bias found by each
 
 
 def normalised(triad: Triad, ideal: Array, zero: Array) -> tuple[Array, Array]:
@@ -163,18 +174,20 @@ def fit_unknown(plan: Plan, triad: Triad, ideal: Array, zero: Array) -> Fitted:
     kept = ~outliers
     theta = converged(r[kept], g, np.ones(int(kept.sum())), theta, cut)
     found, observed, theta = _second_level(r[kept], inside[kept], g, theta, scatter)
-    e = lengths(theta, r, g)[0]
+    e, jacobian, u = lengths(theta, r, g)
     values, to_values = forward(theta, g)
     determined = determined_forward(observed.determined)
-    noise = variances(theta, lengths(theta, r, g)[2], inside, g)
-    sources = None
+    noise = variances(theta, u, inside, g)
+    sources = wander = None
     if found is not None:
+        gain = (to_values @ observed.kept @ found.gain)[9:]
+        wander = Wander(found, np.flatnonzero(kept), jacobian[kept, 6:], gain)
         sources = [
             *sources_of(found, to_values @ observed.kept, plan.standards, noise[kept]),
             *_undetermined(observed, to_values, g),
         ]
     sensor = sensor_of(plan, values, sources, determined, ideal, zero, of_frame=True)
-    return finished(sensor, observed, outliers, e[:, None], found, known=False)
+    return replace(finished(sensor, observed, outliers, e[:, None], found, known=False), wander=wander)
 
 
 def sphere(r: Array, inside: Array, g: float) -> tuple[Array, float, float]:
@@ -205,7 +218,10 @@ def among(fitted: Fitted, named: Flags) -> Fitted:
     residuals[named], deletion[named] = fitted.residuals, fitted.deletion
     outliers = np.zeros(len(named), dtype=bool)
     outliers[named] = fitted.outliers
-    return replace(fitted, residuals=residuals, deletion=deletion, outliers=outliers)
+    wander = fitted.wander
+    if wander is not None:
+        wander = replace(wander, place=np.flatnonzero(named)[wander.place])
+    return replace(fitted, residuals=residuals, deletion=deletion, outliers=outliers, wander=wander)
 
 
 def _observe(jacobian: Array, scatter: float, g: float) -> Observability:

@@ -1,6 +1,9 @@
 """Gyros at rest: bias, and what they read of specific force, from the mean readings of static positions.
 
-``reading_k = b + G f_k + earth rate + scatter between positions``, each sensor by itself. Specific force at rest points
+``reading_k = b_k + G f_k + earth rate + scatter between positions``, each sensor by itself. The bias b that is told is
+the mean of b_k over the time at rest: of the readings less G f, weighted by the length of each rest. Its error is the
+noise inside, and what G takes of the wander of b_k; the wander itself belongs to it. What b is in the next record says
+``next_record``. Specific force at rest points
 up, so that the part of the earth rate along the vertical goes with f: where the latitude is known it is taken off,
 ``G = G_seen - A omega sin(latitude) / g``; where it is not, it is an uncertainty of G. What the horizontal part adds
 changes with the heading of each position, which the rotations tell but for the first (``earth_rate``).
@@ -16,10 +19,11 @@ from numpy.typing import NDArray
 from ....core.constants import EARTH_ROTATION_RATE
 from ....core.estimate import Array
 from ....core.influence import Influence
-from ....statistics.two_levels import TwoLevels, fit_two_levels
+from ....statistics.two_levels import TwoLevels, fit_two_levels, with_gain
 from ..plan import Plan
 from ..readings import Triad, local_gravity
 from .linear_sensor import Source, level_sources, summed
+from .next_record import Rests, Slow, slow_noise_of
 from .outliers import found_outliers
 from .rotations import Problem, across, carried
 
@@ -46,6 +50,7 @@ class AtRest:
     outliers: Flags  # shape (m,): positions left out
     reason: str  # Why there is no g-sensitivity
     share: float  # Part of the variance of the mean readings that g-sensitivity explains; NaN without
+    slow: tuple[Slow | None, ...] = (None,) * 3  # Of x, y, z: how the bias wanders, where the readings show it
 
     @property
     def between(self) -> Array | None:
@@ -53,7 +58,15 @@ class AtRest:
         return None if self.fits is None else np.array([one.between for one in self.fits])
 
 
-def at_rest(plan: Plan, triad: Triad, force: Array, ideal: Array, zero: Array, north: Carried | None = None) -> AtRest:
+def at_rest(
+    plan: Plan,
+    triad: Triad,
+    force: Array,
+    ideal: Array,
+    zero: Array,
+    north: Carried | None = None,
+    rests: Rests | None = None,
+) -> AtRest:
     """Return bias and g-sensitivity from static positions.
 
     Parameters
@@ -68,6 +81,8 @@ def at_rest(plan: Plan, triad: Triad, force: Array, ideal: Array, zero: Array, n
         To which the readings are taken.
     north : Carried, optional
         How the earth rate across the vertical is carried through the positions; without it nothing is judged: a start.
+    rests : Rests, optional
+        When they were; without it the positions weigh as their errors say.
     """
     r, inside = (triad.mean - zero) / ideal, (triad.u / ideal) ** 2
     reason = "the plan leaves it out" if plan.g_sensitivity is False else ""
@@ -84,6 +99,10 @@ def at_rest(plan: Plan, triad: Triad, force: Array, ideal: Array, zero: Array, n
         outliers, fits = _judged(plan, design, r, inside, level_covariance(plan, north))
     kept = ~outliers
     found = np.linalg.lstsq(design[kept], r[kept], rcond=None)[0]
+    slow: tuple[Slow | None, ...] = (None,) * 3
+    if fits is not None and rests is not None:
+        timed = [_over_time(one, force[kept], rests.take(kept)) for one in fits]
+        fits, slow = tuple(one for one, _ in timed), tuple(one for _, one in timed)
     if fits is not None:
         found = np.column_stack([one.coefficients for one in fits])
     residuals = r - design @ found
@@ -91,7 +110,23 @@ def at_rest(plan: Plan, triad: Triad, force: Array, ideal: Array, zero: Array, n
     total = float(np.sum(centred**2))
     share = 1.0 - float(np.sum(residuals[kept] ** 2)) / total if with_g and total else float("nan")
     G = np.asarray(found[1:].T, dtype=np.float64) if with_g else None
-    return AtRest(np.asarray(found[0]), G, fits, residuals, outliers, reason, share)
+    return AtRest(np.asarray(found[0]), G, fits, residuals, outliers, reason, share, slow)
+
+
+def _over_time(fit: TwoLevels, force: Array, rests: Rests) -> tuple[TwoLevels, Slow | None]:
+    """Return a fit whose bias is the mean over the time at rest, and the wander of the bias.
+
+    Of the scatter between positions that part is counted in the bias which is one of positions; the other, the wander
+    of the bias, only by what G takes of it.
+    """
+    slow = slow_noise_of(fit, np.arange(len(force)), np.ones((len(force), 3)) * [1.0, 0.0, 0.0], rests)
+    share = 1.0 if slow is None else slow.of_positions
+    weights, gain = rests.weights, fit.gain.copy()
+    gain[0] = weights - (weights @ force) @ gain[1:] if len(gain) > 1 else weights
+    wander = gain.copy()
+    wander[0] -= weights
+    by_scatter = np.hstack([np.sqrt(share) * gain, np.sqrt(1.0 - share) * wander])
+    return with_gain(fit, gain, by_scatter), slow
 
 
 def _judged(

@@ -19,6 +19,7 @@ from ..readings import Readings, Rotation, local_gravity
 from .accelerometer import NOT_DETERMINED, UNKNOWN, Fitted, mounting_source
 from .at_rest import AtRest, Carried, apart, at_rest, earth_in_g, sources_of
 from .linear_sensor import BIAS, G_SENSITIVITY, MATRIX, TAKES_PART, LinearSensor, Source, level_sources, propagated
+from .next_record import rests_of
 from .rotations import BETWEEN, Packed, Problem, Rotated, angles, ends_of, packed, solve
 
 DIRECTION = 0.01  # standard uncertainty of the direction of gravity, from which on no rotation is judged [rad]
@@ -73,7 +74,7 @@ def fit_gyro(
     """
     assert readings.gyro is not None  # noqa: S101 - the caller has looked
     force = acc.sensor.applied(readings.acc.mean)
-    rest = at_rest(plan, readings.gyro, force, ideal, zero, north or apart(force))
+    rest = at_rest(plan, readings.gyro, force, ideal, zero, north or apart(force), rests_of(readings))
     if not readings.transitions and not readings.turns:
         return FittedGyro(_sensor(plan, readings, acc, rest, None, force, ideal, zero), rest, None, None, np.empty(0))
     problem = problem_of(plan, readings, acc, rest, ideal, zero)

@@ -1,0 +1,194 @@
+"""Bias of the next record: how far from the bias of these rests it may lie, by the slow noise of this record alone.
+
+The bias of one record is the mean over its rests of a bias that wanders. What it was between the rests, before and
+after nobody saw; that of the next record differs by the wander from one to the other. Residuals of the positions,
+in the order of time, show its size and how it grows with the time between them::
+
+    y = X c + known errors + slow          slow = s (share_p I + share_f K_f + share_w K_w)
+
+with iid scatter of positions, 1/f noise and a random walk, averaged over each rest by their generalised covariances
+(``statistics.slow_noise``), each of one mean variance on the contrasts that X does not see. The variance of
+``bias of these rests - bias of the next record`` is that of a contrast of rests and of one window more, as long as this
+record, which begins ten record lengths after it began (three for the random walk: what one record shows of it says next
+to nothing of ten). It is found for every size s and every mixture of a grid, and
+averaged with their restricted likelihoods (a few positions hold too few degrees of freedom for one best value) [1]_.
+
+What is assumed: the noise goes on as it is, without power-down between; before the readings a size is as likely as
+another of its own order (s^-0.15 ds), and one in nine slow noises is a random walk. What the uncertainty means: half
+of the interval of 95 % over Student's t: the wander from this record to the next and the noise of this record's means.
+
+Three ways in which real data break it (figures: 3,000 axes each, in the manual's page): a random walk of the rate goes
+on (held out to two record lengths, not to ten); the bias drifts on with temperature (not held: the change is
+unbounded); the sensor is switched off between (turn-on bias is not seen at all).
+
+References
+----------
+.. [1] G. E. P. Box and G. C. Tiao, Bayesian Inference in Statistical Analysis, 1973, ch. 5 (variance components).
+.. [2] G. Matheron, Adv. Appl. Prob. 5 (1973) 439 (generalised covariance of intrinsic random functions).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import optimize, special
+
+from ....core.estimate import Array
+from ....core.key import Reason
+from ....statistics.slow_noise import FLICKER, WALK, window_covariance
+from ....statistics.two_levels import TwoLevels
+from ..readings import Readings
+
+# Record lengths from the beginning of this record to that of the next, of 1/f noise and of a walk
+AHEAD = ((FLICKER, 10.0), (WALK, 3.0))
+SHARES = np.array([[1.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])  # positions, flicker, walk
+BEFORE = np.array([0.5, 0.5, 1.0, 0.25])  # how likely each is before the readings
+POWER = 0.7  # of a size: its weight an equal step of its logarithm
+STEP = 0.25  # of that logarithm
+SMALLEST, LARGEST = 0.05, 30.0  # size, of the noise that is known and of the largest residual
+FEWEST = 4  # contrasts that show a slow noise
+EXACT = 1e-6  # of the residuals: least noise that is known
+
+SECONDS = 1e-9  # of a nanosecond
+NO_TIME = Reason("no_time", "the readings have no time stamps: nothing says how the bias wanders from rest to rest")
+FEW = Reason("too_few_positions", f"fewer than {FEWEST} readings beyond the unknowns: they do not show how it wanders")
+
+
+@dataclass(frozen=True, eq=False)
+class Rests:
+    """When the rests were, and how long a record is [s]."""
+
+    start: Array  # shape (m,)
+    stop: Array  # shape (m,)
+    length: float
+
+    def take(self, kept: NDArray[np.bool_]) -> Rests:
+        """Return some of them."""
+        return Rests(self.start[kept], self.stop[kept], self.length)
+
+    @property
+    def weights(self) -> Array:
+        """Part of each in the time at rest, shape (m,)."""
+        return np.asarray((self.stop - self.start) / np.sum(self.stop - self.start))
+
+
+def rests_of(readings: Readings) -> Rests | None:
+    """Return the rests of readings; None where they have no time."""
+    if readings.start_ns is None or readings.stop_ns is None:
+        return None
+    first = readings.start_ns[0]
+    start, stop = ((one - first) * SECONDS for one in (readings.start_ns, readings.stop_ns))
+    if not np.all(stop > start):
+        return None
+    own = np.array(readings.recordings or (0,) * len(start))
+    lengths = [float(stop[own == k].max() - start[own == k].min()) for k in set(own.tolist())]
+    return Rests(start, stop, float(np.mean(lengths)))
+
+
+@dataclass(frozen=True, eq=False)
+class Slow:
+    """Slow noise of a record: mixtures and sizes, with how likely each is."""
+
+    fit: TwoLevels
+    place: NDArray[np.int64]  # shape (n,): rest of each reading
+    loading: Array  # shape (n, 3): of the bias of each axis in each reading
+    kernels: Array  # shape (3, m + 1, m + 1): positions, flicker, walk; of the rests and the next record
+    probability: Array  # shape (mixtures, sizes)
+    variances: Array  # shape (sizes,)
+
+    @property
+    def of_positions(self) -> float:
+        """Part of the scatter that is one of positions, each anew."""
+        return float(self.probability.sum(axis=1) @ SHARES[:, 0])
+
+    def next_record(self, gain: Array, axis: int) -> tuple[float, float]:
+        """Return the uncertainty of the bias of an axis as that of the next record, and its degrees of freedom.
+
+        Parameters
+        ----------
+        gain : ndarray, shape (n,)
+            Bias of these rests per reading.
+        axis : int
+            Number of the axis.
+        """
+        inside = float(gain @ self.fit.fixed @ gain)
+        grown = [float(gain @ gain)]
+        for kernel in self.kernels[1:]:
+            between = (self.loading @ self.loading.T) * kernel[np.ix_(self.place, self.place)]
+            onward = gain @ (self.loading[:, axis] * kernel[self.place, -1])
+            grown.append(float(gain @ between @ gain - 2.0 * onward + kernel[-1, -1]))
+        variance = inside + np.outer(np.maximum(SHARES @ grown, 0.0), self.variances)
+        return _student(np.sqrt(variance).ravel(), self.probability.ravel())
+
+
+def slow_noise_of(fit: TwoLevels, place: NDArray[np.int64], loading: Array, rests: Rests) -> Slow | None:
+    """Return the slow noise that the residuals of a fit show; None where there are too few of them.
+
+    Parameters
+    ----------
+    fit : TwoLevels
+        Of n readings.
+    place : ndarray, shape (n,)
+        Rest of each.
+    loading : ndarray, shape (n, 3)
+        Change of each reading by the bias of each axis.
+    rests : Rests
+        When they were.
+    """
+    if fit.free < FEWEST:
+        return None
+    first = float(rests.start.min())
+    kernels = np.array([np.eye(len(rests.start) + 1)] * 3)
+    for k, (noise, ahead) in enumerate(AHEAD, 1):
+        start = np.append(rests.start, first + ahead * rests.length)
+        stop = np.append(rests.stop, first + (ahead + 1.0) * rests.length)
+        kernels[k] = window_covariance(start, stop, noise)
+    blind = np.linalg.qr(fit.design, mode="complete")[0][:, fit.design.shape[1] :]
+    y, known = blind.T @ fit.readings, blind.T @ fit.fixed @ blind
+    exact = EXACT * float(np.mean(y**2))
+    level, axes = np.linalg.eigh(0.5 * (known + known.T))
+    level = np.maximum(level, exact)
+    white = (axes / np.sqrt(level)).T
+    y = white @ y
+    seen = [blind.T @ blind]
+    for kernel in kernels[1:]:
+        seen.append(blind.T @ ((loading @ loading.T) * kernel[np.ix_(place, place)]) @ blind)
+    size = np.array([float(np.trace(one)) / len(y) for one in seen])
+    usual = float(np.sqrt(np.median(level)))
+    top = LARGEST * max(usual, float(np.max(np.abs(blind.T @ fit.readings))))
+    sizes = np.exp(np.arange(np.log(SMALLEST * usual), np.log(top) + STEP, STEP))
+    logs = []
+    for shares in SHARES:
+        mixed = np.tensordot(shares / size, np.array(seen), axes=1)
+        values, vectors = np.linalg.eigh(white @ mixed @ white.T)
+        total = 1.0 + np.outer(sizes**2, np.maximum(values, 0.0))
+        logs.append(-0.5 * np.sum(np.log(total) + (vectors.T @ y) ** 2 / total, axis=1))
+    weight = np.array(logs) + POWER * np.log(sizes) + np.log(BEFORE)[:, None]
+    probability = np.exp(weight - weight.max())
+    return Slow(fit, place, loading, kernels / size[:, None, None], probability / probability.sum(), sizes**2)
+
+
+def _student(deviations: Array, probability: Array) -> tuple[float, float]:
+    """Return the scale and the degrees of freedom of Student's t with the 95 % interval of a mixture of normals."""
+
+    def outside(half: float) -> float:
+        return float(probability @ (2.0 * special.ndtr(-half / deviations))) - 0.05
+
+    order = np.argsort(deviations)
+    u = float(deviations[order][np.searchsorted(np.cumsum(probability[order]), 0.5)])
+    half = float(optimize.brentq(outside, 0.5 * u, 60.0 * float(deviations.max())))
+    quantile = max(half / u, 1.97)
+    if quantile > float(special.stdtrit(1.0, 0.975)):  # more than half of it is unseen
+        return half / float(special.stdtrit(1.0, 0.975)), 1.0
+    dof = float(optimize.brentq(lambda nu: special.stdtrit(nu, 0.975) - quantile, 1.0, 1e4))
+    return half / quantile, dof
+
+
+@dataclass(frozen=True, eq=False)
+class NextRecord:
+    """Standard uncertainty of the bias of x, y, z as that of the next record [input unit], and degrees of freedom."""
+
+    u: Array  # shape (3,)
+    dof: Array  # shape (3,)
