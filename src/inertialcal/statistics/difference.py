@@ -19,6 +19,7 @@ unknown of its own.
 References
 ----------
 .. [1] JCGM 100:2008, clauses 5.2.2, F.1.2.3 and G.4.
+.. [2] Welch, Biometrika 34 (1947) 28-35.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ import numpy as np
 from ..core.estimate import Array, joined_dof
 from ..core.influence import influence_of
 
+ENOUGH = 3.0  # degrees of freedom of the scatter of a figure, for Welch's test
 ROUNDING = 1e-12  # of a variance: what is left of it after a subtraction is none
 
 
@@ -87,8 +89,9 @@ def difference(a: Figure, b: Figure, shared: Iterable[str] | None = None) -> Fig
     Returns
     -------
     Figure
-        Its degrees of freedom are those of the parts that do not cancel (``core.estimate.joined_dof``); shared unknowns
-        are taken as known in size. Its changes are those by unknowns that are shared.
+        Its degrees of freedom are those of the parts that do not cancel: of the scatter of both by Welch [2]_, joined
+        with parts of known size by ``core.estimate.joined_dof``. Shared unknowns are taken as known in size. Its
+        changes are those by unknowns that are shared.
 
     Examples
     --------
@@ -120,10 +123,19 @@ def taken_off(figure: Figure, errors: Mapping[str, float]) -> Figure:
 
 
 def _dof(variance: float, parts: Sequence[tuple[float, float]]) -> float:
-    """Return the degrees of freedom of a variance, of which some parts are not known in size."""
+    """Return the degrees of freedom of a variance, of which some parts are not known in size.
+
+    The scatter of two figures is that of Welch's test, whose intervals hold 94 to 96 % where each has 3 degrees of
+    freedom or more; with fewer, and with parts of known size, ``joined_dof`` bounds what is not known.
+    """
     if not parts or not variance:
         return math.inf
-    squares, dofs = zip(*parts, strict=True)
+    welch = [one for one in parts if one[1] >= ENOUGH]
+    rest = [one for one in parts if one[1] < ENOUGH]
+    whole = math.fsum(square for square, _ in welch)
+    if whole:
+        rest.append((whole, whole**2 / math.fsum(square**2 / dof for square, dof in welch)))
+    squares, dofs = zip(*rest, strict=True)
     return float(joined_dof([np.array(one) for one in squares], dofs, np.array(variance)))
 
 

@@ -23,7 +23,7 @@ from ...statistics.guard_band import INTERVAL
 from ..file.decisions import read_decision
 from .allowed_change import Allowed, allowed_for, is_named, parse_allowed
 from .common import common_of
-from .differences import Difference, P, differences, is_scatter, matched, rows_remark
+from .differences import Difference, P, differences, is_scatter, matched, quantities_compared, rows_remark
 from .sources import Kind, load_both
 
 
@@ -115,7 +115,12 @@ def compare(
     found, judging = judged(differences(pairs, common), stated, rule)
     what = "first and second are taken as independent, but for standards that both share"
     assumed = Remark("taken_as_independent", "info", what)
-    everything = (assumed, *common.remarks(pairs), *remarks, *judging)
+    k = quantities_compared(found)
+    by_chance = Remark(
+        "judged_by_quantity", "info", f"{k} quantities, each judged at {100 * P:g} % by itself: one of them may be called "
+        f"different by chance in up to {100 * (1 - P**k):.0f} % of comparisons", count=k,
+    )  # fmt: skip
+    everything = (assumed, *((by_chance,) if k > 1 else ()), *common.remarks(pairs), *remarks, *judging)
     return Comparison(kind, found, everything, {one.path: one.sha256, other.path: other.sha256})
 
 
