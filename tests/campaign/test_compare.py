@@ -349,7 +349,7 @@ def test_exit_status_of_an_allowed_change(tmp_path: Path, allowed: str, verdict:
 def test_what_both_share_is_remarked(tmp_path: Path) -> None:
     blank = {"quantity": "bias", "axis": "x", "sensor": "", "power": 0, "at": None, "test": "rate_x", "influence": "",
              "distribution": "normal", "stated_u": None, "stated_unit": "", "sensitivity": None,
-             "sensitivity_unit": "", "u": 0.1, "unit": "deg/s", "dof": None, "share": 0.5}  # fmt: skip
+             "sensitivity_unit": "", "u": 0.1, "unit": "deg/s", "dof": None, "share": 0.5, "level": ""}  # fmt: skip
     budgets = [{**blank, "source": "table rate", "kind": "B"}, {**blank, "source": "scatter", "kind": "A"}]
     one = results(tmp_path / "a", row(1.0), inputs={"x.csv": "1"}, budgets=budgets)
     other = results(tmp_path / "b", row(1.0), inputs={"y.csv": "1"}, budgets=budgets, item={"serial": "8"})

@@ -116,11 +116,10 @@ def compare(
     what = "first and second are taken as independent, but for standards that both share"
     assumed = Remark("taken_as_independent", "info", what)
     k = quantities_compared(found)
-    by_chance = Remark(
-        "judged_by_quantity", "info", f"{k} quantities, each judged at {100 * P:g} % by itself: one of them may be called "
-        f"different by chance in up to {100 * (1 - P**k):.0f} % of comparisons", count=k,
-    )  # fmt: skip
-    everything = (assumed, *((by_chance,) if k > 1 else ()), *common.remarks(pairs), *remarks, *judging)
+    chance = f"one of them may be called different by chance in up to {100 * (1 - P**k):.0f} % of comparisons"
+    each = f"{k} quantities, each judged at {100 * P:g} % by itself: {chance}"
+    by_chance = (Remark("judged_by_quantity", "info", each, count=k),) if k > 1 else ()
+    everything = (assumed, *by_chance, *common.remarks(pairs), *remarks, *judging)
     return Comparison(kind, found, everything, {one.path: one.sha256, other.path: other.sha256})
 
 

@@ -4,8 +4,8 @@ A difference is second less first; what both share cancels (`statistics.differen
 freedom are joined there [1]_. It is called ``different`` if its t test rejects equality, with Holm's step-down over the
 figures of one quantity of one test [2]_: where nothing differs, the word falls in at most 5 % of comparisons of each
 quantity. (Over all figures of two results at once, a change of six times its scatter of 4 degrees of freedom was found
-in 36 %; a remark says how many quantities there are.) The interval holds for each figure by itself. Standard deviations (``scatter_...``) are not normal: they have the F test and
-the interval of ``statistics.scatters``.
+in 36 %; a remark says how many quantities there are.) The interval holds for each figure by itself. Standard deviations
+(``scatter_...``) are not normal: they have the F test and the interval of ``statistics.scatters``.
 
 References
 ----------
