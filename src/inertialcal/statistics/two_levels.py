@@ -60,11 +60,6 @@ class TwoLevels:
     by_scatter: Array  # square root of what tau^2 does to the coefficients: the gain, if it counts in all, (p, k)
 
     @property
-    def fixed(self) -> Array:
-        """Sum of the known covariances, (n, n)."""
-        return sum(self.known.values(), np.zeros((len(self.readings), len(self.readings))))
-
-    @property
     def hidden(self) -> float:
         """Variance between readings that the residuals would hardly show: the standard uncertainty of tau^2."""
         return float(np.sqrt(2.0 / self.information))

@@ -180,13 +180,13 @@ def reduce(plan: Plan, readings: Readings) -> Result:
 
 def _next_accelerometers(readings: Readings, fitted: Fitted, final: Fitted) -> NextRecord | Reason:
     """Return what the bias is in the next record; ``final`` is the fit relative to its ideal scale factor."""
-    rests, wander = rests_of(readings), fitted.wander
+    rests, own = rests_of(readings), fitted.wandering
     if rests is None:
         return NO_TIME
-    slow = None if wander is None else slow_noise_of(wander.fit, wander.place, wander.loading, rests)
-    if slow is None or wander is None:
+    slow = None if own is None else slow_noise_of(own.seen, rests)
+    if slow is None or own is None:
         return FEW
-    u, dof = np.array([slow.next_record(wander.gain[k], k) for k in range(3)]).T
+    u, dof = np.array([slow.next_record(own.gain[k], k, float(own.noise[k])) for k in range(3)]).T
     return NextRecord(u * fitted.sensor.ideal / final.sensor.ideal, dof)
 
 
@@ -197,7 +197,11 @@ def _next_gyros(readings: Readings, gyro: FittedGyro) -> NextRecord | Reason:
     rest = gyro.rest
     if rest.fits is None or any(one is None for one in rest.slow):
         return FEW
-    pairs = [slow.next_record(fit.gain[0], 0) for fit, slow in zip(rest.fits, rest.slow, strict=True) if slow]
+    pairs = [
+        slow.next_record(fit.gain[0], 0, float(sum(part[0, 0] for part in fit.parts.values())))
+        for fit, slow in zip(rest.fits, rest.slow, strict=True)
+        if slow
+    ]
     return NextRecord(*np.array(pairs).T)
 
 

@@ -38,6 +38,7 @@ from ..readings import Triad, local_gravity
 from .fixture import BETWEEN, INSIDE, Laid, derivatives, fit_agreeing, judged, scatter_interval, tilts_of
 from .fixture import sources_of as fixture_sources
 from .linear_sensor import BIAS, MATRIX, SMALLEST, LinearSensor, Observability, Source, level_sources, observe
+from .next_record import Wander
 from .outliers import found_outliers, robust_scale, weights
 
 NOTHING_LEFT = Reason("nothing_left", "as many positions as unknowns: no degrees of freedom left")
@@ -78,17 +79,18 @@ class Fitted:
     free: int  # Degrees of freedom
     known: bool  # Whether the orientations were known
     laid: Laid | None = None  # What a fixture's tilts are, where these were
-    wander: Wander | None = None  # How a bias that wanders from rest to rest is seen; None where nothing is judged
+    wandering: Wandering | None = (
+        None  # How a bias that wanders from rest to rest is seen; None where nothing is judged
+    )
 
 
 @dataclass(frozen=True, eq=False)
-class Wander:
-    """What a bias of each axis in each rest does to n readings, and what these do to the bias that is found."""
+class Wandering:
+    """How a bias that wanders is seen, and the bias that is found."""
 
-    fit: TwoLevels  # Of the readings
-    place: NDArray[np.int64]  # shape (n,): position of each
-    loading: Array  # shape (n, 3): of each by the bias of x, y, z [input unit]
-    gain: Array  # shape (3, n): the bias found by each
+    seen: Wander
+    gain: Array  # shape (3, n): bias of x, y, z per reading
+    noise: Array  # shape (3,): its variance by all but the scatter between positions
 
 
 def normalised(triad: Triad, ideal: Array, zero: Array) -> tuple[Array, Array]:
@@ -138,7 +140,20 @@ def fit_known(plan: Plan, triad: Triad, direction: Array, ideal: Array, zero: Ar
     return replace(
         fitted, between=scatter, between_dof=dof, between_interval=limits, chi_square=found.chi_square,
         chi_square_known=noise, free=found.free, laid=laid,
+        wandering=_wandering(laid, back, np.flatnonzero(kept)),
     )  # fmt: skip
+
+
+def _wandering(laid: Laid, back: Array, kept: NDArray[np.int64]) -> Wandering | None:
+    """Return how a bias that wanders is seen by the positions of a fixture; None where no scatter of these is."""
+    found = laid.found
+    if laid.assumed:
+        return None
+    known = [part for name, part in (*found.known.items(), *found.unknown.items()) if name != BETWEEN]
+    place, loading = np.repeat(kept, 3), np.tile(np.eye(3), (len(kept), 1))
+    seen = Wander(found.projector, found.residuals, found.variances[BETWEEN], place, loading)
+    noise: Array = back[9:] @ np.asarray(sum(known, np.zeros_like(found.covariance))) @ back[9:].T
+    return Wandering(seen, back[9:] @ found.gain, np.diag(noise))
 
 
 def _chi_square(design: Array, y: Array, variances: Array) -> float:
@@ -178,16 +193,17 @@ def fit_unknown(plan: Plan, triad: Triad, ideal: Array, zero: Array) -> Fitted:
     values, to_values = forward(theta, g)
     determined = determined_forward(observed.determined)
     noise = variances(theta, u, inside, g)
-    sources = wander = None
+    sources = wandering = None
     if found is not None:
-        gain = (to_values @ observed.kept @ found.gain)[9:]
-        wander = Wander(found, np.flatnonzero(kept), jacobian[kept, 6:], gain)
+        back, known = (to_values @ observed.kept)[9:], sum(found.parts.values(), np.zeros_like(found.covariance))
+        seen = Wander(found.projector, found.residuals, found.between**2, np.flatnonzero(kept), jacobian[kept, 6:])
+        wandering = Wandering(seen, back @ found.gain, np.diag(back @ known @ back.T))
         sources = [
             *sources_of(found, to_values @ observed.kept, plan.standards, noise[kept]),
             *_undetermined(observed, to_values, g),
         ]
     sensor = sensor_of(plan, values, sources, determined, ideal, zero, of_frame=True)
-    return replace(finished(sensor, observed, outliers, e[:, None], found, known=False), wander=wander)
+    return replace(finished(sensor, observed, outliers, e[:, None], found, known=False), wandering=wandering)
 
 
 def sphere(r: Array, inside: Array, g: float) -> tuple[Array, float, float]:
@@ -218,10 +234,10 @@ def among(fitted: Fitted, named: Flags) -> Fitted:
     residuals[named], deletion[named] = fitted.residuals, fitted.deletion
     outliers = np.zeros(len(named), dtype=bool)
     outliers[named] = fitted.outliers
-    wander = fitted.wander
-    if wander is not None:
-        wander = replace(wander, place=np.flatnonzero(named)[wander.place])
-    return replace(fitted, residuals=residuals, deletion=deletion, outliers=outliers, wander=wander)
+    own = fitted.wandering
+    if own is not None:
+        own = replace(own, seen=replace(own.seen, place=np.flatnonzero(named)[own.seen.place]))
+    return replace(fitted, residuals=residuals, deletion=deletion, outliers=outliers, wandering=own)
 
 
 def _observe(jacobian: Array, scatter: float, g: float) -> Observability:

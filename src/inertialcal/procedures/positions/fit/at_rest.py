@@ -23,7 +23,7 @@ from ....statistics.two_levels import TwoLevels, fit_two_levels, with_gain
 from ..plan import Plan
 from ..readings import Triad, local_gravity
 from .linear_sensor import Source, level_sources, summed
-from .next_record import Rests, Slow, slow_noise_of
+from .next_record import Rests, Slow, Wander, slow_noise_of
 from .outliers import found_outliers
 from .rotations import Problem, across, carried
 
@@ -119,13 +119,15 @@ def _over_time(fit: TwoLevels, force: Array, rests: Rests) -> tuple[TwoLevels, S
     Of the scatter between positions that part is counted in the bias which is one of positions; the other, the wander
     of the bias, only by what G takes of it.
     """
-    slow = slow_noise_of(fit, np.arange(len(force)), np.ones((len(force), 3)) * [1.0, 0.0, 0.0], rests)
+    alone = np.tile([1.0, 0.0, 0.0], (len(force), 1))
+    wander = Wander(fit.projector, fit.residuals, fit.between**2, np.arange(len(force)), alone)
+    slow = slow_noise_of(wander, rests)
     share = 1.0 if slow is None else slow.of_positions
     weights, gain = rests.weights, fit.gain.copy()
     gain[0] = weights - (weights @ force) @ gain[1:] if len(gain) > 1 else weights
-    wander = gain.copy()
-    wander[0] -= weights
-    by_scatter = np.hstack([np.sqrt(share) * gain, np.sqrt(1.0 - share) * wander])
+    moved = gain.copy()
+    moved[0] -= weights
+    by_scatter = np.hstack([np.sqrt(share) * gain, np.sqrt(1.0 - share) * moved])
     return with_gain(fit, gain, by_scatter), slow
 
 

@@ -38,7 +38,6 @@ from scipy import optimize, special
 from ....core.estimate import Array
 from ....core.key import Reason
 from ....statistics.slow_noise import FLICKER, WALK, window_covariance
-from ....statistics.two_levels import TwoLevels
 from ..readings import Readings
 
 # Record lengths from the beginning of this record to that of the next, of 1/f noise and of a walk
@@ -88,12 +87,21 @@ def rests_of(readings: Readings) -> Rests | None:
 
 
 @dataclass(frozen=True, eq=False)
+class Wander:
+    """What a bias of each axis in each rest does to n readings, and how a fit leaves them."""
+
+    projector: Array  # shape (n, n): the residuals weighted by the inverse of their covariance, per reading
+    residuals: Array  # shape (n,)
+    between: float  # variance of the scatter between positions in that covariance
+    place: NDArray[np.int64]  # shape (n,): rest of each
+    loading: Array  # shape (n, 3): of each by the bias of x, y, z
+
+
+@dataclass(frozen=True, eq=False)
 class Slow:
     """Slow noise of a record: mixtures and sizes, with how likely each is."""
 
-    fit: TwoLevels
-    place: NDArray[np.int64]  # shape (n,): rest of each reading
-    loading: Array  # shape (n, 3): of the bias of each axis in each reading
+    wander: Wander
     kernels: Array  # shape (3, m + 1, m + 1): positions, flicker, walk; of the rests and the next record
     probability: Array  # shape (mixtures, sizes)
     variances: Array  # shape (sizes,)
@@ -103,7 +111,7 @@ class Slow:
         """Part of the scatter that is one of positions, each anew."""
         return float(self.probability.sum(axis=1) @ SHARES[:, 0])
 
-    def next_record(self, gain: Array, axis: int) -> tuple[float, float]:
+    def next_record(self, gain: Array, axis: int, noise: float) -> tuple[float, float]:
         """Return the uncertainty of the bias of an axis as that of the next record, and its degrees of freedom.
 
         Parameters
@@ -112,32 +120,24 @@ class Slow:
             Bias of these rests per reading.
         axis : int
             Number of the axis.
+        noise : float
+            Variance of that bias by all but the scatter between positions.
         """
-        inside = float(gain @ self.fit.fixed @ gain)
+        place, loading = self.wander.place, self.wander.loading
         grown = [float(gain @ gain)]
         for kernel in self.kernels[1:]:
-            between = (self.loading @ self.loading.T) * kernel[np.ix_(self.place, self.place)]
-            onward = gain @ (self.loading[:, axis] * kernel[self.place, -1])
+            between = (loading @ loading.T) * kernel[np.ix_(place, place)]
+            onward = gain @ (loading[:, axis] * kernel[place, -1])
             grown.append(float(gain @ between @ gain - 2.0 * onward + kernel[-1, -1]))
-        variance = inside + np.outer(np.maximum(SHARES @ grown, 0.0), self.variances)
+        variance = noise + np.outer(np.maximum(SHARES @ grown, 0.0), self.variances)
         return _student(np.sqrt(variance).ravel(), self.probability.ravel())
 
 
-def slow_noise_of(fit: TwoLevels, place: NDArray[np.int64], loading: Array, rests: Rests) -> Slow | None:
-    """Return the slow noise that the residuals of a fit show; None where there are too few of them.
-
-    Parameters
-    ----------
-    fit : TwoLevels
-        Of n readings.
-    place : ndarray, shape (n,)
-        Rest of each.
-    loading : ndarray, shape (n, 3)
-        Change of each reading by the bias of each axis.
-    rests : Rests
-        When they were.
-    """
-    if fit.free < FEWEST:
+def slow_noise_of(wander: Wander, rests: Rests) -> Slow | None:
+    """Return the slow noise that the residuals of a fit show; None where there are too few of them."""
+    values, axes = np.linalg.eigh(wander.projector)
+    blind = axes[:, values > len(values) * np.finfo(float).eps * values[-1]]  # contrasts that the design does not see
+    if blind.shape[1] < FEWEST:
         return None
     first = float(rests.start.min())
     kernels = np.array([np.eye(len(rests.start) + 1)] * 3)
@@ -145,19 +145,20 @@ def slow_noise_of(fit: TwoLevels, place: NDArray[np.int64], loading: Array, rest
         start = np.append(rests.start, first + ahead * rests.length)
         stop = np.append(rests.stop, first + (ahead + 1.0) * rests.length)
         kernels[k] = window_covariance(start, stop, noise)
-    blind = np.linalg.qr(fit.design, mode="complete")[0][:, fit.design.shape[1] :]
-    y, known = blind.T @ fit.readings, blind.T @ fit.fixed @ blind
+    y = blind.T @ wander.residuals
+    known = np.linalg.inv(blind.T @ wander.projector @ blind) - wander.between * np.eye(len(y))
     exact = EXACT * float(np.mean(y**2))
     level, axes = np.linalg.eigh(0.5 * (known + known.T))
     level = np.maximum(level, exact)
     white = (axes / np.sqrt(level)).T
-    y = white @ y
+    largest, y = float(np.max(np.abs(y))), white @ y
+    place, loading = wander.place, wander.loading
     seen = [blind.T @ blind]
     for kernel in kernels[1:]:
         seen.append(blind.T @ ((loading @ loading.T) * kernel[np.ix_(place, place)]) @ blind)
     size = np.array([float(np.trace(one)) / len(y) for one in seen])
     usual = float(np.sqrt(np.median(level)))
-    top = LARGEST * max(usual, float(np.max(np.abs(blind.T @ fit.readings))))
+    top = LARGEST * max(usual, largest)
     sizes = np.exp(np.arange(np.log(SMALLEST * usual), np.log(top) + STEP, STEP))
     logs = []
     for shares in SHARES:
@@ -167,7 +168,7 @@ def slow_noise_of(fit: TwoLevels, place: NDArray[np.int64], loading: Array, rest
         logs.append(-0.5 * np.sum(np.log(total) + (vectors.T @ y) ** 2 / total, axis=1))
     weight = np.array(logs) + POWER * np.log(sizes) + np.log(BEFORE)[:, None]
     probability = np.exp(weight - weight.max())
-    return Slow(fit, place, loading, kernels / size[:, None, None], probability / probability.sum(), sizes**2)
+    return Slow(wander, kernels / size[:, None, None], probability / probability.sum(), sizes**2)
 
 
 def _student(deviations: Array, probability: Array) -> tuple[float, float]:
