@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -100,7 +101,7 @@ def test_next_position_is_the_best_of_all(setup: Setup) -> None:
     unit[-3:] = G
 
     def score(extra: np.ndarray, goal: str) -> float:
-        rows, deviations = equations(setup, np.vstack([taken, extra]))
+        rows, deviations = equations(setup, *np.unique(np.vstack([taken, extra]), axis=0, return_counts=True))
         flat = (rows / deviations[..., None]).reshape(-1, len(names))
         inverse = np.linalg.inv(flat.T @ flat)
         if goal == "determinant":
@@ -169,3 +170,15 @@ def test_what_cannot_be_meant_is_refused() -> None:
     for target in ({"drift": 1.0}, {"bias": -1.0}, {}):
         with pytest.raises(PlanError, match="target"):
             course(SETUP, target)
+
+
+def test_a_known_direction_that_is_laid_again_is_off_alike() -> None:
+    """Six faces, n times: misalignment keeps pose / sqrt 2, bias falls with the root of n; another direction helps."""
+    setup = replace(SETUP, known=True, pose=0.01)
+    faces = np.vstack([np.eye(3), -np.eye(3)])
+    once, often = (predict_uncertainty(setup, np.tile(faces, (n, 1))) for n in (1, 100))
+    at = {name: k for k, name in enumerate(once.names)}
+    assert often.u[at["misalignment_xy"]] == pytest.approx(0.01 / np.sqrt(2.0), rel=1e-3)
+    assert often.u[at["bias_x"]] == pytest.approx(once.u[at["bias_x"]] / 10.0, rel=0.05)
+    new = next_position(setup, faces, goal="misalignment_xy")
+    assert np.count_nonzero(new) > 1

@@ -1,9 +1,9 @@
 """Positions that determine an accelerometer triad: uncertainty before the test, the next position, how many.
 
 At rest a triad reads ``r = b + M f``. Where each position is known, a sensor has four unknowns and each position one
-equation for it, with the error of the position on top of the scatter: ``g pose`` across what points up. Where only the
-size of gravity is known, a position has one equation for all nine unknowns of a triangular M, and no error of the
-position matters::
+equation for it, with the error of the position on top of the scatter: ``g pose`` across what points up, the same
+whenever a direction is laid again. Where only the size of gravity is known, a position has one equation for all nine
+unknowns of a triangular M, and no error of the position matters::
 
     d(|M^-1 (r - b)| - g) = - g sum_i u_i^2 ds_i - g sum_(i>j) u_i u_j dm_ij - sum_i u_i db_i
 
@@ -33,6 +33,7 @@ from ..fit.linear_sensor import observe
 
 MOST = 200  # positions that a person lays
 FAINT = 1e-6  # information that a position is compared with, where no other tells yet; below, rounding decides
+SAME = 1e-6  # difference of directions that are one
 TIE = 1e-7  # of the logarithm of a goal: the order in which a machine adds makes no sign better
 DETERMINANT, TRACE = "determinant", "trace"
 LOWER = ((1, 0), (2, 0), (2, 1))
@@ -44,7 +45,7 @@ class Setup:
 
     scatter: float  # Standard deviation of the mean reading of one position, all causes [m/s2]
     known: bool = False  # Whether the direction of each position is known
-    pose: float = 0.0  # Standard uncertainty of a known direction, about each axis [rad]
+    pose: float = 0.0  # Standard uncertainty of a known direction, about each axis, always the same in one [rad]
     gravity: float = field(default=float(STANDARD_GRAVITY.value))  # Local gravity [m/s2]
     gravity_u: float = 0.0  # Its standard uncertainty [m/s2]
 
@@ -116,13 +117,15 @@ def parameter_names(known: bool) -> tuple[str, ...]:
     return tuple(map(str, parameters(known)[0]))
 
 
-def equations(setup: Setup, directions: ArrayLike) -> tuple[Array, Array]:
-    """Return the derivatives of the readings by the parameters, biases in gravities, and the standard deviations.
+def equations(setup: Setup, directions: ArrayLike, counts: ArrayLike = 1.0) -> tuple[Array, Array]:
+    """Return the derivatives of mean readings by the parameters, biases in gravities, and the standard deviations.
 
     Parameters
     ----------
     directions : array_like, shape (n, 3)
         What points up, in body axes.
+    counts : array_like, shape (n,), optional
+        How often each is laid; once by default.
 
     Returns
     -------
@@ -131,10 +134,10 @@ def equations(setup: Setup, directions: ArrayLike) -> tuple[Array, Array]:
     """
     u = np.asarray(directions, dtype=np.float64).reshape(-1, 3)
     u = u / np.linalg.norm(u, axis=1, keepdims=True)
-    relative = setup.scatter / setup.gravity
+    relative = setup.scatter / setup.gravity / np.sqrt(np.broadcast_to(counts, len(u)))[:, np.newaxis]
     if not setup.known:
         rows = np.column_stack([u**2, *(u[:, i] * u[:, j] for i, j in LOWER), u])
-        return -rows[:, np.newaxis], np.full((len(u), 1), relative)
+        return -rows[:, np.newaxis], relative
     rows = np.zeros((len(u), 3, 12))
     pairs = [(i, j) for i in range(3) for j in range(3) if i != j]
     for i in range(3):
@@ -142,6 +145,15 @@ def equations(setup: Setup, directions: ArrayLike) -> tuple[Array, Array]:
     for at, (i, j) in enumerate(pairs):
         rows[:, i, 3 + at] = u[:, j]
     return rows, np.sqrt(relative**2 + setup.pose**2 * (1.0 - u**2))
+
+
+def _faces(directions: ArrayLike) -> tuple[Array, Array]:
+    """Return the directions without repeats, and how often each is laid."""
+    u = np.asarray(directions, dtype=np.float64).reshape(-1, 3)
+    unit = u / np.linalg.norm(u, axis=1, keepdims=True)
+    same = np.max(np.abs(unit[:, None] - unit[None]), axis=2, initial=0.0) < SAME
+    first = np.argmax(same, axis=1) == np.arange(len(u)) if len(u) else np.zeros(0, dtype=bool)
+    return u[first], same.sum(axis=1)[first].astype(np.float64)
 
 
 def predict_uncertainty(setup: Setup, directions: ArrayLike) -> Prediction:
@@ -157,7 +169,7 @@ def predict_uncertainty(setup: Setup, directions: ArrayLike) -> Prediction:
     PlanError
         ``bad_argument`` without a position.
     """
-    rows, deviations = equations(setup, directions)
+    rows, deviations = equations(setup, *_faces(directions))
     if not len(rows):
         raise PlanError("no position given", do="Give one or more", code="bad_argument")
     keys, units = parameters(setup.known)
@@ -228,23 +240,28 @@ def next_position(
     if goal != DETERMINANT:
         weights = np.array([float(goal in (TRACE, name)) for name in names])
     options = cube() if candidates is None else np.asarray(candidates, dtype=np.float64).reshape(-1, 3)
-    best = _best(setup, _information(setup, directions), options, weights)
+    best = _best(setup, directions, options, weights)
     return np.asarray(options[best], dtype=np.float64)
 
 
 def _information(setup: Setup, directions: ArrayLike) -> Array:
-    rows, deviations = equations(setup, directions)
+    rows, deviations = equations(setup, *_faces(directions))
     weighted = (rows / deviations[..., np.newaxis]).reshape(-1, rows.shape[-1])
     return np.asarray(weighted.T @ weighted)
 
 
-def _best(setup: Setup, information: Array, options: Array, weights: Array | None) -> int:
+def _best(setup: Setup, directions: ArrayLike, options: Array, weights: Array | None) -> int:
     """Return the number of the option after which the goal is best; ties go to the first."""
-    rows, deviations = equations(setup, options)
-    weighted = rows / deviations[..., np.newaxis]
+    taken, counts = _faces(directions)
+    unit = [one / np.linalg.norm(one, axis=1, keepdims=True) for one in (options, taken)]
+    same = np.max(np.abs(unit[0][:, None] - unit[1][None]), axis=2, initial=0.0) < SAME
+    before = same @ counts  # times that each option was laid
+    rows, deviations = equations(setup, options, before + 1.0)
     k = rows.shape[-1]
-    base = information + FAINT * (setup.gravity / setup.scatter) ** 2 * np.eye(k)
-    after = base + np.einsum("cek,cel->ckl", weighted, weighted)
+    base = _information(setup, directions) + FAINT * (setup.gravity / setup.scatter) ** 2 * np.eye(k)
+    gained = deviations**-2.0
+    gained[before > 0.0] -= equations(setup, options[before > 0.0], before[before > 0.0])[1] ** -2.0
+    after = base + np.einsum("cek,ce,cel->ckl", rows, gained, rows)
     if weights is None:
         score = -np.linalg.slogdet(after)[1]
     else:
@@ -294,7 +311,6 @@ def course(
     scale = np.ones(len(limits))
     scale[-3:] = setup.gravity
     wanted = (scale / limits) ** 2
-    information = _information(setup, np.array(taken).reshape(-1, 3))
     while True:
         found = predict_uncertainty(setup, np.array(taken)) if taken else None
         if found is not None and np.all(found.u <= limits):
@@ -306,13 +322,12 @@ def course(
             u, unit = found.u[worst], found.units[worst]
             raise PlanError(
                 f"{found.names[worst]}: {u:.3g} {unit} after {most} positions, {limits[worst]:.3g} wanted",
-                why=blind or "the uncertainty falls with the root of their number",
+                why=blind
+                or "scatter falls with the root of their number, the error of a known direction laid again never",
                 do="Average longer in each position, or allow other positions",
                 code="target_not_reached",
             )
-        best = options[_best(setup, information, options, wanted)]
-        taken.append(best)
-        information = information + _information(setup, best)
+        taken.append(options[_best(setup, np.array(taken).reshape(-1, 3), options, wanted)])
 
 
 def _limits(setup: Setup, target: Mapping[str, float]) -> Array:
