@@ -161,6 +161,14 @@ def campaign_ran(request: pytest.FixtureRequest) -> Ran:
     return found
 
 
+@pytest.fixture(scope="module")
+def undrawn() -> Iterator[None]:
+    """Campaigns are run without their page, which takes half of the time: for modules that do not look at it."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("inertialcal.report.page.report_html", lambda *parts: "")
+        yield
+
+
 # Figures of pages, drawn once
 
 

@@ -6,7 +6,7 @@ import ast
 import re
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -30,6 +30,25 @@ HEAVY = ("numpy", "scipy", "numba", "yaml", "matplotlib", "pandas", "pyarrow", "
 def folder(path: Path) -> str:
     parts = path.relative_to(PACKAGE).parts
     return parts[0] if len(parts) > 1 else ""
+
+
+def of_each(files: Sequence[Path]) -> Callable[[Callable[[Path], None]], Callable[[], None]]:
+    """Return what makes one test of a check of files: a test for each would take longer to collect than to run."""
+
+    def made(check: Callable[[Path], None]) -> Callable[[], None]:
+        def test() -> None:
+            wrong = []
+            for path in files:
+                try:
+                    check(path)
+                except AssertionError as error:
+                    wrong.append(f"{path.relative_to(PACKAGE)}: {error}")
+            assert not wrong, "\n".join(wrong)
+
+        test.__doc__ = check.__doc__
+        return test
+
+    return made
 
 
 @dataclass(frozen=True)
@@ -67,7 +86,7 @@ def test_every_folder_stands_in_the_order() -> None:
     assert all((PACKAGE / name / "__init__.py").is_file() for name in found)
 
 
-@pytest.mark.parametrize("path", [p for p in FILES if folder(p)], ids=lambda p: str(p.relative_to(PACKAGE)))
+@of_each([p for p in FILES if folder(p)])
 def test_imports_go_upwards_only(path: Path) -> None:
     own = ORDER.index(folder(path))
     for line, name in names(path).imported:
@@ -139,7 +158,7 @@ def test_the_walk_sees_relative_imports(tmp_path: Path) -> None:
     assert "inertialcal.core.errors" in {name for _, name in names(path).imported}
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda p: str(p.relative_to(PACKAGE)))
+@of_each(FILES)
 def test_loops_are_compiled_in_kernels_only_and_never_assume_finite_values(path: Path) -> None:
     text = path.read_text(encoding="utf-8")
     if not re.fullmatch(r"_kernels(_[a-z_]+)?\.py", path.name):
@@ -147,7 +166,7 @@ def test_loops_are_compiled_in_kernels_only_and_never_assume_finite_values(path:
     assert not re.search(r"fastmath\s*=\s*True|['\"](nnan|ninf|fast)['\"]", text)
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda p: str(p.relative_to(PACKAGE)))
+@of_each(FILES)
 def test_no_pickle_no_eval(path: Path) -> None:
     assert not names(path).called & {"eval", "exec", "compile", "__import__"}
     imported = {name.split(".")[0] for _, name in names(path).imported}
@@ -178,11 +197,7 @@ def names_of_procedures(path: Path) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize(
-    "path",
-    [p for p in FILES if folder(p) == "campaign"],
-    ids=lambda p: str(p.relative_to(PACKAGE)),
-)
+@of_each([p for p in FILES if folder(p) == "campaign"])
 def test_campaigns_name_no_procedure(path: Path) -> None:
     messages = (
         "no recording of a rate table or a flip",
@@ -192,10 +207,8 @@ def test_campaigns_name_no_procedure(path: Path) -> None:
     assert not [one for one in names_of_procedures(path) if not any(text in one for text in messages)]
 
 
-@pytest.mark.parametrize(
-    "path",
-    [p for p in FILES if folder(p) == "report" and not (p.parents[1].name == "figures" and p.parent.name in BUILT_IN)],
-    ids=lambda p: str(p.relative_to(PACKAGE)),
+@of_each(
+    [p for p in FILES if folder(p) == "report" and not (p.parents[1].name == "figures" and p.parent.name in BUILT_IN)]
 )
 def test_the_report_names_no_procedure_but_the_folders_of_their_figures(path: Path) -> None:
     calls = "Give what run, rate_table, read"  # of a message for people

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from mutants import MUTANTS, ROOT, SOURCE, Worker
 
 NUMERICAL = {
@@ -35,6 +37,7 @@ def test_every_numerical_folder_has_mutants() -> None:
     assert not {folder: there[folder] for folder, least in NUMERICAL.items() if there[folder] < least}
 
 
+@pytest.mark.slow
 def test_the_runner_sees_a_mutant_caught_and_puts_the_file_back(tmp_path: Path) -> None:
     number = next(k for k, one in enumerate(MUTANTS) if one.tests == "test_quantiles")
     worker = Worker(tmp_path / "copy")

@@ -6,11 +6,13 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pyarrow.parquet
 import pytest
+from served import Command, served
 
 TOY = Path(__file__).parent / "toy_procedure"
 TRUE = {"x": 0.02, "y": -0.01}
@@ -59,21 +61,20 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return made
 
 
-def inertialcal(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+@pytest.fixture(scope="module", name="inertialcal")
+def _inertialcal(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Command]:
+    with served(TOY, tmp_path_factory.mktemp("printed")) as command:
+        yield command
+
+
+def test_a_process_of_its_own_takes_it(folder: Path) -> None:
     path = os.pathsep.join([str(TOY), *filter(None, [os.environ.get("PYTHONPATH")])])
-    command = [sys.executable, "-m", "inertialcal.cli", *words]
-    return subprocess.run(
-        command,
-        cwd=cwd,
-        env={**os.environ, "PYTHONPATH": path},
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    words = [sys.executable, "-m", "inertialcal.cli", "check", "."]
+    done = subprocess.run(words, cwd=folder, env={**os.environ, "PYTHONPATH": path}, timeout=120, check=False)
+    assert done.returncode == 0
 
 
-def test_check_and_run_take_it(folder: Path) -> None:
+def test_check_and_run_take_it(inertialcal: Command, folder: Path) -> None:
     checked = inertialcal("check", ".", cwd=folder)
     assert checked.returncode == 0, checked.stderr
     done = inertialcal("run", ".", "--json", cwd=folder)
@@ -87,7 +88,7 @@ def test_check_and_run_take_it(folder: Path) -> None:
     assert [one["verdict"] for one in content["verdicts"]] == ["PASS", "PASS"]
 
 
-def test_its_samples_left_out_are_counted_and_its_report_is_written(folder: Path) -> None:
+def test_its_samples_left_out_are_counted_and_its_report_is_written(inertialcal: Command, folder: Path) -> None:
     inertialcal("run", ".", "--quiet", cwd=folder)
     results = json.loads((folder / "out" / "results.json").read_text(encoding="utf-8"))
     (left_out,) = results["exclusions"]
@@ -98,7 +99,9 @@ def test_its_samples_left_out_are_counted_and_its_report_is_written(folder: Path
     assert "rest" in page
 
 
-def test_it_makes_a_model_that_is_judged_on_what_is_held_out(folder: Path, tmp_path: Path) -> None:
+def test_it_makes_a_model_that_is_judged_on_what_is_held_out(
+    inertialcal: Command, folder: Path, tmp_path: Path
+) -> None:
     for path in folder.glob("*.*"):
         (tmp_path / path.name).write_bytes(path.read_bytes())
     text = (tmp_path / "campaign.toml").read_text()
@@ -126,7 +129,7 @@ def test_without_the_package_there_is_no_such_procedure(folder: Path) -> None:
     assert "no procedure 'mean_reading'" in found.stderr
 
 
-def test_a_wrong_setting_of_it_is_refused_with_its_line(folder: Path, tmp_path: Path) -> None:
+def test_a_wrong_setting_of_it_is_refused_with_its_line(inertialcal: Command, folder: Path, tmp_path: Path) -> None:
     for path in folder.glob("*.*"):
         (tmp_path / path.name).write_bytes(path.read_bytes())
     text = (tmp_path / "campaign.toml").read_text()
@@ -137,7 +140,9 @@ def test_a_wrong_setting_of_it_is_refused_with_its_line(folder: Path, tmp_path: 
     assert "skip" in found.stderr
 
 
-def test_its_command_has_help_and_gives_the_rows_of_the_campaign(folder: Path, tmp_path: Path) -> None:
+def test_its_command_has_help_and_gives_the_rows_of_the_campaign(
+    inertialcal: Command, folder: Path, tmp_path: Path
+) -> None:
     shown = inertialcal("mean-reading", "--help", cwd=folder)
     assert shown.returncode == 0
     assert all(option in shown.stdout for option in ("--skip", "--upside-down", "--standard", "--like", "--hold-out"))
@@ -154,7 +159,7 @@ def test_its_command_has_help_and_gives_the_rows_of_the_campaign(folder: Path, t
     assert [row["value"] for row in rest] == [row["value"] for row in rows]
 
 
-def test_a_recording_says_how_the_unit_lay(folder: Path) -> None:
+def test_a_recording_says_how_the_unit_lay(inertialcal: Command, folder: Path) -> None:
     files = [f"r{number}.csv" for number in range(1, 7)]
     values = []
     for words in ((), ("--upside-down",)):
@@ -163,7 +168,7 @@ def test_a_recording_says_how_the_unit_lay(folder: Path) -> None:
     assert values[0] == [-value for value in values[1]]
 
 
-def test_it_takes_a_table_of_rows(tmp_path: Path) -> None:
+def test_it_takes_a_table_of_rows(inertialcal: Command, tmp_path: Path) -> None:
     (tmp_path / "t.csv").write_text("mean_x,mean_y\n0.02,0.1\n0.03,0.2\n0.04,0.3\n")
     done = inertialcal("mean-reading", "t.csv", "--unit", "deg/s", "--json", "--campaign", "c", cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
@@ -173,7 +178,7 @@ def test_it_takes_a_table_of_rows(tmp_path: Path) -> None:
     assert [row for row in json.loads(again.stdout)["results"] if row["test"] == "mean_reading"] == rows
 
 
-def test_it_takes_what_a_thermal_test_found_off_its_readings(tmp_path: Path) -> None:
+def test_it_takes_what_a_thermal_test_found_off_its_readings(inertialcal: Command, tmp_path: Path) -> None:
     rng = np.random.default_rng(3)
     for number in range(1, 6):
         time = np.arange(3000) * 2.0
@@ -201,7 +206,7 @@ def test_it_takes_what_a_thermal_test_found_off_its_readings(tmp_path: Path) -> 
         assert (row["u"] < 2e-3) == bool(after)
 
 
-def test_it_plans(tmp_path: Path) -> None:
+def test_it_plans(inertialcal: Command, tmp_path: Path) -> None:
     shown = inertialcal("plan", "--help", cwd=tmp_path)
     assert "mean-reading" in shown.stdout
     words = ("plan", "mean-reading", "--scatter", "0.1 deg/s", "--target", "0.02 deg/s")
@@ -211,8 +216,8 @@ def test_it_plans(tmp_path: Path) -> None:
     assert (wrong.returncode, "target" in wrong.stderr) == (2, True)
 
 
-@pytest.mark.parametrize("name", ["means", pytest.param("mean_steps", marks=pytest.mark.slow)])
-def test_it_draws_two_figures_also_in_the_report(folder: Path, tmp_path: Path, name: str) -> None:
+@pytest.mark.parametrize("name", ["means", "mean_steps"])
+def test_it_draws_two_figures_also_in_the_report(inertialcal: Command, folder: Path, tmp_path: Path, name: str) -> None:
     files = [f"r{number}.csv" for number in range(1, 7)]
     figure = tmp_path / f"{name}.svg"
     done = inertialcal("mean-reading", *files, "-o", str(figure), "--figure", name, cwd=folder)
@@ -223,7 +228,7 @@ def test_it_draws_two_figures_also_in_the_report(folder: Path, tmp_path: Path, n
     assert {"means": "Means of <bdi>x</bdi>", "mean_steps": "Changes of <bdi>x</bdi>"}[name] in page
 
 
-def test_info_suggests_it_and_init_writes_its_campaign(folder: Path, tmp_path: Path) -> None:
+def test_info_suggests_it_and_init_writes_its_campaign(inertialcal: Command, folder: Path, tmp_path: Path) -> None:
     for number in range(1, 4):
         (tmp_path / f"mean_{number}.csv").write_bytes((folder / f"r{number}.csv").read_bytes())
     assert "inertialcal mean-reading" in inertialcal("info", "mean_1.csv", cwd=tmp_path).stdout
@@ -236,7 +241,7 @@ def test_info_suggests_it_and_init_writes_its_campaign(folder: Path, tmp_path: P
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_its_rig_is_simulated_run_and_scored(tmp_path: Path) -> None:
+def test_its_rig_is_simulated_run_and_scored(inertialcal: Command, tmp_path: Path) -> None:
     assert inertialcal("simulate", "toy_rest", "-o", "twin", "--seed", "2", cwd=tmp_path).returncode == 0
     assert inertialcal("run", "twin", cwd=tmp_path).returncode == 0
     assert "of 1 stated 95 % intervals" in inertialcal("score", "twin", cwd=tmp_path).stdout.replace("\n", " ")

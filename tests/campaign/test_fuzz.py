@@ -1,4 +1,4 @@
-"""2,000 mutated campaign files and tables: refused with a message or reduced, never a traceback."""
+"""Mutated campaign files and tables, 2,000 in the slow suite: refused with a message or reduced, never a traceback."""
 
 from __future__ import annotations
 
@@ -15,7 +15,9 @@ from inertialcal.campaign.outcome.publish import json_text
 from inertialcal.core.errors import InertialcalError
 
 Write = Callable[..., Path]
-FUZZ = settings(max_examples=1000, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+CHECKS = [HealthCheck.function_scoped_fixture]
+FEW = settings(max_examples=150, deadline=None, suppress_health_check=CHECKS)
+MANY = settings(max_examples=1000, deadline=None, suppress_health_check=CHECKS)
 PIECES = st.one_of(
     st.text(max_size=6),
     st.sampled_from(
@@ -44,22 +46,19 @@ def survives(folder: Path) -> None:
 
 
 @pytest.fixture
-def folder(campaign: Write) -> tuple[Path, str, str]:
-    made = campaign()
-    return made, (made / "campaign.toml").read_text(), (made / "one.csv").read_text()
+def folder(campaign: Write) -> Path:
+    return campaign()
 
 
-@FUZZ
-@given(edits=EDITS)
-def test_mutated_campaign_files(folder: tuple[Path, str, str], edits: list[tuple[float, int, str]]) -> None:
-    made, text, _ = folder
-    (made / "campaign.toml").write_text(mutated(text, edits), encoding="utf-8", errors="surrogatepass")
-    survives(made)
+@pytest.mark.parametrize("file", ["campaign.toml", "one.csv"])
+@pytest.mark.parametrize("often", [FEW, pytest.param(MANY, marks=pytest.mark.slow)], ids=["few", "many"])
+def test_mutated_files(folder: Path, file: str, often: settings) -> None:
+    text = (folder / file).read_text(encoding="utf-8")
 
+    @often
+    @given(edits=EDITS)
+    def survive(edits: list[tuple[float, int, str]]) -> None:
+        (folder / file).write_text(mutated(text, edits), encoding="utf-8", errors="surrogatepass")
+        survives(folder)
 
-@FUZZ
-@given(edits=EDITS)
-def test_mutated_tables(folder: tuple[Path, str, str], edits: list[tuple[float, int, str]]) -> None:
-    made, _, data = folder
-    (made / "one.csv").write_text(mutated(data, edits), encoding="utf-8", errors="surrogatepass")
-    survives(made)
+    survive()

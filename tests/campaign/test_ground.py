@@ -27,6 +27,8 @@ from inertialcal.rigs.sams_tsh.rig import Bench, build
 from inertialcal.rigs.twin import Changes, Twin
 from inertialcal.sensors.model.sensor_model import SensorModel
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 UG = 9.80665e-6
 BENCH = replace(Bench(), rate=5.0, ground="bias_first")
 Edit = Callable[..., Path]

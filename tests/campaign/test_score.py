@@ -28,6 +28,8 @@ from inertialcal.statistics.intervals import covers
 from sized import sized
 from written_rows import sealed_text
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 # Standards about as uncertain as the scatter lets the estimates be: either kind alone would be seen to fail.
 BALANCED = {
     "rate_table.rate": Influence(1e-4),
@@ -198,7 +200,7 @@ def failures(found: tuple[Coverage, ...]) -> dict[str, Any]:
     return {f"{one.quantity}_{one.axis}": (one.hits, one.n) for one in found if not covers(one.hits, one.n, KNOWN)}
 
 
-@pytest.mark.parametrize("n", [100, pytest.param(300, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("n", [20, pytest.param(300, marks=pytest.mark.slow)])
 def test_coverage_of_the_rig(n: int) -> None:
     """Bias and all nine matrix entries; earth rate, tilt, and scatter at every level (DESIGN, coverage)."""
     assert not failures(coverage(lambda seed: rate_table.build(BENCH, seed), n))

@@ -23,6 +23,8 @@ from inertialcal.rigs.protocol import Rig
 from inertialcal.rigs.rate_table import rig as rate_table
 from inertialcal.rigs.rate_table.setup import Bench
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 SMALL = Bench(rates_deg_s=(0.0, 2.0, -2.0, 4.5, -4.5, 0.0), dwell=24.0, runs=5, fit_runs=3)
 
 

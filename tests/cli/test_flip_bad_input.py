@@ -57,7 +57,9 @@ def test_every_mistake_of_the_rig_is_expected_here() -> None:
     assert set(RUN) <= set(FAULTS)
 
 
-@pytest.mark.parametrize("fault", RUN)
+@pytest.mark.parametrize(
+    "fault", [pytest.param(one, marks=pytest.mark.slow if i % 3 else []) for i, one in enumerate(RUN)]
+)  # the others in procedures/flip/test_flip_inputs.py
 def test_a_campaign_with_a_mistake(capsys: pytest.CaptureFixture[str], tmp_path: Path, rig: str, fault: str) -> None:
     folder = tmp_path / "with a mistake"
     status, said = call(capsys, "simulate", rig, "-o", folder, "--fault", fault)

@@ -15,6 +15,8 @@ from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.schema.results import DRAFT, FILE, Results, schema_text
 from inertialcal.rigs import RIGS
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 EXAMPLES = Path(__file__).resolve().parents[2] / "src/inertialcal/examples"
 LONG = [name for name in RIGS if name != "rate_table"]
 

@@ -253,7 +253,9 @@ HOSTILE = (
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("text", HOSTILE)
+@pytest.mark.parametrize(
+    "text", [pytest.param(one, marks=pytest.mark.slow if i % 3 else []) for i, one in enumerate(HOSTILE)]
+)
 def test_hostile_texts_are_shown_and_do_nothing(small: Files, text: str) -> None:
     results, model, provenance = copy.deepcopy(small)
     plain = Page(report_html(results, model, provenance))

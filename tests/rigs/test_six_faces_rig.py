@@ -23,6 +23,8 @@ from inertialcal.rigs.protocol import Rig
 from inertialcal.rigs.six_faces.rig import FAULTS, RIG
 from inertialcal.rigs.twin import Twin
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 SHORT = Bench(variant="ferraris", dwell=2.5, first=5.0, sample_rate=50.0)
 IDEAL = replace(
     SHORT, acc_noise=0.0, gyro_noise=0.0, acc_between=0.0, gyro_between=0.0, lift=0.0, scale=0.0, misalignment=0.0,

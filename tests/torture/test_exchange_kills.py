@@ -37,8 +37,14 @@ from inertialcal.files.write.exchange import Manifest, file_digest, recover
 
 FULL = os.environ.get("INERTIALCAL_TORTURE") == "full"
 TALLIES: list[tuple[str, Tally]] = []
-EACH = pytest.mark.parametrize("mode", MODES)
-STATE = pytest.mark.parametrize("state", STATES)
+EACH = pytest.mark.parametrize(
+    ("state", "mode"),
+    [
+        pytest.param(state, mode, marks=[] if number % len(MODES) == kind or FULL else pytest.mark.slow)
+        for number, state in enumerate(STATES)
+        for kind, mode in enumerate(MODES)
+    ],
+)  # each state with one of the modes in the default suite
 STEP = 1 if FULL else 15  # system calls
 AGAIN = 150 if FULL else 1
 DRAWS, EVERY = (30, 1) if FULL else (1, 5)  # images a system call; of which one in
@@ -57,7 +63,6 @@ def _table() -> Iterator[None]:
 
 
 @EACH
-@STATE
 def test_a_kill_at_a_system_call_leaves_the_old_or_the_new(tmp_path: Path, state: str, mode: str) -> None:
     first = 1 + (list(STATES).index(state) + MODES.index(mode)) % STEP
     tally = kills(tmp_path / "campaign", state, mode, STEP, first)
@@ -65,7 +70,6 @@ def test_a_kill_at_a_system_call_leaves_the_old_or_the_new(tmp_path: Path, state
 
 
 @EACH
-@STATE
 def test_a_kill_of_the_recovery_does_no_more(tmp_path: Path, state: str, mode: str) -> None:
     tally = kills_of_recovery(tmp_path / "campaign", state, mode, random.Random(5), AGAIN)
     TALLIES.append((f"killed 3 times: {state}, {mode}", tally))
@@ -89,7 +93,6 @@ def test_a_kill_while_a_folder_that_was_not_put_in_place_is_removed(tmp_path: Pa
 
 
 @EACH
-@STATE
 def test_a_disk_after_a_crash_holds_the_old_or_the_new(tmp_path: Path, state: str, mode: str) -> None:
     tally = replays(tmp_path / "campaign", state, mode, random.Random(7), DRAWS, EVERY)
     TALLIES.append((f"image: {state}, {mode}", tally))

@@ -16,6 +16,8 @@ from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.rigs.hand_held.rig import Bench, build
 from typed_commands import same_rows
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 RATE = """rate [deg/s],x [deg/s],std [deg/s],run
 -4,-4.021,0.002,1
 -2,-2.013,0.002,1

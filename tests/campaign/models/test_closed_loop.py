@@ -93,7 +93,7 @@ def false_alarms(n: int, runs: int) -> int:
     return sum(verdict(*campaign(seed, np.eye(3), np.zeros(3), runs)) == "FAIL" for seed in range(1, n + 1))
 
 
-@pytest.mark.parametrize("runs", [1, 3])
+@pytest.mark.parametrize("runs", [pytest.param(1, marks=pytest.mark.slow), 3])
 def test_no_difference_seldom_fails(runs: int) -> None:
     assert binomial_interval(false_alarms(80, runs), 80)[0] <= RISK
 

@@ -25,6 +25,8 @@ from inertialcal.rigs.rate_table import rig as rate_table
 from inertialcal.rigs.rate_table.setup import Bench
 from inertialcal.statistics.intervals import coverage_factor
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 SMALL = Bench(rates_deg_s=(0.0, 2.0, -2.0, 4.5, -4.5, 0.0), dwell=24.0, runs=5, fit_runs=3)
 MEGABYTE = 1_000_000
 

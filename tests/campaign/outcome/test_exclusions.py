@@ -16,6 +16,8 @@ from inertialcal.procedures.rate_table import reduction as rate_table
 from inertialcal.procedures.rate_table.exclusions import RULES
 from ran_campaigns import TEST_LOW, Ran, ran
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 
 def test_counts_are_those_of_the_remarks(campaign_ran: Ran) -> None:
     counted: Counter[tuple[str, str]] = Counter()

@@ -15,6 +15,8 @@ from inertialcal.core.results import Interval
 from inertialcal.statistics.decision import decide
 from ran_campaigns import Ran
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 
 @pytest.mark.parametrize(
     ("interval", "lower", "upper", "wanted"),

@@ -65,7 +65,11 @@ def models() -> list[tuple[str, SensorModel]]:
 
 
 MODELS = dict(models())
-each_model = pytest.mark.parametrize("model", [*MODELS, "published"], indirect=True)
+each_model = pytest.mark.parametrize(
+    "model",
+    [*(pytest.param(one, marks=pytest.mark.slow if i % 3 else []) for i, one in enumerate(MODELS)), "published"],
+    indirect=True,
+)
 
 
 @pytest.fixture(scope="session")

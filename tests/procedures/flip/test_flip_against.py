@@ -10,6 +10,8 @@ from inertialcal.campaign.engine.run import run
 from inertialcal.core.errors import InertialcalError
 from inertialcal.core.show.rows import reason_text
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 TABLE = "axis,orientation,mean_ug,predicted_mg\ny,0,{0},1.0\ny,180,{1},1.002\nz,0,{2},\nz,180,{3},\n"
 TOML = """
 schema = 2

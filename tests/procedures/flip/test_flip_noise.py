@@ -61,7 +61,9 @@ def coverage(corner: float, n: int, plan: Plan, along: float = 0.0) -> None:
     assert covers(alarms, n, 0.03, 0.07), (corner, alarms)
 
 
-@pytest.mark.parametrize("corner", CORNERS)
+@pytest.mark.parametrize(
+    "corner", [pytest.param(one, marks=pytest.mark.slow if i % 2 else []) for i, one in enumerate(CORNERS)]
+)
 def test_intervals_hold_the_truth_and_the_control_axis_alarms_in_5_percent(corner: float) -> None:
     coverage(corner, 300, Plan())
 

@@ -133,6 +133,16 @@ def test_readings_that_are_the_applied_rates() -> None:
     assert [one.code for one in remarks] == ["copy_of_applied"]
 
 
+def test_copies_in_a_table_of_means_are_named_once_a_run() -> None:
+    """One power-up turns the unit about each axis in its turn."""
+    readings = campaign(runs=2)
+    readings = replace(readings, run=np.array([one[1] for one in np.asarray(readings.run)]))
+    copies = {s: np.where(readings.axis == s, readings.applied, y) for s, y in readings.outputs.items()}
+    remarks = found(replace(readings, outputs=copies))
+    assert [(one.code, one.subject) for one in remarks] == [("copy_of_applied", "run 1"), ("copy_of_applied", "run 2")]
+    assert all("x and y and z hold the rates of the table" in one.what for one in remarks)
+
+
 def test_a_reading_at_the_rail_is_left_out_and_not_named() -> None:
     """The rules that leave dwells out come first."""
     readings = campaign()

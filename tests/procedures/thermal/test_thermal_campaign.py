@@ -30,6 +30,8 @@ from inertialcal.rigs.npsat1.setup import AIR, VACUUM, Bench, Chamber
 from inertialcal.rigs.protocol import Rig
 from inertialcal.rigs.twin import SEED, Twin
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 SHORT = {
     AIR: Chamber(900.0, 300.0, 200.0, (760.0, 760.0)),
     VACUUM: Chamber(9000.0, 300.0, 200.0, (1e-5, 1e-6)),

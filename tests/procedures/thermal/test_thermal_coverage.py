@@ -75,7 +75,7 @@ def check(plan: Plan, n: int) -> None:
 
 
 def test_intervals_hold_the_truth() -> None:
-    check(PLAN, 300)
+    check(PLAN, 120)
 
 
 @pytest.mark.slow

@@ -73,7 +73,7 @@ def test_every_text_of_the_schema_is_filled() -> None:
 
 
 @pytest.mark.parametrize(
-    "group", [pytest.param(one, id=str(i), marks=pytest.mark.slow if i % 2 else []) for i, one in enumerate(GROUPS)]
+    "group", [pytest.param(one, id=str(i), marks=pytest.mark.slow if i % 4 else []) for i, one in enumerate(GROUPS)]
 )
 def test_no_text_runs_loads_or_breaks_the_page(
     page: Visit, harmless: Path, tmp_path: Path, group: tuple[str, ...]

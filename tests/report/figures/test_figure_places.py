@@ -58,8 +58,14 @@ def texts_of(figure: Figure) -> list[tuple[str, Any]]:
     ]
 
 
-@pytest.mark.parametrize("text", ["", "W" * 60, "a long name of many words, longer than any"])
-@pytest.mark.parametrize("name", figures())
+PLACES = [
+    pytest.param(name, text, marks=pytest.mark.slow if text and (number + kind) % 2 else [])
+    for number, name in enumerate(figures())
+    for kind, text in enumerate(["", "W" * 60, "a long name of many words, longer than any"])
+]
+
+
+@pytest.mark.parametrize(("name", "text"), PLACES)
 def test_no_text_is_cut_or_lies_over_another(name: str, text: str) -> None:
     figure = on_new_figure(figures()[name].pictures(poisoned(text) if text else results())[0], titled=False)
     found = texts_of(figure)

@@ -64,8 +64,7 @@ def agreement(plan: Plan, readings: Readings) -> list[Remark]:
     if not len(readings) or not readings.outputs:
         return []
     runs = _runs(readings)
-    copies = [one for run in runs for one in _copies(readings, run)]
-    if copies:
+    if copies := _copies(readings, runs):
         return copies
     judged = _Judged(plan, readings, runs)
     return [
@@ -95,19 +94,32 @@ def _runs(readings: Readings) -> list[Run]:
     return found
 
 
-def _copies(readings: Readings, run: Run) -> Iterator[Remark]:
-    """Yield a remark where a channel holds the rates of the table, digit by digit."""
-    x = readings.applied[run.at]
-    if len(np.unique(x)) < ENOUGH:
-        return
-    outputs = {sensor: y[run.at] for sensor, y in readings.outputs.items()}
-    read = {sensor: y for sensor, y in outputs.items() if np.isfinite(y).sum() >= ENOUGH}
-    copies = [sensor for sensor, y in read.items() if np.nanmax(np.abs(y - x)) <= EQUAL * np.max(np.abs(x))]
-    if copies:
+def _copies(readings: Readings, runs: Sequence[Run]) -> list[Remark]:
+    """Return a remark for each run in which a channel holds the rates of the table, digit by digit."""
+    found: dict[tuple[str, str], tuple[list[Run], list[str]]] = {}
+    for run in runs:
+        x = readings.applied[run.at]
+        if len(np.unique(x)) < ENOUGH:
+            continue
+        outputs = {sensor: y[run.at] for sensor, y in readings.outputs.items()}
+        read = {sensor: y for sensor, y in outputs.items() if np.isfinite(y).sum() >= ENOUGH}
+        copies = [sensor for sensor, y in read.items() if np.nanmax(np.abs(y - x)) <= EQUAL * np.max(np.abs(x))]
+        if copies:
+            first = run.at[0]
+            recording = "" if readings.recording is None else str(readings.recording[first])
+            label = "" if readings.run is None else str(readings.run[first])
+            alike, sensors = found.setdefault((recording, label), ([], []))
+            alike.append(run)
+            sensors += [sensor for sensor in copies if sensor not in sensors]
+    remarks = []
+    for (recording, label), (alike, copies) in found.items():
+        whole = [recording] * bool(recording) + [f"run {label}"] * (label not in ("", recording))
+        name = alike[0].name if len(alike) == 1 else ", ".join(whole) or alike[0].name
         holds = f"{' and '.join(copies)} hold{'s' * (len(copies) == 1)}"
         what = f"{holds} the rates of the table, digit by digit: no sensor reads without error"
         do = "Give the columns with the readings of the sensor"
-        yield Cause("copy_of_applied", what, do).remark(run.name, run.place, copies[0])
+        remarks.append(Cause("copy_of_applied", what, do).remark(name, alike[0].place, copies[0]))
+    return remarks
 
 
 class _Judged:
