@@ -15,7 +15,7 @@ SOME = 400  # with `make slow`
 
 
 @pytest.fixture(scope="module")
-def seeds(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def seeds(undrawn: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
     made = seeds_in(tmp_path_factory.mktemp("torture"))
     warm()
     return made

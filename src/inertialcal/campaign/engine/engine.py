@@ -368,8 +368,13 @@ def _moved(campaign: Campaign, one: ReducedTest, opened: Sequence[Row]) -> str:
         before, after = (displayed(row, unit) for row in pair)
         name = f"{before.quantity} {before.axis} {before.key.sensor}".rstrip()
         unit = "" if before.unit == "1" else f" {before.unit}"
-        values = [number(row.value, 4) if row.value is not None else "not estimated" for row in (after, before)]
-        texts.append(f"{name} {' instead of '.join(values)}{unit}")
+        if before.value is None or after.value is None:
+            known = after if before.value is None else before
+            figure = f"{number(known.value, 4)}{unit}"
+            end = "not estimated without them" if known is after else "without them, not estimated with them"
+            texts.append(f"{name} {figure} {end}")
+            continue
+        texts.append(f"{name} {number(after.value, 4)} instead of {number(before.value, 4)}{unit}")
     more, still = len(moved) - len(texts), len(pairs) - len(moved)
     texts += [f"{more} more figure{'s' * (more > 1)} changed"] * (more > 0)
     texts += [f"{still} of {len(pairs)} figures within a tenth of their standard uncertainty"] * (still > 0)
