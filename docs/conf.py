@@ -29,7 +29,8 @@ html_static_path = ["style"]  # custom.css, which the theme takes by itself
 html_theme_options = {
     "description": "From raw counts to a calibration that can be trusted",
     "fixed_sidebar": True,
-    "page_width": "1240px",
+    "page_width": "1140px",
+    "body_max_width": "none",
     "sidebar_width": "240px",
     "code_font_size": "0.8em",
     "show_powered_by": False,

@@ -71,6 +71,7 @@ def harmonica_of(case: Case) -> Callable[[bool], np.ndarray]:
     return found
 
 
+@pytest.mark.slow  # harmonica takes seconds to be imported
 @pytest.mark.parametrize("name", ["4,000 cells, 1 point", "best 900 cells, 1 point"])
 def test_the_oracle_agrees(name: str) -> None:
     case = cases()[name]()

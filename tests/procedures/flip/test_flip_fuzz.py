@@ -93,8 +93,8 @@ def mutate_some(root: Path, count: int, seed: int) -> int:
     return left
 
 
-def test_a_hundred_mutated_inputs(tmp_path: Path) -> None:
-    assert 0 < mutate_some(tmp_path / "some", 100, 1) < 100
+def test_mutated_inputs(tmp_path: Path) -> None:
+    assert 0 < mutate_some(tmp_path / "some", 40, 1) < 40
 
 
 @pytest.mark.slow

@@ -327,9 +327,8 @@ def hits(n: int, plan: Plan) -> dict[str, int]:
     return counts
 
 
-@pytest.mark.parametrize("plan", [Plan(), Plan(standards=STANDARDS)], ids=["type A", "type A and B"])
-def test_coverage(plan: Plan) -> None:
-    failed = {name: count for name, count in hits(300, plan).items() if not covers(count, 300)}
+def test_coverage() -> None:
+    failed = {name: count for name, count in hits(200, Plan(standards=STANDARDS)).items() if not covers(count, 200)}
     assert not failed
 
 

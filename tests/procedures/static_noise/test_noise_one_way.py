@@ -41,8 +41,8 @@ WAYS: dict[str, tuple[str, list[NDArray[Any]], dict[str, Any]]] = {
 }
 
 
-@pytest.mark.parametrize("word", ["allan", "psd"])
 @pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("word", ["allan", pytest.param("psd", marks=pytest.mark.slow)])
 def test_one_way(tmp_path: Path, capsys: pytest.CaptureFixture[str], way: str, word: str) -> None:
     head, columns, settings = WAYS[way]
     file = table(tmp_path / "still.csv", head, *columns)

@@ -48,7 +48,7 @@ def test_the_residual_is_the_mean_offset_of_the_power_ups_held_out() -> None:
 
 
 def test_intervals_of_the_residual_hold_zero_and_a_right_polynomial_passes() -> None:
-    n = 120
+    n = 60
     found = [left(seed) for seed in range(1, n + 1)]
     rows = [residual_rows([one], "rad/s", "air")[0] for one in found]
     hits = sum(contains(row.interval, 0.0) for row in rows if row.interval is not None)
