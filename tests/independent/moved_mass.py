@@ -81,13 +81,19 @@ def shape(name: str, n: int, rng: np.random.Generator) -> Array:
     return np.asarray(values / span if span else values)
 
 
-def moved(seed: int, bench: Bench | None = None, schedule: Schedule | None = None, tilt: str = "known") -> Case:
-    """Return runs with a moved mass: a table a run, and the schedule. ``tilt``: how the command uses the meter."""
+def moved(
+    seed: int, bench: Bench | None = None, schedule: Schedule | None = None, tilt: str = "known", again: int = 0
+) -> Case:
+    """Return runs with a moved mass: a table a run, and the schedule. ``tilt``: how the command uses the meter.
+
+    ``again``: the test is made once more, with the same mass.
+    """
     bench, schedule = bench or Bench(), schedule or Schedule()
     rng = np.random.default_rng([5, seed])
     n = schedule.dwells
     response = bench.scale_factor * bench.applied
     true_applied = bench.applied * (1.0 + bench.u_applied * rng.standard_normal())
+    rng = np.random.default_rng([5, seed, 1, again]) if again else rng
     tables, texts, entries = {}, {}, {}
     fixed = shape(bench.shape, n, rng)
     for run in range(1, schedule.runs + 1):

@@ -94,12 +94,18 @@ def six_faces(
     repeats: int = 2,
     samples: int = 500,
     stated: bool = True,
+    again: int = 0,
+    certificate: str = "",
 ) -> Case:
-    """Return a table of rests on six faces; ``face_error``: standard deviation of each angle of a face [deg]."""
+    """Return a table of rests on six faces; ``face_error``: standard deviation of each angle of a face [deg].
+
+    ``again``: the test is made once more, on the same unit and fixture.
+    """
     unit = unit or Unit()
     rng = np.random.default_rng([4, seed])
     truth = drawn(rng, unit)
     errors = {face: turned(np.radians(face_error) * rng.standard_normal(3)) for face in FACES}
+    rng = np.random.default_rng([4, seed, 1, again]) if again else rng
     words, means, scatters = [], [], []
     for face in list(FACES) * repeats:
         up = errors[face] @ np.array(FACES[face], dtype=float)
@@ -116,7 +122,8 @@ def six_faces(
     table = Table(columns, signals, run="position", kind="reduced", form=dict.fromkeys(signals, "%.8f"))
     command = ["positions", "@faces.csv", "--unit", "acc=m/s2", "--gravity", f"{G} m/s2", "-o", "@model.json"]
     if stated:
-        command += ["--standard", f"fixture.orientation={face_error} deg"]
+        entry = f'{{ u = "{face_error} deg", certificate = "{certificate}" }}' if certificate else f"{face_error} deg"
+        command += ["--standard", f"fixture.orientation={entry}"]
     keep = {key: value for key, value in truth.truth.items() if key.endswith("accelerometer")}
     return Case("positions", {"faces.csv": table}, command, keep, noise=unit.position, rng_seed=seed)
 

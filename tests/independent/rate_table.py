@@ -99,11 +99,17 @@ def truth_of(gyros: Gyros, unit: Drawn, protocol: Protocol) -> dict[str, float]:
 
 
 def reduced(
-    seed: int, gyros: Gyros | None = None, protocol: Protocol | None = None, again: int = 0, remounted: bool = False
+    seed: int,
+    gyros: Gyros | None = None,
+    protocol: Protocol | None = None,
+    again: int = 0,
+    remounted: bool = False,
+    other_day: bool = False,
 ) -> Case:
     """Return a table of means, a row a dwell; noise of a mean is that of its samples and of the dwell.
 
-    ``again``: the test is made once more, on the same unit and table; ``remounted``: with the fixture laid anew.
+    ``again``: the test is made once more, on the same unit and table; ``remounted``: with the fixture laid anew;
+    ``other_day``: with another error of the table's rate.
     """
     gyros, protocol = gyros or Gyros(), protocol or Protocol()
     rng = np.random.default_rng([2, seed])
@@ -111,6 +117,8 @@ def reduced(
     rng = np.random.default_rng([2, seed, 1, again])
     if remounted:
         unit.fixture = drawn(rng, gyros, protocol).fixture
+    if other_day:
+        unit.rate_error = gyros.table_rate * rng.standard_normal()
     rows: list[tuple[str, float, Array, float, str]] = []
     for axis in protocol.axes:
         for run in range(protocol.runs):

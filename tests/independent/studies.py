@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from . import flip, moved_mass, positions, rate_table, static, thermal
-from .case import Case
+from .case import Case, toml
 from .trial import Outcome, called, estimates, holds, tried
 
 Truths = Callable[[Case], dict[str, float]]  # truth by the key of an estimate
@@ -289,6 +289,8 @@ class Pair:
     cases: Callable[[int], tuple[Case, Case]]
     groups: dict[str, Truths]
     rule: str = "holds"
+    file: str = ""  # that is compared in both folders; the folders themselves by default
+    words: tuple[str, ...] = ()  # more of them
 
     def tried(self, seed: int) -> Tried:
         """Run both campaigns, and compare them."""
@@ -297,12 +299,19 @@ class Pair:
             folders = [Path(text) / one for one in ("a", "b")]
             for folder, case in zip(folders, (first, second), strict=True):
                 called(case.write(folder), folder)
-            outcome = called(["compare", *map(str, folders)], Path(text))
-        rows = {
-            f"{row['quantity']} {row['axis']}": row
-            for row in outcome.rows
-            if row["status"] == "estimated" and row["u"] is not None and row["test"] in ("", None, "model", "rates")
-        }
+            files = [str(folder / self.file) for folder in folders]
+            outcome = called(["compare", *files, *self.words], Path(text))
+        rows: dict[str, dict[str, Any]] = {}
+        for row in outcome.rows:
+            if (
+                row["status"] == "estimated"
+                and row["u"] is not None
+                and not row["member"]
+                and row["method"] == "result"
+            ):
+                name = row["quantity"] + (f"_{row['power']}" if row["power"] else "")
+                at = f" {row['at']['value']:g} {row['at']['unit']}" if row["at"] else ""
+                rows.setdefault(f"{name} {row['axis']}{at}", row)
         found, notes = [], []
         for name, truths in self.groups.items():
             before, after = truths(first), truths(second)
@@ -334,7 +343,91 @@ def pairs() -> list[Pair]:
         cases = partial(two_tests, before=gyros, after=replace(gyros, scale=(x, y, w)), protocol=protocol,
                         remounted=remounted)  # fmt: skip
         found.append(Pair(f"compare, one table, {name}", stated, cases, groups))
+    bare = {"rate_table.rate": {"u": "0.05 %"}, "rate_table.mounting": {"u": "2 mrad"}}
+    cases = partial(two_tests, before=gyros, after=gyros, protocol=replace(protocol, standards=bare), remounted=False)
+    shared = ("--shared", "rate_table.rate")
+    found.append(Pair("compare, one table, no certificate stated", "4 and 11 times too large", cases, groups))
+    found.append(Pair("compare, one table, no certificate, --shared", "", cases, groups, words=shared))
+    daily = {"rate_table.rate": {"u": "0.05 %", "redrawn_by": "day"}, "rate_table.mounting": {"u": "2 mrad"}}
+    for name, days in (("one day", ("1", "1")), ("two days", ("1", "2"))):
+        cases = partial(two_days, gyros=gyros, protocol=replace(protocol, standards=daily), days=days)
+        one = {"change of scale factor x": like("scale_factor_error x")}  # those of other axes miss with it
+        found.append(Pair(f"compare, table drawn anew each day, {name}", "", cases, one))
+    cases = partial(two_fixtures, face_error=0.5)
+    faces = {"change of scale factor": like("scale_factor_error"), "change of misalignment": like("misalignment"),
+             "change of bias": like("bias")}  # fmt: skip
+    found.append(Pair("compare, positions on one fixture", "", cases, faces, file="model.json"))
+    found.append(Pair("compare, one moved mass", "", two_masses, {"change of scale factor": like("scale_factor x")}))
+    biases = {"change of bias": like("bias x"), "change of slope": like("bias_temperature_1")}
+    found.append(Pair("compare, thermal, one thermometer", "", two_chambers, biases))
     return found
+
+
+def two_days(
+    seed: int, gyros: rate_table.Gyros, protocol: rate_table.Protocol, days: tuple[str, str]
+) -> tuple[Case, Case]:
+    """Return two tests on one table whose rate is wrong by another part each day."""
+    pair = []
+    for again, day in enumerate(days):
+        case = rate_table.reduced(seed, gyros, replace(protocol, mounting="first"), again, other_day=day != days[0])
+        case.texts["campaign.toml"] = case.texts["campaign.toml"].replace(
+            'mounting = "first"', f'mounting = "first"\nday = "{day}"'
+        )
+        pair.append(case)
+    return pair[0], pair[1]
+
+
+def two_fixtures(seed: int, face_error: float) -> tuple[Case, Case]:
+    """Return two tests of one unit on the faces of one fixture, with its certificate."""
+    one, other = (
+        positions.six_faces(seed, face_error=face_error, again=again, certificate="F-1") for again in range(2)
+    )
+    for case in (one, other):
+        case.truth = {key.replace(" accelerometer", ""): value for key, value in case.truth.items()}
+    return one, other
+
+
+def two_masses(seed: int) -> tuple[Case, Case]:
+    """Return two tests with one mass, whose density is known to a part."""
+    pair = []
+    for again in range(2):
+        case = moved_mass.moved(seed, moved_mass.Bench(u_applied=0.02), again=again)
+        text = case.texts["campaign.toml"]
+        case.texts["campaign.toml"] = text.replace(
+            'density = { u = "2.0 %" }', 'density = { u = "2 %", certificate = "M-1" }'
+        )
+        case.words = ["run", "@"]
+        pair.append(case)
+    return pair[0], pair[1]
+
+
+def two_chambers(seed: int) -> tuple[Case, Case]:
+    """Return two thermal tests of one unit with one thermometer, which is wrong by half a degree."""
+    unit = thermal.Unit(turn_on=0.003, thermometer=0.5, polynomial=(0.02, 2e-3, 3e-6))
+    pair = []
+    for again in range(2):
+        case = thermal.ramped(seed, unit, again=again)
+        names = [name[:-4] for name in case.tables]
+        channels = {"x": {"column": "gyro_x [deg/s]", "unit": "deg/s"},
+                    "temperature": {"column": "temperature [degC]", "unit": "degC"}}  # fmt: skip
+        entries = {
+            f"recordings.{name}": {
+                "sensor": "gyro", "file": f"{name}.csv", "run": name, "clock": {"column": "unix_s"},
+                "channels": channels,
+            }
+            for name in names
+        }  # fmt: skip
+        plan = {"at": ["0 degC", "40 degC"], "attitude": {"tilt": "0 deg"}}
+        case.texts["campaign.toml"] = toml(
+            {"schema": 2, "campaign": {"id": "chamber"}, "site": {"latitude": "90 deg"},
+             "standards.thermometer": {"temperature": {"u": "0.5 degC", "certificate": "T-1"}},
+             "sensors.gyro": {"kind": "gyro", "axes": ["x"], "unit": "deg/s"}}
+            | entries
+            | {"tests": [{"id": "warm", "procedure": "thermal", "recordings": names, "plan": plan}]}
+        )  # fmt: skip
+        case.words = ["run", "@"]
+        pair.append(case)
+    return pair[0], pair[1]
 
 
 def two_tests(

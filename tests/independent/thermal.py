@@ -75,14 +75,20 @@ def play(temperature: Array, turn: float) -> Array:
     return values
 
 
-def ramped(seed: int, unit: Unit | None = None, chamber: Chamber | None = None, axes: str = "x") -> Case:
-    """Return recordings of a gyro in a chamber, a file a power-up."""
+def ramped(
+    seed: int, unit: Unit | None = None, chamber: Chamber | None = None, axes: str = "x", again: int = 0
+) -> Case:
+    """Return recordings of a gyro in a chamber, a file a power-up.
+
+    ``again``: the test is made once more, with the same thermometer.
+    """
     unit, chamber = unit or Unit(), chamber or Chamber()
     rng = np.random.default_rng([3, seed])
     time, true_temperature = path(chamber)
     tables: dict[str, Table] = {}
     signals = tuple(f"gyro_{axis} [deg/s]" for axis in axes)
     wrong = unit.thermometer * rng.standard_normal()
+    rng = np.random.default_rng([3, seed, 1, again]) if again else rng
     earth = 0.0 if unit.attitude else EARTH * rng.uniform(-1.0, 1.0)  # along x: a direction drawn at random
     for run in range(1, chamber.runs + 1):
         size, period = unit.wave
