@@ -208,12 +208,12 @@ def test_each_mistake_has_its_own_message(fault: str, tmp_path: Path) -> None:
 
 def missed(found: tuple[Coverage, ...]) -> list[str]:
     """Return the quantities that must be covered and are not, by the rule."""
-    wanted = [one for one in found if one.quantity in COVERED]
-    assert {one.quantity for one in wanted} == set(COVERED)
-    places = {str(one.at) for one in wanted if (one.quantity, one.test) == ("bias", "thermal_ambient")}
+    wanted = [one for one in found if one.key.quantity in COVERED]
+    assert {one.key.quantity for one in wanted} == set(COVERED)
+    places = {str(one.key.at) for one in wanted if (one.key.quantity, one.test) == ("bias", "thermal_ambient")}
     assert places >= {"-20 degC", "0 degC", "20 degC", "60 degC"}
-    assert sum(one.quantity == "misalignment" for one in wanted) == 6
-    return [f"{one.quantity} {one.axis} {one.test} {one.at}: {one.hits}/{one.n}" for one in wanted
+    assert sum(one.key.quantity == "misalignment" for one in wanted) == 6
+    return [f"{one.key.quantity} {one.key.axis} {one.test} {one.key.at}: {one.hits}/{one.n}" for one in wanted
             if one.verdict != "PASS"]  # fmt: skip
 
 
@@ -226,7 +226,7 @@ def test_coverage_of_the_suite() -> None:
     n = sized(300, 60)
     found = coverage(npsat1.RIG.twin, n)
     assert missed(found) == []
-    assert all(one.n == n for one in found if one.quantity in COVERED)
+    assert all(one.n == n for one in found if one.key.quantity in COVERED)
 
 
 def test_a_twin_in_memory_has_all_tests_for_a_fit() -> None:

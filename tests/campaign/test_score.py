@@ -18,6 +18,7 @@ from inertialcal.campaign.twins.standards import apart
 from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import DataError, PlanError, UsageError
 from inertialcal.core.influence import Influence
+from inertialcal.core.key import Key
 from inertialcal.core.show.rows import case_name
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.protocol import Rig
@@ -147,10 +148,10 @@ def test_score_runs_what_was_not_run_and_refuses_what_is_of_another_campaign(sco
 
 
 def test_coverage_counts_hits_and_what_is_missing() -> None:
-    assert Coverage("bias", "x", 285, 300, 0).verdict == "PASS"
-    assert Coverage("bias", "x", 240, 300, 0).verdict == "FAIL"
-    assert Coverage("bias", "x", 300, 300, 0).verdict == "PASS"  # intervals wider than need be
-    nothing = Coverage("bias", "x", 0, 0, 300)
+    assert Coverage(Key("bias", "x"), 285, 300, 0).verdict == "PASS"
+    assert Coverage(Key("bias", "x"), 240, 300, 0).verdict == "FAIL"
+    assert Coverage(Key("bias", "x"), 300, 300, 0).verdict == "PASS"  # intervals wider than need be
+    nothing = Coverage(Key("bias", "x"), 0, 0, 300)
     assert (nothing.verdict, nothing.rate, nothing.to_dict()["interval"]) == ("FAIL", None, None)
 
 
@@ -161,13 +162,13 @@ def test_wrong_truth_is_seen() -> None:
         twin = rate_table.build(BENCH, seed)
         return replace(twin, truth=tuple(replace(t, value=-t.value) for t in twin.truth))
 
-    verdicts = {(one.quantity, one.axis): one.verdict for one in coverage(lying, 12)}
+    verdicts = {one.key: one.verdict for one in coverage(lying, 12)}
     assert set(verdicts.values()) == {"FAIL"}
 
 
 def test_a_quantity_that_is_not_estimated_is_missing() -> None:
     found = coverage(lambda seed: rate_table.RIG.twin(seed, "only_positive"), 2)
-    assert not [one for one in found if one.quantity == "scale_factor_asymmetry"]
+    assert not [one for one in found if one.key.quantity == "scale_factor_asymmetry"]
 
 
 def test_seeds_follow_the_first_and_progress_is_told() -> None:
@@ -194,10 +195,10 @@ KNOWN = 0.93  # of 1,000 campaigns of this bench 924 (bias y) to 975 (asymmetry 
 
 
 def failures(found: tuple[Coverage, ...]) -> dict[str, Any]:
-    entries = {one.axis for one in found if one.quantity == "misalignment"}
+    entries = {one.key.axis for one in found if one.key.quantity == "misalignment"}
     assert entries == ENTRIES
-    assert {one.quantity for one in found} >= {"bias", "scale_factor_error", "cross_axis_sensitivity"}
-    return {f"{one.quantity}_{one.axis}": (one.hits, one.n) for one in found if not covers(one.hits, one.n, KNOWN)}
+    assert {one.key.quantity for one in found} >= {"bias", "scale_factor_error", "cross_axis_sensitivity"}
+    return {str(one.key): (one.hits, one.n) for one in found if not covers(one.hits, one.n, KNOWN)}
 
 
 @pytest.mark.parametrize("n", [20, pytest.param(300, marks=pytest.mark.slow)])

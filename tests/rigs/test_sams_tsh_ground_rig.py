@@ -115,7 +115,8 @@ def test_a_level_near_zero_that_changes_is_no_change_of_gain() -> None:
 
 def check(n: int, order: str) -> None:
     found = {
-        (one.quantity, one.axis): one for one in coverage(lambda seed: build(replace(BENCH, ground=order), seed), n)
+        (one.key.quantity, one.key.axis): one
+        for one in coverage(lambda seed: build(replace(BENCH, ground=order), seed), n)
     }
     assert {("bias", "y"), ("bias", "z"), ("model_bias_error", "y"), ("model_bias_error", "z")} <= set(found)
     assert all(one.missing == 0 for one in found.values())

@@ -84,4 +84,4 @@ def test_files_give_the_figures_of_what_is_in_memory(tmp_path: Path) -> None:
 def test_the_stated_intervals_hold_the_truth() -> None:
     bench = replace(SMALL, samples=2_000)
     for one in coverage(lambda seed: build(bench, seed), 100):
-        assert one.verdict == "PASS", (one.quantity, one.axis, one.hits, one.n)
+        assert one.verdict == "PASS", (one.key, one.hits, one.n)

@@ -108,7 +108,7 @@ def test_in_memory_and_from_files_the_figures_are_the_same(simulated: Path) -> N
 
 
 def test_coverage_is_counted_for_every_quantity_that_is_estimated() -> None:
-    found = {(one.quantity, one.axis): one for one in coverage(SMALL_FLIP.twin, 3)}
+    found = {(one.key.quantity, one.key.axis): one for one in coverage(SMALL_FLIP.twin, 3)}
     assert set(found) == {
         ("ambient_acceleration", "y"), ("ambient_acceleration", "z"), ("bias", "y"), ("bias", "z"),
         ("reading", "x"), ("control_error", "x"),

@@ -156,7 +156,7 @@ def test_the_score_knows_tests_and_conditions(folder: Path, outcome: Outcome) ->
 
 
 def test_coverage_in_memory_counts_each_test_and_condition() -> None:
-    found = {(one.quantity, one.axis, one.test, str(one.at or "")): one for one in coverage(small, 2)}
+    found = {(one.key.quantity, one.key.axis, one.test, str(one.key.at or "")): one for one in coverage(small, 2)}
     assert found["bias", "x", "thermal_ambient", "-20 degC"].n == 2
     assert found["vacuum_offset", "y", "thermal_vacuum", ""].n == 2
 

@@ -14,7 +14,7 @@ from typing import Any
 
 from ...core.errors import DataError, InertialcalError, UsageError
 from ...core.influence import influence_of
-from ...core.key import PLAIN, At, Case, Key
+from ...core.key import PLAIN, Case, Key
 from ...core.results import Interval, case_of, key_fields, key_of
 from ...core.show.rounding import number, with_uncertainty
 from ...core.show.rows import quantity_name
@@ -163,7 +163,7 @@ class Coverage:
 
     Parameters
     ----------
-    quantity, axis : str
+    key : Key
         Which.
     hits, n : int
         Intervals that held it, and intervals.
@@ -171,24 +171,13 @@ class Coverage:
         Campaigns that gave none.
     test : str
         Of which test, where there are several that give it.
-    sensor, power, at
-        Of the key.
     """
 
-    quantity: str
-    axis: str
+    key: Key
     hits: int
     n: int
     missing: int
     test: str = ""
-    sensor: str = ""
-    power: int = 0
-    at: At | None = None
-
-    @property
-    def key(self) -> Key:
-        """What it is of."""
-        return Key(self.quantity, self.axis, self.sensor, self.power, self.at)
 
     @property
     def rate(self) -> float | None:
@@ -405,10 +394,7 @@ def coverage(
         for name, inside in found.items():
             held.setdefault(name, []).append(inside)
     tell(n, n, "done")
-    return tuple(
-        Coverage(key.quantity, key.axis, sum(hits), len(hits), n - len(hits), test, key.sensor, key.power, key.at)
-        for (key, test), hits in held.items()
-    )
+    return tuple(Coverage(key, sum(hits), len(hits), n - len(hits), test) for (key, test), hits in held.items())
 
 
 def _held(twin: Twin) -> dict[Of, bool]:

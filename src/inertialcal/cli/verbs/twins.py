@@ -236,6 +236,6 @@ def _coverage_cells(one: Coverage) -> list[str]:
     ends = "-" if one.interval is None else f"{one.interval[0]:.1%} .. {one.interval[1]:.1%}"
     rate = "-" if one.rate is None else f"{one.rate:.1%}"
     missing = f" ({one.missing} without an interval)" if one.missing else ""
-    where = ", ".join(word for word in (one.test, one.sensor, str(one.at or "")) if word)
+    where = ", ".join(word for word in (one.test, one.key.sensor, str(one.key.at or "")) if word)
     quantity = f"{one.key.name} ({where})" if where else one.key.name
-    return [quantity, one.axis, f"{one.hits} of {one.n}", rate, ends, one.verdict + missing]
+    return [quantity, one.key.axis, f"{one.hits} of {one.n}", rate, ends, one.verdict + missing]
