@@ -162,7 +162,8 @@ def test_wrong_truth_is_seen() -> None:
         twin = rate_table.build(BENCH, seed)
         return replace(twin, truth=tuple(replace(t, value=-t.value) for t in twin.truth))
 
-    verdicts = {one.key: one.verdict for one in coverage(lying, 12)}
+    zero = ("second_order", "third_order")  # with either sign
+    verdicts = {one.key: one.verdict for one in coverage(lying, 12) if one.key.quantity not in zero}
     assert set(verdicts.values()) == {"FAIL"}
 
 
