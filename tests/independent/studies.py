@@ -206,17 +206,17 @@ def hands() -> list[Study]:
             remarks("not_observable", "no_dof"),
         )
     )
-    for times in (0.25, 1.0, 2.0):
+    for width in (0.25, 1.0, 2.0):
         unit = positions.Unit(
-            upper_triangular=True, bias=0.5 * times, scale=0.03 * times, misalignment=0.02 * times, position=0.001
+            upper_triangular=True, bias=0.5 * width, scale=0.03 * width, misalignment=0.02 * width, position=0.001
         )
         groups = {name: like(f"{name}.* accelerometer") for name in ("scale_factor_error", "misalignment", "bias")}
         case = partial(positions.tumbled, unit=unit)
         codes = remarks("prior_conflict", "prior_does_not_help", "hardly_determined", "not_observable")
         found += [
-            Study(f"positions, 10 in a cone, truth {times:g} prior u, prior", "", partial(stating, case=case), groups,
+            Study(f"positions, 10 in a cone, truth {width:g} prior u, prior", "", partial(stating, case=case), groups,
                   codes),
-            Study(f"positions, 10 in a cone, truth {times:g} prior u, no prior", "", case, groups, codes),
+            Study(f"positions, 10 in a cone, truth {width:g} prior u, no prior", "", case, groups, codes),
         ]  # fmt: skip
     return found
 

@@ -7,20 +7,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_positions_recordings import GRAVITY, recording
 
 from independent.positions import G, Unit, condition_number, tumbled
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
 from inertialcal.core.key import Key, Method
+from inertialcal.core.recording import Channel, Recording
 from inertialcal.procedures.positions.readings import Readings, Triad
-from inertialcal.procedures.positions.recordings import readings_from
+from inertialcal.procedures.positions.recordings import ACC, GYRO, readings_from
 from inertialcal.procedures.positions.reduction import Plan, Result, reduce
 from inertialcal.procedures.positions.simulation import simulate
 from inertialcal.statistics.intervals import coverage_factor
 from positions_truths import BY_HAND
 from positions_truths import G as NEAR
 
+GRAVITY = 9.81744  # m/s2, of the Xsens recording
 PLAN = Plan(gravity=G)
 PRIOR = replace(PLAN, prior_misalignment=0.02, prior_scale_factor=0.03, prior_bias=0.5)
 SPARSE = [0, 1, 4, 6, 8, 9, 10, 11, 13, 14, 15]
@@ -162,7 +163,10 @@ def pieces(shared: Path) -> list[Readings]:
     """Return parts of a recording by hand: 9 to 11 positions each, one after another, of condition 50 to 1300."""
     folder = shared / "data" / "imu_tk_xsens_mti"
     acc, gyro = (np.loadtxt(folder / f"xsens_{name}.mat") for name in ("acc", "gyro"))
-    one = recording(acc[:, 1:], gyro[:, 1:], ("count", "count"), 100.0, acc[:, 0])
+    names, units = ACC + GYRO, ["count"] * 6
+    columns = np.hstack([acc[:, 1:], gyro[:, 1:]]).T
+    channels = (Channel(name, np.array(column), unit) for name, column, unit in zip(names, columns, units, strict=True))
+    one = Recording(tuple(channels), np.round(acc[:, 0] * 1e9).astype(np.int64), 0.01)
     whole = replace(readings_from(Plan(gravity=GRAVITY), [one]), gyro=None, rotations=())
     found = []
     for n in (9, 10, 11):
