@@ -26,6 +26,7 @@ def rate_table(
     axis: str | None = None,
     zero_reference: bool | None = None,
     asymmetry: bool | None = None,
+    nonlinearity: Literal['auto', 'always', 'none'] | None = None,
     run_level: Literal['power_up', 'recording'] | None = None,
     scatter_ratio: float | None = None,
     neighbours: int | None = None,
