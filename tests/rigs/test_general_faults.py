@@ -129,6 +129,13 @@ def test_face_errors_turn_gravity_and_keep_its_size() -> None:
     bad = with_fault(FACES, "face_error", 3.0)
     file = "recordings/hand1.csv"
     good_g, bad_g = (twin.recordings[file].array(["acc_x", "acc_y", "acc_z"]) for twin in (FACES, bad))
+    truth = {(one.quantity, one.axis): one.value for one in FACES.truth if one.sensor == "accelerometer"}
+    matrix = np.eye(3) + np.diag([truth["scale_factor_error", axis] for axis in "xyz"])
+    for i, axis in enumerate("xyz"):
+        for j, other in enumerate("xyz"):
+            matrix[i, j] = matrix[i, j] if i == j else truth["misalignment", axis + other] * matrix[i, i]
+    bias = [truth["bias", axis] for axis in "xyz"]
+    good_g, bad_g = ((one - bias) @ np.linalg.inv(matrix).T for one in (good_g, bad_g))
     assert np.allclose(np.linalg.norm(good_g, axis=1), np.linalg.norm(bad_g, axis=1))
     cosine = np.sum(good_g * bad_g, axis=1) / np.sum(good_g**2, axis=1)
     angles = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))

@@ -57,7 +57,11 @@ class Components:
 
 
 def fit_components(
-    design: Array, readings: Array, known: Mapping[str, Array], unknown: Mapping[str, Array]
+    design: Array,
+    readings: Array,
+    known: Mapping[str, Array],
+    unknown: Mapping[str, Array],
+    start: Mapping[str, float] | None = None,
 ) -> Components:
     """Return the fit of readings whose errors have known covariances and variances to be found.
 
@@ -71,6 +75,8 @@ def fit_components(
         Covariance of each known source [unit of the readings squared].
     unknown : mapping of str to ndarray, shape (n, n)
         Pattern of each variance that is found: V has theta times it.
+    start : mapping of str to float, optional
+        Theta to begin with; by default equal parts of what is seen.
 
     Raises
     ------
@@ -88,7 +94,10 @@ def fit_components(
         what = "the readings do not scatter at all"
         raise DataError(what, do="Check for copied or rounded readings", code="no_scatter")
     theta, information = _restricted(
-        free.T @ readings, free.T @ fixed @ free, [free.T @ one @ free for one in patterns]
+        free.T @ readings,
+        free.T @ fixed @ free,
+        [free.T @ one @ free for one in patterns],
+        np.array([start[name] for name in unknown]) if start else None,
     )
     V = fixed + sum((t * one for t, one in zip(theta, patterns, strict=True)), np.zeros((n, n)))
     size = np.linalg.eigvalsh(V)
@@ -127,7 +136,7 @@ def fit_components(
     )
 
 
-def _restricted(y: Array, fixed: Array, patterns: list[Array]) -> tuple[Array, Array]:
+def _restricted(y: Array, fixed: Array, patterns: list[Array], start: Array | None) -> tuple[Array, Array]:
     """Return theta of greatest restricted likelihood, none below zero, and their information, of contrasts (q,)."""
     k, q = len(patterns), len(y)
     if not k:
@@ -135,7 +144,7 @@ def _restricted(y: Array, fixed: Array, patterns: list[Array]) -> tuple[Array, A
     total = max(float(y @ y) / q, float(np.trace(fixed)) / q)
     sizes = np.array([max(float(np.trace(one)) / q, 1e-300) for one in patterns])
     scaled = [one * (total / size) for one, size in zip(patterns, sizes, strict=True)]  # theta near one
-    theta = np.full(k, 1.0 / k)
+    theta = np.full(k, 1.0 / k) if start is None else start * sizes / total
     floor = LEAST * total * np.eye(q)  # keeps V regular where theta falls to zero
 
     def likelihood(at: Array) -> tuple[float, Array]:

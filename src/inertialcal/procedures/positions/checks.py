@@ -340,8 +340,8 @@ def _scatter_remarks(result: Result) -> list[Remark]:
         what = f"{kind}: no repeats show the scatter of {', '.join(names)}; their u is mostly an upper bound"
         do = "Lay each face and make each turn again"
         if kind == "accelerometer" and laid is not None and laid.widened == 1.0:
-            what = f"nothing was laid again: the scatter of {', '.join(names)} between positions is taken as "
-            what += f"{ASSUMED:g} times the noise inside them"
+            what = f"accelerometer: no face was laid again, so that u of {', '.join(names)} assumes a scatter between "
+            what += f"positions of {ASSUMED:g} times the noise inside them"
             do = "Lay each face again: repeats show the scatter along gravity"
         found.append(Remark("scatter_not_judged", "warning", what, do=do))
     if laid is not None and laid.contradicted:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...core.constants import STANDARD_GRAVITY
 from ...core.estimate import Array
+from ...core.key import AXES
 from ...core.units import parse_quantity
 from ..parts.noise import flicker
 from .scene import Act, Place, Scene
@@ -74,13 +75,24 @@ def gyro_flicker(scene: Scene, size: float) -> None:
 
 
 def face_error(scene: Scene, size: float) -> None:
-    """Tilt each face by an angle of its own, the same whenever the unit is laid on it [deg]."""
+    """Tilt each face by an angle of its own, the same whenever the unit is laid on it [deg]; what it feels turns."""
     tilts: dict[str, Array] = {}
+    matrix, bias = np.eye(3), np.zeros(3)
+    for one in scene.truth:
+        if one.sensor == "accelerometer":
+            i, j = AXES.index(one.axis[0]), AXES.index(one.axis[-1])
+            if one.quantity == "bias":
+                bias[i] = one.value
+            elif one.quantity in ("scale_factor_error", "misalignment"):
+                matrix[i, j] = one.value + (i == j)
+    own_gain = np.diag(matrix).copy()
+    matrix = np.where(np.eye(3) > 0.0, matrix, matrix * own_gain[:, np.newaxis])
     for place in scene.places:
         scene.note(place)
         accelerometers = [one for one in place.signals if one.kind == "accelerometer"]
-        columns = [scene.values(place.file, one.column) for one in accelerometers]
-        vectors = np.column_stack(columns)
+        per_si = np.array([one.per_si for one in accelerometers])
+        stored = np.column_stack([scene.values(place.file, one.column) for one in accelerometers])
+        vectors = (stored / per_si - bias) @ np.linalg.inv(matrix).T
         for part in scene.extras[place.entry["sections"]].content:  # type: ignore[attr-defined]
             if part.angle is not None:
                 continue
@@ -91,7 +103,7 @@ def face_error(scene: Scene, size: float) -> None:
             own = vectors[rows]
             across, along = np.cross(axis, own), np.outer(own @ axis, axis)
             vectors[rows] = along + (own - along) * np.cos(angle) + across * np.sin(angle)
-        for signal, values in zip(accelerometers, vectors.T, strict=True):
+        for signal, values in zip(accelerometers, ((vectors @ matrix.T + bias) * per_si).T, strict=True):
             scene.put(place.file, signal.column, np.ascontiguousarray(values))
 
 

@@ -93,7 +93,7 @@ class Scene:
     """
 
     def __init__(self, twin: Twin, tests: Collection[str]):
-        self.campaign, self.tests = twin.campaign, tests
+        self.campaign, self.tests, self.truth = twin.campaign, tests, twin.truth
         self.recordings = dict(twin.recordings)
         self.extras: dict[str, Extra] = dict(twin.extras)
         self.texts = dict(twin.texts)

@@ -56,8 +56,8 @@ ASSUMED = 3.0  # scatter between positions over the noise inside them, where no 
 UNKNOWN = 0.01  # share of all residuals that is taken for it in the weights where that noise is not known
 STANDS_OUT = 10.5  # square of a position's standardised deletion residual, three components, from which it is judged
 SAME = 1e-6  # difference of directions that are one face
-ROUNDS = 12
-SETTLED = 1e-10  # of gravity
+ROUNDS, FEW_ROUNDS, MANY = 12, 4, 60  # of linearisation; fewer for so many positions
+SETTLED = 1e-9  # of gravity
 LEAST_DOF, MOST_DOF, HALVINGS = 0.2, 1e6, 25
 CONTRADICTED = 0.001  # risk of calling a stated face error too small
 
@@ -86,7 +86,7 @@ class Laid:
     found: Components
     back: Array  # shape (12, rank): the numbers by the coefficients
     values: Array  # shape (12,)
-    stretch: Array  # shape (m,): c of each position
+    stretch: Array  # shape (m,): length of the specific force along each direction, over gravity
     assumed: bool  # Whether the scatter between positions was not told
     contradicted: bool  # Whether the stated face error is too small for what was read
     hidden: float  # Its variance at most, where it was not [(m/s^2)^2]
@@ -173,7 +173,8 @@ def _fit(r: Array, inside: Array, g: float, tilts: Tilts, kept: Array) -> Laid:
     wanted += [LAYING_FOUND] if LAYING not in tilts.stated and tilts.repeated else []
     values, tilt, spread = usual, np.zeros((m, 2)), np.zeros((2 * m, 2 * m))
     stretch, most = np.ones(m), 0.0
-    for number in range(ROUNDS):
+    start: Mapping[str, float] | None = None
+    for number in range(ROUNDS if m <= MANY else FEW_ROUNDS):
         A = values[:9].reshape(3, 3)
         up = tilts.direction * stretch[:, None] + np.einsum("kia,ka->ki", tilts.axes, tilt)
         design = derivatives(g * up)
@@ -183,14 +184,17 @@ def _fit(r: Array, inside: Array, g: float, tilts: Tilts, kept: Array) -> Laid:
         y = r.ravel() - design @ usual + Z @ tilt.ravel()
         turned = {name: Z @ one @ Z.T for name, one in patterns.items()}
         if assumed and number == 0:
-            most = fit_components(design @ back, y, {}, {BETWEEN: np.eye(3 * m)}).variances[BETWEEN]
+            plain = design @ back
+            away = y - plain @ np.linalg.lstsq(plain, y, rcond=None)[0]
+            most = float(away @ away) / (3 * m - kept.shape[1])
         known = {INSIDE: np.diag(inside.ravel()), COSINE: _cosine(g * tilts.direction @ A.T, spread)}
         if assumed:
             known[BETWEEN] = np.diag(_hidden(inside, most)[0])
         known |= {name: one.u**2 * turned[name] for name, one in tilts.stated.items()}
         unknown = {} if assumed else {BETWEEN: np.eye(3 * m)}
         unknown |= {name: turned[FACE if name == FACE_FOUND else LAYING] for name in wanted}
-        found = fit_components(design @ back, y, known, unknown)
+        found = fit_components(design @ back, y, known, unknown, start)
+        start = found.variances
         values = usual + back @ found.coefficients
         sizes = {name: one.u**2 for name, one in tilts.stated.items()}
         sizes |= {FACE if k == FACE_FOUND else LAYING: v for k, v in found.variances.items() if k in wanted}
