@@ -41,6 +41,8 @@ class ModelTerms:
         Of each parameter.
     not_estimated : mapping of str to str
         Reason by name.
+    values : mapping of str to float
+        By name: of parameters that have a value and no uncertainty.
     scale_factor : float or ndarray, shape (k,)
         Ideal scale factors that the estimate is relative to, where the sensor has no output in volts.
     output_unit : str or None
@@ -66,6 +68,7 @@ class ModelTerms:
     axes: tuple[str, ...]
     provenance: Mapping[Key, Provenance]
     not_estimated: Mapping[str, str] = field(default_factory=dict[str, str])
+    values: Mapping[str, float] = field(default_factory=dict[str, float])
     scale_factor: float | Array = 1.0
     output_unit: str | None = None
     input_range: Array | None = None

@@ -203,6 +203,9 @@ def export(
     unjudged: Annotated[
         bool, typer.Option("--unjudged", help="Hand it out although no recording held out has judged it.")
     ] = False,
+    nominal: Annotated[
+        bool, typer.Option("--nominal", help="Write the nominal scale factor of axes whose own is not known.")
+    ] = False,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -212,7 +215,7 @@ def export(
 
     found = find_model(model)
     sources = [found] if other is None else [found, find_model(other)]
-    exported = export_model(found, to, output, unjudged, sources[1:])
+    exported = export_model(found, to, output, unjudged, sources[1:], nominal)
     if as_json:
         content = {
             "inputs": [_input(one) for one in sources],

@@ -94,6 +94,7 @@ def export(
     target: str | os.PathLike[str],
     unjudged: bool = False,
     others: Sequence[ModelFile] = (),
+    nominal: bool = False,
 ) -> Exported:
     """Write a model in a format for others; the file is complete or not there.
 
@@ -109,6 +110,8 @@ def export(
         Hand it out although no recording held out has judged it.
     others : sequence of ModelFile
         Model of the other sensor, for formats that hold both.
+    nominal : bool
+        Write the nominal scale factor of axes whose own is not known, where the format cannot mark it.
 
     Returns
     -------
@@ -120,7 +123,7 @@ def export(
     UsageError
         ``unsupported_format``; ``one_sensor``, ``one_of_each``.
     DataError
-        ``unjudged``; ``overwrites_input``; as the ``dump`` of the format.
+        ``unjudged``; ``scale_factor_unknown``; ``overwrites_input``; as the ``dump`` of the format.
     StoreError
         ``not_written``.
     """
@@ -137,6 +140,9 @@ def export(
                 code="unjudged",
             )
     chosen = FORMATS[to]
+    unknown = (
+        [] if chosen.title == ModelFile.format else [remark for one in sources for remark in _unknown(one, nominal)]
+    )
     if chosen.one_sensor and len(sources) > 1:
         raise UsageError(f"--to {to} holds one sensor a file", do="Export them one by one", code="one_sensor")
     models: dict[Kind, SensorModel] = {one.model.kind: one.model for one in sources}
@@ -148,4 +154,25 @@ def export(
     with atomic_write(target, [sensor_named(one.path)[0] for one in sources]) as aside:
         aside.write_bytes(data)
     before = tuple(remark for one in sources for remark in one.remarks)
-    return Exported(hashlib.sha256(data).hexdigest(), before + gone)
+    return Exported(hashlib.sha256(data).hexdigest(), (*before, *gone, *unknown))
+
+
+def _unknown(source: ModelFile, nominal: bool) -> list[Remark]:
+    """Return the remark on scale factors that no reading gave, which would be handed out as 1.
+
+    Raises
+    ------
+    DataError
+        ``scale_factor_unknown`` if it was not asked for.
+    """
+    model = source.model
+    own = zip(model.axes, model.matrix[0].diagonal(), strict=True)
+    axes = [axis for axis, entry in own if f"scale_factor_error_{axis}" in model.not_estimated and entry == 1.0]
+    if model.estimate is None or not axes:
+        return []
+    what = f"{model.kind}: scale factor of {', '.join(axes)} not estimated"
+    if not nominal:
+        why = f"this format would hold the nominal one: {model.not_estimated[f'scale_factor_error_{axes[0]}']}"
+        do = "Estimate it, export --to json, which says so, or add --nominal"
+        raise DataError(what, source.path, why, do, "scale_factor_unknown")
+    return [Remark("scale_factor_unknown", "warning", f"{what}: the nominal one is written", source.path)]

@@ -165,11 +165,14 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
     def terms(self, result: Result, tests: Sequence[Tested[Plan, Readings, Result]]) -> ModelTerms | None:
         """Return the terms of one sensor."""
         from ...sensors.model.sensor_model import Provenance
+        from ...sensors.model.terms import values
         from ..model_terms import ModelTerms
 
         found = result.models.get(result.sensor)
         if result.estimate is None or found is None or found.estimate is None:
             return None
+        without = [one for one in found.parameters if one.name in found.not_estimated]
+        numbers = zip(without, values(without, found.terms), strict=True)
         keys, origin = found.estimate.keys, Provenance(tests[0].id, tests[0].recordings)
         provenance = dict.fromkeys(keys, origin)
         return ModelTerms(
@@ -178,6 +181,7 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
             found.axes,
             provenance,
             found.not_estimated,
+            {one.name: float(value) for one, value in numbers if value != 0.0},
             found.scale_factor,
             None if found.output_unit == found.unit else found.output_unit,
             found.input_range,

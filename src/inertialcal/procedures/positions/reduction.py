@@ -242,4 +242,9 @@ def _gyros(plan: Plan, readings: Readings, acc: Fitted) -> tuple[FittedGyro, lis
     if fitted.rotated is None:
         return fitted, []
     determined = fitted.rotated.observed.determined[[0, 4, 8]]
-    return fitted, judged_scale(fitted.rotated.W, determined, readings.gyro.unit, known, next(iter(readings.where), ""))
+    said = judged_scale(fitted.rotated.W, determined, readings.gyro.unit, known, next(iter(readings.where), ""))
+    assumed = fitted.rotated.found is None and not readings.transitions and all(one.assumed for one in readings.turns)
+    if assumed and np.all(np.diag(fitted.sensor.matrix) < 0.0):  # they turned the other way: the gyros say it
+        values = fitted.sensor.values * np.repeat([-1.0, 1.0], [9, len(fitted.sensor.values) - 9])
+        fitted = replace(fitted, sensor=replace(fitted.sensor, values=values))
+    return fitted, said

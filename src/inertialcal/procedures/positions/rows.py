@@ -22,7 +22,7 @@ from ...statistics.intervals import chi_square_interval, t_interval
 from ...statistics.two_levels import TwoLevels
 from .fit.accelerometer import OF_FRAME, Fitted
 from .fit.fixture import FACE_FOUND, LAYING_FOUND
-from .fit.gyro import FittedGyro, fit_gyro
+from .fit.gyro import NOTHING_LEFT, FittedGyro, fit_gyro
 from .fit.linear_sensor import BIAS, FEWEST, G_SENSITIVITY, MATRIX, LinearSensor, with_ideal
 from .fit.rotations import across
 from .plan import INFLUENCES
@@ -267,6 +267,9 @@ def model(sensor: LinearSensor, kind: Kind, output_unit: str, input_range: Array
         return None
     kept = [key for key in found.keys if key not in SCALE]
     why = {str(key): reason.text for key, reason in reasons(raw).items() if key not in SCALE}
+    judged = {key for key, reason in reasons(raw).items() if reason.code != NOTHING_LEFT.code}
+    names, numbers = (*MATRIX, *BIAS, *G_SENSITIVITY), quantities(raw)[0]
+    values = {str(key): float(one) for key, one in zip(names, numbers, strict=False) if key not in {*kept, *judged}}
     return model_from(
         found.select(kept),
         kind,
@@ -275,6 +278,7 @@ def model(sensor: LinearSensor, kind: Kind, output_unit: str, input_range: Array
         output_unit=output_unit,
         input_range=input_range,
         not_estimated=why,
+        values=values,
     )
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,9 +13,11 @@ from ...core.estimate import Array
 from ...core.key import AXES
 from ...core.units import parse_quantity
 from ..parts.noise import flicker
+from ..twin import TrueValue
 from .scene import Act, Place, Scene
 
 WRONG = 10  # temperatures in a row
+AT_REST = 0.05  # of a gyro, from its usual reading, while the unit lies still [rad/s]
 FLOOR = 1.3863  # 2 ln 2: Allan variance of flicker noise over its h
 UG = 1e-6 * STANDARD_GRAVITY.value  # [m/s^2]
 
@@ -64,14 +68,32 @@ def turn_on(scene: Scene, size: float) -> None:
 
 
 def gyro_flicker(scene: Scene, size: float) -> None:
-    """Add flicker noise to the gyros: its Allan deviation at the floor [deg/h]."""
+    """Add flicker noise to the gyros: its Allan deviation at the floor [deg/h].
+
+    The bias of a test is then its mean while the unit rests; that of a next record is as another draw has it.
+    """
     h = np.radians(size / 3600.0) ** 2 / FLOOR
+    added: dict[str, list[tuple[Array, int]]] = {}
     for place in scene.places:
         scene.note(place)
         gyros = [one for one in place.signals if one.kind == "gyro"]
         slow = flicker(h, len(scene.recordings[place.file]), len(gyros), scene.rng)
-        for signal, added in zip(gyros, slow.T, strict=True):
-            scene.shift(signal, added * signal.per_si)
+        rates = [scene.values(place.file, one.column) / one.per_si for one in gyros]
+        still = np.all([np.abs(one - np.median(one)) < AT_REST for one in rates], axis=0)
+        added.setdefault(place.test, []).append((slow[still].sum(axis=0), int(still.sum())))
+        for signal, own in zip(gyros, slow.T, strict=True):
+            scene.shift(signal, own * signal.per_si)
+    means = {test: np.sum([one for one, _ in own], axis=0) / sum(n for _, n in own) for test, own in added.items()}
+    scene.truth[:] = [one for true in scene.truth for one in _at_rest(true, means)]
+
+
+def _at_rest(true: TrueValue, means: Mapping[str, Array]) -> list[TrueValue]:
+    """Return the bias of a gyro in each test; any other truth as it is."""
+    if (true.sensor, true.quantity) != ("gyro", "bias"):
+        return [true]
+    k = AXES.index(true.axis)
+    wanted = means if not true.test else {true.test: means.get(true.test, np.zeros(3))}
+    return [replace(true, value=true.value + float(mean[k]), test=test) for test, mean in wanted.items()]
 
 
 def face_error(scene: Scene, size: float) -> None:

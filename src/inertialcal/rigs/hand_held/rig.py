@@ -8,7 +8,7 @@ where orientations are not known (M lower triangular); a fixture defines it wher
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -55,6 +55,7 @@ class Held:
     recording: Recording  # channels ``acc_x`` ... ``gyro_z``.
     motion: Motion  # true inputs
     parts: tuple[Part, ...]  # content of a protocol: positions and turns as intended
+    shift: Array  # shape (3,): what positions add to the bias of the gyros, as the mean over the rests [rad/s]
 
 
 def build(bench: Bench, seed: int) -> Twin:
@@ -88,7 +89,21 @@ def build(bench: Bench, seed: int) -> Twin:
         protocols = {protocol_file(number): Extra(one, labelled_csv(one)) for number, one in enumerate(named, 1)}
     standards = {"gravity.value": bench.gravity_error, "clock.rate": bench.clock}
     off = {"gravity.value": bench.gravity - gravity, "clock.rate": pace / bench.pace - 1.0}
-    return Twin(text, files, true_values(bench, unit), drawn, protocols, drawn_errors(standards, off))
+    truth = tuple(one for true in true_values(bench, unit) for one in _of_tests(bench, true, records))
+    return Twin(text, files, truth, drawn, protocols, drawn_errors(standards, off))
+
+
+def _of_tests(bench: Bench, true: TrueValue, records: Sequence[Held]) -> list[TrueValue]:
+    """Return the bias of the gyros in each test, that of a next record as the test held out has it, and all others."""
+    if (true.sensor, true.quantity) != ("gyro", "bias"):
+        return [true]
+    k, apart = AXES.index(true.axis), bench.records > 1 and bench.copies == 1
+    tests = {"imu": records[:-1], "imu_held_out": records[-1:]} if apart else {"imu": records}
+    found = [
+        replace(true, value=true.value + float(np.mean([one.shift[k] for one in own])), test=test)
+        for test, own in tests.items()
+    ]
+    return [*found, replace(found[-1], quantity="bias_next_record", test="imu")] if apart else found
 
 
 def drawn_faces(bench: Bench, rng: np.random.Generator) -> Array:
@@ -146,7 +161,7 @@ def held(
     up, legs, meant = sequence(bench, np.zeros(3) if mounting is None else mounting, off, rng)
     lifts = bench.lift * rng.normal(size=(len(legs), 3)) / np.sqrt(3.0)
     motion = moved(legs, up, 1.0 / bench.sample_rate, gravity, bench.latitude, lifts)
-    readings = _readings(bench, unit, motion, rng)
+    readings, shift = _readings(bench, unit, motion, rng)
     stamps = BEGIN + number * APART + np.arange(1, len(readings) + 1) * pace / bench.sample_rate
     interval = pace / bench.sample_rate
     channels = tuple(
@@ -155,7 +170,7 @@ def held(
     )
     time = np.rint(stamps * 1e6).astype(np.int64) * (SECOND // 1_000_000)
     recording = Recording(channels, time, interval, interval, "utc", "column", time_column="unix_s")
-    return Held(recording, motion, _as_meant(motion.parts, meant))
+    return Held(recording, motion, _as_meant(motion.parts, meant), shift)
 
 
 def _as_meant(parts: tuple[Part, ...], meant: Mapping[int, tuple[float, float, float]]) -> tuple[Part, ...]:
@@ -170,8 +185,8 @@ def _as_meant(parts: tuple[Part, ...], meant: Mapping[int, tuple[float, float, f
     return tuple(found)
 
 
-def _readings(bench: Bench, unit: Unit, motion: Motion, rng: np.random.Generator) -> Array:
-    """Return what is saved, shape (n, 6)."""
+def _readings(bench: Bench, unit: Unit, motion: Motion, rng: np.random.Generator) -> tuple[Array, Array]:
+    """Return what is saved, shape (n, 6), and what positions add to the gyros, as the mean over the rests."""
     n, places = len(motion.rate), int(motion.place.max()) + 1
     shift_a = bench.acc_between * rng.normal(size=(places, 3))
     shift_g = bench.gyro_between * rng.normal(size=(places, 3))
@@ -189,7 +204,10 @@ def _readings(bench: Bench, unit: Unit, motion: Motion, rng: np.random.Generator
     gyro = gyro[:, [AXES.index(axis) for axis in bench.wiring]] * np.array(bench.sign)
     acc = acc * factor(UNITS["acc"], bench.said.get("acc", UNITS["acc"]))
     gyro = gyro * factor(UNITS["gyro"], bench.said.get("gyro", UNITS["gyro"]))
-    return np.round(np.hstack([acc, gyro]), 7)
+    rests = [one for one in motion.parts if one.angle is None]
+    shift = np.average([shift_g[motion.place[one.start]] for one in rests], axis=0,
+                       weights=[one.stop - one.start for one in rests])  # fmt: skip
+    return np.round(np.hstack([acc, gyro]), 7), np.asarray(shift)
 
 
 def _middle(part: Part) -> tuple[int, int]:

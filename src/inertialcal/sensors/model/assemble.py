@@ -37,7 +37,8 @@ def model_from(
     kind, axes, scale_factor, output_unit
         As `SensorModel`; output and input unit are the same by default, with a scale factor of 1.
     **rest
-        Further fields of `SensorModel`: ranges, references, item, provenance, reasons in ``not_estimated``.
+        Further fields of `SensorModel`: ranges, references, item, provenance, reasons in ``not_estimated``; ``values``
+        of parameters that have no uncertainty, by their names, in the units of the model.
 
     Raises
     ------
@@ -47,6 +48,7 @@ def model_from(
     unit = {"gyro": "rad/s", "accelerometer": "m/s^2"}.get(kind, "")
     fields = {"kind": kind, "axes": axes, "scale_factor": scale_factor, "output_unit": output_unit or unit, **rest}
     reasons = fields.pop("not_estimated", {})
+    without = fields.pop("values", {})
     blank = SensorModel(**(fields | _blank_terms(estimate, axes)))
     known = {one.name: one for one in blank.parameters}
     strangers = [name for name in estimate.names if name not in known]
@@ -58,6 +60,7 @@ def model_from(
         )
     held = in_units(estimate, tuple(known[name].unit for name in estimate.names))
     changes = {known[name]: float(value) for name, value in zip(held.names, held.values, strict=True)}
+    changes |= {known[name]: value for name, value in without.items() if name in known and name not in held.names}
     arrays = with_values(blank.terms, changes)
     missing = {name: reasons.get(name, NOT_ESTIMATED) for name in known if name not in held.names}
     return SensorModel(**(fields | arrays | {"estimate": held, "not_estimated": missing}))

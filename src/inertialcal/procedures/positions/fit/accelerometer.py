@@ -37,7 +37,17 @@ from ..plan import Plan
 from ..readings import Triad, local_gravity
 from .fixture import BETWEEN, INSIDE, Laid, derivatives, fit_agreeing, judged, scatter_interval, tilts_of
 from .fixture import sources_of as fixture_sources
-from .linear_sensor import BIAS, MATRIX, SMALLEST, LinearSensor, Observability, Source, level_sources, observe
+from .linear_sensor import (
+    BIAS,
+    MATRIX,
+    SMALLEST,
+    LinearSensor,
+    Observability,
+    Source,
+    level_sources,
+    observe,
+    propagated,
+)
 from .next_record import Wander
 from .outliers import found_outliers, robust_scale, weights
 
@@ -152,7 +162,9 @@ def _wandering(laid: Laid, back: Array, kept: NDArray[np.int64]) -> Wandering | 
     known = [part for name, part in (*found.known.items(), *found.unknown.items()) if name != BETWEEN]
     place, loading = np.repeat(kept, 3), np.tile(np.eye(3), (len(kept), 1))
     seen = Wander(found.projector, found.residuals, found.variances[BETWEEN], place, loading)
-    noise: Array = back[9:] @ np.asarray(sum(known, np.zeros_like(found.covariance))) @ back[9:].T
+    noise = np.zeros((3, 3))
+    for part in known:
+        noise = noise + propagated(back[9:], part)
     return Wandering(seen, back[9:] @ found.gain, np.diag(noise))
 
 
@@ -195,9 +207,10 @@ def fit_unknown(plan: Plan, triad: Triad, ideal: Array, zero: Array) -> Fitted:
     noise = variances(theta, u, inside, g)
     sources = wandering = None
     if found is not None:
-        back, known = (to_values @ observed.kept)[9:], sum(found.parts.values(), np.zeros_like(found.covariance))
+        back = (to_values @ observed.kept)[9:]
         seen = Wander(found.projector, found.residuals, found.between**2, np.flatnonzero(kept), jacobian[kept, 6:])
-        wandering = Wandering(seen, back @ found.gain, np.diag(back @ known @ back.T))
+        inside_part = propagated(back, found.parts[INSIDE])
+        wandering = Wandering(seen, back @ found.gain, np.diag(inside_part))
         sources = [
             *sources_of(found, to_values @ observed.kept, plan.standards, noise[kept]),
             *_undetermined(observed, to_values, g),

@@ -29,7 +29,8 @@ NO_ROTATIONS = Reason("no_rotations", "no rotations: at rest, gyros show only th
 NOT_TOLD = Reason("not_told", "these rotations do not determine it")
 NOTHING_LEFT = Reason(
     "nothing_left",
-    "no rotation was repeated, and turn.angle and fixture.orientation are not both stated",
+    "no rotation was repeated, and turn.angle and fixture.orientation are not both stated:"
+    " the model holds what the turns give, without uncertainty",
 )
 NO_GRAVITY = Reason("no_gravity", "it rests on accelerometer figures that these positions do not determine")
 ONE_PLACE = Reason("one_place", "as many positions as unknowns: no degrees of freedom left")
