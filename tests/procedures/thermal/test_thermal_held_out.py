@@ -10,6 +10,7 @@ import pytest
 from inertialcal.campaign.models.content import residual_row
 from inertialcal.campaign.models.judged import ResidualLoop
 from inertialcal.core.errors import DataError
+from inertialcal.procedures.thermal.fit.quantities import earth_along
 from inertialcal.procedures.thermal.held_out.closed_loop import AxisResidual, held_out, loops, residual_rows
 from inertialcal.procedures.thermal.reduction import Attitude, Plan, Result, Truth, reduce, simulate
 from inertialcal.statistics.closed_loop import judged
@@ -45,6 +46,16 @@ def test_the_residual_is_the_mean_offset_of_the_power_ups_held_out() -> None:
     assert one.compensated == pytest.approx(shift, rel=1e-3)
     assert one.runs == 2
     assert one.gain == pytest.approx(one.raw**2 - one.compensated**2, rel=0.05)
+
+
+def test_a_body_that_was_laid_anew_is_judged_with_both_attitudes() -> None:
+    tilted = replace(PLAN, attitude=Attitude(tilt=0.7, u=0.05, azimuth=0.3))
+    fit, held = reduced(FIT, 2, tilted), reduced(HELD, 3, tilted)
+    one, other = (held_out(fit, held, remounted)[0] for remounted in (False, True))
+    tilt = earth_along(tilted)[1]["tilt of the body"].patterns[0, 0]
+    assert other.u == pytest.approx(np.sqrt(one.u**2 + 2.0 * tilt**2))
+    assert other.allowed == pytest.approx(one.allowed + 2.0 * tilt**2)
+    assert other.u_gain > one.u_gain
 
 
 def test_intervals_of_the_residual_hold_zero_and_a_right_polynomial_passes() -> None:

@@ -11,7 +11,7 @@ from numpy.polynomial import polynomial
 from thermal_sweeps import KNOWN, LATITUDE, path, plan, readings, sweep
 
 from inertialcal.core.estimate import Array
-from inertialcal.core.influence import Influence
+from inertialcal.core.influence import Influence, Occasion
 from inertialcal.core.results import Row
 from inertialcal.physics.earth import OMEGA, earth_rate, level_to_table
 from inertialcal.procedures.thermal.against import offset_rows, quantity_of
@@ -354,6 +354,24 @@ def test_earth_rate_of_two_attitudes_is_no_offset() -> None:
 
     turned, other = reduced(0), reduced(1)
     assert offset_rows(turned, other, "air", "bias_shift")[0].value == pytest.approx(0.0, abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("mountings", "cancels"), [(("laying 1", "laying 1"), True), (("laying 1", "laying 2"), False), (("", ""), False)]
+)
+def test_an_attitude_is_the_same_in_one_mounting_alone(mountings: tuple[str, str], cancels: bool) -> None:
+    """How far the body stands from its attitude is one error in one mounting, and two where nobody says so."""
+    stands = plan(attitude=replace(KNOWN, u=0.05, u_azimuth=0.0))
+    air = reduce(stands, readings(cubic, noise=1e-9, seed=1))
+    other = readings(cubic, noise=1e-9, seed=2)
+    named = replace(other, sweeps=tuple(replace(one, run=f"v{one.run}") for one in other.sweeps))
+    vacuum = reduce(stands, named)
+    one, two = (Occasion(mounting=word) for word in mountings)
+    found = offset_rows(vacuum, air, "air", "vacuum_offset", (one, two))[0]
+    tilt = float(np.linalg.norm(earth_along(stands)[1]["tilt of the body"].patterns[:, 0]))
+    assert tilt > 1e-7
+    assert found.u is not None
+    assert found.u == pytest.approx(0.0 if cancels else np.sqrt(2.0) * tilt, rel=0.02, abs=0.02 * tilt)
 
 
 def vacuum_readings() -> Readings:

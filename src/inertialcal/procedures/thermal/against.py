@@ -96,7 +96,7 @@ def _of_axis(
     yield from (not_estimated(own, unit, outside) for own in wanted if own not in inside)
     keys = list(inside)
     estimate, known = _difference(result, other, axis, np.array(list(inside.values())), keys, occasions)
-    limits = Reason("limits", f"this test less {name}")
+    limits = Reason("limits", f"this test less {name}{_unsaid(result, other, occasions)}")
     for own, is_known in zip(keys, known, strict=True):
         if is_known and estimate is not None:
             yield replace(estimate_row(estimate, own, limits), shared=estimate.shared(own))
@@ -183,12 +183,27 @@ def _changes(result: Result, law: Law, rows: Array, axis: str, known: NDArray[np
     return found
 
 
+def _laid_alike(result: Result, other: Result, occasions: tuple[Occasion, Occasion]) -> bool:
+    """Whether the body lay the same in both tests: as stated, or because all power-ups are in both."""
+    one, two = occasions
+    stated = bool(one.mounting) and one.mounting == two.mounting
+    return stated or set(result.readings.labels) == set(other.readings.labels)
+
+
+def _unsaid(result: Result, other: Result, occasions: tuple[Occasion, Occasion]) -> str:
+    """Say that errors of the attitude would cancel in one stated mounting; empty where that is no matter."""
+    plan = result.plan
+    known = result.readings.unit != "rad/s" or not any(one != "latitude" for one in earth_along(plan)[1])
+    apart = plan.attitude != other.plan.attitude or occasions[0].remounted(occasions[1])
+    if known or apart or _laid_alike(result, other, occasions):
+        return ""
+    return "; the body counts as laid anew: if it was not, state one mounting in both tests"
+
+
 def _shared(result: Result, other: Result, changes: Changes, occasions: tuple[Occasion, Occasion]) -> set[str]:
     """Return the sources whose error is the same in both tests of a campaign."""
     plan, its = result.plan, other.plan
-    one, two = occasions
-    laid_alike = bool(one.mounting) and one.mounting == two.mounting
-    laid_alike = laid_alike or set(result.readings.labels) == set(other.readings.labels)
+    laid_alike = _laid_alike(result, other, occasions)
     found = set()
     for name, (influence, _) in changes.items():
         if name == f"{EARTH}latitude":
