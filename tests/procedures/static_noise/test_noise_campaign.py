@@ -272,6 +272,28 @@ def test_a_figure_in_doubt_is_no_pass(still: Make) -> None:
     assert x["margin"] == pytest.approx(30.0 - x["interval"]["hi"])
 
 
+def test_a_size_by_each_rule(still: Make) -> None:
+    """Its own interval, stretched by the factor or of the risk; no specific risk, which takes a distribution."""
+    rules = {
+        "simple": '{ rule = "simple_acceptance" }',
+        "guard": '{ rule = "guard_factor", factor = 2 }',
+        "risk": '{ rule = "false_accept_risk", risk = "2 %" }',
+    }
+    asked = 'quantity = "angle_random_walk"\naxis = "x"\nlimit = "30 deg/sqrt(h)"'
+    head = f'[[requirements]]\nid = "{{}}"\n{asked}\ndecision = {{}}\n'
+    more = "".join(head.format(*one) for one in rules.items())
+    rows = run(still(('[[requirements]]\nid = "R1"', f'{more}[[requirements]]\nid = "R1"')), write=False).results[
+        "verdicts"
+    ]
+    found = {one["requirement"]: one for one in rows if one["axis"] == "x"}
+    simple, guard, risk = (found[name] for name in rules)
+    assert simple["accept_upper"] == 30.0
+    assert guard["accept_upper"] == pytest.approx(30.0 - 2.0 * (guard["interval"]["hi"] - guard["value"]))
+    assert simple["accept_upper"] > risk["accept_upper"] > guard["accept_upper"]
+    assert {one["verdict"] for one in (simple, guard, risk)} == {"PASS"}
+    assert {one["risk"] for one in (simple, guard, risk)} == {None}
+
+
 # Bytes and report
 
 

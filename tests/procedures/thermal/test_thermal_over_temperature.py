@@ -5,9 +5,10 @@ from __future__ import annotations
 import pytest
 from thermal_sweeps import plan, readings
 
-from inertialcal.core.judging import parse_condition
+from inertialcal.core.judging import Rule, parse_condition
 from inertialcal.procedures.thermal.over_temperature import judged_over, temperatures_of
 from inertialcal.procedures.thermal.reduction import OfSensor, reduce
+from inertialcal.statistics.guard_band import INTERVAL
 from inertialcal.statistics.intervals import binomial_interval, contains
 
 RAMPS = (-30.0, 67.0)
@@ -18,8 +19,8 @@ def sensor(seed: int = 1, noise: float = 1e-3, offset: float = 0.01) -> OfSensor
     return reduce(plan(order=2), found).sensors["x"]
 
 
-def statuses(one: OfSensor, where: str, limit: float) -> list[str]:
-    places = judged_over(plan(), one.law, "x", "rad/s", parse_condition(where), -limit, limit)
+def statuses(one: OfSensor, where: str, limit: float, rule: Rule = INTERVAL) -> list[str]:
+    places = judged_over(plan(), one.law, "x", "rad/s", parse_condition(where), -limit, limit, rule)
     return [place.status for place in places]
 
 
@@ -44,6 +45,21 @@ def test_pass_fail_and_neither() -> None:
     assert "FAIL" in statuses(one, where, 0.01)
     near = statuses(one, "temperature >= 19 degC and temperature <= 21 degC", 0.004)
     assert set(near) == {"INCONCLUSIVE"}
+
+
+def test_a_range_by_the_rule_that_is_named() -> None:
+    """U is that of the band; a false-accept risk needs no band to PASS; simple acceptance has no third verdict."""
+    one = sensor()
+    where = "temperature >= 19 degC and temperature <= 21 degC"
+    assert statuses(one, where, 0.004, Rule("guard_factor", factor=1.0)) == statuses(one, where, 0.004)
+    assert set(statuses(one, where, 0.004, Rule("simple_acceptance"))) <= {"PASS", "FAIL"}
+    band, each = (
+        next(judged_over(plan(), one.law, "x", "rad/s", parse_condition(where), -1.0, 1.0, rule)).basis
+        for rule in (INTERVAL, Rule("false_accept_risk", risk=0.025))
+    )
+    assert band.accept_upper is not None
+    assert each.accept_upper is not None
+    assert band.accept_upper < each.accept_upper < 1.0
 
 
 def test_a_range_wider_than_the_ramps_is_never_passed() -> None:
