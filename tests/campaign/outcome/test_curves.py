@@ -71,7 +71,7 @@ def test_a_reduced_table_has_its_dwells_and_its_errors_in_the_units_of_the_campa
     found = run(campaign(), write=False).results
     (table,) = named(found, "input_output")
     (error,) = named(found, "rate_error", of="dwell_mean")
-    assert {curve["name"] for curve in found["curves"]} == {"input_output", "rate_error"}
+    assert {curve["name"] for curve in found["curves"]} == {"input_output", "rate_error", "linearity"}
     rows = [line.split(",") for line in (campaign() / "one.csv").read_text().splitlines()[1:]]
     assert (table["test"], table["axis"]) == ("first", "x")
     assert values(table, "applied") == [float(row[0]) for row in rows]
@@ -162,7 +162,14 @@ def test_curves_of_the_file_are_those_of_the_run(results: dict[str, Any], twin: 
 def test_every_curve_and_column_is_in_the_manual(results: dict[str, Any]) -> None:
     page = (Path(__file__).resolve().parents[3] / "docs" / "results.md").read_text(encoding="utf-8")
     columns = {(curve["name"], column) for curve in results["curves"] for column in curve["columns"]}
-    assert {name for name, _ in columns} == {"input_output", "rate_error", "trace", "dwells", "compensated"}
+    assert {name for name, _ in columns} == {
+        "input_output",
+        "rate_error",
+        "linearity",
+        "trace",
+        "dwells",
+        "compensated",
+    }
     for name, column in columns:
         row = next(line for line in page.splitlines() if line.startswith(f"| `{name}` |"))
         assert f"`{column}`" in row, (name, column)

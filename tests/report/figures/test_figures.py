@@ -68,6 +68,17 @@ def input_output(**changes: Any) -> dict[str, Any]:
     return curve("input_output", **columns | changes)
 
 
+def linearity(**changes: Any) -> dict[str, Any]:
+    columns: dict[str, Any] = {
+        "rate": column(RATES, "deg/s"),
+        "deviation": column([0.2, -0.1, 0.0, 0.0, -0.1, 0.2], "%"),
+        "lo": column([0.1, -0.2, -0.1, -0.1, -0.2, 0.1], "%"),
+        "hi": column([0.3, 0.0, 0.1, 0.1, 0.0, 0.3], "%"),
+        "fitted": column([0.19, -0.1, 0.01, 0.01, -0.1, 0.19], "%"),
+    }
+    return curve("linearity", **columns | changes)
+
+
 def errors(**changes: Any) -> dict[str, Any]:
     columns: dict[str, Any] = {
         "rate": column(RATES, "deg/s"),
@@ -168,7 +179,7 @@ LOOP = {"axes": [{"axis": "x", "raw_rms": 0.3891, "compensated_rms": 0.0123, "un
 
 def results() -> dict[str, Any]:
     return {
-        "curves": [input_output(), errors(), *trace(), compensated(), compensated("y"), flip_dwells("y"),
+        "curves": [input_output(), errors(), linearity(), *trace(), compensated(), compensated("y"), flip_dwells("y"),
                    flip_quiet("y"),
                    *copy.deepcopy([*THERMAL_CURVES, *MASS_CURVES, *POSITIONS_CURVES, *planned().results["curves"]]),
                    noise_allan("z"), noise_terms("z"), noise_spectrum("z"), *sine_curves("z")],
@@ -377,6 +388,7 @@ def test_titles_say_the_finding_with_numbers_of_the_results() -> None:
     found = {name: kind.pictures(results())[0].finding for name, kind in figures().items()}
     assert found["compensated"] == "rms error on hold-out dwells: x 0.39 → 0.012 deg/s"
     assert found["input_output"] == "x: 4 dwells within 0.03 deg/s of the line, 2 left out"
+    assert found["linearity"] == "x: 2 of 6 rates off the straight line; largest deviation 0.2 %, at -4 deg/s"
     assert found["rate_error"] == "x: R1 FAIL at 1, INCONCLUSIVE at 1, PASS at 2 of 4 rates"
     assert found["dwells"] == "rec, x: 2 dwells found, 1 of them left out"
     expected = (
@@ -427,7 +439,7 @@ def test_an_empty_matrix_is_refused_in_words() -> None:
 
 @pytest.mark.parametrize("size", [1e-12, 1.0, 1e12])
 @pytest.mark.parametrize("count", [1, 2, 400])
-@pytest.mark.parametrize("name", ["compensated", "input_output", "rate_error", "dwells"])
+@pytest.mark.parametrize("name", ["compensated", "input_output", "rate_error", "linearity", "dwells"])
 def test_one_point_and_many_of_any_size_are_drawn(name: str, count: int, size: float) -> None:
     def resized(values: list[Any]) -> list[Any]:
         grown = (values * (count // len(values) + 1))[:count]

@@ -5,6 +5,9 @@
     is reading minus fitted line; of the rotation of the earth it has what the line expects to read.
 ``rate_error``
     The error in percent of the rate, with its own 95 % interval at each rate.
+``linearity``
+    Mean deviation at each rate from the best straight line, as a part of the largest rate, with the interval that
+    holds for all rates together, and what the fitted line has of asymmetry and curvature there.
 ``trace``, ``dwells``
     Of each recording: least and largest value of each channel per bin, and the dwells that were cut from it, with
     the reading of the sensor about the axis that was turned. Dwells at rest that were subtracted count as used.
@@ -21,8 +24,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...core.curve import Column, Curve
-from ...statistics.intervals import t_interval
+from ...statistics.intervals import band_factor, t_interval
 from .exclusions import exclusions
+from .fit.linearity import deviations
 from .fit.rate_error import Of, RateError, rate_errors
 from .fit.regression import reading_of_line
 from .plan import Plan
@@ -41,7 +45,7 @@ def curves(result: Result, of: Of = "dwell_mean") -> list[Curve]:
     found: list[Curve] = []
     for sensor, one in result.lines.items():
         if sensor in one.axes:
-            found += [input_output(result, sensor), rate_error(result, sensor, of)]
+            found += [input_output(result, sensor), rate_error(result, sensor, of), *linearity(result, sensor)]
     reasons = {sensor: left_out(result.plan, result.readings, sensor) for sensor in result.readings.outputs}
     for one_trace in result.readings.traces:
         found += [*channels(one_trace), dwells(one_trace, reasons[one_trace.sensor])]
@@ -137,6 +141,24 @@ def rate_error(result: Result, sensor: str, of: Of = "dwell_mean") -> Curve:
         },
         of=of,
     )
+
+
+def linearity(result: Result, sensor: str) -> list[Curve]:
+    """Return the deviations from the best straight line, over the largest rate (1); none without scatter."""
+    straight, one = result.straight[sensor], result.lines[sensor]
+    found = deviations(straight, result.full[sensor])
+    if found is None:
+        return []
+    rates, means, sigmas, dof = found
+    half = band_factor(len(rates), dof, 0.95) * sigmas
+    own = straight.readings.axis == sensor
+    bent = one.fit.design @ one.fit.coefficients - straight.fit.design @ straight.fit.coefficients
+    bent = bent - np.mean(bent[own])
+    fitted = np.array([np.mean(bent[own & (straight.readings.applied == rate)]) for rate in rates])
+    scale = float(np.max(np.abs(rates)))
+    parts = {"deviation": means, "lo": means - half, "hi": means + half, "fitted": fitted}
+    columns = {name: Column(values / scale, "1") for name, values in parts.items()}
+    return [Curve("linearity", sensor, {"rate": Column(rates, RATE), **columns})]
 
 
 def _ends(one: RateError) -> tuple[float | None, float | None]:

@@ -24,6 +24,14 @@ FIGURES = (
         top=20,
     ),
     FigureSpec(
+        "linearity",
+        DRAWN + "linearity",
+        "Deviation of {axis} from the best straight line, in percent of the largest rate.",
+        curves={"linearity": "linearity {axis}"},
+        order=115,
+        rank=1,
+    ),
+    FigureSpec(
         "dwells",
         DRAWN + "dwells",
         "The dwells found in one recording with {axis} turned.{note}",

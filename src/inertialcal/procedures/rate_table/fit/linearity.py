@@ -11,11 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....core.estimate import Array
 from ....core.key import Key, Reason
 from ....core.results import Interval, Row, not_estimated
 from ....statistics.intervals import band_factor, coverage_factor
+from ..readings import Readings
 from .regression import Line, dwell_variance, recordings_of
 
 FEW = 3.0  # degrees of freedom that the scatter about a line of its own slope in each recording needs
@@ -37,19 +39,22 @@ def deviations(straight: Line, full: Line | None = None) -> tuple[Array, Array, 
     """Return rates, mean deviations from the line, their u [rad/s] and its degrees of freedom.
 
     None where scatter or rates are too few. The scatter is that of the dwells about ``full``, a line of its own slope
-    in each recording with all curvatures that the rates allow, so that no curvature counts as scatter.
+    in each recording with all curvatures that the rates allow, so that no curvature counts as scatter. Where a rate
+    belongs to few of the recordings, what is theirs cannot be told from a deviation: the scatter is then that of
+    dwells and runs.
     """
     readings = straight.readings
     own = readings.axis == straight.sensor
     rates = np.unique(readings.applied[own])
-    variance = _scatter(straight, full)
+    alike = straight.fit.own and _alike(readings, own)
+    variance = _scatter(straight, full, alike)
     if variance is None or len(rates) < 3 or variance[1] < 1.0:
         return None
     means, sigmas = [], []
     for rate in rates:
         at = own & (readings.applied == rate)
-        means.append(float(np.mean(straight.fit.local[at])))
-        if straight.fit.own:
+        means.append(float(np.mean((straight.fit.local if alike else straight.fit.residuals)[at])))
+        if alike:
             mean = at / np.sum(at)
             taken = straight.fit.basis.T @ mean
             part = float(mean @ mean - taken @ taken)
@@ -61,10 +66,19 @@ def deviations(straight: Line, full: Line | None = None) -> tuple[Array, Array, 
     return rates, np.array(means), np.array(sigmas), variance[1]
 
 
-def _scatter(straight: Line, full: Line | None) -> tuple[float, float] | None:
+def _alike(readings: Readings, own: NDArray[np.bool_]) -> bool:
+    """Tell whether each rate belongs to half of the recordings about the axis or more."""
+    groups = recordings_of(readings)[0][own]
+    rates = np.unique(readings.applied[own], return_inverse=True)[1]
+    pairs = {(int(rate), str(group)) for rate, group in zip(rates, groups, strict=True)}
+    counts = np.bincount([rate for rate, _ in pairs])
+    return bool(2 * np.min(counts) >= len(np.unique(groups)))
+
+
+def _scatter(straight: Line, full: Line | None, alike: bool) -> tuple[float, float] | None:
     """Return the variance of a dwell [(rad/s)^2], and its degrees of freedom."""
     readings = straight.readings
-    if not straight.fit.own:
+    if not alike:
         return dwell_variance(straight.levels, len(readings) / readings.runs if readings.runs else 1.0)
     lines = [straight] if full is None or len(full.readings) != len(readings) else [full, straight]
     for one in lines:
