@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from inertialcal.campaign.engine.engine import prepare
@@ -22,6 +23,7 @@ from inertialcal.procedures.positions.closed_loop import as_read, before_and_aft
 from inertialcal.report.plot import plot
 from inertialcal.rigs.hand_held.rig import Bench, build
 from inertialcal.statistics.closed_loop import judged, overall
+from positions_truths import CUBE, FIXTURE_PLAN
 
 BENCH = Bench(positions=16, dwell=2.5, first=4.0, records=2)
 GYRO = ("gyro x at rest", "gyro y at rest", "gyro z at rest", "gyro, rotations")
@@ -174,3 +176,19 @@ def test_a_mistake_in_the_campaign_is_named(folder: Path, tmp_path: Path, old: s
     with pytest.raises((DataError, PlanError)) as refused:
         run(tmp_path, write=False)
     assert said in str(refused.value)
+
+
+def test_a_unit_laid_anew_is_judged_with_both_mountings() -> None:
+    """The mounting of the fixture is one error in the fit and in what is held out, and two where it was laid anew."""
+    fitted, held = (
+        positions.reduce(FIXTURE_PLAN, positions.simulate(FIXTURE_PLAN, CUBE, np.random.default_rng(seed)))
+        for seed in (1, 2)
+    )
+    one, other = (
+        {loop.axis: loop for loop in loops_of(fitted, [held.readings], "accelerometer", remounted)}
+        for remounted in (False, True)
+    )
+    assert one.keys() == other.keys()
+    wider = [name for name in one if other[name].allowed > 1.2 * one[name].allowed]
+    assert wider  # the length of gravity does not feel a mounting, its components do
+    assert all(other[name].u >= one[name].u for name in one)
