@@ -343,6 +343,8 @@ def _scatter_remarks(result: Result) -> list[Remark]:
             what = f"accelerometer: no face was laid again, so that u of {', '.join(names)} assumes a scatter between "
             what += f"positions of {ASSUMED:g} times the noise inside them"
             do = "Lay each face again: repeats show the scatter along gravity"
+        elif kind == "accelerometer" and laid is not None:
+            do = "Lay each face again, or add columns of the scatter of samples, such as acc_x_std"
         found.append(Remark("scatter_not_judged", "warning", what, do=do))
     if laid is not None and laid.contradicted:
         size = np.degrees(np.sqrt(laid.found.variances[FACE_FOUND]))

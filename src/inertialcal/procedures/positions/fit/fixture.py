@@ -90,7 +90,7 @@ class Laid:
     assumed: bool  # Whether the scatter between positions was not told
     contradicted: bool  # Whether the stated face error is too small for what was read
     hidden: float  # Its variance at most, where it was not [(m/s^2)^2]
-    widened: float  # By which that part of the variance is then multiplied
+    widened: float  # By which the variance along gravity is then multiplied
     design: Array  # shape (3 m, rank): of the fit, linear about the tilts
     readings: Array  # shape (3 m,): the same
     lever: Array  # shape (3 m, 2 m): derivatives of these by the tilts
@@ -234,15 +234,17 @@ def _hidden(inside: Array, most: float) -> tuple[Array, float]:
 def sources_of(laid: Laid, tilts: Tilts) -> list[Source]:
     """Return the sources of the twelve numbers."""
     found, back = laid.found, laid.back
-    stated = {} if laid.contradicted else tilts.stated
+    stated = {name: one for name, one in tilts.stated.items() if name != FACE or not laid.contradicted}
     parts = {name: propagated(back, one) for name, one in (*found.known.items(), *found.unknown.items())}
     cosine = parts.pop(COSINE)
-    if laid.assumed:
-        parts[BETWEEN] = laid.widened * parts[BETWEEN]
     face = FACE if FACE in stated else FACE_FOUND
+    moved = back @ found.gain
+    if laid.assumed and laid.widened > 1.0:  # along gravity; across it, the tilts that were found hold all scatter
+        weights = (laid.widened - 1.0) * np.diag(laid.known[BETWEEN]).reshape(-1, 3)[:, 0]
+        own = np.einsum("qki,ki->qk", moved.reshape(12, -1, 3), tilts.direction)
+        parts[BETWEEN] = parts[BETWEEN] + (own * weights) @ own.T
     exact = {name: one for name, one in parts.items() if name not in stated}
     judged_by = sum((np.diag(one) for one in exact.values()), np.zeros(12))
-    moved = back @ found.gain
     slopes = np.array([np.einsum("qn,nm,qm->q", moved, one, moved) for one in found.patterns.values()]).reshape(-1, 12)
     spread = np.einsum("jq,jk,kq->q", slopes, found.variances_covariance, slopes)
     if face == FACE_FOUND:  # what goes with the square of a variance is known half as well
