@@ -4,8 +4,8 @@ Accelerometers: in every position held out the length of the specific force must
 known each component too. Gyros: each axis at rest must read the earth rate that is known, and in every rotation held
 out gravity, carried by them, must arrive where the accelerometers find it. Squares of errors are paired by position or
 rotation; the scatter of their differences says how well the mean is known. The verdict is that of all models
-(``statistics.closed_loop``); what is common to fit and judgement cancels. Where both state another mounting, the
-fixture's mounting counts as uncertainty, once for each.
+(``statistics.closed_loop``); what is common to fit and judgement cancels, but not a stated prior. Where both state
+another mounting, the fixture's mounting counts as uncertainty, once for each.
 
 Positions of one record count as independent, also where they share a power-up: what differs from power-up to power-up
 is judged by as many draws as there are records held out.
@@ -26,13 +26,16 @@ from ...core.estimate import Array
 from ...core.key import AXES, Kind
 from ...statistics.closed_loop import AxisLoop
 from . import reduction as positions
+from .fit.accelerometer import NOT_DETERMINED
 from .fit.at_rest import earth_in_g
 from .fit.gyro import FittedGyro, problem_of
 from .fit.linear_sensor import LinearSensor
+from .fit.prior import PRIORS
 from .fit.rotations import errors
 from .readings import local_gravity
 
 MOUNTING = "fixture.mounting"
+OF_THE_FIT = {NOT_DETERMINED, *PRIORS.values()}  # Type B, but readings held out do not share them
 Errors = Callable[[Array], Array]  # of the numbers of the model: one row a position or rotation
 
 
@@ -119,7 +122,8 @@ def before_and_after(
     remounted : bool
         The unit was laid anew in between.
     """
-    covariance = sum((one.covariance for one in sensor.sources if one.kind == "A"), np.zeros((len(values),) * 2))
+    own_ones = (one.covariance for one in sensor.sources if one.kind == "A" or one.name in OF_THE_FIT)
+    covariance = sum(own_ones, np.zeros((len(values),) * 2))
     variances, directions = np.linalg.eigh(0.5 * (covariance + covariance.T))
     steps = (directions * np.sqrt(np.maximum(variances, 0.0))).T[variances > 0.0]  # one u along each
     mountings = [

@@ -58,6 +58,7 @@ from .linear_sensor import Observability, observe
 STEPS = 30
 SMALL = 1e-9  # singular value over the largest one: what neither the positions nor the prior determine
 START = 1e-3  # scatter of a length that the first steps take [gravities]
+PRIORS = {name: f"prior.{name}" for name in ("misalignment", "scale_factor_error", "bias")}  # sources, by quantity
 UNIT = {"misalignment": "rad", "scale_factor_error": "1", "bias": "m/s^2"}
 
 
@@ -148,7 +149,7 @@ def fit_prior(plan: Plan, triad: Triad, ideal: Array, zero: Array, without: Fitt
         solved = _solved(theta, r, inside, g, stated, size, most)
     away = lengths(theta, normalised(triad, ideal, zero)[0], g)[0]
     values, to_values = forward(theta, g)
-    influences = {f"prior.{name}": Influence(u, UNIT[name], certificate="stated prior") for name, u in stated.items()}
+    influences = {PRIORS[name]: Influence(u, UNIT[name], certificate="stated prior") for name, u in stated.items()}
     sources = sources_of(found, to_values @ observed.kept, {**plan.standards, **influences}, noise)
     sensor = sensor_of(plan, values, sources, determined_forward(observed.determined), ideal, zero, of_frame=True)
     worth = max(1, round(found.information * float(np.mean(noise + found.between**2)) ** 2))
@@ -171,7 +172,7 @@ def _solved(
     observed = observe(every, NAMES, size / g, LOST, smallest=SMALL)
     if len(r) <= observed.rank - sum(len(q) for _, q in rows.values()):
         return None
-    prior = {f"prior.{name}": (row @ observed.kept, -q) for name, (row, q) in rows.items()}
+    prior = {PRIORS[name]: (row @ observed.kept, -q) for name, (row, q) in rows.items()}
     return observed, fit_with_prior(jacobian @ observed.kept, -e, {INSIDE: noise}, prior, most), noise
 
 
