@@ -79,6 +79,9 @@ show rig_hand_held/out/model.json
 compare rig_{rig} rig_{rig}
 compare rig_{rig}/out/results.json example_npsat2011/out/results.json
 compare rig_{rig}/out rig_{rig}/out --allowed "0.1 %"
+compare rig_{rig}/out rig_{rig}/out --allowed "0.1 %" --decision guard_factor=1
+budget rig_{rig}
+budget rig_{rig}/out/results.json --wanted bias="1 mg" --test model
 score rig_{rig}
 export rig_rate_table --to c -o made.h --unjudged
 """
