@@ -218,6 +218,11 @@ def hands() -> list[Study]:
                   codes),
             Study(f"positions, 10 in a cone, truth {width:g} prior u, no prior", "", case, groups, codes),
         ]  # fmt: skip
+    unit = positions.Unit(upper_triangular=True, bias=0.5, scale=0.03, misalignment=0.02, position=0.003)
+    case = partial(positions.tumbled, unit=unit, positions=12)
+    name = "positions, 12 in a cone, scatter 3 mm/s^2, truth 1 prior u"
+    found += [Study(f"{name}, prior", "", partial(stating, case=case), groups, codes)]
+    found += [Study(f"{name}, no prior", "", case, groups, codes)]
     return found
 
 
