@@ -745,10 +745,14 @@ MUTANTS = (
     ),
     Mutant(
         "linearity.py",
-        "variance[0] * max(1.0 / count - leverage, 0.0)",
-        "variance[0] * (1.0 / count)",
+        "float(mean @ mean - taken @ taken)",
+        "float(mean @ mean)",
         "test_rate_table_closed_forms",
     ),
+    Mutant("own_offsets.py", "len(joined) - 1.0]", "len(joined) - 0.0]", "test_rate_table_offsets"),
+    Mutant("own_offsets.py", "spread + between * np.eye(count)", "spread", "test_rate_table_offsets"),
+    Mutant("quantities.py", "other.size * ", "0.0 * ", "test_rate_table_offsets"),
+    Mutant("regression.py", "1.0 / (within + dwell)", "1.0 + 0.0 * (within + dwell)", "test_rate_table_offsets"),
     Mutant(
         "closed_loop.py",
         "np.mean(delta * (2.0 * error - delta))),\n        float(np.sqrt(variance)),",
