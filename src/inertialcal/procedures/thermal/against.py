@@ -156,7 +156,7 @@ def _joint(result: Result, other: Result, laws: list[Law], rows: list[Array]) ->
     fits = [law.fit for law in laws]
     whitened = np.concatenate([one.design @ one.coefficients + one.residuals for one in fits])
     whole = fit(linalg.block_diag(*(one.design for one in fits)), whitened)
-    spare = [np.zeros((len(row), law.path_order + 1)) for law, row in zip(laws, rows, strict=True)]
+    spare = [np.zeros((len(row), one.coefficients.size - row.shape[1])) for one, row in zip(fits, rows, strict=True)]
     return clustered_contrasts(whole, np.concatenate(labels), np.hstack([rows[0], spare[0], -rows[1], spare[1]]))
 
 

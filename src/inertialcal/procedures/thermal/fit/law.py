@@ -31,6 +31,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
+from ....core.errors import DataError
 from ....core.estimate import Array
 from ....statistics.clustered import clustered_contrasts
 from ....statistics.least_squares import Fit, fit
@@ -42,6 +43,7 @@ Level = Literal["run", "ramp", "block"]
 
 PATH_ORDER = 2  # of D
 BLOCKS = 6  # stretches of a ramp
+GROWN = 2.0  # times the variance of P that a lag in the fit may cost
 ENOUGH = 3  # bins seen on both paths that an order of D needs
 
 
@@ -53,9 +55,11 @@ class Law:
     order: int  # Of P
     path_order: int  # Of D; -1 where there is none
     domain: tuple[float, float]  # Temperatures where P holds [degC]
-    fit: Fit  # Coefficients of P, then of D [unit of the readings]; of whitened cells
+    fit: Fit  # Coefficients of P, then of D [unit of the readings], then the lag where it is in; of whitened cells
+    path_fit: Fit  # The same without the lag: its D is what the paths differ by, whatever the cause
     clusters: Indices  # shape (c,): member of the level that each cell belongs to
     level: Level  # Highest level that was repeated
+    higher: Law | None = None  # With a P of an order that was not chosen, to see what the choice changes
 
     @property
     def coefficients(self) -> Array:
@@ -83,17 +87,17 @@ class Law:
 
     def contrasts(self, rows: Array) -> tuple[Array, Array]:
         """Covariance and degrees of freedom of combinations of P, shapes (m, m) and (m,); dof 0: not known."""
-        return self._of(rows, 0)
+        return self._of(self.fit, rows, 0)
 
     def path_contrasts(self, rows: Array) -> tuple[Array, Array, Array]:
         """Values, covariance and degrees of freedom of combinations of D."""
-        covariance, dof = self._of(rows, self.order + 1)
-        return rows @ self.fit.coefficients[self.order + 1 :], covariance, dof
+        covariance, dof = self._of(self.path_fit, rows, self.order + 1)
+        return rows @ self.path_fit.coefficients[self.order + 1 :], covariance, dof
 
-    def _of(self, rows: Array, start: int) -> tuple[Array, Array]:
-        whole = np.zeros((len(rows), self.fit.coefficients.size))
+    def _of(self, found: Fit, rows: Array, start: int) -> tuple[Array, Array]:
+        whole = np.zeros((len(rows), found.coefficients.size))
         whole[:, start : start + rows.shape[1]] = rows
-        return clustered_contrasts(self.fit, self.clusters, whole)
+        return clustered_contrasts(found, self.clusters, whole)
 
 
 def law_of(cells: Cells, order: int) -> Law:
@@ -108,16 +112,44 @@ def law_of(cells: Cells, order: int) -> Law:
     domain = cells.range
     columns = design(cells, order, path_order, domain)
     names = [f"T_{k}" for k in range(order + 1)] + [f"D_{k}" for k in range(path_order + 1)]
-    if cells.runs >= 2:
-        found = fit_with_offsets(columns, cells.reading, cells.weight, cells.run, names)
-    else:
-        root = np.sqrt(cells.weight)
-        found = fit(columns * root[:, None], cells.reading * root, names=names)
+    alone = _fitted(cells, columns, names)
+    behind = _with_lag(cells, columns, names, alone, order, domain)
     for level, clusters in _levels(cells):
-        one = Law(cells, order, path_order, domain, found, clusters, level)
+        one = Law(cells, order, path_order, domain, behind, alone, clusters, level)
         if level == "block" or np.all(one.contrasts(np.eye(order + 1))[1] > 0.0):
             return one
     raise AssertionError("blocks come last")
+
+
+def _fitted(cells: Cells, columns: Array, names: Sequence[str]) -> Fit:
+    if cells.runs >= 2:
+        return fit_with_offsets(columns, cells.reading, cells.weight, cells.run, names)
+    root = np.sqrt(cells.weight)
+    return fit(columns * root[:, None], cells.reading * root, names=names)
+
+
+def _with_lag(
+    cells: Cells, columns: Array, names: Sequence[str], alone: Fit, order: int, domain: tuple[float, float]
+) -> Fit:
+    """Return the fit with a thermal lag in it, where the cells tell it apart; else that without.
+
+    Where warming and cooling went at different rates, or over different ranges, a lag does not cancel midway.
+    """
+    if len(names) == order + 1 or order == 0 or not np.isfinite(cells.rate).all():
+        return alone
+    try:
+        found = _fitted(cells, np.column_stack([columns, lag_column(cells, alone.coefficients[: order + 1], domain)]),
+                        [*names, "lag"])  # fmt: skip
+    except DataError:
+        return alone
+    grown = np.sum(found.transform[: order + 1] ** 2, axis=1) / np.sum(alone.transform[: order + 1] ** 2, axis=1)
+    return found if np.all(grown < GROWN) else alone
+
+
+def lag_column(cells: Cells, coefficients: Array, domain: tuple[float, float]) -> Array:
+    """Return what a lag of one second changes each cell by, with the slope of a first P, shape (c,)."""
+    slope = chebyshev.chebval(_scaled(cells.temperature, domain), chebyshev.chebder(coefficients))
+    return np.asarray(-slope * 2.0 / (domain[1] - domain[0]) * cells.rate)
 
 
 def path_order_of(cells: Cells) -> int:

@@ -26,7 +26,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.polynomial import chebyshev
 
 from ....core.errors import DataError
 from ....core.estimate import Array
@@ -34,7 +33,7 @@ from ....statistics.clustered import clustered_contrasts
 from ....statistics.intervals import ends, t_interval
 from ....statistics.least_squares import fit
 from .cells import Cells
-from .law import Law, design
+from .law import Law, design, lag_column
 
 Word = Literal["yes", "no", "unclear"]
 
@@ -152,16 +151,13 @@ def _not_told() -> tuple[PathEffect, PathEffect]:
 def _columns(law: Law) -> tuple[Array, list[str], int]:
     """Return the design of the module head, its names, and where H begins: P, H, lag, then drift and offset of runs."""
     cells, k = law.cells, law.order + 1
-    width = 0.5 * (law.domain[1] - law.domain[0])
-    s = (cells.temperature - law.domain[0]) / width - 1.0
-    slope = np.asarray(chebyshev.chebval(s, chebyshev.chebder(law.coefficients))) / width
     runs, number = np.unique(cells.run, return_inverse=True)
     each = np.eye(len(runs))[number]
     middle = np.bincount(number, cells.time) / np.bincount(number)
     scale = max(float(np.ptp(cells.time)), 1.0)
     drift = each * ((cells.time - middle[number]) / scale)[:, None]
     own = design(cells, law.order, law.path_order, law.domain)
-    columns = np.column_stack([own, -slope * cells.rate, drift, each[:, 1:]])
+    columns = np.column_stack([own, lag_column(cells, law.coefficients, law.domain), drift, each[:, 1:]])
     names = [f"P{i}" for i in range(k)] + [f"H{i}" for i in range(law.path_order + 1)] + ["lag"]
     names += [f"drift {i}" for i in range(len(runs))] + [f"offset {i}" for i in range(1, len(runs))]
     return columns, names, k

@@ -21,10 +21,11 @@ one path
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.polynomial import chebyshev
+from scipy import linalg
 
 from ....core.estimate import Array, Component, Estimate
 from ....core.influence import Influence
@@ -53,6 +54,7 @@ class Asked:
     units: tuple[str, ...]  # SI
     rows: Array  # shape (m, order + 1): values are ``rows @ coefficients``
     by_temperature: bool = True  # Whether they hold over temperature, and not over the channel's own volts
+    changes: Array | None = None  # shape (m,): values of a higher order of P less these; None where the order was given
 
 
 def at_degrees(temperature: float) -> At:
@@ -69,6 +71,20 @@ def power_unit(unit: str, by: str, power: int) -> str:
 
 def asked_of(plan: Plan, law: Law, axis: str, unit: str, quantity: str = "bias") -> list[Asked]:
     """Return what is wanted of a law: coefficients over temperature, values at temperatures, the same over volts."""
+    found = _by_order(plan, law, axis, unit, quantity)
+    if law.higher is None:
+        return found
+    other = {
+        key: row @ law.higher.coefficients
+        for one in _by_order(plan, law.higher, axis, unit, quantity)
+        for key, row in zip(one.keys, one.rows, strict=True)
+    }
+    return [
+        replace(one, changes=np.array([other[key] for key in one.keys]) - one.rows @ law.coefficients) for one in found
+    ]
+
+
+def _by_order(plan: Plan, law: Law, axis: str, unit: str, quantity: str) -> list[Asked]:
     powers = powers_of(law.order, law.domain, plan.reference_temperature)
     keys = [Key(quantity, axis), *(Key(f"{quantity}_temperature", axis, power=j) for j in range(1, law.order + 1))]
     units = tuple(power_unit(unit, "degC", j) for j in range(law.order + 1))
@@ -103,6 +119,9 @@ def bias_at(plan: Plan, law: Law, axis: str, unit: str, temperatures: Array) -> 
     """Return the bias at temperatures inside the range of a law, in order; None where it has no uncertainty."""
     keys = tuple(Key("bias", axis, at=At("place", i, "")) for i in range(len(temperatures)))
     asked = Asked(keys, (unit,) * len(temperatures), law.basis(temperatures))
+    if law.higher is not None:
+        other = law.higher.basis(temperatures) @ law.higher.coefficients
+        asked = replace(asked, changes=other - asked.rows @ law.coefficients)
     found = estimate(plan, {axis: law}, {axis: [asked]}, unit)
     return found if found is not None and len(found.names) == len(temperatures) else None
 
@@ -118,6 +137,7 @@ class _Part:
     dof: Array
     changes: Mapping[str, Array]
     level: str
+    choice: Array  # What a higher order of P changes
 
 
 def estimate(plan: Plan, laws: Mapping[str, Law], asked: Mapping[str, list[Asked]], unit: str) -> Estimate | None:
@@ -142,6 +162,9 @@ def estimate(plan: Plan, laws: Mapping[str, Law], asked: Mapping[str, list[Asked
         return None
     keys = tuple(key for part in parts for key in part.keys)
     components = [_type_a(plan, parts, len(keys)), *_type_b(plan, parts, unit)]
+    choice = linalg.block_diag(*(part.choice for part in parts))  # a row a sensor
+    if choice.any():
+        components.insert(1, Component(Origin("order of the polynomial", level="hidden"), "A", choice.T @ choice))
     values = np.concatenate([part.values for part in parts])
     return Estimate(keys, values, tuple(u for part in parts for u in part.units), tuple(components))
 
@@ -150,7 +173,9 @@ def _joined(asked: Iterable[Asked]) -> tuple[Asked, Array]:
     every = list(asked)
     over = np.concatenate([np.full(len(one.rows), one.by_temperature) for one in every])
     keys = tuple(key for one in every for key in one.keys)
-    return Asked(keys, tuple(u for one in every for u in one.units), np.vstack([one.rows for one in every])), over
+    changes = None if every[0].changes is None else np.concatenate([one.changes for one in every])
+    rows, units = np.vstack([one.rows for one in every]), tuple(u for one in every for u in one.units)
+    return Asked(keys, units, rows, changes=changes), over
 
 
 def _part(plan: Plan, law: Law, axis: str, joined: tuple[Asked, Array], unit: str) -> _Part:
@@ -175,6 +200,7 @@ def _part(plan: Plan, law: Law, axis: str, joined: tuple[Asked, Array], unit: st
         dof[known],
         {name: change[:, known] for name, change in changes.items()},
         (plan.run_level if law.level == "run" and plan.run_level == "recording" else law.level),
+        (np.zeros(len(raw)) if asked.changes is None else asked.changes)[known],
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from .order import Choice, choose_order
 from .paths import Paths, paths_of
 from .start_up import StartUp, start_up_of
 
+NEXT = 2  # orders above the one chosen that the interval allows for
 BINS_AN_ORDER = 3  # that a polynomial needs for each order
 REFERENCE_ORDER = 3  # largest that comes into question for a reference voltage
 
@@ -60,6 +61,9 @@ def reduce_sensor(plan: Plan, readings: Readings, axis: str) -> OfSensor:
     choice = choose_order(cells, max(_largest(cells, plan.largest_order), plan.order or 0), plan.order)
     if law.cells is not cells or law.order != choice.order:
         law = law_of(cells, choice.order)
+    highest = min(choice.order + NEXT, _largest(cells, plan.largest_order + NEXT))
+    if choice.held_out != "given" and highest > choice.order:
+        law = replace(law, higher=law_of(cells, highest))
     references = _references(plan, readings, series, start_up.cut)
     remarks = (
         *disagreements(axis, law.cells, readings),
@@ -94,7 +98,7 @@ def run_offsets(law: Law) -> Array:
     cells = law.cells
     fitted = np.einsum("ij,j->i", law.basis(cells.temperature), law.coefficients)
     if law.midway:
-        ways = law.fit.coefficients[law.order + 1 :]
+        ways = law.path_fit.coefficients[law.order + 1 :]
         fitted = fitted + 0.5 * cells.path * np.einsum("ij,j->i", law.path_basis(cells.temperature), ways)
     number = np.unique(cells.run, return_inverse=True)[1]
     left = cells.weight * (cells.reading - fitted)
