@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -29,14 +31,14 @@ def test_without_noise_the_transient_is_found() -> None:
 
 
 def test_settled_is_where_less_than_the_tolerance_is_left() -> None:
-    one = WarmUp(-0.03, 200.0, np.diag([1e-8, 4.0]), np.array([4.0, 4.0]), "run")
+    one = WarmUp(-0.03, 200.0, np.diag([1e-8, 4.0]), np.array([4.0, 4.0]), "run", 0.001, resolved=True)
     t = one.settled_after(1e-3)
     assert 0.03 * np.exp(-t / 200.0) == pytest.approx(1e-3)
     u, dof = one.u_settled_after(1e-3)
     step = 1e-6
     slopes = [
-        (WarmUp(-0.03 - step, 200.0, one.covariance, one.dof, "run").settled_after(1e-3) - t) / -step,
-        (WarmUp(-0.03, 200.0 + step, one.covariance, one.dof, "run").settled_after(1e-3) - t) / step,
+        (replace(one, change=-0.03 - step).settled_after(1e-3) - t) / -step,
+        (replace(one, time_constant=200.0 + step).settled_after(1e-3) - t) / step,
     ]
     assert u == pytest.approx(np.sqrt(slopes[0] ** 2 * 1e-8 + slopes[1] ** 2 * 4.0), rel=1e-3)
     assert dof == 4.0
@@ -71,3 +73,26 @@ def test_no_transient_is_not_seen() -> None:
 def test_too_few_readings_are_refused() -> None:
     with pytest.raises(DataError, match="5 readings after a power-up, need 12"):
         find_warm_up(np.arange(5.0), np.zeros(5), np.zeros(5))
+
+
+@pytest.mark.parametrize("runs", [2, 5])
+@pytest.mark.parametrize("walk", [0.0, 0.2])
+def test_a_transient_is_found_where_there_is_none_in_five_percent(runs: int, walk: float) -> None:
+    """Exact in slow noise too, which within a record looks like a transient: Student's t over the power-ups."""
+    t = np.arange(5.0, 900.0, 30.0)
+    alarms, n = 0, 300
+    for seed in range(n):
+        noise = np.random.default_rng(seed).standard_normal((2, runs, t.size))
+        y = noise[0] + walk * np.cumsum(noise[1], axis=1)
+        alarms += find_warm_up(np.tile(t, runs), y.ravel(), np.repeat(np.arange(runs), t.size)).identified
+    low, high = binomial_interval(alarms, n)
+    assert low <= 0.05 <= high
+
+
+def test_a_transient_longer_than_the_record_is_found_without_figures() -> None:
+    t = np.arange(5.0, 900.0, 10.0)
+    rng = np.random.default_rng(3)
+    y = np.concatenate([np.exp(-t / 3000.0) + 1e-3 * rng.standard_normal(t.size) for _ in range(5)])
+    found = find_warm_up(np.tile(t, 5), y, np.repeat(np.arange(5), t.size))
+    assert found.identified
+    assert not found.resolved

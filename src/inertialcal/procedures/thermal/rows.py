@@ -34,6 +34,7 @@ ONE_RUN = Reason("one_run", "needs two runs or more: one run does not show the s
 GRAVITY = Reason("gravity", "the reading at rest includes gravity along the axis")
 BLOCKS = "from one run: excludes scatter between power-ups and drift slower than a sixth of a ramp"
 SAME = Reason("no_scatter", "all runs have the same offset")
+LONG = Reason("warm_up_long", "the start-up takes longer than the stay at the first temperature: stay longer")
 QUIET = "no transient after power-up above the noise"
 RAMPS = "from one run: excludes scatter between power-ups"
 
@@ -173,6 +174,8 @@ def _start_up_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
     if found is None or not found.identified:
         reason = Reason("no_transient", start.reason if found is None else QUIET)
         yield from (not_estimated(Key(name, axis), its, reason) for name, its in names)
+    elif not found.resolved:
+        yield from (not_estimated(Key(name, axis), its, LONG) for name, its in names)
     else:
         values, us = (found.change, found.time_constant), np.sqrt(np.diag(found.covariance))
         for (name, its), value, u, dof in zip(names, values, us, found.dof, strict=True):
@@ -195,7 +198,7 @@ def _cut_row(result: Result, axis: str, one: OfSensor) -> Row:
     if not found.identified or start.cut <= 0.0:
         return Row(key, 0.0, None, "s", status="not_estimated", reason=Reason("none_left_out", "nothing left out"))
     u, dof = found.u_settled_after(start.settled)
-    if not dof > 0.0:
+    if not (dof > 0.0 and found.resolved):
         return Row(key, start.cut, None, "s", status="not_estimated", reason=told)
     return Row(key, start.cut, u, "s", dof, t_interval(start.cut, u, dof), reason=told)
 

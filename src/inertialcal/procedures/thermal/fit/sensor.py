@@ -161,4 +161,11 @@ def _of_start_up(plan: Plan, readings: Readings, axis: str, start_up: StartUp) -
         what = f"no start-up could be looked for: {start_up.reason}"
         do = "Stay at the first temperature after power-up, or give plan.warm_up"
         return [Remark("warm_up_unknown", "warning", what, readings.where, do=do)]
+    if found.identified and not found.resolved:
+        what = (
+            f"{axis} sensor: the start-up takes longer than the stay at the first temperature: what is left of it is in"
+        )
+        what += " slope, hysteresis and thermal lag"
+        do = "Stay at the first temperature for four time constants, or give plan.warm_up"
+        return [Remark("warm_up_long", "warning", what, readings.where, do=do)]
     return []
