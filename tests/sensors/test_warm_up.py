@@ -10,7 +10,7 @@ import pytest
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
 from inertialcal.sensors.warm_up import WarmUp, find_warm_up
-from inertialcal.statistics.intervals import contains, covers, t_interval
+from inertialcal.statistics.intervals import binomial_interval, contains, covers, t_interval
 
 A, TAU, NOISE = 0.02, 150.0, 0.0008
 

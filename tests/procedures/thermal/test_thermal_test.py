@@ -328,9 +328,9 @@ def offset(T: Array) -> Array:
 
 
 def test_the_offset_of_two_conditions_has_the_scatter_of_both() -> None:
-    air = reduce(plan(at=AT), readings(cubic, noise=1e-3, offset=0.005, seed=1))
+    air = reduce(plan(at=AT, order=3), readings(cubic, noise=1e-3, offset=0.005, seed=1))
     named = replace(vacuum_readings(), sweeps=tuple(replace(s, run=f"v{s.run}") for s in vacuum_readings().sweeps))
-    vacuum = reduce(plan(at=AT), named)
+    vacuum = reduce(plan(at=AT, order=3), named)
     found = {str(r.case): r for r in offset_rows(vacuum, air, "air", "vacuum_offset") if r.quantity == "vacuum_offset"}
     for T in AT:
         one = found[f"{T:g} degC"]

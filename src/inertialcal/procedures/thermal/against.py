@@ -34,7 +34,7 @@ from ...statistics.difference import changes_left
 from ...statistics.intervals import chi_square_interval
 from ...statistics.least_squares import fit
 from .fit.law import Law
-from .fit.quantities import SOURCES, at_degrees, earth_along
+from .fit.quantities import ORDER, SOURCES, at_degrees, earth_along
 from .fit.sensor import OfSensor
 from .rows import ONE_RUN, SAME, estimate_row
 
@@ -125,7 +125,9 @@ def _difference(
     mine, its = (
         _changes(one, law, row, axis, known) for one, law, row in zip((result, other), laws, rows, strict=True)
     )
-    components = [*scatter, *_type_b(mine, its, _shared(result, other, mine, occasions))]
+    order = (laws[0].changed(places) - laws[1].changed(places))[known]
+    chosen = [Component(ORDER, "A", np.outer(order, order))] if order.any() else []
+    components = [*scatter, *chosen, *_type_b(mine, its, _shared(result, other, mine, occasions))]
     if unit == "rad/s":
         values = values - (earth_along(result.plan)[0] - earth_along(other.plan)[0])[AXES.index(axis)]
     return Estimate(names, values[known], (unit,) * len(names), tuple(components)), list(known)

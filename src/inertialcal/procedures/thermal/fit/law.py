@@ -85,6 +85,13 @@ class Law:
         """Return the row of D at each temperature, shape (m, path_order + 1)."""
         return np.atleast_2d(chebyshev.chebvander(_scaled(temperature, self.domain), self.path_order))
 
+    def changed(self, temperature: ArrayLike) -> Array:
+        """Return P of the higher order less this P at each temperature, shape (m,); zero where the order was given."""
+        if self.higher is None:
+            return np.zeros(np.size(temperature))
+        high = self.higher
+        return np.asarray(high.basis(temperature) @ high.coefficients - self.basis(temperature) @ self.coefficients)
+
     def contrasts(self, rows: Array) -> tuple[Array, Array]:
         """Covariance and degrees of freedom of combinations of P, shapes (m, m) and (m,); dof 0: not known."""
         return self._of(self.fit, rows, 0)

@@ -46,6 +46,9 @@ SOURCES = {
 }
 
 
+ORDER = Origin("order of the polynomial", level="hidden")
+
+
 @dataclass(frozen=True, eq=False)
 class Asked:
     """Values that are linear in the coefficients of P."""
@@ -118,10 +121,7 @@ def _over_volts(law: Law, axis: str, unit: str, channel: Thermometer, volts_per_
 def bias_at(plan: Plan, law: Law, axis: str, unit: str, temperatures: Array) -> Estimate | None:
     """Return the bias at temperatures inside the range of a law, in order; None where it has no uncertainty."""
     keys = tuple(Key("bias", axis, at=At("place", i, "")) for i in range(len(temperatures)))
-    asked = Asked(keys, (unit,) * len(temperatures), law.basis(temperatures))
-    if law.higher is not None:
-        other = law.higher.basis(temperatures) @ law.higher.coefficients
-        asked = replace(asked, changes=other - asked.rows @ law.coefficients)
+    asked = Asked(keys, (unit,) * len(temperatures), law.basis(temperatures), changes=law.changed(temperatures))
     found = estimate(plan, {axis: law}, {axis: [asked]}, unit)
     return found if found is not None and len(found.names) == len(temperatures) else None
 
@@ -164,7 +164,7 @@ def estimate(plan: Plan, laws: Mapping[str, Law], asked: Mapping[str, list[Asked
     components = [_type_a(plan, parts, len(keys)), *_type_b(plan, parts, unit)]
     choice = linalg.block_diag(*(part.choice for part in parts))  # a row a sensor
     if choice.any():
-        components.insert(1, Component(Origin("order of the polynomial", level="hidden"), "A", choice.T @ choice))
+        components.insert(1, Component(ORDER, "A", choice.T @ choice))
     values = np.concatenate([part.values for part in parts])
     return Estimate(keys, values, tuple(u for part in parts for u in part.units), tuple(components))
 
