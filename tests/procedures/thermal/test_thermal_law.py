@@ -16,6 +16,7 @@ from inertialcal.procedures.thermal.fit.law import law_of
 from inertialcal.procedures.thermal.fit.order import choose_order
 from inertialcal.procedures.thermal.reduction import Readings, reduce
 from inertialcal.sensors.thermal import powers_of
+from inertialcal.statistics.intervals import contains
 
 CUBIC = (0.03, -3e-3, 1.6e-5, -2e-7)
 SMALL = 1e-9
@@ -225,3 +226,22 @@ def test_refusals() -> None:
         reduce(plan(turn_over=80.0), Readings((sweep("a", t, T, T),)))
     with pytest.raises(DataError, match="no sensor was read"):
         reduce(plan(), Readings(()))
+
+
+def test_the_interval_allows_for_the_choice_of_the_order() -> None:
+    """A cubic term too small to be chosen: of a parabola alone the slope would be off by up to three half widths."""
+    held = 0
+    small = (0.02, 2e-4, 3e-6, 1.5e-8)
+    for seed in range(1, 13):
+        given = readings(lambda T: np.asarray(polynomial.polyval(T - 20.0, small)), noise=2e-3, seed=seed)
+        found = reduce(plan(), given)
+        row = next(one for one in found.rows() if str(one.key) == "bias_temperature_1_x")
+        held += row.interval is not None and contains(row.interval, small[1])
+        alone = found.sensors["x"].law
+        assert found.estimate is not None
+        sources = [str(one.origin) for one in found.estimate.components]
+        assert ("order of the polynomial" in sources) == (alone.higher is not None)
+    assert held >= 10
+    told = reduce(plan(order=3), given)
+    assert told.estimate is not None
+    assert "order of the polynomial" not in [str(one.origin) for one in told.estimate.components]

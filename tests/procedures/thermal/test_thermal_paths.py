@@ -108,3 +108,37 @@ def test_the_gap_may_change_over_temperature() -> None:
     assert one.paths.difference.value == pytest.approx(mean, rel=0.02)
     at = np.array([-20.0, 20.0, 60.0])
     assert one.law.basis(at) @ one.law.coefficients == pytest.approx(polynomial.polyval(at - 20.0, CUBIC), abs=5e-5)
+
+
+def slow_one_way(lag: float, runs: int = 5) -> Readings:
+    """Runs that warm slowly and cool fast over one half of the range: midway, a lag does not cancel."""
+    rng = np.random.default_rng(6)
+    sweeps = []
+    for number in range(runs):
+        knots, levels = [0.0], [23.0]
+        for level, rate in ((-30.0, 0.05), (67.0, 0.02), (-30.0, 0.05), (67.0, 0.01), (23.0, 0.05)):
+            knots.append(knots[-1] + abs(level - levels[-1]) / rate)
+            levels.append(level)
+        t = np.arange(10.0, knots[-1], 20.0)
+        behind, step = np.empty(int(knots[-1])), 1.0 - np.exp(-1.0 / lag)
+        behind[0] = 23.0
+        outside = np.interp(np.arange(behind.size), knots, levels)
+        for i in range(1, behind.size):
+            behind[i] = behind[i - 1] + step * (outside[i] - behind[i - 1])
+        T = np.interp(t, knots, levels)
+        y = polynomial.polyval(np.interp(t, np.arange(behind.size), behind) - 20.0, CUBIC)
+        sweeps.append(sweep(f"r{number}", t, T, y + rng.normal(0.0, NOISE, T.size) + rng.normal(0.0, 1e-3)))
+    return Readings(tuple(sweeps))
+
+
+def test_a_lag_that_does_not_cancel_midway_is_taken_out_of_the_polynomial() -> None:
+    found = reduce(plan(), slow_one_way(60.0))
+    assert found.sensors["x"].paths.lag.value == pytest.approx(60.0, rel=0.05)
+    slope = next(row for row in found.rows() if str(row.key) == "bias_temperature_1_x")
+    assert slope.value == pytest.approx(CUBIC[1], abs=5e-6)  # 3e-5 off without the lag
+
+
+def test_two_runs_of_one_loop_at_one_rate_are_unclear_whatever_the_order() -> None:
+    paths = reduced(readings((0.02, 0.02), lag=60.0), order=5).paths
+    assert paths.hysteresis.value is None
+    assert "two rates" in paths.hysteresis.reason

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import signal
 
 from ....core.errors import DataError
 from ....core.estimate import Array
@@ -28,6 +29,7 @@ Mask = NDArray[np.bool_]
 
 SPARSE = 0.2  # of the samples of the median cell: a cell with fewer is left out
 FEWEST = 3  # samples of a cell
+STEPS, LONGEST = 20.0, 1e6  # of a lag, and of a run, that the temperature is filtered in
 NARROW = 1e-3  # of the range of all samples: cells inside it are at one temperature
 
 
@@ -45,6 +47,29 @@ class Series:
     path: Indices  # shape (n,) or (c,): 1 warming, -1 cooling, 0 on no ramp
     span: tuple[float, float]  # Ends of the temperature over all recordings [degC]
     turn_over: float  # [degC]
+    rate: Array | None = None  # shape (n,): of the temperature, as a lag smooths it [degC/s]; None: by the cells alone
+
+    def smoothed(self, lag: float) -> Series:
+        """Return the same with the rate that an element behind by a lag sees: thermometer less element, over the lag.
+
+        On a long ramp it is the rate of the ramp; after a turn it gets there in some lags.
+        """
+        rate = np.full(len(self.time), np.nan)
+        for run in np.unique(self.run):
+            own = np.flatnonzero((self.run == run) & np.isfinite(self.time) & np.isfinite(self.temperature))
+            if len(own) < FEWEST:
+                continue
+            own = own[np.argsort(self.time[own], kind="stable")]
+            t, T = self.time[own], self.temperature[own]
+            step = max(min(float(np.median(np.diff(t))), lag / STEPS), float(np.ptp(t)) / LONGEST)
+            if step > 0.0:
+                even = np.arange(t[0], t[-1] + step, step)
+                there = np.interp(even, t, T) - T[0]
+                kept = np.exp(-step / lag)
+                new = 1.0 - lag / step * (1.0 - kept)  # weight of the newer end of a ramp
+                behind = signal.lfilter([new, 1.0 - kept - new], [1.0, -kept], there)
+                rate[own] = np.interp(t, even, there - behind) / lag
+        return replace(self, rate=rate)
 
     def of(self, reading: Array) -> Series:
         """Return the same times and temperatures with another reading."""
@@ -192,6 +217,8 @@ def _gathered(plan: Plan, series: Series, used: Indices) -> Cells:
     along = np.divide(cov_Ty**2, var_T, out=np.zeros_like(count), where=var_T > 0.0)
     free = np.maximum(count - 2.0, 1.0)
     rate = np.divide(cov_Tt, var_t, out=np.full(len(count), np.nan), where=var_t > 0.0)
+    if series.rate is not None:
+        rate = np.bincount(cell, series.rate[used]) / count
     head = used[first]
     return Cells(
         mean_T,

@@ -34,6 +34,7 @@ from numpy.typing import ArrayLike
 from ....core.errors import DataError
 from ....core.estimate import Array
 from ....statistics.clustered import clustered_contrasts
+from ....statistics.intervals import coverage_factor
 from ....statistics.least_squares import Fit, fit
 from ....statistics.polynomial import Polynomial
 from ....statistics.random_offsets import fit_with_offsets
@@ -79,11 +80,11 @@ class Law:
 
     def basis(self, temperature: ArrayLike) -> Array:
         """Return the row of P at each temperature, shape (m, order + 1)."""
-        return np.atleast_2d(chebyshev.chebvander(_scaled(temperature, self.domain), self.order))
+        return series_rows(temperature, self.domain, self.order)
 
     def path_basis(self, temperature: ArrayLike) -> Array:
         """Return the row of D at each temperature, shape (m, path_order + 1)."""
-        return np.atleast_2d(chebyshev.chebvander(_scaled(temperature, self.domain), self.path_order))
+        return series_rows(temperature, self.domain, self.path_order)
 
     def changed(self, temperature: ArrayLike) -> Array:
         """Return P of the higher order less this P at each temperature, shape (m,); zero where the order was given."""
@@ -120,7 +121,7 @@ def law_of(cells: Cells, order: int) -> Law:
     columns = design(cells, order, path_order, domain)
     names = [f"T_{k}" for k in range(order + 1)] + [f"D_{k}" for k in range(path_order + 1)]
     alone = _fitted(cells, columns, names)
-    behind = _with_lag(cells, columns, names, alone, order, domain)
+    behind = alone if path_order < 0 else _with_lag(cells, alone, order, max(path_order, order - 1), domain)
     for level, clusters in _levels(cells):
         one = Law(cells, order, path_order, domain, behind, alone, clusters, level)
         if level == "block" or np.all(one.contrasts(np.eye(order + 1))[1] > 0.0):
@@ -128,29 +129,35 @@ def law_of(cells: Cells, order: int) -> Law:
     raise AssertionError("blocks come last")
 
 
-def _fitted(cells: Cells, columns: Array, names: Sequence[str]) -> Fit:
+def _fitted(cells: Cells, columns: Array, names: Sequence[str] | None = None) -> Fit:
     if cells.runs >= 2:
         return fit_with_offsets(columns, cells.reading, cells.weight, cells.run, names)
     root = np.sqrt(cells.weight)
     return fit(columns * root[:, None], cells.reading * root, names=names)
 
 
-def _with_lag(
-    cells: Cells, columns: Array, names: Sequence[str], alone: Fit, order: int, domain: tuple[float, float]
-) -> Fit:
+def _with_lag(cells: Cells, alone: Fit, order: int, path_order: int, domain: tuple[float, float]) -> Fit:
     """Return the fit with a thermal lag in it, where the cells tell it apart; else that without.
 
-    Where warming and cooling went at different rates, or over different ranges, a lag does not cancel midway.
+    Where warming and cooling went at different rates, or over different ranges, a lag does not cancel midway. It is in
+    where it costs little, or where the runs agree that it is not zero.
     """
-    if len(names) == order + 1 or order == 0 or not np.isfinite(cells.rate).all():
+    if order == 0 or not np.isfinite(cells.rate).all():
         return alone
+    lag = lag_column(cells, alone.coefficients[: order + 1], domain)
+    columns = np.column_stack([design(cells, order, path_order, domain), lag])
     try:
-        found = _fitted(cells, np.column_stack([columns, lag_column(cells, alone.coefficients[: order + 1], domain)]),
-                        [*names, "lag"])  # fmt: skip
+        found = _fitted(cells, columns)
     except DataError:
         return alone
     grown = np.sum(found.transform[: order + 1] ** 2, axis=1) / np.sum(alone.transform[: order + 1] ** 2, axis=1)
-    return found if np.all(grown < GROWN) else alone
+    if np.all(grown < GROWN):
+        return found
+    if cells.runs < 2:
+        return alone
+    covariance, dof = clustered_contrasts(found, cells.run, np.eye(columns.shape[1])[-1:])
+    resolved = dof[0] > 0.0 and abs(found.coefficients[-1]) > coverage_factor(float(dof[0])) * np.sqrt(covariance[0, 0])
+    return found if resolved else alone
 
 
 def lag_column(cells: Cells, coefficients: Array, domain: tuple[float, float]) -> Array:
@@ -182,6 +189,11 @@ def _mean_rows(cells: Cells, order: int, domain: tuple[float, float]) -> Array:
     spread = cells.spread * (2.0 / (domain[1] - domain[0])) ** 2
     bent = chebyshev.chebder(np.eye(order + 1), 2)  # (order - 1, order + 1)
     return np.asarray(rows + 0.5 * spread[:, None] * (chebyshev.chebvander(s, order - 2) @ bent))
+
+
+def series_rows(temperature: ArrayLike, domain: tuple[float, float], order: int) -> Array:
+    """Return the row of a series at each temperature, shape (m, order + 1)."""
+    return np.atleast_2d(chebyshev.chebvander(_scaled(temperature, domain), order))
 
 
 def _scaled(temperature: ArrayLike, domain: tuple[float, float]) -> Array:

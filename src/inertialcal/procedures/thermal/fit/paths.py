@@ -33,7 +33,7 @@ from ....statistics.clustered import clustered_contrasts
 from ....statistics.intervals import ends, t_interval
 from ....statistics.least_squares import fit
 from .cells import Cells
-from .law import Law, design, lag_column
+from .law import Law, design, lag_column, series_rows
 
 Word = Literal["yes", "no", "unclear"]
 
@@ -119,18 +119,19 @@ def _separated(law: Law, loops: int) -> tuple[PathEffect, PathEffect]:
         reason = "no time column: thermal lag and drift look like hysteresis"
     if reason:
         return PathEffect(None, reason=reason), PathEffect(None, reason=reason)
-    columns, names, at = _columns(law)
+    columns, names, behind = _columns(law)
     root = np.sqrt(cells.weight)[:, None]
-    row = np.zeros(columns.shape[1])
-    row[at : at + law.path_order + 1] = law.path_basis(shared_grid(law)).mean(axis=0)
+    row, lag = np.zeros(columns.shape[1]), np.eye(columns.shape[1])[behind]
+    ways = slice(law.order + 1, behind)
+    row[ways] = series_rows(shared_grid(law), law.domain, behind - law.order - 2).mean(axis=0)
     try:
         found = fit(columns * root, cells.reading * root[:, 0], names=names)
     except DataError:
         return _not_told()
-    alone = fit((columns * root)[:, : at + law.path_order + 1], cells.reading * root[:, 0])
-    if _grown(found.transform, row) > MIXED * _grown(alone.transform, row[: at + law.path_order + 1]):
+    alone = fit((columns * root)[:, :behind], cells.reading * root[:, 0])
+    if _grown(found.transform, row) > MIXED * _grown(alone.transform, row[:behind]):
         return _not_told()
-    rows = np.vstack([row, np.eye(columns.shape[1])[at + law.path_order + 1]])
+    rows = np.vstack([row, lag])
     covariance, dof = clustered_contrasts(found, law.clusters, rows)
     values = rows @ found.coefficients
     effects = [
@@ -149,18 +150,21 @@ def _not_told() -> tuple[PathEffect, PathEffect]:
 
 
 def _columns(law: Law) -> tuple[Array, list[str], int]:
-    """Return the design of the module head, its names, and where H begins: P, H, lag, then drift and offset of runs."""
-    cells, k = law.cells, law.order + 1
+    """Return the design of the module head, its names, and which is the lag: P, H, lag, then drift and offset of runs.
+
+    H bends as much as the slope of P can, so that at one rate nothing passes for a lag.
+    """
+    cells, bent = law.cells, max(law.path_order, law.order - 1)
     runs, number = np.unique(cells.run, return_inverse=True)
     each = np.eye(len(runs))[number]
     middle = np.bincount(number, cells.time) / np.bincount(number)
     scale = max(float(np.ptp(cells.time)), 1.0)
     drift = each * ((cells.time - middle[number]) / scale)[:, None]
-    own = design(cells, law.order, law.path_order, law.domain)
+    own = design(cells, law.order, bent, law.domain)
     columns = np.column_stack([own, lag_column(cells, law.coefficients, law.domain), drift, each[:, 1:]])
-    names = [f"P{i}" for i in range(k)] + [f"H{i}" for i in range(law.path_order + 1)] + ["lag"]
+    names = [f"P{i}" for i in range(law.order + 1)] + [f"H{i}" for i in range(bent + 1)] + ["lag"]
     names += [f"drift {i}" for i in range(len(runs))] + [f"offset {i}" for i in range(1, len(runs))]
-    return columns, names, k
+    return columns, names, law.order + bent + 2
 
 
 def _grown(transform: Array, row: Array) -> float:

@@ -19,6 +19,7 @@ from .order import Choice, choose_order
 from .paths import Paths, paths_of
 from .start_up import StartUp, start_up_of
 
+ROUNDS, RESOLVED = 3, 2.0  # of the fit of a lag that stands out by so many standard uncertainties
 NEXT = 2  # orders above the one chosen that the interval allows for
 BINS_AN_ORDER = 3  # that a polynomial needs for each order
 REFERENCE_ORDER = 3  # largest that comes into question for a reference voltage
@@ -61,6 +62,14 @@ def reduce_sensor(plan: Plan, readings: Readings, axis: str) -> OfSensor:
     choice = choose_order(cells, max(_largest(cells, plan.largest_order), plan.order or 0), plan.order)
     if law.cells is not cells or law.order != choice.order:
         law = law_of(cells, choice.order)
+    paths = paths_of(law, plan.no_hysteresis)
+    for _ in range(ROUNDS):
+        lag = paths.lag
+        if lag.value is None or lag.u is None or not lag.value > RESOLVED * lag.u:
+            break
+        cells = cells_of(plan, series.smoothed(lag.value), start_up.cut)
+        law = law_of(cells, choice.order)
+        paths = paths_of(law, plan.no_hysteresis)
     highest = min(choice.order + NEXT, _largest(cells, plan.largest_order + NEXT))
     if choice.held_out != "given" and highest > choice.order:
         law = replace(law, higher=law_of(cells, highest))
@@ -70,7 +79,6 @@ def reduce_sensor(plan: Plan, readings: Readings, axis: str) -> OfSensor:
         *_without_ramp(readings, series),
         *_remarks(plan, readings, axis, law, start_up),
     )
-    paths = paths_of(law, plan.no_hysteresis)
     return OfSensor(series, law, choice, start_up, paths, references, run_offsets(law), remarks)
 
 
