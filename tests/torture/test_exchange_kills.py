@@ -48,7 +48,7 @@ EACH = pytest.mark.parametrize(
 STEP = 1 if FULL else 15  # system calls
 AGAIN = 150 if FULL else 1
 DRAWS, EVERY = (30, 1) if FULL else (1, 5)  # images a system call; of which one in
-RUNS = 500 if FULL else 10
+RUNS = 500 if FULL else 6
 FRESH = 50 if FULL else 1  # of them in a process that starts anew
 
 

@@ -10,7 +10,7 @@ from forked import warm
 from torture import judged_trial, seeds_in
 
 pytestmark = pytest.mark.usefixtures("drawn_anew")  # figures that are kept would be writes outside
-FEW = 30
+FEW = 20
 SOME = 400  # with `make slow`
 
 

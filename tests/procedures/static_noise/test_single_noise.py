@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -250,3 +251,21 @@ def test_the_deviation_and_the_averaging_times_that_are_shown_are_chosen() -> No
     shown = next(one for one in found.results["curves"] if one["name"] == "allan")
     assert shown["of"] == "hadamard"
     assert shown["columns"]["tau"]["values"] == pytest.approx([0.1, 1.0])
+
+
+def test_sensors_with_a_stamp_column_each_have_their_own_interval(tmp_path: Path) -> None:
+    """Noise is that of each sensor by itself: nothing is joined, nothing interpolated."""
+    seconds = np.arange(N) * INTERVAL
+    columns = {"acc_time [s]": seconds, "acc_x [m/s2]": white(1), "gyro_time [s]": 1.5 * seconds + 0.003,
+               "gyro_x [rad/s]": white(2)}  # fmt: skip
+    path = tmp_path / "phone.csv"
+    table = np.column_stack(list(columns.values()))
+    np.savetxt(path, table, fmt="%.9f", delimiter=",", header=",".join(columns), comments="")
+    walk = WALK * factor("deg/sqrt(h)", "rad/sqrt(s)")
+    found = {row.quantity: row for row in ic.allan(path).rows if row.value is not None}
+    for quantity, size, unit in (
+        ("velocity_random_walk", walk, "m/s^1.5"),
+        ("angle_random_walk", walk * np.sqrt(1.5), "rad/sqrt(s)"),
+    ):
+        row = found[quantity]
+        assert row.value == pytest.approx(size / factor(row.unit, unit), rel=0.1)
