@@ -34,7 +34,7 @@ def fields(case: str = "", reason: str = "") -> dict[str, Any]:
 
 def results_text(**members: Any) -> str:
     """Return a ``results.json`` with some members, the others without anything."""
-    objects = ("campaign", "item", "site", "sensors", "influences")
+    objects = ("campaign", "item", "site", "sensors", "influences", "occasions")
     lists = ("standards", "sequence", "exclusions", "results", "covariances", "budgets", "remarks", "verdicts")
     blank: dict[str, Any] = {name: {} for name in objects} | {name: [] for name in (*lists, "verification")}
     loop = {"verdict": "not run", "reason": "", "axes": [], "over_temperature": []}

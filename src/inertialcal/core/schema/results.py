@@ -298,7 +298,7 @@ class Results(Part):
     sensors: dict[str, dict[str, Any]]
     standards: list[Standard]
     influences: dict[str, Influence]
-    occasions: dict[str, Occasion] = Field({}, description="By test, and by model.")
+    occasions: dict[str, Occasion] = Field(description="By test, and by model.")
     sequence: list[Step]
     exclusions: list[Excluded]
     results: list[Figure]
