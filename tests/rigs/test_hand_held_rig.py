@@ -110,8 +110,11 @@ def test_ferraris_turns_have_the_angle_and_the_axis_that_are_told() -> None:
 def test_truth_has_every_parameter_that_the_test_can_tell() -> None:
     values = RIG.twin(1).truth
     kinds = [value.sensor for value in values]
-    assert (kinds.count("accelerometer"), kinds.count("gyro")) == (9, 12 + 9)
-    assert len({(v.quantity, v.axis, v.sensor) for v in values}) == len(values)
+    # The bias of the gyros in the test of the fit and in that held out, which is the next record of the other
+    assert (kinds.count("accelerometer"), kinds.count("gyro")) == (9, 12 + 9 + 3 + 3)
+    assert len({(v.quantity, v.axis, v.sensor, v.test) for v in values}) == len(values)
+    truth = {(v.quantity, v.axis, v.test): v.value for v in values if v.sensor == "gyro"}
+    assert truth["bias_next_record", "x", "imu"] == truth["bias", "x", "imu_held_out"] != truth["bias", "x", "imu"]
     full = build(replace(Bench(), variant="ferraris"), 1).truth
     assert sum(v.sensor == "accelerometer" for v in full) == 12
 

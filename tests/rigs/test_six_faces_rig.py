@@ -95,7 +95,7 @@ def test_from_files_to_a_score(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) 
     assert "FAIL" not in {one["verdict"] for one in outcome.results["closed_loop"]["axes"]}
     assert not outcome.results["remarks"]
     found = score(tmp_path / "d")
-    assert (len(found.rows), found.estimated) == (66, 66)  # of the fit, and of what is held out
+    assert (len(found.rows), found.estimated) == (69, 69)  # of the fit, and of what is held out
     memory = {(one.test.id, row.quantity, row.key.sensor, row.axis): row for one in fitted_tests(build(SHORT, 1))
               for row in one.result.rows() if row.quantity in ("scale_factor_error", "misalignment")}  # fmt: skip
     factor = {"%": 100.0}
