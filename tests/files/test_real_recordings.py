@@ -99,7 +99,7 @@ def test_tofupilot_time_cannot_be_in_ns(data: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "folder", [pytest.param(one, marks=pytest.mark.slow if i % 2 else []) for i, one in enumerate(MPU6050)]
+    "folder", [pytest.param(one, marks=pytest.mark.slow if i % 4 else []) for i, one in enumerate(MPU6050)]
 )
 @pytest.mark.parametrize(
     ("sensor", "kind"), [("gyroscope", "gyro"), ("accelerometer", "acc"), ("temperature", "temperature")]

@@ -18,7 +18,8 @@ def test_a_straight_line_stays_one(seed: int, slope: float, offset: float) -> No
     rng = np.random.default_rng(seed)
     stamps = np.cumsum(rng.integers(9_000_000, 11_000_000, 50))
     onto = np.sort(rng.integers(stamps[0], stamps[-1] + 1, 30))
-    found = interpolated((slope * stamps / 1e8 + offset)[:, None], stamps, onto)
+    values = np.asarray(slope * stamps / 1e8 + offset, dtype=np.float64)[:, None]
+    found = interpolated(values, stamps, onto)
     np.testing.assert_allclose(found[:, 0], slope * onto / 1e8 + offset, atol=1e-12 * 50)
 
 
