@@ -267,6 +267,24 @@ MUTANTS = (
         "test_two_levels",
     ),
     Mutant(
+        "two_levels.py",
+        "gain @ readings + bare @ (rows.T @ expected)",
+        "gain @ readings - bare @ (rows.T @ expected)",
+        "test_two_levels",
+    ),
+    Mutant(
+        "prior.py",
+        "found[quantity] = np.array(rows) / u, np.array(q) / u",
+        "found[quantity] = np.array(rows) * u, np.array(q) * u",
+        "test_positions_prior",
+    ),
+    Mutant(
+        "prior.py",
+        "max(1, round(found.information",
+        "max(9, round(found.information",
+        "test_positions_prior",
+    ),
+    Mutant(
         "slow_noise.py",
         "return (2.0 * _twice_integrated(lag) - ends) / length**2",
         "return (_twice_integrated(lag) - ends) / length**2",

@@ -93,6 +93,10 @@ class TestPrior:
         assert parts["prior.bias"].kind == "B"
         assert parts["prior.bias"].stated == (0.5, "m/s^2")
 
+    def test_a_prior_is_worth_no_degrees_of_freedom_where_it_says_little(self) -> None:
+        assert reduce(PRIOR, rests(3)[0]).acc.free == 1  # ten positions, nine figures
+        assert reduce(PRIOR, rests(3, 14)[0]).acc.free == 5
+
     @pytest.mark.parametrize("positions", [6, 9])
     def test_fewer_positions_than_figures_are_enough(self, positions: int) -> None:
         readings, truth = rests(5, 11)
