@@ -846,16 +846,25 @@ MUTANTS = (
         "test_thermal_test",
     ),
     Mutant(
-        "accelerometer.py",
-        "across = u**2 * (f @ f * np.eye(3) - np.outer(f, f))",
-        "across = u**2 * (f @ f * np.eye(3) + np.outer(f, f))",
-        "test_positions_budget test_positions_propagation",
-    ),
-    Mutant(
-        "accelerometer.py",
+        "fixture.py",
         "design[i::3, 3 * i : 3 * i + 3] = force",
         "design[i::3, 3 * i : 3 * i + 3] = force[:, ::-1]",
         "test_positions_from_twins test_positions_labels",
+    ),
+    Mutant("fixture.py", "g * A @ (T - np.outer(d, a))", "g * A @ (T + np.outer(d, a))", "test_positions_fixture"),
+    Mutant("fixture.py", "axis=1) - 0.5 * own", "axis=1)", "test_positions_fixture"),
+    Mutant("fixture.py", "np.kron(tilts.same, np.eye(2)), LAYING", "np.eye(2 * m), LAYING", "test_positions_fixture"),
+    Mutant(
+        "variance_components.py",
+        "0.5 * float(pull @ one @ pull - np.trace(one))",
+        "0.5 * float(pull @ one @ pull + np.trace(one))",
+        "test_variance_components",
+    ),
+    Mutant(
+        "rotations.py",
+        "u**2 * (float(one @ other) * np.eye(3) - np.outer(other, one))",
+        "u**2 * (float(one @ other) * np.eye(3) + np.outer(other, one))",
+        "test_positions_rotations test_positions_budget",
     ),
     Mutant(
         "accelerometer.py",

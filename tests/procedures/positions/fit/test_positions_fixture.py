@@ -149,3 +149,17 @@ def test_one_position_that_does_not_repeat_is_left_out() -> None:
     mean[9] += [0.0, 0.0, 0.3]
     result = reduce(plan(), replace(readings, acc=replace(readings.acc, mean=mean)))
     assert np.flatnonzero(result.acc.outliers).tolist() == [9]
+
+
+def test_what_a_tilt_does_to_misalignment_it_does_to_the_bias_by_its_cosine() -> None:
+    """Both faces of an axis tilted by s + d and s - d: misalignment is off by d, the bias by - g s d."""
+    s, d = 0.5 * DEGREE, 0.3 * DEGREE
+    tilts = np.zeros((6, 3))
+    tilts[4, 1], tilts[5, 1] = s + d, -(s - d)  # z+ and z- about y: x feels g (s + d), g (s - d)
+    result = reduce(plan(orientation=0.5 * DEGREE), laid(tilts))
+    found = result.estimates["accelerometer"]
+    wrong = {name: float(found.values[found.index(name)]) for name in ("misalignment_xz", "bias_z")}
+    assert wrong == pytest.approx({"misalignment_xz": d, "bias_z": -G * s * d}, rel=0.05)
+    a, b = found.index("misalignment_xz"), found.index("bias_z")
+    slope = found.covariance[a, b] / found.covariance[a, a]
+    assert slope == pytest.approx(-G * s, rel=0.1)
