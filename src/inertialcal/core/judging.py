@@ -142,6 +142,7 @@ class Basis:
     risk: float | None = None
     ratio: float | None = None  # Test uncertainty ratio: span of two limits over 2 U
     compared: Interval | None = None  # Value with its guard band on both sides: what was compared with the limits
+    in_doubt: bool = False  # More than u keeps it from being decided
 
 
 @dataclass(frozen=True)

@@ -35,10 +35,11 @@ class Comparison:
     differences: tuple[Difference, ...]  # In the order of the first
     remarks: tuple[Remark, ...]  # The assumption made, and what it may miss
     inputs: Mapping[str, str]  # SHA-256 of each file
+    rule: Rule = INTERVAL  # By which allowed changes were judged
 
     def parts(self) -> tuple[Block, ...]:
         """Return what is shown: a row a figure, test by test, why others were not compared, how many remarks."""
-        return comparison_parts(self.kind, self.differences, self.remarks, self.verdict)
+        return comparison_parts(self.kind, self.differences, self.remarks, self.verdict, self.rule)
 
     def __str__(self) -> str:
         """Return what is shown as text."""
@@ -120,7 +121,7 @@ def compare(
     each = f"{k} quantities, each judged at {100 * P:g} % by itself: {chance}"
     by_chance = (Remark("judged_by_quantity", "info", each, count=k),) if k > 1 else ()
     everything = (assumed, *by_chance, *common.remarks(pairs), *remarks, *judging)
-    return Comparison(kind, found, everything, {one.path: one.sha256, other.path: other.sha256})
+    return Comparison(kind, found, everything, {one.path: one.sha256, other.path: other.sha256}, rule)
 
 
 def judged(
@@ -197,7 +198,7 @@ JUDGED = ("allowed", "no change")
 
 
 def comparison_parts(
-    kind: str, differences: Sequence[Difference], remarks: Sequence[Remark], verdict: str
+    kind: str, differences: Sequence[Difference], remarks: Sequence[Remark], verdict: str, rule: Rule = INTERVAL
 ) -> tuple[Block, ...]:
     """Return what is shown of a comparison; the columns are fewer than `compare` prints, to fit a notebook.
 
@@ -211,6 +212,8 @@ def comparison_parts(
         Of the comparison.
     verdict : str
         Over all allowed changes; empty where none is stated.
+    rule : Rule
+        By which they were judged.
     """
     shown = [one for one in differences if is_shown(one)]
     judged = any(one.no_change is not None for one in shown)
@@ -223,13 +226,12 @@ def comparison_parts(
     parts += [*reasons, *remarks_line(remarks)]
     if not shown:
         parts.insert(0, "nothing could be compared")
-    return (*parts, *rule_lines(differences), *((f"overall: {verdict}",) if verdict else ()))
+    return (*parts, *rule_lines(rule), *((f"overall: {verdict}",) if verdict else ()))
 
 
-def rule_lines(differences: Sequence[Difference]) -> list[str]:
+def rule_lines(rule: Rule) -> list[str]:
     """Return by which rule changes were judged, in a line; none where it is the interval."""
-    rules = dict.fromkeys(one.no_change.rule for one in differences if one.no_change is not None)
-    return [f"no change by {rule}" for rule in rules if not rule.startswith("JCGM 106")]
+    return [] if rule == INTERVAL else [f"no change by {rule}"]
 
 
 def is_shown(one: Difference) -> bool:

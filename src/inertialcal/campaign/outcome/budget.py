@@ -30,10 +30,6 @@ from .results_file import find_results
 
 MOST = 20.0  # by how much a source may have to improve, to be advised
 LEAST = 1e-3  # share of the variance below which a source is not shown
-REPEATS = {
-    "run": "runs", "dwell": "dwells", "sample": "samples", "flip": "flips", "position": "positions",
-    "rotation": "rotations", "record": "recordings", "recording": "recordings",
-}  # fmt: skip
 Of = tuple[str, Any]  # test and key of a figure
 
 
@@ -59,7 +55,8 @@ class Change:
             return (
                 f"{self.influence} from {number(self.u_from, 3)} to {number(self.u_to, 3)} {_shown(self.unit)}".strip()
             )
-        return f"{self.source}: {_times(self.times)} times as many {REPEATS.get(self.level, 'repeats')}"
+        repeats = "repeats" if self.level in ("", "hidden") else f"{self.level}s"
+        return f"{self.source}: {_times(self.times)} times as many {repeats}"
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as ``--json`` prints it."""

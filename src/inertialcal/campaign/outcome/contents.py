@@ -35,7 +35,7 @@ from ..models.content import closed_loop_content, named_models, parameter_rows
 from ..models.judged import NOT_RUN, JudgedModel
 from .budget import advice, budgeted, deciding_u
 from .exclusions import LeftOut, exclusion_rows, left_out
-from .requirements import IN_DOUBT, judge, margin, rule_text, worst
+from .requirements import judge, margin, rule_text, worst
 
 
 def results_content(
@@ -203,7 +203,7 @@ def _verdict_row(verdict: Verdict, sensor_unit: str, quantity: str) -> dict[str,
 
 def _deciding_u(verdict: Verdict, scale: float) -> float | None:
     """Return what u would decide a single figure; None where u is not what keeps it from being decided."""
-    undecided = verdict.verdict == "INCONCLUSIVE" and verdict.at is None and not verdict.reason.startswith(IN_DOUBT)
+    undecided = verdict.verdict == "INCONCLUSIVE" and verdict.at is None and not verdict.basis.in_doubt
     compared = verdict.basis.compared if undecided else None
     return scaled(deciding_u(verdict.value, verdict.u, compared, verdict.lower, verdict.upper), scale)
 

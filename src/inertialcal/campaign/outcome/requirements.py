@@ -32,7 +32,6 @@ from ..file.schema import Requirement
 
 TOGETHER = "over several rates the 95 % hold for all together"
 OPEN = "OPEN"
-IN_DOUBT = "in doubt: "
 BELOW = "not found; its 95 % upper limit lies inside the limit"
 ONLY = "not found; it has a 95 % upper limit alone, the rule asks for more"
 
@@ -79,9 +78,11 @@ def judge(
         verdicts += _figures(asked, [one for one in about if one.test.procedure in others])
     errors = {one.test.id: one.errors[0].what for one in about if one.errors}
     verdicts = [
-        replace(one, verdict="INCONCLUSIVE", reason=f"{IN_DOUBT}{errors[one.test]}") if one.test in errors else one
+        replace(one, verdict="INCONCLUSIVE", reason=f"in doubt: {errors[one.test]}",
+                basis=replace(one.basis, in_doubt=True, risk=None))
+        if one.test in errors else one
         for one in verdicts
-    ]
+    ]  # fmt: skip
     words = rule_text(rule)
     return [replace(one, basis=replace(one.basis, rule=words)) for one in verdicts or [_open(asked)]], rows
 
@@ -153,7 +154,7 @@ def _figure(asked: Asked, one: ReducedTest, row: Row) -> Verdict:
     found = _decided(one, row, size, lower, upper, asked.rule)
     return Verdict(
         *head, found.interval, lower, upper, *_doubted(found.status, found.reason, doubt), sensor=row.key.sensor,
-        basis=found.basis,
+        basis=replace(found.basis, in_doubt=True, risk=None) if doubt else found.basis,
     )  # fmt: skip
 
 
@@ -168,7 +169,7 @@ def _doubted(status: str, reason: str, doubt: str) -> tuple[str, str]:
     """Return verdict and reason: no PASS by a figure that may not hold."""
     if not doubt:
         return status, reason
-    said = f"{IN_DOUBT}{doubt}"
+    said = f"in doubt: {doubt}"
     return ("INCONCLUSIVE", said) if status == "PASS" else (status, f"{reason}; {said}" if reason else said)
 
 

@@ -44,7 +44,7 @@ def comparison_text(found: Comparison) -> str:
     reasons = [wrapped(f"  {reason}", "    ") for reason in not_compared(found.differences)]
     blocks = [_figures(found), *reasons, *_beside(found)]
     blocks += list(remarks_text([remark.to_dict() for remark in found.remarks]))
-    blocks += [wrapped(line) for line in rule_lines(found.differences)]
+    blocks += [wrapped(line) for line in rule_lines(found.rule)]
     if found.verdict:
         blocks.append(f"overall: {found.verdict}")
     return "\n".join(block for block in blocks if block)
