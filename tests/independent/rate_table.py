@@ -89,6 +89,9 @@ def truth_of(gyros: Gyros, unit: Drawn, protocol: Protocol) -> dict[str, float]:
     truth: dict[str, float] = {}
     for i, sensor in enumerate(AXES):
         truth[f"bias {sensor}"] = gyros.bias[i]
+        if sensor in protocol.axes and any(gyros.k2 + gyros.k3):
+            truth[f"second_order {sensor}"] = gyros.k2[i]
+            truth[f"third_order {sensor}"] = gyros.k3[i]
         for j, axis in enumerate(AXES):
             if i == j and axis in protocol.axes:
                 truth[f"scale_factor_error {sensor}"] = 100.0 * (unit.matrix[i, i] - 1.0)

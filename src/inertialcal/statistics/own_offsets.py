@@ -37,6 +37,7 @@ from .random_offsets import whitened, whitening
 NEGLIGIBLE = 1e-9  # part of a column that varies within the groups, below which they cannot tell it
 ROUNDING = 1e-12  # of the largest variance, added to all
 HALVINGS = 60
+MANY = 100  # clusters, from which on their scatter alone is the uncertainty of their mean
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +50,8 @@ class OwnOffsets:
     solve: Array  # (p, n): ``coefficients = solve @ readings``
     repeated: NDArray[np.bool_]  # (p,): whether two clusters or more decide it
     local: Array  # (n,): residuals, the offset of their group taken off
-    basis: Array  # (n, q): orthonormal, of all that was fitted to the (weighted) readings
+    numbers: NDArray[np.intp]  # (n,): group of each
+    basis: Array  # (n, q): orthonormal, of the slopes within the groups
     mean_square: float  # of readings of weight 1 within the groups
     spare: float  # its degrees of freedom
 
@@ -82,32 +84,36 @@ def fit_own_offsets(
     solve = whitening(within.transform @ within.basis.T, weights, numbers, np.inf)
     # Intercepts of the groups, then of the clusters, as combinations of the readings
     total = np.bincount(numbers, weights)
-    average = np.zeros((len(first), len(readings)))
-    average[numbers, np.arange(len(readings))] = weights / total[numbers]
-    place = average @ slopes
-    joined, unseen = _clusters(
-        clusters[first], mean_square / total + np.einsum("gi,ij,gj->g", place, covariance, place)
+    means = _averages(np.column_stack([slopes, readings]), weights, numbers)
+    place, level = means[:, :-1], means[:, -1]
+    at = np.unique(clusters[first], return_inverse=True)[1]
+    share = _shares(mean_square / total + np.einsum("gi,ij,gj->g", place, covariance, place), at)
+    joined = np.column_stack([np.bincount(at, share * column) for column in place.T])
+    weight, variance = _mean(
+        np.bincount(at, share * level) - joined @ within.coefficients,
+        np.bincount(at, share**2 * mean_square / total),
+        joined,
+        covariance,
     )
-    share, variance = _mean(
-        joined @ (average @ readings - place @ within.coefficients),
-        joined @ (np.diag(mean_square / total) + place @ covariance @ place.T) @ joined.T,
-    )
-    of_groups = share @ joined
-    cross = -of_groups @ place @ covariance
-    groups_basis = np.sqrt(weights / total[numbers])[:, None] * np.eye(len(first))[numbers]
+    of_groups, seen = weight[at] * share, len(weight) > 1
+    cross = -(of_groups @ place) @ covariance
     return OwnOffsets(
-        np.concatenate(
-            [[of_groups @ average @ readings - of_groups @ place @ within.coefficients], within.coefficients]
-        ),
+        np.concatenate([[of_groups @ level - of_groups @ place @ within.coefficients], within.coefficients]),
         np.block([[np.array([[variance]]), cross[None]], [cross[:, None], covariance]]),
-        np.concatenate([[float(spare) if unseen else len(joined) - 1.0], dof]),
-        np.vstack([of_groups @ average - of_groups @ place @ solve, solve]),
-        np.concatenate([[not unseen], repeated]),
+        np.concatenate([[len(weight) - 1.0 if seen else float(spare)], dof]),
+        np.vstack([(of_groups / total)[numbers] * weights - of_groups @ place @ solve, solve]),
+        np.concatenate([[seen], repeated]),
         within.residuals / np.sqrt(weights),
-        np.column_stack([groups_basis, within.basis]),
+        numbers,
+        within.basis,
         mean_square,
         float(spare),
     )
+
+
+def _averages(columns: Array, weights: Array, numbers: NDArray[np.intp]) -> Array:
+    sums = [np.bincount(numbers, column * weights) for column in columns.T]
+    return np.asarray(np.column_stack(sums) / np.bincount(numbers, weights)[:, None])
 
 
 def _told(within: Array, slopes: Array, weights: Array) -> bool:
@@ -137,22 +143,28 @@ def _of_slopes(
     return unit * np.sqrt(np.outer(variance, variance)), np.where(repeated, freedom, dof), repeated
 
 
-def _clusters(labels: NDArray[Any], variances: Array) -> tuple[Array, bool]:
-    """Return the weights of the groups in the mean of their cluster, (K, G), and whether there is one cluster only."""
-    at = np.unique(labels, return_inverse=True)[1]
-    joined = np.zeros((int(at.max()) + 1, len(at)))
+def _shares(variances: Array, at: NDArray[np.intp]) -> Array:
+    """Return the weight of each group in the mean of its cluster."""
     largest = float(np.max(variances))
-    joined[at, np.arange(len(at))] = 1.0 / (variances / largest + ROUNDING) if largest > 0.0 else 1.0
-    return joined / joined.sum(axis=1, keepdims=True), len(joined) < 2
+    weights = 1.0 / (variances / largest + ROUNDING) if largest > 0.0 else np.ones(len(at))
+    return np.asarray(weights / np.bincount(at, weights)[at])
 
 
-def _mean(values: Array, covariance: Array) -> tuple[Array, float]:
-    """Return the weights of the mean of values that scatter more than their covariance says, and its variance."""
+def _mean(values: Array, own: Array, place: Array, slopes: Array) -> tuple[Array, float]:
+    """Return the weights of the mean of values that scatter more than their errors say, and its variance.
+
+    Their covariance is ``diag(own) + place @ slopes @ place.T``. Many weigh alike, with the scatter that they have.
+    """
     count = len(values)
-    scale = max(float(np.max(np.diag(covariance))), float(np.var(values)))
+    middle = np.mean(place, axis=0)
+    shared = float(middle @ slopes @ middle)
+    scale = max(float(np.max(own)), float(np.var(values)))
     if count < 2 or scale == 0.0:
-        return np.full(count, 1.0 / count), float(np.mean(covariance))
-    unit, spread = values / np.sqrt(scale), covariance / scale + ROUNDING * np.eye(count)
+        return np.full(count, 1.0 / count), shared + float(np.mean(own)) / count
+    if count > MANY:
+        return np.full(count, 1.0 / count), shared + float(np.var(values, ddof=1)) / count
+    unit = values / np.sqrt(scale)
+    spread = (np.diag(own) + place @ slopes @ place.T) / scale + ROUNDING * np.eye(count)
 
     def weighed(between: float) -> tuple[float, Array, float]:
         inverse = np.linalg.inv(spread + between * np.eye(count))
@@ -163,7 +175,7 @@ def _mean(values: Array, covariance: Array) -> tuple[Array, float]:
     low, high = 0.0, 10.0 * count
     if weighed(0.0)[0] > 1.0:
         for _ in range(HALVINGS):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if weighed(middle)[0] > 1.0 else (low, middle)
+            half = 0.5 * (low + high)
+            low, high = (half, high) if weighed(half)[0] > 1.0 else (low, half)
     _, share, variance = weighed(low)
     return share, variance

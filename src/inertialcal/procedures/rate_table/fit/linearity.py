@@ -20,6 +20,7 @@ from ....statistics.intervals import band_factor, coverage_factor
 from ..readings import Readings
 from .regression import Line, dwell_variance, recordings_of
 
+ROUNDING = 1e-9  # part of a column that varies beside the lines of the recordings, below which it does not
 FEW = 3.0  # degrees of freedom that the scatter about a line of its own slope in each recording needs
 
 
@@ -55,7 +56,7 @@ def deviations(straight: Line, full: Line | None = None) -> tuple[Array, Array, 
         at = own & (readings.applied == rate)
         means.append(float(np.mean((straight.fit.local if alike else straight.fit.residuals)[at])))
         if alike:
-            mean = at / np.sum(at)
+            mean = _about_means(at / np.sum(at), straight.fit.groups)
             taken = straight.fit.basis.T @ mean
             part = float(mean @ mean - taken @ taken)
         else:
@@ -82,18 +83,32 @@ def _scatter(straight: Line, full: Line | None, alike: bool) -> tuple[float, flo
         return dwell_variance(straight.levels, len(readings) / readings.runs if readings.runs else 1.0)
     lines = [straight] if full is None or len(full.readings) != len(readings) else [full, straight]
     for one in lines:
-        groups = np.unique(recordings_of(readings)[0], return_inverse=True)[1]
-        each = np.eye(groups.max() + 1)[groups]
-        columns = np.column_stack([each, each * readings.applied[:, None], one.fit.design[:, 1:]])
-        size = np.linalg.norm(columns, axis=0)
-        left, singular, _ = np.linalg.svd(columns[:, size > 0.0] / size[size > 0.0], full_matrices=False)
-        basis = left[:, singular > singular[0] * 1e-10]
-        dof = len(readings) - basis.shape[1]
-        residuals = one.fit.local - basis @ (basis.T @ one.fit.local)
+        groups = one.fit.groups
+        x = _about_means(readings.applied, groups)
+        square = np.bincount(groups, x**2)
+        columns = [_beside(column, x, square, groups) for column in one.fit.design[:, 1:].T]
+        left = _beside(one.fit.local, x, square, groups)
+        others = np.column_stack(columns)
+        size = np.linalg.norm(others, axis=0)
+        varies = size > ROUNDING * np.linalg.norm(one.fit.design[:, 1:], axis=0)
+        basis, singular, _ = np.linalg.svd(others[:, varies] / size[varies], full_matrices=False)
+        basis = basis[:, singular > ROUNDING]
+        dof = len(readings) - len(square) - np.count_nonzero(square) - basis.shape[1]
+        residuals = left - basis @ (basis.T @ left)
         if dof >= FEW:
             return float(residuals @ residuals) / dof, float(dof)
     fit = straight.fit
     return None if fit.mean_square is None else (float(fit.local @ fit.local) / fit.dof, fit.dof)
+
+
+def _about_means(values: Array, groups: NDArray[np.intp]) -> Array:
+    return np.asarray(values - (np.bincount(groups, values) / np.bincount(groups))[groups])
+
+
+def _beside(values: Array, x: Array, square: Array, groups: NDArray[np.intp]) -> Array:
+    """Return values less a line in x of its own in each group; x about its mean there."""
+    slope = np.bincount(groups, values * x) / np.where(square > 0.0, square, 1.0)
+    return np.asarray(_about_means(values, groups) - slope[groups] * x)
 
 
 def largest_deviation(straight: Line, full: Line | None = None) -> Deviation | None:

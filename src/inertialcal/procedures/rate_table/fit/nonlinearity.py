@@ -13,8 +13,8 @@ neither
     taken as 0.
 
 Assumed: the scatter behind ``u`` of the terms. Not held: (1) a term of 0.5 to 2 times its own u is mostly taken as 0,
-and no choice by the data can do better: the asymmetry's interval then holds the truth in 25 to 70 % (K2), that of the
-scale factor in 55 to 85 % (K3); ``nonlinearity = "always"`` holds 95 % whatever the terms are; (2) terms above the
+and no choice by the data can do better: the asymmetry's interval then holds the truth in 20 to 56 % (K2), that of the
+scale factor in 50 to 84 % (K3); ``nonlinearity = "always"`` holds 95 % whatever the terms are; (2) terms above the
 third order; (3) saturation, which looks like K3.
 """
 

@@ -28,7 +28,7 @@ differences cut at zero).
 
 Not held: (1) a scale factor that differs from power-up to power-up, each axis turned in one: its interval holds the
 truth of that power-up; (2) one recording an axis whose bias walks while the rates rise in order: with a walk of half
-the scatter of a dwell from dwell to dwell, 90 % of the intervals of the scale factor hold; (3) scatter that grows with
+the scatter of a dwell from dwell to dwell, 88 % of the intervals of the scale factor hold; (3) scatter that grows with
 the rate, one recording an axis.
 
 References
@@ -43,6 +43,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....core.errors import DataError
 from ....core.estimate import Array
@@ -84,7 +85,8 @@ class Solution:
     residuals: Array  # shape (n,): reading less line, the offset of its recording included [rad/s]
     local: Array  # shape (n,): the same without that offset, where recordings have intercepts of their own [rad/s]
     leverage: Array  # shape (n,): change of the fitted value with its own reading
-    basis: Array  # shape (n, q): orthonormal, of all that was fitted
+    basis: Array  # shape (n, q): orthonormal, of all that was fitted beside the intercepts of recordings
+    groups: NDArray[np.intp]  # shape (n,): number of the recording of each dwell
     mean_square: float | None  # of ``local`` [(rad/s)^2]; None where nothing is left
     dof: float  # of it
     own: bool  # Whether recordings have intercepts of their own
@@ -183,17 +185,17 @@ def _solved(readings: Readings, sensor: str, columns: Array, y: Array, plain: Fi
     white = fit(whitened(columns, weights, numbers, ratio), whitened(y[:, None], weights, numbers, ratio)[:, 0])
     many = readings.runs >= MANY and own is not None and _cost(own, white) > COST
     if own is None or many:
-        return _with_random_offsets(readings, sensor, columns, y, white, whitening(
-            white.transform @ white.basis.T, weights, numbers, ratio
-        ))  # fmt: skip
+        solve = whitening(white.transform @ white.basis.T, weights, numbers, ratio)
+        return _with_random_offsets(readings, sensor, columns, y, white, solve, numbers)
     found = Solution(
         own.coefficients,
         own.solve,
         columns,
         y - columns @ own.coefficients,
         own.local,
-        np.sum(own.basis**2, axis=1),
+        np.sum(own.basis**2, axis=1) + weights / np.bincount(numbers, weights)[numbers],
         own.basis,
+        numbers,
         own.mean_square,
         own.spare,
         True,
@@ -208,12 +210,14 @@ def _cost(own: OwnOffsets, white: Fit) -> float:
     return float(np.max(size / np.sqrt(np.sum(white.transform[1:] ** 2, axis=1))))
 
 
-def _with_random_offsets(readings: Readings, sensor: str, columns: Array, y: Array, white: Fit, solve: Array) -> Solved:
+def _with_random_offsets(
+    readings: Readings, sensor: str, columns: Array, y: Array, white: Fit, solve: Array, numbers: NDArray[np.intp]
+) -> Solved:
     """Return a line with one intercept, the offsets of recordings a random effect, or in the scatter."""
     residuals = y - columns @ white.coefficients
     found = Solution(
-        white.coefficients, solve, columns, residuals, residuals, white.leverage, white.basis, white.mean_square,
-        white.dof, False,
+        white.coefficients, solve, columns, residuals, residuals, white.leverage, white.basis, numbers,
+        white.mean_square, white.dof, False,
     )  # fmt: skip
     p = len(white.coefficients)
     if readings.runs >= 2 and white.dof > 0:
@@ -246,7 +250,7 @@ def _weights(readings: Readings, sensor: str, columns: Array, y: Array, groups: 
 
     def left(dwell: float) -> float:
         weights = 1.0 / (within + dwell)
-        own = fit_own_offsets(columns[:, 1:], y, groups, groups, weights)
+        own = fit_own_offsets(columns[:, 1:], y, groups, np.zeros(len(y)), weights)
         return 0.0 if own is None else own.mean_square - 1.0
 
     low, high = 0.0, float(np.var(y - columns @ np.linalg.lstsq(columns, y, rcond=None)[0])) * len(y)
