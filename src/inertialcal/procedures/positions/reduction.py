@@ -39,7 +39,7 @@ from .fit.accelerometer import FEWEST, Fitted, among, fit_known, fit_unknown
 from .fit.at_rest import apart, at_rest, joined
 from .fit.gyro import FittedGyro, fit_gyro, problem_of
 from .fit.linear_sensor import rounded_scale, with_ideal
-from .fit.next_record import FEW, NO_TIME, NextRecord, rests_of, slow_noise_of
+from .fit.next_record import FEW, NO_TIME, UNJUDGED, NextRecord, rests_of, slow_noise_of
 from .fit.prior import Judgement, check_prior, fit_prior
 from .orientations import check_names, missing_faces
 from .plan import INFLUENCES, Plan
@@ -183,8 +183,10 @@ def _next_accelerometers(readings: Readings, fitted: Fitted, final: Fitted) -> N
     rests, own = rests_of(readings), fitted.wandering
     if rests is None:
         return NO_TIME
-    slow = None if own is None else slow_noise_of(own.seen, rests)
-    if slow is None or own is None:
+    if own is None:
+        return UNJUDGED if fitted.free else FEW
+    slow = slow_noise_of(own.seen, rests)
+    if slow is None:
         return FEW
     u, dof = np.array([slow.next_record(own.gain[k], k, float(own.noise[k])) for k in range(3)]).T
     return NextRecord(u * fitted.sensor.ideal / final.sensor.ideal, dof)

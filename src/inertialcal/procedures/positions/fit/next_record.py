@@ -17,9 +17,9 @@ What is assumed: the noise goes on as it is, without power-down between; before 
 another of its own order (s^-0.15 ds), and one in nine slow noises is a random walk. What the uncertainty means: half
 of the interval of 95 % over Student's t: the wander from this record to the next and the noise of this record's means.
 
-Three ways in which real data break it (figures: 3,000 axes each, in the manual's page): a random walk of the rate goes
-on (held out to two record lengths, not to ten); the bias drifts on with temperature (not held: the change is
-unbounded); the sensor is switched off between (turn-on bias is not seen at all).
+Three ways in which real data break it (figures in the manual): a random walk of the rate goes on (held by the record
+that follows, not five record lengths later); the bias drifts on with temperature (not held beyond the record that
+follows); the sensor is switched off between (turn-on bias is not seen at all).
 
 References
 ----------
@@ -50,6 +50,9 @@ SMALLEST, LARGEST = 0.05, 30.0  # size, of the noise that is known and of the la
 FEWEST = 4  # contrasts that show a slow noise
 EXACT = 1e-6  # of the residuals: least noise that is known
 
+UNJUDGED = Reason(
+    "not_judged", "the scatter between positions is assumed, or rests on a prior: nothing shows its wander"
+)
 SECONDS = 1e-9  # of a nanosecond
 NO_TIME = Reason("no_time", "the readings have no time stamps: nothing says how the bias wanders from rest to rest")
 FEW = Reason("too_few_positions", f"fewer than {FEWEST} readings beyond the unknowns: they do not show how it wanders")
