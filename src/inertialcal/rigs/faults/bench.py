@@ -70,7 +70,7 @@ def turn_on(scene: Scene, size: float) -> None:
 def gyro_flicker(scene: Scene, size: float) -> None:
     """Add flicker noise to the gyros: its Allan deviation at the floor [deg/h].
 
-    The bias of a test is then its mean while the unit rests; that of a next record is as another draw has it.
+    The bias of a test is then its mean while the unit rests.
     """
     h = np.radians(size / 3600.0) ** 2 / FLOOR
     added: dict[str, list[tuple[Array, int]]] = {}
@@ -84,14 +84,16 @@ def gyro_flicker(scene: Scene, size: float) -> None:
         for signal, own in zip(gyros, slow.T, strict=True):
             scene.shift(signal, own * signal.per_si)
     means = {test: np.sum([one for one, _ in own], axis=0) / sum(n for _, n in own) for test, own in added.items()}
-    scene.truth[:] = [one for true in scene.truth for one in _at_rest(true, means)]
+    scene.truth = tuple(one for true in scene.truth for one in _at_rest(true, means))
 
 
 def _at_rest(true: TrueValue, means: Mapping[str, Array]) -> list[TrueValue]:
-    """Return the bias of a gyro in each test; any other truth as it is."""
-    if (true.sensor, true.quantity) != ("gyro", "bias"):
+    """Return the bias of a gyro in each test, and in the last as the next record of another; any other truth as it is."""
+    if true.sensor != "gyro" or true.quantity not in ("bias", "bias_next_record"):
         return [true]
     k = AXES.index(true.axis)
+    if true.quantity == "bias_next_record":
+        return [replace(true, value=true.value + float(list(means.values())[-1][k]))]
     wanted = means if not true.test else {true.test: means.get(true.test, np.zeros(3))}
     return [replace(true, value=true.value + float(mean[k]), test=test) for test, mean in wanted.items()]
 

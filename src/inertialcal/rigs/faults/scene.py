@@ -41,7 +41,7 @@ def spoiled(twin: Twin, fault: Fault, size: float) -> Twin:
         scene.spoiled.clear()  # one as well as the other
     return replace(
         twin, campaign=scene.campaign, recordings=scene.recordings, extras=scene.extras, texts=scene.texts,
-        truth=tuple(scene.truth),
+        truth=scene.truth,
         spoiled=tuple(dict.fromkeys(scene.spoiled)),
     )  # fmt: skip
 
@@ -98,7 +98,6 @@ class Scene:
         self.recordings = dict(twin.recordings)
         self.extras: dict[str, Extra] = dict(twin.extras)
         self.texts = dict(twin.texts)
-        self.truth = list(twin.truth)
         self.spoiled: list[str] = []
         self.rng = np.random.default_rng([twin.seed, zlib.crc32(twin.fault.encode())])
 

@@ -50,9 +50,7 @@ SMALLEST, LARGEST = 0.05, 30.0  # size, of the noise that is known and of the la
 FEWEST = 4  # contrasts that show a slow noise
 EXACT = 1e-6  # of the residuals: least noise that is known
 
-UNJUDGED = Reason(
-    "not_judged", "the scatter between positions is assumed, or rests on a prior: nothing shows its wander"
-)
+UNJUDGED = Reason("not_judged", "the scatter between positions is assumed or rests on a prior: no wander shows")
 SECONDS = 1e-9  # of a nanosecond
 NO_TIME = Reason("no_time", "the readings have no time stamps: nothing says how the bias wanders from rest to rest")
 FEW = Reason("too_few_positions", f"fewer than {FEWEST} readings beyond the unknowns: they do not show how it wanders")
