@@ -181,7 +181,7 @@ def _changes(result: Result, law: Law, rows: Array, axis: str, known: NDArray[np
         for source, one in earth_along(result.plan)[1].items():
             along = -one.patterns[:, [AXES.index(axis)]]
             if np.any(along):
-                found[f"{EARTH}{source}"] = one.influence, np.repeat(along, int(known.sum()), axis=1)
+                found[EARTH + source] = one.influence, np.repeat(along, int(known.sum()), axis=1)
     return found
 
 
@@ -208,9 +208,9 @@ def _shared(result: Result, other: Result, changes: Changes, occasions: tuple[Oc
     laid_alike = _laid_alike(result, other, occasions)
     found = set()
     for name, (influence, _) in changes.items():
-        if name == f"{EARTH}latitude":
+        if name == EARTH + "latitude":
             same = plan.latitude == its.latitude
-        elif name.startswith(EARTH):  # errors of the attitude
+        elif name not in WORDS:  # errors of the attitude
             same = laid_alike and plan.attitude == its.attitude and plan.latitude == its.latitude
         else:
             labels = [each.drew(influence.redrawn_by) for each in occasions]
