@@ -17,11 +17,11 @@ ramp
 block
     else: six stretches of each ramp. Noise and drift that are slower than a stretch are not in it.
 
-It is assumed that power-ups are alike and independent, and that P, D, the lag and the start-up are the same in all. What
-all runs share no scatter shows: three such ways in which real tests break this, each simulated (five runs, 100 seeds).
-A term of P that was not chosen: slope 53 % held, with ``higher`` 94 %. A lag of 300 s where the paths went at different
-rates: slope 77 %, with the lag in the fit 98 %. A start-up longer than the stay before the first ramp (3600 s, 1800 s):
-slope 55 %, lag 17 %; it has the remark ``warm_up_long``.
+It is assumed that power-ups are alike and independent, and that P, D, the lag and the start-up are the same in all.
+What all runs share no scatter shows: three such ways in which real tests break this, each simulated (five runs, 100
+seeds). A term of P that was not chosen: the slope's interval held 53 %, with ``higher`` 94 %. A lag of 300 s where the
+paths went at different rates: slope 77 %, with the lag in the fit 98 %. A start-up longer than the stay before the
+first ramp (3600 s, 1800 s): slope 55 %, lag 17 %; it has the remark ``warm_up_long``.
 
 Where a combination rests on one run, or ramp, alone, it has no degrees of freedom at that level: the level below is
 taken where it can tell all of P, else the value stays without uncertainty.
