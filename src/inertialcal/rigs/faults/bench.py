@@ -88,7 +88,7 @@ def gyro_flicker(scene: Scene, size: float) -> None:
 
 
 def _at_rest(true: TrueValue, means: Mapping[str, Array]) -> list[TrueValue]:
-    """Return the bias of a gyro in each test, and in the last as the next record of another; any other truth as it is."""
+    """Return the bias of a gyro in each test, in the last as the next record of another; other truths as they are."""
     if true.sensor != "gyro" or true.quantity not in ("bias", "bias_next_record"):
         return [true]
     k = AXES.index(true.axis)
