@@ -88,10 +88,10 @@ def fit_own_offsets(
     place, level = means[:, :-1], means[:, -1]
     at = np.unique(clusters[first], return_inverse=True)[1]
     share = _shares(mean_square / total + np.einsum("gi,ij,gj->g", place, covariance, place), at)
-    joined = np.column_stack([np.bincount(at, share * column) for column in place.T])
+    joined = _sums(share[:, None] * place, at)
     weight, variance = _mean(
         np.bincount(at, share * level) - joined @ within.coefficients,
-        np.bincount(at, share**2 * mean_square / total),
+        np.asarray(np.bincount(at, share**2 * mean_square / total), dtype=np.float64),
         joined,
         covariance,
     )
@@ -111,9 +111,12 @@ def fit_own_offsets(
     )
 
 
+def _sums(columns: Array, numbers: NDArray[np.intp]) -> Array:
+    return np.asarray(np.column_stack([np.bincount(numbers, column) for column in columns.T]), dtype=np.float64)
+
+
 def _averages(columns: Array, weights: Array, numbers: NDArray[np.intp]) -> Array:
-    sums = [np.bincount(numbers, column * weights) for column in columns.T]
-    return np.asarray(np.column_stack(sums) / np.bincount(numbers, weights)[:, None])
+    return _sums(columns * weights[:, None], numbers) / np.bincount(numbers, weights)[:, None]
 
 
 def _told(within: Array, slopes: Array, weights: Array) -> bool:

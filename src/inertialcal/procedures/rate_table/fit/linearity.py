@@ -85,7 +85,7 @@ def _scatter(straight: Line, full: Line | None, alike: bool) -> tuple[float, flo
     for one in lines:
         groups = one.fit.groups
         x = _about_means(readings.applied, groups)
-        square = np.bincount(groups, x**2)
+        square: Array = np.asarray(np.bincount(groups, x**2), dtype=np.float64)
         columns = [_beside(column, x, square, groups) for column in one.fit.design[:, 1:].T]
         left = _beside(one.fit.local, x, square, groups)
         others = np.column_stack(columns)
