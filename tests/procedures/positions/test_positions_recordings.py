@@ -197,8 +197,8 @@ class TestFerraris:
         own = result.gyro.sensor.matrix * result.gyro.sensor.ideal[:, None]
         assert own == pytest.approx(closed.K_g[:, None] * closed.R_g, abs=3e-3 * closed.K_g.max())
         assert "turn_sense" in {one.code for one in result.remarks}
-        why = {row.reason.text for row in result.rows() if row.key.sensor == "gyro" and row.quantity == "misalignment"}
-        assert why == {"no rotation was repeated, and turn.angle and fixture.orientation are not both stated"}
+        why = {row.reason.code for row in result.rows() if row.key.sensor == "gyro" and row.quantity == "misalignment"}
+        assert why == {"nothing_left"}
 
     @pytest.mark.parametrize(("rate", "suspect"), [(102.4, False), (204.8, True)])
     def test_twice_the_sample_rate_is_remarked(self, shared: Path, rate: float, suspect: bool) -> None:
