@@ -35,10 +35,10 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TextIO
 
-from . import bases, variations
 from .case import Case
-from .clean import CODES, KINDS, MOST
 from .faults import FAULTS, Fault, spoiled
+from .records import bases, variations
+from .records.clean import CODES, KINDS, MOST
 from .trial import Outcome, changed, hits, kept, tried, verdict
 
 BASES = bases.BASES | variations.BASES

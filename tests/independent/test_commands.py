@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from . import moved_mass
-from .bases import BASES
 from .coverage import HEAD, binomial, keeps, lines
 from .gate import ALL, tried_clean, tried_lines
+from .records.bases import BASES
 from .studies import Figure, Study, Tried, every, like
 from .trial import hits, tried
 

@@ -9,11 +9,11 @@ import pytest
 
 import inertialcal
 
-from .bases import SHARED
 from .case import Case
-from .clean import CODES, KINDS
 from .faults import spoiled
 from .gate import ALL, BASES, Result, failures, lines, main, tried_lines
+from .records.bases import SHARED
+from .records.clean import CODES, KINDS
 from .trial import tried
 
 PAIRS = [(fault.name, on) for fault, on in lines()]

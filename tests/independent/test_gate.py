@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from .clean import KINDS
 from .faults import FAULTS, spoiled
 from .gate import ALL, failures, lines, tried_clean, tried_lines
 from .gate import BASES as ALL_BASES
+from .records.clean import KINDS
 from .trial import estimates, tried
 
 QUICK = ("mass_attraction", "rate_table:means", "rate_table:unlabelled", "rate_table:fast", "allan:pad")

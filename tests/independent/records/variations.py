@@ -9,10 +9,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from . import flip, moved_mass, positions, rate_table, static, thermal
-from .bases import SHARED
-from .case import START, Array, Case, Table
-from .faults import (
+from .. import flip, moved_mass, positions, rate_table, static, thermal
+from ..case import START, Array, Case, Table
+from ..faults import (
     ARCHIVE,
     ARW,
     BACKWARDS,
@@ -29,6 +28,7 @@ from .faults import (
     temperature,
     unit_mid,
 )  # fmt: skip
+from .bases import SHARED
 
 Rng = np.random.Generator
 

@@ -13,10 +13,11 @@ from functools import cache
 import h5py
 import numpy as np
 
-from . import bases, flip, moved_mass, positions, rate_table, static, thermal, variations
+from .. import flip, moved_mass, positions, rate_table, static, thermal
+from ..case import START, Array, Case, Table
+from ..static import Noise
+from . import bases, variations
 from .bases import SHARED
-from .case import START, Array, Case, Table
-from .static import Noise
 
 MOST = 9  # of 900 (issue 20)
 # Remarks and refusals of issue 20. Those of the files (gaps, clocks) stood before it and count here too.

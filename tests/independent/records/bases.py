@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from . import flip, moved_mass, positions, rate_table, static, thermal
-from .case import START, Case, Table
+from .. import flip, moved_mass, positions, rate_table, static, thermal
+from ..case import START, Case, Table
 
-SHARED = Path(os.environ.get("INERTIALCAL_SHARED", Path(__file__).parents[3] / "shared")) / "data"
+SHARED = Path(os.environ.get("INERTIALCAL_SHARED", Path(__file__).parents[4] / "shared")) / "data"
 LSB = 0.00875  # of the real gyro [deg/s]
 ASSUMED = 100.0  # samples a second: the source does not say
 STILL = {"x": static.Noise(white=0.004), "y": static.Noise(white=0.004, bias=0.01)}
