@@ -225,7 +225,9 @@ def estimate(sensor: LinearSensor, kind: Kind, output_unit: str) -> Estimate | N
         dof = np.asarray(one.dof, dtype=float)
         parts = by_numbers**2 * np.diag(one.covariance)
         matters = (by_numbers != 0.0) & (parts >= NEGLIGIBLE * parts.max(axis=1, keepdims=True))
-        least: Array | float = float(dof) if not dof.ndim else np.array([dof[row].min() for row in matters])
+        least: Array | float = (
+            float(dof) if not dof.ndim else np.array([dof[row].min(initial=np.inf) for row in matters])
+        )
         stated = None if one.influence is None else one.influence.stated
         distribution = "t" if one.influence is None else one.influence.distribution
         kind_of: Literal["A", "B"] = "B" if one.kind == "B" else "A"
