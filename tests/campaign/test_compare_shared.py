@@ -137,7 +137,8 @@ def test_shared_takes_names_of_standards_in_both_that_do_not_differ(pairs: Path)
     other = json.loads((pairs / "b/out/model.json").read_text())
     assert other["influences"]["rate_table.rate"]["certificate"] == "C-1"
     model = read_model(pairs / "b/out/model.json")
-    influences = model.influences | {"rate_table.rate": replace(model.influences["rate_table.rate"], certificate="C-2")}
+    renewed = replace(model.influences["rate_table.rate"], certificate="C-2")
+    influences = {**model.influences, "rate_table.rate": renewed}
     write_model(pairs / "renewed.json", replace(model, influences=influences))
     with pytest.raises(UsageError, match="certificate 'C-1' in the first, 'C-2' in the second"):
         compare(pairs / "a/out/model.json", pairs / "renewed.json", shared=["rate_table.rate"])

@@ -129,7 +129,7 @@ def test_an_interval_of_what_is_left_holds() -> None:
             own = float(runs.std(ddof=1)) / math.sqrt(5.0)
             u = math.hypot(own, 1.0)
             sides.append(Figure(float(runs.mean()), u, 1e6, {"table": 1.0}, (Part("", own / u, 4.0),)))
-        found = difference(*sides)
+        found = difference(sides[0], sides[1])
         hits += abs(found.value) <= coverage_factor(found.dof) * found.u
     assert 0.94 < hits / n < 0.985
 

@@ -10,7 +10,7 @@ from inertialcal.core.estimate import Array
 from inertialcal.statistics.variance_components import Components, fit_components
 
 GROUPS, EACH = 8, 4
-SAME = np.kron(np.eye(GROUPS), np.ones((EACH, EACH)))
+SAME: Array = np.kron(np.eye(GROUPS), np.ones((EACH, EACH)))
 
 
 def groups(between: float, within: float, seed: int = 1) -> tuple[Array, Components]:

@@ -105,7 +105,7 @@ def decide(
     missing = _missing(value, u, dof)
     if missing or value is None or u is None:
         return Verdict("INCONCLUSIVE", value, u, dof, None, lower, upper, words, missing, Basis(words))
-    shown = p if both or rule.name != "interval" else round(2.0 * p - 1.0, 12)
+    shown = _shown_level(rule, p, both)
     interval = t_interval(value, u, dof, shown)
     rule = applied(rule, coverage_factor(dof, p) * u, lower, upper)
     bands = guard_band(rule, u, dof, lower, upper, p)
@@ -154,7 +154,7 @@ def decide_by(
     both = lower is not None and upper is not None
     words = _words(rule, p, both)
     nothing = Verdict("INCONCLUSIVE", value, u, None, None, lower, upper, words, basis=Basis(words))
-    shown = p if both or rule.name != "interval" else round(2.0 * p - 1.0, 12)
+    shown = _shown_level(rule, p, both)
     interval = interval_at(shown)
     if interval is None:
         return replace(nothing, reason="no interval is estimated")
@@ -276,6 +276,11 @@ def _missing(value: float | None, u: float | None, dof: float) -> str:
     if not dof > 0.0:
         return "no degrees of freedom: the scatter was not repeated, so it is not estimated"
     return ""
+
+
+def _shown_level(rule: Rule, p: float, both: bool) -> float:
+    """Return the probability of the interval that is shown: both its ends are one-sided bounds where one is a limit."""
+    return p if both or rule.name != "interval" else round(2.0 * p - 1.0, 12)
 
 
 def _words(rule: Rule, p: float, both: bool) -> str:

@@ -99,8 +99,7 @@ def whitened(columns: Array, weights: Array, numbers: NDArray[np.intp], ratio: f
     """
     total = np.bincount(numbers, weights)
     means = _group_sums(columns * weights[:, None], numbers) / total[:, None]
-    part = 1.0 - 1.0 / np.sqrt(1.0 + ratio * total)
-    return np.asarray(np.sqrt(weights)[:, None] * (columns - (part[:, None] * means)[numbers]))
+    return np.asarray(np.sqrt(weights)[:, None] * (columns - (_part(total, ratio)[:, None] * means)[numbers]))
 
 
 def whitening(rows: Array, weights: Array, numbers: NDArray[np.intp], ratio: float) -> Array:
@@ -114,10 +113,14 @@ def whitening(rows: Array, weights: Array, numbers: NDArray[np.intp], ratio: flo
         As there.
     """
     total = np.bincount(numbers, weights)
-    part = 1.0 - 1.0 / np.sqrt(1.0 + ratio * total)
     scaled = rows * np.sqrt(weights)
     sums = _group_sums(scaled.T, numbers)
-    return np.asarray(scaled - ((part / total)[:, None] * sums)[numbers].T * weights)
+    return np.asarray(scaled - ((_part(total, ratio) / total)[:, None] * sums)[numbers].T * weights)
+
+
+def _part(total: NDArray[Any], ratio: float) -> Array:
+    """Return the part of the mean of each group that is taken from its readings."""
+    return np.asarray(1.0 - 1.0 / np.sqrt(1.0 + ratio * total))
 
 
 def offset_ratio(moments: Grouped) -> float:

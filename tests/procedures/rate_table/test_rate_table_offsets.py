@@ -80,6 +80,7 @@ def test_scale_factors_that_differ_from_run_to_run_are_their_own_scatter() -> No
 
 def test_an_axis_turned_in_one_run_has_the_scatter_of_dwells_and_the_others_that_of_runs() -> None:
     whole = turned((0.01, -0.01, 0.02, 0.0, 0.01, -0.02), noise=1e-4)
+    assert whole.run is not None
     kept = whole.take(~np.isin(whole.run, ["power-up 5"]))
     one = line(Plan(), kept, "x", asymmetry=True)
     assert one.dof[one.names.index("M_xx")] == pytest.approx(1.0)
