@@ -313,7 +313,7 @@ MUTANTS = (
         "random_offsets.py",
         "scaled - ((_part(total, ratio) / total)",
         "scaled + ((_part(total, ratio) / total)",
-        "test_rate_table_offsets",
+        "test_random_offsets",
     ),
     Mutant(
         "random_offsets.py",

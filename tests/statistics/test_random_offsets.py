@@ -11,7 +11,14 @@ from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
 from inertialcal.statistics.clustered import clustered_covariance
 from inertialcal.statistics.least_squares import fit, fit_correlated
-from inertialcal.statistics.random_offsets import TOLERANCE, Grouped, fit_with_offsets, offset_ratio, whitened
+from inertialcal.statistics.random_offsets import (
+    TOLERANCE,
+    Grouped,
+    fit_with_offsets,
+    offset_ratio,
+    whitened,
+    whitening,
+)
 
 SMALL = 1e-9
 
@@ -32,6 +39,8 @@ def test_whitening_is_that_of_the_explicit_covariance(ratio: float, seed: int) -
     found = fit(white[:, :2], white[:, 2])
     expected = fit_correlated(line(x), y, covariance)
     assert found.coefficients == pytest.approx(expected.coefficients, abs=1e-8)
+    solve = whitening(found.transform @ found.basis.T, weights, numbers, ratio)
+    assert solve @ y == pytest.approx(found.coefficients, abs=1e-8)
 
 
 def test_with_equal_designs_the_ratio_changes_nothing_and_the_uncertainty_is_that_of_the_groups_own_fits() -> None:

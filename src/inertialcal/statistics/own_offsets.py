@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 from ..core.estimate import Array
 from .clustered import clustered_covariance
 from .least_squares import Fit, fit
-from .random_offsets import whitened, whitening
+from .random_offsets import whitened
 
 NEGLIGIBLE = 1e-9  # part of a column that varies within the groups, below which they cannot tell it
 ROUNDING = 1e-12  # of the largest variance, added to all
@@ -81,7 +81,7 @@ def fit_own_offsets(
     within = fit(white[:, :-1], white[:, -1])
     mean_square = float(within.residuals @ within.residuals) / spare
     covariance, dof, repeated = _of_slopes(within, clusters, mean_square, float(spare))
-    solve = whitening(within.transform @ within.basis.T, weights, numbers, np.inf)
+    solve = within.transform @ within.basis.T * np.sqrt(weights)  # no mean of a group is in the basis
     # Intercepts of the groups, then of the clusters, as combinations of the readings
     total = np.bincount(numbers, weights)
     means = _averages(np.column_stack([slopes, readings]), weights, numbers)
