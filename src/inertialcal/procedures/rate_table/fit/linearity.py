@@ -49,22 +49,24 @@ def deviations(straight: Line, full: Line | None = None) -> tuple[Array, Array, 
     rates = np.unique(readings.applied[own])
     alike = straight.fit.own and _alike(readings, own)
     variance = _scatter(straight, full, alike)
-    if variance is None or len(rates) < 3 or variance[1] < 1.0:
+    if variance is None or len(rates) < 3 or variance[2] < 1.0:
         return None
+    fit = straight.fit
+    dwell, between, dof = variance
     means, sigmas = [], []
     for rate in rates:
         at = own & (readings.applied == rate)
-        means.append(float(np.mean((straight.fit.local if alike else straight.fit.residuals)[at])))
+        means.append(float(np.mean((fit.local if alike else fit.residuals)[at])))
+        mean = at / np.sum(at)
         if alike:
-            mean = _about_means(at / np.sum(at), straight.fit.groups)
-            taken = straight.fit.basis.T @ mean
-            part = float(mean @ mean - taken @ taken)
+            mean = _about_means(mean, fit.groups)
+            taken = fit.basis.T @ mean
+            square = dwell * max(float(mean @ mean - taken @ taken), 0.0)
         else:
-            here = readings.take(at)
-            count = here.runs if here.runs else len(here)
-            part = 1.0 / count - float(np.mean(straight.fit.leverage[at]))
-        sigmas.append(float(np.sqrt(variance[0] * max(part, 0.0) + np.finfo(float).tiny)))
-    return rates, np.array(means), np.array(sigmas), variance[1]
+            mean = mean - (fit.design.T @ mean) @ fit.solve
+            square = dwell * float(mean @ mean) + between * float(np.sum(np.bincount(fit.groups, mean) ** 2))
+        sigmas.append(float(np.sqrt(square + np.finfo(float).tiny)))
+    return rates, np.array(means), np.array(sigmas), dof
 
 
 def _alike(readings: Readings, own: NDArray[np.bool_]) -> bool:
@@ -76,11 +78,11 @@ def _alike(readings: Readings, own: NDArray[np.bool_]) -> bool:
     return bool(2 * np.min(counts) >= len(np.unique(groups)))
 
 
-def _scatter(straight: Line, full: Line | None, alike: bool) -> tuple[float, float] | None:
-    """Return the variance of a dwell [(rad/s)^2], and its degrees of freedom."""
+def _scatter(straight: Line, full: Line | None, alike: bool) -> tuple[float, float, float] | None:
+    """Return the variances of a dwell and between recordings [(rad/s)^2], and the degrees of freedom of their sum."""
     readings = straight.readings
     if not alike:
-        return dwell_variance(straight.levels, len(readings) / readings.runs if readings.runs else 1.0)
+        return _with_recordings(straight)
     lines = [straight] if full is None or len(full.readings) != len(readings) else [full, straight]
     for one in lines:
         groups = one.fit.groups
@@ -96,9 +98,25 @@ def _scatter(straight: Line, full: Line | None, alike: bool) -> tuple[float, flo
         dof = len(readings) - len(square) - np.count_nonzero(square) - basis.shape[1]
         residuals = left - basis @ (basis.T @ left)
         if dof >= FEW:
-            return float(residuals @ residuals) / dof, float(dof)
+            return float(residuals @ residuals) / dof, 0.0, float(dof)
     fit = straight.fit
-    return None if fit.mean_square is None else (float(fit.local @ fit.local) / fit.dof, fit.dof)
+    return None if fit.mean_square is None else (float(fit.local @ fit.local) / fit.dof, 0.0, fit.dof)
+
+
+def _with_recordings(straight: Line) -> tuple[float, float, float] | None:
+    """Return the same where rates belong to few recordings: of the levels, or as large as the residuals show it."""
+    readings, fit = straight.readings, straight.fit
+    dwell, run = (next(one for one in straight.levels if one.name == name) for name in ("dwell", "run"))
+    square = 0.0 if dwell.std is None else dwell.std**2
+    if run.std is not None or not fit.own or dwell.std is None:
+        whole = dwell_variance(straight.levels, len(readings) / readings.runs if readings.runs else 1.0)
+        return None if whole is None else (min(square, whole[0]), max(whole[0] - square, 0.0), whole[1])
+    solved, count = fit.solve @ fit.design, int(np.max(fit.groups)) + 1
+    parts = len(readings) - 2.0 * np.trace(solved) + np.sum((fit.design.T @ fit.design) * (fit.solve @ fit.solve.T))
+    offsets = np.eye(count)[fit.groups]
+    offsets = offsets - fit.design @ (fit.solve @ offsets)
+    between = max(float(fit.residuals @ fit.residuals - square * parts) / float(np.sum(offsets**2)), 0.0)
+    return square, between, (square + between) ** 2 / (square**2 / dwell.dof + between**2 / max(count - 1.0, 1.0))
 
 
 def _about_means(values: Array, groups: NDArray[np.intp]) -> Array:
