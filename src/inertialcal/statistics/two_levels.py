@@ -172,7 +172,11 @@ def fit_with_prior(
         marginal = replace(fit_two_levels(*reduced, between=most), information=marginal.information)
     sources = {name: np.diag(part) if part.ndim == 1 else part for name, part in known.items()}
     fixed = sum(sources.values(), np.zeros((n, n)))
-    inverse = _inverse(fixed, marginal.between**2) if np.any(fixed) or marginal.between > 0.0 else np.eye(n)
+    if marginal.between == 0.0 and not np.any(
+        fixed
+    ):  # nothing says how far a reading may be off but what may be hidden
+        marginal = replace(marginal, between=float(np.sqrt(marginal.hidden)))
+    inverse = _inverse(fixed, marginal.between**2)
     bare = np.linalg.inv(design.T @ inverse @ design + rows.T @ rows)
     gain = bare @ design.T @ inverse
     coefficients = gain @ readings + bare @ (rows.T @ expected)
@@ -224,16 +228,17 @@ def _restricted(design: Array, readings: Array, fixed: Array) -> tuple[float, tu
         raise DataError(
             "the readings do not scatter at all", do="Check for copied or rounded readings", code="no_scatter"
         )
-    floor = 1e-12 * largest
     square = max(total - float(np.trace(fixed)) / n, 1e-3 * largest)
     free = np.linalg.qr(design, mode="complete")[0][:, p:]  # P = free (free' V free)^-1 free', for every tau
     known, axes = np.linalg.eigh(free.T @ fixed @ free)
     pull = (axes.T @ (free.T @ readings)) ** 2
+    least = max(total, float(known[0]))  # a prior may be wider than all that the readings show
+    floor = 1e-12 * least
     for _ in range(ITERATIONS):
         weight = 1.0 / (np.maximum(known, 0.0) + square)
         step = float((weight**2 @ pull - np.sum(weight)) / np.sum(weight**2))
         new = max(square + step, floor)
-        done = abs(new - square) <= SETTLED * largest
+        done = abs(new - square) <= SETTLED * least
         square = new
         if done:
             break

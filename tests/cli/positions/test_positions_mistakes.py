@@ -164,3 +164,13 @@ def test_annotated_session_of_imucal_by_the_closed_form(capsys: pytest.CaptureFi
         wanted = np.diag(theirs) if quantity == "scale_factor" else theirs.ravel()
         knock = name in ("K_g", "R_g")  # two samples of the turn about y are left out, and bridged by a straight line
         assert rows == pytest.approx(wanted, rel=1e-6, abs=3e-4 * np.max(np.abs(wanted)) if knock else 0.0), name
+
+
+def test_orientations_beside_a_table_are_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """They were passed over in silence: the result was that of unknown orientations."""
+    rows = np.vstack([np.eye(3), -np.eye(3)]) * 9.81 + [0.1, 0.0, -0.1]
+    path = tmp_path / "faces.csv"
+    np.savetxt(path, rows, delimiter=",", header="acc_x,acc_y,acc_z", comments="")
+    status, message = said(capsys, str(path), "--unit", "acc=m/s2", *G, "--orientations", "x+,y+,z+,x-,y-,z-")
+    assert status == 2
+    assert "in a column: position, or x, y and z" in message

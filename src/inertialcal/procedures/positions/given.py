@@ -71,6 +71,10 @@ def described(given: GivenFile) -> list[Described]:
     for sensor, by_axis in sensors.items():
         columns = {f"{sensor}_{axis}": channel.name for axis, channel in by_axis.items()}
         if is_table:
+            if entry:
+                what = f"{given.name} is a table, a row a position: {', '.join(entry)} is for recordings"
+                do = "Say how each row lay in a column: position, or x, y and z (up)"
+                raise UsageError(what, do=do, code="wrong_value")
             rests = _rests(given, sensor, by_axis, units[sensor])
             found.append(Described({"rests": rests}, sensor_said(given, KINDS[sensor], AXES, units[sensor]), columns))
             continue

@@ -343,6 +343,8 @@ def _readings(
         alike = replace(samples, values=gyro, finite=np.asarray(np.isfinite(gyro).all(axis=1)), outlier=nothing)
         triads["gyro"] = _triad(recording, alike, "gyro", placed)
     path, stamps = recording.source.path, recording.time_ns
+    if stamps is None:
+        stamps = np.round(seconds * 1e9).astype(np.int64)
     if TEMPERATURE in recording.names:
         degrees = np.asarray(recording.channel(TEMPERATURE).data, dtype=float)
         within = [degrees[one.start : one.stop] for one in placed]
@@ -351,12 +353,12 @@ def _readings(
         acc=triads["acc"],
         gyro=triads.get("gyro"),
         rotations=rotations,
-        start_ns=None if stamps is None else stamps[[one.start for one in placed]],
-        stop_ns=None if stamps is None else stamps[[one.stop - 1 for one in placed]],
+        start_ns=stamps[[one.start for one in placed]],
+        stop_ns=stamps[[one.stop - 1 for one in placed]],
         temperature=temperature,
         where=tuple(f"{path + ': ' if path else ''}{seconds[one.start]:.6g} s" for one in placed),
         recordings=(0,) * len(placed),
-        spans_ns=() if stamps is None else ((int(stamps[0]), int(stamps[-1])),),
+        spans_ns=((int(stamps[0]), int(stamps[-1])),),
     )
 
 

@@ -7,7 +7,8 @@ import pytest
 
 from independent.static import flicker
 from inertialcal.core.estimate import Array
-from inertialcal.procedures.positions.fit.next_record import Rests, Wander, slow_noise_of
+from inertialcal.procedures.positions.fit.next_record import Rests, Wander, rests_of, slow_noise_of
+from inertialcal.procedures.positions.readings import Readings, Triad
 from inertialcal.statistics.intervals import coverage_factor
 from inertialcal.statistics.slow_noise import FLICKER, WALK, flicker_covariance, walk_covariance, window_covariance
 from inertialcal.statistics.two_levels import fit_two_levels, with_gain
@@ -78,3 +79,13 @@ def test_a_scatter_that_does_not_count_leaves_the_noise() -> None:
     mean = with_gain(fit, weights, np.zeros((1, 4)))
     assert mean.coefficients[0] == pytest.approx(2.0)
     assert mean.covariance[0, 0] == pytest.approx(0.04 * 0.28)
+
+
+def test_recordings_whose_clocks_begin_anew_follow_one_another() -> None:
+    triad = Triad(np.zeros((4, 3)), np.ones((4, 3)), np.ones((4, 3)), "m/s^2")
+    start = np.array([0, 10, 0, 10]) * 10**9
+    readings = Readings(triad, start_ns=start, stop_ns=start + 6 * 10**9, recordings=(0, 0, 1, 1))
+    rests = rests_of(readings)
+    assert rests is not None
+    assert rests.start == pytest.approx([0.0, 10.0, 16.0, 26.0])
+    assert rests.length == 16.0

@@ -16,11 +16,10 @@ ONE = np.eye(1)
 
 
 def joined(sources: list[Source]) -> tuple[float, float]:
-    """Variance and degrees of freedom of the first number, by Welch and Satterthwaite."""
-    parts = [(float(one.covariance[0, 0]), float(np.broadcast_to(one.dof, len(one.covariance))[0])) for one in sources]
-    variance = sum(part for part, _ in parts)
-    weight = sum(part**2 / dof for part, dof in parts)
-    return variance, variance**2 / weight if weight > 0.0 else np.inf
+    """Variance and degrees of freedom of the first number."""
+    parts = [(one.covariance[:1, 0], np.broadcast_to(one.dof, len(one.covariance))[:1]) for one in sources]
+    variances, dofs = [variance for variance, _ in parts], [dof for _, dof in parts]
+    return float(sum(variances)[0]), float(joined_dof(variances, dofs)[0])
 
 
 @pytest.mark.parametrize("scatter", [0.3, 1.5])
@@ -33,6 +32,13 @@ def test_readings_alike_have_the_mean_square_with_its_degrees_of_freedom(scatter
     variance, dof = joined(level_sources(fit, ONE, {}, "between", share))
     assert variance == pytest.approx(y.var(ddof=1) / 6.0, rel=1e-4)
     assert dof == pytest.approx(5.0, rel=1e-3)
+
+
+def test_two_parts_judged_together_have_the_degrees_of_freedom_of_both() -> None:
+    """Two readings left over: t is 4.3; by parts of one degree of freedom each it was above 12."""
+    y = np.array([1.0, -1.0, 0.5])
+    fit = fit_two_levels(np.ones((3, 1)), y, {"noise": np.full(3, 0.5)})
+    assert joined(level_sources(fit, ONE, {}, "between"))[1] == pytest.approx(2.0, rel=1e-3)
 
 
 def test_what_is_stated_is_not_judged() -> None:

@@ -144,6 +144,20 @@ class TestPrior:
         result = reduce(PRIOR, simulate(PRIOR, truth, np.random.default_rng(3)))
         assert "prior_not_used" in {one.code for one in result.remarks}
 
+    def test_nine_positions_without_noise_keep_their_weight(self) -> None:
+        """A table without scatters: nothing but what may be hidden says how far a position is off."""
+        readings, truth = rests(5, 11)
+        bare = replace(readings.acc, scatter=np.zeros_like(readings.acc.scatter))
+        result = reduce(PRIOR, replace(readings, acc=bare).take(0, 9))
+        assert np.mean(held(result, truth)) > 0.7
+        assert max(result.estimates["accelerometer"].u[:3]) < 0.02  # of a prior of 0.03
+        assert "prior_conflict" not in {one.code for one in result.remarks}
+
+    def test_a_prior_wider_than_all_readings_is_none(self) -> None:
+        readings = rests(3, 12)[0]
+        wide = reduce(replace(PLAN, prior_bias=1000.0), readings).estimates["accelerometer"]
+        assert wide.values == pytest.approx(reduce(PLAN, readings).estimates["accelerometer"].values, abs=1e-4)
+
     def test_counts_need_the_ideal_scale_factor(self) -> None:
         readings = rests(3)[0]
         counts = replace(readings, acc=replace(readings.acc, mean=readings.acc.mean * 400.0, unit="count"))

@@ -39,11 +39,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import special, stats
 
-from ....core.estimate import Array, joined_dof
+from ....core.estimate import Array
 from ....core.influence import Influence
 from ....core.key import AXES
 from ....statistics.variance_components import Components, fit_components
-from .linear_sensor import HIDDEN, Source, propagated
+from .linear_sensor import HIDDEN, Source, dof_of_each, propagated
 from .outliers import FREE
 from .rotations import across
 
@@ -58,7 +58,6 @@ STANDS_OUT = 10.5  # square of a position's standardised deletion residual, thre
 SAME = 1e-6  # difference of directions that are one face
 ROUNDS, FEW_ROUNDS, MANY = 12, 4, 60  # of linearisation; fewer for so many positions
 SETTLED = 1e-9  # of gravity
-LEAST_DOF, MOST_DOF, HALVINGS = 0.2, 1e6, 25
 CONTRADICTED = 0.001  # risk of calling a stated face error too small
 
 Flags = NDArray[np.bool_]
@@ -255,7 +254,7 @@ def sources_of(laid: Laid, tilts: Tilts) -> list[Source]:
     with np.errstate(divide="ignore", invalid="ignore"):
         dof = np.where(spread > 0.0, 2.0 * judged_by**2 / spread, np.inf)
         shares = np.array([np.diag(one) / judged_by for one in exact.values()])
-    dof = _dof_of_each(np.nan_to_num(shares), np.where(judged_by > 0.0, dof, np.inf))
+    dof = dof_of_each(np.nan_to_num(shares), np.where(judged_by > 0.0, dof, np.inf))
     sources = []
     for name, part in exact.items():
         level = HIDDEN if name == BETWEEN and laid.assumed else ""
@@ -282,27 +281,6 @@ def _face(direction: Array) -> str:
     if abs(direction[k]) > 1.0 - SAME:
         return f"{AXES[k]}{'+' if direction[k] > 0.0 else '-'}"
     return " ".join(f"{one:.4f}" for one in direction)
-
-
-def _dof_of_each(shares: Array, dof: Array) -> Array:
-    """Return degrees of freedom that, given to each part of a variance, join to those of the whole, shape (k,).
-
-    The parts are judged together, by one mixture of variances: none of them has degrees of freedom of its own.
-
-    Parameters
-    ----------
-    shares : ndarray, shape (parts, k)
-        Of the whole.
-    dof : ndarray, shape (k,)
-        Of the whole.
-    """
-    low, high = np.log(np.full(len(dof), LEAST_DOF)), np.log(dof.clip(LEAST_DOF, MOST_DOF))
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        each = np.exp(middle)
-        fewer = joined_dof(list(shares), [each] * len(shares)) < dof
-        low, high = np.where(fewer, middle, low), np.where(fewer, high, middle)
-    return np.where(dof < MOST_DOF, np.exp(high), np.inf)
 
 
 def fit_agreeing(r: Array, inside: Array, g: float, tilts: Tilts, kept: Array, risk: float) -> tuple[Laid, Flags]:

@@ -22,6 +22,7 @@ PAIRS = tuple(a + b for a in AXES for b in AXES)
 MATRIX = tuple(Key("scale_factor_error", p[0]) if p[0] == p[1] else Key("misalignment", p) for p in PAIRS)
 BIAS = tuple(Key("bias", a) for a in AXES)
 G_SENSITIVITY = tuple(Key("g_sensitivity", p) for p in PAIRS)
+LEAST_DOF, MOST_DOF, HALVINGS = 0.2, 1e6, 25
 FEWEST = 1.0  # degrees of freedom by which something is judged at all
 HIDDEN = "hidden"  # level of a bound on a scatter that nothing shows
 SMALLEST = 1e-4  # singular value over the largest one
@@ -138,14 +139,13 @@ def level_sources(
     own = [np.diag(part) for name, part in parts.items() if name not in stated]
     judged = sum(own, fit.between**2 * np.diag(per_square))
     whole = np.diag(back @ fit.covariance @ back.T)
-    dof = _ratio(whole, judged) ** 2 * fit.dof_of(back)
-    hidden = dof < FEWEST
+    dof = fit.dof_of(back)
+    hidden = _ratio(whole, judged) ** 2 * dof < FEWEST
     visible = _scatter(per_square, np.where(hidden, 0.0, fit.between**2))
     unseen = _scatter(per_square, np.where(hidden, max(fit.hidden, fit.between**2), 0.0))
-    squares = sum([(share * one) ** 2 for one in own], np.diag(visible) ** 2)
-    with np.errstate(invalid="ignore"):
-        each = dof * _ratio(squares, (whole - judged + share * judged) ** 2)
-    each[hidden | np.isnan(each)] = np.inf
+    squares = np.array([np.diag(visible), *(share * one for one in own)])
+    shares = np.nan_to_num(squares / np.where(judged > 0.0, np.sum(squares, axis=0), 1.0))
+    each = dof_of_each(shares, np.where(hidden | (judged == 0.0), np.inf, dof))
     found = [
         Source(between, "A", visible, each),
         Source(f"{between}, as much as may be hidden", "A", unseen, level=HIDDEN),
@@ -156,6 +156,27 @@ def level_sources(
         else:
             found.append(Source(name, "A", share * part, each))
     return [one for one in found if np.any(np.diag(one.covariance) > 0.0)]
+
+
+def dof_of_each(shares: Array, dof: Array) -> Array:
+    """Return degrees of freedom that, given to each part of a variance, join to those of the whole, shape (k,).
+
+    The parts are judged together, by one mixture of variances: none of them has degrees of freedom of its own.
+
+    Parameters
+    ----------
+    shares : ndarray, shape (parts, k)
+        Of the whole.
+    dof : ndarray, shape (k,)
+        Of the whole.
+    """
+    low, high = np.log(np.full(len(dof), LEAST_DOF)), np.log(dof.clip(LEAST_DOF, MOST_DOF))
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        each = np.exp(middle)
+        fewer = joined_dof(list(shares), [each] * len(shares)) < dof
+        low, high = np.where(fewer, middle, low), np.where(fewer, high, middle)
+    return np.where(dof < MOST_DOF, np.exp(high), np.inf)
 
 
 def _scatter(per_square: Array, square: Array) -> Array:

@@ -185,7 +185,8 @@ def conflict(
     Were the prior right, what it adds to the weighted sum of squares is a chi-square, whatever the positions tell.
     """
     e, jacobian, u = lengths(theta, r, g)
-    root = 1.0 / np.sqrt(variances(theta, u, inside, g) + between**2)
+    variance = variances(theta, u, inside, g) + between**2
+    root = 1.0 / np.sqrt(np.where(variance > 0.0, variance, (START * g) ** 2))
     rows = rows_of(theta, g, stated)
     H, h = (np.concatenate([part[k] for part in rows.values()]) for k in range(2))
     J, y = jacobian * root[:, None], e * root
