@@ -774,6 +774,11 @@ MUTANTS = (
         "float(mean @ mean)",
         "test_rate_table_closed_forms",
     ),
+    Mutant(
+        "linearity.py", "mean - (fit.design.T @ mean) @", "mean + (fit.design.T @ mean) @", "test_rate_table_offsets"
+    ),
+    Mutant("linearity.py", "mean) + between * float", "mean) + 0.0 * between * float", "test_rate_table_offsets"),
+    Mutant("linearity.py", "residuals - square * parts", "residuals", "test_rate_table_offsets"),
     Mutant("own_offsets.py", "len(weight) - 1.0 if seen", "len(weight) - 0.0 if seen", "test_rate_table_offsets"),
     Mutant("own_offsets.py", "spread + between * np.eye(count)", "spread", "test_rate_table_offsets"),
     Mutant("quantities.py", "other.size * ", "0.0 * ", "test_rate_table_offsets"),
