@@ -15,6 +15,7 @@ def fields(case: str = "", reason: str = "") -> dict[str, Any]:
     """Return the fields of a row that tests write short: ``"flip 1"``, ``"run a alone"``, ``"-20 degC"``, a method."""
     found: dict[str, Any] = {
         "sensor": "", "power": 0, "at": None, "condition": "", "method": "result", "member": None, "shared": {},
+        "curvature": {},
         "reason": {"code": "", "text": reason} if reason else None,
     }  # fmt: skip
     method, _, part = case.partition(", ") if case.startswith(METHODS) else ("result", "", case)

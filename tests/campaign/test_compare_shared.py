@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import shutil
 from collections.abc import Iterator
 from dataclasses import replace
@@ -14,9 +15,14 @@ import pytest
 
 from independent import rate_table
 from independent.trial import called
+from inertialcal.campaign.compare.common import common_of
 from inertialcal.campaign.compare.compare import Comparison, compare
+from inertialcal.campaign.compare.differences import differences
+from inertialcal.campaign.compare.sources import Compared, load_both
 from inertialcal.core.errors import UsageError
 from inertialcal.core.influence import Drawn, Influence, Occasion, Selection
+from inertialcal.core.key import Key
+from inertialcal.core.results import Curvature, Row
 from inertialcal.files.models.model_json import read_model, write_model
 from inertialcal.sensors.model.serial import from_dict, to_dict
 
@@ -230,3 +236,38 @@ def test_a_model_is_not_judged_by_another_mounting(tmp_path: Path, mountings: tu
     called(words, folder)
     found = json.loads((folder / "out/results.json").read_text())["closed_loop"]
     assert (found["verdict"] == "FAIL") == fails
+
+
+def side(serial: str, change: float, size: float) -> Compared:
+    """Return a result of one scale factor, whose line lacks a third-order term."""
+    row = Row(Key("scale_factor_error", "x"), 0.1, math.hypot(0.01, change * size), "%",
+              curvature={"third_order_x": Curvature(change, size)})  # fmt: skip
+    return Compared(f"{serial} {change} {size}", f"{change} {size}", (row,), serial, frozenset(), {})
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "u", "code"),
+    [
+        (("", 5.0, 0.02), ("7", 5.0, 0.0), 2.0**0.5 * 0.01, "curvature_shared"),
+        (("8", 5.0, 0.02), ("7", 5.0, 0.0), math.hypot(0.01, 0.01, 0.1), "different_serials"),
+        (("7", 5.0, 0.02), ("7", 4.0, 0.01), math.hypot(0.01, 0.01, 0.02), "curvature_differs"),
+        (("7", 0.0, 0.02), ("7", 5.0, 0.0), math.hypot(0.01, 0.01, 0.1), "curvature_differs"),
+    ],
+    ids=["one unit", "two units", "other rates", "seen in the first alone"],
+)
+def test_a_curvature_that_a_line_lacks_cancels_for_one_unit_at_one_set_of_rates(
+    first: tuple[str, float, float], second: tuple[str, float, float], u: float, code: str
+) -> None:
+    common = common_of(side(*first), side(*second))
+    pair = (common.first.rows[0], common.second.rows[0])
+    assert differences([pair], common)[0].row.u == pytest.approx(u)
+    assert [one.code for one in common.remarks([pair])] == [code]
+
+
+@pytest.mark.parametrize("file", ["", "out/model.json"], ids=["results", "models"])
+def test_curvatures_stand_in_results_and_models(pairs: Path, file: str) -> None:
+    sides = load_both(pairs / "a" / file, pairs / "b" / file)[1:]
+    scales = [row for one in sides for row in one.rows if str(row.key) == "scale_factor_error_x" and row.case.plain]
+    terms = [row.curvature["third_order_x"] for row in scales]
+    assert terms[0].change == pytest.approx(terms[1].change, rel=1e-6)
+    assert terms[0].change > 0.0

@@ -26,7 +26,7 @@ from written_rows import results_text
 
 ENVELOPE = {"command", "version", "inputs", "schema", "results", "remarks", "verdicts", "errors", "exit"}
 ROW = {"quantity", "axis", "sensor", "power", "at", "test", "condition", "method", "member", "value", "u", "unit",
-       "dof", "interval", "status", "reason", "shared"}  # fmt: skip
+       "dof", "interval", "status", "reason", "shared", "curvature"}  # fmt: skip
 HEAD = "t_s,gyro_x_dps,gyro_y_dps,gyro_z_dps,temp [degC],n\n"
 ROWS = [f"{0.5 * i + 2.0 * (i > 5)},{(-1) ** i},{0.25 * i},{'' if i == 1 else 3},20,{i + 5}" for i in range(12)]
 DATA = HEAD + "\n".join(ROWS) + "\n"  # a gap of 4 samples after the sixth, an empty cell in the second

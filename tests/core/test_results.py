@@ -9,18 +9,18 @@ import numpy as np
 import pytest
 
 from inertialcal.core.key import At, Case, Key, Member, Method, Reason
-from inertialcal.core.results import COLUMNS, Interval, Row, case_of, finite, flat, key_of, not_estimated
+from inertialcal.core.results import COLUMNS, Curvature, Interval, Row, case_of, finite, flat, key_of, not_estimated
 
 KEYS = [
     "quantity", "axis", "sensor", "power", "at", "test", "condition", "method", "member", "value", "u", "unit", "dof",
-    "interval", "status", "reason", "shared",
+    "interval", "status", "reason", "shared", "curvature",
 ]  # fmt: skip
 
 
 def test_row_with_everything() -> None:
     interval = Interval(0.4988, 0.5012)
     row = Row(Key("scale_factor", "x"), 0.5, 6e-4, "V/(deg/s)", 12.5, interval, test="rate_x", condition="ambient",
-              shared={"rate_table.rate": -0.01})  # fmt: skip
+              shared={"rate_table.rate": -0.01}, curvature={"third_order_x": Curvature(0.2, 3.0)})  # fmt: skip
     assert list(row.to_dict()) == KEYS
     assert json.loads(json.dumps(row.to_dict(), allow_nan=False)) == {
         "quantity": "scale_factor",
@@ -40,6 +40,7 @@ def test_row_with_everything() -> None:
         "status": "estimated",
         "reason": None,
         "shared": {"rate_table.rate": -0.01},
+        "curvature": {"third_order_x": {"change": 0.2, "size": 3.0}},
     }
 
 

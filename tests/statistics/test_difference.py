@@ -10,7 +10,7 @@ import pytest
 
 import inertialcal as ic
 from inertialcal.campaign.compare.differences import differences
-from inertialcal.core.results import Row
+from inertialcal.core.results import Curvature, Row
 from inertialcal.statistics.difference import Figure, Part, difference, taken_off
 from inertialcal.statistics.intervals import coverage_factor
 
@@ -139,3 +139,33 @@ def test_errors_that_are_known_are_taken_off_with_their_uncertainty() -> None:
     assert left.value == pytest.approx(0.2)
     assert left.u == pytest.approx(0.3)
     assert left.changes == {"mass": -0.3}
+
+
+def bent_slopes(rng: np.random.Generator, rates: np.ndarray, k3: float) -> np.ndarray:
+    """Slopes of lines without a third-order term through readings that have one."""
+    readings = rates + k3 * rates**3 + NOISE * rng.standard_normal((DRAWS, rates.size))
+    return np.asarray(readings @ rates / (rates @ rates))
+
+
+@pytest.mark.parametrize(("rates", "sizes"), [(RATES, (3e-4, 0.0)), (RATES, (0.0, 3e-4)), (0.7 * RATES, (3e-4, 0.0))])
+def test_a_curvature_of_the_unit_cancels_as_far_as_the_rates_are_the_same(
+    rates: np.ndarray, sizes: tuple[float, float]
+) -> None:
+    """Third-order terms drawn anew for each unit: two tests of it, of which one alone hints at a term."""
+    rng = np.random.default_rng(5)
+    k3 = 3e-4 * rng.standard_normal((DRAWS, 1))
+    spread = np.std(bent_slopes(rng, rates, k3) - bent_slopes(rng, RATES, k3))
+    both = []
+    for one, size in zip((RATES, rates), sizes, strict=True):
+        term = Curvature(float(one @ one**3 / (one @ one)), size)
+        u = math.hypot(NOISE / np.linalg.norm(one), term.share)
+        both.append(Figure(1.0, u, curvature={"third_order_x": term}))
+    assert difference(*both).u == pytest.approx(spread, rel=ROUNDING)
+    assert difference(*both, shared=()).u == pytest.approx(math.hypot(both[0].u, both[1].u))
+
+
+def test_a_curvature_that_one_line_has_counts_in_full_in_the_difference() -> None:
+    """The slope at zero rate less the slope of the straight line: apart by what the term changes of the latter."""
+    straight = Figure(1.0, 1e-4, curvature={"third_order_x": Curvature(5.0, 0.0)})
+    bent = Figure(1.0, 3e-4, curvature={"third_order_x": Curvature(0.0, 2e-4)})
+    assert difference(straight, bent).u == pytest.approx(math.sqrt(1e-4**2 + 3e-4**2 + 1e-3**2))

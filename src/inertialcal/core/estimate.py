@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from .errors import DataError
 from .key import Key, Origin
+from .results import Curvature
 from .show.frames import frame
 from .show.result_tables import dof
 from .show.rounding import with_uncertainty
@@ -116,6 +117,9 @@ class Component:
     # One a row of ``changes``: which unknown of the influence it is, by what it belongs to and not by its place:
     # ``"xz"``; empty where there is one alone. Several without names are known to no other result.
     unknowns: tuple[str, ...] = ()
+    # Curvature of the unit that its line does not have, ``"third_order_x"``: ``changes`` are then for one unit of it,
+    # and ``stated`` is how large it may be; 0 where it is taken as none.
+    term: str = ""
 
     @property
     def named_changes(self) -> dict[str, Array]:
@@ -230,6 +234,17 @@ class Estimate:
                 found[unknown] = found.get(unknown, 0.0) + float(changes[at]) * times
         return found
 
+    def curvature(self, name: Key | str, times: float = 1.0) -> dict[str, Curvature]:
+        """Return what one unit of each curvature of the unit would change of a value whose line does not have it."""
+        at: int = self.index(name)
+        found: dict[str, Curvature] = {}
+        for one in self.components:
+            if one.term and one.stated is not None and one.changes is not None:
+                change = float(one.changes[0, at]) * times
+                if change or one.term[-1:] == self.keys[at].axis[:1]:
+                    found[one.term] = Curvature(change, float(one.stated[0]))
+        return found
+
     def index(self, name: Key | str) -> int:
         """Position of a value.
 
@@ -273,7 +288,9 @@ class Estimate:
         """Return what is shown: a row a value, rounded to its uncertainty."""
         columns = zip(self.names, self.values, self.u, self.units, self.dof, strict=True)
         rows = [(name, with_uncertainty(v, u), unit, dof(d) if u > 0.0 else "-") for name, v, u, unit, d in columns]
-        sources = ", ".join(component.source for component in self.components)
+        sources = ", ".join(
+            component.source for component in self.components if component.u.any() or not component.term
+        )
         caption = f"{len(self.names)} value(s); uncertainty from: {sources or 'nothing stated'}"
         return (Table(("name", "value ± u", "unit", "dof"), rows, caption, (1, 3)),)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, NamedTuple, Protocol
 
 from .key import NO_REASON, At, Case, Key, Member, Method, Reason
 
@@ -43,6 +43,22 @@ class Interval:
 NOT_COMPUTABLE = Reason("not_computable", "the readings give no finite value, or no finite uncertainty")
 
 
+class Curvature(NamedTuple):
+    """What a curvature of the unit does to a figure whose line does not have it."""
+
+    change: float  # Of the figure, in its unit, for one unit of the term; 0 where the line has it
+    size: float  # Of the term as it may be, SI; 0 where it is taken as none
+
+    @property
+    def share(self) -> float:
+        """Signed share of the uncertainty of the figure."""
+        return self.change * self.size
+
+    def times(self, scale: float) -> Curvature:
+        """Return it for a figure in another unit."""
+        return Curvature(self.change * scale, self.size)
+
+
 @dataclass(frozen=True)
 class Row:
     """One published figure; one that is not a finite number, or whose uncertainty is none, is not estimated."""
@@ -62,6 +78,8 @@ class Row:
     # Influence that outlives the test (``"rate_table.rate"``) -> change of the value for one standard uncertainty
     # of it, in ``unit``, with its sign
     shared: Mapping[str, float] = field(default_factory=dict)
+    # Curvature of the unit (``"third_order_x"``) -> what it does to the value where the line does not have it
+    curvature: Mapping[str, Curvature] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.status == "not_estimated" or all(number is None or math.isfinite(number) for number in self._numbers):
@@ -105,6 +123,7 @@ class Row:
             "status": self.status,
             "reason": None if not reason else reason._asdict(),
             "shared": {name: float(change) for name, change in self.shared.items()},
+            "curvature": {name: one._asdict() for name, one in self.curvature.items()},
         }
 
     def flat(self) -> dict[str, str | float | None]:
@@ -122,6 +141,7 @@ class Row:
             row["status"], NO_REASON if reason is None else Reason(str(reason["code"]), str(reason["text"])),
             str(row["test"]), case.condition, case.method, case.member,
             {str(name): float(change) for name, change in row["shared"].items()},
+            {str(name): Curvature(float(one["change"]), float(one["size"])) for name, one in row["curvature"].items()},
         )  # fmt: skip
 
 

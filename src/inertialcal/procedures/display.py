@@ -100,6 +100,7 @@ def displayed(row: Row, sensor_unit: str) -> Row:
         interval=scaled_interval(row.interval, scale),
         unit=unit,
         shared={name: change * scale for name, change in row.shared.items()},
+        curvature={name: one.times(scale) for name, one in row.curvature.items()},
     )
 
 

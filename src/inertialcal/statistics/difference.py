@@ -5,6 +5,10 @@ its own of u^2 - sum c_i^2. Of the difference of two figures that share these un
 
     u(b - a)^2 = [u(a)^2 - sum a_i^2] + [u(b)^2 - sum b_i^2] + sum (b_i - a_i)^2
 
+A curvature of the unit that a line lacks (``core.results.Curvature``) changes its figures by so much for one unit of it
+as the rates of the test tell. Of one unit tested at one set of rates the changes are equal, and cancel, whatever size
+each test took it to have. What differs between the designs counts with the larger size.
+
 Assumed: an unknown of one name has one value in both figures, and nothing else is common to them. Its own uncertainty
 is then that of the difference: scatter and unknowns that are not shared, with the degrees of freedom that they have
 (few, once a large shared part is gone).
@@ -33,6 +37,7 @@ import numpy as np
 
 from ..core.estimate import Array, joined_dof
 from ..core.influence import influence_of
+from ..core.results import Curvature
 
 ENOUGH = 3.0  # degrees of freedom of the scatter of a figure, for Welch's test
 ROUNDING = 1e-12  # of a variance: what is left of it after a subtraction is none
@@ -55,10 +60,15 @@ class Figure:
     dof: float = math.inf
     changes: Mapping[str, float] = field(default_factory=dict)
     parts: tuple[Part, ...] = ()  # Sources that are not known in size, where these are known one by one
+    curvature: Mapping[str, Curvature] = field(default_factory=dict)  # Terms of the unit that its line lacks, by name
+
+    def change(self, name: str) -> float:
+        """Return the change by one standard uncertainty of an unknown; 0 where it does not follow it."""
+        return self.curvature[name].share if name in self.curvature else self.changes.get(name, 0.0)
 
     def own(self, names: Iterable[str]) -> float:
         """Return the variance without some of its unknowns."""
-        left = self.u**2 - math.fsum(self.changes.get(name, 0.0) ** 2 for name in names)
+        left = self.u**2 - math.fsum(self.change(name) ** 2 for name in names)
         return left if left > ROUNDING * self.u**2 else 0.0
 
     def scatter(self, names: Collection[str]) -> list[tuple[float, float]]:
@@ -99,10 +109,18 @@ def difference(a: Figure, b: Figure, shared: Iterable[str] | None = None) -> Fig
     >>> round(difference(before, after).u, 4), round(difference(before, after, ()).u, 4)
     (0.0424, 0.0707)
     """
-    names = sorted((set(a.changes) & set(b.changes)) if shared is None else set(shared))
-    left = {name: b.changes.get(name, 0.0) - a.changes.get(name, 0.0) for name in names}
+    both = (set(a.changes) & set(b.changes)) | (set(a.curvature) & set(b.curvature))
+    names = sorted(both if shared is None else set(shared))
+    left = {name: _left(a, b, name) for name in names}
     variance = a.own(names) + b.own(names) + math.fsum(change**2 for change in left.values())
     return Figure(b.value - a.value, math.sqrt(variance), _dof(variance, [*a.scatter(names), *b.scatter(names)]), left)
+
+
+def _left(a: Figure, b: Figure, name: str) -> float:
+    one, other = a.curvature.get(name), b.curvature.get(name)
+    if one is None or other is None:
+        return b.change(name) - a.change(name)
+    return (other.change - one.change) * max(one.size, other.size)
 
 
 def taken_off(figure: Figure, errors: Mapping[str, float]) -> Figure:

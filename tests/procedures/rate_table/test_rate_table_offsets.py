@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -138,12 +139,24 @@ def test_a_term_that_is_hinted_at_is_an_uncertainty_of_what_it_looks_like() -> N
     readings = replace(readings, outputs={"x": readings.outputs["x"] + curve})
     auto, none = (reduce(Plan(nonlinearity=how), readings) for how in ("auto", "none"))
     assert auto.lines["x"].curvature == ()
-    assert [one.name for one in auto.lines["x"].unresolved] == ["K2"]
+    assert [one.name for one in auto.lines["x"].unresolved if one.size] == ["K2"]
     assert auto.estimate is not None
     assert none.estimate is not None
     name = "scale_factor_asymmetry_x"
     assert value(auto, name) == pytest.approx(value(none, name), rel=1e-9)
+    term, other = (auto.estimate.curvature(name)[f"{one}_order_x"] for one in ("second", "third"))
+    assert math.hypot(none.estimate.u[none.estimate.index(name)], term.share) == pytest.approx(
+        auto.estimate.u[auto.estimate.index(name)]
+    )
+    assert other.size == 0.0
     assert auto.estimate.u[auto.estimate.index(name)] > 3.0 * none.estimate.u[none.estimate.index(name)]
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_reading_far_off_gives_terms_without_a_warning() -> None:
+    readings = turned((0.01, -0.02, 0.01), noise=1e-4)
+    readings.outputs["x"][4] = 100.0
+    assert reduce(Plan(), readings).estimate is not None
 
 
 @pytest.mark.parametrize(

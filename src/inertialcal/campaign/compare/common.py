@@ -19,6 +19,7 @@ from ...statistics.difference import Figure
 from .sources import Compared
 
 SAME_DIGITS = 1e-12  # of a figure: two that came out of the same readings the same way differ by rounding alone
+PART = 0.1  # of u of both figures: what a curvature leaves of a difference is worth a remark beyond
 NAMED = 3  # recordings and standards that a remark names
 MISSING = {
     "certificate": ("the certificate is not stated in both", 'certificate = "..." in [standards]'),
@@ -52,7 +53,16 @@ class Common:
     def shared(self, one: Row, other: Row) -> list[str]:
         """Return the unknowns whose error is the same in two figures."""
         both = one.shared.keys() & other.shared.keys()
-        return sorted(name for name in both if (fate := self.fate(name, one, other)) is not None and fate.shared)
+        found = {name for name in both if (fate := self.fate(name, one, other)) is not None and fate.shared}
+        return sorted(found | self.curvature(one, other))
+
+    def curvature(self, one: Row, other: Row) -> set[str]:
+        """Return the terms that both figures know of: the same in both, as far as the unit is one."""
+        return set() if self._two_units else one.curvature.keys() & other.curvature.keys()
+
+    @property
+    def _two_units(self) -> bool:
+        return bool(self.first.serial and self.second.serial) and self.first.serial != self.second.serial
 
     def figures(self, one: Row, other: Row) -> tuple[Figure, Figure]:
         """Return both figures with what their uncertainty is made of."""
@@ -95,7 +105,34 @@ class Common:
 
     def remarks(self, pairs: Sequence[tuple[Row, Row]]) -> tuple[Remark, ...]:
         """Return remarks on what the figures of both sides share, or may share."""
-        return (*self._on_readings(pairs), *self._on_standards(pairs), *self._on_units())
+        return (
+            *self._on_readings(pairs), *self._on_standards(pairs), *self._on_curvature(pairs), *self._on_units()
+        )  # fmt: skip
+
+    def _on_curvature(self, pairs: Sequence[tuple[Row, Row]]) -> list[Remark]:
+        gone, apart = dict[str, None](), dict[str, list[str]]()
+        for one, other in pairs:
+            if not all(row.status == "estimated" for row in (one, other)) or self.identical(one, other):
+                continue
+            for name in sorted(self.curvature(one, other)):
+                mine, its = one.curvature[name], other.curvature[name]
+                left = abs(its.change - mine.change) * max(mine.size, its.size)
+                if left > PART * math.hypot(one.u or 0.0, other.u or 0.0):
+                    apart.setdefault(name, []).append(f"{one.quantity} {one.axis}".strip())
+                elif mine.share or its.share:
+                    gone[name] = None
+        remarks = []
+        if gone:
+            what = "curvatures of the unit that may be there and that no line has change both figures alike, and cancel"
+            remarks.append(Remark("curvature_shared", "info", f"{what}: {', '.join(gone)}", count=len(gone)))
+        for name, figures in apart.items():
+            what = f"{name}: the lines of both take it otherwise (one has it, or the rates are others): "
+            what += (
+                f"{_listed(list(dict.fromkeys(figures)))} of both are not the same slope; what it changes counts in u"
+            )
+            do = 'Reduce both with one setting: nonlinearity = "always", or "none"'
+            remarks.append(Remark("curvature_differs", "warning", what, count=len(figures), do=do))
+        return remarks
 
     def _on_readings(self, pairs: Sequence[tuple[Row, Row]]) -> list[Remark]:
         if self.first.sha256 == self.second.sha256:
@@ -159,7 +196,7 @@ class Common:
 
     def _on_units(self) -> list[Remark]:
         mine, its = self.first.serial, self.second.serial
-        if not (mine and its) or mine == its:
+        if not self._two_units:
             return []
         return [Remark("different_serials", "info", f"two units: serial {mine!r} and {its!r}")]
 

@@ -258,7 +258,8 @@ def _in_unit(row: Row, unit: str) -> Row:
     scale = factor(row.unit, unit, difference=True)
     u = None if row.u is None else row.u * scale
     shared = {name: change * scale for name, change in row.shared.items()}
-    return replace(row, value=value, u=u, unit=unit, interval=None, shared=shared)
+    curvature = {name: term.times(scale) for name, term in row.curvature.items()}
+    return replace(row, value=value, u=u, unit=unit, interval=None, shared=shared, curvature=curvature)
 
 
 def _alone(side: str, rows: Sequence[Row]) -> list[Remark]:

@@ -56,7 +56,9 @@ class Compared:
         """Return a figure with what its uncertainty is made of."""
         plain = row.method is Method.RESULT and row.member is None
         parts = self.parts.get((row.test, row.key), ()) if plain else ()
-        return Figure(float(row.value or 0.0), float(row.u or 0.0), row.dof or math.inf, row.shared, parts)
+        return Figure(
+            float(row.value or 0.0), float(row.u or 0.0), row.dof or math.inf, row.shared, parts, row.curvature
+        )
 
     def drawn(self, unknown: str, row: Row) -> Drawn | None:
         """Return which error an unknown of a figure is; None where its standard is not stated."""

@@ -258,6 +258,7 @@ def model_rows(model: SensorModel) -> tuple[Row, ...]:
                 shared={}
                 if model.estimate is None or line.u is None
                 else lasting(model.estimate.shared(one.name), line.u, model.influences),
+                curvature={} if model.estimate is None or line.u is None else model.estimate.curvature(one.name),
             )
         )
     return tuple(rows)

@@ -69,7 +69,8 @@ def results_content(
                 if estimate is None or row.u is None
                 else lasting(estimate.shared(row.key), row.u, campaign.standards)
             )
-            rows.append(displayed(replace(row, test=name, shared=shared), unit))
+            curvature = {} if estimate is None or row.u is None else estimate.curvature(row.key)
+            rows.append(displayed(replace(row, test=name, shared=shared, curvature=curvature), unit))
     judged: list[tuple[Verdict, str]] = []
     tests = {one.test.id: one.test for one in tested}
     unit = campaign.file.sensors[next(iter(campaign.file.sensors))].unit
@@ -122,10 +123,12 @@ def displayed_rows(campaign: Campaign, tested: Sequence[ReducedTest]) -> list[Ro
         known = {kind: _known(one, kind) for kind in one.parts}
         for row in one.rows:
             estimate, keys = known.get(row.key.sensor, (None, {}))
-            shared = dict(row.shared)
+            shared, curvature = dict(row.shared), dict(row.curvature)
             if estimate is not None and row.u is not None and row.method is Method.RESULT and row.member is None:
                 shared = shared or (estimate.shared(keys[row.key]) if row.key in keys else {})
-            whole = replace(row, condition=one.test.condition, shared=lasting(shared, row.u, campaign.standards))
+                curvature = curvature or (estimate.curvature(keys[row.key]) if row.key in keys else {})
+            lasts = lasting(shared, row.u, campaign.standards)
+            whole = replace(row, condition=one.test.condition, shared=lasts, curvature=curvature)
             found.append(displayed(whole, sensor_of(campaign, one.test, row.key.sensor).unit))
     return found
 

@@ -82,6 +82,7 @@ class Component(Part):
     origin: Origin | None = None
     unknowns: list[str] = []
     changes: Numbers | None = None
+    term: str = ""
 
 
 class Estimate(Part):

@@ -66,6 +66,13 @@ class Key(Part):
     at: At | None
 
 
+class Curvature(Part):
+    """What one unit of a curvature changes of a figure, in the unit of the figure, and how large it may be, in SI."""
+
+    change: Number
+    size: Number
+
+
 class Figure(Key):
     """One published figure."""
 
@@ -83,6 +90,9 @@ class Figure(Key):
     shared: dict[str, Number] = Field(
         description="Signed change of the value, in its unit, for one standard uncertainty of an influence that "
         "another test can share; several unknowns of one influence are named: rate_table.mounting[xz]."
+    )
+    curvature: dict[str, Curvature] = Field(
+        description="What a second- or third-order term of the unit does to the value where its line does not have it."
     )
 
 

@@ -103,9 +103,10 @@ def _scale_factor_row(result: Result, sensor: str, estimate: Estimate | None, me
         float(estimate.dof[i]),
     )
     interval = t_interval(value, u, dof)
-    shared = estimate.shared(error, ideal)
+    shared, curvature = estimate.shared(error, ideal), estimate.curvature(error, ideal)
     return Row(
-        key, value, u, "V/(rad/s)", _dof(dof), interval, reason=_limits(result), method=method, shared=shared
+        key, value, u, "V/(rad/s)", _dof(dof), interval, reason=_limits(result), method=method, shared=shared,
+        curvature=curvature,
     )  # fmt: skip
 
 

@@ -170,6 +170,7 @@ def _estimate_to_dict(estimate: Estimate) -> dict[str, Any]:
                 "origin": one.origin._asdict(),
                 "unknowns": list(one.unknowns),
                 "changes": _list(one.changes),
+                "term": one.term,
             }
             for one in estimate.components
         ],
@@ -187,6 +188,7 @@ def _estimate(content: Mapping[str, Any], axes: Sequence[str]) -> Estimate:
             None if one.get("stated") is None else (float(one["stated"]["u"]), str(one["stated"]["unit"])),
             None if one.get("changes") is None else np.array(one["changes"], dtype=float),
             tuple(one.get("unknowns", ())),
+            one.get("term", ""),
         )
         for one in content["components"]
     )

@@ -63,12 +63,13 @@ def with_nonlinearity(plan: Plan, readings: Readings, sensor: str, asymmetry: bo
     if full is None or full.covariance is None:
         return Chosen(plain, plain, reasons | {name: Reason("few_rates", NEEDS[name]) for name in told})
     if plan.nonlinearity == "always":
-        return Chosen(full, full, reasons)
+        unresolved = tuple(_unresolved(full, full, name, hinted=True) for name in told)
+        return Chosen(replace(full, unresolved=unresolved), full, reasons)
     p = {name: _p_of(full, name) for name in told}
     seen = tuple(name for name in told if p[name] < SEEN / (len(POWERS) * sensors))
     own = full if seen == told else _fitted(plan, readings, sensor, asymmetry, seen) or plain
-    hints = [name for name in told if name not in seen and p[name] < HINTED]
-    return Chosen(replace(own, unresolved=tuple(_unresolved(own, full, name) for name in hints)), full, reasons)
+    unresolved = tuple(_unresolved(own, full, name, p[name] < HINTED) for name in told)
+    return Chosen(replace(own, unresolved=unresolved), full, reasons)
 
 
 def _fitted(plan: Plan, readings: Readings, sensor: str, asymmetry: bool, terms: tuple[str, ...]) -> Line | None:
@@ -108,9 +109,10 @@ def _p_of(full: Line, name: str) -> float:
     if not full.dof[at] > 0.0:
         return 1.0
     size = abs(full.fit.coefficients[at])
-    if u * np.finfo(float).max <= size or size <= _rounding(full, name):
-        return 1.0 if size <= _rounding(full, name) else 0.0
-    return float(2.0 * special.stdtr(full.dof[at], -size / u))
+    if size <= _rounding(full, name):
+        return 1.0
+    with np.errstate(over="ignore", divide="ignore"):  # a term without scatter is infinitely far from 0
+        return float(2.0 * special.stdtr(full.dof[at], -np.divide(size, u)))
 
 
 def _rounding(full: Line, name: str) -> float:
@@ -119,9 +121,10 @@ def _rounding(full: Line, name: str) -> float:
     return float(1e-12 * np.max(rates) ** (1 - POWERS[name]))
 
 
-def _unresolved(own: Line, full: Line, name: str) -> Unresolved:
+def _unresolved(own: Line, full: Line, name: str, hinted: bool) -> Unresolved:
     at = full.names.index(name)
     assert full.covariance is not None  # noqa: S101 - as checked
     column: Array = full.fit.design[:, at]
-    size = float(np.sqrt(full.fit.coefficients[at] ** 2 + full.covariance[at, at]))
-    return Unresolved(name, size, own.fit.solve @ column)
+    size = float(np.sqrt(full.fit.coefficients[at] ** 2 + full.covariance[at, at])) if hinted else 0.0
+    pattern = np.zeros(len(own.names)) if name in own.curvature else own.fit.solve @ column
+    return Unresolved(name, size, pattern)

@@ -85,14 +85,23 @@ def _chosen(part: Part, wanted: list[Key]) -> Part:
 
 
 def _unresolved(parts: list[Part], lines: list[Line], k: int) -> list[Component]:
-    """Components of curvatures that the readings hint at: what each would change."""
+    """Components of curvatures that lines do not have: what each would change, and how large it may be."""
     found, start = [], 0
     for (keys, _, jacobian, _), one in zip(parts, lines, strict=True):
         for other in one.unresolved:
             change = np.zeros(k)
-            change[start : start + len(keys)] = other.size * (jacobian @ other.pattern)
-            source = f"{WORDS[other.name]} of {one.sensor}, not resolved"
-            found.append(Component(source, "B", np.outer(change, change)))
+            change[start : start + len(keys)] = jacobian @ other.pattern
+            source, term = f"{WORDS[other.name]} of {one.sensor}, not resolved", Key(CURVATURES[other.name], one.sensor)
+            found.append(
+                Component(
+                    source,
+                    "B",
+                    other.size**2 * np.outer(change, change),
+                    stated=(other.size, UNITS[term.quantity]),
+                    changes=change[None],
+                    term=str(term),
+                )
+            )
         start += len(keys)
     return found
 

@@ -94,11 +94,11 @@ class Solution:
 
 @dataclass(frozen=True, eq=False)
 class Unresolved:
-    """A curvature that the readings hint at and do not show: what it would change is an uncertainty."""
+    """A curvature that the rates tell apart: what it changes of a line without it, and how large it may be."""
 
     name: str  # ``"K2"``
-    size: float  # Root mean square of what it may be [(rad/s)^(1 - power)]
-    pattern: Array  # shape (p,): what one unit of it adds to the coefficients of the line
+    size: float  # Root mean square of what it may be [(rad/s)^(1 - power)]; 0 where it is taken as none
+    pattern: Array  # shape (p,): what one unit of it adds to the coefficients of the line; 0 where the line has it
 
 
 @dataclass(frozen=True, eq=False)
