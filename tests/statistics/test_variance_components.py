@@ -10,7 +10,7 @@ from inertialcal.core.estimate import Array
 from inertialcal.statistics.variance_components import Components, fit_components
 
 GROUPS, EACH = 8, 4
-SAME: Array = np.kron(np.eye(GROUPS), np.ones((EACH, EACH)))
+SAME: Array = np.asarray(np.kron(np.eye(GROUPS), np.ones((EACH, EACH))), dtype=np.float64)
 
 
 def groups(between: float, within: float, seed: int = 1) -> tuple[Array, Components]:

@@ -14,7 +14,7 @@ from inertialcal.statistics.slow_noise import FLICKER, WALK, flicker_covariance,
 from inertialcal.statistics.two_levels import fit_two_levels, with_gain
 
 M, REST, TURN = 24, 6.0, 1.5
-START: Array = (REST + TURN) * np.arange(M)
+START: Array = np.asarray((REST + TURN) * np.arange(M), dtype=np.float64)
 RESTS = Rests(START, START + REST, float(START[-1] + REST))
 ALONE = np.tile([1.0, 0.0, 0.0], (M, 1))
 HERTZ = 10.0

@@ -19,7 +19,7 @@ def joined(sources: list[Source]) -> tuple[float, float]:
     """Variance and degrees of freedom of the first number."""
     parts = [(one.covariance[:1, 0], np.broadcast_to(one.dof, len(one.covariance))[:1]) for one in sources]
     variances, dofs = [variance for variance, _ in parts], [dof for _, dof in parts]
-    return float(sum(variances)[0]), float(joined_dof(variances, dofs)[0])
+    return float(np.sum(variances, axis=0)[0]), float(joined_dof(variances, dofs)[0])
 
 
 @pytest.mark.parametrize("scatter", [0.3, 1.5])
