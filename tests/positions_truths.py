@@ -13,7 +13,7 @@ from inertialcal.procedures.positions.fit.rotations import angles
 from inertialcal.procedures.positions.readings import local_gravity
 from inertialcal.procedures.positions.reduction import Plan, Readings, Truth, reduce
 from inertialcal.procedures.positions.simulation import FACES, spread
-from inertialcal.rigs.hand_held.rig import Bench, draw_unit, held
+from inertialcal.rigs.hand_held.rig import Bench, build, draw_unit, held
 
 G = 9.8
 LOWER = np.array([[1.01, 0.0, 0.0], [0.008, 0.99, 0.0], [-0.012, 0.006, 1.02]])
@@ -93,7 +93,9 @@ def held_out(plan: Plan, readings: Readings, first: int) -> tuple[float, float]:
 def protocol(bench: Bench, seed: int = 1) -> dict[str, dict[str, int]]:
     """Which samples of the first record of a bench are which face or turn, as a file of sections says it."""
     of_unit, _, of_records = np.random.default_rng(seed).spawn(3)
-    parts = held(bench, draw_unit(bench, of_unit), bench.gravity, 1.0, 0, of_records).parts
+    drawn = build(bench, seed).drawn
+    mounting, faces = np.array(drawn["mounting"]), np.reshape(drawn["faces"], (6, 3))
+    parts = held(bench, draw_unit(bench, of_unit), bench.gravity, 1.0, 0, of_records, mounting, faces).parts
     sections = {}
     for part in parts:
         vector = part.axis if part.angle is not None else part.direction

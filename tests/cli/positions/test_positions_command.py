@@ -145,10 +145,14 @@ def test_two_files_of_one_clock_are_one_recording(
         assert one[key]["value"] == pytest.approx(other[key]["value"], rel=1e-3)
     lines = Path(gyro).read_text(encoding="utf-8").splitlines(keepends=True)
     (tmp_path / "late_gyro.mat").write_text("".join(lines[100:]), encoding="utf-8")
+    late = call_json(capsys, "positions", acc, str(tmp_path / "late_gyro.mat"), *SI)
+    assert "joined_by_stamps" in {one["code"] for one in late["remarks"]}
+    afterwards = [f"{float(line.split()[0]) + 1e4:.7f} {line.split(maxsplit=1)[1]}" for line in lines]
+    (tmp_path / "late_gyro.mat").write_text("".join(afterwards), encoding="utf-8")
     status, _, err = call(capsys, "positions", acc, str(tmp_path / "late_gyro.mat"), *SI)
     assert status == 3
     assert "not of one clock" in err
-    assert "samples from 1" in err
+    assert "samples from 10000" in err
 
 
 @pytest.fixture(scope="module")

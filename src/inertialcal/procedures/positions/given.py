@@ -18,7 +18,7 @@ from ...core.key import AXES, Kind
 from ...core.recording import Channel
 from ...core.remarks import Remark
 from ...core.units import kind, normalise
-from ..given import EXAMPLE, KIND_OF_UNIT, Described, GivenFile, bare, own_clock, sensor_said
+from ..given import EXAMPLE, KIND_OF_UNIT, Described, GivenFile, bare, chain_said, own_clock, sensor_said, spoken_unit
 from .orientations import LABELS, direction_of, orientation_list, turn_of
 
 KINDS: Mapping[str, Kind] = {"acc": "accelerometer", "gyro": "gyro"}
@@ -82,7 +82,10 @@ def described(given: GivenFile) -> list[Described]:
         warm = [c for c in recording.channels if c.quantity == TEMPERATURE and c.unit is not None]
         if len(warm) == 1:
             channels[TEMPERATURE] = {"column": warm[0].name, "unit": str(warm[0].unit)}
-        said_sensor = sensor_said(given, KINDS[sensor], AXES, units[sensor])
+        chain = chain_said(given)
+        through = units[sensor] == "count" and chain.get("kind", "none") != "none"
+        unit = spoken_unit(KINDS[sensor], chain) if through else units[sensor]
+        said_sensor = sensor_said(given, KINDS[sensor], AXES, unit)
         own = entry | own_clock(given, KINDS[sensor])
         found.append(Described({"channels": channels, **own}, said_sensor, columns, remarks=tuple(remarks)))
     return found

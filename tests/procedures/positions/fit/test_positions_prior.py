@@ -161,7 +161,7 @@ class TestPrior:
     def test_counts_need_the_ideal_scale_factor(self) -> None:
         readings = rests(3)[0]
         counts = replace(readings, acc=replace(readings.acc, mean=readings.acc.mean * 400.0, unit="count"))
-        with pytest.raises(DataError, match="needs acc_scale_factor") as caught:
+        with pytest.raises(DataError, match="needs the ideal scale factor") as caught:
             reduce(PRIOR, counts)
         assert caught.value.problems[0].code == "prior_without_ideal"
 

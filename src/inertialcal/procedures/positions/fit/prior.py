@@ -59,6 +59,7 @@ STEPS = 30
 SMALL = 1e-9  # singular value over the largest one: what neither the positions nor the prior determine
 START = 1e-3  # scatter of a length that the first steps take [gravities]
 PRIORS = {name: f"prior.{name}" for name in ("misalignment", "scale_factor_error", "bias")}  # sources, by quantity
+IDEAL = {"acc_scale_factor": "the ideal scale factor", "acc_zero": "the reading for no input"}
 UNIT = {"misalignment": "rad", "scale_factor_error": "1", "bias": "m/s^2"}
 
 
@@ -86,9 +87,9 @@ def check_prior(plan: Plan, si: bool) -> None:
         absent = [name for name in names if quantity in plan.priors and not si and getattr(plan, name) is None]
         if absent:
             raise DataError(
-                f"a prior on {quantity} needs {' and '.join(absent)}",
+                f"a prior on {quantity} needs {' and '.join(IDEAL[name] for name in absent)}",
                 why="the readings are not in m/s^2, and the prior is about the ideal scale factor and zero",
-                do="State them as the data sheet has them, or leave this prior out",
+                do="Give the sensor a chain with the scale factor and zero of its data sheet, or leave this prior out",
                 code="prior_without_ideal",
             )
 
