@@ -150,14 +150,20 @@ MUTANTS = (
     Mutant("means.py", "float(weights.sum() ** -0.5)", "float(weights.sum() ** -1.0)", "test_means"),
     Mutant(
         "difference.py",
-        "b.changes.get(name, 0.0) - a.changes.get(name, 0.0)",
-        "b.changes.get(name, 0.0) + a.changes.get(name, 0.0)",
+        "b.change(name) - a.change(name)",
+        "b.change(name) + a.change(name)",
         "test_difference",
     ),
     Mutant(
         "difference.py",
-        "self.u**2 - math.fsum(self.changes.get(name, 0.0) ** 2",
-        "self.u**2 + math.fsum(self.changes.get(name, 0.0) ** 2",
+        "(other.change - one.change) * max(one.size, other.size)",
+        "(other.change - one.change) * one.size",
+        "test_difference",
+    ),
+    Mutant(
+        "difference.py",
+        "self.u**2 - math.fsum(self.change(name) ** 2",
+        "self.u**2 + math.fsum(self.change(name) ** 2",
         "test_difference",
     ),
     Mutant(
@@ -781,7 +787,7 @@ MUTANTS = (
     Mutant("linearity.py", "residuals - square * parts", "residuals", "test_rate_table_offsets"),
     Mutant("own_offsets.py", "len(weight) - 1.0 if seen", "len(weight) - 0.0 if seen", "test_rate_table_offsets"),
     Mutant("own_offsets.py", "spread + between * np.eye(count)", "spread", "test_rate_table_offsets"),
-    Mutant("quantities.py", "other.size * ", "0.0 * ", "test_rate_table_offsets"),
+    Mutant("quantities.py", "other.size**2 * np.outer", "0.0 * np.outer", "test_rate_table_offsets"),
     Mutant("regression.py", "1.0 / (within + dwell)", "1.0 + 0.0 * (within + dwell)", "test_rate_table_offsets"),
     Mutant(
         "closed_loop.py",

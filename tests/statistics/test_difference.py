@@ -141,7 +141,7 @@ def test_errors_that_are_known_are_taken_off_with_their_uncertainty() -> None:
     assert left.changes == {"mass": -0.3}
 
 
-def bent_slopes(rng: np.random.Generator, rates: np.ndarray, k3: float) -> np.ndarray:
+def bent_slopes(rng: np.random.Generator, rates: np.ndarray, k3: np.ndarray) -> np.ndarray:
     """Slopes of lines without a third-order term through readings that have one."""
     readings = rates + k3 * rates**3 + NOISE * rng.standard_normal((DRAWS, rates.size))
     return np.asarray(readings @ rates / (rates @ rates))
@@ -160,8 +160,8 @@ def test_a_curvature_of_the_unit_cancels_as_far_as_the_rates_are_the_same(
         term = Curvature(float(one @ one**3 / (one @ one)), size)
         u = math.hypot(NOISE / np.linalg.norm(one), term.share)
         both.append(Figure(1.0, u, curvature={"third_order_x": term}))
-    assert difference(*both).u == pytest.approx(spread, rel=ROUNDING)
-    assert difference(*both, shared=()).u == pytest.approx(math.hypot(both[0].u, both[1].u))
+    assert difference(both[0], both[1]).u == pytest.approx(spread, rel=ROUNDING)
+    assert difference(both[0], both[1], shared=()).u == pytest.approx(math.hypot(both[0].u, both[1].u))
 
 
 def test_a_curvature_that_one_line_has_counts_in_full_in_the_difference() -> None:
