@@ -159,6 +159,15 @@ def test_compared_with_itself_every_difference_is_zero(pairs: Path, file: str) -
     assert rows
     assert all((one.row.value, one.row.u, one.word) == (0.0, 0.0, "not shown different") for one in rows)
     assert found.verdict == "PASS"
+    codes = {one.code for one in found.remarks}
+    assert "same_file" in codes
+    assert not codes & {"taken_as_independent", "judged_by_quantity", "standards_may_be_shared"}
+
+
+@pytest.mark.parametrize("file", ["", "out/model.json"], ids=["results", "models"])
+def test_shared_is_refused_where_both_state_two_mountings(pairs: Path, file: str) -> None:
+    with pytest.raises(UsageError, match="mounting 'laying 1' in the first, 'laying 2' in the second"):
+        compare(pairs / "a" / file, pairs / "c" / file, shared=["rate_table.mounting"])
 
 
 def test_the_same_readings_reduced_again_differ_by_nothing(pairs: Path, tmp_path: Path) -> None:
@@ -172,6 +181,7 @@ def test_the_same_readings_reduced_again_differ_by_nothing(pairs: Path, tmp_path
         rows = [one.row for one in found.differences if one.word != "not compared"]
         assert rows
         assert all(row.value == row.u == 0.0 for row in rows)
+        assert not remark(found, "standards_may_be_shared")
     assert "the same figure out of the same readings" in remark(
         compare(pairs / "a", tmp_path / "again"), "same_readings"
     )

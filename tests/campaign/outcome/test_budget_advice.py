@@ -142,3 +142,7 @@ def test_the_command_and_its_refusals(campaign: Write, capsys: pytest.CaptureFix
         budget(folder, "scale_factor_error=1 deg/s")
     with pytest.raises(DataError, match="no budget of nothing"):
         budget(folder, "nothing=1 %")
+    with pytest.raises(DataError, match="budgets of tests: first"):
+        budget(folder, test="nothing")
+    with pytest.raises(DataError, match="Name the folder of a campaign"):
+        budget(folder / "out/model.json")

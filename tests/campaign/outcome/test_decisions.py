@@ -83,6 +83,9 @@ def test_a_rule_for_all_and_one_of_its_own(campaign: Write) -> None:
     assert over["accept_upper"] == pytest.approx(over["upper"] - (over["interval"]["hi"] - over["value"]))
     text = verdicts_text(results)
     assert "R2 by its own rule: simple acceptance" in text
+    again = [one | {"requirement": "R3"} for one in results["verdicts"] if one["requirement"] == "R2"]
+    both = verdicts_text({**results, "verdicts": [*results["verdicts"], *again]})
+    assert "R2, R3 by their own rule: simple acceptance" in both
     assert "(PASS -1.5 to 1.5 %, false accept " in text
     page = report_html(results, None, {"made": "", "inputs": [], "versions": {}, "options": {}, "rerun": ""})
     assert "simple acceptance" in page

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import product
 
 from ...core.errors import UsageError
 from ...core.influence import Drawn, influence_of
@@ -185,8 +186,8 @@ class Common:
             what = f"standards in both whose errors are not the same, taken as independent: {what}"
             remarks.append(Remark("standards_redrawn", "info", what, count=len(redrawn)))
         others = sorted((self.first.type_b & self.second.type_b) - fates.keys())
-        if others and self.first.sha256 != self.second.sha256:
-            what = f"Type B in both ({', '.join(others)[:160]}): taken as independent. With one source in both, "
+        if others and not all(self.identical(*pair) for pair in usable):
+            what = f"Type B in both ({_listed(others)}): taken as independent. With one source in both, "
             what += "u of a difference is smaller than stated"
             remarks.append(Remark("standards_may_be_shared", "info", what, count=len(others)))
         return remarks
@@ -215,9 +216,9 @@ def common_of(first: Compared, second: Compared, stated: Iterable[str] = ()) -> 
         if name not in both:
             what = f"--shared {name}: no standard of that name is in both"
             raise UsageError(what, do=f"There are: {', '.join(both) or 'none'}", code="not_shared")
-        mine, its = (Drawn(one.influences[name], serial=one.serial) for one in (first, second))
-        if why := mine.differs(its):
-            raise UsageError(f"--shared {name}: {why}", do="Leave it out: its errors are two", code="not_shared")
+        reasons = [mine.differs(its) for mine, its in product(first.drawings(name), second.drawings(name))]
+        if all(reasons):
+            raise UsageError(f"--shared {name}: {reasons[0]}", do="Leave it out: its errors are two", code="not_shared")
     return Common(first, second, names)
 
 

@@ -70,6 +70,12 @@ class Compared:
         before = unknown.partition("[")[2].startswith(AFTER) and one.redrawn_by not in ("never", "certificate")
         return Drawn(one, "" if before else drew, self.serial)  # of what was taken off nobody said when it was drawn
 
+    def drawings(self, name: str) -> list[Drawn]:
+        """Return which errors a stated influence has, over the tests."""
+        one = self.influences[name]
+        labels = dict.fromkeys(occasion.drew(one.redrawn_by, one.standard) for occasion in self.occasions.values())
+        return [Drawn(one, label, self.serial) for label in labels or ("",)]
+
     def selected(self, row: Row) -> tuple[Selection, ...]:
         """Return what went into a figure; nothing where that is not known."""
         return self.selections.get(row.test, self.selections.get("", ()))

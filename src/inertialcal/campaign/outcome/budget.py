@@ -193,7 +193,9 @@ def budget(path: str | os.PathLike[str], wanted: Sequence[str] | str = (), test:
     aims = _wanted([wanted] if isinstance(wanted, str) else wanted)
     found = find_results(path, of_campaign=True)
     if found is None:
-        raise DataError(f"no results: {path}", do=f"Type: inertialcal run {path}", code="no_results")
+        run = f"Type: inertialcal run {path}"
+        do = "Name the folder of a campaign, or its results.json" if os.path.isfile(path) else run
+        raise DataError(f"no results: {path}", do=do, code="no_results")
     content = found.content
     chosen = [
         one
@@ -201,9 +203,12 @@ def budget(path: str | os.PathLike[str], wanted: Sequence[str] | str = (), test:
         if test in (None, one.row["test"]) and (not aims or quantity_name(one.row) in aims)
     ]
     if not chosen:
-        have = dict.fromkeys(quantity_name(one.row) for one in budgeted(content))
+        every = budgeted(content)
+        of_test = [one for one in every if test in (None, one.row["test"])]
+        have = dict.fromkeys(quantity_name(one.row) if of_test else one.row["test"] for one in of_test or every)
         what = " ".join(["no budget", *([f"of test {test!r}"] if test else []), *(f"of {name}" for name in aims)])
-        do = f"There are budgets of: {', '.join(have)}" if have else "No figure has sources of uncertainty"
+        each = "budgets of" if of_test else "budgets of tests"
+        do = f"There are {each}: {', '.join(have)}" if have else "No figure has sources of uncertainty"
         raise DataError(what, str(path), do=do, code="no_budget")
     figures = tuple(_advised(one, aims.get(quantity_name(one.row))) for one in chosen)
     lines = [

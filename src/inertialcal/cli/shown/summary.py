@@ -105,8 +105,12 @@ def verdicts_text(results: Mapping[str, Any]) -> str:
     for (requirement, test, axis), verdicts in groups.items():
         lines.append([f"  {requirement}", test, axis, *_counts(verdicts)])
     shown = table(lines, ["  requirement", "test", "axis", "verdict", "where"])
-    own = {one["requirement"]: one["rule"] for one in results["verdicts"] if one["rule"] != results["decision_rule"]}
-    rules = [wrapped(f"  {clean(name)} by its own rule: {clean(rule)}", "    ") for name, rule in own.items()]
+    own: dict[str, list[str]] = {}
+    for name, rule in {one["requirement"]: one["rule"] for one in results["verdicts"]}.items():
+        if rule != results["decision_rule"]:
+            own.setdefault(rule, []).append(clean(name))
+    whose = {rule: "its own rule" if len(names) == 1 else "their own rule" for rule, names in own.items()}
+    rules = [wrapped(f"  {', '.join(own[rule])} by {one}: {clean(rule)}", "    ") for rule, one in whose.items()]
     return "\n".join([shown, *rules])
 
 

@@ -232,6 +232,10 @@ def own_stamps(pair: Sequence[Recording]) -> bool:
     what = f"{_span(first)}, {_span(other)}: not of one clock"
     why = "rotations of the gyros would belong to positions of another time"
     do = "Record both on one clock, or bring them to the same stamps"
+    if one is None or two is None:
+        what = f"{_span(first)}, {_span(other)}: stamps are not known"
+        why = "samples of two sensors go together by them"
+        do = "Add --time-column NAME, or --unit NAME=ns where its stamps are whole numbers"
     raise DataError(what, other.source.path, why, do, "clocks_differ")
 
 
