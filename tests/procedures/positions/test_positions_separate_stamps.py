@@ -10,6 +10,9 @@ import pytest
 from independent.case import Case, Table
 from independent.positions import by_hand
 from independent.trial import Outcome, called
+from inertialcal.core.errors import DataError
+from inertialcal.core.recording import Channel, Recording
+from inertialcal.procedures.positions.inputs import own_stamps
 
 FULL = 200  # [Hz]
 
@@ -133,16 +136,8 @@ def test_gravity_is_the_users_and_earth_rate_that_of_the_latitude(hand: Case, tm
         assert np.abs(values - figures(other, quantity, kind)[0]).max() > 1e-7
 
 
-def test_stamps_that_are_not_known_are_asked_for(hand: Case, tmp_path: Path) -> None:
-    """Whole numbers without a unit are no time: the clocks are not two, they are not known."""
-    rows = np.arange(len(hand.tables["hand.csv"]))
-    words = []
-    for name, own in (("acc", rows), ("gyro", rows[5:])):
-        columns = list(sensor(hand, name, own).columns.values())
-        lines = [f"{1.2e14 + 1e9 * t:.0f},{x:.6f},{y:.6f},{z:.6f}\n" for t, x, y, z in zip(*columns, strict=True)]
-        (tmp_path / f"{name}.csv").write_text("timestamp,x,y,z\n" + "".join(lines))
-        words += [f"{name}={tmp_path / name}.csv", "--unit", f"{name}={'m/s2' if name == 'acc' else 'rad/s'}"]
-    found = positions(tmp_path, *words)
-    assert found.exit == 3
-    assert any("stamps are not known" in text for _, text in found.said)
-    assert positions(tmp_path, *words, "--unit", "timestamp=ns").exit == 0
+def test_stamps_that_are_not_known_are_asked_for() -> None:
+    """The clocks are not two, they are not known."""
+    one, other = (Recording((Channel("x", np.zeros(n), "m/s^2"),)) for n in (5, 6))
+    with pytest.raises(DataError, match="stamps are not known"):
+        own_stamps((one, other))
