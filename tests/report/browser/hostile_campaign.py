@@ -180,7 +180,8 @@ def _leaves(kind: Any, name: str, at: Keys, value: Any, every: bool) -> Iterator
     if kind is str or (origin is Annotated and arguments[0] is str):
         yield name, at, kind
     elif isinstance(kind, type) and issubclass(kind, BaseModel):
-        if every or isinstance(value, dict):
+        within = at[:-1].count(at[-1]) > 1 if every and at else False  # a rule inside a rule inside a rule
+        if not within and (every or isinstance(value, dict)):
             yield from leaves(kind, at, None if every else value)
     elif origin is Annotated:
         yield from _leaves(arguments[0], name, at, value, every)

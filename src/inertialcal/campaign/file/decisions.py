@@ -13,7 +13,7 @@ from pydantic import Field, ValidationError
 
 from ...core.errors import DataError, PlanError, Problem, UsageError
 from ...core.judging import Process, Rule, RuleName
-from ...core.schema.quantities import Relative, Strict, Text
+from ...core.schema.quantities import Relative, Strict
 from ...core.schema.toml import At, parse_toml
 from ...core.units import parse_quantity, same_dimension
 
@@ -39,8 +39,8 @@ EXAMPLES = {
 class ProcessEntry(Strict):
     """``process``: distribution of the true values of all items."""
 
-    mean: Text | None = None
-    sd: Text | None = None
+    mean: str | None = None
+    sd: str | None = None
     in_tolerance: Relative | None = None
 
 
