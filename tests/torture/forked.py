@@ -32,6 +32,7 @@ from inertialcal.core.schema.results import Printed
 LONGEST = 10.0  # [s]
 KILLED = 90.0  # a command that takes longer, by the clock, is killed [s]
 WAITING = 0.1  # of the clock: one that works less than this waits for something
+OWN = 250.0  # that a process of its own has when everything is imported [MiB]
 LARGEST = 2**30  # peak of memory, and three times the input more [bytes]
 CEILING = 6 * 2**30  # of addresses: so that a bomb does not take the machine [bytes]
 STATUSES = frozenset({0, 1, 2, 3, 4, 130})
@@ -121,6 +122,8 @@ def ran(words: Sequence[str], folder: Path, aside: Path, process: Process | None
     """
     (aside / "tmp").mkdir(parents=True, exist_ok=True)
     begin = time.monotonic()
+    resident = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * resource.getpagesize() / 2**20
+    inherited = max(resident - OWN, 0.0)  # of a runner that holds more than a command does, and the peak counts it
     child = os.fork()
     if not child:
         _command(words, folder, aside, process)
@@ -134,7 +137,7 @@ def ran(words: Sequence[str], folder: Path, aside: Path, process: Process | None
     return Ran(
         os.waitstatus_to_exitcode(left),
         clock if worked < WAITING * clock else worked,
-        used.ru_maxrss / 1024,
+        used.ru_maxrss / 1024 - inherited,
         tuple(codes.read_text().split()) if codes.exists() else (),
         (aside / "out").read_text(encoding="utf-8", errors="replace"),
         (aside / "err").read_text(encoding="utf-8", errors="replace"),

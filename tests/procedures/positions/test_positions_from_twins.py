@@ -34,6 +34,8 @@ def judged(bench: Bench, seed: int) -> tuple[dict[str, bool], set[str]]:
     plan = Plan(gravity=bench.gravity, latitude=bench.latitude, standards=standards)
     result = reduce(plan, readings_from(plan, [one.recording], [sections]))
     true = {(v.sensor, f"{v.quantity}_{v.axis}"): v.value for v in true_values(bench, unit)}
+    for axis, shift in zip("xyz", one.shift.tolist(), strict=True):
+        true["gyro", f"bias_{axis}"] += shift  # the bias of this record
     held_by = {
         f"{kind} {name}": bool(abs(value - true[kind, name]) <= coverage_factor(float(dof)) * u)
         for kind, found in result.estimates.items()
