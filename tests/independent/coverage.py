@@ -89,7 +89,8 @@ def lines(study: Study | Pair | LeftOut, found: Sequence[Tried]) -> list[str]:
     for name, count in counts.items():
         low, high = binomial(count.hits, count.n)
         rate = f"{100 * count.hits / count.n:.1f}" if count.n else "-"
-        rate = rate if keeps(study.rule, count.hits, count.n) else f"**{rate}**"
+        rule = "shown" if name in study.shown else study.rule
+        rate = rate if keeps(rule, count.hits, count.n) else f"**{rate}**"
         rms = math.sqrt(statistics.fmean(e * e for e in count.errors)) if count.errors else math.nan
         part = f"{100 * statistics.median(count.parts):.2g} %" if count.parts else ""
         u = statistics.median(count.u) if count.u else math.nan
