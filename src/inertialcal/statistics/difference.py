@@ -39,7 +39,7 @@ from ..core.estimate import Array, joined_dof
 from ..core.influence import influence_of
 from ..core.results import Curvature
 
-ENOUGH = 3.0  # degrees of freedom of the scatter of a figure, for Welch's test
+ENOUGH = 3.0 * (1.0 - 1e-9)  # degrees of freedom of the scatter of a figure, for Welch's test; rounding apart
 ROUNDING = 1e-12  # of a variance: what is left of it after a subtraction is none
 
 
