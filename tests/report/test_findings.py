@@ -120,7 +120,7 @@ def test_the_box_of_the_verdict_says_the_rules_and_the_likeliest_to_be_wrong() -
     assert [plain(line) for line in lines] == [
         "R1 and R2: guard factor 1.",
         "R3: simple.",
-        "Likeliest to be wrong: R1 FAIL (t x at 2 deg/s), with a probability of 0.2; PASS from -4 % up to 4 %;"
+        "The verdict most likely to be wrong: R1 FAIL (t x at 2 deg/s), with probability 0.2; PASS from -4 % up to 4 %;"
         " test uncertainty ratio 5.",
     ]
     text = plain(findings.of_verdict("FAIL", wrap([matrix[0] | {"verdict": "FAIL"}], "/verification"), wrap({}, "")))

@@ -173,8 +173,8 @@ def of_decision(verification: Sequence[Branch], verdicts: Sequence[Branch]) -> l
     ratio: Finding = () if one["ratio"] is None else ("; test uncertainty ratio ", Figure(one["ratio"]))
     lines.append(
         (
-            "Likeliest to be wrong: ", one["requirement"], " ", one["verdict"],
-            " (", one["test"], " ", one["axis"], *at, "), with a probability of ",
+            "The verdict most likely to be wrong: ", one["requirement"], " ", one["verdict"],
+            " (", one["test"], " ", one["axis"], *at, "), with probability ",
             Figure(one["risk"]), *accepted, *ratio, ".",
         )
     )  # fmt: skip

@@ -36,13 +36,13 @@ def test_one_standard_goes_to_what_the_rest_leaves() -> None:
     to = math.sqrt(0.35**2 - 0.3**2)
     (one,) = found.alone
     assert (one.u_from, one.u_to) == pytest.approx((0.8, 0.8 * to / 0.4))
-    assert str(found) == "rate_table.rate from 0.8 to 0.361 % suffices"
+    assert str(found) == "rate_table.rate from 0.8 to 0.361 % would suffice"
 
 
 def test_either_of_two_suffices_alone() -> None:
     found = advice([source(0.4), source(0.39, "A")], 0.5, "%")
     assert [one.influence for one in found.alone] == ["rate_table.rate", ""]
-    assert "; or scatter between runs: 1.7 times as many runs suffices" in str(found)
+    assert "; or scatter between runs: 1.7 times as many runs would suffice" in str(found)
 
 
 def test_scatter_that_no_standard_makes_good_is_named() -> None:
@@ -50,7 +50,7 @@ def test_scatter_that_no_standard_makes_good_is_named() -> None:
     assert found.alone == ()
     assert [one.influence for one in found.together] == ["rate_table.rate", ""]
     assert str(found) == (
-        "no better standard suffices, scatter alone gives 0.3 %; no source suffices alone:"
+        "no better standard would suffice, scatter alone gives 0.3 %; no source would suffice alone:"
         " rate_table.rate from 0.4 to 0.2 % and scatter between runs: 4 times as many runs"
     )
 

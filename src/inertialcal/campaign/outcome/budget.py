@@ -87,14 +87,14 @@ class Advice:
         if self.reached:
             return "reached"
         if self.alone:
-            return "; or ".join(f"{one} suffices" for one in self.alone)
+            return "; or ".join(f"{one} would suffice" for one in self.alone)
         if not self.together:
             return f"{_times(self.u / self.wanted)} times smaller than now"
         floor = ""
         if self.scatter >= self.wanted:
-            floor = f"no better standard suffices, scatter alone gives {number(self.scatter, 3)} {_shown(self.unit)}; "
+            floor = f"no better standard would suffice, scatter alone gives {number(self.scatter, 3)} {_shown(self.unit)}; "
         needed = " and ".join(map(str, self.together))
-        return f"{floor}{needed}" if len(self.together) == 1 else f"{floor}no source suffices alone: {needed}"
+        return f"{floor}{needed}" if len(self.together) == 1 else f"{floor}no source would suffice alone: {needed}"
 
 
 @dataclass(frozen=True)
