@@ -13,6 +13,7 @@ from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
 from inertialcal.core.recording import SECOND, Channel, Recording
 from inertialcal.core.results import Row
+from inertialcal.procedures.mass_attraction.line import shape_of
 from inertialcal.procedures.mass_attraction.published import less_noise, published
 from inertialcal.procedures.mass_attraction.reduction import (
     HighG,
@@ -29,7 +30,8 @@ from inertialcal.procedures.mass_attraction.reduction import (
     repeated,
     run_of_rows,
 )
-from inertialcal.procedures.mass_attraction.response import SLIP, combined, fits_better_late, shape_of, tilt_left
+from inertialcal.procedures.mass_attraction.response import combined, tilt_left
+from inertialcal.procedures.mass_attraction.slip import SLIP, fits_better_late
 from inertialcal.statistics.intervals import contains, covers, t_interval
 
 G = STANDARD_GRAVITY.value

@@ -26,9 +26,10 @@ from ...core.show.rounding import number
 from ...signals.sine.changes import Jump, critical, cycle_amplitudes, jumps, response_changes
 from ...statistics.agreement import FALSE_ALARM, disagreeing
 from ..agreement import likely_cause
+from .line import shape_of
 from .plan import Plan
 from .readings import Readings, Run
-from .response import Response, response_of, response_of_line, shape_of
+from .response import Response, response_of, response_of_line
 
 PART = FALSE_ALARM / 6.0  # of each of the six searches
 MUCH = 0.25  # part of a response

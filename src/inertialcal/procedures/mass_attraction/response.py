@@ -36,25 +36,19 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import optimize, special
 
-from ...core.constants import STANDARD_GRAVITY
-from ...core.errors import DataError, PlanError
+from ...core.errors import DataError
 from ...core.estimate import Array, Component, Estimate
 from ...core.influence import Influence
 from ...core.key import Key, Origin
-from ...physics.motion.schedule import Schedule
-from ...signals.sine.drive import applied_drive
-from ...signals.sine.fit import Design, LineFit, design_of
-from ...signals.sine.fit import fit_line as fit_drive
 from ...statistics.means import Mean, weighted_mean
+from .line import Fitted, fit_line
 from .plan import APPLIED, Plan
 from .readings import Line, Readings, Run
+from .slip import SLIP, fits_better_late
+from .tilt import G, pad_tilt, tilt_used, without_tilt
 
-G = STANDARD_GRAVITY.value
-SLIP = 25.0  # gain of squared signal over noise that proves a slip of the schedule
-HALF = 0.5  # of the dwells of a run, that need a tilt
 RAYLEIGH = float(np.sqrt(np.pi / 2.0))  # mean amplitude of noise over the standard deviation of its part in phase
 
 
@@ -100,12 +94,12 @@ def response_of(plan: Plan, run: Run) -> Response:
     Raises
     ------
     DataError
-        ``schedule_slip``, if the mass came a dwell late or early from some dwell on; as `fit_line`.
+        ``schedule_slip``, if the mass came a dwell late or early from some dwell on; as `line.fit_line`.
     """
     mode = tilt_used(plan, run)
-    tilt = None if run.tilt is None or mode == "ignored" else _pad_tilt(plan, run)
+    tilt = None if run.tilt is None or mode == "ignored" else pad_tilt(plan, run)
     try:
-        x, p, u_p = _without_tilt(plan, run, tilt, mode)
+        x, p, u_p = without_tilt(plan, run, tilt, mode)
         found = fit_line(run.schedule, x, plan.side_bands)
         meter = None if tilt is None else fit_line(run.schedule, np.where(np.isfinite(x), tilt, np.nan))
     except DataError as error:
@@ -127,44 +121,6 @@ def response_of(plan: Plan, run: Run) -> Response:
         u = float(np.hypot(u, u_p * tau))
     return Response(run.name, run.moved, applied, amplitude, u, found.dof, found.quadrature, found.u_quadrature, tau,
                     u_tau, p, mode, found, x)  # fmt: skip
-
-
-def _without_tilt(plan: Plan, run: Run, tilt: Array | None, mode: str) -> tuple[Array, float, float]:
-    """Return the readings less the share of the tilt, its coefficient and the uncertainty of it [count/s/rad]."""
-    if tilt is None:
-        return run.reading, np.nan, 0.0
-    if mode == "known":
-        p = (plan.nominal or 0.0) * G
-        return run.reading - p * tilt, p, 0.0
-    both = np.column_stack([run.reading, tilt / np.nanstd(tilt)])
-    found, there = fit_lines(run.schedule, both, plan.side_bands)
-    line = [found.in_phase] if found.quadrature is None else [found.in_phase, found.quadrature]
-    columns = np.concatenate([part for _, part in found.design.parts(found.design.main)], axis=1)
-    x, y = (both[there] - columns.T @ np.vstack([*line, found.drift])).T
-    p = float(x @ y / (y @ y))
-    residual = float(np.sum((x - p * y) ** 2)) / max(len(x) - found.design.main - 1, 1)
-    scale = float(np.nanstd(tilt))
-    return run.reading - p / scale * tilt, p / scale, float(np.sqrt(residual / (y @ y))) / scale
-
-
-def _pad_tilt(plan: Plan, run: Run) -> Array:
-    """Return the tilt of the pad about its mean, with the sign that is felt, mercury subtracted [rad].
-
-    Raises
-    ------
-    PlanError
-        If plan and schedule both state the tilt of the mercury.
-    """
-    tilt, schedule = run.tilt, run.schedule
-    assert tilt is not None  # noqa: S101 - checked before
-    if schedule.mercury is not None and plan.mercury and run.moved:
-        what = f"{run.name}: plan.mercury, and a column mercury in the schedule"
-        raise PlanError(what, why="it would be subtracted once only", do="Keep one of them", code="contradiction")
-    if run.moved:
-        computed = plan.mercury * (schedule.applied - schedule.applied.mean()) / schedule.amplitude
-        tilt = tilt - (computed if schedule.mercury is None else schedule.mercury)
-    middle = np.nanmean(tilt) if np.isfinite(tilt).any() else 0.0
-    return np.asarray(plan.tilt_sign * (tilt - middle))
 
 
 def tilt_left(responses: Iterable[Response], scale: float) -> float:
@@ -193,124 +149,6 @@ def response_of_line(line: Line) -> Response:
     The mean amplitude of n lines of noise is ``sqrt(pi/2)`` times the standard deviation of the part in phase.
     """
     return Response(line.name, line.moved, line.applied, line.response, line.noise / RAYLEIGH, 2.0 * line.beside)
-
-
-def tilt_used(plan: Plan, run: Run) -> str:
-    """Return how the tilt of a run is used: not at all if half of its dwells or more lack one."""
-    if plan.tilt == "ignored" or run.tilt is None:
-        return "ignored"
-    wanted = np.isfinite(run.reading)
-    have = np.isfinite(run.tilt) & wanted
-    if have.sum() <= HALF * wanted.sum() or not np.ptp(run.tilt[have]) > 0.0:
-        return "ignored"
-    return "ignored" if plan.tilt == "known" and not plan.nominal else plan.tilt
-
-
-NONE = 1e-9  # of a length: smaller is zero
-FEWEST = 12  # readings
-
-
-@dataclass(frozen=True, eq=False)
-class Fitted:
-    """Line of a drive."""
-
-    amplitude: float  # In phase with the drive [unit of the readings]
-    u: float  # Its standard uncertainty [unit of the readings]
-    quadrature: float  # A quarter of a cycle ahead of the drive; NaN if the drive has none
-    u_quadrature: float  # Its standard uncertainty
-    dof: float  # Degrees of freedom of both
-    drift: Array  # shape (n,): NaN for a gap
-    line: Array  # shape (n,): NaN for a gap
-    frequencies: Array  # shape (m,): of the drive, then of its side bands [Hz]
-
-
-def shape_of(schedule: Schedule) -> Array:
-    """Return what is applied, about its middle, over its amplitude, shape (n,)."""
-    middle = 0.5 * (schedule.applied.max() + schedule.applied.min())
-    return np.asarray((schedule.applied - middle) / schedule.amplitude)
-
-
-def fit_lines(schedule: Schedule, series: Array, side_bands: int | None = None) -> tuple[LineFit, NDArray[np.bool_]]:
-    """Return the line of the drive in series of the same dwells, and the dwells that were fitted.
-
-    Parameters
-    ----------
-    schedule : Schedule
-        n dwells.
-    series : ndarray, shape (n,) or (n, k)
-        Readings; rows with a NaN are left out.
-    side_bands : int, optional
-        Lines on each side that the noise is read from; ``signals.sine`` chooses by default.
-
-    Raises
-    ------
-    DataError
-        ``too_short`` if there are too few readings; as ``signals.sine``.
-    """
-    there: NDArray[np.bool_] = np.asarray(np.isfinite(series.reshape(len(series), -1)).all(axis=1))
-    if there.sum() < FEWEST:
-        what = f"{int(there.sum())} of {len(series)} dwells have a reading: a line needs at least {FEWEST}"
-        raise DataError(what, do="Measure longer", code="too_short")
-    return fit_drive(_design(schedule, there, side_bands), series[there]), there
-
-
-def _design(schedule: Schedule, there: NDArray[np.bool_], side_bands: int | None) -> Design:
-    drive = applied_drive(schedule.middle[there], shape_of(schedule)[there], schedule.frequency)
-    return design_of(drive, side_bands=side_bands)
-
-
-def fit_line(schedule: Schedule, x: Array, side_bands: int | None = None) -> Fitted:
-    """Return the line of the drive in one series, shape (n,); errors as `fit_lines`."""
-    found, there = fit_lines(schedule, x, side_bands)
-    line, drift = np.full((2, len(there)), np.nan)
-    line[there], drift[there] = found.fitted()
-    quadrature = np.nan if found.quadrature is None else float(found.quadrature[0])
-    u_quadrature = np.nan if found.u_quadrature is None else float(found.u_quadrature[0])
-    drive, steps = found.design.drive, np.arange(1, found.design.side_bands + 1)
-    near = np.abs(drive.frequency + np.concatenate([-steps, steps]) / drive.span)
-    frequencies = np.concatenate([[drive.frequency], np.unique(near[near <= 0.5 / drive.step * (1.0 + NONE)])])
-    return Fitted(
-        float(found.in_phase[0]), float(found.u_in_phase[0]), quadrature, u_quadrature, found.dof, drift, line,
-        frequencies,
-    )  # fmt: skip
-
-
-def fits_better_late(schedule: Schedule, x: Array) -> tuple[float, int]:
-    """Return how much better a late or early mass explains a series, and from which dwell on.
-
-    For each dwell k, the drive is as planned before k, and one dwell late or early from k on.
-
-    Parameters
-    ----------
-    schedule : Schedule
-        As planned, n dwells.
-    x : ndarray, shape (n,)
-        Readings; NaN for a gap.
-
-    Returns
-    -------
-    (float, int)
-        Largest gain of the squared signal over noise, with the residuals of the better schedule as noise; the dwell,
-        counted from 0.
-    """
-    there = np.isfinite(x)
-    design = _design(schedule, there, None)
-    drift = np.concatenate([part[design.line :] for _, part in design.parts(design.main)], axis=1)
-    slow = np.asarray(np.linalg.qr(drift.T)[0])  # orthonormal columns of the drift
-    s, at = shape_of(schedule), np.arange(len(schedule))
-    late, early = np.concatenate([s[:1], s[:-1]]), np.concatenate([s[1:], s[-1:]])
-    moved = [np.where(at[:, None] < at[None, :], s[:, None], other[:, None]) for other in (late, early)]
-    tried = np.column_stack([s, *moved])[there]
-    y = x[there] - slow @ (slow.T @ x[there])
-    alone = tried - slow @ (slow.T @ tried)
-    power = np.einsum("ij,ij->j", alone, alone)
-    response = alone.T @ y
-    response[1:] = np.maximum(response[1:], 0.0)  # a response of the other sign is not a slip
-    explained = np.where(power > NONE, response**2 / np.maximum(power, NONE), 0.0)
-    best = int(np.argmax(explained))
-    noise = (y @ y - explained[best]) / max(len(y) - slow.shape[1] - 1, 1)
-    gain = explained[best] - explained[0]
-    return float(gain / noise) if gain > NONE * (y @ y) else 0.0, int((best - 1) % len(s)) if best else 0
 
 
 SCALE, ERROR, DIFFERENCE = "scale_factor", "scale_factor_error", "high_g_difference"

@@ -18,6 +18,7 @@ from ...core.results import Interval, Row, not_estimated
 from ...physics.mass_shape.bound import largest_field
 from ...signals.correlation import autocorrelation
 from ...statistics.intervals import coverage_factor, t_interval
+from .line import shape_of
 from .plan import Plan, SourceMass
 from .published import published_rows
 from .readings import Readings, Run
@@ -30,10 +31,9 @@ from .response import (
     applied_influences,
     compared_with,
     estimate_of,
-    shape_of,
     tilt_left,
-    tilt_used,
 )
+from .tilt import tilt_used
 
 if TYPE_CHECKING:
     from .reduction import Result

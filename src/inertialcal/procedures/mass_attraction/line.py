@@ -1,0 +1,86 @@
+"""Line of the drive in the readings of one run, by ``signals.sine``, in the unit of the readings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import DataError
+from ...core.estimate import Array
+from ...physics.motion.schedule import Schedule
+from ...signals.sine.drive import applied_drive
+from ...signals.sine.fit import Design, LineFit, design_of
+from ...signals.sine.fit import fit_line as fit_drive
+
+NONE = 1e-9  # of a length: smaller is zero
+
+
+FEWEST = 12  # readings
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """Line of a drive."""
+
+    amplitude: float  # In phase with the drive [unit of the readings]
+    u: float  # Its standard uncertainty [unit of the readings]
+    quadrature: float  # A quarter of a cycle ahead of the drive; NaN if the drive has none
+    u_quadrature: float  # Its standard uncertainty
+    dof: float  # Degrees of freedom of both
+    drift: Array  # shape (n,): NaN for a gap
+    line: Array  # shape (n,): NaN for a gap
+    frequencies: Array  # shape (m,): of the drive, then of its side bands [Hz]
+
+
+def shape_of(schedule: Schedule) -> Array:
+    """Return what is applied, about its middle, over its amplitude, shape (n,)."""
+    middle = 0.5 * (schedule.applied.max() + schedule.applied.min())
+    return np.asarray((schedule.applied - middle) / schedule.amplitude)
+
+
+def fit_lines(schedule: Schedule, series: Array, side_bands: int | None = None) -> tuple[LineFit, NDArray[np.bool_]]:
+    """Return the line of the drive in series of the same dwells, and the dwells that were fitted.
+
+    Parameters
+    ----------
+    schedule : Schedule
+        n dwells.
+    series : ndarray, shape (n,) or (n, k)
+        Readings; rows with a NaN are left out.
+    side_bands : int, optional
+        Lines on each side that the noise is read from; ``signals.sine`` chooses by default.
+
+    Raises
+    ------
+    DataError
+        ``too_short`` if there are too few readings; as ``signals.sine``.
+    """
+    there: NDArray[np.bool_] = np.asarray(np.isfinite(series.reshape(len(series), -1)).all(axis=1))
+    if there.sum() < FEWEST:
+        what = f"{int(there.sum())} of {len(series)} dwells have a reading: a line needs at least {FEWEST}"
+        raise DataError(what, do="Measure longer", code="too_short")
+    return fit_drive(line_design(schedule, there, side_bands), series[there]), there
+
+
+def line_design(schedule: Schedule, there: NDArray[np.bool_], side_bands: int | None) -> Design:
+    """Return the line and drift that are fitted to the dwells with a reading."""
+    drive = applied_drive(schedule.middle[there], shape_of(schedule)[there], schedule.frequency)
+    return design_of(drive, side_bands=side_bands)
+
+
+def fit_line(schedule: Schedule, x: Array, side_bands: int | None = None) -> Fitted:
+    """Return the line of the drive in one series, shape (n,); errors as `fit_lines`."""
+    found, there = fit_lines(schedule, x, side_bands)
+    line, drift = np.full((2, len(there)), np.nan)
+    line[there], drift[there] = found.fitted()
+    quadrature = np.nan if found.quadrature is None else float(found.quadrature[0])
+    u_quadrature = np.nan if found.u_quadrature is None else float(found.u_quadrature[0])
+    drive, steps = found.design.drive, np.arange(1, found.design.side_bands + 1)
+    near = np.abs(drive.frequency + np.concatenate([-steps, steps]) / drive.span)
+    frequencies = np.concatenate([[drive.frequency], np.unique(near[near <= 0.5 / drive.step * (1.0 + NONE)])])
+    return Fitted(
+        float(found.in_phase[0]), float(found.u_in_phase[0]), quadrature, u_quadrature, found.dof, drift, line,
+        frequencies,
+    )  # fmt: skip
