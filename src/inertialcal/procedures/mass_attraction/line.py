@@ -40,6 +40,14 @@ def shape_of(schedule: Schedule) -> Array:
     return np.asarray((schedule.applied - middle) / schedule.amplitude)
 
 
+def start_phase(schedule: Schedule) -> float:
+    """Return the phase of the drive at its first dwell, by its first harmonic [rad]: pi apart if it is reversed."""
+    angle = 2.0 * np.pi * schedule.frequency * (schedule.middle - schedule.middle[0])
+    columns = np.column_stack([np.sin(angle), np.cos(angle), np.ones(len(angle))])
+    a, b, _ = np.linalg.lstsq(columns, shape_of(schedule), rcond=None)[0]
+    return float(np.arctan2(b, a))
+
+
 def fit_lines(schedule: Schedule, series: Array, side_bands: int | None = None) -> tuple[LineFit, NDArray[np.bool_]]:
     """Return the line of the drive in series of the same dwells, and the dwells that were fitted.
 

@@ -43,7 +43,7 @@ from ...core.estimate import Array, Component, Estimate
 from ...core.influence import Influence
 from ...core.key import Key, Origin
 from ...statistics.means import Mean, weighted_mean
-from .line import Fitted, fit_line
+from .line import Fitted, fit_line, start_phase
 from .plan import APPLIED, Plan
 from .readings import Line, Readings, Run
 from .slip import SLIP, fits_better_late
@@ -72,6 +72,8 @@ class Response:
     fitted: Fitted | None = None  # Line and drift; None for a run that was reduced before
     # shape (n,): readings that were fitted, tilt subtracted [count/s]
     series: Array = field(default_factory=lambda: np.empty(0))
+    # Of the drive at the first dwell of the run [rad]: what repeats with the runs leaks with its cosine and sine
+    phase: float = 0.0
 
     @property
     def scale_factor(self) -> float:
@@ -120,7 +122,7 @@ def response_of(plan: Plan, run: Run) -> Response:
     if mode == "regressed":
         u = float(np.hypot(u, u_p * tau))
     return Response(run.name, run.moved, applied, amplitude, u, found.dof, found.quadrature, found.u_quadrature, tau,
-                    u_tau, p, mode, found, x)  # fmt: skip
+                    u_tau, p, mode, found, x, start_phase(run.schedule))  # fmt: skip
 
 
 def tilt_left(responses: Iterable[Response], scale: float) -> float:
