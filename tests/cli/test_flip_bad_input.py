@@ -105,7 +105,7 @@ THIRD = "1996/051/12:21:00..1996/051/12:29:00=0 deg"
         (("--unit", "g", *windows(FIRST, FIRST.replace("=0", "=180"))), 3, "overlap"),
         (("--unit", "g", *windows(FIRST, "1996/052/12:11:00..1996/052/12:19:00=180 deg")), 2, "from 1996-02-20T12"),
         (("--unit", "g", "--column", "x=x", "--column", "y=x"), 2, "column 'x' is given for x and y"),
-        (("--unit", "g", *windows("000/12:03..000/12:09=0 deg")), 2, "Add: --mission-start 1996-03-22T08:13:04Z"),
+        (("--unit", "g", *windows("000/12:03..000/12:09=0 deg")), 2, "Add: --mission-start TIME"),
         (("--unit", "g", *windows("12:03..12:09=0 deg")), 2, "'12:03' is no time"),
         (("--unit", "g", *windows("yesterday")), 2, "write START..STOP=ANGLE"),
         (("--unit", "g", "--from", "1996/052/00:00"), 3, "The recording runs from 1996-02-20T12:00:00"),

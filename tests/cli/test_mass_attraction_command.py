@@ -139,7 +139,7 @@ def test_a_table_without_time_is_a_row_a_dwell(folder: Path, tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (("--column", "x=pulses"), 'Add: --gate "100 s"'),
+        (("--column", "x=pulses"), 'Add: --gate "GATE s"'),
         (("--gate", "100 s"), "cannot tell which column holds the pulses"),
         (("--gate", "100", "--column", "pulses"), "'100' has no unit"),
         (("--gate=-100 s", "--column", "pulses"), "gate -100 s: need a positive time"),

@@ -189,7 +189,7 @@ BAD = {
     "side bands": ((*PERIOD, "--side-bands", "40"), 3, "There is room for 1 to 14"),
     "rows": ((*PERIOD, "--order", "49"), 3, "drift at the frequency of the drive would remove it"),
     "schedule": (("--schedule", "short.csv"), 3, "they are not of one run"),
-    "averaged out": ((*PERIOD, "--averaging", "480 s"), 3, "averaging removes it"),
+    "averaging": ((*PERIOD, "--averaging", "480 s"), 3, "samples are 120 s apart"),
 }
 
 

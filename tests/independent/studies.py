@@ -673,9 +673,9 @@ def noises() -> list[Study]:
     found += [
         Study("sine, drive 4 s, samples 1 s", "", moved_mass.driven, {"amplitude": like("amplitude")}),
         Study(
-            "sine, the hint obeyed (--averaging 10 s)",
+            "sine, samples are means over 1 s (--averaging 1 s)",
             "180.4 +- 0.3, truth 23",
-            partial(moved_mass.driven, words=("--averaging", "10 s")),
+            partial(moved_mass.driven, averaging=1.0, words=("--averaging", "1 s")),
             {"amplitude": like("amplitude")},
         ),
     ]

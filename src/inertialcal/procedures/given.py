@@ -139,7 +139,8 @@ class GivenFile:
     def add(self, option: str, example: str) -> str:
         """Return how the caller says a setting: ``--axis x``, or ``axis='x'``."""
         if self.options:
-            return f"--{option.replace('_', '-')} {example}"
+            quoted = f'"{example}"' if " " in example else example
+            return f"--{option.replace('_', '-')} {quoted}"
         name, equals, value = example.partition("=")
         argument = PLURAL.get(option, option)
         return f"{argument}={{{name!r}: {value!r}}}" if equals else f"{argument}={example!r}"

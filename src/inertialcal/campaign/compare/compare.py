@@ -101,7 +101,9 @@ def compare(
     stated, rule = parse_allowed(allowed), read_decision(decision) if decision else INTERVAL
     if decision and not stated:
         raise UsageError(
-            f"--decision {decision!r} without an allowed change", do='Add --allowed "0.1 %"', code="decision"
+            f"--decision {decision!r} without an allowed change",
+            do="Add --allowed CHANGE, the largest that is allowed",
+            code="decision",
         )
     kind, one, other = load_both(first, second)
     pairs, remarks = matched(one.rows, other.rows, by_test=kind == "results")

@@ -30,9 +30,9 @@ KEYS: dict[RuleName, tuple[str, ...]] = {
     "test_uncertainty_ratio": ("ratio", "otherwise"),
 }
 EXAMPLES = {
-    "factor": "factor = 1.0",
-    "risk": 'risk = "2 %"',
-    "ratio": "ratio = 4",
+    "factor": "factor = NUMBER",
+    "risk": 'risk = "NUMBER %"',
+    "ratio": "ratio = NUMBER",
 }
 
 
@@ -81,7 +81,7 @@ def read_decision(text: str) -> Rule:
         key = next((key for rule, key in NEEDS.items() if rule == name), "")
         quoted = f'"{value}"' if key == "risk" else value
         table = f'{{ rule = "{name}", {key or "of"} = {quoted} }}'
-    do = f'Write one of {", ".join(KEYS)}, with its number: guard_factor=1, false_accept_risk="2 %"'
+    do = f'Write one of {", ".join(KEYS)}, with its number: guard_factor=NUMBER, false_accept_risk="NUMBER %"'
     try:
         found = Decision.model_validate(parse_toml(f"decision = {table}".encode(), "")[1]["decision"])
     except PlanError as error:
@@ -131,7 +131,7 @@ def _process(decision: Decision, path: tuple[str | int, ...], at: At) -> Iterato
         return
     where = at(*path, "process")
     if (process.sd is None) == (process.in_tolerance is None):
-        do = 'Give sd = "0.2 %" or in_tolerance = "95 %"'
+        do = 'Give sd = "NUMBER UNIT" or in_tolerance = "NUMBER %"'
         yield Problem("decision: process needs the standard deviation, or the share in tolerance", where, do=do,
                       code="missing_key")  # fmt: skip
     if process.in_tolerance is not None and not 0.0 < process.in_tolerance < 1.0:
@@ -196,7 +196,7 @@ def _kinds(process: ProcessEntry, name: str, limits: tuple[str | None, str | Non
         if text is None:
             if key == "mean" and process.sd is not None and None in limits:
                 what = f"requirement {name!r}: process needs its mean where there is one limit"
-                yield Problem(what, where, do='Add mean = "0 %"', code="missing_key")
+                yield Problem(what, where, do='Add mean = "NUMBER UNIT", that of the process', code="missing_key")
             continue
         try:
             same = stated is None or same_dimension(parse_quantity(text).unit, parse_quantity(stated).unit)

@@ -11,6 +11,7 @@ from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.key import AXES
 from ...core.recording import SECOND, Channel, Recording
+from ...core.show.rounding import number
 from ...core.times import LATEST
 from ...core.units import convert, convert_as_wide, kind, multiply, parse_quantity, si_unit
 from ...sensors.chain.converter import Chain
@@ -26,6 +27,7 @@ from .ground import ChainModel, after_model
 TEMPERATURE, GAIN = "temperature", "gain"
 NO_CHAIN = {name: role for name, role in ROLES.items() if name not in OF_CHAIN}  # channels that are in units already
 SAME_INTERVAL = 0.1  # relative difference of stated and seen interval that skipped saves explain
+LONGEST = 1.01  # averaging over the interval, from which a sample would hold some of the next
 
 
 def chain_of(entry: RecordingEntry, sensor: Sensor) -> Chain | None:
@@ -148,6 +150,10 @@ def _timed(recording: Recording, clock: Clock) -> Recording:
     if averaging is not None and not 0.0 <= averaging <= LATEST:
         what = f"clock.averaging is {averaging:g} s: need 0 s to {LATEST:g} s"
         raise DataError(what, recording.source.path, do="Correct clock.averaging", code="averaging_time")
+    if averaging is not None and interval and averaging > LONGEST * interval:
+        what = f"averaging over {number(averaging, 6)} s, but samples are {number(interval, 6)} s apart"
+        do = f'Give what a sample is the mean of, at most its interval: --averaging "{number(interval, 6)} s"'
+        raise DataError(what, recording.source.path, do=do, code="averaging_time")
     recording = replace(recording, sample_interval=interval, averaging_time=averaging)
     shift = {"start": 0.5, "middle": 0.0, "end": -0.5}[clock.stamp] * (averaging or 0.0)
     if recording.time_ns is None or shift == 0.0:

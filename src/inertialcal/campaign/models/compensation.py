@@ -179,7 +179,7 @@ def _temperature(chosen: Taken, recording: Recording, term: str) -> float:
         "the model needs the temperature of the sensor",
         where=recording.source.path,
         why=f"it has the term {term}",
-        do=f'Say it: --temperature {shlex.quote(known[0]) if known else "COLUMN"}, or --temperature "25 degC"',
+        do=f'Say it: --temperature {shlex.quote(known[0]) if known else "COLUMN"}, or --temperature "NUMBER degC"',
         code="no_temperature",
     )
 

@@ -92,7 +92,9 @@ class Advice:
             return f"{_times(self.u / self.wanted)} times smaller than now"
         floor = ""
         if self.scatter >= self.wanted:
-            floor = f"no better standard would suffice, scatter alone gives {number(self.scatter, 3)} {_shown(self.unit)}; "
+            floor = (
+                f"no better standard would suffice, scatter alone gives {number(self.scatter, 3)} {_shown(self.unit)}; "
+            )
         needed = " and ".join(map(str, self.together))
         return f"{floor}{needed}" if len(self.together) == 1 else f"{floor}no source would suffice alone: {needed}"
 

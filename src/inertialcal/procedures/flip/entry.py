@@ -77,7 +77,7 @@ def recording_problems(test: SaidTest, name: str, entry: Entry) -> Iterator[Prob
     """Yield a recording without positions of the head."""
     if entry.channels is not None and cast("FlipEntry", entry).positions is None:
         what = f"recordings.{name}: positions of the head are not given"
-        do = 'Give positions = [{ start = ..., stop = ..., angle = "0 deg" }, ...]'
+        do = 'Give positions = [{ start = ..., stop = ..., angle = "ANGLE deg" }, ...]'
         yield Problem(what, test.at("recordings", name), do=do, code="missing_key")
 
 

@@ -191,7 +191,7 @@ def means_columns(given: GivenFile) -> tuple[dict[str, Any], dict[str, str]]:
         try:
             parse_quantity(angles[position]).to("rad")
         except DataError:
-            do = f"Add: {given.add('position', f'{position}=180 deg')}"
+            do = f"Add: {given.add('position', f'{position}=ANGLE deg')}"
             raise UsageError(f"{given.name}: position {position!r} has no angle", do=do, code="no_angle") from None
     named = {what: name for what, name in columns.items() if name is not None}
     widths = {f"0.{match[1]}": name for name in table.names if (match := WIDTH.search(_key(name)))}
@@ -278,7 +278,7 @@ def _window(given: GivenFile, head: Recording, start: str, stop: str, angle: flo
     except UsageError as error:
         problem = error.problems[0]
         lacks = problem.code == "no_mission_start"
-        do = problem.do or (f"Add: {given.add('mission_start', '1996-03-22T08:13:04Z')}" if lacks else "")
+        do = problem.do or (f"Add: {given.add('mission_start', 'TIME')}" if lacks else "")
         raise UsageError(f"window {start}..{stop}: {problem.what}", do=do, code="wrong_time") from None
     assert first is not None  # noqa: S101 - both were given
     assert last is not None  # noqa: S101

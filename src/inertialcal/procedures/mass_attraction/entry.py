@@ -67,7 +67,7 @@ def recording_problems(test: SaidTest, name: str, entry: Entry) -> Iterator[Prob
     sensor = test.sensors.get(entry.sensor)
     if sensor is not None and entry.channels is not None and sensor.chain.kind != "pulse_rate":
         what = f"test {test.id!r}: mass_attraction needs pulses, the chain is of kind {sensor.chain.kind!r}"
-        do = 'Set chain = { kind = "pulse_rate", gate = "100 s" }'
+        do = 'Set chain = { kind = "pulse_rate", gate = "GATE s" }'
         yield Problem(what, test.at("sensors", entry.sensor, "chain"), do=do, code="wrong_value")
     if test.windows is not None:
         what = f"test {test.id!r}: windows, but the schedule says which part of a run is read"

@@ -34,7 +34,7 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
         if own.get("gate") is None:
             what, do = (
                 f"{given.name}: pulses without the time over which they are counted",
-                given.add("gate", '"100 s"'),
+                given.add("gate", "GATE s"),
             )
             raise UsageError(what, do=f"Add: {do}", code="no_gate")
         chain = f'{{ kind = "pulse_rate", gate = "{own["gate"]}" }}'

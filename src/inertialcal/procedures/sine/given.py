@@ -29,7 +29,7 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     period, schedule = given.plan.get("period"), given.own.get("schedule")
     if (period is None) == (schedule is None):
         both = "both are given" if period else "neither is given"
-        do = f"Give one: {given.add('period', '480 s')}, or {given.add('schedule', 'dwells.csv')}"
+        do = f"Give one: {given.add('period', 'PERIOD s')}, or {given.add('schedule', 'FILE')}"
         raise UsageError(f"period and schedule: {both}", do=do, code="wrong_value")
     if schedule is not None and given.plan.get("phase") is not None:
         raise UsageError("phase and schedule", why="the schedule has the phase", do="Leave the phase out")

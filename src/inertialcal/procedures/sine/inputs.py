@@ -16,6 +16,7 @@ from ...core.show.rounding import number
 from ...physics.motion.schedule import Schedule
 from ...signals.sine.drive import Drive, applied_drive, averaging_response, sine_drive
 
+LONGEST = 1.01  # averaging over interval or period, from which it cannot be
 HALF = 0.5  # of the samples, that may be missing
 SEEN = 1e-3  # of an amplitude, from which averaging is remarked
 WHOLE = 0.01  # of a period, by which a record may differ from whole cycles
@@ -31,6 +32,7 @@ class Driven:
     response: float = 1.0  # Part of the drive in the samples, which are means over a time
     applied: float | None = None  # Amplitude applied by a schedule [m/s^2]
     u_applied: float | None = None  # Its relative standard uncertainty
+    loss: float = 0.0  # Part of the drive that the samples lack if they are means over their interval; 0 where known
     remarks: tuple[Remark, ...] = ()  # On gaps and cycles
     name: str = ""  # Of the recording
     where: str = ""  # Its file
@@ -57,17 +59,22 @@ def driven_by_sine(recording: Recording, channel: Channel, period: float, phase:
     late = 2.0 * np.pi * float(times[there][0] - times[0]) / period
     drive = sine_drive(times[there], 1.0 / period, None if phase is None else phase + late)
     averaging = recording.averaging_time
+    longest = min(drive.step, period)
+    if averaging is not None and averaging > LONGEST * longest:
+        what = f"averaging over {number(averaging, 6)} s, samples every {number(drive.step, 6)} s,"
+        what += f" a period of {number(period, 6)} s"
+        do = f'Give what a sample is the mean of, at most --averaging "{number(longest, 6)} s"'
+        raise DataError(what, recording.source.path, do=do, code="averaging_time")
     response = 1.0 if averaging is None else averaging_response(1.0 / period, averaging)
     remarks += _cycles(drive)
-    loss = 1.0 - abs(averaging_response(drive.frequency, min(drive.step, 0.5 / drive.frequency)))
-    if averaging is None and loss > SEEN:
-        what = f"if samples are means over their interval, they show {number(100.0 * loss, 3)} % less of the drive"
-        remarks.append(Remark("averaging", "info", what, do='Say it: --averaging "10 s"'))
-    elif averaging is not None and response < 1.0 - SEEN:
+    loss = 0.0
+    if averaging is None:
+        loss = 1.0 - abs(averaging_response(drive.frequency, min(drive.step, 0.5 / drive.frequency)))
+    elif response < 1.0 - SEEN:
         share, window = number(100.0 * (1.0 - response), 3), number(averaging, 4)
         what = f"samples are means over {window} s: they show {share} % less of the drive, which is corrected"
         remarks.append(Remark("averaging", "info", what))
-    return Driven(channel, drive, _values(channel)[there], response, remarks=tuple(remarks))
+    return Driven(channel, drive, _values(channel)[there], response, loss=loss, remarks=tuple(remarks))
 
 
 def driven_by_schedule(recording: Recording, channel: Channel, schedule: Schedule, path: str | Path) -> Driven:
@@ -99,7 +106,7 @@ def driven_by_schedule(recording: Recording, channel: Channel, schedule: Schedul
     shape = (schedule.applied - middle) / schedule.amplitude
     drive = applied_drive(schedule.middle[read], shape[read], schedule.frequency)
     return Driven(channel, drive, sums[read] / counts[read], 1.0, schedule.amplitude, schedule.u_applied,
-                  (*remarks, *_cycles(drive)))  # fmt: skip
+                  remarks=(*remarks, *_cycles(drive)))  # fmt: skip
 
 
 def _values(channel: Channel) -> Array:

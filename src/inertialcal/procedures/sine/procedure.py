@@ -67,7 +67,7 @@ class Sine(Procedure[Plan, "Readings", "Result"]):
             drive = cast("SineEntry", source.entry).drive
             if (drive is None) == (plan.period is None):
                 what = f"recordings.{source.name}: {'no drive' if drive is None else 'a period and a schedule'}"
-                do = 'Give plan = { period = "480 s" }, or drive = { schedule = "dwells.csv" } of the recording'
+                do = 'Give plan = { period = "PERIOD s" }, or drive = { schedule = "FILE" } of the recording'
                 raise DataError(what, source.file, do=do, code="no_drive")
             for _, recording in source.recordings():
                 remarks += list(recording.remarks)

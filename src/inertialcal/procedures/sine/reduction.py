@@ -22,7 +22,7 @@ from ...core.curve import Column, Curve
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.key import Key, Method, Reason
-from ...core.remarks import Remark, gather
+from ...core.remarks import Remark, Severity, gather
 from ...core.results import Interval, Row
 from ...core.show.rounding import number, with_uncertainty
 from ...core.units import FILE_UNIT
@@ -31,7 +31,7 @@ from ...signals.sine.amplitude import amplitude_of
 from ...signals.sine.cross_checks import CrossCheck, cross_checks
 from ...signals.sine.fit import LineFit, design_of, fit_line
 from ...statistics.intervals import chi_square_interval, coverage_factor, t_interval, upper_bound
-from .inputs import Driven
+from .inputs import SEEN, Driven
 from .plan import Plan
 
 FLOOR = 3.0  # standard uncertainties below which an amplitude is an upper limit
@@ -205,6 +205,14 @@ class SineResult:
     def remarks(self) -> tuple[Remark, ...]:
         """Return the remarks on the fit."""
         fit, remarks = self.fit, list(self.driven.remarks)
+        if self.driven.loss > SEEN:
+            more, step = self.driven.loss / (1.0 - self.driven.loss), number(fit.design.drive.step, 6)
+            what = "the amplitude is that of the readings as they are: if each is a mean over its interval,"
+            what += f" the drive is {number(100.0 * more, 3)} % larger"
+            length = float(np.hypot(fit.in_phase[0], 0.0 if fit.quadrature is None else fit.quadrature[0]))
+            level: Severity = "warning" if more * length > fit.u_in_phase[0] else "info"
+            do = f'Say how samples are made: --averaging "{step} s" for means, --averaging "0 s" for points'
+            remarks.append(Remark("averaging", level, what, do=do))
         if fit.dof < FEW_DOF:
             what = f"the noise has {fit.dof:g} degrees of freedom: there is room for few side bands"
             remarks.append(Remark("few_side_bands", "warning", what, do="Record more cycles"))
@@ -218,7 +226,7 @@ class SineResult:
         remarks += [one.remark() for one in self.checks if one.disagrees]
         if self.driven.applied is not None and self.driven.u_applied is None:
             what = "the applied amplitude has no stated uncertainty: that of the scale factor is scatter only"
-            do = "Write '# u of applied: 0.9 %' in the schedule"
+            do = "Write '# u of applied: NUMBER %' in the schedule"
             remarks.append(Remark("applied_not_stated", "warning", what, do=do))
         return tuple(remarks)
 

@@ -234,7 +234,7 @@ def _moved(
         rows.append(Row(Key("mercury_amplitude"), float(np.ptp(mercury)) / 2.0, None, "rad", test=TEST))
     if motion.rig is None:
         what = f"motion.rig is not given: a stage from {CM * stage[0]:g} to {CM * stage[1]:g} cm is assumed"
-        remarks.append(Remark("no_rig", "info", what, do='Give its range: motion.rig = ["0 cm", "60 cm"]'))
+        remarks.append(Remark("no_rig", "info", what, do='Give its range: motion.rig = ["LOWEST cm", "HIGHEST cm"]'))
     unstated = tuple(name for name, value in vars(given).items() if value is None)
     return replace(
         plan,
@@ -265,7 +265,7 @@ def _forecast(plan: MassPlan, said: Settings) -> MassPlan:
         what = f"noise of axis {axis}: {names}; terms that its record does not show are left out"
         remarks.append(Remark("noise_file", "info", what, str(said.noise.file)))
     elif not terms:
-        do = 'Set [noise], like noise.velocity_random_walk = "5 ug/sqrt(Hz)", or noise.file'
+        do = 'Set [noise]: noise.velocity_random_walk = "NUMBER ug/sqrt(Hz)", or noise.file'
         remarks.append(Remark("no_noise", "info", "no noise is given: no forecast", do=do))
     plan = replace(plan, schedule=schedule, inputs=inputs, remarks=gather([*plan.remarks, *remarks]))
     if not terms:
@@ -330,7 +330,7 @@ def _of_body(read: GroupsRead[Settings]) -> Iterator[Problem]:
         yield Problem("body is missing", where, do=do, code="missing_key")
         return
     if body.cubes is None and body.cube is None:
-        yield Problem("body.cube is missing", where, do='Example: cube = "5.08 cm"', code="missing_key")
+        yield Problem("body.cube is missing", where, do='Set its edge: cube = "EDGE cm"', code="missing_key")
     if body.cubes is None and body.count is None and body.mass is None:
         do = "Give the number of cubes, or the largest mass"
         yield Problem("body.count and body.mass are missing", where, do=do, code="missing_key")
@@ -338,7 +338,7 @@ def _of_body(read: GroupsRead[Settings]) -> Iterator[Problem]:
         do = "Give the cells across, across and along the input axis: [20, 20, 10]"
         yield Problem(f"body.grid: {body.grid}", read.at("body", "grid"), do=do, code="wrong_value")
     if body.optimise == "change" and read.settings.motion.stroke is None:
-        do = 'Give the ends of the drive: motion.stroke = ["12.7 cm", "43.2 cm"]'
+        do = 'Give the ends of the drive: motion.stroke = ["NEAREST cm", "FARTHEST cm"]'
         where = read.at("body", "optimise")
         yield Problem('body.optimise = "change" needs motion.stroke', where, do=do, code="missing_key")
 

@@ -343,5 +343,6 @@ def _limits(setup: Setup, target: Mapping[str, float]) -> Array:
             )
         limits[at] = np.minimum(limits[at], value)
     if not target:
-        raise PlanError("no target given", do="Give one: scale_factor_error = 1e-4", code="unknown_parameter")
+        do = f"Give one: {names[0]} = NUMBER; there are: {', '.join(names)}"
+        raise PlanError("no target given", do=do, code="unknown_parameter")
     return limits
