@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from .files.budget import max_memory
     from .files.text.table import read_table
     from .files.write.recording import write
-    from .procedures.mass_attraction.deck import programme_1969
     from .procedures.mass_attraction.planning.planner import plan_mass_attraction
+    from .procedures.mass_attraction.recorded_series import programme_1969
     from .procedures.positions.batch import positions_batch
     from .procedures.positions.planning.planner import plan_positions
     from .report.plot import plot
@@ -73,7 +73,7 @@ _HOMES = {
     "plan_mass_attraction": ("procedures.mass_attraction.planning.planner", "plan_mass_attraction"),
     "plan_positions": ("procedures.positions.planning.planner", "plan_positions"),
     "plot": ("report.plot", "plot"),
-    "programme_1969": ("procedures.mass_attraction.deck", "programme_1969"),
+    "programme_1969": ("procedures.mass_attraction.recorded_series", "programme_1969"),
     "positions": ("campaign.calls.nouns", "positions"),
     "positions_batch": ("procedures.positions.batch", "positions_batch"),
     "score": ("campaign.twins.score", "score"),

@@ -1,9 +1,9 @@
-"""A deck of the 1969 programme: what the programme makes of it, and the same reductions done right next to that.
+"""The 1969 programme on a deck of cards or a recording: what it makes of them, and the same reductions done right.
 
 Rows with the method ``as_published`` are the programme's own, step by step as its listing has it. The others keep wrong
 values as gaps, divide what is left of the line by what the reduction leaves of it, and take the uncertainty from the
 lines around; the last one of each case fits line and drift at once, as ``sine`` does. Both are in the unit of the
-cards, impulses in each sample time.
+readings: of cards, impulses in each sample time.
 
 References
 ----------
@@ -23,15 +23,25 @@ from ...core.curve import Column, Curve
 from ...core.errors import DataError, InertialcalError
 from ...core.estimate import Array
 from ...core.key import Key, Member, Method, Reason
+from ...core.remarks import Remark
 from ...core.results import Row, not_estimated
 from ...core.show.frames import frame_of_rows
 from ...core.show.rounding import number, with_uncertainty
 from ...core.show.tables import Block, Table, html, text
+from ...core.units import FILE_UNIT, divide, power
 from ...files.source import load
 from ...files.text.layout import decode
 from ...signals.programme1969 import cards, reductions
-from ...signals.programme1969.cards import Case, MeasuredCase, Request, read_cards, series_with_gaps
-from ...signals.programme1969.programme import NG, Analysis, run_case, scale_factor
+from ...signals.programme1969.cards import (
+    Case,
+    MeasuredCase,
+    RecordedCase,
+    Request,
+    SyntheticCase,
+    read_cards,
+    series_with_gaps,
+)
+from ...signals.programme1969.programme import NG, Analysis, Step, adjusted_curve, run_case, scale_factor
 from ...signals.sine.drive import sine_drive
 from ...signals.sine.fit import design_of, fit_line
 from ...statistics.intervals import t_interval
@@ -44,8 +54,7 @@ REDUCTIONS = {cards.ANALYSE: "none", cards.TILT: "tilt trace", cards.LINE: "stra
               cards.HARMONICS: "harmonics", cards.CURVE: "adjusted curve"}  # fmt: skip
 SAMPLES_PER_CYCLE = 4  # of the input, where the card has none
 AT_ONCE = "line and drift"
-PRINTED = {"amplitude": "count", "spectrum_amplitude": "count", "standard_deviation": "count",
-           "scale_factor": "count/g", "scale_factor_error": "count/g"}  # fmt: skip
+PRINTED = ("amplitude", "spectrum_amplitude", "standard_deviation", "scale_factor", "scale_factor_error")
 CORRELATED = ("accelerometer", "tilt", "cross")
 FEWEST = 0.1  # of a line, that a reduction must leave
 HEADS = ("reduction", "Fourier", "spectrum", "std", "scale factor", "error", "gaps kept, gain corrected")
@@ -60,26 +69,29 @@ class DeckStep:
     printed: tuple[Row, ...]  # The programme's figures
     # Amplitude of the line by the same reduction with gaps kept and its gain divided out, or why there is none
     right: Row
-    analysis: Analysis | None  # Of the programme; None for the row that fits line and drift at once
+    step: Step | None  # Of the programme; None for the row that fits line and drift at once
 
-    def columns(self, interval: float) -> dict[str, dict[str, Column]]:
+    def columns(self, interval: float, unit: str) -> dict[str, dict[str, Column]]:
         """Return series, normalised correlations, spectrum and Fourier lines, by column; nothing without analysis."""
-        if (found := self.analysis) is None:
+        if self.step is None:
             return {}
+        found, removed = self.step.analysis, self.step.removed
         n, lines = len(found.x), len(found.density)
+        density = FILE_UNIT if unit == FILE_UNIT else divide(power(unit, 2), "Hz")
         with np.errstate(divide="ignore", invalid="ignore"):
             normal = (found.normalised_x, found.normalised_y, found.normalised_cross)
         shown: dict[str, tuple[str, float, dict[str, tuple[Array, str]]]] = {
-            "series": ("time", interval, {"accelerometer": (found.x, "count"), "tilt": (found.y, "")}),
+            "series": ("time", interval, {"accelerometer": (found.x, unit), "removed": (removed, unit),
+                                            "tilt": (found.y, "")}),
             "correlation": ("lag", interval, {k: (v, "1") for k, v in zip(CORRELATED, normal, strict=True)}),
             "spectrum": (
                 "frequency", 0.5 / (lines * interval),
-                {"density": (found.density, "count^2/Hz"), "smoothed": (found.smoothed, "count^2/Hz"),
-                 "amplitude": (found.amplitude, "count"), "smoothed_amplitude": (found.smoothed_amplitude, "count")},
+                {"density": (found.density, density), "smoothed": (found.smoothed, density),
+                 "amplitude": (found.amplitude, unit), "smoothed_amplitude": (found.smoothed_amplitude, unit)},
             ),
             "lines": (
                 "frequency", 1.0 / (n * interval),
-                {"cosine": (found.cosine, "count"), "sine": (found.sine, "count"), "amplitude": (found.line, "count")},
+                {"cosine": (found.cosine, unit), "sine": (found.sine, unit), "amplitude": (found.line, unit)},
             ),
         }  # fmt: skip
         made = {}
@@ -96,20 +108,24 @@ class DeckStep:
 
 @dataclass(frozen=True, eq=False)
 class DeckCase:
-    """One case of a deck: what it is, its sample time [s], its steps."""
+    """One case."""
 
-    caption: str
-    interval: float
+    caption: str  # What it is
+    interval: float  # Sample time [s]
     steps: tuple[DeckStep, ...]
+    unit: str  # Of its readings
+    per_input: str  # Of its scale factor
+    errors: tuple[str, ...]  # Of the programme, that its figures have
 
 
 @dataclass(frozen=True, eq=False)
 class Deck1969:
-    """What the programme of 1969 makes of a deck, and the same reductions done right."""
+    """What the programme of 1969 makes of a deck or a recording, and the same reductions done right."""
 
-    path: str  # Of the deck
+    path: str  # Of the deck or recording
     sha256: str  # Of its bytes
     cases: tuple[DeckCase, ...]  # In their order
+    remarks: tuple[Remark, ...] = ()  # On a recording
 
     @property
     def rows(self) -> tuple[Row, ...]:
@@ -118,7 +134,12 @@ class Deck1969:
 
     def curves(self) -> list[Curve]:
         """Return series, correlations, spectrum and Fourier lines, all steps in one, each row with its step."""
-        parts = [step.columns(case.interval) for case in self.cases for step in case.steps if step.analysis is not None]
+        parts = [
+            step.columns(case.interval, case.unit)
+            for case in self.cases
+            for step in case.steps
+            if step.step is not None
+        ]
         made = []
         for kind in parts[0] if parts else ():
             every = [part[kind] for part in parts]
@@ -132,7 +153,9 @@ class Deck1969:
     def content(self) -> dict[str, Any]:
         """Return what ``--json`` gives."""
         inputs = [{"path": self.path, "sha256": self.sha256}]
-        return {"inputs": inputs, "results": [row.to_dict() for row in self.rows]}
+        found = {"inputs": inputs, "results": [row.to_dict() for row in self.rows]}
+        errors = {f"case {at}": list(case.errors) for at, case in enumerate(self.cases, 1)}
+        return found | {"programme_errors": errors, "remarks": [one.to_dict() for one in self.remarks]}
 
     def to_frame(self) -> DataFrame:
         """Return a pandas DataFrame, a row a figure."""
@@ -140,7 +163,7 @@ class Deck1969:
 
     def parts(self) -> tuple[Block, ...]:
         """Return a table for each case, a line for each step."""
-        tables = []
+        tables: list[Block] = []
         for case in self.cases:
             lines = []
             for step in case.steps:
@@ -149,10 +172,15 @@ class Deck1969:
                 own = with_uncertainty(right.value, right.u) if right.value is not None else right.reason.text
                 lines.append((step.reduction, *values, own))
             tables.append(Table(HEADS, lines, case.caption, (1, 2, 3, 4, 5)))
+        units = dict.fromkeys((case.unit, case.per_input) for case in self.cases)
+        own = "; ".join(f"amplitudes and std in {unit}, scale factors in {per}" for unit, per in units)
+        named = dict.fromkeys(error for case in self.cases for error in case.errors)
         return (
             *tables,
-            "Amplitudes and std in counts a sample, scale factors in count/g. All but the last column"
-            " as the programme prints them.",
+            f"{own[:1].upper()}{own[1:]}. All but the last column as the programme prints them.",
+            "Errors of the programme in these columns, which the last one does not have:",
+            *(f"{at}. {error}" for at, error in enumerate(named, 1)),
+            *(str(one) for one in self.remarks),
         )
 
     def __str__(self) -> str:
@@ -166,7 +194,7 @@ class Deck1969:
         return html(self.parts())
 
 
-def programme_1969(path: str | Path) -> Deck1969:
+def reduce_deck(path: str | Path) -> Deck1969:
     """Run the analysis programme of 1969 on a deck of card images, and set the same reductions done right next to it.
 
     Parameters
@@ -187,11 +215,23 @@ def programme_1969(path: str | Path) -> Deck1969:
     """
     loaded = load(path)
     deck = read_cards(decode(loaded.data, loaded.path)[0], loaded.path)
-    return Deck1969(loaded.path, loaded.sha256, tuple(_case(case, f"case {at}") for at, case in enumerate(deck, 1)))
+    return Deck1969(
+        loaded.path, loaded.sha256, tuple(reduced_case(case, f"case {at}") for at, case in enumerate(deck, 1))
+    )
 
 
-def _case(case: Case, name: str) -> DeckCase:
-    """Return a case with the analysis after each request, and the reduction done right."""
+def reduced_case(case: Case, name: str, caption: str = "", unit: str = "count", per_input: str = "count/g") -> DeckCase:
+    """Return a case with the analysis after each request, and the reduction done right.
+
+    Parameters
+    ----------
+    case : Case
+        Of a deck or a recording.
+    name, caption : str
+        ``"case 1"``; the line above its table, made of the cards if empty.
+    unit, per_input : str
+        Of the readings and of the scale factor.
+    """
     kind = "synthetic"
     if isinstance(case, MeasuredCase):
         kind = f"measured, input {case.NA} ng, wrong values: {len(case.wrong)}"
@@ -200,30 +240,75 @@ def _case(case: Case, name: str) -> DeckCase:
     steps = []
     for step in run_case(case):
         request = step.request
-        label = REDUCTIONS[request.what] + (f" {request.number}" if request.number else "")
+        label = label_of(request)
         member = Member("reduction", f"{name}, {label}")
         reduced = _done_right(request, reduced, tilt, case)
-        right = _amplitude(case, x, member, reduced)
-        steps.append(DeckStep(name, label, tuple(_printed(case, step.analysis, member)), right, step.analysis))
+        right = _amplitude(case, x, member, reduced, unit)
+        printed = tuple(_printed(case, step.analysis, member, unit, per_input))
+        steps.append(DeckStep(name, label, printed, right, step))
     member = Member("reduction", f"{name}, {AT_ONCE}")
-    steps.append(DeckStep(name, AT_ONCE, (), _amplitude(case, x, member, None), None))
-    return DeckCase(f"{name}: {kind}, {case.N} samples of {case.NH} s", float(case.NH), tuple(steps))
+    steps.append(DeckStep(name, AT_ONCE, (), _amplitude(case, x, member, None, unit), None))
+    caption = caption or f"{name}: {kind}, {case.N} samples of {case.NH} s"
+    return DeckCase(caption, float(case.NH), tuple(steps), unit, per_input, _errors(case, steps))
 
 
-def _printed(case: Case, found: Analysis, member: Member) -> Iterator[Row]:
+def label_of(request: Request) -> str:
+    """Return a reduction as it is named: ``"harmonics 10"``."""
+    return REDUCTIONS[request.what] + (f" {request.number}" if request.number else "")
+
+
+def _errors(case: Case, steps: list[DeckStep]) -> tuple[str, ...]:
+    """Return the errors of the programme that the figures of a case have, with their size in it."""
+    per_cycle = case.KO or SAMPLES_PER_CYCLE
+    x, _ = series_with_gaps(case)
+    wrong, found = int(np.count_nonzero(np.isnan(x))), []
+    if wrong:
+        found.append(
+            f"Wrong or missing values, here {wrong}, are closed up: what follows comes a sample earlier for each,"
+            f" {360.0 / per_cycle:g} deg of the drive."
+        )
+    requests = [step.step.request for step in steps if step.step is not None]
+    line = sine_drive(np.arange(case.N) * float(case.NH), 1.0 / (per_cycle * case.NH), 0.0).in_phase
+    for request in requests:
+        if request.what == cards.TILT:
+            found.append("Tilt trace: the readings of the tilt meter keep their mean in the regression.")
+        if request.what == cards.HARMONICS:
+            found.append(
+                f"Harmonics: the line at half of the sampling frequency has twice its amplitude, so that it turns its"
+                f" sign; {request.number + 1} lines go from above, {request.number} from below."
+            )
+        if request.what == cards.CURVE:
+            kept = reductions.gain_of(lambda one, width=request.number: adjusted_curve(one, width), line)  # type: ignore[misc]
+            found.append(
+                f"Adjusted curve: the centred mean shrinks towards both ends, which are no mirror images, and takes"
+                f" {number(100.0 * (1.0 - kept), 2)} % of the line."
+            )
+    found.append(
+        "The error of the scale factor is the standard deviation of the data (divided by N) over the input amplitude,"
+        " not that of the amplitude; negative densities are hidden by their absolute value."
+    )
+    return tuple(dict.fromkeys(found))
+
+
+def _printed(case: Case, found: Analysis, member: Member, unit: str, per_input: str) -> Iterator[Row]:
     """Yield what the programme prints after an analysis."""
-    applied = case.NA if isinstance(case, MeasuredCase) else 1
-    values, reason = [np.nan] * 5, Reason("no_input", "synthetic: no input amplitude")
+    applied = None if isinstance(case, SyntheticCase) else case.NA
+    values, reason = [np.nan] * 5, Reason("no_input", "no input amplitude is given")
+    per_cycle = case.KO if isinstance(case, RecordedCase) else SAMPLES_PER_CYCLE
     try:
-        scale = scale_factor(found, applied)
-        values = [scale.fourier * applied * NG, scale.spectrum * applied * NG, scale.std, scale.fourier, scale.error]
+        scale = scale_factor(found, 1.0 if applied is None else applied, per_cycle)
+        part = NG * (1.0 if applied is None else applied)
+        values = [scale.fourier * part, scale.spectrum * part, scale.std, scale.fourier, scale.error]
     except DataError as error:
         reason = Reason("no_line", error.problems[0].what)
-    for (name, unit), value in zip(PRINTED.items(), values, strict=True):
-        if np.isfinite(value) and (unit == "count" or isinstance(case, MeasuredCase)):
-            yield Row(Key(name), float(value), None, unit, method=Method.TEXTBOOK, member=member)
+    for name, value in zip(PRINTED, values, strict=True):
+        of_input = name.startswith("scale_factor")
+        if np.isfinite(value) and not (of_input and applied is None):
+            yield Row(
+                Key(name), float(value), None, per_input if of_input else unit, method=Method.TEXTBOOK, member=member
+            )
         else:
-            yield not_estimated(Key(name), unit, reason, Method.TEXTBOOK, member)
+            yield not_estimated(Key(name), per_input if of_input else unit, reason, Method.TEXTBOOK, member)
 
 
 def _done_right(request: Request, last: Reduced, tilt: Array, case: Case) -> Reduced:
@@ -241,7 +326,7 @@ def _done_right(request: Request, last: Reduced, tilt: Array, case: Case) -> Red
     return last
 
 
-def _amplitude(case: Case, x: Array, member: Member, reduced: Reduced | None) -> Row:
+def _amplitude(case: Case, x: Array, member: Member, reduced: Reduced | None, unit: str) -> Row:
     """Return the amplitude of the input's line after a reduction; without one, fitted together with the drift."""
     key = Key("amplitude")
     times, frequency = np.arange(len(x)) * float(case.NH), 1.0 / ((case.KO or SAMPLES_PER_CYCLE) * case.NH)
@@ -258,6 +343,6 @@ def _amplitude(case: Case, x: Array, member: Member, reduced: Reduced | None) ->
         drive = sine_drive(times[there], frequency, phase)
         fit = fit_line(design_of(drive, "dct") if reduced is None else design_of(drive, "polynomial", 0), rest[there])
     except InertialcalError as error:
-        return not_estimated(key, "count", Reason("no_line", error.problems[0].what), member=member)
+        return not_estimated(key, unit, Reason("no_line", error.problems[0].what), member=member)
     value, u = float(fit.in_phase[0]) / gain, float(fit.u_in_phase[0]) / abs(gain)
-    return Row(key, value, u, "count", fit.dof, t_interval(value, u, fit.dof), member=member)
+    return Row(key, value, u, unit, fit.dof, t_interval(value, u, fit.dof), member=member)

@@ -84,8 +84,24 @@ class MeasuredCase:
     requests: tuple[Request, ...] = ()  # in their order
 
 
-Case = SyntheticCase | MeasuredCase
-Deck = tuple[Case, ...]
+@dataclass(frozen=True, eq=False)
+class RecordedCase:
+    """Series of a recording, in its own unit; names as on the card."""
+
+    # N, NH, MAXL, MAXK, KO: samples used; sample time [s]; lags; lines; samples per cycle
+    N: int
+    NH: float
+    MAXL: int
+    MAXK: int
+    KO: int
+    AX: Array  # reading at each sample time, NaN where there is none, shape (n,)
+    AY: Array | None  # tilt meter, where there is one, shape (n,)
+    NA: float | None = None  # input amplitude [unit said]
+    requests: tuple[Request, ...] = ()  # in their order
+
+
+Case = SyntheticCase | MeasuredCase | RecordedCase
+Deck = tuple[SyntheticCase | MeasuredCase, ...]
 
 
 def read_cards(text: str, where: str = "") -> Deck:
@@ -214,6 +230,12 @@ def series_with_gaps(case: Case) -> tuple[Array, Array]:
         parts = ((case.LXS, case.KXS, np.sin), (case.LXC, case.KXC, np.cos), (case.LY, case.KY, np.cos))
         sine, cosine, tilt = (size * wave(np.pi / max(K, 1) * (i % (2 * max(K, 1)))) for size, K, wave in parts)
         return sine + cosine, tilt
+    if isinstance(case, RecordedCase):
+        tilt = np.zeros(len(case.AX)) if case.AY is None else case.AY
+        good = np.flatnonzero(np.isfinite(case.AX) & np.isfinite(tilt))[: case.N]
+        x, both = np.full((2, good.max(initial=-1) + 1), np.nan)
+        x[good], both[good] = case.AX[good], tilt[good]
+        return x, both
     kept = np.arange(case.ML)
     for position in case.wrong:
         kept = np.delete(kept, position - 1)

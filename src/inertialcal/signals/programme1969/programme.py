@@ -31,7 +31,7 @@ from ..correlation import autocorrelation, cross_correlation
 from ..spectrum.blackman_tukey import correlation_spectrum, hanning_smoothed
 from ..spectrum.fourier import fourier_coefficients
 from . import cards
-from .cards import MeasuredCase, Request, SyntheticCase, closed_up_series
+from .cards import Case, Request, closed_up_series
 
 NG = 1e-9  # [g]
 ANCHOR = 9  # samples of each mean of the straight line
@@ -181,9 +181,10 @@ class Step:
 
     request: Request
     analysis: Analysis
+    removed: Array  # what it took from the readings, their mean included: of the adjusted curve the centred mean, (N,)
 
 
-def run_case(case: SyntheticCase | MeasuredCase) -> tuple[Step, ...]:
+def run_case(case: Case) -> tuple[Step, ...]:
     """Return the analysis after each request.
 
     Raises
@@ -206,7 +207,7 @@ def run_case(case: SyntheticCase | MeasuredCase) -> tuple[Step, ...]:
                 current = adjusted_curve(data, request.number)
         found = analyse(current, tilt, float(case.NH), case.MAXL, case.MAXK)
         current = found.x
-        steps.append(Step(request, found))
+        steps.append(Step(request, found, x - found.x))
     return tuple(steps)
 
 
