@@ -218,7 +218,7 @@ def missed(found: tuple[Coverage, ...]) -> list[str]:
 
 
 def test_coverage_of_a_few_twins() -> None:
-    assert missed(coverage(short_twin, 8)) == []
+    assert missed(coverage(short_twin, 5)) == []
 
 
 @pytest.mark.slow

@@ -119,7 +119,7 @@ def test_texts_of_a_model(typed: Typed, tmp_path: Path, monkeypatch: pytest.Monk
     assert_clean(str(hostile))
 
 
-@pytest.mark.parametrize("every", [3, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("every", [9, pytest.param(1, marks=pytest.mark.slow)])
 def test_texts_of_results(typed: Typed, ran: Path, tmp_path: Path, every: int) -> None:
     content = json.loads((ran / "out/results.json").read_text())
     content["remarks"].append(

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any, Literal
 
@@ -89,6 +87,7 @@ def test_positions_like_a_campaign(tmp_path: Path, capsys: pytest.CaptureFixture
     assert len(found.inputs) == 2
 
 
+@pytest.mark.slow
 def test_positions_like_a_rig_give_the_rows_of_its_campaign(tmp_path: Path) -> None:
     inertialcal.simulate("hand_held", tmp_path / "twin", seed=1)
     records = [tmp_path / "twin" / "recordings" / f"hand{number}.csv" for number in (1, 2)]
@@ -124,6 +123,7 @@ def test_positions_of_a_table_in_counts(tmp_path: Path, capsys: pytest.CaptureFi
     assert scale == {axis: pytest.approx(400.0, rel=1e-3) for axis in "xyz"}
 
 
+@pytest.mark.slow
 def test_like_a_campaign(tmp_path: Path) -> None:
     inertialcal.simulate("npsat1", tmp_path / "twin", seed=1)
     files = [tmp_path / "twin" / "recordings" / f"ambient_{number}.csv" for number in range(1, 6)]
@@ -144,8 +144,3 @@ def test_arrays_and_recordings(tmp_path: Path) -> None:
     of_file = inertialcal.thermal(file)
     of_recording = inertialcal.thermal(inertialcal.read(file))
     assert [row.to_dict() for row in of_file.rows] == [row.to_dict() for row in of_recording.rows]
-
-
-def test_the_types_of_the_calls_are_fresh() -> None:
-    script = Path(__file__).parents[3] / "docs" / "made.py"
-    assert subprocess.run([sys.executable, str(script), "--check"], check=False).returncode == 0

@@ -53,7 +53,7 @@ def hits(n: int) -> np.ndarray:
 
 
 def test_compensated_readings_are_covered() -> None:
-    assert all(covers(int(count), 120) for count in hits(120))
+    assert all(covers(int(count), 60) for count in hits(60))
 
 
 @pytest.mark.slow

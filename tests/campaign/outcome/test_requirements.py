@@ -98,8 +98,8 @@ def test_single_figures_are_judged_by_their_interval() -> None:
 
 @pytest.mark.parametrize("error", [0.05, *(pytest.param(one, marks=pytest.mark.slow) for one in (0.0505, 0.052))])
 def test_a_false_pass_is_no_more_frequent_than_stated(error: float) -> None:
-    passed = sum(overall(error, seed, of="expected") == "PASS" for seed in range(1, 201))
-    assert binomial_interval(passed, 200)[0] <= RISK
+    passed = sum(overall(error, seed, of="expected") == "PASS" for seed in range(1, 101))
+    assert binomial_interval(passed, 100)[0] <= RISK
 
 
 @pytest.mark.parametrize("error", [0.05, *(pytest.param(one, marks=pytest.mark.slow) for one in (0.0495, 0.048))])

@@ -328,7 +328,7 @@ def hits(n: int, plan: Plan) -> dict[str, int]:
 
 
 def test_coverage() -> None:
-    failed = {name: count for name, count in hits(200, Plan(standards=STANDARDS)).items() if not covers(count, 200)}
+    failed = {name: count for name, count in hits(100, Plan(standards=STANDARDS)).items() if not covers(count, 100)}
     assert not failed
 
 
@@ -340,7 +340,7 @@ def test_coverage_long(plan: Plan) -> None:
 
 
 def test_dwell_mean_interval_holds_a_new_dwell_in_a_new_run() -> None:
-    held, n = 0, 300
+    held, n = 0, 150
     for seed in range(1, n + 1):
         rng = np.random.default_rng(seed)
         truth = replace(random_truth(rng), run_scale_std=1e-3)
