@@ -174,6 +174,8 @@ class MassBody:
     count: int  # Number of filled cells
     bound: Bound  # For the same mass behind the plane
     allowed: float = 0.0  # Largest relative gain of free cells over cubes of several sizes; 0 for equal cubes
+    # Of each size, from the largest: length of an edge and first cells of its cubes [cells of the grid], shape (n, 3)
+    pieces: tuple[tuple[int, Array], ...] = ()
 
     @property
     def mass(self) -> float:
@@ -216,7 +218,8 @@ def body_of(said: Body, gain: Gain) -> MassBody:
         _check_weight(number * one.cell_mass, number, said.mass)
         grid = _grid(one, number, said.grid)
         body = best_cells(grid, number, gain)
-        return MassBody(body, grid, number, largest_field(number * grid.cell_mass, said.density, said.stand_off))
+        bound = largest_field(number * grid.cell_mass, said.density, said.stand_off)
+        return MassBody(body, grid, number, bound, pieces=((1, np.argwhere(body.density > 0.0)),))
     sizes = []
     for piece in pieces:
         times = round(piece.edge / edge)
@@ -230,7 +233,8 @@ def body_of(said: Body, gain: Gain) -> MassBody:
     grid = _grid(one, cells, said.grid, max(piece.cells for piece in sizes))
     stack = best_stack(grid, tuple(sizes), gain)
     bound = largest_field(cells * grid.cell_mass, said.density, said.stand_off)
-    return MassBody(stack.body, grid, cells, bound, stack.gap)
+    edges = sorted((piece.cells for piece in sizes), reverse=True)
+    return MassBody(stack.body, grid, cells, bound, stack.gap, tuple(zip(edges, stack.places, strict=True)))
 
 
 def _check_weight(weight: float, count: int, mass: float | None) -> None:

@@ -30,6 +30,7 @@ from ....physics.motion.clearance import refuse_overlap
 from ....physics.motion.schedule import Schedule, repeated
 from ....physics.motion.travel import ORDER
 from ...settings_file import Groups, GroupsRead, read_groups
+from .build import Build, build_of
 from .drive import (
     CM,
     DIRECTIONS,
@@ -106,6 +107,19 @@ class MassPlan:
     mercury: Array | None = None
     inputs: Mapping[str, str] = field(default_factory=dict[str, str])
     constants: Constants = field(default_factory=Constants)
+
+    @property
+    def build(self) -> Build:
+        """All cubes, in the order in which they are placed.
+
+        Raises
+        ------
+        PlanError
+            ``no_body`` for a mass in orbit.
+        """
+        if self.body is None:
+            raise PlanError("a mass in orbit is not built of cubes", do="Plan a body", code="no_body")
+        return build_of(self.body)
 
     @property
     def results(self) -> dict[str, Any]:
