@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from .. import figures
 from ..options import Json, Quiet
 from ..shown.output import clean, json_out
+
+if TYPE_CHECKING:
+    from ...procedures.mass_attraction.planning.planner import MassPlan
 
 FIGURES = {
     "body": "mass_body",
@@ -33,6 +36,13 @@ def plan(
     schedule: Annotated[
         Path | None, typer.Option(help="Write the dwells to this CSV file.", show_default=False)
     ] = None,
+    build: Annotated[
+        Path | None,
+        typer.Option(
+            help="Write where each cube goes: a list (.csv), a drawing (.pdf, .png, .svg), or both into a folder.",
+            show_default=False,
+        ),
+    ] = None,
     output: figures.FigureFile = None,
     figure: Annotated[str | None, typer.Option(help=f"Figure to write: {', '.join(FIGURES)}.")] = None,
     as_json: Json = False,
@@ -55,7 +65,7 @@ def plan(
         do = "Name a settings file. --write-example FILE writes one to begin with"
         raise UsageError("no settings", do=do, code="missing")
     found = plan_mass_attraction(settings, **changes_of(changes))
-    written = []
+    written = [] if build is None else _build(build, found)
     if schedule is not None:
         from ...procedures.mass_attraction.schedule_csv import write_schedule
 
@@ -69,7 +79,7 @@ def plan(
         written.append(figures.write(output, found, list(found.inputs), {"figure": chosen}))
     content: dict[str, Any] = {
         "inputs": [{"path": path, "sha256": digest} for path, digest in found.inputs.items()],
-        "remarks": [remark.to_dict() for remark in found.remarks],
+        "remarks": [remark.to_dict() for remark in (*found.remarks, *(found.build.remarks() if build else ()))],
         **found.results,
     }
     if not as_json and not quiet:
@@ -81,6 +91,30 @@ def plan(
         for line in remarks_text(content["remarks"]):
             print(line)
     return _done(written, as_json, quiet, content)
+
+
+def _build(path: Path, found: MassPlan) -> list[str]:
+    """Write the list of cubes, the drawing, or both; return a line for each."""
+    from ...core.errors import StoreError
+    from ...files.write.atomic import atomic_write
+    from ...report.build_drawing import write_build
+
+    folder = not path.suffix
+    if folder:
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise StoreError(f"cannot make {path}: {error.strerror}", code="not_writable") from None
+    cubes, inputs, written = found.build, list(found.inputs), []
+    notes = [f"{name}: {what}" for name, what in found.constants.notes.items()]
+    for one in [path / "cubes.csv", path / "cubes.pdf"] if folder else [path]:
+        if one.suffix.lower() == ".csv":
+            with atomic_write(one, inputs) as aside:
+                aside.write_text(cubes.csv(notes), encoding="utf-8")
+        else:
+            write_build(one, cubes, "Source mass of a mass-attraction test", inputs)
+        written.append(clean(f"written: {one} ({len(cubes)} cubes)"))
+    return written
 
 
 def _done(written: list[str], as_json: bool, quiet: bool, content: dict[str, Any] | None = None) -> int:

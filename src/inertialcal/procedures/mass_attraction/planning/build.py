@@ -30,7 +30,7 @@ class Build:
 
     edge: Array  # [m], shape (n,)
     corner: Array  # with the smallest coordinates, from the proof mass [m], shape (n, 3)
-    layer: NDArray[np.int64]  # by the height of the lower face, from 1, shape (n,)
+    layer: NDArray[np.int64]  # of the lower face, as high as the smallest cube, from 1, shape (n,)
     rests: Array  # part of the lower face that lies on other cubes, 1 in the lowest layer, shape (n,)
     density: float  # [kg/m^3]
     step: float  # edge of the smallest cube [m]
@@ -124,8 +124,7 @@ def build_of(body: MassBody) -> Build:
         if z > lowest:
             rests[at] = filled[x : x + size, y : y + size, z - 1].mean()
     corner = np.array(body.body.lower) + edge * cells
-    layer = 1 + np.searchsorted(np.unique(cells[:, 2]), cells[:, 2])
-    return Build(edge * sizes, corner, layer, rests, body.grid.density, edge)
+    return Build(edge * sizes, corner, 1 + cells[:, 2] - lowest, rests, body.grid.density, edge)
 
 
 def _text(value: float) -> str:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....core.curve import Column, Curve
 from ....core.errors import DataError
@@ -175,7 +176,7 @@ class MassBody:
     bound: Bound  # For the same mass behind the plane
     allowed: float = 0.0  # Largest relative gain of free cells over cubes of several sizes; 0 for equal cubes
     # Of each size, from the largest: length of an edge and first cells of its cubes [cells of the grid], shape (n, 3)
-    pieces: tuple[tuple[int, Array], ...] = ()
+    pieces: tuple[tuple[int, NDArray[Any]], ...] = ()
 
     @property
     def mass(self) -> float:
