@@ -26,6 +26,7 @@ from ...core.show.rounding import number
 from ...signals.sine.changes import Jump, critical, cycle_amplitudes, jumps, response_changes
 from ...statistics.agreement import FALSE_ALARM, disagreeing
 from ..agreement import likely_cause
+from .joining import phases_ahead
 from .line import shape_of
 from .plan import Plan
 from .readings import Readings, Run
@@ -62,11 +63,30 @@ def agreement(plan: Plan, readings: Readings) -> list[Remark]:
     moved = [one for one in measured if one.response is not None and one.response.moved]
     series = [one for one in measured if one.run is not None]
     return [
-        *unlike_others(moved, plan.axis, plan.nominal, "run"),
-        *_phases([one.response for one in moved if one.response is not None], [one.where for one in moved]),
+        *_between(plan, moved),
         *_jumps(series),
         *_changes([one for one in moved if one.run is not None]),
     ]
+
+
+def _between(plan: Plan, moved: Sequence[Measured]) -> list[Remark]:
+    """Return runs unlike the others; where they are, and the drives start at several phases, unlike those of theirs.
+
+    A drift that repeats responds with another sign in runs whose drive starts at another phase.
+    """
+
+    def search(runs: Sequence[Measured]) -> list[Remark]:
+        return [
+            *unlike_others(runs, plan.axis, plan.nominal, "run"),
+            *_phases([one.response for one in runs if one.response is not None], [one.where for one in runs]),
+        ]
+
+    remarks = search(moved)
+    ahead = phases_ahead([one.response for one in moved if one.response is not None])
+    if not remarks or not np.any(ahead):
+        return remarks
+    alike = [[one for one, phase in zip(moved, ahead, strict=True) if phase == start] for start in np.unique(ahead)]
+    return [remark for runs in alike for remark in search(runs)]
 
 
 def _against(values: Array, u: Array, k: int) -> tuple[float, float]:

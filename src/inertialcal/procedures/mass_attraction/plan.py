@@ -16,7 +16,6 @@ INFLUENCES = {
     "pad.tilt": "scale factor by gravity times the tilt in phase with the mass, if it is not subtracted",
 }
 Tilt = Literal["regressed", "known", "ignored"]
-Scatter = Literal["between_runs", "within_runs"]
 
 
 @dataclass(frozen=True)
@@ -63,10 +62,6 @@ class Plan:
     )  # fmt: skip
     floor: float = setting(
         "Smallest response that counts as a signal, in standard uncertainties.", 3.0, above=0.0, example="3"
-    )
-    scatter: Scatter = setting(
-        "Source of the uncertainty of several runs: their scatter, or the noise next to the line of each.",
-        "between_runs",
     )
     high_g: HighG | None = setting(
         "Scale factor to compare the result with.", None, example='{ scale_factor = "1.2 count/s/ug" }'

@@ -31,9 +31,9 @@ from ...core.key import Key, Method, Reason
 from ...core.results import Row, not_estimated
 from ...signals.programme1969.programme import Analysis, adjusted_curve, analyse
 from ...statistics.intervals import t_interval
+from .joining import UNIT
 from .line import shape_of
 from .readings import Line, Readings, Run
-from .response import UNIT
 
 if TYPE_CHECKING:
     from .reduction import Result

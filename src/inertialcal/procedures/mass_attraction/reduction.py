@@ -3,11 +3,11 @@
 A mass moves between places near the sensor and dwells at each. Half the difference of its attraction along the input
 axis is the amplitude that is applied; the readings follow it within their own drift. Each run gives a response: the
 line of the drive, with its error from the lines next to it (``response``). Response over amplitude is the scale factor
-of the run, and ``estimate_of`` joins the runs.
+of the run, and ``joining`` makes one of those of all runs.
 
 Estimated: pulses per second and unit of acceleration, for accelerations as small as the mass applies, mean over the
 runs. Assumed: the mass was where the schedule says, when it says; apart from it and the tilt of the pad, nothing
-follows the drive. The uncertainty is the scatter of the runs (or the noise in each, as the plan says), combined with
+follows the drive. The uncertainty is the scatter of the runs or the noise in each, whichever is wider, combined with
 the uncertainty of the acceleration applied and of the mercury of the tilt meter, which are common to all runs. No noise
 is subtracted from a response; ``published`` does, as the report [1]_ did, for comparison.
 
@@ -31,16 +31,17 @@ from ...core.results import Row
 from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.tables import Block, html, text
 from ...physics.motion.schedule import Schedule, repeated
+from .joining import Joined, estimate_of, joined, less_repeats, phases_ahead
 from .plan import INFLUENCES, HighG, Plan, SourceMass
 from .published import published_lines
 from .readings import Line, Readings, Run, SourceMassRecording, readings_from, run_of_rows
-from .response import Combined, Response, combined, estimate_of, response_of, response_of_line
+from .response import Response, response_of, response_of_line
 from .rows import check_source, curves, result_remarks, rows, series_remarks
 
 __all__ = [
     "INFLUENCES",
-    "Combined",
     "HighG",
+    "Joined",
     "Line",
     "Plan",
     "Readings",
@@ -66,7 +67,7 @@ class Result:
     readings: Readings  # As given
     responses: tuple[Response, ...]  # Of each run
     # Of the runs with the mass moved [count/s/(m/s^2)]; None if their response cannot be told from noise
-    combined: Combined | None
+    joined: Joined | None
     scatter: str  # Source of the uncertainty of ``estimate``: ``between_runs`` or ``within_runs``
     estimate: Estimate | None  # ``scale_factor_x``, and what it is compared with, SI
     reason: str  # Why there is no estimate
@@ -135,14 +136,14 @@ def reduce(plan: Plan, readings: Readings) -> Result:
         *(response_of(plan, run) for run in readings.series), *(response_of_line(one) for one in readings.lines)
     )  # fmt: skip
     moved = [one for one in responses if one.moved]
-    values, u, dof = np.array([[one.scale_factor, one.u_scale_factor, one.dof] for one in moved]).T
-    both = combined(values, u, dof)
-    scatter = "within_runs" if both.between is None else plan.scatter
+    if np.any(phases_ahead(moved)):
+        moved = less_repeats(plan, [run for run in readings.series if run.moved], moved)
+    both = joined(moved)
     if abs(both.within.value) >= plan.floor * both.within.u:
-        estimate, reason = estimate_of(plan, readings, responses, both, scatter), ""
-        result = Result(plan, readings, responses, both, scatter, estimate, reason)
+        estimate, reason = estimate_of(plan, readings, responses, both, both.scatter), ""
+        result = Result(plan, readings, responses, both, both.scatter, estimate, reason)
     else:
         reason = f"the response of {len(moved)} run(s) is below {plan.floor:g} times the noise floor"
-        result = Result(plan, readings, responses, None, scatter, None, reason)
+        result = Result(plan, readings, responses, None, both.scatter, None, reason)
     remarks = gather([*readings.remarks, *series_remarks(plan, readings), *result_remarks(result)])
     return replace(result, remarks=remarks)

@@ -15,22 +15,17 @@ from ...core.errors import DataError
 from ...core.key import NO_REASON, Key, Member, Method, Reason
 from ...core.remarks import Remark
 from ...core.results import Interval, Row, not_estimated
+from ...core.show.rounding import number
 from ...physics.mass_shape.bound import largest_field
 from ...signals.correlation import autocorrelation
 from ...statistics.intervals import coverage_factor, t_interval
+from .joining import DIFFERENCE, ERROR, SCALE, UNIT, applied_influences, compared_with, estimate_of
 from .line import shape_of
 from .plan import Plan, SourceMass
 from .published import published_rows
 from .readings import Readings, Run
 from .response import (
-    DIFFERENCE,
-    ERROR,
-    SCALE,
-    UNIT,
     Response,
-    applied_influences,
-    compared_with,
-    estimate_of,
     tilt_left,
 )
 from .tilt import tilt_used
@@ -38,11 +33,8 @@ from .tilt import tilt_used
 if TYPE_CHECKING:
     from .reduction import Result
 
-if TYPE_CHECKING:
-    from .reduction import Result
-
 OTHER = {
-    "within_runs": "by the noise next to the line of each run: right if nothing differs from run to run",
+    "within_runs": "by the noise next to the line of each run, which includes nothing that differs from run to run",
     "between_runs": "by the scatter of the runs",
 }
 LAGS = 0.5  # of the dwells
@@ -60,9 +52,9 @@ def rows(result: Result) -> Iterator[Row]:
         ):
             reason = Reason("limits", reference.get(key.quantity, ""))
             yield _row(key, float(value), float(u), unit, float(dof), reason)
-        if result.combined is not None and result.combined.between is not None:
+        if result.joined is not None and result.joined.between is not None:
             other = "within_runs" if result.scatter == "between_runs" else "between_runs"
-            found = estimate_of(result.plan, result.readings, result.responses, result.combined, other)
+            found = estimate_of(result.plan, result.readings, result.responses, result.joined, other)
             value, u, dof = (float(one[0]) for one in (found.values, found.u, found.dof))
             yield _row(Key(SCALE, axis), value, u, UNIT, dof, Reason("limits", OTHER[other]), Method(other))
     yield from published_rows(result)
@@ -286,25 +278,24 @@ def _on_nulls(result: Result) -> Iterator[Remark]:
 
 
 def _on_runs(result: Result) -> Iterator[Remark]:
-    runs = sum(one.moved for one in result.responses)
+    runs, both = sum(one.moved for one in result.responses), result.joined
     if runs == 1:
         what = "one run with the mass moved: the uncertainty does not include differences from run to run"
         yield Remark("no_runs", "warning", what, do="Repeat the run")
     elif runs < FEW_RUNS:
-        what = f"{runs} runs with the mass moved: their scatter has {runs - 1} degree(s) of freedom"
+        spare = 0 if both is None or both.between is None else both.between.dof
+        what = f"{runs} runs with the mass moved: their scatter has {spare:g} degree(s) of freedom"
         yield Remark("few_runs", "warning", what, do=f"Repeat until there are {FEW_RUNS} or more")
-    both, between = result.combined, result.scatter == "between_runs"
     if both is not None and both.p_value < ALPHA:
         what = f"the runs differ by more than their own noise explains (probability {both.p_value:.2g})"
-        if between:
-            yield Remark("runs_differ", "info", what, do="The uncertainty includes it")
-        else:
-            yield Remark("runs_differ", "warning", what, do='Set scatter = "between_runs"')
-    if both is not None and both.p_value > 1.0 - ALPHA:
-        what = f"the runs agree better than their own noise allows (probability {1.0 - both.p_value:.2g}): u is that of"
-        what += " their scatter, and may be too small" if between else " their noise"
-        do = "within_runs gives the uncertainty from the noise of each" if between else ""
-        yield Remark("runs_agree_too_well", "info", what, do=do)
+        yield Remark("runs_differ", "info", what, do="The uncertainty includes it")
+    if both is not None and result.estimate is not None and both.phases is not None:
+        largest = float(np.max(np.abs(both.repeats)))
+        spare = np.inf if both.between is None else both.between.dof
+        if largest > coverage_factor(spare) * both.u_repeats > 0.0:
+            share = 100.0 * largest / abs(float(result.estimate.values[0]))
+            what = f"a drift that repeats in every run is as large as {number(share, 2)} % of the response at the drive"
+            yield Remark("repeating_drift", "info", what, do="It cancels: the runs start at different phases")
     if result.estimate is None:
         yield Remark("below_floor", "warning", result.reason, do="Move more mass, nearer, or for longer")
 
