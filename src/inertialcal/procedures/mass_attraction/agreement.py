@@ -82,8 +82,10 @@ def _between(plan: Plan, moved: Sequence[Measured]) -> list[Remark]:
         ]
 
     remarks = search(moved)
+    if not remarks:
+        return remarks
     ahead = phases_ahead([one.response for one in moved if one.response is not None])
-    if not remarks or not np.any(ahead):
+    if not np.any(ahead):
         return remarks
     alike = [[one for one, phase in zip(moved, ahead, strict=True) if phase == start] for start in np.unique(ahead)]
     return [remark for runs in alike for remark in search(runs)]

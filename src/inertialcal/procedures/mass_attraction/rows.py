@@ -179,6 +179,7 @@ def _runs(result: Result) -> Curve:
 
 LIGHTEST, DENSEST = 10.0, 23_000.0  # of materials [kg/m^3]
 FEW_RUNS = 5
+CLEAR = 3.0  # standard uncertainties
 
 
 ALPHA = 0.05
@@ -291,8 +292,7 @@ def _on_runs(result: Result) -> Iterator[Remark]:
         yield Remark("runs_differ", "info", what, do="The uncertainty includes it")
     if both is not None and result.estimate is not None and both.phases is not None:
         largest = float(np.max(np.abs(both.repeats)))
-        spare = np.inf if both.between is None else both.between.dof
-        if largest > coverage_factor(spare) * both.u_repeats > 0.0:
+        if largest > CLEAR * both.u_repeats:
             share = 100.0 * largest / abs(float(result.estimate.values[0]))
             what = f"a drift that repeats in every run is as large as {number(share, 2)} % of the response at the drive"
             yield Remark("repeating_drift", "info", what, do="It cancels: the runs start at different phases")

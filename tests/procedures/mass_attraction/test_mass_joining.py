@@ -1,0 +1,153 @@
+"""Several runs of a moved mass: the wider of noise and scatter, and drives whose phase differs from run to run."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from inertialcal.core.estimate import Array
+from inertialcal.physics.motion.schedule import repeated
+from inertialcal.procedures.mass_attraction.agreement import agreement
+from inertialcal.procedures.mass_attraction.joining import join
+from inertialcal.procedures.mass_attraction.plan import Plan
+from inertialcal.procedures.mass_attraction.readings import Readings, Run
+from inertialcal.procedures.mass_attraction.reduction import Result, reduce
+from inertialcal.statistics.intervals import covers, t_interval
+
+A, S, NOISE, DWELLS = 2.25e-7, 1.04e6, 0.056, 100  # [m/s^2], [count/s/(m/s^2)], [count/s]
+PLAN = Plan(tilt="ignored")
+DOF = 16.0
+
+
+def campaign(seed: int, starts: list[int], drift: Array, gains: list[float] | None = None) -> Readings:
+    """Return runs whose drives start by so many degrees ahead; the same drift in each [responses]."""
+    rng, runs = np.random.default_rng(seed), []
+    for k, start in enumerate(starts):
+        cycle = np.roll([0.0, 1.0, 0.0, -1.0], -start // 90)
+        schedule = repeated(cycle, A * cycle, cycles=DWELLS // 4, dwell=100.0, move=20.0, u_applied=0.0)
+        gain = 1.0 if gains is None else gains[k]
+        reading = 150.0 + gain * S * (schedule.applied + A * drift) + NOISE * rng.standard_normal(DWELLS)
+        runs.append(Run(str(k), schedule, reading))
+    return Readings(tuple(runs))
+
+
+def scale_factor(result: Result) -> tuple[float, float, float]:
+    assert result.estimate is not None
+    return tuple(float(one[0]) for one in (result.estimate.values, result.estimate.u, result.estimate.dof))  # type: ignore[return-value]
+
+
+SAWTOOTH = 10.0 * (np.arange(DWELLS) / DWELLS * 7.3 % 1.0)
+
+
+def test_equal_runs_that_differ_give_what_textbooks_give() -> None:
+    found = join(np.array([1.0, 2.0, 3.0]), np.full(3, 0.1), np.full(3, DOF))
+    assert found.between is not None
+    assert (found.between.value, found.between.u, found.between.dof) == pytest.approx((2.0, 1.0 / np.sqrt(3.0), 2.0))
+    assert found.within.u == pytest.approx(0.1 / np.sqrt(3.0))
+    assert found.within.dof == pytest.approx(3.0 * DOF)
+    assert found.p_value < 1e-6
+    assert found.scatter == "between_runs"
+
+
+def test_runs_that_agree_better_than_their_noise_have_the_uncertainty_of_their_noise() -> None:
+    found = join(np.array([1.0, 1.001, 0.999, 1.0]), np.full(4, 0.1), np.full(4, DOF))
+    assert found.scatter == "within_runs"
+    assert found.by(found.scatter).u == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize("runs", [2, 4, 10])
+@pytest.mark.parametrize("scatter", [0.0, 1.0, 5.0])
+@pytest.mark.parametrize("worst", [1.0, 3.0])
+def test_intervals_hold_the_mean_whether_runs_scatter_or_not(runs: int, scatter: float, worst: float) -> None:
+    rng, n, held, widths = np.random.default_rng(runs), 300, 0, []
+    sigma = np.where(np.arange(runs) < runs // 2, worst, 1.0)
+    for _ in range(n):
+        values = np.hypot(sigma, scatter) * rng.standard_normal(runs)
+        u = sigma * np.sqrt(rng.chisquare(DOF, runs) / DOF)
+        found = join(values, u, np.full(runs, DOF))
+        mean = found.by(found.scatter)
+        held += abs(mean.value) <= stats.t.ppf(0.975, mean.dof) * mean.u
+        widths.append(mean.u)
+    assert covers(held, n), held
+    assert np.median(widths) < 1.35 / np.sqrt(np.sum(1.0 / (sigma**2 + scatter**2)))
+
+
+@pytest.mark.parametrize("starts", [[0, 180, 0, 180], [0, 90, 0, 90], [0, 270, 0], [0, 90, 180, 270]])
+def test_what_repeats_cancels_if_the_phase_of_the_drive_differs(starts: list[int]) -> None:
+    alone = scale_factor(reduce(PLAN, campaign(1, starts, np.zeros(DWELLS))))
+    result = reduce(PLAN, campaign(1, starts, SAWTOOTH))
+    assert scale_factor(result) == pytest.approx(alone, rel=0.02)
+    (remark,) = [one for one in result.remarks if one.code == "repeating_drift"]
+    assert "% of the response" in remark.what
+    assert not agreement(PLAN, campaign(1, starts, SAWTOOTH))
+    alike = reduce(PLAN, campaign(1, [0] * len(starts), SAWTOOTH))
+    assert scale_factor(alike)[0] / S - 1.0 > 0.05
+
+
+def test_with_two_phases_the_parts_that_repeat_have_opposite_signs() -> None:
+    found = reduce(PLAN, campaign(2, [0, 180, 180], SAWTOOTH)).joined
+    assert found is not None
+    assert found.repeats[1:] == pytest.approx(-found.repeats[0] * np.ones(2))
+    assert found.phases == pytest.approx([0.0, np.pi, np.pi])
+
+
+def test_phases_that_would_cost_too_much_are_not_used() -> None:
+    cycle = np.sin(2.0 * np.pi * np.arange(8) / 8.0)
+    rng, runs = np.random.default_rng(1), []
+    for k in range(4):
+        one = np.roll(cycle, -(k % 2))
+        schedule = repeated(one, A * one, cycles=12, dwell=100.0, move=20.0, u_applied=0.0)
+        runs.append(Run(str(k), schedule, S * schedule.applied + NOISE * rng.standard_normal(96)))
+    found = reduce(PLAN, Readings(tuple(runs))).joined
+    assert found is not None
+    assert found.phases is None
+
+
+def hits(n: int, starts: list[int], spread: float = 0.0, grows: float = 0.0) -> tuple[int, float]:
+    """Return how many intervals hold the scale factor; gains scatter, and the drift grows, from run to run."""
+    held, off = 0, []
+    for seed in range(n):
+        rng = np.random.default_rng([3, seed])
+        gains = list(1.0 + spread * rng.standard_normal(len(starts)))
+        readings = campaign(seed, starts, SAWTOOTH, gains)
+        if grows:
+            each = [Run(one.name, one.schedule, one.reading + grows * k * S * A * SAWTOOTH)
+                    for k, one in enumerate(readings.series)]  # fmt: skip
+            readings = Readings(tuple(each))
+        value, u, dof = scale_factor(reduce(PLAN, readings))
+        interval = t_interval(value, u, dof)
+        held += interval.lo <= S <= interval.hi
+        off.append(value / S - 1.0)
+    return held, float(np.mean(off))
+
+
+def test_intervals_with_an_alternating_phase_hold_the_truth() -> None:
+    held, bias = hits(25, [0, 180, 0, 180])
+    assert covers(held, 25)
+    assert abs(bias) < 0.01
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("starts", [[0, 180, 0, 180], [0, 180, 0], [0, 90, 180, 270], [0, 90, 0, 90, 0, 90]])
+@pytest.mark.parametrize(("spread", "grows"), [(0.0, 0.0), (0.05, 0.0), (0.0, 0.02)])
+def test_intervals_with_phases_hold_the_truth_if_gains_differ_or_the_drift_grows(
+    starts: list[int], spread: float, grows: float
+) -> None:
+    held, _ = hits(300, starts, spread, grows)
+    assert covers(held, 300), held
+
+
+@pytest.mark.slow
+def test_runs_of_another_length_count_what_repeats_as_scatter() -> None:
+    held = 0
+    for seed in range(200):
+        runs = campaign(seed, [0, 180, 0, 180], SAWTOOTH).series
+        longer = runs[0].schedule
+        short = type(longer)(longer.start[:60], 100.0, 20.0, longer.position[:60], longer.applied[:60],
+                             "custom", 4, 0.0)  # fmt: skip
+        cut = Run("short", short, runs[0].reading[:60])
+        value, u, dof = scale_factor(reduce(PLAN, Readings((cut, *runs[1:]))))
+        interval = t_interval(value, u, dof)
+        held += interval.lo <= S <= interval.hi
+    assert covers(held, 200), held
