@@ -26,11 +26,11 @@ from ...core.show.rounding import number
 from ...signals.sine.changes import Jump, critical, cycle_amplitudes, jumps, response_changes
 from ...statistics.agreement import FALSE_ALARM, disagreeing
 from ..agreement import likely_cause
-from .joining import phases_ahead
+from .joining import phases_ahead, quiet_runs
 from .line import shape_of
 from .plan import Plan
 from .readings import Readings, Run
-from .response import Response, response_of, response_of_line
+from .response import Response, response_of_line
 
 PART = FALSE_ALARM / 6.0  # of each of the six searches
 MUCH = 0.25  # part of a response
@@ -52,10 +52,12 @@ class Measured(NamedTuple):
 
 def agreement(plan: Plan, readings: Readings) -> list[Remark]:
     """Return where runs disagree with each other or with themselves."""
-    found: list[tuple[Response, str, Run | None]] = [(response_of_line(one), one.where, None) for one in readings.lines]
-    for run in readings.series:
+    found: list[tuple[Response, str, Run | None]] = [
+        (response_of_line(line), line.where, None) for line in readings.lines
+    ]
+    for one in quiet_runs(readings.series):
         try:
-            found.append((response_of(plan, run), run.where, run))
+            found.append((one.response(plan), one.run.where, one.run))
         except (DataError, PlanError):  # the reduction says why
             continue
     measured = [Measured(one.name, one.scale_factor, one.u_scale_factor, one.dof, where, one, run)

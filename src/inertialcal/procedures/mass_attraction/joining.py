@@ -54,11 +54,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import optimize, special
 
+from ...core.errors import DataError
 from ...core.estimate import Array, Component, Estimate
 from ...core.influence import Influence
 from ...core.key import Key, Origin
 from ...statistics.intervals import coverage_factor
 from ...statistics.means import Mean
+from .line import fit_line, shape_of, start_phase
 from .plan import APPLIED, Plan
 from .readings import Readings, Run
 from .response import Response, response_of, tilt_left
@@ -110,40 +112,76 @@ def joined(responses: Sequence[Response]) -> Joined:
     return join(values / applied, u / applied, dof, columns, ahead if columns.shape[1] > 1 else None)
 
 
-def less_repeats(plan: Plan, runs: Sequence[Run], responses: Sequence[Response]) -> list[Response]:
-    """Return the responses of m runs with u and degrees of freedom from readings without what repeats in each dwell.
-
-    A drift that repeats and is near the drive counts as noise of every run. The mean over the runs of what line and
-    drift leave of each dwell has no part in the line: without it, amplitudes stay.
-    """
-    m, longest = len(runs), max(len(run.reading) for run in runs)
-    rest = np.full((m, longest), np.nan)
-    for row, one in zip(rest, responses, strict=True):
-        assert one.fitted is not None  # noqa: S101 - of a run with readings
-        row[: len(one.series)] = one.series - one.fitted.line - one.fitted.drift
-    count = np.isfinite(rest).sum(axis=0)
-    repeats = np.nansum(rest, axis=0) / np.maximum(count, 1)
-    found = []
-    for run, one in zip(runs, responses, strict=True):
-        quiet = response_of(plan, replace(run, reading=run.reading - repeats[: len(run.reading)]))
-        u, u_quadrature = np.array([quiet.u, quiet.u_quadrature]) * np.sqrt(m / (m - 1.0))
-        found.append(replace(one, u=u, u_quadrature=u_quadrature, dof=quiet.dof * (m - 1.0) / m))
-    return found
-
-
 def phases_ahead(responses: Sequence[Response]) -> Array:
     """Return by how much the drive of each run starts ahead of that of the first, shape (m,) [rad].
 
     Phases that differ by rounding are equal. All are 0 if a run was reduced before, or the periods differ.
     """
-    frequencies = np.array([np.nan if one.fitted is None else one.fitted.frequencies[0] for one in responses])
-    if not np.ptp(frequencies) < EVEN * frequencies.min(initial=np.inf):
-        return np.zeros(len(responses))
-    ahead = np.exp(1j * np.array([one.phase - responses[0].phase for one in responses]))
+    known = [(one.phase, one.fitted.frequencies[0]) for one in responses if one.fitted is not None]
+    return _ahead(*np.array(known).T) if len(known) == len(responses) else np.zeros(len(responses))
+
+
+def _ahead(phases: Array, frequencies: Array) -> Array:
+    if not np.ptp(frequencies) < EVEN * frequencies.min():
+        return np.zeros(len(phases))
+    ahead = np.exp(1j * (phases - phases[0]))
     for k in range(len(ahead)):
         same = np.abs(np.angle(ahead / ahead[k])) < ALIKE
         ahead[same] = ahead[np.argmax(same)]
-    return np.angle(ahead)
+    return np.asarray(np.angle(ahead))
+
+
+@dataclass(frozen=True, eq=False)
+class Quiet:
+    """A run without what repeats in each dwell of all runs."""
+
+    run: Run
+    line: complex = 0.0  # At the drive, taken out of it: in phase, and in quadrature as the imaginary part [count/s]
+    m: int = 0  # Runs that what repeats is the mean of
+
+    def response(self, plan: Plan) -> Response:
+        """Return the response with its line put back, and the noise that it had before; errors as `response_of`."""
+        found = response_of(plan, self.run)
+        if not self.m:
+            return found
+        u, u_quadrature = np.array([found.u, found.u_quadrature]) * np.sqrt(self.m / (self.m - 1.0))
+        amplitude, quadrature = found.amplitude + self.line.real, found.quadrature + self.line.imag
+        return replace(found, amplitude=amplitude, quadrature=quadrature, u=float(u), u_quadrature=float(u_quadrature),
+                       dof=found.dof * (self.m - 1.0) / self.m)  # fmt: skip
+
+
+def quiet_runs(runs: Sequence[Run]) -> list[Quiet]:
+    """Return runs without what repeats in each dwell, where their drives start at different phases.
+
+    A drift that repeats and is near the drive would count as noise, slip or jump of every run. The mean over the runs
+    with the mass moved of what line and drift leave of each dwell has no part in the line: amplitudes stay. The line
+    itself follows from the phases; any error in it cancels as it does.
+    """
+    moved = [run for run in runs if run.moved]
+    phases = np.array([start_phase(run.schedule) for run in moved])
+    as_they_are = [Quiet(run) for run in runs]
+    if len(moved) < 2 or not np.any(_ahead(phases, np.array([run.schedule.frequency for run in moved]))):
+        return as_they_are
+    rest, lines = np.full((len(moved), max(len(run.reading) for run in runs)), np.nan), []
+    for row, run in zip(rest, moved, strict=True):
+        try:
+            found = fit_line(run.schedule, run.reading)
+        except DataError:  # the response of this run says why
+            return as_they_are
+        row[: len(run.reading)] = run.reading - found.line - found.drift
+        lines.append(complex(found.amplitude, np.nan_to_num(found.quadrature)))
+    repeats = np.nansum(rest, axis=0) / np.maximum(np.isfinite(rest).sum(axis=0), 1)
+    turned = np.exp(1j * phases)
+    _, common = np.linalg.lstsq(np.column_stack([turned, np.ones(len(moved))]), np.array(lines) * turned, rcond=None)[0]
+    quiet = []
+    for run in runs:
+        angle = 2.0 * np.pi * run.schedule.frequency * (run.schedule.middle - run.schedule.middle[0])
+        wave = np.exp(1j * (angle + start_phase(run.schedule)))  # in phase with the drive: its imaginary part
+        size = 2.0 * abs(np.mean(shape_of(run.schedule) * wave))
+        line = complex(common * np.exp(-1j * start_phase(run.schedule)))
+        at_drive = size * (line.real * wave.imag + line.imag * wave.real)
+        quiet.append(Quiet(replace(run, reading=run.reading - repeats[: len(angle)] - at_drive), line, len(moved)))
+    return quiet
 
 
 def _parts(ahead: Array) -> tuple[Array, Array]:

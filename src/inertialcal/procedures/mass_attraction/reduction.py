@@ -21,8 +21,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-import numpy as np
-
 from ...core.curve import Curve
 from ...core.errors import DataError
 from ...core.estimate import Estimate
@@ -31,11 +29,11 @@ from ...core.results import Row
 from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.tables import Block, html, text
 from ...physics.motion.schedule import Schedule, repeated
-from .joining import Joined, estimate_of, joined, less_repeats, phases_ahead
+from .joining import Joined, estimate_of, joined, quiet_runs
 from .plan import INFLUENCES, HighG, Plan, SourceMass
 from .published import published_lines
 from .readings import Line, Readings, Run, SourceMassRecording, readings_from, run_of_rows
-from .response import Response, response_of, response_of_line
+from .response import Response, response_of_line
 from .rows import check_source, curves, result_remarks, rows, series_remarks
 
 __all__ = [
@@ -133,11 +131,10 @@ def reduce(plan: Plan, readings: Readings) -> Result:
         for run in readings.series:
             check_source(plan.source, run)
     responses = (
-        *(response_of(plan, run) for run in readings.series), *(response_of_line(one) for one in readings.lines)
-    )  # fmt: skip
+        *(one.response(plan) for one in quiet_runs(readings.series)),
+        *(response_of_line(one) for one in readings.lines),
+    )
     moved = [one for one in responses if one.moved]
-    if np.any(phases_ahead(moved)):
-        moved = less_repeats(plan, [run for run in readings.series if run.moved], moved)
     both = joined(moved)
     if abs(both.within.value) >= plan.floor * both.within.u:
         estimate, reason = estimate_of(plan, readings, responses, both, both.scatter), ""
