@@ -251,7 +251,6 @@ def mass_attraction(
     mercury: str | None = None,
     side_bands: int | None = None,
     floor: float | None = None,
-    scatter: Literal['between_runs', 'within_runs'] | None = None,
     high_g: Mapping[str, Any] | str | None = None,
     source: Mapping[str, Any] | str | None = None,
     schedule: str | None = None,

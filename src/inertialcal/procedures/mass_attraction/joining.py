@@ -222,15 +222,15 @@ def join(values: Array, u: Array, dof: Array, columns: Array | None = None, phas
     fit = _fitted(values, u, X, between_variance(values, u, X) if spare else 0.0)
     parts = (fit.weights * u) ** 2
     within = Mean(fit.mean, float(np.sqrt(parts.sum())), float(parts.sum() ** 2 / np.sum(parts**2 / dof)))
+    between, p = None, np.nan
+    if spare:
+        between = Mean(fit.mean, float(np.sqrt(fit.covariance[0, 0] * fit.squares / spare)), float(spare))
+        noise = _fitted(values, u, X, 0.0).squares
+        p = float(special.fdtrc(spare, float(np.sum(dof)), noise / spare))
     repeats = X[:, 1:] @ fit.found[1:]
     largest = X[np.argmax(np.abs(repeats)), 1:]
-    u_repeats = float(np.sqrt(largest @ fit.covariance[1:, 1:] @ largest * max(fit.squares / max(spare, 1), 1.0)))
-    if not spare:
-        return Joined(within, None, np.nan, repeats, u_repeats, phases)
-    between = Mean(fit.mean, float(np.sqrt(fit.covariance[0, 0] * fit.squares / spare)), float(spare))
-    noise = _fitted(values, u, X, 0.0).squares
-    p = float(special.fdtrc(spare, float(np.sum(dof)), noise / spare))
-    return Joined(within, between, p, repeats, u_repeats, phases)
+    share = float(np.sqrt(largest @ fit.covariance[1:, 1:] @ largest / fit.covariance[0, 0]))
+    return Joined(within, between, p, repeats, share * max(one.u for one in (within, between) if one), phases)
 
 
 @dataclass(frozen=True, eq=False)
