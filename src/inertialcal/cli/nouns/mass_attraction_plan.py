@@ -97,7 +97,7 @@ def _build(path: Path, found: MassPlan) -> list[str]:
     """Write the list of cubes, the drawing, or both; return a line for each."""
     from ...core.errors import StoreError
     from ...files.write.atomic import atomic_write
-    from ...report.build_drawing import write_build
+    from ...report.figures.mass_attraction.build_drawing import write_build
 
     folder = not path.suffix
     if folder:

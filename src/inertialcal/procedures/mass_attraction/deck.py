@@ -54,7 +54,8 @@ REDUCTIONS = {cards.ANALYSE: "none", cards.TILT: "tilt trace", cards.LINE: "stra
               cards.HARMONICS: "harmonics", cards.CURVE: "adjusted curve"}  # fmt: skip
 SAMPLES_PER_CYCLE = 4  # of the input, where the card has none
 AT_ONCE = "line and drift"
-PRINTED = ("amplitude", "spectrum_amplitude", "standard_deviation", "scale_factor", "scale_factor_error")
+PRINTED = {"amplitude": False, "spectrum_amplitude": False, "standard_deviation": False, "scale_factor": True,
+           "scale_factor_error": True}  # whether it is per unit of input  # fmt: skip
 CORRELATED = ("accelerometer", "tilt", "cross")
 FEWEST = 0.1  # of a line, that a reduction must leave
 HEADS = ("reduction", "Fourier", "spectrum", "std", "scale factor", "error", "gaps kept, gain corrected")
@@ -301,8 +302,7 @@ def _printed(case: Case, found: Analysis, member: Member, unit: str, per_input: 
         values = [scale.fourier * part, scale.spectrum * part, scale.std, scale.fourier, scale.error]
     except DataError as error:
         reason = Reason("no_line", error.problems[0].what)
-    for name, value in zip(PRINTED, values, strict=True):
-        of_input = name.startswith("scale_factor")
+    for (name, of_input), value in zip(PRINTED.items(), values, strict=True):
         if np.isfinite(value) and not (of_input and applied is None):
             yield Row(
                 Key(name), float(value), None, per_input if of_input else unit, method=Method.TEXTBOOK, member=member

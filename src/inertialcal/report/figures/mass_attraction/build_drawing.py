@@ -18,14 +18,14 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
-from ..core.errors import PlanError, UsageError
-from ..core.estimate import Array
-from ..core.show.rounding import number
-from ..files.write.atomic import atomic_write
-from ..procedures.mass_attraction.planning.build import Build
-from .figure_file import DPI, FORMATS, check_ending
-from .figures.drawing.style import COLOURS, look
-from .figures.drawing.svg import SALT
+from ....core.errors import PlanError, UsageError
+from ....core.estimate import Array
+from ....core.show.rounding import number
+from ....files.write.atomic import atomic_write
+from ....procedures.mass_attraction.planning.build import Build
+from ...figure_file import DPI, FORMATS, check_ending
+from ..drawing.style import COLOURS, look
+from ..drawing.svg import SALT
 
 PAGE = (8.27, 11.69)  # A4 [in]
 EDGE = 0.45  # [in] free around a page
