@@ -75,6 +75,7 @@ class Recording:
     applied: tuple[str, ...] = ()
     time_column: str = ""  # Name of the column whose stamps give the sample interval; empty where they do not
     compensated_by: str = ""  # First 12 digits of the checksum of the model that was applied; empty for readings
+    cut_off: float | None = None  # Of the low pass before the samples were taken [Hz]; None when nobody said
 
     def __post_init__(self) -> None:
         names = [channel.name for channel in self.channels]

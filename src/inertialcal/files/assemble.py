@@ -176,14 +176,19 @@ def _timed(
             if sample_rate and content.time_ns is None
             else ()
         )
-        return Recording((), clock.time_ns, interval, None, clock.epoch, source, remarks=remarks)
+        return Recording(
+            (), clock.time_ns, interval, None, clock.epoch, source, remarks=remarks, cut_off=content.cut_off
+        )
     axis = analyse(clock.time_ns)
     remarks = axis_remarks(axis, clock.time_ns, lambda index: content.place(path, index))
     if interval is None:
         interval, source, column = axis.interval, "column", described[clock.column].name
     elif axis.interval is not None:
         remarks += rate_remark(1.0 / interval, {"the time stamps say": 1.0 / axis.interval}, path, source == "header")
-    return Recording((), clock.time_ns, interval, None, clock.epoch, source, remarks=remarks, time_column=column)
+    return Recording(
+        (), clock.time_ns, interval, None, clock.epoch, source, remarks=remarks, time_column=column,
+        cut_off=content.cut_off,
+    )  # fmt: skip
 
 
 def _missing(described: Sequence[Described], content: Content, path: str) -> list[Remark]:

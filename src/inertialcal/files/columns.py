@@ -58,6 +58,7 @@ class Content:
     remarks: tuple[Remark, ...] = ()  # What reading it brought up
     # shape (n,): stamps that the format itself gives [ns since 1970 UTC]; then no column is time
     time_ns: Times | None = None
+    cut_off: float | None = None  # Of the low pass before the samples, as the file says it [Hz]
 
     def place(self, path: str, index: int) -> str:
         """``file:row`` of a sample, or the file and its sample number where rows have no meaning."""

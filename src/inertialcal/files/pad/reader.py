@@ -283,7 +283,7 @@ def _joined(parts: list[_Part], header: PadHeader, frame: str | None, rate: floa
         what = f"{len(layout.names)} columns after the time, without names or units: column_2 to column_14"
         remarks.append(Remark("columns_unnamed", "warning", what, path))
     said = f"PAD, {header.sensor}, {WORDS[header.number_type]}" + (f", {len(parts)} files" if len(parts) > 1 else "")
-    return Content(columns, said, None, header.sample_rate, tuple(remarks), time_ns)
+    return Content(columns, said, None, header.sample_rate, tuple(remarks), time_ns, header.cutoff)
 
 
 def _taken(parts: list[_Part], column: int) -> NDArray[Any]:

@@ -7,7 +7,7 @@ Drift stays in: how much of a warm-up to leave out is the user's choice.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from ...core.remarks import Remark
 from ...core.show.rounding import number
 from ...core.units import factor
 from ...sensors.noise.fitting.estimator import fit
+from ...sensors.noise.fitting.filtered import Band
 from ...sensors.noise.fitting.noise_fit import DOUBTS, NoiseFit, duration
 from ...sensors.noise.fitting.problem import run_of
 from ...sensors.noise.terms import Sinusoid, Term, sample_unit
@@ -32,6 +33,7 @@ from ...signals.spectrum.allan_check import Agreement, compare_allan
 from ...signals.spectrum.density import Spectrum
 from ...signals.spectrum.lines import Line, Lines, find_lines
 from ...signals.spectrum.psd import psd
+from .band import Bands, bands_of
 from .plan import Plan
 from .readings import Readings, Run
 
@@ -74,6 +76,7 @@ class Recorded:
     shown: Allan  # The deviation to show [SI]
     spectral: Spectral  # Its spectrum
     own: NoiseFit | None = None  # Its own terms, where there are several records
+    band: Band | None = None  # What a filter leaves of its noise
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +89,7 @@ class AxisNoise:
     problem: Problem | None  # Why there are no terms
     lines: tuple[float, ...]  # Frequencies of the lines in the fit [Hz]
     remarks: tuple[Remark, ...]  # What is suspicious
+    bands: Bands = field(default_factory=Bands)  # What a filter of the sensor leaves of its noise
 
     @property
     def reason(self) -> str:
@@ -116,6 +120,9 @@ def noise_of(plan: Plan, readings: Readings, axis: str) -> AxisNoise:
     if not records:
         return AxisNoise(axis, (), None, problems[0], (), (*remarks, *_no_terms(axis, problems[0])))
     lines = tuple(sorted((*lines_to_fit([one.spectral for one in records]), *_waves(records, axis))))
+    bands = bands_of(plan, records, axis)
+    records = [replace(one, band=band) for one, band in zip(records, bands.each, strict=True)]
+    remarks += bands.remarks
     try:
         try:
             found_terms = _fitted(plan, records, lines)
@@ -126,13 +133,13 @@ def noise_of(plan: Plan, readings: Readings, axis: str) -> AxisNoise:
             found_terms = _fitted(plan, records, lines)
     except DataError as error:
         problem = error.problems[0]
-        return AxisNoise(axis, tuple(records), None, problem, lines, (*remarks, *_no_terms(axis, problem)))
+        return AxisNoise(axis, tuple(records), None, problem, lines, (*remarks, *_no_terms(axis, problem)), bands)
     remarks += [
         Remark(one.code, one.severity, f"{axis}: {one.what}", "", 1, one.do, axis) for one in found_terms.remarks
     ]
     if len(records) > 1:
         records = [_with_own(plan, one, lines) for one in records]
-    return AxisNoise(axis, tuple(records), found_terms, None, lines, (*remarks, *_tested(axis, found_terms)))
+    return AxisNoise(axis, tuple(records), found_terms, None, lines, (*remarks, *_tested(axis, found_terms)), bands)
 
 
 def _waves(records: Sequence[Recorded], axis: str) -> Iterator[float]:
@@ -186,7 +193,8 @@ def _recorded(plan: Plan, run: Run, axis: str) -> Recorded:
 def _fitted(plan: Plan, records: Sequence[Recorded], lines: tuple[float, ...]) -> NoiseFit:
     terms = "auto" if plan.terms is None else tuple(plan.terms)
     curves = [one.curve for one in records]
-    return fit(curves, plan.kind, terms=terms, lines=lines, axis=0, unit=plan.unit)
+    bands = [one.band for one in records]
+    return fit(curves, plan.kind, terms=terms, lines=lines, bands=bands, axis=0, unit=plan.unit)
 
 
 def _with_own(plan: Plan, one: Recorded, lines: tuple[float, ...]) -> Recorded:

@@ -7,7 +7,8 @@
 ``allan_line``
     The same of one line of an axis, with its frequency.
 ``spectrum``
-    Means over bands of the density of one record of an axis, with intervals; each term, and all together.
+    Means over bands of the density of one record of an axis, with intervals; each term, and all together, as a filter
+    passes them; its corner.
 ``record_length``
     Of an axis, a row a term: how well the records tell it, and how long one would have to be.
 """
@@ -26,7 +27,7 @@ from ...core.estimate import Array
 from ...core.units import FILE_UNIT, divide, power
 from ...sensors.noise.expected import Deviation, expected_variance, sampled_spectrum
 from ...sensors.noise.fitting.noise_fit import NoiseFit
-from ...sensors.noise.terms import RateRamp, Sinusoid, Term, sample_unit
+from ...sensors.noise.terms import RateRamp, Sinusoid, Term, sample_unit, total_phase
 from ...signals.spectrum.density import Spectrum
 from .axis_noise import INTERVAL, AxisNoise, Recorded
 from .record_length import reaches
@@ -91,6 +92,8 @@ def _allan(result: Result, one: AxisNoise, record: Recorded) -> Curve:
         "noise": Column(curve.power[:, 0]),
         "expected": Column(expected, unit),
     }
+    if record.band is not None:
+        columns["fitted_from"] = Column(np.full(len(expected), record.band.first * record.run.interval), "s")
     return Curve("allan", one.axis, columns, of=result.plan.deviation, recording=record.run.name)
 
 
@@ -99,6 +102,9 @@ def _deviation(result: Result, terms: tuple[Term, ...], m: Array, record: Record
     if not terms:
         return np.full(len(m), np.nan)
     variance = expected_variance(terms, m, record.run.interval, record.run.averaging, way)
+    if record.band is not None and way == "allan":
+        phase = total_phase(terms, record.run.interval, record.run.averaging)
+        variance = variance - record.band.lost([phase], m)[0]
     return np.sqrt(np.maximum(variance, 0.0))  # rounding, where a line has a node
 
 
@@ -148,9 +154,13 @@ def _spectrum(result: Result, one: AxisNoise, record: Recorded, spectrum: Spectr
     terms = () if one.fit is None else tuple(t for t in one.fit.terms if not isinstance(t, Sinusoid | RateRamp))
     if one.fit is not None and terms:
         run = record.run
+        passed = np.ones(len(frequency))
+        if record.band is not None:
+            passed = record.band.passed_at(frequency * run.interval)
+            columns["corner"] = Column(np.full(len(frequency), record.band.corner / run.interval), "Hz")
         for term in terms:
-            columns[_named(term, one.fit)] = Column(
-                sampled_spectrum((term,), frequency, run.interval, run.averaging), unit
-            )
-        columns["all"] = Column(sampled_spectrum(terms, frequency, run.interval, run.averaging), unit)
+            density_of_term = sampled_spectrum((term,), frequency, run.interval, run.averaging)
+            columns[_named(term, one.fit)] = Column(density_of_term * passed, unit)
+        whole = sampled_spectrum(terms, frequency, run.interval, run.averaging) * passed
+        columns["all"] = Column(whole, unit)
     return Curve("spectrum", one.axis, columns, of=result.plan.spectrum, recording=record.run.name)

@@ -40,6 +40,10 @@ class Plan:
     disturbed: Literal["leave_out", "keep"] = setting(
         "Samples that are no readings: glitches, disturbances, stuck, saturated or repeated ones.", "leave_out"
     )
+    cut_off: float | None = setting(
+        "Cut-off of the sensor's low pass; by default as the file states it, or as the spectrum shows it.", None,
+        unit="Hz", example="5 Hz", above=0.0,
+    )  # fmt: skip
     spectrum: Method = setting("Estimator of the spectrum.", "welch")
     segment: float | None = setting(
         "Length of a segment of the spectrum; by default an eighth of the record, at most 131,072 samples.",

@@ -42,6 +42,7 @@ class Run:
     # Of an axis: below it lines in a spectrum mean nothing; absent where it is not known
     resolution: Mapping[str, Resolution] = field(default_factory=dict[str, Resolution])
     screened: bool = True  # Whether samples that are no readings, and disturbances, are left out
+    cut_off: float | None = None  # Of a low pass, as the file states it [Hz]; None when nobody said
 
     def __len__(self) -> int:
         return len(next(iter(self.values.values())))

@@ -23,7 +23,16 @@ from ...core.results import Interval, Row, not_estimated
 from ...core.units import FILE_UNIT, normalise
 from ...sensors.noise.fitting.estimator import fit
 from ...sensors.noise.fitting.noise_fit import NoiseFit, TermEstimate, duration
-from ...sensors.noise.terms import TERMS, GaussMarkov, Sinusoid, parameter_unit, quantity_name, sample_unit, shown_units
+from ...sensors.noise.terms import (
+    TERMS,
+    GaussMarkov,
+    RandomWalk,
+    Sinusoid,
+    parameter_unit,
+    quantity_name,
+    sample_unit,
+    shown_units,
+)
 from ...statistics.intervals import t_interval
 from .axis_noise import FAST, AxisNoise, Recorded, doubt_of, fault_of, slow_fault_of
 
@@ -54,7 +63,7 @@ def rows(result: Result) -> Iterator[Row]:
 
 def _of_axis(result: Result, found: AxisNoise) -> Iterator[Row]:
     if found.fit is not None:
-        yield from _terms(result, found.fit, found.axis, found.doubt, found.slow_fault)
+        yield from _terms(result, found.fit, found.axis, found.doubt, found.slow_fault, found.bands.said)
         return
     kind, unit = result.plan.kind, result.plan.unit
     why = Reason() if found.problem is None else Reason(found.problem.code, found.problem.what)
@@ -67,7 +76,7 @@ def _of_axis(result: Result, found: AxisNoise) -> Iterator[Row]:
             yield not_estimated(key, shown, why)
 
 
-def _terms(result: Result, fit: NoiseFit, axis: str, doubt: str, slow: Reason) -> Iterator[Row]:
+def _terms(result: Result, fit: NoiseFit, axis: str, doubt: str, slow: Reason, band: str = "") -> Iterator[Row]:
     """Yield the parameters of a fit, without those of lines; upper limits as values; each with what speaks against.
 
     Slow terms are not estimated where ``slow`` says that something feigns them.
@@ -82,7 +91,8 @@ def _terms(result: Result, fit: NoiseFit, axis: str, doubt: str, slow: Reason) -
             yield from (not_estimated(Key(word, axis), units[word], slow) for word in words)
             continue
         for one in term.parameters:
-            said = reason or Reason("limits", term.reason)
+            inside = Reason("in_band", band) if band and term.name == RandomWalk.name else Reason()
+            said = reason or inside or Reason("limits", term.reason)
             row = Row(Key(one.name, axis), one.value, one.u, units[one.name], None, one.interval, reason=said)
             scaled = one.name != "gauss_markov_correlation_time"
             yield widened(row, result.plan.standards) if scaled else row
@@ -156,7 +166,10 @@ def interval_at(result: Result, row: Row, p: float) -> Interval | None:
     names = tuple(dict.fromkeys(term.name for term in one.fit.terms if not isinstance(term, Sinusoid)))
     curves = [record.curve for record in one.records]
     try:
-        again = fit(curves, result.plan.kind, terms=names, lines=one.lines, axis=0, unit=result.plan.unit, p=p)
+        again = fit(
+            curves, result.plan.kind, terms=names, lines=one.lines, bands=one.bands.each, axis=0,
+            unit=result.plan.unit, p=p,
+        )  # fmt: skip
     except DataError:
         return None
     found = next((other for other in again.rows(row.axis) if other.quantity == row.quantity), None)

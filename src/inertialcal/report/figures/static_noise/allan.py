@@ -12,7 +12,7 @@ from ..drawing.data import Curve, curves, distinct, finite, numbers, thinned, un
 from ..drawing.picture import Picture
 from ..drawing.scales import log_axis
 from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, with_unit
-from .noise_terms import DOTS, draw_terms, finding
+from .noise_terms import DOTS, draw_terms, finding, mark
 
 NAME = "allan"
 TERMS, LINE = "allan_terms", "allan_line"
@@ -66,6 +66,7 @@ def draw(ax: Axes, mine: Sequence[Curve], lines: Sequence[Curve], title: str = "
     for curve in (one for one in lines if one["name"] == TERMS):
         compared = numbers(mine[0], "tau"), numbers(mine[0], "expected")
         draw_terms(ax, numbers(curve, "tau"), curve, [one for one in lines if one["name"] == LINE], compared)
+    mark(ax, mine[0], "fitted_from", "shortest averaging time fitted (low pass)")
     shown = np.concatenate([finite(numbers(one, name)) for one in mine for name in ("deviation", "lo", "hi")])
     log_axis(ax, "x", np.concatenate([numbers(one, "tau") for one in mine]), 1.15)
     log_axis(ax, "y", shown, ROOM)

@@ -22,7 +22,7 @@ from ..drawing.data import Curve, numbers, unit
 from ..drawing.style import COLOURS, plain
 
 ALL = "all"
-KNOWN = ("tau", "deviation", "lo", "hi", "edf", "noise", "expected", "frequency", "density", "line", ALL)
+KNOWN = ("tau", "deviation", "lo", "hi", "edf", "noise", "expected", "frequency", "density", "line", "corner", ALL)
 STROKES: dict[str, dict[str, Any]] = {
     "quantization": {"color": COLOURS["purple"], "linestyle": (0, (1, 1))},
     "random_walk": {"color": COLOURS["green"], "linestyle": (0, (6, 2))},
@@ -74,6 +74,13 @@ def draw_terms(
     if whole and len(names) + len(lines) > 1:
         x, y = compared if lines and compared is not None else (at, numbers(curve, ALL))
         ax.plot(x, _positive(y), label="all terms", **{"zorder": 4} | WHOLE)
+
+
+def mark(ax: Axes, curve: Curve, column: str, label: str) -> None:
+    """Draw where the band of a filter ends, where there is one."""
+    if column in curve["columns"]:
+        ax.axvline(float(numbers(curve, column)[0]), color=COLOURS["quiet"], linewidth=0.9, linestyle=(0, (5, 3)),
+                   zorder=2, label=label)  # fmt: skip
 
 
 def named(term: str) -> str:

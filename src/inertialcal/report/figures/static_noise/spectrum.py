@@ -19,7 +19,7 @@ from ..drawing.data import Curve, curves, finite, flags, numbers, unit
 from ..drawing.picture import Picture
 from ..drawing.scales import log_axis
 from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, with_unit
-from .noise_terms import draw_terms
+from .noise_terms import draw_terms, mark
 
 NAME = "spectrum"
 SHOWS = "One-sided density over frequency, both logarithmic; shaded is the 95 % interval, lines are the fitted terms"
@@ -84,6 +84,7 @@ def draw(ax: Axes, mine: Sequence[Curve], title: str = "", lines: Sequence[float
     _mark(ax, [(one, max(_height(curve, one) for curve in mine)) for one in lines], "line", LINE)
     _mark(ax, [peak for curve in mine for peak in _broad(curve, lines)], "broad peak", BROAD)
     shown = np.concatenate([finite(numbers(one, name)) for one in mine for name in ("density", "lo", "hi")])
+    mark(ax, mine[0], "corner", "corner of the low pass")
     log_axis(ax, "x", np.concatenate([numbers(one, "frequency") for one in mine]), 1.15)
     log_axis(ax, "y", shown, ROOM)
     set_title(ax, title)

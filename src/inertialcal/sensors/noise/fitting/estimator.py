@@ -37,12 +37,13 @@ from ..terms import (
     sample_unit,
     shown_units,
 )
+from .filtered import Band
 from .goodness import MOST, SIGNIFICANT, ChiSquare, agreement_test, misfit_of, residual_test
 from .likelihood import Fitted, Sandwich, covariance_of_runs, estimate, mean_of, sandwich, terms_of, time_at
 from .limits import interval_of, limit_and_record
 from .noise_fit import NoiseFit, Parameter, TermEstimate
 from .order import NAMES, PRICE, Choice, criterion, present, ranked, separable
-from .problem import GAUSS_MARKOV, LINEAR, AllanLike, Problem, Run, problem_of, run_of, unit_of, with_misfit
+from .problem import GAUSS_MARKOV, LINEAR, AllanLike, Problem, Run, inside, problem_of, run_of, unit_of, with_misfit
 
 AUTO = (*NAMES, GAUSS_MARKOV)
 BRIEF = 10.0  # samples: a correlation time below is that of a filter, rather than of a drift
@@ -55,6 +56,7 @@ def fit(
     *,
     terms: str | Sequence[str] = "auto",
     lines: Sequence[float] = (),
+    bands: Sequence[Band | None] = (),
     axis: int | None = None,
     unit: str = "",
     p: float = 0.95,
@@ -73,6 +75,8 @@ def fit(
         Which terms; "auto" chooses among all by the criterion of ``order``.
     lines : sequence of float
         Frequencies of known lines [Hz].
+    bands : sequence of Band or None
+        What a filter leaves of each curve, where the sensor has one.
     axis : int, optional
         Column, where curves have several.
     unit : str
@@ -94,7 +98,10 @@ def fit(
     if not several:
         raise DataError("no Allan deviation to fit", do="Give that of one run, or of several", code="too_short")
     samples = sample_unit(kind, unit or unit_of(several[0]))
-    plain = problem_of([run_of(curve, axis, samples) for curve in several], lines)
+    runs = [run_of(curve, axis, samples) for curve in several]
+    if bands:
+        runs = [run if band is None else inside(run, band) for run, band in zip(runs, bands, strict=True)]
+    plain = problem_of(runs, lines)
     solution = _solved(plain, terms, kind, samples, p)
     return _result(plain, solution, AUTO if terms == "auto" else _names(terms))
 
@@ -298,7 +305,7 @@ def not_identified(solution: Solution, name: str) -> TermEstimate:
         name, "not_identified", (), words, unit=parameter_unit(name, first, solution.unit), record=problem.length
     )
     if name not in solution.candidates:
-        return replace(found, code="like_white")
+        return replace(found, code="like_filter" if any(run.band is not None for run in problem.runs) else "like_white")
     at, limit_at = problem.names.index(name) if name in NAMES else len(problem.names), None
     if name == GAUSS_MARKOV:
         best = estimate(problem, (*present(problem, fitted), GAUSS_MARKOV))  # where it hides best, else the middle

@@ -151,7 +151,7 @@ def record_needed(problem: Problem, fitted: Fitted, at: int, power: float, stret
     m = np.concatenate([run.m, run.m[-1] * 2.0 ** np.arange(1, DOUBLINGS + 1)])  # as many octaves more
     ones = np.ones(len(m))
     inflation = np.concatenate([run.inflation, ones[:DOUBLINGS]])
-    longest = Run(m, ones, ones, ones, run.interval, run.averaging, inflation)
+    longest = Run(m, ones, ones, ones, run.interval, run.averaging, inflation, band=run.band)
     terms = terms_of(problem, replace(fitted, powers=powers))
     columns = np.column_stack([expected(term, longest) for term in terms])
     mu, column = columns.sum(axis=1), column_of(fitted, at)

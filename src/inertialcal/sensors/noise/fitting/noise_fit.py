@@ -23,6 +23,7 @@ REASONS = {
     "too_short": "record too short",
     "like_another": "cannot be separated from {others}",
     "like_white": "same as white noise, with dead time",
+    "like_filter": "hidden by the filter: its averaging times are not fitted",
     "hidden_by_white": "hidden by white noise: sample faster to show it",
     "small": "below its limit, or absent",
     "no_record": "too small for any practical record",

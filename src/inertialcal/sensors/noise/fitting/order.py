@@ -89,7 +89,9 @@ def criterion(terms: tuple[str, ...], fitted: Fitted) -> float:
 
 
 def separable(problem: Problem, candidates: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the candidates without quantisation, where it looks like white noise at every averaging time."""
+    """Return the candidates without quantisation, where it looks like white noise or like a filter's pole."""
+    if any(run.band is not None for run in problem.runs):
+        return tuple(name for name in candidates if name != Quantization.name) or candidates
     rounding, white = (problem.columns[:, NAMES.index(term.name)] for term in (Quantization, RandomWalk))
     alike = np.allclose(rounding / rounding[0], white / white[0], rtol=1e-6, atol=0.0)
     both = {Quantization.name, RandomWalk.name} <= set(candidates)

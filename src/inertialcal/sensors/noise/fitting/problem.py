@@ -11,12 +11,14 @@ import numpy as np
 
 from ....core.errors import DataError
 from ....core.estimate import Array, Numbers
+from ....core.show.rounding import number
 from ....core.units import factor
 from ..expected import variance_of_phase
 from ..terms import (
     BiasInstability,
     GaussMarkov,
     LinearTerm,
+    Phase,
     Quantization,
     RandomWalk,
     RateRamp,
@@ -28,6 +30,7 @@ from ..terms import (
     remainder,
     total_phase,
 )
+from .filtered import Band
 
 LINEAR: tuple[type[LinearTerm], ...] = (Quantization, RandomWalk, BiasInstability, RateRandomWalk, RateRamp)
 GAUSS_MARKOV = GaussMarkov.name
@@ -36,6 +39,7 @@ COMPLETE = 3.0  # `ends` of a complete record
 SPACING = 1.9  # least ratio of neighbouring averaging times: closer ones repeat each other
 LEAST_EDF = 1.5  # of a point that is used
 LEAST_POINTS = 4
+BEYOND = 2.0  # shortest averaging times, in the shortest correlation time of a sensor with a filter
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +73,7 @@ def problem_of(runs: Sequence[Run], lines: Sequence[float] = ()) -> Problem:
     units += [Sinusoid(1.0, frequency) for frequency in lines]
     names = tuple(term.name for term in LINEAR) + tuple(f"line_{i}" for i in range(len(lines)))
     columns = np.column_stack([np.concatenate([expected(unit, run) for run in runs]) for unit in units])
-    shortest = min(run.interval for run in runs)
+    shortest = min(run.interval if run.band is None else BEYOND * run.tau[0] for run in runs)
     longest = max(float(run.tau[-1]) for run in runs)
     count = max(int(np.ceil(PER_E * np.log(2.0 * longest / shortest))), 4)
     times = shortest * np.exp(np.arange(count) / PER_E)
@@ -104,10 +108,12 @@ def expected(term: Term, run: Run) -> Array:
     """Return the Allan variance that a term gives at the averaging times of a run, shape (k,).
 
     Where samples are missing, what is independent from sample to sample grows as windows have fewer of them, and errors
-    of the running sum, which cancel inside of a window, do not at its gaps.
+    of the running sum, which cancel inside of a window, do not at its gaps. What a filter takes is subtracted.
     """
     phase = total_phase((term,), run.interval, run.averaging)
     found = variance_of_phase(phase, run.m) + phase.linear / run.m * (run.inflation - 1.0)
+    if run.band is not None:
+        found = found - run.band.lost([phase], run.m)[0]
     return found if run.ends is None else found + phase.point / run.m**2 * (run.ends - COMPLETE)
 
 
@@ -121,7 +127,12 @@ def exponentials_of(times: Array, run: Run) -> Array:
         return np.asarray(size * (gain * remainder(u * lags) + excess * lags))
 
     together = 4.0 * rest(run.m) - rest(2.0 * run.m) + 3.0 * point
-    return np.asarray(together / run.m**2 + linear / run.m * run.inflation)
+    found = together / run.m**2 + linear / run.m * run.inflation
+    if run.band is not None:
+        parts = zip(point[:, 0], linear[:, 0], size[:, 0], u[:, 0], strict=True)
+        phases = [Phase(point=a, linear=b, exponentials=((c, d),)) for a, b, c, d in parts]
+        found = found - run.band.lost(phases, run.m)
+    return np.asarray(found)
 
 
 class AllanLike(Protocol):
@@ -166,6 +177,7 @@ class Run:
     inflation: Array  # shape (k,): By how much missing samples raise the variance of white noise; 1 without gaps
     # shape (k,): Squared weights of errors of the integrated signal over 2 / m^2; default: 3, without gaps
     ends: Array | None = None
+    band: Band | None = None  # What a filter of the sensor leaves of its noise
 
     @property
     def tau(self) -> Array:
@@ -229,6 +241,30 @@ def run_of(curve: AllanLike | Run, axis: int | None = None, unit: str = "") -> R
         None if ends is None else _column(np.asarray(ends, dtype=float), axis),
     )
     return _usable(run)
+
+
+def inside(run: Run, band: Band) -> Run:
+    """Return the averaging times that tell of the terms, not of a filter alone.
+
+    Raises
+    ------
+    DataError
+        If fewer than four are there.
+    """
+    at = run.m >= band.first
+    if np.count_nonzero(at) < LEAST_POINTS:
+        corner = number(band.corner / run.interval, 3)
+        raise DataError(
+            f"{np.count_nonzero(at)} averaging time(s) above the filter of {corner} Hz, need {LEAST_POINTS}",
+            why="shorter ones tell of the filter alone",
+            do="Record for longer",
+            code="too_short",
+        )
+    ends = None if run.ends is None else run.ends[at]
+    return replace(
+        run, m=run.m[at], variance=run.variance[at], n=run.n[at], edf=run.edf[at], inflation=run.inflation[at],
+        ends=ends, band=band,
+    )  # fmt: skip
 
 
 def _column(values: Array, axis: int | None) -> Array:

@@ -1,0 +1,106 @@
+"""Band of a sensor with a low pass: where its noise is cut, as found in the spectrum and as stated.
+
+A filter is found by all records of an axis together (``sensors.noise.fitting.filtered``). A cut-off that the settings
+or the header of the file state is used where nothing is found, too, and compared with the corner that is found.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...core.remarks import Remark
+from ...core.show.rounding import number
+from ...sensors.noise.fitting.filtered import Band, Search, search
+from .plan import Plan
+
+if TYPE_CHECKING:
+    from .axis_noise import Recorded
+
+ALIKE = 1.5  # ratio of a stated cut-off to the corner from which they disagree
+BELOW = 0.45  # of the sample rate: a cut-off above it takes nothing that the samples would show
+
+
+@dataclass(frozen=True, eq=False)
+class Bands:
+    """What the filter of one axis leaves of its noise."""
+
+    each: tuple[Band | None, ...] = ()  # A record each; None where it is cut nowhere
+    corner: float | None = None  # Where half of the density is left: the median of the records [Hz]
+    remarks: tuple[Remark, ...] = ()
+
+    @property
+    def said(self) -> str:
+        """What to say of a figure of the fit; empty without a filter."""
+        return "" if self.corner is None else f"level inside the band, up to {number(self.corner, 3)} Hz"
+
+
+def stated_cut_off(plan: Plan, record: Recorded) -> float | None:
+    """Return the cut-off that is stated for a record [Hz]."""
+    return plan.cut_off if plan.cut_off is not None else record.run.cut_off
+
+
+def bands_of(plan: Plan, records: Sequence[Recorded], axis: str) -> Bands:
+    """Return the bands of the records of one axis."""
+    searches = [_searched(one) for one in records]
+    known = [one for one in searches if one is not None]
+    found = bool(known) and Search.together(known)
+    stated = [stated_cut_off(plan, one) for one in records]
+    each: list[Band | None] = []
+    for one, cut_off, own in zip(searches, stated, records, strict=True):
+        said = None if cut_off is None else cut_off * own.run.interval
+        used = said is not None and said < BELOW
+        if one is None or not (found or used):
+            each.append(None)
+        else:
+            each.append(one.band(None if found else said))
+    corners = [one.corner / own.run.interval for one, own in zip(each, records, strict=True) if one is not None]
+    if not corners:
+        return Bands(tuple(each), None, tuple(_unused(axis, found, [s for s in stated if s is not None])))
+    corner = float(np.median(corners))
+    return Bands(tuple(each), corner, tuple(_remarks(axis, corner, found, records, each, stated)))
+
+
+def _searched(record: Recorded) -> Search | None:
+    spectrum, lines = record.spectral.spectrum, record.spectral.lines
+    if spectrum is None:
+        return None
+    return search(spectrum, None if lines is None else lines.marked[:, 0])
+
+
+def _unused(axis: str, found: bool, stated: Sequence[float]) -> list[Remark]:
+    """Return what to say where no band is used."""
+    if found:
+        what = (
+            f"{axis}: the noise falls towards half the sample rate, as behind a low pass, but the record is too short"
+        )
+        return [Remark("low_pass", "warning", what, do="Record for longer", axis=axis)]
+    return []
+
+
+def _remarks(
+    axis: str,
+    corner: float,
+    found: bool,
+    records: Sequence[Recorded],
+    each: Sequence[Band | None],
+    stated: Sequence[float | None],
+) -> list[Remark]:
+    shortest = max(one.first * own.run.interval for one, own in zip(each, records, strict=True) if one is not None)
+    where = f"{number(corner, 3)} Hz"
+    used = f"the random walk is the level inside the band, averaging times below {number(shortest, 2)} s are not fitted"
+    cut_off = next((one for one in stated if one is not None), None)
+    if not found:
+        what = (
+            f"{axis}: cut-off stated at {number(cut_off or corner, 3)} Hz, but the spectrum shows no fall there: {used}"
+        )
+        return [Remark("cut_off_disagrees", "warning", what, do="Check the stated cut-off", axis=axis)]
+    what = f"{axis}: low pass: half of the density is left at {where}; {used}"
+    remarks = [Remark("low_pass", "info", what, axis=axis)]
+    if cut_off is not None and not 1.0 / ALIKE < corner / cut_off < ALIKE:
+        what = f"{axis}: cut-off stated at {number(cut_off, 3)} Hz, found at {where}: the one found is used"
+        remarks.append(Remark("cut_off_disagrees", "warning", what, do="Check the stated cut-off", axis=axis))
+    return remarks

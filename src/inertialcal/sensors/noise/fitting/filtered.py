@@ -1,0 +1,246 @@
+"""Band of a sensor whose filter cuts its noise below half the sample rate: found in the spectrum, used in the fit.
+
+A low pass leaves the density of each term at low frequencies and takes a share 1 - h(f) of it above. What it takes of
+an Allan variance over m samples follows from the spectrum of the term, whatever the filter [1]_::
+
+    lost(m) = integral of S(f) (1 - h(f)) 2 sin^4(pi f m) / (m sin(pi f))^2,    f in cycles a sample, -1/2 to 1/2
+
+For white noise and long m this is N^2 c / tau^2 with one constant c: the pole of the filter. Averaging times below
+1.5 periods of the corner tell of the filter alone; those above are fitted with the terms less what is lost. The size of
+white noise is then the level inside the band, as sampled: what folds into the band is in it, as a user of the samples
+has it.
+
+Found: densities over bands are fitted by white noise, flicker, walk, rounded angle and Gauss-Markov noise (Whittle
+[2]_), with and without a low pass of first order over all; a filter is there where twice the gain of log likelihood
+exceeds `CLEAR` and the corner lies above `SLOWEST` of the sample rate. Then the level is taken below half of the corner
+as (N^2 + B/f + K/f^2) / (1 + c f^2)^2, and h is the density over that level: no order or kind of filter is assumed.
+
+Assumed: the filter acts on all noise alike and its gain is 1 below its corner; the noise ahead of it is a sum of the
+terms. Its uncertainty: that of the level enters as a misfit of what is lost, common to all averaging times, with at
+least `SHAPE` of it.
+
+References
+----------
+.. [1] D. B. Percival, IEEE Trans. Ultrason. Ferroelectr. Freq. Control 38 (1991) 590: Allan variance by the spectrum.
+.. [2] P. Whittle, Ark. Mat. 2 (1953) 423: likelihood by the periodogram.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....core.estimate import Array
+from ....signals.spectrum.density import Spectrum
+from .._kernels import scored
+from ..expected import density_of_samples
+from ..terms import Phase
+
+PER_DECADE = 60  # bands of the spectrum
+CLEAR = 30.0  # twice the gain of log likelihood from which a filter is there
+SLOWEST = 1.0 / 60.0  # of the sample rate: a corner below is that of a drift, as a correlation time of 10 samples is
+BRIEF = 10.0  # samples: correlation times from here on are noise of the sensor
+PERIODS = 1.5  # of the corner, in the shortest averaging time of the fit
+PART = 0.5  # of the corner, up to which the level is fitted
+FEWEST = 12  # bands below that
+LEAST = 40  # bands of a spectrum that is searched
+LOWEST = 0.01  # of the corner, from which it is
+SHAPE = 0.02  # least relative uncertainty of what is lost
+GRID = 4096  # frequencies of the integral
+CYCLES = (np.arange(GRID) + 0.5) * (0.5 / GRID)  # those frequencies
+RESOLVED = 512  # samples of a window that the grid resolves; sin^4 is 3/8 on average beyond
+FOLDS = np.geomspace(1e-3, 1e4, 57)  # sizes of a low pass that are tried: its density is 1 / (1 + size 4 sin^2(pi f))
+CURVES = np.concatenate(
+    [-np.geomspace(0.01, 1.0, 25)[::-1], [0.0], np.geomspace(0.01, 3.0, 33)]
+)  # of the level: -ln h at the end of the fit
+
+
+@dataclass(frozen=True, eq=False)
+class Band:
+    """What a filter leaves of the noise of one record."""
+
+    corner: float  # Where half of the density is left, in cycles a sample; beyond 1/2 extrapolated by first order
+    cycles: Array  # shape (k,): Frequencies, in cycles a sample
+    passed: Array  # shape (k,): Share of the density that is left there
+    u_level: float  # Relative uncertainty of the level that the share is of
+
+    @property
+    def end(self) -> float:
+        """Up to where the level is fitted [cycles a sample]."""
+        return min(PART * self.corner, 0.5)
+
+    @property
+    def first(self) -> int:
+        """Samples in the shortest mean that tells of the terms."""
+        return max(1, int(np.ceil(PERIODS / self.corner)))
+
+    @cached_property
+    def share(self) -> Array:
+        """Share of the density that is left, at the frequencies of the integral."""
+        return self.passed_at(CYCLES)
+
+    def passed_at(self, cycles: Array) -> Array:
+        """Return the share of the density that is left at frequencies in cycles a sample, of their shape."""
+        low = self.cycles[0]
+        share = np.interp(cycles, self.cycles, self.passed)
+        return np.where(cycles < low, 1.0 + (self.passed[0] - 1.0) * (cycles / low) ** 2, share)
+
+    def lost(self, phases: Sequence[Phase], m: Array) -> Array:
+        """Return what the filter takes of the Allan variance of each noise over m samples, shape (p, k) [unit^2]."""
+        density = np.array([density_of_samples(one, CYCLES) for one in phases])
+        return np.asarray((density * (1.0 - self.share)) @ windows(tuple(m.tolist())).T)
+
+    def doubt(self, phase: Phase, m: Array) -> tuple[Array, Array]:
+        """Return standard uncertainties of what is lost: by the level, and by the shape, shape (k,) [unit^2]."""
+        above = density_of_samples(phase, CYCLES) * self.share * (self.end < CYCLES)
+        return self.u_level * windows(tuple(m.tolist())) @ above, SHAPE * self.lost([phase], m)[0]
+
+
+@lru_cache(maxsize=16)
+def windows(m: tuple[float, ...]) -> Array:
+    """Return weights of the density at `CYCLES` in Allan variances over m samples, shape (k, GRID)."""
+    at = np.array(m)[:, None]
+    fourth = np.where(at <= RESOLVED, np.sin(np.pi * CYCLES * at) ** 4, 0.375)
+    return np.asarray(4.0 * (0.5 / GRID) * fourth / (at * np.sin(np.pi * CYCLES)) ** 2)
+
+
+def bands_of(spectrum: Spectrum, marked: NDArray[np.bool_] | None = None) -> tuple[Array, Array, Array]:
+    """Return frequencies [cycles a sample], mean density and half the degrees of freedom of bands, without lines."""
+    cycles = spectrum.frequency * spectrum.interval
+    there = np.ones(len(cycles), dtype=bool) if marked is None else ~marked
+    band = np.floor(np.log10(cycles / cycles[0]) * PER_DECADE + 1e-9)[there]
+    start = np.flatnonzero(np.diff(band, prepend=-1.0))
+    size = np.diff(np.append(start, len(band)))
+    mean = np.add.reduceat(spectrum.density[there, 0], start) / size
+    lag = np.arange(1, len(spectrum.neighbours))
+    pairs = size + 2.0 * np.sum(np.maximum(size[:, None] - lag, 0.0) * spectrum.neighbours[lag], axis=1)
+    edf = spectrum.edf * size**2 / pairs
+    good = mean > 0.0
+    return (np.add.reduceat(cycles[there], start) / size)[good], mean[good], 0.5 * edf[good]
+
+
+def columns_at(cycles: Array, interval: float) -> Array:
+    """Return the density of each unit term, shape (k, p): white, flicker, walk, rounded angle, Gauss-Markov."""
+    times = BRIEF * np.sqrt(2.0) ** np.arange(14)
+    units = [Phase(linear=1.0), Phase(flicker=1.0), Phase(cubic=1.0), Phase(point=1.0)]
+    units += [Phase(exponentials=((1.0, 1.0 / time),)) for time in times]
+    return np.column_stack([2.0 * interval * density_of_samples(one, cycles) for one in units])
+
+
+def least(D: Array, density: Array, weight: Array) -> tuple[float, Array]:
+    """Return the least cost of a sum of columns, not negative, and their sizes."""
+    scale = D.max(axis=0)
+    sizes = np.zeros(D.shape[1])
+    cost = scored(np.ascontiguousarray(D / scale), density, weight, -1, 0.0, sizes, False)
+    return cost, sizes / scale
+
+
+def gain_of(cycles: Array, density: Array, weight: Array, interval: float) -> tuple[float, float]:
+    """Return twice the gain of log likelihood by a low pass of first order, and its corner [cycles a sample]."""
+    D = columns_at(cycles, interval)
+    plain = least(D, density, weight)[0]
+    steps = 4.0 * np.sin(np.pi * cycles) ** 2
+    costs = np.array([least(D / (1.0 + size * steps)[:, None], density, weight)[0] for size in FOLDS])
+    best = int(np.argmin(costs))
+    return 2.0 * float(plain - costs[best]), corner_of(float(FOLDS[best]))
+
+
+def corner_of(size: float) -> float:
+    """Return the corner of 1 / (1 + size 4 sin^2(pi f)), that of the low pass before sampling [cycles a sample]."""
+    a = 1.0 + 0.5 / size
+    return float(np.arccosh(a) / (2.0 * np.pi))
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """Spectrum of one record in bands, and how well a low pass explains it."""
+
+    cycles: Array  # shape (k,): Frequencies, in cycles a sample
+    density: Array  # shape (k,): Mean densities
+    weight: Array  # shape (k,): Half of their degrees of freedom
+    interval: float  # From sample to sample [s]
+    gain: float  # Twice the gain of log likelihood by a low pass of first order
+    corner: float  # Its corner, in cycles a sample
+
+    @staticmethod
+    def together(records: Sequence[Search]) -> bool:
+        """Return whether records of one sensor show a filter."""
+        corner = float(np.median([one.corner for one in records]))
+        return sum(one.gain for one in records) >= CLEAR and corner >= SLOWEST
+
+    def band(self, stated: float | None = None) -> Band | None:
+        """Return the band, about a stated corner [cycles a sample]; None where too little lies inside of it."""
+        corner = self.corner if stated is None else stated
+        return band_at(self.cycles, self.density, self.weight, self.interval, corner, stated is not None)
+
+
+def search(spectrum: Spectrum, marked: NDArray[np.bool_] | None = None) -> Search | None:
+    """Return the spectrum of a record, searched for a low pass; None where it has too few frequencies."""
+    cycles, density, weight = bands_of(spectrum, marked)
+    if len(cycles) < LEAST:
+        return None
+    return Search(cycles, density, weight, spectrum.interval, *gain_of(cycles, density, weight, spectrum.interval))
+
+
+def band_at(cycles: Array, density: Array, weight: Array, interval: float, corner: float, held: bool) -> Band | None:
+    """Return the band with its corner made closer; None where too little lies inside of it."""
+    found = None
+    for _ in range(4):
+        level = level_of(cycles, density, weight, interval, corner)
+        if level is None:
+            return found
+        passed, doubt = level
+        new = crossing(cycles, passed, weight, corner)
+        found = Band(corner if held else new, cycles, passed, doubt)
+        if held or abs(new / corner - 1.0) < 0.02:
+            break
+        corner = new
+    return found
+
+
+def level_of(
+    cycles: Array, density: Array, weight: Array, interval: float, corner: float
+) -> tuple[Array, float] | None:
+    """Return the share passed, and the relative uncertainty of the level below a part of the corner."""
+    end = min(PART * corner, 0.5)
+    inside = (cycles >= LOWEST * corner) & (cycles <= end)
+    if np.count_nonzero(inside) < FEWEST:
+        return None
+    D = columns_at(cycles, interval)[:, :3]
+    own = [rolled(cycles[inside] / end, curve) for curve in CURVES]
+    costs = [least(D[inside] * shape[:, None], density[inside], weight[inside])[0] for shape in own]
+    best = int(np.argmin(costs))
+    _, sizes = least(D[inside] * own[best][:, None], density[inside], weight[inside])
+    level = D @ sizes
+    mu = (D[inside] @ sizes) * own[best]
+    there = sizes > 0.0
+    slopes = np.column_stack([D[inside][:, there] * own[best][:, None], -mu * (cycles[inside] / end) ** 2])
+    H = (slopes.T * (weight[inside] / mu**2)) @ slopes
+    scale = 1.0 / np.sqrt(np.diag(H))
+    covariance = np.linalg.pinv(H * np.outer(scale, scale), rcond=1e-10, hermitian=True) * np.outer(scale, scale)
+    at = D[np.searchsorted(cycles, end) - 1, there]
+    u = float(np.sqrt(at @ covariance[:-1, :-1] @ at) / (at @ sizes[there]))
+    share = density / level
+    passed = np.where(cycles <= end, rolled(np.minimum(cycles / end, 1.0), CURVES[best]), share)
+    return passed, u
+
+
+def rolled(part: Array, curve: float) -> Array:
+    """Return the share passed at parts of the end of the fit: between a low pass of first order and a Gaussian one."""
+    return np.asarray((1.0 + 0.5 * curve * part**2) ** -2)
+
+
+def crossing(cycles: Array, passed: Array, weight: Array, corner: float) -> float:
+    """Return where half of the density is left [cycles a sample]; by first order where nowhere."""
+    below = np.flatnonzero((passed < 0.5) & (cycles > 0.2 * corner))
+    for i in below:
+        if i + 3 >= len(passed) or np.median(passed[i : i + 4]) < 0.5:
+            if i == 0:
+                return float(cycles[0])
+            a, b = np.log(passed[i - 1 : i + 1])
+            return float(np.exp(np.interp(-np.log(0.5), [-a, -b], np.log(cycles[i - 1 : i + 1]))))
+    return corner
