@@ -26,7 +26,7 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
         If schedule or gate is missing, or it is not clear which column holds the pulses.
     """
     own, said = given.own, given.said
-    if own.get("schedule") is None:
+    if not own.get("schedule"):
         do = f"Add: {given.add('schedule', 'schedule.csv')}"
         raise UsageError("the schedule of the mass is missing", do=do, code="missing")
     chain = said.chain
@@ -42,7 +42,7 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     found = described_by_unit(replace(given, said=replace(said, columns=columns, chain=chain)), spec)
     if not found.sensor["chain"].get("scale_factor"):
         found.sensor["unit"] = UNIT
-    mass: dict[str, object] = {name: own[name] for name in ("schedule", "begin") if own.get(name) is not None}
+    mass: dict[str, object] = _schedule(given)
     if _at_rest(given):
         mass["moved"] = False
     entry = found.entry | {"mass": mass}
@@ -64,7 +64,7 @@ def like(given: GivenFile, entry: Mapping[str, Any]) -> dict[str, Any]:
     if own.get("gate") is not None:
         what = f"{given.add('gate', own['gate'])}: the campaign states the gate"
         raise UsageError(what, do="Leave it out, or change the chain of its sensor", code="option_without_effect")
-    mass = {name: own[name] for name in ("schedule", "begin") if own.get(name) is not None}
+    mass = _schedule(given)
     if own.get("null"):
         mass["moved"] = not _at_rest(given)
     if mass:
@@ -72,6 +72,25 @@ def like(given: GivenFile, entry: Mapping[str, Any]) -> dict[str, Any]:
     if own.get("stamp") is not None:
         found["clock"] = {**entry.get("clock", {}), "stamp": own["stamp"]}
     return found
+
+
+def _schedule(given: GivenFile) -> dict[str, object]:
+    """Return schedule and begin of a file: of several schedules, the files take one after the other.
+
+    Raises
+    ------
+    UsageError
+        If the files cannot take the schedules equally often.
+    """
+    own = given.own
+    found = {"begin": own["begin"]} if own.get("begin") is not None else {}
+    schedules = own.get("schedule") or ()
+    if not schedules:
+        return found
+    if len(given.names) % len(schedules):
+        what = f"{len(given.names)} file(s), {len(schedules)} schedules: the files take one after the other"
+        raise UsageError(what, do="Give one schedule for all, or one for each file in their order", code="no_file")
+    return {"schedule": schedules[(given.number - 1) % len(schedules)]} | found
 
 
 def _at_rest(given: GivenFile) -> bool:

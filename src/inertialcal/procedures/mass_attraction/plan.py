@@ -77,9 +77,10 @@ class Plan:
 class SaidMass:
     """Settings of the noun beyond plan and recording."""
 
-    schedule: str | None = setting(
-        "CSV file with the dwells of the mass: start, stop, position, applied.", None, example="schedule.csv"
-    )
+    schedule: list[str] | None = setting(
+        "CSV file with the dwells of the mass: start, stop, position, applied; of several, the files given take one"
+        " after the other.", None, example="schedule.csv",
+    )  # fmt: skip
     gate: str | None = setting("Time over which pulses are counted.", None, example="100 s")
     null: list[str] | None = setting(
         "File among those given whose mass was at rest, by its path or name.", None, example="null1.csv"
