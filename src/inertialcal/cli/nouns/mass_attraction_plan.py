@@ -34,7 +34,11 @@ def plan(
         Path | None, typer.Option("--write-example", help="Write a settings file to begin with.", show_default=False)
     ] = None,
     schedule: Annotated[
-        Path | None, typer.Option(help="Write the dwells to this CSV file.", show_default=False)
+        Path | None,
+        typer.Option(
+            help="Write the dwells to this CSV file; to one for each phase, if runs start at several.",
+            show_default=False,
+        ),
     ] = None,
     build: Annotated[
         Path | None,
@@ -72,8 +76,12 @@ def plan(
         if found.schedule is None:
             do = "Set motion.rig, motion.stroke or motion.travel"
             raise UsageError("--schedule: no drive to write", do=do, code="missing")
-        write_schedule(schedule, found.schedule, list(found.inputs), found.constants.notes)
-        written.append(clean(f"written: {schedule} ({len(found.schedule)} dwells)"))
+        for ahead, one in found.schedules.items():
+            path = schedule.with_stem(f"{schedule.stem}_{ahead}") if ahead else schedule
+            write_schedule(path, one, list(found.inputs), found.constants.notes)
+            runs = [str(k) for k, other in enumerate(found.starts, 1) if other == ahead]
+            which = f", run{'s' if len(runs) > 1 else ''} {', '.join(runs)}" if len(found.schedules) > 1 else ""
+            written.append(clean(f"written: {path} ({len(one)} dwells{which})"))
     if output is not None:
         chosen = None if figure is None else FIGURES[figure]
         written.append(figures.write(output, found, list(found.inputs), {"figure": chosen}))

@@ -84,7 +84,7 @@ def _schedule(given: GivenFile) -> dict[str, object]:
     """
     own = given.own
     found = {"begin": own["begin"]} if own.get("begin") is not None else {}
-    schedules = own.get("schedule") or ()
+    schedules = _several(own.get("schedule"))
     if not schedules:
         return found
     if len(given.names) % len(schedules):
@@ -93,9 +93,14 @@ def _schedule(given: GivenFile) -> dict[str, object]:
     return {"schedule": schedules[(given.number - 1) % len(schedules)]} | found
 
 
+def _several(said: Any) -> list[Any]:
+    """Return what may be said once or several times as a list."""
+    return [] if said is None else list(said) if isinstance(said, list | tuple) else [said]
+
+
 def _at_rest(given: GivenFile) -> bool:
     """Return whether the mass was at rest in a file."""
-    at_rest = set(given.own.get("null") or ())
+    at_rest = set(_several(given.own.get("null")))
     if unknown := at_rest.difference(*map(_called, given.names)):
         do = "Name files that are given; the order does not matter"
         raise UsageError(f"{given.add('null', unknown.pop())}: no such file among those given", do=do, code="no_file")

@@ -21,6 +21,7 @@ from ....core.settings import settings_of
 from ....core.show.frames import frame_of_rows
 from ....core.show.result_tables import remarks_line
 from ....core.show.tables import Block, html, text
+from ....core.show.wording import counted
 from ....core.units import parse_quantity
 from ....physics.attraction.extended import ProofMass
 from ....physics.attraction.tilt import surface_tilt
@@ -61,7 +62,10 @@ from .rows import (
     growth_curve,
     mass_parts,
     orbit_rows,
+    runs_remarks,
+    runs_rows,
 )
+from .runs import PHASES, phases, runs_forecast, started
 from .settings import HOUR, Constants, Settings, ends_of, stage_of
 
 if TYPE_CHECKING:
@@ -89,7 +93,9 @@ class MassPlan:
     mercury : ndarray or None
         Tilt of the mercury of a tilt meter in each dwell of a cycle [rad].
     schedule : Schedule or None
-        Dwells of the test.
+        Dwells of the first run.
+    starts : tuple of int
+        By how much the drive of each run starts ahead of that of the first [deg].
     inputs : mapping of str to str
         SHA-256 by path of the files that were read.
     constants : Constants
@@ -104,6 +110,7 @@ class MassPlan:
     budget: MassBudget | None = None
     forecast: MassForecast | None = None
     schedule: Schedule | None = None
+    starts: tuple[int, ...] = (0,)
     mercury: Array | None = None
     inputs: Mapping[str, str] = field(default_factory=dict[str, str])
     constants: Constants = field(default_factory=Constants)
@@ -120,6 +127,11 @@ class MassPlan:
         if self.body is None:
             raise PlanError("a mass in orbit is not built of cubes", do="Plan a body", code="no_body")
         return build_of(self.body)
+
+    @property
+    def schedules(self) -> dict[int, Schedule]:
+        """Schedules of the runs, by how much their drives start ahead of that of the first [deg]."""
+        return {ahead: started(self.schedule, ahead) for ahead in dict.fromkeys(self.starts)} if self.schedule else {}
 
     @property
     def results(self) -> dict[str, Any]:
@@ -157,8 +169,8 @@ def plan_mass_attraction(settings: str | Path | Groups | None = None, **groups: 
         TOML file of settings, or the same as groups: ``{"body": {"cube": "5.08 cm", "count": 900}}``. Quantities are
         texts with a unit. ``inertialcal plan mass-attraction --write-example FILE`` writes a file to begin with.
     **groups : mapping
-        Groups ``body``, ``motion``, ``timing``, ``instrument``, ``proof_mass``, ``noise``, ``uncertainty``,
-        ``constants``, ``orbit``: their keys replace those of `settings`.
+        Groups ``body``, ``motion``, ``timing``, ``instrument``, ``proof_mass``, ``noise``, ``drift``,
+        ``uncertainty``, ``constants``, ``orbit``: their keys replace those of `settings`.
 
     Returns
     -------
@@ -281,15 +293,26 @@ def _forecast(plan: MassPlan, said: Settings) -> MassPlan:
     elif not terms:
         do = 'Set [noise]: noise.velocity_random_walk = "NUMBER ug/sqrt(Hz)", or noise.file'
         remarks.append(Remark("no_noise", "info", "no noise is given: no forecast", do=do))
-    plan = replace(plan, schedule=schedule, inputs=inputs, remarks=gather([*plan.remarks, *remarks]))
-    if not terms:
+    starts = phases(timing.starts, timing.runs)
+    plan = replace(plan, schedule=schedule, starts=starts, inputs=inputs, remarks=gather([*plan.remarks, *remarks]))
+    u_noise = None
+    if terms:
+        found = forecast_of(moving, terms, timing, u_applied)
+        u_noise = float(np.sqrt(found.at_end[kind] ** 2 - u_applied**2))
+        rows = (*plan.rows, *forecast_rows(found, timing.length, timing.target))
+        plan = replace(plan, rows=rows, curves=(*plan.curves, *forecast_curve(found, u_applied)), forecast=found)
+    if timing.runs == 1 and said.drift is None:
         return plan
-    found = forecast_of(moving, terms, timing, u_applied)
+    together = {
+        name: runs_forecast(schedule, phases(name, timing.runs), u_noise, said.drift)
+        for name, turns in PHASES.items()
+        if (timing.runs % len(turns) == 0 and len(moving.drive.positions) % len(turns) == 0)
+        or name == timing.starts
+    }  # fmt: skip
     return replace(
         plan,
-        rows=(*plan.rows, *forecast_rows(found, timing.length, timing.target)),
-        curves=(*plan.curves, *forecast_curve(found, u_applied)),
-        forecast=found,
+        rows=(*plan.rows, *runs_rows(together, u_applied, f"{kind}, {counted(timing.runs, 'run')}")),
+        remarks=gather([*plan.remarks, *runs_remarks(together[timing.starts], timing)]),
     )
 
 
@@ -370,6 +393,15 @@ def _of_test(read: GroupsRead[Settings]) -> Iterator[Problem]:
             yield Problem(
                 "instrument.first_pool: without a drive the mercury does not tilt", where, do=do, code="unused"
             )
+    if timing.starts != "alike" and (turns := len(PHASES[timing.starts])) > timing.runs:
+        what = f'timing.starts = "{timing.starts}" needs {turns} runs or more, timing.runs is {timing.runs}'
+        yield Problem(what, read.at("timing", "starts"), do=f"Set timing.runs = {turns}", code="contradiction")
+    if timing.starts == "quarters" and len(ORDER[DRIVES[timing.drive]]) % 4:
+        what = f'timing.starts = "quarters": a cycle of drive "{timing.drive}" has no quarters'
+        yield Problem(what, read.at("timing", "starts"), do='Set starts = "alternating"', code="contradiction")
+    if said.drift is not None and (said.drift.time is None) == (said.drift.period is None):
+        what = "drift needs time or period, one of them"
+        yield Problem(what, read.at("drift"), do='Example: drift.time = "1 h"', code="missing_key")
     period = len(ORDER[DRIVES[timing.drive]]) * (timing.dwell + timing.move)
     if timing.length < period:
         what = f"timing.length: {timing.length / HOUR:g} h is shorter than one cycle of {period / HOUR:.3g} h"

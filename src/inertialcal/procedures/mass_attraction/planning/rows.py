@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -21,7 +21,8 @@ from ....physics.attraction.bodies import Prism
 from ....physics.mass_shape.bound import checked
 from ....physics.mass_shape.cells import growth
 from .drive import CM, DRIVES, POINTS, SCALING, TEST, MassBody, MassBudget, MassDrive, MassForecast
-from .settings import Constants, Orbit
+from .runs import RunsForecast
+from .settings import Constants, Orbit, Starts, Timing
 
 HOUR = 3600.0
 SHOWN_HARMONICS = (2, 3)
@@ -37,15 +38,16 @@ BLOCKS: dict[str, tuple[str, ...]] = {
     ),
     "budget of the amplitude": ("amplitude_uncertainty",),
     "forecast: standard uncertainty of the scale factor": (
-        "scale_factor_uncertainty", "time_to_target", "time_to_budget",
+        "scale_factor_uncertainty", "time_to_target", "time_to_budget", "repeating_drift_error",
     ),
 }  # fmt: skip
 PREDICTED = (
-    "amplitude_uncertainty", "scale_factor_uncertainty", "time_to_target", "time_to_budget", "motion_harmonic",
-    "proof_mass_effect", "attraction_gap", "inventory_gap", "stated_excess",
+    "repeating_drift_error", "amplitude_uncertainty", "scale_factor_uncertainty", "time_to_target", "time_to_budget",
+    "motion_harmonic", "proof_mass_effect", "attraction_gap", "inventory_gap", "stated_excess",
 )  # fmt: skip
 HEADS = ("quantity", "", "value ± u", "unit")
 DIGITS, ROUGH = 5, 3
+NEGLIGIBLE = 1e-6  # of the scale factor
 
 
 def body_rows(body: MassBody, constants: Constants, stated: float | None) -> list[Row]:
@@ -114,6 +116,28 @@ def forecast_rows(found: MassForecast, length: float, target: float | None) -> l
     for name in DRIVES if any(found.over.values()) else ():
         rows.append(_time("time_to_budget", found.over[name], name))
     return rows
+
+
+def runs_rows(together: Mapping[Starts, RunsForecast], u_applied: float, runs: str) -> list[Row]:
+    """Return what the runs give together, and what a drift that repeats leaves, by how their drives start."""
+    rows = []
+    for name, one in together.items():
+        condition = f"{runs}, {name}"
+        if any(other.error for other in together.values()):
+            rows.append(_row("repeating_drift_error", 100.0 * one.error, "%", condition))
+        u = one.u(u_applied)
+        if u is not None:
+            rows.append(_row("scale_factor_uncertainty", 100.0 * u, "%", condition))
+    return rows
+
+
+def runs_remarks(found: RunsForecast, timing: Timing) -> list[Remark]:
+    """Return a remark if what a drift leaves is larger than the noise."""
+    if not found.error > max(found.u_noise or 0.0, NEGLIGIBLE):
+        return []
+    what = f"the drift leaves an error of {100.0 * found.error:.2g} % of the scale factor, the same in every run"
+    do = 'Set timing.runs = 4 and timing.starts = "alternating": it cancels'
+    return [Remark("repeating_drift", "warning", what, do=do if timing.starts == "alike" else "")]
 
 
 def _time(quantity: str, seconds: float | None, condition: str) -> Row:

@@ -13,6 +13,7 @@ from ....core.settings import setting
 G, G_UNIT = GRAVITATIONAL_CONSTANT.value, "m^3/s^2/kg"
 HOUR = 3600.0
 Moved = Literal["along", "across"]
+Starts = Literal["alike", "alternating", "quarters"]
 
 
 @dataclass(frozen=True)
@@ -75,8 +76,13 @@ class Timing:
     dwell: float = setting("Length of a dwell.", 100.0, unit="s", above=0.0, example="100 s")
     move: float = setting("Pause between two dwells, while the body moves.", 20.0, unit="s", least=0.0, example="20 s")
     length: float = setting(
-        "Length of the test.", 24.0 * HOUR, unit="s", above=0.0, most=1e5 * HOUR, example="24 h"
+        "Length of a run.", 24.0 * HOUR, unit="s", above=0.0, most=1e5 * HOUR, example="24 h"
     )  # fmt: skip
+    runs: int = setting("Number of runs.", 1, least=1, most=1000, example="4")
+    starts: Starts = setting(
+        "Phase at which the drives of the runs start: all alike, by turns half a cycle apart, or at the four quarters.",
+        "alike",
+    )
     target: float | None = setting(
         "Relative standard uncertainty of the scale factor to reach.", None, unit="1", above=0.0, example="1 %"
     )
@@ -126,6 +132,18 @@ class Noise:
         "Output of `allan --json`, or results.json of a run, instead of coefficients.", None, example="noise.json"
     )
     axis: str | None = setting("Axis to take from the file, if it has several.", None, example="x")
+
+
+@dataclass(frozen=True)
+class RepeatingDrift:
+    """A drift that repeats in every run: size, and time constant or period."""
+
+    size: float = setting("Largest change of it.", unit="m/s^2", above=0.0, example="20 ug")
+    time: float | None = setting("Time constant from the start of each run.", None, unit="s", above=0.0, example="1 h")
+    period: float | None = setting(
+        "Period, instead of `time`: of a thermostat that is switched on with each run.", None, unit="s", above=0.0,
+        example="20 min",
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -209,6 +227,9 @@ class Settings:
     instrument: Instrument = setting("Accelerometer, and the tilt meter next to it.", Instrument)
     proof_mass: ProofCylinder | None = setting("Cylinder along the input axis; a point without this group.", None)
     noise: Noise = setting("Noise of the accelerometer: coefficients, or a file.", Noise)
+    drift: RepeatingDrift | None = setting(
+        "A drift that repeats in every run: size, and time constant or period.", None
+    )
     uncertainty: Uncertainty = setting("Standard uncertainties; anything not given counts as exact.", Uncertainty)
     constants: Constants = setting("Constants of a document; today's without this group.", Constants)
     orbit: Orbit | None = setting("Small mass and gradiometer in orbit, instead of all groups but constants.", None)
