@@ -42,6 +42,8 @@ class Bench:
     tilt: float = 0.0  # of the pad in phase with the drive [rad]
     tilt_wander: float = 0.0  # step of its walk from dwell to dwell [rad]
     meter: float = 0.0  # noise of the tilt meter [rad]; 0: no meter
+    spread: float = 0.0  # standard deviation of the scale factor from run to run, as a part
+    worse: float = 1.0  # noise of the first run over that of the others
     u_applied: float = 0.002  # stated, relative; the error is drawn
 
 
@@ -51,7 +53,7 @@ class Schedule:
 
     runs: int = 4
     dwells: int = 100
-    alternating: bool = False  # every other run starts half a cycle later
+    starts: tuple[int, ...] = (0,)  # by how much the drives start ahead [deg], which runs take one after the other
     lost: tuple[int, ...] = ()  # dwells that were not read, in every run
 
 
@@ -94,16 +96,18 @@ def moved(
     response = bench.scale_factor * bench.applied
     true_applied = bench.applied * (1.0 + bench.u_applied * rng.standard_normal())
     rng = np.random.default_rng([5, seed, 1, again]) if again else rng
-    tables, texts, entries = {}, {}, {}
+    tables, texts, entries, schedules = {}, {}, {}, []
     fixed = shape(bench.shape, n, rng)
     for run in range(1, schedule.runs + 1):
-        sign = -1.0 if schedule.alternating and run % 2 == 0 else 1.0
-        drive = sign * np.sin(0.5 * np.pi * np.arange(n))
+        ahead = schedule.starts[(run - 1) % len(schedule.starts)]
+        drive = np.sin(0.5 * np.pi * np.arange(n) + np.radians(ahead))
+        noise = bench.noise * (bench.worse if run == 1 else 1.0)
+        gain = bench.scale_factor * (1.0 + bench.spread * rng.standard_normal()) if bench.spread else bench.scale_factor
         drift = fixed if bench.repeats and bench.shape not in ("smooth", "walk") else shape(bench.shape, n, rng)
         drift = bench.size * response * (1.0 + bench.scatter * rng.standard_normal()) * drift
         pad = bench.tilt * drive + bench.tilt_wander * np.cumsum(rng.standard_normal(n))
-        rate = bench.scale_factor * (true_applied * drive + pad / UG * G) + drift
-        rate += bench.walk * np.cumsum(rng.standard_normal(n)) + bench.noise * rng.standard_normal(n)
+        rate = gain * (true_applied * drive + pad / UG * G) + drift
+        rate += bench.walk * np.cumsum(rng.standard_normal(n)) + noise * rng.standard_normal(n)
         columns = {
             "unix_s": START + 1e5 * run + DWELL * np.arange(n) + GATE / 2.0,
             "pulses [count]": np.rint(GATE * (150.0 + rate)).astype(np.int64),
@@ -115,7 +119,8 @@ def moved(
         keep[list(schedule.lost)] = False
         table.taken(keep)
         tables[f"run{run}.csv"] = table
-        name = "schedule.csv" if sign > 0 else "schedule_late.csv"
+        name = f"schedule_{ahead}.csv" if ahead else "schedule.csv"
+        schedules.append(name)
         texts[name] = schedule_text(bench, drive)
         channels: dict[str, object] = {"x": {"column": "pulses [count]", "unit": "count"}}
         if bench.meter:
@@ -138,25 +143,21 @@ def moved(
         | entries
         | {"tests": [test | {"plan": plan}]}
     )
-    words = ["run", "@"]
-    if not schedule.alternating:
-        words = [
-            "mass-attraction",
-            *(f"@{name}" for name in tables),
-            "--schedule",
-            "@schedule.csv",
-            "--gate",
-            f"{GATE} s",
-        ]
-        words += ["--column", "x=pulses [count]", "--scale-factor", "10 count/s/ug", "--tilt", plan["tilt"]]
-        words += ["--standard", f"source_mass.density={100 * bench.u_applied} %", "--unit", "acc=count"]
-        words += ["--column", "tilt=tilt [rad]"] if bench.meter else []
+    words = ["mass-attraction", *(f"@{name}" for name in tables), "--gate", f"{GATE} s"]
+    for name in schedules if len(schedule.starts) > 1 else schedules[:1]:
+        words += ["--schedule", f"@{name}"]
+    words += ["--column", "x=pulses [count]", "--scale-factor", "10 count/s/ug", "--tilt", plan["tilt"]]
+    words += ["--standard", f"source_mass.density={100 * bench.u_applied} %", "--unit", "acc=count"]
+    words += ["--column", "tilt=tilt [rad]"] if bench.meter else []
     truth = {"scale_factor x": bench.scale_factor}
     case = Case(
         "mass_attraction", tables, words, truth, texts, noise=GATE * bench.noise, rate=1.0 / DWELL, rng_seed=seed
     )
     white = float(np.hypot(bench.noise, 1.0 / GATE / np.sqrt(12.0))) * np.sqrt(2.0 / n / schedule.runs)
-    case.ideal = {"scale_factor x": bench.scale_factor * float(np.hypot(white / response, bench.u_applied))}
+    each = np.full(schedule.runs, white * np.sqrt(schedule.runs) / response)
+    each[0] *= bench.worse
+    best = float(np.sqrt(1.0 / np.sum(1.0 / (each**2 + bench.spread**2))))  # of runs weighted as they deserve
+    case.ideal = {"scale_factor x": bench.scale_factor * float(np.hypot(best, bench.u_applied))}
     return case
 
 

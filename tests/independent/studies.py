@@ -524,7 +524,6 @@ def masses() -> list[Study]:
                 {"scale factor": like("scale_factor x")},
                 remarks(
                     "schedule_slip",
-                    "runs_agree_too_well",
                     "runs_differ",
                     "below_floor",
                     "far_from_nominal",
@@ -532,17 +531,43 @@ def masses() -> list[Study]:
                 ),
             )
         )
-    for shape, size in (("sine5", 100.0), ("sawtooth", 10.0)):
-        bench = moved_mass.Bench(shape=shape, size=size)
-        found.append(
-            Study(
-                f"mass, {shape} {size:g}x, alternating phase",
-                "-.01 %, .955 (prototype)",
-                partial(moved_mass.moved, bench=bench, schedule=moved_mass.Schedule(alternating=True)),
-                {"scale factor": like("scale_factor x")},
-                remarks("schedule_slip", "runs_differ", "below_floor"),
+    for shape, size in (("none", 0.0), ("kink", 1000.0), ("sqrt", 1000.0), ("sine5", 100.0), ("sine6.7", 1000.0),
+                        ("sawtooth", 10.0)):  # fmt: skip
+        for name, runs, starts in (("alternating", 4, (0, 180)), ("quarters", 8, (0, 90, 180, 270))):
+            if name == "quarters" and shape not in ("none", "sine5"):
+                continue
+            found.append(
+                Study(
+                    f"mass, {shape} {size:g}x, {name} phase",
+                    "-.01 %, .955 (prototype)",
+                    partial(
+                        moved_mass.moved,
+                        bench=moved_mass.Bench(shape=shape, size=size),
+                        schedule=moved_mass.Schedule(runs=runs, starts=starts),
+                    ),
+                    {"scale factor": like("scale_factor x")},
+                    remarks("schedule_slip", "runs_differ", "below_floor", "jump", "repeating_drift"),
+                    rule="holds",
+                )
             )
-        )
+    for runs in (1, 2, 3, 6, 10):
+        for spread, worse in ((0.0, 1.0), (0.03, 1.0), (0.0, 3.0), (0.03, 3.0)):
+            if spread and runs == 1:
+                continue
+            found.append(
+                Study(
+                    f"mass, {runs} runs, scatter {100 * spread:g} %, first run {worse:g} times as noisy",
+                    "the wider of noise and scatter",
+                    partial(
+                        moved_mass.moved,
+                        bench=moved_mass.Bench(spread=spread, worse=worse),
+                        schedule=moved_mass.Schedule(runs=runs),
+                    ),
+                    {"scale factor": like("scale_factor x")},
+                    remarks("runs_differ", "below_floor"),
+                    rule="holds",
+                )
+            )
     tilted = moved_mass.Bench(tilt=4e-9, meter=2e-9)
     for use, stated in (("regressed", "+17.5 %, u 7 %, 0.17"), ("known", "")):
         found.append(
