@@ -26,7 +26,14 @@ from inertialcal.signals.sense.limits import limits_table
 
 FILE = Path(inertialcal.__file__).parent / "campaign" / "calls" / "nouns.pyi"
 COMMANDS = get_command(app)
-VALUES = {"size": " SIZE", "output": " FILE", "campaign": " FOLDER", "figure": " NAME", "figure_axis": " AXIS"}
+VALUES = {
+    "max_memory": " SIZE",
+    "digits": " N",
+    "output": " FILE",
+    "campaign": " FOLDER",
+    "figure": " NAME",
+    "figure_axis": " AXIS",
+}
 PAGES = Path(__file__).parent / "procedures"
 GATE = Path(__file__).parent / "gate.md"
 OF_PLANNERS = ("positions_planning.md", "mass_attraction.md")  # their settings are of another list

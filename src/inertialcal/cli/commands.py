@@ -8,6 +8,7 @@ none of the nouns: their line stands in the declaration.
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from typer.core import TyperCommand, TyperGroup
 from typer.main import get_command_from_info
 from typer.models import CommandInfo
 
+from ..core.show.rounding import digits_shown
 from ..files.budget import max_memory
 from ..procedures import procedure_names, procedure_of
 from ..procedures.protocol import Command
@@ -28,8 +30,11 @@ VERBS = {
     "budget": "verbs.campaigns", "compare": "verbs.models", "simulate": "verbs.twins", "score": "verbs.twins",
     "programme-1969": "verbs.programme1969",
 }  # fmt: skip
+NO_FIGURES = ("info", "init", "check", "demo", "compensate", "convert", "export", "budget", "simulate", "score")
 READ_NOTHING = ("demo", "simulate")  # commands that read no file of a user
 Built = TyperCommand | TyperGroup
+MAX_MEMORY = "Memory that files may take: 4GiB, 500MB. 1 GiB and three times each file if not given."
+DIGITS = "Significant digits of the figures in tables, or full. As many as the uncertainty has if not given."
 PLAN = Command("plan", "What a test will give, before it is made: plan TEST.")
 
 
@@ -72,27 +77,30 @@ def _built(function: Callable[..., Any], word: str, about: str | None = None) ->
     made: Any = get_command_from_info(info, pretty_exceptions_short=True, rich_markup_mode=None)
     found: TyperCommand = made
     if word not in READ_NOTHING:  # built in one place: no command can lack it
-        found.params.append(_max_memory())
+        found.params.append(_held("--max-memory", "SIZE", max_memory, MAX_MEMORY))
+    if word not in NO_FIGURES:
+        found.params.append(_held("--digits", "N", digits_shown, DIGITS))
     return found
 
 
-def _max_memory() -> Any:
-    """Return the option of all commands that read files; it holds until the command ends."""
+def _held(name: str, metavar: str, holding: Callable[[str | None], AbstractContextManager[None]], about: str) -> Any:
+    """Return an option whose value holds until the command ends."""
 
-    def hold(ctx: typer.Context, size: str | None) -> None:
-        if size is not None:
-            ctx.with_resource(max_memory(size))
+    def hold(ctx: typer.Context, said: str | None) -> None:
+        if said is not None:
+            ctx.with_resource(holding(said))
 
-    about = "Memory that files may take: 4GiB, 500MB. 1 GiB and three times each file if not given."
-    option = typer.Option(None, "--max-memory", metavar="SIZE", callback=hold, expose_value=False, help=about)
+    option = typer.Option(None, name, metavar=metavar, callback=hold, expose_value=False, help=about)
 
-    def holder(size: str | None = option) -> None:
+    def holder(said: str | None = option) -> None:
         """Have the parser make the option."""
 
     made: Any = get_command_from_info(
         CommandInfo(name="holder", callback=holder), pretty_exceptions_short=True, rich_markup_mode=None
     )
-    return made.params[0]
+    option_made = made.params[0]
+    option_made.name = name.strip("-").replace("-", "_")  # else all would be one
+    return option_made
 
 
 def _verb(word: str) -> Built:

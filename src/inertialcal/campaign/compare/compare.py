@@ -16,7 +16,7 @@ from ...core.judging import Rule
 from ...core.remarks import Remark
 from ...core.results import Interval, Row, finite, identity_fields
 from ...core.show.result_tables import folded, remarks_line
-from ...core.show.rounding import number, with_uncertainty
+from ...core.show.rounding import number, settled, settled_number
 from ...core.show.tables import Block, Table, html, text
 from ...statistics.decision import Verdict, decide_by, no_change, overall
 from ...statistics.guard_band import INTERVAL
@@ -271,7 +271,7 @@ def _name(row: Row) -> str:
 
 def _interval(row: Row, digits: int) -> str:
     ends = row.interval
-    return "" if ends is None else f"{number(ends.lo, digits)} .. {number(ends.hi, digits)}"
+    return "" if ends is None else f"{settled_number(ends.lo, digits)} .. {settled_number(ends.hi, digits)}"
 
 
 def _words(one: Difference) -> tuple[str, str]:
@@ -281,7 +281,7 @@ def _words(one: Difference) -> tuple[str, str]:
 
 
 def _figure(row: Row) -> str:
-    return with_uncertainty(row.value, row.u)
+    return settled(row.value, row.u)
 
 
 def not_compared(differences: Sequence[Difference]) -> list[str]:

@@ -7,7 +7,7 @@ from typing import Any
 
 from ...campaign.compare.compare import HEADS, JUDGED, Comparison, is_beside, is_shown, line, not_compared, rule_lines
 from ...core.results import key_of
-from ...core.show.rounding import number
+from ...core.show.rounding import number, settled_number
 from ...core.show.rows import names_of, reason_text
 from ...sensors.model.sensor_model import SensorModel, show
 from .output import clean, table, wrapped
@@ -29,7 +29,7 @@ def model_text(model: SensorModel, rows: Sequence[Mapping[str, Any]]) -> str:
         [
             f"  {key_of(row)}",
             repr(row["value"]),
-            "-" if row["u"] is None else number(row["u"], 3),
+            "-" if row["u"] is None else settled_number(row["u"], 3),
             row["unit"],
             "" if row["u"] is None else "inf" if row["dof"] is None else number(row["dof"], 3),
             "; ".join(text for text in (row["test"], reason_text(row)) if text),

@@ -11,7 +11,7 @@ from typing import Any
 from ..key import Method
 from ..remarks import Remark
 from ..results import case_of
-from .rounding import PLAIN, near, number, with_uncertainty
+from .rounding import PLAIN, near, number, settled, settled_number
 from .rows import case_words, full_name, missing_of, quantity_name
 from .tables import Block, Details, Table, clean
 
@@ -27,8 +27,8 @@ def figure(row: Mapping[str, Any] | None) -> str:
     if row is None:
         return ""
     if row["status"] == "upper_limit" and row["u"] is None:
-        return f"< {number(row['value'], FEW)}"
-    return ("< " if row["status"] == "upper_limit" else "") + with_uncertainty(row["value"], row["u"])
+        return f"< {settled_number(row['value'], FEW)}"
+    return ("< " if row["status"] == "upper_limit" else "") + settled(row["value"], row["u"])
 
 
 def figure_beside(row: Mapping[str, Any] | None, result: Mapping[str, Any] | None) -> str:
@@ -41,7 +41,7 @@ def figure_beside(row: Mapping[str, Any] | None, result: Mapping[str, Any] | Non
 def interval(row: Mapping[str, Any] | None) -> str:
     """Return the ends of the interval; nothing where there is none."""
     ends = row["interval"] if row is not None else None
-    return "" if ends is None else f"{number(ends['lo'], 5)} .. {number(ends['hi'], 5)}"
+    return "" if ends is None else f"{settled_number(ends['lo'], 5)} .. {settled_number(ends['hi'], 5)}"
 
 
 def degrees(row: Mapping[str, Any] | None) -> str:

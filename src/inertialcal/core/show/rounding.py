@@ -1,12 +1,67 @@
-"""Figures for people: a value rounded to its uncertainty, two digits of it (JCGM 100, 7.2.6)."""
+"""Figures for people: a value rounded to its uncertainty, two digits of it (JCGM 100, 7.2.6).
+
+Inside ``digits_shown`` (``--digits``) the figures of results stand with as many digits as said: tables of results take
+their cells from `settled`, `settled_number` and `near`, and nothing else does, so that texts stay as they are.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+
+from ..errors import UsageError
 
 DIGITS = 2  # significant digits of an uncertainty
 PLAIN = 6  # significant digits of a figure without uncertainty
 SMALLEST, LARGEST = -4, 6  # decades written without an exponent
+MOST = 17  # significant digits that a double has
+FULL = "full"
+_digits: ContextVar[int | None] = ContextVar("digits", default=None)
+
+
+@contextmanager
+def digits_shown(said: str | None) -> Iterator[None]:
+    """Show the figures of results inside with so many significant digits: ``"9"``, or ``"full"``; None as usual.
+
+    Raises
+    ------
+    UsageError
+        ``wrong_value``.
+    """
+    if said is not None and said != FULL and not (said.isdecimal() and 1 <= int(said) <= MOST):
+        do = f"Give 1 to {MOST} significant digits, or {FULL}"
+        raise UsageError(f"--digits {said}", do=do, code="wrong_value")
+    token = _digits.set(None if said is None else MOST + 1 if said == FULL else int(said))
+    try:
+        yield
+    finally:
+        _digits.reset(token)
+
+
+def settled(value: float | None, u: float | None) -> str:
+    """Return a figure of a result and its uncertainty: as `with_uncertainty`, or with the digits that were asked for.
+
+    Examples
+    --------
+    >>> with digits_shown("full"):
+    ...     settled(1.001247, 0.000418)
+    '1.001247 ± 0.000418'
+    """
+    if _digits.get() is None or value is None or not math.isfinite(value):
+        return with_uncertainty(value, u)
+    if u is None or not math.isfinite(u) or u <= 0.0:
+        return settled_number(value)
+    return f"{settled_number(value)} ± {settled_number(u)}"
+
+
+def settled_number(value: float | None, digits: int = PLAIN) -> str:
+    """Return a figure of a result without its uncertainty: as `number`, or with the digits that were asked for."""
+    asked = _digits.get()
+    if asked is None or value is None or not math.isfinite(value):
+        return number(value, digits)
+    return repr(float(value)).removesuffix(".0") if asked > MOST else f"{value:.{asked}g}"
 
 
 def with_uncertainty(value: float | None, u: float | None) -> str:
@@ -42,6 +97,8 @@ def near(value: float | None, u: float | None) -> str:
     >>> near(979.0512, 0.724)
     '979.051'
     """
+    if _digits.get() is not None:
+        return settled(value, None)
     if value is None or u is None or not (math.isfinite(u) and math.isfinite(value) and u > 0.0):
         return with_uncertainty(value, None)
     last = _decade(float(f"{u:.{DIGITS - 1}e}")) - DIGITS

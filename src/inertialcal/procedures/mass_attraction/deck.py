@@ -26,7 +26,7 @@ from ...core.key import Key, Member, Method, Reason
 from ...core.remarks import Remark
 from ...core.results import Row, not_estimated
 from ...core.show.frames import frame_of_rows
-from ...core.show.rounding import number, with_uncertainty
+from ...core.show.rounding import number, settled, settled_number
 from ...core.show.tables import Block, Table, html, text
 from ...core.units import FILE_UNIT, divide, power
 from ...files.source import load
@@ -168,9 +168,9 @@ class Deck1969:
         for case in self.cases:
             lines = []
             for step in case.steps:
-                values = [number(row.value, 5) for row in step.printed] or [""] * 5
+                values = [settled_number(row.value, 5) for row in step.printed] or [""] * 5
                 right = step.right
-                own = with_uncertainty(right.value, right.u) if right.value is not None else right.reason.text
+                own = settled(right.value, right.u) if right.value is not None else right.reason.text
                 lines.append((step.reduction, *values, own))
             tables.append(Table(HEADS, lines, case.caption, (1, 2, 3, 4, 5)))
         units = dict.fromkeys((case.unit, case.per_input) for case in self.cases)

@@ -270,7 +270,7 @@ def _remarks(x: Array, good: int, used: int, recording: Recording) -> tuple[Rema
     found = list(recording.remarks)
     if missing := int(np.count_nonzero(np.isnan(x))):
         what = f"{missing} of {len(x)} values are missing or wrong: the programme closes them up"
-        found.append(Remark("gaps", "warning", what, count=missing))
+        found.append(Remark("closed_up", "warning", what, count=missing))
     if used < good:
         what = f"{used} of {good} samples are used: whole cycles"
         found.append(Remark("whole_cycles", "info", what))

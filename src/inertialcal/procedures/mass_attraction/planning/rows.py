@@ -14,7 +14,7 @@ from ....core.estimate import Array
 from ....core.key import Key, Reason, told_for
 from ....core.remarks import Remark
 from ....core.results import Row, not_estimated
-from ....core.show.rounding import with_uncertainty
+from ....core.show.rounding import settled, settled_number
 from ....core.show.tables import Block, Table
 from ....core.units import factor
 from ....physics.attraction.bodies import Prism
@@ -214,8 +214,8 @@ def mass_parts(rows: Sequence[Row]) -> tuple[Block, ...]:
 def _value(row: Row) -> str:
     if row.u is None:
         digits = ROUGH if row.quantity in PREDICTED else DIGITS
-        return "-" if row.value is None else f"{row.value:.{digits}g}"
-    return with_uncertainty(row.value, row.u)
+        return settled_number(row.value, digits)
+    return settled(row.value, row.u)
 
 
 RATIOS = np.geomspace(0.8, 20.0, 61)  # distance over edge
