@@ -31,7 +31,6 @@ from inertialcal.procedures.mass_attraction.reduction import (
     run_of_rows,
 )
 from inertialcal.procedures.mass_attraction.response import tilt_left
-from inertialcal.procedures.mass_attraction.slip import SLIP, fits_better_late
 from inertialcal.statistics.intervals import contains, covers, t_interval
 
 G = STANDARD_GRAVITY.value
@@ -262,18 +261,9 @@ def test_standards_do_not_shrink_with_runs_and_schedule_is_the_last_resort() -> 
 def test_a_slip_of_the_schedule_is_refused_with_its_place(at: int, by: int) -> None:
     of, rng = schedule(), np.random.default_rng(4)
     late = np.concatenate([of.applied[:at], np.roll(of.applied, by)[at:]])
-    with pytest.raises(DataError, match=r"one dwell off its schedule") as caught:
+    with pytest.raises(DataError, match=r"one dwell (late|early)") as caught:
         reduce(PLAN, Readings((Run("7", of, noise(rng) + S * late, where="run7.csv"),)))
     assert caught.value.problems[0].code == "schedule_slip"
-    gain, found = fits_better_late(of, noise(rng) + S * late)
-    assert gain > 50.0
-    assert abs(found - at) <= 3
-
-
-def test_a_schedule_that_is_kept_is_not_doubted() -> None:
-    rng = np.random.default_rng(5)
-    worst = max(fits_better_late(schedule(), run(rng).reading)[0] for _ in range(100))
-    assert worst < 0.5 * SLIP
 
 
 def test_a_response_below_the_floor_is_an_upper_limit_and_no_scale_factor() -> None:

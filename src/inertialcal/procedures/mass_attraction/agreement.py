@@ -7,8 +7,8 @@ a run that is so far off, and further than its noise explains, is named however 
 *Phase.* The quadrature of a run against the median of the others, by its noise: a part of the response, ``MUCH`` or
 more, that comes at another time.
 
-*Inside runs.* Jumps, and changes of the response, as ``signals.sine.changes`` finds them. The mean over the runs, dwell
-by dwell, is searched for jumps too: what comes at the same dwell of every run is in none of their scatter.
+*Inside runs.* A response that changes, more jumps than can be subtracted, and what happens at the same dwell of every
+run, as ``changes`` finds them: the scatter of the runs shows nothing of the latter.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
 from ...core.remarks import Remark
 from ...core.show.rounding import number
-from ...signals.sine.changes import Jump, critical, cycle_amplitudes, jumps, response_changes
+from ...signals.sine.changes import critical
 from ...statistics.agreement import FALSE_ALARM, disagreeing
 from ..agreement import likely_cause
+from .changes import MOST, Change, common_change
 from .joining import phases_ahead, quiet_runs
-from .line import shape_of
 from .plan import Plan
 from .readings import Readings, Run
 from .response import Response, response_of_line
 
-PART = FALSE_ALARM / 6.0  # of each of the six searches
+PART = FALSE_ALARM / 3.0  # of each search between the runs
 MUCH = 0.25  # part of a response
 MEDIAN = 1.2533  # standard deviation of a median over that of the mean
-LEAST_JUMP = 0.5  # responses, from which a jump matters
+CUT = "Leave the run out, or cut it there: a jump that comes with the schedule is taken for a response"
 
 
 class Measured(NamedTuple):
@@ -63,11 +63,9 @@ def agreement(plan: Plan, readings: Readings) -> list[Remark]:
     measured = [Measured(one.name, one.scale_factor, one.u_scale_factor, one.dof, where, one, run)
                 for one, where, run in found]  # fmt: skip
     moved = [one for one in measured if one.response is not None and one.response.moved]
-    series = [one for one in measured if one.run is not None]
     return [
         *_between(plan, moved),
-        *_jumps(series),
-        *_changes([one for one in moved if one.run is not None]),
+        *_within([one for one in measured if one.run is not None]),
     ]
 
 
@@ -165,49 +163,41 @@ def _phases(moved: Sequence[Response], where: Sequence[str]) -> Iterator[Remark]
             yield Remark("recording_differs", "error", what, place, do=do, subject=one.name)
 
 
-def _jumps(series: Sequence[Measured]) -> Iterator[Remark]:
-    left = []
-    for one in series:
+def _within(measured: Sequence[Measured]) -> Iterator[Remark]:
+    """Yield the faults within runs that cannot be subtracted, then those at the same dwell of every run."""
+    sound = []
+    for one in measured:
         assert one.response is not None  # noqa: S101 - of a run with readings
-        assert one.response.fitted is not None  # noqa: S101
+        assert one.response.changes is not None  # noqa: S101
         assert one.run is not None  # noqa: S101
-        left.append(one.response.series - one.response.fitted.amplitude * shape_of(one.run.schedule))
-    sizes = [abs(one.response.amplitude) for one in series if one.response is not None and one.response.moved]
-    response = float(np.median(sizes)) if sizes else 0.0
-
-    def matters(one: Jump | None) -> bool:
-        return one is not None and abs(one.size) > LEAST_JUMP * response
-
-    found = [(one.name, one.where, jump) for one, jump in zip(series, jumps(left, PART), strict=True) if matters(jump)]
-    if not found and len(left) > 1 and len({len(x) for x in left}) == 1:
-        every = jumps([np.asarray(np.mean(left, axis=0))], PART)[0]
-        found += [("", series[0].where, every)] if matters(every) else []
-    for name, where, jump in found:
-        assert jump is not None  # noqa: S101 - it matters
-        size = f"{number(jump.size, 3)} count/s"
-        size += f", {number(abs(jump.size) / response, 2)} times the response" if response else ""
-        what = f"{f'run {name}' if name else 'every run'}: the level jumps by {size}, before dwell {jump.at + 1}"
-        do = "Leave the run out, or cut it there: a jump that comes with the schedule is taken for a response"
-        yield Remark("jump", "error", what, where, do=do, subject=name, index=jump.at)
-
-
-def _changes(moved: Sequence[Measured]) -> Iterator[Remark]:
-    each, first = [], []
-    for one in moved:
-        assert one.response is not None  # noqa: S101 - of a run with readings
-        assert one.response.fitted is not None  # noqa: S101
-        assert one.run is not None  # noqa: S101
-        shape = shape_of(one.run.schedule)
-        cycle = np.arange(len(shape)) // one.run.schedule.samples_per_cycle
-        own, begins = cycle_amplitudes(one.response.series - one.response.fitted.drift, shape, cycle)
-        each.append(own)
-        first.append(begins)
-    for one, begins, change in zip(moved, first, response_changes(each, 2.0 * PART), strict=True):
-        if change is None or abs(change.after - change.before) <= MUCH * min(abs(change.before), abs(change.after)):
+        changes = one.response.changes
+        if changes.repairable:
+            sound.append((one.run, one.response))
             continue
-        dwell = int(begins[change.at])
-        ratio = number(change.after / change.before, 3) if change.before else "-"
-        what = f"run {one.name}: the response becomes {ratio} times what it was"
-        what += f", near dwell {dwell + 1}"
+        last = changes.found[-1]
+        if last.kind == "gain":
+            yield _fault(last, f"run {one.name}", one.where, one.name)
+            continue
+        places = ", ".join(str(change.at + 1) for change in changes.found)
+        what = f"run {one.name}: more than {MOST} jumps or false readings, at dwells {places}"
+        yield Remark("jump", "error", what, one.where, do=CUT, subject=one.name, index=last.at)
+    common = common_change([(run.schedule, response.series) for run, response in sound if run.moved])
+    if common is not None:
+        yield _fault(common, "every run", sound[0][0].where, "")
+
+
+def _fault(change: Change, subject: str, where: str, name: str) -> Remark:
+    dwell = change.at + 1
+    if change.kind == "gain":
+        ratio = f" to {number(change.size, 3)} times what it was" if change.size else ""
+        what = f"{subject}: the response changes{ratio}, near dwell {dwell}"
         do = "Check gain and range of the instrument, and whether the mass still moved as it should"
-        yield Remark("scale_changed", "error", what, one.where, do=do, subject=one.name, index=dwell)
+        return Remark("scale_changed", "error", what, where, do=do, subject=name, index=change.at)
+    if change.kind == "slip":
+        what = f"{subject}: from dwell {dwell} on the readings fit a mass off its schedule"
+        do = "Find the lost dwell or move, and correct the schedule or its begin"
+        return Remark("schedule_slip", "error", what, where, do=do, subject=name, index=change.at)
+    place = (
+        f"the reading of dwell {dwell} is off" if change.kind == "reading" else f"the level jumps before dwell {dwell}"
+    )
+    return Remark("jump", "error", f"{subject}: {place}", where, do=CUT, subject=name, index=change.at)

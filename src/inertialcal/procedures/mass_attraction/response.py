@@ -25,10 +25,10 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array
+from .changes import Changes, changes_of
 from .line import Fitted, fit_line, start_phase
 from .plan import Plan
 from .readings import Line, Run
-from .slip import SLIP, fits_better_late
 from .tilt import G, pad_tilt, tilt_used, without_tilt
 
 RAYLEIGH = float(np.sqrt(np.pi / 2.0))  # mean amplitude of noise over the standard deviation of its part in phase
@@ -56,6 +56,7 @@ class Response:
     series: Array = field(default_factory=lambda: np.empty(0))
     # Of the drive at the first dwell of the run [rad]: what repeats with the runs leaks with its cosine and sine
     phase: float = 0.0
+    changes: Changes | None = None  # Faults within the run; None for a run that was reduced before
 
     @property
     def scale_factor(self) -> float:
@@ -84,27 +85,36 @@ def response_of(plan: Plan, run: Run) -> Response:
     tilt = None if run.tilt is None or mode == "ignored" else pad_tilt(plan, run)
     try:
         x, p, u_p = without_tilt(plan, run, tilt, mode)
+        changes = changes_of(run.schedule, x, run.moved)
+        _check_schedule(run, changes)
+        x = changes.repaired(x) if changes.repairable else x
         found = fit_line(run.schedule, x, plan.side_bands)
         meter = None if tilt is None else fit_line(run.schedule, np.where(np.isfinite(x), tilt, np.nan))
     except DataError as error:
         raise DataError([replace(one, where=one.where or run.where or run.name) for one in error.problems]) from None
-    if run.moved:
-        gain, dwell = fits_better_late(run.schedule, x)
-        if gain > SLIP:
-            part = "the whole run fits" if dwell == 0 else f"from dwell {dwell + 1} on the readings fit"
-            what = f"{run.name}: {part} a mass that comes one dwell off its schedule"
-            why = f"the squared signal over noise gains {gain:.0f}; the phase would be wrong"
-            do = "Find the lost dwell or move, and correct the schedule or its begin"
-            raise DataError(what, run.where, why, do, "schedule_slip")
     tau, u_tau = (np.nan, np.nan) if meter is None else (meter.amplitude, meter.u)
     applied, amplitude, u = run.schedule.amplitude, found.amplitude, found.u
+    if changes.repairable:
+        u *= float(np.sqrt(changes.inflation))
     if mode == "known" and run.moved:
         share = applied / (applied + G * tau)
         amplitude, u = (amplitude + p * tau) * share, u * abs(share)
     if mode == "regressed":
         u = float(np.hypot(u, u_p * tau))
     return Response(run.name, run.moved, applied, amplitude, u, found.dof, found.quadrature, found.u_quadrature, tau,
-                    u_tau, p, mode, found, x, start_phase(run.schedule))  # fmt: skip
+                    u_tau, p, mode, found, x, start_phase(run.schedule), changes)  # fmt: skip
+
+
+def _check_schedule(run: Run, changes: Changes) -> None:
+    for one in changes.found:
+        if one.kind == "slip":
+            part = "the whole run fits" if one.at == 0 else f"from dwell {one.at + 1} on the readings fit"
+            size = "half a dwell" if abs(one.size) < 1.0 else ("one dwell" if abs(one.size) == 1.0 else "two dwells")
+            side = "late" if one.size > 0.0 else "early"
+            what = f"{run.name}: {part} a mass that comes {size} {side}"
+            why = f"twice the log likelihood gains {one.score:.0f}; the phase would be wrong"
+            do = "Find the lost dwell or move, and correct the schedule or its begin"
+            raise DataError(what, run.where, why, do, "schedule_slip")
 
 
 def tilt_left(responses: Iterable[Response], scale: float) -> float:

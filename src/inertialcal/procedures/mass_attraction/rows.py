@@ -243,6 +243,7 @@ def series_remarks(plan: Plan, readings: Readings) -> Iterator[Remark]:
 def result_remarks(result: Result) -> Iterator[Remark]:
     """Yield remarks on the result of a campaign."""
     yield from _on_nulls(result)
+    yield from _on_changes(result)
     yield from _on_runs(result)
     if result.estimate is not None:
         scale, u = float(result.estimate.values[0]), float(result.estimate.u[0])
@@ -276,6 +277,28 @@ def _on_nulls(result: Result) -> Iterator[Remark]:
     if not nulls and result.readings.series:
         what = "no null run: what else follows the schedule of the mass is not known"
         yield Remark("no_null_run", "info", what, do="Run the schedule once with the mass at rest")
+
+
+def _on_changes(result: Result) -> Iterator[Remark]:
+    """Yield the faults within runs that were subtracted."""
+    size = float(np.median([abs(one.amplitude) for one in result.responses if one.moved]))
+    for response in result.responses:
+        if response.changes is None or not response.changes.repairable:
+            continue
+        for one in response.changes.found:
+            times = f", {number(abs(one.size) / size, 2)} times the response" if size else ""
+            if one.kind == "kink":
+                what = f"the drift bends before dwell {one.at + 1} by {number(one.size, 3)} count/s a dwell{times}"
+            elif one.kind == "jump":
+                what = f"the level jumps by {number(one.size, 3)} count/s{times}, before dwell {one.at + 1}"
+            else:
+                what = f"the reading of dwell {one.at + 1} is off by {number(one.size, 3)} count/s{times}"
+            code, do = {
+                "kink": ("drift_kink", "The kink is fitted with the drift"),
+                "jump": ("jump", "The jump is fitted with the drift; find its cause"),
+                "reading": ("reading_left_out", "It is left out; find its cause"),
+            }[one.kind]
+            yield Remark(code, "warning", f"run {response.name}: {what}", do=do, subject=response.name, index=one.at)
 
 
 def _on_runs(result: Result) -> Iterator[Remark]:
