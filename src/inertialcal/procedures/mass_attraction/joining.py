@@ -154,23 +154,27 @@ def quiet_runs(runs: Sequence[Run]) -> list[Quiet]:
     """Return runs without what repeats in each dwell, where their drives start at different phases.
 
     A drift that repeats and is near the drive would count as noise, slip or jump of every run. The mean over the runs
-    with the mass moved of what line and drift leave of each dwell has no part in the line: amplitudes stay. The line
-    itself follows from the phases; any error in it cancels as it does.
+    with the mass moved of what the line leaves of each dwell (in a gap, the drift) has no part in the line: amplitudes
+    stay. The line itself follows from the phases; any error in it cancels as it does.
     """
     moved = [run for run in runs if run.moved]
     phases = np.array([start_phase(run.schedule) for run in moved])
     as_they_are = [Quiet(run) for run in runs]
     if len(moved) < 2 or not np.any(_ahead(phases, np.array([run.schedule.frequency for run in moved]))):
         return as_they_are
-    rest, lines = np.full((len(moved), max(len(run.reading) for run in runs)), np.nan), []
+    shortest, longest = (limit(len(run.reading) for run in moved) for limit in (min, max))
+    rest, lines = np.full((len(moved), longest), np.nan), []
     for row, run in zip(rest, moved, strict=True):
         try:
             found = fit_line(run.schedule, run.reading)
         except DataError:  # the response of this run says why
             return as_they_are
-        row[: len(run.reading)] = run.reading - found.line - found.drift
+        part, at = run.reading - found.line, np.arange(len(run.reading))
+        gaps = np.isnan(part)
+        part[gaps] = np.interp(at[gaps], at[~gaps], found.drift[~gaps])
+        row[: len(part)] = part - part[:shortest].mean()
         lines.append(complex(found.amplitude, np.nan_to_num(found.quadrature)))
-    repeats = np.nansum(rest, axis=0) / np.maximum(np.isfinite(rest).sum(axis=0), 1)
+    repeats = np.nanmean(rest, axis=0)
     turned = np.exp(1j * phases)
     _, common = np.linalg.lstsq(np.column_stack([turned, np.ones(len(moved))]), np.array(lines) * turned, rcond=None)[0]
     quiet = []
@@ -180,7 +184,9 @@ def quiet_runs(runs: Sequence[Run]) -> list[Quiet]:
         size = 2.0 * abs(np.mean(shape_of(run.schedule) * wave))
         line = complex(common * np.exp(-1j * start_phase(run.schedule)))
         at_drive = size * (line.real * wave.imag + line.imag * wave.real)
-        quiet.append(Quiet(replace(run, reading=run.reading - repeats[: len(angle)] - at_drive), line, len(moved)))
+        common_part = np.zeros(len(angle))
+        common_part[:longest] = repeats[: len(angle)]
+        quiet.append(Quiet(replace(run, reading=run.reading - common_part - at_drive), line, len(moved)))
     return quiet
 
 
