@@ -63,6 +63,7 @@ MOST_LINES = 6  # taken into a fit
 TOLD = ("constant", "gaps")  # by the Allan deviation already
 LISTED_LINES = 4  # lines that a remark names
 SAME = 2.0  # spacings that a line may lie apart in two records
+SHORT = "too_short"  # code of a record whose deviations are shown without terms
 NOISELESS = {"rate_ramp"}  # terms that scatter nothing
 
 
@@ -101,6 +102,17 @@ class AxisNoise:
         """Terms that were found, SI; slow ones only where nothing feigns them."""
         found = () if self.fit is None else self.fit.terms
         return tuple(term for term in found if term.name in (*FAST, Sinusoid.name) or not self.slow_fault)
+
+    @property
+    def curve_alone(self) -> bool:
+        """Whether the records have deviations, but are too short for terms."""
+        return self.fit is None and self.problem is not None and self.problem.code == SHORT and bool(self.records)
+
+    @property
+    def alternatives(self) -> tuple[tuple[Term, ...], ...]:
+        """Terms that were found, and those that may be true in their place, best first [SI]."""
+        others = () if self.fit is None or self.slow_fault else self.fit.rivals
+        return (self.terms, *(one.terms for one in others))
 
     @property
     def slow_fault(self) -> Reason:
@@ -438,7 +450,7 @@ def check(plan: Plan, readings: Readings) -> None:
     Raises
     ------
     DataError
-        As ``reduce``: if no record of any axis is long enough, with some noise, or the terms have none (``no_noise``).
+        As ``reduce``: if no record of any axis has a deviation, with some noise, or the terms have none (``no_noise``).
     """
     if plan.terms is not None and set(plan.terms) <= NOISELESS:
         what = f"terms: {', '.join(plan.terms) or 'none'}, without noise"
@@ -447,11 +459,17 @@ def check(plan: Plan, readings: Readings) -> None:
     for axis in readings.axes:
         for run in readings.records:
             try:
-                run_of(fitted(plan, run, axis, run.there(axis)), 0, sample_unit(plan.kind, plan.unit))
+                curve = fitted(plan, run, axis, run.there(axis))
             except DataError as error:
                 problems.setdefault(axis, error.problems[0])
-            else:
-                return
+                continue
+            try:
+                run_of(curve, 0, sample_unit(plan.kind, plan.unit))
+            except DataError as error:
+                if error.problems[0].code != SHORT:
+                    problems.setdefault(axis, error.problems[0])
+                    continue
+            return
     raise DataError(problems_of(problems, readings))
 
 

@@ -1,14 +1,24 @@
-"""Settings of navigation filters from the noise of a call's sensors."""
+"""Settings of navigation filters from the noise of a call's sensors.
+
+Where the record cannot separate the terms of long averaging times (flicker or a random walk), the block says so, and
+takes those that drive the bias most, or those that ``take`` names. Their white noise is that of the table, whichever is
+taken. Where no random walk was found, the block gives its upper limit as a comment; ``take`` writes it as the value.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from ...core.constants import STANDARD_GRAVITY
 from ...core.errors import DataError, UsageError
-from ...sensors.noise.terms import Sinusoid, Term
-from ...sensors.noise.to_filters import FilterBlock, to_gtsam, to_kalibr, to_kf_gins, to_px4
+from ...core.key import Kind
+from ...sensors.noise.terms import GaussMarkov, RateRandomWalk, Sinusoid, Term, quantity_name
+from ...sensors.noise.to_filters import FilterBlock, sensor_noise, to_gtsam, to_kalibr, to_kf_gins, to_px4
+from .axis_noise import FAST, AxisNoise
 
 if TYPE_CHECKING:
     from ..protocol import Reduced
@@ -17,7 +27,7 @@ TARGETS = ("kalibr", "px4", "gtsam", "kf-gins")
 THREE = 3  # axes, or one for all
 
 
-def filter_block(found: Reduced, target: str, horizon: float | None = None) -> FilterBlock:
+def filter_block(found: Reduced, target: str, horizon: float | None = None, take: Sequence[str] = ()) -> FilterBlock:
     """Return the settings of a filter, from what ``allan`` found.
 
     Parameters
@@ -28,6 +38,9 @@ def filter_block(found: Reduced, target: str, horizon: float | None = None) -> F
         Which filter.
     horizon : float, optional
         Averaging time at which a walk stands in for all that wanders, bias instability above all [s].
+    take : sequence of str
+        Terms that are taken where the record cannot separate them from others; ``"upper_limit"``: that of the random
+        walk of the bias, where it was not found.
 
     Raises
     ------
@@ -38,11 +51,26 @@ def filter_block(found: Reduced, target: str, horizon: float | None = None) -> F
     """
     if target not in TARGETS:
         raise UsageError(f"no filter {target!r}", do=f"There are: {', '.join(TARGETS)}", code="unknown_name")
-    by_kind = {one.facts.kind: [axis.terms for axis in one.result.axes] for one in found.tested if one.facts.kind}
+    by_kind = {
+        one.facts.kind: [_taken(axis, one.facts.kind, horizon, take) for axis in one.result.axes]
+        for one in found.tested
+        if one.facts.kind
+    }
     if not by_kind:
         what = f"no sensor with a known unit: {target} needs rad/s and m/s^2"
         raise DataError(what, do="Give the unit: --unit gyro=deg/s --unit acc=g", code="no_unit")
-    gyro, accelerometer = (_axes(by_kind.get(kind, ()), kind) for kind in ("gyro", "accelerometer"))
+    said = [line for axes in by_kind.values() for _, lines in axes for line in lines]
+    gyro, accelerometer = (
+        _axes([terms for terms, _ in by_kind.get(kind, ())], kind) for kind in ("gyro", "accelerometer")
+    )
+    block = _block(found, target, gyro, accelerometer, horizon)
+    return replace(block, text="".join(f"# {line}\n" for line in said) + block.text)
+
+
+def _block(
+    found: Reduced, target: str, gyro: list[tuple[Term, ...]], accelerometer: list[tuple[Term, ...]],
+    horizon: float | None,
+) -> FilterBlock:  # fmt: skip
     first = found.tested[0]
     if target == "kalibr":
         return to_kalibr(gyro, accelerometer, 1.0 / first.readings.records[0].interval, horizon=horizon)
@@ -51,6 +79,45 @@ def filter_block(found: Reduced, target: str, horizon: float | None = None) -> F
     if target == "gtsam":
         return to_gtsam(gyro, accelerometer, first.facts.gravity or STANDARD_GRAVITY.value, horizon=horizon)
     return to_kf_gins(gyro, accelerometer, horizon=horizon)
+
+
+def _taken(
+    axis: AxisNoise, kind: Kind, horizon: float | None, take: Sequence[str]
+) -> tuple[tuple[Term, ...], tuple[str, ...]]:
+    """Return the terms of an axis that filters take, and what to say of them: see the module head."""
+    said: list[str] = []
+    name = f"{kind} {axis.axis}"
+    white = tuple(term for term in axis.terms if term.name in FAST)
+    ways = [tuple(term for term in terms if term.name not in (*FAST, Sinusoid.name)) for terms in axis.alternatives]
+
+    def drive(terms: tuple[Term, ...]) -> float:
+        return float(np.nan_to_num(sensor_noise(kind, [terms], horizon).drive[0], nan=0.0))
+
+    def words(terms: tuple[Term, ...]) -> str:
+        named = [
+            "Gauss-Markov noise"
+            if isinstance(term, GaussMarkov)
+            else quantity_name(term.name, term.parameters[0], kind).replace("_", " ")
+            for term in terms
+        ]
+        return " and ".join(named) or "white noise alone"
+
+    wander = ways[0]
+    if len(ways) > 1:
+        wanted = [terms for terms in ways if any(term.name in take for term in terms)]
+        wander = wanted[0] if wanted else max(ways, key=drive)
+        why = "as wanted" if wanted else "the largest drive; --take NAME takes another"
+        alike = " or ".join(words(terms) for terms in ways)
+        said.append(f"{name}: the record does not tell which: {alike}; {words(wander)} taken, {why}")
+    missed = None if axis.fit is None else axis.fit.term(RateRandomWalk.name)
+    if drive(wander) == 0.0 and missed is not None and missed.upper_limit is not None and not axis.slow_fault:
+        limit = f"{name}: {missed.words[0].replace('_', ' ')} not found"
+        if "upper_limit" in take:
+            wander = (*wander, RateRandomWalk(missed.upper_limit))
+            said.append(f"{limit}: its upper limit (95 %) stands in its place")
+        else:
+            said.append(f"{limit}, below {missed.upper_limit:.3g} {missed.unit} (95 %); --take upper_limit writes that")
+    return (*white, *wander), tuple(said)
 
 
 def _axes(terms: Sequence[Sequence[Term]], kind: str) -> list[tuple[Term, ...]]:

@@ -71,6 +71,7 @@ class Samples:
 
 
 FilterName = Literal["kalibr", "px4", "gtsam", "kf-gins"]
+Drive = Literal["bias_instability", "rate_random_walk", "rate_ramp", "gauss_markov", "upper_limit"]
 
 
 @dataclass(frozen=True)
@@ -83,4 +84,9 @@ class Filters:
     horizon: float | None = setting(
         "Averaging time at which a random walk replaces all that wanders, for filters.", None, unit="s",
         example="100 s", above=0.0,
+    )  # fmt: skip
+    take: list[Drive] | None = setting(
+        "Term that filters take where the record cannot separate several, by default that of the largest drive; "
+        "upper_limit: the limit of a random walk of the bias that was not found.",
+        None, example="rate_random_walk",
     )  # fmt: skip

@@ -124,13 +124,13 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     Raises
     ------
     DataError
-        If there are no records (``no_records``), or no axis has terms: then with the reason of each (``too_short``,
-        ``constant``, ``all_missing``).
+        If there are no records (``no_records``), or no axis has terms: then with the reason of each (``constant``,
+        ``all_missing``). A record too short for terms gives its deviations alone.
     """
     if not len(readings) or not readings.axes:
         raise DataError("no record of a sensor at rest", code="no_records")
     axes = tuple(noise_of(plan, readings, axis) for axis in readings.axes)
-    if all(one.fit is None for one in axes):
+    if all(one.fit is None and not one.curve_alone for one in axes):
         found = {one.axis: one.problem for one in axes if one.problem is not None}
         raise DataError(problems_of(found, readings))
     remarks = [*readings.remarks, *(remark for one in axes for remark in one.remarks), *_relative(plan)]

@@ -163,7 +163,7 @@ def interval_at(result: Result, row: Row, p: float) -> Interval | None:
     one = next((axis for axis in result.axes if axis.axis == row.axis), None)
     if one is None or one.fit is None:
         return None
-    names = tuple(dict.fromkeys(term.name for term in one.fit.terms if not isinstance(term, Sinusoid)))
+    names = "auto" if result.plan.terms is None else tuple(result.plan.terms)
     curves = [record.curve for record in one.records]
     try:
         again = fit(

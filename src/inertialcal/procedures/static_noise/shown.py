@@ -30,6 +30,7 @@ WIDTH = 110  # of wrapped text
 PER_DECADE = 3  # rows of a spectrum
 TERMS = ("  term", "axis", "value ± u", "unit", "95 % interval", "SI", "how well known")
 ALONE = ("  alone", "term", "axis", "value ± u", "unit", "95 % interval")
+CURVE = ("  axis", "tau [s]", "deviation", "unit", "95 % interval")
 LINES = ("  axis", "line", "frequency", "unit", "amplitude", "unit", "over noise", "kind")
 SIZE, TIME = "gauss_markov_sigma", "gauss_markov_correlation_time"  # a limit of one says all of the other
 ENDINGS = {"kalibr": "imu.yaml", "px4": "px4.params", "gtsam": "gtsam_params.py", "kf-gins": "kf-gins.yaml"}
@@ -60,7 +61,7 @@ def files(found: Reduced) -> dict[str, str]:
 def blocks(found: Reduced) -> dict[str, FilterBlock]:
     """Return the settings of the filters that are wanted."""
     wanted = found.shown.for_filter or ()
-    return {one: filter_block(found, one, found.shown.horizon) for one in wanted}
+    return {one: filter_block(found, one, found.shown.horizon, found.shown.take or ()) for one in wanted}
 
 
 def _heading(test: Test) -> str:
@@ -87,7 +88,7 @@ def _terms(found: Reduced, test: Test) -> Iterator[str]:
         known_to = "" if reach is None else sentence(reach, test.plan.relative_error).partition(": ")[2]
         si = _density(inside[row.key]) if test.facts.kind else ""
         cells.append([f"  {row.quantity}", short(row.axis), figure(shown), row.unit, interval(shown), si, known_to])
-    yield aligned(cells, TERMS)
+    yield aligned(cells, TERMS) if cells else ""
     groups: dict[tuple[str, str], list[str]] = {}
     for row in rows:
         reach = known.get((row.axis, row.quantity))
@@ -118,6 +119,20 @@ def _nothing(test: Test, rows: Sequence[Row]) -> Iterator[str]:
     for reason in dict.fromkeys(without.values()):
         axes = ", ".join(short(axis) for axis in without if without[axis] == reason)
         yield _wrapped(f"  no terms of {axes}: {reason}")
+    unit = test.facts.unit or FILE_UNIT
+    scale = factor(sample_unit(test.facts.kind), unit) if test.facts.kind else 1.0
+    cells = [
+        (f"  {short(axis.axis)}", number(tau, 4), number(value, 4), unit, f"{number(lo, 4)} .. {number(hi, 4)}")
+        for axis in test.result.axes
+        if axis.curve_alone
+        for record in axis.records
+        for tau, value, lo, hi in zip(
+            record.shown.tau.tolist(),
+            *((scale * one[:, 0]).tolist() for one in (record.shown.deviation, record.shown.lo, record.shown.hi)),
+            strict=True,
+        )
+    ]
+    yield aligned(cells, CURVE, (1, 2)) if cells else ""
     limited = {row.axis for row in rows if (row.quantity, row.status) == (SIZE, "upper_limit")}
     missing = [
         row.to_dict()

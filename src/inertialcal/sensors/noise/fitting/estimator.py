@@ -6,8 +6,9 @@ Parameters are those of ``terms``, SI inside.
 
 The curve is taken as the overlapping Allan deviation of samples whose disturbances and lines are known: lines that
 were found in the spectrum are given by their frequency, and their amplitude is fitted with the rest. The choice of
-terms comes first, the interval after it: a term at the edge of what the record shows is named only where chance made
-it large, and its interval does not allow for that.
+terms comes first, the interval after it, and allows for it: flicker and a random walk are free in it, chosen or not
+(``limits``). Where another choice is nearly as good (``order.PLAUSIBLE``), the interval of a slow term begins at zero,
+the limit of one that was not chosen holds in that choice too, and a remark gives both.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy import special
 
 from ....core.errors import DataError, PlanError
 from ....core.estimate import Array, Component, Estimate
@@ -26,11 +28,14 @@ from ....core.results import Interval
 from ....core.show.rounding import number
 from ..terms import (
     TERMS,
+    BiasInstability,
     GaussMarkov,
     Quantization,
     RandomWalk,
     RateRamp,
+    RateRandomWalk,
     Sinusoid,
+    Term,
     converted,
     parameter_unit,
     quantity_name,
@@ -40,12 +45,15 @@ from ..terms import (
 from .filtered import Band
 from .goodness import MOST, SIGNIFICANT, ChiSquare, agreement_test, misfit_of, residual_test
 from .likelihood import Fitted, Sandwich, covariance_of_runs, estimate, mean_of, sandwich, terms_of, time_at
-from .limits import interval_of, limit_and_record
-from .noise_fit import NoiseFit, Parameter, TermEstimate
-from .order import NAMES, PRICE, Choice, criterion, present, ranked, separable
+from .limits import interval_of, limit_and_record, wide_interval
+from .noise_fit import NoiseFit, Parameter, Rival, TermEstimate
+from .order import NAMES, NEARER, PLAUSIBLE, PRICE, SUPPLE, Choice, criterion, present, ranked, separable
 from .problem import GAUSS_MARKOV, LINEAR, AllanLike, Problem, Run, inside, problem_of, run_of, unit_of, with_misfit
 
 AUTO = (*NAMES, GAUSS_MARKOV)
+FAST = (Quantization.name, RandomWalk.name)  # terms of short averaging times
+MOST_RIVALS = 2  # that a remark gives
+FREE = (RandomWalk.name, BiasInstability.name, RateRandomWalk.name)  # in an interval, chosen or not
 BRIEF = 10.0  # samples: a correlation time below is that of a filter, rather than of a drift
 MATTERS = 1.05  # ratio of random walks from which a remark is given
 
@@ -129,6 +137,7 @@ def _result(plain: Problem, solution: Solution, wanted: Sequence[str]) -> NoiseF
         tuple(run.variance for run in runs),
         tuple(np.split(mean_of(problem, fitted), np.cumsum([len(run.m) for run in runs])[:-1])),
         remarks_of(solution, residual, agreement),
+        rivals_of(solution),
     )
 
 
@@ -191,7 +200,49 @@ def remarks_of(solution: Solution, residual: ChiSquare | None, agreement: ChiSqu
         *_unexplained(solution, residual, agree),
         *_runs(solution, agree, agreement),
         *_white_beyond(solution),
+        *_alike(solution),
     )
+
+
+def rivals_of(solution: Solution) -> tuple[Rival, ...]:
+    """Return other terms of long averaging times that may be true in place of those taken, the best of each kind."""
+    chosen = solution.table[0]
+    found: dict[frozenset[str], Rival] = {frozenset(chosen.terms) - {*FAST}: Rival((), 0.0)}
+    for one in solution.rivals:
+        terms = terms_of(solution.problem, one.fitted)
+        found.setdefault(frozenset(one.terms) - {*FAST}, Rival(terms, one.criterion - chosen.criterion))
+    return tuple(one for one in found.values() if one.terms)
+
+
+def _alike(solution: Solution) -> tuple[Remark, ...]:
+    """Say which terms of long averaging times the record cannot separate, with their sizes in each fit."""
+    rivals = rivals_of(solution)[:MOST_RIVALS]
+    if not rivals:
+        return ()
+
+    def told(terms: Sequence[Term]) -> str:
+        return " and ".join(
+            _size(solution, term)
+            for term in terms
+            if term.name not in FAST and term.name != Sinusoid.name
+        ) or "white noise alone"  # fmt: skip
+
+    ways = [told(terms_of(solution.problem, solution.fitted)), *(told(one.terms) for one in rivals)]
+    what = f"terms that the record cannot separate: {', or '.join(ways)}"
+    do = "Record longer. Settings of filters take the larger drive of the bias: choose with --take"
+    return (Remark("terms_alike", "warning", what, do=do),)
+
+
+def _size(solution: Solution, term: Term) -> str:
+    """Return a term and its size as data sheets have it; of Gauss-Markov noise also its correlation time."""
+    word = term.parameters[0]
+    inside = parameter_unit(term.name, word, solution.unit)
+    unit = next(iter(shown_units(term.name, word, solution.kind)), inside)
+    value = float(getattr(term, word))
+    size = f"{number(value if unit == inside else converted(value, inside, unit), 3)} {unit}".rstrip()
+    if isinstance(term, GaussMarkov):
+        return f"Gauss-Markov noise of {size} over {number(term.correlation_time, 2)} s"
+    return f"{quantity_name(term.name, word, solution.kind).replace('_', ' ')} {size}"
 
 
 def _unexplained(solution: Solution, residual: ChiSquare | None, agree: bool) -> tuple[Remark, ...]:
@@ -257,16 +308,28 @@ class Solution:
     unit: str  # Of the samples
     p: float  # Probability of intervals
 
+    @property
+    def rivals(self) -> tuple[Choice, ...]:
+        """Choices that may be true in place of the one that was taken, best first: not with more terms, nor fewer."""
+        chosen, *others = self.table
+        own = {*chosen.terms}
+
+        def near(one: Choice) -> bool:
+            return one.criterion - chosen.criterion < (NEARER if SUPPLE & ({*one.terms} - own) else PLAUSIBLE)
+
+        return tuple(one for one in others if near(one) and {*one.terms} - own and own - {*one.terms})
+
 
 def estimated(solution: Solution) -> tuple[TermEstimate, ...]:
     """Return the terms that have a size, with intervals."""
     problem, powers = solution.problem, solution.fitted.powers
-    u = solution.bread.u
+    u, point = solution.bread.u, float(special.ndtri(0.5 * (1.0 + solution.p)))
     found = []
     for column, at in enumerate(np.flatnonzero(powers > 0.0).tolist()):
         size = float(np.sqrt(powers[at]))
-        squared = interval_of(problem, solution.fitted, at, solution.bread, solution.p)
-        first = (size, float(0.5 * u[column] / size), Interval(_root(squared.lo), _root(squared.hi), solution.p))
+        interval = _interval(solution, at, column)
+        half = 0.0 if interval.hi is None else 0.5 * (interval.hi - (interval.lo or 0.0)) / point
+        first = (size, max(float(0.5 * u[column] / size), half), interval)
         if at == len(problem.names):
             time = time_at(problem, solution.fitted.position)
             between = interval_of(problem, solution.fitted, at + 1, solution.bread, solution.p)
@@ -281,15 +344,43 @@ def estimated(solution: Solution) -> tuple[TermEstimate, ...]:
     return tuple(found)
 
 
+def _interval(solution: Solution, at: int, column: int) -> Interval:
+    """Return the interval of a size, with the terms free that were not chosen but may be there."""
+    problem, fitted = solution.problem, solution.fitted
+    own = interval_of(problem, fitted, at, solution.bread, solution.p)
+    if len(LINEAR) <= at < len(problem.names):  # a line
+        return Interval(_root(own.lo), _root(own.hi), solution.p)
+    name = problem.names[at] if at < len(problem.names) else GAUSS_MARKOV
+    stretch = float(solution.bread.stretch[column])
+    wide = wide_interval(problem, fitted, at, free_terms(solution), stretch, solution.p)
+    lo = min(own.lo or 0.0, wide.lo or 0.0)
+    hi = None if own.hi is None or wide.hi is None else max(own.hi, wide.hi)
+    without = [{*one.terms} for one in solution.rivals if name not in one.terms]
+    if name not in FAST and any(
+        name in SUPPLE or not SUPPLE & terms - {*present(problem, fitted)} for terms in without
+    ):
+        lo = 0.0
+    return Interval(_root(lo), _root(hi), solution.p)
+
+
+def free_terms(solution: Solution) -> tuple[str, ...]:
+    """Return the terms that an interval leaves free: chosen ones, flicker and a walk, quantisation where it fits."""
+    problem = solution.problem
+    names = (*present(problem, solution.fitted), *(name for name in FREE if name in solution.candidates))
+    if Quantization.name in solution.candidates:
+        more = (*names, Quantization.name)
+        if estimate(problem, more, looks=1).powers[NAMES.index(Quantization.name)] > 0.0:
+            names = more
+    return tuple(dict.fromkeys(names))
+
+
 def _found(solution: Solution, name: str, *values: tuple[float, float, Interval]) -> TermEstimate:
     parameters = tuple(
         Parameter(quantity_name(name, word, solution.kind), *value, parameter_unit(name, word, solution.unit))
         for word, value in zip(TERMS[name].parameters, values, strict=True)
     )
     chosen = solution.table[0]
-    other = _rival(
-        solution.table, lambda choice: name not in choice.terms and not set(choice.terms) <= set(chosen.terms)
-    )
+    other = _rival(solution, name, lambda choice: name not in choice.terms)
     if name == Sinusoid.name or other is None:
         return TermEstimate(name, "estimated", parameters)
     gained = tuple(one for one in other.terms if one not in chosen.terms)
@@ -307,15 +398,21 @@ def not_identified(solution: Solution, name: str) -> TermEstimate:
     if name not in solution.candidates:
         return replace(found, code="like_filter" if any(run.band is not None for run in problem.runs) else "like_white")
     at, limit_at = problem.names.index(name) if name in NAMES else len(problem.names), None
+    chosen = solution.table[0]
+    other = _rival(solution, name, lambda choice: name in choice.terms)
+    rival = None if other is None else other.fitted
     if name == GAUSS_MARKOV:
         best = estimate(problem, (*present(problem, fitted), GAUSS_MARKOV))  # where it hides best, else the middle
         middle = 0.5 * (len(problem.table) - 1.0)
         fitted = replace(fitted, position=best.position if best.powers[-1] > 0.0 else middle)
-        limit_at = time_at(problem, fitted.position)
-    chosen = solution.table[0]
-    other = _rival(solution.table, lambda choice: name in choice.terms and not set(chosen.terms) <= set(choice.terms))
-    rival = None if other is None or name == GAUSS_MARKOV else other.fitted
-    power, needed = limit_and_record(problem, fitted, at, solution.sigma, rival)
+        alone = tuple(one for one in chosen.terms if one in FAST)
+        if rival is None and alone != chosen.terms:  # in place of what wanders
+            instead = estimate(problem, (*alone, GAUSS_MARKOV))
+            behind = criterion((*alone, GAUSS_MARKOV), instead) - chosen.criterion
+            rival = instead if behind < PLAUSIBLE and instead.powers[-1] > 0.0 else None
+    power, needed, base = limit_and_record(problem, fitted, at, solution.sigma, rival)
+    if name == GAUSS_MARKOV:
+        limit_at = time_at(problem, base.position)
     added = next((choice for choice in solution.table if name in choice.terms), None)
     worse = None if added is None else added.criterion - chosen.criterion
     found = replace(found, upper_limit=_root(power), record_needed=needed, limit_at=limit_at, worse=worse)
@@ -336,10 +433,11 @@ def _why_not(found: TermEstimate, chosen: Choice) -> dict[str, Any]:
     return {"code": "too_short" if found.record_needed > found.record else "small"}
 
 
-def _rival(table: tuple[Choice, ...], wanted: Callable[[Choice], bool]) -> Choice | None:
-    """Return the best choice of a kind, where it is nearly as good as the one that was taken."""
-    found = next((choice for choice in table[1:] if wanted(choice)), None)
-    return found if found is not None and found.criterion - table[0].criterion < PRICE else None
+def _rival(solution: Solution, name: str, wanted: Callable[[Choice], bool]) -> Choice | None:
+    """Return the best choice of a kind that may be true in place of the one that was taken; None where none may."""
+    nearly = PRICE if name in FAST else PLAUSIBLE
+    worse = solution.table[0].criterion + nearly
+    return next((one for one in solution.rivals if wanted(one) and one.criterion < worse), None)
 
 
 def _root(power: float | None) -> float | None:
@@ -354,6 +452,8 @@ def estimate_of(solution: Solution, found: tuple[TermEstimate, ...]) -> Estimate
     if fitted.powers[-1] > 0.0:
         slopes.append(time_at(solution.problem, fitted.position))
     covariance = solution.bread.covariance * np.outer(slopes, slopes)
+    wider = np.array([parameter.u for parameter in known]) / np.sqrt(np.diag(covariance))  # terms not chosen are free
+    covariance = covariance * np.outer(wider, wider)
     names = [parameter.name for parameter in known]  # numbered where one appears more than once: several lines
     counts = [names[: i + 1].count(name) for i, name in enumerate(names)]
     return Estimate(

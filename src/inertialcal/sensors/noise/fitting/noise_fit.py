@@ -73,6 +73,14 @@ class TermEstimate:
         return REASONS.get(self.code, "").format(others=", ".join(self.others))
 
 
+@dataclass(frozen=True)
+class Rival:
+    """Terms that may be true in place of those that were taken."""
+
+    terms: tuple[Term, ...]  # With the sizes that they have then
+    worse: float  # By how much the criterion is worse
+
+
 @dataclass(frozen=True, eq=False)
 class NoiseFit:
     """Noise terms of one axis."""
@@ -92,6 +100,7 @@ class NoiseFit:
     variance: tuple[Array, ...]  # A run each: Allan variances found [unit^2]
     expected: tuple[Array, ...]  # A run each: Allan variances expected [unit^2]
     remarks: tuple[Remark, ...] = ()  # What to know about it
+    rivals: tuple[Rival, ...] = ()  # Other terms of long averaging times that the record does not exclude, best first
 
     def term(self, name: str) -> TermEstimate | None:
         """Return what was found of a term; None if it was no candidate."""

@@ -24,9 +24,12 @@ from .likelihood import Fitted, estimate
 from .problem import GAUSS_MARKOV, LINEAR, Problem
 
 PRICE = 10.83  # of one unknown: 99.9 % point of chi-square with one degree of freedom
+PLAUSIBLE = 2.0 * PRICE  # worse by less than this, a choice may well be the true one
+NEARER = PRICE - 2.0  # the same with one of `SUPPLE`
 RAMP_COUNTS = 1  # unknowns that a ramp counts beyond its own
 
 NAMES = tuple(term.name for term in LINEAR)
+SUPPLE = frozenset({RateRamp.name, GAUSS_MARKOV})  # give much of what a walk gives: an unknown more fits any record
 
 
 @dataclass(frozen=True)
@@ -48,7 +51,7 @@ def choices(candidates: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
 def ranked(problem: Problem, candidates: tuple[str, ...]) -> tuple[Choice, ...]:
     """Return the different choices, best first.
 
-    With Gauss-Markov noise, those are left out that could not be best: no choice has less cost than all terms together.
+    With Gauss-Markov noise, those are left out that could not be nearly best: no choice has less cost than all terms.
     """
     fits: dict[tuple[str, ...], Fitted] = {}
 
@@ -66,7 +69,7 @@ def ranked(problem: Problem, candidates: tuple[str, ...]) -> tuple[Choice, ...]:
     for some in choices(candidates) if GAUSS_MARKOV in candidates else ():
         wanted = (*some, GAUSS_MARKOV)
         plain = RandomWalk.name in some or RandomWalk.name not in candidates
-        if plain and 2.0 * every.cost + PRICE * unknowns(wanted) < best:
+        if plain and 2.0 * every.cost + PRICE * unknowns(wanted) < best + NEARER:
             add(wanted)
     found = [Choice(there, criterion(there, fitted), fitted) for there, fitted in fits.items()]
     return tuple(sorted(found, key=lambda choice: choice.criterion))
