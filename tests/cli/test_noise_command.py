@@ -239,7 +239,6 @@ def test_what_can_be_told_is_told_with_what_is_wrong(
     [
         (HEAD, (STAMPS, np.full(N, 0.25)), 3, "a constant channel has no noise"),
         (HEAD, (STAMPS, np.full(N, np.nan)), 3, "no valid sample"),
-        (HEAD, (STAMPS[:5], rates()[:5]), 3, "no noise terms of x"),
         (HEAD, (STAMPS[SHUFFLED], rates()[SHUFFLED]), 3, "50 % of its steps go backward"),
         (HEAD, (np.zeros(N), rates()), 3, "it stands still"),
         (HEAD, (swapped(), rates()), 3, "bad.csv:3003: 1 stamp(s) run backwards"),

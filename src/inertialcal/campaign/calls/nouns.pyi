@@ -149,6 +149,7 @@ def allan(
     lines: bool | None = None,
     warm_up: str | None = None,
     disturbed: Literal['leave_out', 'keep'] | None = None,
+    cut_off: str | None = None,
     spectrum: Literal['welch', 'multitaper'] | None = None,
     segment: str | None = None,
     relative_error: float | None = None,
@@ -174,6 +175,7 @@ def allan(
     like: str | Path | None = None,
     for_filter: Sequence[Literal['kalibr', 'px4', 'gtsam', 'kf-gins']] | Literal['kalibr', 'px4', 'gtsam', 'kf-gins'] | None = None,
     horizon: str | None = None,
+    take: Sequence[Literal['bias_instability', 'rate_random_walk', 'rate_ramp', 'gauss_markov', 'upper_limit']] | Literal['bias_instability', 'rate_random_walk', 'rate_ramp', 'gauss_markov', 'upper_limit'] | None = None,
 ) -> Reduced: ...
 def psd(
     recordings: Given | Sequence[Given],
@@ -186,6 +188,7 @@ def psd(
     lines: bool | None = None,
     warm_up: str | None = None,
     disturbed: Literal['leave_out', 'keep'] | None = None,
+    cut_off: str | None = None,
     spectrum: Literal['welch', 'multitaper'] | None = None,
     segment: str | None = None,
     relative_error: float | None = None,
@@ -211,6 +214,7 @@ def psd(
     like: str | Path | None = None,
     for_filter: Sequence[Literal['kalibr', 'px4', 'gtsam', 'kf-gins']] | Literal['kalibr', 'px4', 'gtsam', 'kf-gins'] | None = None,
     horizon: str | None = None,
+    take: Sequence[Literal['bias_instability', 'rate_random_walk', 'rate_ramp', 'gauss_markov', 'upper_limit']] | Literal['bias_instability', 'rate_random_walk', 'rate_ramp', 'gauss_markov', 'upper_limit'] | None = None,
 ) -> Reduced: ...
 def sine(
     recordings: Given | Sequence[Given],
@@ -253,7 +257,7 @@ def mass_attraction(
     floor: float | None = None,
     high_g: Mapping[str, Any] | str | None = None,
     source: Mapping[str, Any] | str | None = None,
-    schedule: str | None = None,
+    schedule: Sequence[str] | str | None = None,
     gate: str | None = None,
     null: Sequence[str] | str | None = None,
     begin: str | None = None,

@@ -1,4 +1,4 @@
-"""Terms that a record cannot separate: intervals hold all the same, a remark gives both, and the limits allow for it."""
+"""Terms that a record cannot separate: intervals hold all the same, a remark gives both, limits allow for it."""
 
 from __future__ import annotations
 
