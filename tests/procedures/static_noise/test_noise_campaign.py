@@ -360,7 +360,7 @@ def test_bad_records_are_refused_with_their_place(still: Make, data: str) -> Non
             judged(still(content=constant))
         with pytest.raises(DataError, match="without noise"):
             judged(still(("relative_error = 0.1", 'terms = ["rate_ramp"]')))
-        with pytest.raises(DataError, match=r"an averaging time of 0\.03 s every 0\.02 s"):
+        with pytest.raises(DataError, match=r"averaging over 0\.03 s, but samples are 0\.02 s apart"):
             judged(still(('clock = { column = "unix_s" }', 'clock = { column = "unix_s", averaging = "0.03 s" }')))
     with pytest.raises(DataError, match="a warm-up of 600 s, the record is 120 s long"):
         run(still(("relative_error = 0.1", 'warm_up = "10 min"')), write=False)

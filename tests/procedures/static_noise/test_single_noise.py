@@ -143,7 +143,7 @@ def test_what_adds_up_to_a_rate_is_asked_for(quantity: Any) -> None:
         ({"warm_up": "3"}, UsageError, "warm_up"),
         ({"relative_error": 0.0}, UsageError, "relative_error"),
         ({"averaging": "much"}, UsageError, "averaging"),
-        ({"averaging": "1 s"}, DataError, "an averaging time of 1 s every 0.01 s"),
+        ({"averaging": "1 s"}, DataError, "averaging over 1 s, but samples are 0.01 s apart"),
         ({"warm_up": "1 h"}, DataError, "a warm-up of 3600 s"),
     ],
 )
