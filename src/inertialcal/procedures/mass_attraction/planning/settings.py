@@ -138,7 +138,7 @@ class Noise:
 class RepeatingDrift:
     """A drift that repeats in every run: size, and time constant or period."""
 
-    size: float = setting("Largest change of it.", unit="m/s^2", above=0.0, example="20 ug")
+    size: float = setting("Largest change of the drift.", unit="m/s^2", above=0.0, example="20 ug")
     time: float | None = setting("Time constant from the start of each run.", None, unit="s", above=0.0, example="1 h")
     period: float | None = setting(
         "Period, instead of `time`: of a thermostat that is switched on with each run.", None, unit="s", above=0.0,
