@@ -341,8 +341,9 @@ def _amplitude(case: Case, x: Array, member: Member, reduced: Reduced | None, un
         there = np.isfinite(rest)
         phase = 2.0 * np.pi * frequency * float(times[there][0] - times[0])
         drive = sine_drive(times[there], frequency, phase)
-        fit = fit_line(design_of(drive, "dct") if reduced is None else design_of(drive, "polynomial", 0), rest[there])
+        fit = fit_line(design_of(drive, smooth=reduced is None), rest[there])
     except InertialcalError as error:
         return not_estimated(key, unit, Reason("no_line", error.problems[0].what), member=member)
+    dof = float(fit.dof[0])
     value, u = float(fit.in_phase[0]) / gain, float(fit.u_in_phase[0]) / abs(gain)
-    return Row(key, value, u, unit, fit.dof, t_interval(value, u, fit.dof), member=member)
+    return Row(key, value, u, unit, dof, t_interval(value, u, dof), member=member)

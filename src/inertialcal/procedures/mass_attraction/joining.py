@@ -141,7 +141,10 @@ class Quiet:
 
     def response(self, plan: Plan) -> Response:
         """Return the response with its line put back, and the noise that it had before; errors as `response_of`."""
-        found = response_of(plan, self.run)
+        return self.restored(response_of(plan, self.run))
+
+    def restored(self, found: Response) -> Response:
+        """Return the response of the quiet run with its line put back, and the noise that it had before."""
         if not self.m:
             return found
         u, u_quadrature = np.array([found.u, found.u_quadrature]) * np.sqrt(self.m / (self.m - 1.0))

@@ -18,6 +18,7 @@ NONE = 1e-9  # of a length: smaller is zero
 
 
 FEWEST = 12  # readings
+BESIDE = 4  # lines on each side of the drive, that are shown
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +32,8 @@ class Fitted:
     dof: float  # Degrees of freedom of both
     drift: Array  # shape (n,): NaN for a gap
     line: Array  # shape (n,): NaN for a gap
-    frequencies: Array  # shape (m,): of the drive, then of its side bands [Hz]
+    frequencies: Array  # shape (m,): of the drive, then of the lines next to it [Hz]
+    found: LineFit  # The fit itself
 
 
 def shape_of(schedule: Schedule) -> Array:
@@ -48,47 +50,41 @@ def start_phase(schedule: Schedule) -> float:
     return float(np.arctan2(b, a))
 
 
-def fit_lines(schedule: Schedule, series: Array, side_bands: int | None = None) -> tuple[LineFit, NDArray[np.bool_]]:
-    """Return the line of the drive in series of the same dwells, and the dwells that were fitted.
-
-    Parameters
-    ----------
-    schedule : Schedule
-        n dwells.
-    series : ndarray, shape (n,) or (n, k)
-        Readings; rows with a NaN are left out.
-    side_bands : int, optional
-        Lines on each side that the noise is read from; ``signals.sine`` chooses by default.
+def line_design(schedule: Schedule, there: NDArray[np.bool_]) -> Design:
+    """Return the line and drift that are fitted to the dwells with a reading.
 
     Raises
     ------
     DataError
         ``too_short`` if there are too few readings; as ``signals.sine``.
     """
-    there: NDArray[np.bool_] = np.asarray(np.isfinite(series.reshape(len(series), -1)).all(axis=1))
     if there.sum() < FEWEST:
-        what = f"{int(there.sum())} of {len(series)} dwells have a reading: a line needs at least {FEWEST}"
+        what = f"{int(there.sum())} of {len(there)} dwells have a reading: a line needs at least {FEWEST}"
         raise DataError(what, do="Measure longer", code="too_short")
-    return fit_drive(line_design(schedule, there, side_bands), series[there]), there
+    return design_of(applied_drive(schedule.middle[there], shape_of(schedule)[there], schedule.frequency))
 
 
-def line_design(schedule: Schedule, there: NDArray[np.bool_], side_bands: int | None) -> Design:
-    """Return the line and drift that are fitted to the dwells with a reading."""
-    drive = applied_drive(schedule.middle[there], shape_of(schedule)[there], schedule.frequency)
-    return design_of(drive, side_bands=side_bands)
+def fit_series(schedule: Schedule, x: Array) -> LineFit:
+    """Return the line of the drive in one series, shape (n,), NaN for a gap; errors as `line_design`."""
+    there = np.isfinite(x)
+    return fit_drive(line_design(schedule, there), x[there])
 
 
-def fit_line(schedule: Schedule, x: Array, side_bands: int | None = None) -> Fitted:
-    """Return the line of the drive in one series, shape (n,); errors as `fit_lines`."""
-    found, there = fit_lines(schedule, x, side_bands)
+def fitted_line(found: LineFit, there: NDArray[np.bool_]) -> Fitted:
+    """Return the line of a series, whose readings are at the dwells of a mask, shape (n,)."""
     line, drift = np.full((2, len(there)), np.nan)
     line[there], drift[there] = found.fitted()
     quadrature = np.nan if found.quadrature is None else float(found.quadrature[0])
     u_quadrature = np.nan if found.u_quadrature is None else float(found.u_quadrature[0])
-    drive, steps = found.design.drive, np.arange(1, found.design.side_bands + 1)
-    near = np.abs(drive.frequency + np.concatenate([-steps, steps]) / drive.span)
-    frequencies = np.concatenate([[drive.frequency], np.unique(near[near <= 0.5 / drive.step * (1.0 + NONE)])])
+    drive = found.design.drive
+    lines = drive.frequency + np.arange(-BESIDE, BESIDE + 1) / drive.span
+    near = lines[(np.arange(-BESIDE, BESIDE + 1) != 0) & (lines <= 0.5 / drive.step * (1.0 + NONE)) & (lines > 0.0)]
     return Fitted(
-        float(found.in_phase[0]), float(found.u_in_phase[0]), quadrature, u_quadrature, found.dof, drift, line,
-        frequencies,
+        float(found.in_phase[0]), float(found.u_in_phase[0]), quadrature, u_quadrature, float(found.dof[0]), drift,
+        line, np.concatenate([[drive.frequency], near]), found,
     )  # fmt: skip
+
+
+def fit_line(schedule: Schedule, x: Array) -> Fitted:
+    """Return the line of the drive in one series, shape (n,), NaN for a gap; errors as `line_design`."""
+    return fitted_line(fit_series(schedule, x), np.isfinite(x))

@@ -56,10 +56,6 @@ class Plan:
         "Amplitude by which the moved mass tilts the mercury of the meter, in phase with the attraction.",
         0.0, difference="rad", example="1e-9 rad",
     )  # fmt: skip
-    side_bands: int | None = setting(
-        "Lines on each side of the drive that the noise is read from; 4 to 8 by default, by the length of the run.",
-        None, example="8",
-    )  # fmt: skip
     floor: float = setting(
         "Smallest response that counts as a signal, in standard uncertainties.", 3.0, above=0.0, example="3"
     )

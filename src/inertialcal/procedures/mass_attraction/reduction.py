@@ -29,11 +29,12 @@ from ...core.results import Row
 from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.tables import Block, html, text
 from ...physics.motion.schedule import Schedule, repeated
+from .drift import drift_remarks
 from .joining import Joined, estimate_of, joined, quiet_runs
 from .plan import INFLUENCES, HighG, Plan, SourceMass
 from .published import published_lines
 from .readings import Line, Readings, Run, SourceMassRecording, readings_from, run_of_rows
-from .response import Response, response_of_line
+from .response import Response, response_of_line, responses_of
 from .rows import check_source, curves, result_remarks, rows, series_remarks
 
 __all__ = [
@@ -130,8 +131,12 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     if plan.source is not None:
         for run in readings.series:
             check_source(plan.source, run)
+    quiet = quiet_runs(readings.series)
     responses = (
-        *(one.response(plan) for one in quiet_runs(readings.series)),
+        *(
+            one.restored(found)
+            for one, found in zip(quiet, responses_of(plan, [one.run for one in quiet]), strict=True)
+        ),
         *(response_of_line(one) for one in readings.lines),
     )
     moved = [one for one in responses if one.moved]
@@ -142,5 +147,12 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     else:
         reason = f"the response of {len(moved)} run(s) is below {plan.floor:g} times the noise floor"
         result = Result(plan, readings, responses, None, both.scatter, None, reason)
-    remarks = gather([*readings.remarks, *series_remarks(plan, readings), *result_remarks(result)])
+    remarks = gather(
+        [
+            *readings.remarks,
+            *series_remarks(plan, readings),
+            *drift_remarks(readings.series, responses),
+            *result_remarks(result),
+        ]
+    )
     return replace(result, remarks=remarks)

@@ -18,15 +18,17 @@ subtracted first. Then, with the remaining tilt Y:
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ...signals.sine.fit import LineFit, common_noise
 from .changes import Changes, changes_of
-from .line import Fitted, fit_line, start_phase
+from .line import Fitted, fit_line, fit_series, fitted_line, start_phase
 from .plan import Plan
 from .readings import Line, Run
 from .tilt import G, pad_tilt, tilt_used, without_tilt
@@ -42,7 +44,7 @@ class Response:
     moved: bool  # False for a null run
     applied: float  # Amplitude of the drive, of a null run that of a moved mass [m/s^2]
     amplitude: float  # In phase with the drive [count/s]
-    u: float  # Its standard uncertainty from the lines next to it [count/s]
+    u: float  # Its standard uncertainty from the noise of the runs [count/s]
     dof: float  # Degrees of freedom of ``u``
     quadrature: float = np.nan  # A quarter of a cycle ahead [count/s]; NaN if not known
     u_quadrature: float = np.nan  # Its standard uncertainty [count/s]; NaN if not known
@@ -74,13 +76,36 @@ class Response:
 
 
 def response_of(plan: Plan, run: Run) -> Response:
-    """Return the response of a run.
+    """Return the response of a run, with its own noise; errors as `responses_of`."""
+    return responses_of(plan, [run])[0]
+
+
+def responses_of(plan: Plan, runs: Sequence[Run]) -> list[Response]:
+    """Return the responses of runs, with the noise of all of them where it may be the same.
 
     Raises
     ------
     DataError
-        ``schedule_slip``, if the mass came a dwell late or early from some dwell on; as `line.fit_line`.
+        ``schedule_slip``, if the mass came a dwell late or early from some dwell on; as `line.line_design`.
     """
+    prepared = [_prepared(plan, run) for run in runs]
+    fits = common_noise([one.found for one in prepared])
+    return [_response(run, one, found) for run, one, found in zip(runs, prepared, fits, strict=True)]
+
+
+class _Prepared(NamedTuple):
+    """Readings of a run less its tilt, their fit, and the line of the tilt."""
+
+    series: Array
+    found: LineFit
+    mode: str
+    coefficient: float
+    u_coefficient: float
+    meter: Fitted | None
+    changes: Changes
+
+
+def _prepared(plan: Plan, run: Run) -> _Prepared:
     mode = tilt_used(plan, run)
     tilt = None if run.tilt is None or mode == "ignored" else pad_tilt(plan, run)
     try:
@@ -88,10 +113,16 @@ def response_of(plan: Plan, run: Run) -> Response:
         changes = changes_of(run.schedule, x, run.moved)
         _check_schedule(run, changes)
         x = changes.repaired(x) if changes.repairable else x
-        found = fit_line(run.schedule, x, plan.side_bands)
+        found = fit_series(run.schedule, x)
         meter = None if tilt is None else fit_line(run.schedule, np.where(np.isfinite(x), tilt, np.nan))
     except DataError as error:
         raise DataError([replace(one, where=one.where or run.where or run.name) for one in error.problems]) from None
+    return _Prepared(x, found, mode, p, u_p, meter, changes)
+
+
+def _response(run: Run, prepared: _Prepared, fit: LineFit) -> Response:
+    x, _, mode, p, u_p, meter, changes = prepared
+    found = fitted_line(fit, np.isfinite(x))
     tau, u_tau = (np.nan, np.nan) if meter is None else (meter.amplitude, meter.u)
     applied, amplitude, u = run.schedule.amplitude, found.amplitude, found.u
     if changes.repairable:

@@ -7,7 +7,8 @@ import numpy as np
 from ...core.constants import STANDARD_GRAVITY
 from ...core.errors import PlanError
 from ...core.estimate import Array
-from .line import fit_lines
+from ...signals.sine.fit import contrasts_of
+from .line import line_design
 from .plan import Plan
 from .readings import Run
 
@@ -25,12 +26,10 @@ def without_tilt(plan: Plan, run: Run, tilt: Array | None, mode: str) -> tuple[A
         p = (plan.nominal or 0.0) * G
         return run.reading - p * tilt, p, 0.0
     both = np.column_stack([run.reading, tilt / np.nanstd(tilt)])
-    found, there = fit_lines(run.schedule, both, plan.side_bands)
-    line = [found.in_phase] if found.quadrature is None else [found.in_phase, found.quadrature]
-    columns = np.concatenate([part for _, part in found.design.parts(found.design.main)], axis=1)
-    x, y = (both[there] - columns.T @ np.vstack([*line, found.drift])).T
+    there = np.isfinite(both).all(axis=1)
+    x, y = np.concatenate(contrasts_of(line_design(run.schedule, there), both[there])[0]).T
     p = float(x @ y / (y @ y))
-    residual = float(np.sum((x - p * y) ** 2)) / max(len(x) - found.design.main - 1, 1)
+    residual = float(np.sum((x - p * y) ** 2)) / max(len(x) - 1, 1)
     scale = float(np.nanstd(tilt))
     return run.reading - p / scale * tilt, p / scale, float(np.sqrt(residual / (y @ y))) / scale
 

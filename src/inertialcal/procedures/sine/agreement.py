@@ -33,14 +33,14 @@ def agreement(plan: Plan, readings: Readings) -> list[Remark]:
     fitted: list[tuple[Driven, LineFit]] = []
     for one in readings.driven:
         try:
-            fitted.append((one, fit_line(design_of(one.drive, plan.drift, plan.order, plan.side_bands), one.readings)))
+            fitted.append((one, fit_line(design_of(one.drive), one.readings)))
         except (DataError, PlanError):  # the reduction says why
             continue
     found: list[Remark] = []
     for axis in dict.fromkeys(one.channel.axis for one, _ in fitted):
         alike = [
-            Measured(one.name, float(fit.in_phase[0]) / one.applied, float(fit.u_in_phase[0]) / one.applied, fit.dof,
-                     one.where)
+            Measured(one.name, float(fit.in_phase[0]) / one.applied, float(fit.u_in_phase[0]) / one.applied,
+                     float(fit.dof[0]),                     one.where)
             for one, fit in fitted if one.channel.axis == axis and one.applied
         ]  # fmt: skip
         found += unlike_others(alike, axis, None, "recording")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 from ...core.settings import setting
 
@@ -23,7 +22,7 @@ class Drive:
 
 @dataclass(frozen=True)
 class Plan:
-    """Which drive, and how the drift under it is described."""
+    """Which drive."""
 
     period: float | None = setting(
         "True time from cycle to cycle, pauses included; else the recording has a schedule of its drive.",
@@ -34,6 +33,3 @@ class Plan:
     phase: float | None = setting(
         "Phase of the sine at the first sample; free if not given.", None, unit="rad", example="90 deg"
     )
-    drift: Literal["dct", "polynomial"] = setting("A straight line and the lowest cosines, or a polynomial.", "dct")
-    order: int | None = setting("Highest cosine, or degree of the polynomial; chosen if not given.", None, example="6")
-    side_bands: int | None = setting("Lines on each side that give the noise; chosen if not given.", None, example="8")

@@ -1,8 +1,10 @@
 """A known drive in drift: its line in each channel, with the noise of the neighbouring lines.
 
 Estimated: amplitude (and phase, where it is free) of a sine of known period, or of a sequence of dwells that was
-applied. Assumed: nothing else follows the drive; drift is a line and low cosines, or a polynomial. The uncertainty: the
-noise on neighbouring lines, taken as that on the line itself.
+applied. Assumed: nothing else follows the drive; drift is smooth over a period of the drive, or longer. The uncertainty:
+white noise and a random walk, as sums of readings show them that neither drive nor drift enters (``signals.sine.fit``).
+Where real data break it: drift with parts near the drive (remarked: ``drift_near_drive``), a step in the level
+(``jump``), a response that changes within the record (``scale_changed``).
 
 References
 ----------
@@ -28,7 +30,7 @@ from ...core.show.rounding import number, with_uncertainty
 from ...core.units import FILE_UNIT
 from ...files.text.headers import bare_name
 from ...signals.sine.amplitude import amplitude_of
-from ...signals.sine.cross_checks import CrossCheck, cross_checks
+from ...signals.sine.cross_checks import CrossCheck, cross_checks, smoothing_remark
 from ...signals.sine.fit import LineFit, design_of, fit_line
 from ...statistics.intervals import chi_square_interval, coverage_factor, t_interval, upper_bound
 from .inputs import SEEN, Driven
@@ -39,6 +41,7 @@ FEW_DOF = 8.0
 STRANGE = 0.999  # probability of the interval outside which the quadrature of a known phase is remarked
 MOST = 4000  # rows of a curve
 METHODS = {"alternating_differences": Method.DIFFERENCES, "generalised_least_squares": Method.GENERALISED}
+SIDES = 6  # lines on each side of the drive, that are marked
 AROUND = 3  # shown lines on each side, over the side bands
 
 
@@ -107,8 +110,7 @@ def line_of(plan: Plan, driven: Driven) -> SineResult:
     DataError, PlanError
         As ``signals.sine``.
     """
-    design = design_of(driven.drive, plan.drift, plan.order, plan.side_bands)
-    fit = fit_line(design, driven.readings)
+    fit = fit_line(design_of(driven.drive), driven.readings)
     checks = cross_checks(fit, driven.readings) if driven.drive.phase_known else ()
     return SineResult(driven, fit, checks)
 
@@ -130,12 +132,16 @@ class SineResult:
     def _axis(self) -> str:
         return self.driven.channel.axis or bare_name(self.driven.channel.name)
 
+    @property
+    def _dof(self) -> float:
+        return float(self.fit.dof[0])
+
     def rows(self) -> tuple[Row, ...]:
         """Return amplitude, quadrature or phase, noise density, and the other estimates."""
         known, part = self.fit.design.drive.phase_known, self.driven.response
         density = float(np.sqrt(self.fit.density[0]))
-        u, interval = density / math.sqrt(2.0 * self.fit.dof), chi_square_interval(density, self.fit.dof)
-        noise = Row(Key("noise_density", self._axis), density, u, f"{self.unit}/sqrt(Hz)", self.fit.dof, interval)
+        u, interval = density / math.sqrt(2.0 * self._dof), chi_square_interval(density, self._dof)
+        noise = Row(Key("noise_density", self._axis), density, u, f"{self.unit}/sqrt(Hz)", self._dof, interval)
         checked = [
             Row(Key("amplitude", self._axis), one.value / part, one.u / part, self.unit, method=METHODS[one.name])
             for one in self.checks
@@ -144,7 +150,7 @@ class SineResult:
         return (*(self._known_phase() if known else self._free_phase()), noise, *checked)
 
     def _known_phase(self) -> Iterator[Row]:
-        fit, dof, part = self.fit, self.fit.dof, self.driven.response
+        fit, dof, part = self.fit, self._dof, self.driven.response
         key, value, u = Key("amplitude", self._axis), float(fit.in_phase[0]) / part, float(fit.u_in_phase[0]) / part
         limited = abs(value) < FLOOR * u
         if limited:
@@ -173,33 +179,28 @@ class SineResult:
         assert fit.u_quadrature is not None  # noqa: S101
         a, b = float(fit.in_phase[0]), float(fit.quadrature[0])
         u = float(np.hypot(fit.u_in_phase[0], fit.u_quadrature[0]) / np.sqrt(2.0))
-        found = amplitude_of(a, b, u, fit.dof)
+        found = amplitude_of(a, b, u, self._dof)
         value, own, key = float(found.value[0]) / part, u / part, Key("amplitude", self._axis)
         if float(found.chance[0]) > 0.05 or math.hypot(a, b) < FLOOR * u:
             length = math.hypot(a, b) / part
             why = f"length {number(length, 3)}, noise of a component {number(own, 3)}: below {FLOOR:g} times it"
-            yield _upper_limit(key, float(found.limit[0]) / part, self.unit, fit.dof, why)
+            yield _upper_limit(key, float(found.limit[0]) / part, self.unit, self._dof, why)
             return
         interval = Interval(float(found.lo[0]) / part, float(found.hi[0]) / part)
-        yield Row(key, value, own, self.unit, fit.dof, interval)
+        yield Row(key, value, own, self.unit, self._dof, interval)
         angle, u_angle = math.degrees(math.atan2(b, a)), math.degrees(own / value)
-        yield Row(Key("phase", self._axis), angle, u_angle, "deg", fit.dof, t_interval(angle, u_angle, fit.dof))
+        yield Row(Key("phase", self._axis), angle, u_angle, "deg", self._dof, t_interval(angle, u_angle, self._dof))
 
     def summary(self) -> str:
         """Return one line: drive, readings, drift and noise, and why an amplitude is an upper limit."""
-        design, drive = self.fit.design, self.fit.design.drive
+        drive = self.fit.design.drive
         kind = "sine" if drive.quadrature is not None else "applied sequence"
-        drift = (
-            f"polynomial of degree {design.rows}"
-            if design.drift == "polynomial"
-            else f"a line and {design.rows} cosines"
-        )
         limits = [f"; {row.quantity}: {row.reason}" for row in self.rows() if row.status == "upper_limit"]
         return (
             f"{self._axis}: {kind} of {number(1.0 / drive.frequency, 6)} s,"
             f" phase {'known' if drive.phase_known else 'free'},"
-            f" {len(self.driven.readings)} readings, {number(drive.cycles, 5)} cycles, drift: {drift}, noise from"
-            f" {design.side_bands} line(s) on each side ({number(self.fit.dof, 3)} degrees of freedom){''.join(limits)}"
+            f" {len(self.driven.readings)} readings, {number(drive.cycles, 5)} cycles, noise with"
+            f" {number(self._dof, 3)} degrees of freedom{''.join(limits)}"
         )
 
     def remarks(self) -> tuple[Remark, ...]:
@@ -213,12 +214,21 @@ class SineResult:
             level: Severity = "warning" if more * length > fit.u_in_phase[0] else "info"
             do = f'Say how samples are made: --averaging "{step} s" for means, --averaging "0 s" for points'
             remarks.append(Remark("averaging", level, what, do=do))
-        if fit.dof < FEW_DOF:
-            what = f"the noise has {fit.dof:g} degrees of freedom: there is room for few side bands"
-            remarks.append(Remark("few_side_bands", "warning", what, do="Record more cycles"))
+        if self._dof < FEW_DOF:
+            what = (
+                f"the noise has {number(self._dof, 2)} degrees of freedom: {number(fit.design.drive.cycles, 3)} cycles"
+            )
+            remarks.append(Remark("few_cycles", "warning", what, do="Record more cycles"))
+        known = fit.design.drive.phase_known
+        amplitude = float(fit.in_phase[0]) if known or fit.quadrature is None else math.hypot(
+            float(fit.in_phase[0]), float(fit.quadrature[0]))  # fmt: skip
+        shifts = [(one.length, float(one.value[0]), float(one.u[0]), float(one.dof[0]))
+                  for one in fit.shifts if not (known and one.across)]  # fmt: skip
+        if (moved := smoothing_remark(shifts, amplitude, float(fit.u_in_phase[0]))) is not None:
+            remarks.append(moved)
         if fit.design.drive.phase_known and fit.quadrature is not None and fit.u_quadrature is not None:
             across = float(fit.quadrature[0])
-            if abs(across) > coverage_factor(fit.dof, STRANGE) * fit.u_quadrature[0]:
+            if abs(across) > coverage_factor(self._dof, STRANGE) * fit.u_quadrature[0]:
                 turn = math.degrees(math.atan2(across, float(fit.in_phase[0])))
                 what = f"the line is {number(turn, 3)} deg ahead of the drive: part of it is not in phase"
                 do = "Check phase and schedule against the clock of the record; a response that lags does the same"
@@ -245,7 +255,7 @@ class SineResult:
         return Curve("sine_series", self._axis, columns)
 
     def _lines(self, rest: Array) -> Curve:
-        drive, sides = self.fit.design.drive, self.fit.design.side_bands
+        drive, sides = self.fit.design.drive, SIDES
         reach = np.arange(-AROUND * sides, AROUND * sides + 1)
         frequency = drive.frequency + reach / drive.span
         good = (frequency > 0.5 / drive.span) & (frequency <= 0.5 / drive.step * (1.0 + 1e-9))

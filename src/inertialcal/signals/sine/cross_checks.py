@@ -1,10 +1,13 @@
 """Other estimates of the same record beside the fit, and whether they agree with it.
 
-All are sums of the same readings with other weights, so they share most of their noise: what may differ between them
-is the noise in the difference of the weights, far less than their uncertainties together. Where noise is told by
-generalised least squares its covariance is used for it; in longer records noise is taken as white with the density at
-the drive. More than three standard deviations of that difference is called a disagreement: drift that one of them does
-not take out.
+Both are sums of the same readings with other weights, so they share most of their noise with the fit: what may differ
+is the noise in the difference of the weights, far less than their uncertainties together. It is that of the noise found
+with the fit; where the fit takes the scatter of its stretches, white noise with the density at the drive. More than
+three standard deviations of that difference is called a disagreement.
+
+Another length of the smoothing: drift that is smooth over 1.25 periods of the drive is also smooth over 1.5, and no part
+of the amplitude. Where the amplitude depends on the length, drift is not smooth: a sine of less than two periods of the
+drive is found before it matters, a kink or a corner is not.
 
 Amplitude from alternating differences of half periods: a check that needs no model of drift.
 
@@ -13,47 +16,42 @@ over the mean of the drive's square. Of half periods one after another the sums:
 
     sum over k = 0 ... n of C(n, k) u_(j+k) / 2^n
 
-keep the amplitude and take out drift that is a polynomial of a degree below n: the drive changes its sign each time,
-so that a level enters neighbours with opposite signs. Their mean over all j is the estimate. Half periods with a
+keep the amplitude and take out drift that is a polynomial of a degree below n [1]_: the drive changes its sign each
+time, so that a level enters neighbours with opposite signs. Their mean over all j is the estimate. Half periods with a
 missing sample are left out, with the sums that they are in.
 
-Generalised least squares with white noise, 1/f noise and a random walk: a check of estimate and uncertainty.
-
-The record is drive, a straight line and noise whose three parts are found by restricted maximum likelihood: only
-contrasts enter that a straight line does not see, of which 1/f noise and random walks have a variance. Then the drive
-is fitted with the covariance found. Where drift is no such noise (a thermostat's saw-tooth) the uncertainty is too
-large, so this is the check and not the estimate. Time is of order n^3: for short records.
+Generalised least squares: the drive, a cubic and the same smooth drift, in the noise that was found in place of white
+noise. Where a random walk is strong it knows the amplitude better than the fit, whose weights are fixed.
 
 References
 ----------
 .. [1] H. E. Swanson and S. Schlamminger, Meas. Sci. Technol. 21 (2010) 115104, arXiv:1009.1894.
-.. [2] D. A. Harville, J. Am. Stat. Assoc. 72 (1977) 320 (restricted maximum likelihood).
-.. [3] G. Matheron, Adv. Appl. Prob. 5 (1973) 439 (generalised covariances).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy import linalg, special
+from scipy import special
 
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.remarks import Remark
-from ...statistics.slow_noise import flicker_covariance, walk_covariance
+from ...core.show.rounding import number
 from .drive import Drive
 from .fit import LineFit
+from .smooth import LENGTH
 
+FALSE = 0.01  # chance of a change with the smoothing by noise alone
+LARGE = 0.7  # of the uncertainty: a smaller change with the smoothing is none
 MOST = 3.0  # standard deviations of a difference
 SMALL = 1e-3  # of the uncertainty of the fit: a smaller difference is none
-ORDER = 2  # differences of three half periods
+ORDER = 8  # differences of nine half periods
+PART = 4  # half periods for each order, in a short record
 EVEN = 1e-3  # of a sample interval, by which samples may be off an even grid
 ANTISYMMETRIC = 0.02  # of the drive's size, by which half periods may differ
-LARGEST = 400  # samples
-STARTS = (-4.0, 0.0, 4.0)  # of the search: ln of the slow parts over the white one, both at their mean variance
-LOWEST, HIGHEST = -12.0, 16.0  # of it
 
 
 @dataclass(frozen=True)
@@ -82,9 +80,40 @@ class CrossCheck:
     def remark(self) -> Remark:
         """Return what is said of a disagreement."""
         words = self.name.replace("_", " ")
-        what = f"{words} differ from the fit by {self.difference:.3g}, noise explains {self.u_difference:.2g}"
+        what = f"{words} differ from the fit by {number(self.difference or 0.0, 3)},"
+        what += f" noise explains {number(self.u_difference or 0.0, 2)}"
         do = "Check the drift: one method may not remove a step, a saw-tooth or a change of the noise"
         return Remark("methods_disagree", "warning", what, do=do)
+
+
+def smoothing_remark(shifts: Sequence[tuple[float, float, float, float]], value: float, u: float) -> Remark | None:
+    """Return what is said of an amplitude that depends on the length of the smoothing; None where it does not.
+
+    A change counts that noise explains in one of a hundred records, and that is as large as the uncertainty: drift that
+    enters the amplitude enters that with a longer smoothing more.
+
+    Parameters
+    ----------
+    shifts : sequence of (length, value, u, dof)
+        Changes of the amplitude with other lengths [periods of the drive].
+    value, u : float
+        The amplitude and its standard uncertainty by noise.
+    """
+    found = []
+    for length, change, u_change, dof in shifts:
+        chance = 2.0 * len(shifts) * float(special.stdtr(dof, -abs(change) / u_change))
+        if chance < FALSE and abs(change) > LARGE * u:
+            found.append((abs(change), length, u_change))
+    if not found:
+        return None
+    change, length, u_change = max(found)
+    part = f"{number(100.0 * change / abs(value), 2)} %" if value else number(change, 2)
+    what = f"the amplitude changes by {part} if drift is smooth over {length:g} periods of the drive in place of"
+    what += (
+        f" {LENGTH:g}: {number(change / u, 2)} times its uncertainty, {number(change / u_change, 2)} times the noise"
+    )
+    do = "Drift has parts near the frequency of the drive: find them, or drive at another frequency"
+    return Remark("drift_near_drive", "error", what, do=do)
 
 
 def cross_checks(found: LineFit, readings: Array) -> tuple[CrossCheck, ...]:
@@ -97,43 +126,36 @@ def cross_checks(found: LineFit, readings: Array) -> tuple[CrossCheck, ...]:
     readings : ndarray, shape (n,)
         The first record of the fit.
     """
-    x = np.asarray(readings, dtype=np.float64) - float(np.median(readings))
-    checks, noise = [], None
+    design, noise = found.design, found.found
+    checks = []
     try:
-        noise = generalised_fit(found.design.drive, x)
-        checks.append(_compared("generalised_least_squares", noise.weights, found, x, noise, noise.u))
+        checks.append(_compared("alternating_differences", difference_weights(design.drive), found, readings))
     except DataError as error:
-        problem = error.problems[0]
-        checks.append(CrossCheck("generalised_least_squares", reason=f"{problem.what}: {problem.why}"))
-    try:
-        weights = difference_weights(found.design.drive)
-        checks.insert(0, _compared("alternating_differences", weights, found, x, noise, None))
-    except DataError as error:
-        checks.insert(0, CrossCheck("alternating_differences", reason=error.problems[0].why))
-    return tuple(checks)
+        checks.append(CrossCheck("alternating_differences", reason=error.problems[0].why))
+    name, cells = "generalised_least_squares", len(design.counts)
+    if noise is None or len(design.stretches) > 1 or cells < len(design.cell):
+        why = f"{len(design.cell)} samples: the fit is made in stretches, or of means"
+        return (*checks, CrossCheck(name, reason=why))
+    one = design.stretches[0]
+    share = max(float(noise.share @ noise.chance[:, 0]), 0.0)
+    walk = one.walk + 0.5 * np.ptp(one.times) / one.step  # no weight sees the constant, which makes it positive
+    covariance = (1.0 - share) * np.eye(cells) + share / noise.unit * walk
+    return (*checks, _compared(name, one.weights(noise=covariance)[0], found, readings))
 
 
-def _compared(
-    name: str, weights: Array, found: LineFit, x: Array, noise: Generalised | None, u: float | None
-) -> CrossCheck:
-    value, sigma = float(weights @ x), float(found.noise[0])
+def _compared(name: str, weights: Array, found: LineFit, readings: Array) -> CrossCheck:
+    x = np.asarray(readings, dtype=np.float64)
+    value = float(weights @ (x - np.median(x)))
     difference = value - float(found.in_phase[0])
-    if noise is not None and len(x) <= LARGEST:
-        own = found.weights_on(np.eye(len(x)))
-        apart = weights - own
-        square, spread = float(apart @ noise.covariance @ apart), float(weights @ noise.covariance @ weights)
-    else:
-        shared = float(found.weights_on(weights[:, None])[0])
-        own_square = float((found.u_in_phase[0] / sigma) ** 2)
-        spread = sigma**2 * float(weights @ weights)
-        square = spread - 2.0 * sigma**2 * shared + sigma**2 * own_square
     floor = SMALL * float(found.u_in_phase[0])
-    return CrossCheck(name, value, u or float(np.sqrt(max(spread, 0.0))), difference,
-                      float(np.sqrt(max(square, floor**2))))  # fmt: skip
+    each = [found.u_of(one) for one in (weights, weights - found.weights)]
+    return CrossCheck(name, value, each[0], difference, max(each[1], floor))
 
 
-def difference_weights(drive: Drive, order: int = ORDER) -> Array:
+def difference_weights(drive: Drive, order: int | None = None) -> Array:
     """Return what the estimate by differences of an order weighs each reading with, shape (n,).
+
+    By default the order is 8, in a short record a quarter of its half periods.
 
     Raises
     ------
@@ -145,6 +167,7 @@ def difference_weights(drive: Drive, order: int = ORDER) -> Array:
     at = np.round((drive.times - drive.times[0]) / drive.step).astype(np.int64)
     n = int(at[-1]) + 1
     count = n // size
+    order = min(ORDER, max(count // PART, 2)) if order is None else order
     signal, there = np.zeros(n), np.zeros(n, dtype=np.bool_)
     signal[at], there[at] = drive.in_phase, True
     halves = signal[: count * size].reshape(count, size)
@@ -182,82 +205,3 @@ def _pattern(halves: Array) -> Array:
 
 def _impossible(why: str) -> DataError:
     return DataError("cannot form alternating differences", why=why, code="no_half_periods")
-
-
-@dataclass(frozen=True, eq=False)
-class Generalised:
-    """Estimate in phase, with the weights and the covariance behind it."""
-
-    # value, u: amplitude in phase and its standard uncertainty, the noise taken as found
-    value: float
-    u: float
-    weights: Array  # of the readings, shape (n,)
-    covariance: Array  # generalised, of the readings: for weights that add up to 0, shape (n, n)
-
-
-def generalised_fit(drive: Drive, readings: Array) -> Generalised:
-    """Fit a drive to readings, shape (n,), all finite, with noise that the record shows.
-
-    Raises
-    ------
-    DataError
-        ``too_long`` above 400 samples.
-    """
-    n = len(readings)
-    if n > LARGEST:
-        raise DataError(f"{n} samples", why=f"noise can be estimated from at most {LARGEST}", code="too_long")
-    place = 2.0 * (drive.times - drive.times[0]) / drive.span - 1.0
-    rest = np.linalg.qr(np.column_stack([np.ones(n), place]), mode="complete")[0][:, 2:]
-    parts = [rest.T @ part @ rest for part in _slow(drive)]
-    line = [drive.in_phase] if drive.quadrature is None else [drive.in_phase, drive.quadrature]
-    columns = rest.T @ np.column_stack([*line, readings])
-    logs = _likeliest_parts(parts, columns)
-    shape = np.eye(n - 2) + sum(np.exp(q) * part for q, part in zip(logs, parts, strict=True))
-    _, level = _cost(shape, columns)
-    return _estimate(drive, readings, rest, level * shape, columns[:, :-1])
-
-
-def _slow(drive: Drive) -> list[Array]:
-    """Covariances of 1/f noise and a random walk, of unit mean variance of a contrast of the record."""
-    found = []
-    for kind in (flicker_covariance, walk_covariance):
-        covariance = kind(drive.times - drive.times[0], drive.step)
-        centred = covariance - covariance.mean(axis=0)
-        centred -= centred.mean(axis=1, keepdims=True)
-        found.append(covariance / np.trace(centred) * len(covariance))
-    return found
-
-
-def _likeliest_parts(parts: list[Array], columns: Array) -> NDArray[np.float64]:
-    """Logarithms of both slow parts over the white one, of greatest restricted likelihood."""
-    from scipy import optimize  # noqa: PLC0415 - heavy import, which most commands need not wait for
-
-    def cost(q: Array) -> float:
-        logs = np.clip(q, LOWEST, HIGHEST)
-        shape = np.eye(len(columns)) + np.exp(logs[0]) * parts[0] + np.exp(logs[1]) * parts[1]
-        return _cost(shape, columns)[0] + float(np.sum((q - logs) ** 2))
-
-    starts = [np.array([a, b]) for a in STARTS for b in STARTS]
-    best = min(starts, key=cost)
-    found = optimize.minimize(cost, best, method="Nelder-Mead", options={"xatol": 0.02, "fatol": 1e-3, "maxfev": 120})
-    return np.asarray(np.clip(found.x, LOWEST, HIGHEST))
-
-
-def _cost(shape: Array, columns: Array) -> tuple[float, float]:
-    """Minus the restricted log likelihood, and the level of the noise."""
-    root = linalg.cholesky(shape, lower=True, check_finite=False)
-    white = linalg.solve_triangular(root, columns, lower=True, check_finite=False)
-    basis, upper = np.linalg.qr(white[:, :-1])
-    free = len(columns) - basis.shape[1]
-    square = float(white[:, -1] @ white[:, -1] - np.sum((basis.T @ white[:, -1]) ** 2))
-    level = max(square, np.finfo(float).tiny) / free
-    logs = float(np.sum(np.log(np.diag(root))) + np.sum(np.log(np.abs(np.diag(upper)))))
-    return logs + 0.5 * free * float(np.log(level)), level
-
-
-def _estimate(drive: Drive, readings: Array, rest: Array, covariance: Array, line: Array) -> Generalised:
-    solved = linalg.solve(covariance, line, assume_a="pos")
-    cofactors = linalg.inv(line.T @ solved)
-    weights = rest @ (solved @ cofactors[:, 0])
-    of_readings = rest @ covariance @ rest.T
-    return Generalised(float(weights @ readings), float(np.sqrt(cofactors[0, 0])), weights, of_readings)

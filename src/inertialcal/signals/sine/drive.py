@@ -113,6 +113,8 @@ def applied_drive(times: ArrayLike, applied: ArrayLike, frequency: float) -> Dri
     rest = centred - basis @ np.array([a, b, level])
     is_sine = float(np.var(rest)) < (1.0 - SINE) * float(np.var(centred))
     quadrature = a * unit.quadrature - b * unit.in_phase if is_sine else None
+    if quadrature is not None and np.abs(quadrature).max() < NOTHING * np.abs(centred).max():
+        quadrature = None  # two samples a period, some of them missing
     return Drive(t, centred, quadrature, frequency, phase_known=True)
 
 

@@ -1,57 +1,127 @@
-"""Fit of a known drive in drift and coloured noise, with the noise taken from beside the line.
+"""Fit of a known drive in drift and noise: what is in phase, what is in quadrature, and how well it is known.
 
-The amplitudes in phase and in quadrature, and the drift, are fitted at once by least squares to the samples that there
-are, at their own times: gaps and jitter need no repair. No noise is subtracted: with the phase known the estimate is
-without bias as it stands.
+The amplitudes are weighted sums of the readings that no smooth drift enters (``smooth``), at the times of the samples
+that there are: gaps and jitter need no repair. No noise is subtracted: with the phase known the estimate has no bias.
 
-The variance of a sample's noise, as it is at the drive, comes from the side bands: what they explain of the residuals,
-over their number. Its degrees of freedom are that number, and with them the interval is Student's. Assumed: noise that
-is stationary and normal, of about the same density from the lowest to the highest side band, and a drive that is known
-exactly. Not assumed: that noise is white. The residuals as a whole would tell nothing of the noise at the drive.
+The uncertainty is that of the noise in these sums: white noise and a random walk, found by restricted maximum
+likelihood from the sums of readings in which neither drive nor drift has a part (``noise``). Its degrees of freedom are
+Satterthwaite's, and with them the interval is Student's. Runs of one instrument tell of their noise together.
 
-The normal equations are summed over parts of the record: memory is of order (columns x 16,384), time of order
-(samples x columns^2).
+A long record is cut into stretches of a few hundred readings, each with a drift of its own; their amplitudes are
+averaged. Samples are first averaged over a twelfth of a period where there are many. From 30 stretches on the
+uncertainty is that of their scatter, which assumes nothing of the noise but that it forgets within a stretch.
 
-What is fitted to a record with a known drive in it: the drive, its quadrature, drift, and its side bands.
+Assumed: drift has no part faster than a sine of two periods of the drive, the drive is known exactly and nothing else
+follows it. Where real data break it:
 
-Drift is a sum of the rows of a cosine transform, ``cos(pi k (t - t_0) / T)``, k = 0 ... q, T the length of the record:
-row k is drift at the frequency k / 2T, and with the level (k = 0) and both ends free it follows slow noise without the
-leakage that a Fourier series has. A straight line goes with them. q is chosen so that the highest row stays below 0.4
-of the frequency of the drive; 20 rows are enough for any record: what a random walk leaves behind them is about 2 % of
-the variance at the line. Or drift is a polynomial.
-
-Side bands are the drive times ``cos`` and ``sin(2 pi j t / T)``, j = 1 ... J: every line of the drive with the same
-weight as in the drive itself, moved by j lines to both sides. Their size tells the noise at the drive, whatever its
-colour, as long as its density is about the same over the band that they cover.
+- drift with corners, or sines near the drive: the amplitude moves with the length of the smoothing (`LineFit.shifts`);
+- noise that changes within the record: the uncertainty is that of its mean, right within 10 % where it doubles;
+- noise with a line beside the drive: it counts as noise, and the uncertainty is too large.
 
 References
 ----------
-.. [1] G. A. F. Seber and A. J. Lee, Linear Regression Analysis, 2nd ed., Wiley, 2003, 3.7 and 4.3.
+.. [1] G. A. F. Seber and A. J. Lee, Linear Regression Analysis, 2nd ed., Wiley, 2003, 3.10.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from functools import cached_property
 
 import numpy as np
-from scipy import linalg
+from numpy.typing import NDArray
 
-from ...core.errors import DataError, PlanError
+from ...core.errors import DataError
 from ...core.estimate import Array
 from .drive import Drive
+from .noise import Noise, noise_of, same_noise
+from .smooth import LENGTH, OTHERS, Stretch
 
-DISTINCT = 1e-9  # smallest eigenvalue of the scaled normal equations that counts
-Drift = Literal["dct", "polynomial"]
-BELOW = 0.4  # of the frequency of the drive: highest row of drift
-MOST_ROWS = 20
-DEGREE = 3  # of a polynomial
-HIGHEST = 12  # degree
-FEWEST_CYCLES = 3.0
-CLEAR = 0.16  # of the frequency of the drive: half width of the side bands in a long record
-SIDES = (4, 6)  # side bands on each side that a long record has at least, and at most
-AT_ONCE = 16_384  # samples
+CELLS = 12  # of a period, over which samples are averaged
+MANY = 1.5 * CELLS  # samples of a period, from which they are
+HALF = 0.5  # of the samples of a cell, that it needs
+LARGEST = 300  # readings of a stretch
+SCATTER = 30  # stretches, from which their scatter is the uncertainty
+FEWEST = 4  # contrasts
+FEWEST_CYCLES = 6.0
+DIGITS = 9  # of times and drive, to which stretches are alike
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """What is fitted: a drive, and a smooth drift or a level."""
+
+    drive: Drive  # at the samples that there are
+    stretches: tuple[Stretch, ...]
+    parts: tuple[slice, ...]  # cells of each stretch
+    cell: NDArray[np.int64]  # of each sample; -1 for a cell with too few, shape (n,)
+    counts: Array  # samples of each cell
+
+    def means(self, readings: Array) -> Array:
+        """Return the means over the cells, shape (cells, k)."""
+        return _means(readings, self.cell, self.counts)
+
+    def sums(self, weights: Array) -> Array:
+        """Return the sums of weights of samples over the cells, shape (cells,)."""
+        if len(self.counts) == len(weights):
+            return weights
+        return np.asarray(
+            np.bincount(self.cell[self.cell >= 0], weights[self.cell >= 0], len(self.counts)), dtype=np.float64
+        )
+
+    @cached_property
+    def weights(self) -> dict[float, list[Array]]:
+        """Weights of drive and quadrature in each stretch, shape (1 or 2, n), by the length of the prior of drift."""
+        made: dict[tuple[float, bytes], Array] = {}
+        found: dict[float, list[Array]] = {}
+        for length in (LENGTH, *OTHERS) if self.stretches[0].smooth else (LENGTH,):
+            found[length] = []
+            for one in self.stretches:
+                pattern = np.column_stack([one.times - one.times[0], one.line])
+                key = (length, np.round(pattern, DIGITS).tobytes())
+                if key not in made:
+                    made[key] = one.weights(length)
+                found[length].append(made[key])
+        return found
+
+    @cached_property
+    def shares(self) -> Array:
+        """Share of each stretch in the amplitude: by its uncertainty in white noise."""
+        size = np.array([1.0 / (w[0] @ w[0]) for w in self.weights[LENGTH]])
+        return np.asarray(size / size.sum())
+
+    @cached_property
+    def drift_basis(self) -> Array:
+        """Orthonormal columns that every smooth drift is a sum of, noise apart, shape (cells, p)."""
+        own = [one.drift_basis for one in self.stretches]
+        basis = np.zeros((len(self.counts), sum(one.shape[1] for one in own)))
+        at = 0
+        for part, one in zip(self.parts, own, strict=True):
+            basis[part, at : at + one.shape[1]] = one
+            at += one.shape[1]
+        return basis
+
+    @cached_property
+    def contrasts(self) -> list[tuple[Array, Array]]:
+        """Uncorrelated contrasts of each stretch, shape (n, m), and the variance of each for a walk, shape (m,)."""
+        found = []
+        for one in self.stretches:
+            sums = one.contrasts
+            walks, axes = np.linalg.eigh(sums.T @ one.walk @ sums)
+            found.append((sums @ axes, walks))
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class Shift:
+    """What the amplitude changes by with another length of the smoothing, arrays of shape (k,)."""
+
+    length: float  # [periods of the drive]
+    across: bool  # of the quadrature
+    value: Array
+    u: Array
+    dof: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,40 +135,108 @@ class LineFit:
     # quadrature, u_quadrature: a quarter of a period ahead of it, shape (k,)
     quadrature: Array | None
     u_quadrature: Array | None
-    correlation: float  # of both
-    dof: float  # degrees of freedom of all uncertainties
-    # standard deviation of white noise with the density that there is at the drive [unit of the readings], shape (k,)
-    noise: Array
-    drift: Array  # coefficients, in the order of the design, shape (columns of drift, k)
-    # covariance of the coefficients for noise of unit variance, shape (columns of drive and drift, same)
-    cofactors: Array
+    dof: Array  # degrees of freedom of the uncertainties, shape (k,)
+    shifts: tuple[Shift, ...]  # with other lengths of the smoothing
+    found: Noise | None  # white noise and walk of the cells; None where stretches scatter
+    cells: Array  # readings, shape (cells, k)
     design: Design  # what was fitted
+
+    @cached_property
+    def weights(self) -> Array:
+        """Weight of each reading in the in-phase amplitude, shape (n,)."""
+        design = self.design
+        each = np.zeros(len(design.counts))
+        for part, own, share in zip(design.parts, design.weights[LENGTH], design.shares, strict=True):
+            each[part] = share * own[0]
+        return np.where(design.cell >= 0, (each / design.counts)[design.cell], 0.0)
+
+    @property
+    def noise(self) -> Array:
+        """Standard deviation of white noise with the density at the drive [unit of the readings], shape (k,)."""
+        return np.asarray(self.u_in_phase / np.linalg.norm(self.weights))
 
     @property
     def density(self) -> Array:
         """One-sided spectral density of the noise at the drive, shape (k,) [unit^2/Hz]."""
         return 2.0 * self.noise**2 * self.design.drive.step
 
-    def weights_on(self, columns: Array) -> Array:
-        """Return the in-phase amplitude that the fit finds in columns (n, k) that are no records, shape (k,).
-
-        Of the identity matrix these are the weights that the estimate gives to each reading; of the weights of another
-        estimate, their product with its own.
-        """
-        right = np.zeros((self.design.main, columns.shape[1]))
-        for part, rows in self.design.parts(self.design.main):
-            right += rows @ columns[part]
-        return np.asarray(self.cofactors[0] @ right)
+    def u_of(self, weights: Array) -> float:
+        """Return the standard uncertainty of another sum of the readings of the first record, weights (n,)."""
+        design, noise = self.design, self.found
+        if noise is None:
+            return float(self.noise[0] * np.linalg.norm(weights))
+        each = design.sums(weights)
+        walk = sum(float(each[part] @ one.walk @ each[part])
+                   for part, one in zip(design.parts, design.stretches, strict=True))  # fmt: skip
+        return float(np.sqrt(noise.of(float(each @ each), walk)[0][0]))
 
     def fitted(self) -> tuple[Array, Array]:
         """Return line and drift of the first record at the samples, shape (n,) each."""
-        design, n = self.design, len(self.design.drive.times)
-        line, drift = np.empty(n), np.empty(n)
-        of_line = [self.in_phase[0], *([] if self.quadrature is None else [self.quadrature[0]])]
-        for part, columns in design.parts(design.main):
-            line[part] = np.array(of_line) @ columns[: design.line]
-            drift[part] = self.drift[:, 0] @ columns[design.line : design.main]
-        return line, drift
+        design, drive = self.design, self.design.drive
+        line = self.in_phase[0] * drive.in_phase
+        amplitudes = [self.in_phase[0]]
+        if drive.quadrature is not None and self.quadrature is not None:
+            line = line + self.quadrature[0] * drive.quadrature
+            amplitudes.append(self.quadrature[0])
+        drift, times = np.empty(len(self.cells)), np.empty(len(self.cells))
+        for part, one in zip(design.parts, design.stretches, strict=True):
+            drift[part] = one.drift(self.cells[part, :1] - (one.line @ amplitudes)[:, None])[:, 0]
+            times[part] = one.times
+        return line, np.interp(drive.times * drive.frequency, times, drift)
+
+
+def design_of(drive: Drive, smooth: bool = True) -> Design:
+    """Return what is fitted to a record with a drive.
+
+    Parameters
+    ----------
+    drive : Drive
+        At the samples that there are.
+    smooth : bool
+        Whether a smooth drift goes with it; else a level only.
+
+    Raises
+    ------
+    DataError
+        ``too_few_cycles`` below six cycles, or where they are too few to show the noise.
+    """
+    if drive.cycles < FEWEST_CYCLES * (1.0 - 1e-9):
+        raise _too_short(drive, FEWEST_CYCLES)
+    n, periods = len(drive.times), drive.times * drive.frequency
+    step = drive.step * drive.frequency
+    cell, step = (np.floor(CELLS * (periods - periods[0]) + 1e-6), 1.0 / CELLS) if MANY * step < 1.0 else (
+        np.arange(n), step)  # fmt: skip
+    cell = np.unique(cell.astype(np.int64), return_inverse=True)[1]
+    counts = np.bincount(cell)
+    enough = counts >= HALF * np.median(counts)
+    cell = np.where(enough[cell], np.cumsum(enough)[cell] - 1, -1)
+    kept = counts[enough].astype(np.float64)
+    line = [drive.in_phase] if drive.quadrature is None else [drive.in_phase, drive.quadrature]
+    columns = _means(np.column_stack([periods, *line]), cell, kept)
+    parts = _parts(len(kept), step)
+    stretches = tuple(Stretch(columns[one, 0], columns[one, 1:], step, smooth) for one in parts)
+    return Design(drive, stretches, parts, cell, kept)
+
+
+def _means(values: Array, cell: NDArray[np.int64], counts: Array) -> Array:
+    if len(counts) == len(values):
+        return values
+    order = cell >= 0
+    starts = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64)
+    return np.asarray(np.add.reduceat(values[order], starts, axis=0) / counts[:, None])
+
+
+def _parts(n: int, step: float) -> tuple[slice, ...]:
+    """Return stretches of about equal length, of whole periods where a period is a whole number of readings."""
+    count = -(-n // LARGEST)
+    size = -(-n // count)
+    cycle = round(1.0 / step)
+    if count > 1 and abs(cycle * step - 1.0) < 10.0**-DIGITS:
+        size = -(-size // cycle) * cycle
+    starts = list(range(0, n, size))
+    if len(starts) > 1 and n - starts[-1] < HALF * size:
+        starts.pop()
+    return tuple(slice(a, b) for a, b in zip(starts, [*starts[1:], n], strict=True))
 
 
 def fit_line(design: Design, readings: Array) -> LineFit:
@@ -109,35 +247,73 @@ def fit_line(design: Design, readings: Array) -> LineFit:
     design : Design
         For the samples of the readings.
     readings : ndarray, shape (n,) or (n, k)
-        One record, or several with the same samples; all finite: leave missing samples out of drive and readings.
+        One record, or several with the same samples and each with its own noise; all finite: leave missing samples out
+        of drive and readings.
 
     Raises
     ------
     DataError
         If shapes disagree or a reading is missing; ``rank_deficient`` if drive and drift cannot be separated at these
-        samples, ``no_scatter`` if nothing but the drive and drift is there (noise not estimated).
+        samples, ``too_few_cycles`` if their noise cannot be found, ``no_scatter`` if there is none.
     """
-    x = _checked(design, readings)
-    offset = np.median(x, axis=0)
-    gram, right = _normal_equations(design, x - offset)
-    scale = 1.0 / np.sqrt(np.diag(gram))
-    gram, right = gram * np.outer(scale, scale), right * scale[:, None]
-    m = design.main
-    inverse = _inverse(gram[:m, :m])
-    main = inverse @ right[:m]
-    square, dof = _side_bands(gram, right, inverse @ gram[:m, m:], main, m)
-    cofactors = inverse * np.outer(scale[:m], scale[:m])
-    noise = np.sqrt(square)
-    if not np.all(noise > 1e-13 * np.abs(x - offset).max(axis=0)):
+    cells = design.means(_checked(design, readings))
+    if len(design.stretches) >= SCATTER:
+        return _fitted(design, cells, None)
+    return _fitted(design, cells, noise_of(*contrasts_of(design, cells)))
+
+
+def common_noise(alone: Sequence[LineFit]) -> list[LineFit]:
+    """Return fits of runs of one instrument, one record each, with the noise of all of them where it may be the same."""
+    steps = np.array([one.design.stretches[0].step / one.design.drive.frequency for one in alone])
+    if len(alone) < 2 or np.ptp(steps) > HALF * steps.min() or any(one.found is None for one in alone):  # noqa: PLR2004
+        return list(alone)
+    each = [contrasts_of(one.design, one.cells) for one in alone]
+    together = noise_of([z for own, _ in each for z in own], [d for _, own in each for d in own])
+    joined = [(np.concatenate(z)[:, 0], np.concatenate(d)) for z, d in each]
+    if not same_noise([z for z, _ in joined], [d for _, d in joined], together):
+        return list(alone)
+    return [_fitted(one.design, one.cells, together) for one in alone]
+
+
+def contrasts_of(design: Design, cells: Array) -> tuple[list[Array], list[Array]]:
+    """Return the contrasts of records in each stretch, and their variances for a walk."""
+    values = [sums.T @ cells[part] for part, (sums, _) in zip(design.parts, design.contrasts, strict=True)]
+    walks = [walk for _, walk in design.contrasts]
+    if sum(len(walk) for walk in walks) < FEWEST:
+        raise _too_short(design.drive, 2.0 * max(design.drive.cycles, FEWEST_CYCLES))
+    return values, walks
+
+
+def _fitted(design: Design, cells: Array, noise: Noise | None) -> LineFit:
+    own = design.weights[LENGTH]
+    in_phase, u, dof = _summed(design, cells, [w[0] for w in own], noise)
+    size = np.abs(cells - cells.mean(axis=0)).max(axis=0)
+    if not np.all(u > 1e-13 * size):
         raise DataError("nothing but drive and drift in the record", why="noise not estimated", code="no_scatter")
-    values, u = main * scale[:m, None], np.sqrt(np.diag(cofactors))
-    drift = values[design.line :].copy()
-    drift[1 if design.drift == "dct" else 0] += offset
-    two = design.line == 2
-    return LineFit(
-        values[0], u[0] * noise, values[1] if two else None, u[1] * noise if two else None,
-        float(cofactors[0, 1] / (u[0] * u[1])) if two else 0.0, float(dof), noise, drift, cofactors, design,
-    )  # fmt: skip
+    across, u_across = None, None
+    if len(own[0]) > 1:
+        across, u_across, _ = _summed(design, cells, [w[1] for w in own], noise)
+    shifts = []
+    for length, others in design.weights.items():
+        if length != LENGTH:
+            for row in range(len(own[0])):
+                apart = [other[row] - w[row] for other, w in zip(others, own, strict=True)]
+                shifts.append(Shift(length, bool(row), *_summed(design, cells, apart, noise)))
+    return LineFit(in_phase, u, across, u_across, dof, tuple(shifts), noise, cells, design)
+
+
+def _summed(design: Design, cells: Array, weights: list[Array], noise: Noise | None) -> tuple[Array, Array, Array]:
+    """Return sums of the readings, their standard uncertainties and degrees of freedom, shape (k,) each."""
+    share = design.shares
+    each = np.array([w @ (x - x[:1]) for w, x in zip(weights, (cells[part] for part in design.parts), strict=True)])
+    value = np.asarray(share @ each)
+    if noise is None:
+        variance = share @ (each - value) ** 2 / (len(share) - 1.0)
+        return value, np.sqrt(variance), np.full(len(value), len(share) - 1.0)
+    white = float(sum(a**2 * (w @ w) for a, w in zip(share, weights, strict=True)))
+    walk = float(sum(a**2 * (w @ one.walk @ w) for a, w, one in zip(share, weights, design.stretches, strict=True)))
+    variance, dof = noise.of(white, walk)
+    return value, np.sqrt(variance), dof
 
 
 def _checked(design: Design, readings: Array) -> Array:
@@ -152,179 +328,9 @@ def _checked(design: Design, readings: Array) -> Array:
     return x
 
 
-def _normal_equations(design: Design, x: Array) -> tuple[Array, Array]:
-    gram, right = np.zeros((design.width, design.width)), np.zeros((design.width, x.shape[1]))
-    for part, columns in design.parts():
-        gram += columns @ columns.T
-        right += columns @ x[part]
-    return gram, right
-
-
-def _inverse(gram: Array) -> Array:
-    """Inverse of scaled normal equations; refused where two columns are the same at these samples."""
-    sizes = np.linalg.eigvalsh(gram)
-    if not sizes[0] > DISTINCT:
-        what = "drive and drift cannot be separated at these samples"
-        raise DataError(what, do="Fit less drift, or record longer", code="rank_deficient")
-    return np.asarray(linalg.inv(gram))
-
-
-def _side_bands(gram: Array, right: Array, mixed: Array, main: Array, m: int) -> tuple[Array, int]:
-    """Variance that the side bands tell of each record, and how many tell it."""
-    rest = gram[m:, m:] - gram[m:, :m] @ mixed
-    explained = right[m:] - gram[m:, :m] @ main
-    sizes, axes = np.linalg.eigh(rest)
-    good = sizes > DISTINCT**0.5
-    if good.sum() < 2:
-        raise DataError("no side band can be separated from drive and drift", do="Record longer", code="side_bands")
-    parts = axes[:, good].T @ explained
-    return np.asarray(np.sum(parts**2 / sizes[good, None], axis=0) / good.sum()), int(good.sum())
-
-
-@dataclass(frozen=True, eq=False)
-class Design:
-    """Columns of the fit."""
-
-    drive: Drive  # at the samples that there are
-    drift: Drift  # which
-    rows: int  # highest row of the cosine transform, or degree
-    side_bands: int  # on each side
-
-    @property
-    def line(self) -> int:
-        """Columns of the drive: 2, or 1 without quadrature."""
-        return 1 if self.drive.quadrature is None else 2
-
-    @property
-    def main(self) -> int:
-        """Columns of drive and drift."""
-        return self.line + self.rows + (2 if self.drift == "dct" else 1)
-
-    @property
-    def width(self) -> int:
-        """All columns."""
-        return self.main + 2 * self.line * self.side_bands
-
-    def parts(self, columns: int | None = None) -> Iterator[tuple[slice, Array]]:
-        """Yield the columns for some samples after another: which samples, and the columns, shape (columns, samples).
-
-        Parameters
-        ----------
-        columns : int, optional
-            How many; all by default.
-        """
-        n = len(self.drive.times)
-        for start in range(0, n, AT_ONCE):
-            part = slice(start, min(start + AT_ONCE, n))
-            yield part, self._columns(part, self.width if columns is None else columns)
-
-    def _columns(self, part: slice, count: int) -> Array:
-        drive, line = self.drive, self.line
-        found = np.empty((self.width if count > self.main else self.main, part.stop - part.start))
-        found[0] = drive.in_phase[part]
-        if drive.quadrature is not None:
-            found[1] = drive.quadrature[part]
-        place = (drive.times[part] - drive.times[0]) / drive.span
-        middle = place + 0.5 * drive.step / drive.span
-        if self.drift == "dct":
-            found[line] = 2.0 * middle - 1.0
-            _fill(found[line + 1 : self.main], np.cos(np.pi * middle), self.drift)
-        else:
-            _fill(found[line : self.main], 2.0 * middle - 1.0, self.drift)
-        if count > self.main:
-            turned = np.exp(2j * np.pi * place)
-            carrier, at = np.ones_like(turned), self.main
-            for _ in range(self.side_bands):
-                carrier = carrier * turned
-                for row in range(line):
-                    np.multiply(found[row], carrier.real, out=found[at])
-                    np.multiply(found[row], carrier.imag, out=found[at + 1])
-                    at += 2
-        return found
-
-
-def _fill(rows: Array, first: Array, drift: Drift) -> None:
-    """Fill rows 0, 1, ... by recursion: cosines of multiples, or Legendre polynomials."""
-    rows[0] = 1.0
-    if len(rows) > 1:
-        rows[1] = first
-    for k in range(2, len(rows)):
-        if drift == "dct":
-            rows[k] = 2.0 * first * rows[k - 1] - rows[k - 2]
-        else:
-            rows[k] = ((2 * k - 1) * first * rows[k - 1] - (k - 1) * rows[k - 2]) / k
-
-
-def design_of(drive: Drive, drift: Drift = "dct", rows: int | None = None, side_bands: int | None = None) -> Design:
-    """Choose drift and side bands for a drive.
-
-    Parameters
-    ----------
-    drive : Drive
-        At the samples that there are.
-    drift : {"dct", "polynomial"}
-        Of what kind.
-    rows : int, optional
-        Highest row, or degree; see the module head. 3 is the degree of a polynomial by default.
-    side_bands : int, optional
-        On each side; 4 to 6 by default (twice as many where the drive has no quadrature), fewer in a short record.
-
-    Raises
-    ------
-    DataError
-        ``too_few_cycles`` below three cycles in the record, ``side_bands`` if there is no room for any.
-    PlanError
-        If the drift reaches the drive, or a number is out of range.
-    """
-    cycles = drive.cycles
-    if cycles < FEWEST_CYCLES:
-        raise _too_short(drive)
-    q = _rows(drift, rows, cycles)
-    top = 0.5 * q if drift == "dct" else 0.5 * min(q, int(cycles))
-    sides = _sides(drive, side_bands, cycles, top)
-    found = Design(drive, drift, q, sides)
-    if found.width >= len(drive.times):
-        columns = f"drive, {found.main - found.line} of drift, {sides} side band(s)"
-        what = f"{len(drive.times)} samples for {found.width} columns: {columns}"
-        raise DataError(what, do="Record longer, or fit less drift", code="too_few_readings")
-    return found
-
-
-def _rows(drift: Drift, rows: int | None, cycles: float) -> int:
-    if drift not in {"dct", "polynomial"}:
-        raise PlanError(f"drift {drift!r}", do="There are 'dct' and 'polynomial'", code="wrong_value")
-    if drift == "polynomial":
-        degree = DEGREE if rows is None else rows
-        if not 0 <= degree <= HIGHEST:
-            raise PlanError(f"a polynomial of degree {degree}", do=f"Need 0 to {HIGHEST}", code="wrong_value")
-        return degree
-    if rows is None:
-        return min(int(2.0 * BELOW * cycles), MOST_ROWS)
-    if not 0 <= rows < 2.0 * cycles - 2.0:
-        what = f"{rows} rows of drift, {cycles:.6g} cycles"
-        why = "drift at the frequency of the drive would remove it"
-        raise PlanError(what, why=why, do=f"Need 0 to {int(np.ceil(2.0 * cycles - 2.0)) - 1}", code="wrong_value")
-    return rows
-
-
-def _sides(drive: Drive, wanted: int | None, cycles: float, top: float) -> int:
-    """Side bands on each side: their lowest stays half a line above the drift."""
-    room = int(np.floor(cycles - top - 0.5 + 1e-9))
-    if wanted is not None:
-        if not 1 <= wanted <= room:
-            what = f"{wanted} side bands on each side of line {cycles:.6g}, drift up to line {top:.6g}"
-            raise PlanError(what, do=f"There is room for 1 to {room}" if room else "Fit less drift", code="side_bands")
-        return wanted
-    if room < 1:
-        what = f"{cycles:.6g} cycles, drift up to line {top:.6g}: no side band lies between"
-        raise DataError(what, why="the noise at the drive cannot be estimated", do="Record longer", code="side_bands")
-    wanted = int(np.clip(CLEAR * cycles, *SIDES)) * (2 if drive.quadrature is None else 1)
-    return min(wanted, room)
-
-
-def _too_short(drive: Drive) -> DataError:
+def _too_short(drive: Drive, needed: float) -> DataError:
     period, cycles = 1.0 / drive.frequency, drive.cycles
     what = f"a record of {drive.span:.6g} s, a period of {period:.6g} s: {cycles:.3g} cycles"
     why = "it is shorter than one period" if cycles < 1.0 else "drive and drift cannot be separated"
-    do = f"Record {FEWEST_CYCLES:g} cycles or more: {FEWEST_CYCLES * period:.6g} s"
+    do = f"Record {needed:.3g} cycles or more: {needed * period:.6g} s"
     return DataError(what, why=why, do=do, code="too_few_cycles")

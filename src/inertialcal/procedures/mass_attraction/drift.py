@@ -1,0 +1,119 @@
+"""Drift of the runs that is not smooth: what `signals.sine` cannot keep out of a response.
+
+*Near the drive.* The mean response changes with the length of the smoothing (`signals.sine.cross_checks`).
+
+*What repeats.* Drift that is the same in every run is in no scatter of their responses. Where it is smooth, none of it
+enters them; where it has kinks or corners, it does, and it shows in the mean over the runs of the contrasts, sums of
+readings that neither the drive nor a smooth drift enters: they are larger than their scatter from run to run explains.
+For m contrasts of R runs, weighted by their noise, ``R mean^2`` over the variance between runs has Fisher's F with m and
+(R - 1) m degrees of freedom. Runs whose drive starts in different phases need no such test: what repeats cancels in
+their mean.
+
+Both are errors: the verdict is INCONCLUSIVE, and no model is written. Of 1,000 campaigns of white noise, flicker or a
+walk, 15 are called so. A kink that is too small to show moves the scale factor by 1.2 times its uncertainty at most.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from scipy import special
+
+from ...core.estimate import Array
+from ...core.remarks import Remark
+from ...signals.sine.cross_checks import cross_checks, smoothing_remark
+from ...signals.sine.fit import contrasts_of
+from ...signals.sine.noise import noise_of
+from .joining import phases_ahead
+from .line import line_design
+from .readings import Run
+from .response import Response
+
+FALSE = 0.0075  # chance that noise of the runs alone is called a drift that repeats
+
+
+def drift_remarks(runs: Sequence[Run], responses: Sequence[Response]) -> Iterator[Remark]:
+    """Yield what the drift of runs does to their mean response.
+
+    Parameters
+    ----------
+    runs : sequence of Run
+        With readings, of any kind.
+    responses : sequence of Response
+        Of them, in the same order.
+    """
+    moved = [one for one in responses if one.moved and one.fitted is not None]
+    if moved:
+        yield from _near_drive(moved)
+        yield from _methods(moved)
+    if not moved or not np.any(phases_ahead(moved)):
+        yield from _repeats(runs, responses)
+
+
+def _near_drive(moved: Sequence[Response]) -> Iterator[Remark]:
+    weights = np.array([1.0 / one.u_scale_factor**2 for one in moved])
+    weights /= weights.sum()
+    applied = np.array([one.applied for one in moved])
+    fits = [one.fitted.found for one in moved if one.fitted is not None]
+    shifts = []
+    for each in zip(*(fit.shifts for fit in fits), strict=True):
+        if not each[0].across:
+            value, u, dof = (np.array([float(getattr(one, name)[0]) for one in each]) for name in ("value", "u", "dof"))
+            total = float(np.linalg.norm(weights * u / applied))
+            shifts.append((each[0].length, float(weights @ (value / applied)), total, float(np.mean(dof))))
+    scale = float(weights @ [one.scale_factor for one in moved])
+    u_scale = float(np.linalg.norm(weights * [one.u_scale_factor for one in moved]))
+    if (found := smoothing_remark(shifts, scale, u_scale)) is not None:
+        yield found
+
+
+def _methods(moved: Sequence[Response]) -> Iterator[Remark]:
+    for one in moved:
+        if one.fitted is not None:
+            checks = cross_checks(one.fitted.found, one.series[np.isfinite(one.series)])
+            yield from (check.remark().at(one.name) for check in checks if check.disagrees)
+
+
+def _repeats(runs: Sequence[Run], responses: Sequence[Response]) -> Iterator[Remark]:
+    """Test the mean contrasts of runs with one schedule of dwells, at the dwells that all of them have."""
+    series = {one.name: one.series for one in responses}
+    groups: dict[tuple[int, float, int], list[Run]] = {}
+    for run in runs:
+        schedule = run.schedule
+        key = (len(schedule), round(schedule.step / schedule.period, 6), schedule.samples_per_cycle)
+        groups.setdefault(key, []).append(run)
+    group = max(groups.values(), key=len, default=[])
+    if len(group) < 2:  # noqa: PLR2004 - to tell what repeats
+        return
+    readings = np.column_stack([series[run.name] for run in group])
+    there = np.asarray(np.isfinite(readings).all(axis=1))
+    schedule = next((run.schedule for run in group if run.moved), group[0].schedule)
+    design = line_design(schedule, there)
+    values, walks = (np.concatenate(one) for one in contrasts_of(design, readings[there]))
+    chance = repeating_chance(values, walks)
+    if chance < FALSE:
+        what = f"the {len(group)} runs share a drift that is not smooth: noise would make its like with probability"
+        what += f" {chance:.2g}"
+        do = "It may be part of the response: start every other run half a cycle later, so that what repeats cancels"
+        yield Remark("drift_repeats", "error", what, do=do)
+
+
+def repeating_chance(contrasts: Array, walks: Array) -> float:
+    """Return the chance that noise alone makes means over the runs as large.
+
+    Parameters
+    ----------
+    contrasts : ndarray, shape (m, R)
+        Of each run.
+    walks : ndarray, shape (m,)
+        Their variances for a walk of unit steps.
+    """
+    m, runs = contrasts.shape
+    noise = noise_of([contrasts.T.reshape(-1, 1)], [np.tile(walks, runs)])
+    share = float(noise.share @ noise.chance[:, 0])
+    shape = 1.0 - share + share * walks / noise.unit
+    mean = contrasts.mean(axis=1)
+    between = float(np.sum((contrasts - mean[:, None]) ** 2 / shape[:, None])) / ((runs - 1.0) * m)
+    common = float(np.sum(runs * mean**2 / shape)) / m
+    return float(special.fdtrc(m, (runs - 1.0) * m, common / between))
