@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from inertialcal.core.errors import DataError, PlanError
+from inertialcal.core.errors import DataError
 from inertialcal.signals.sine.amplitude import amplitude_of, most_likely
-from inertialcal.signals.sine.cross_checks import cross_checks, difference_weights, generalised_fit
+from inertialcal.signals.sine.cross_checks import CrossCheck, cross_checks, difference_weights, smoothing_remark
 from inertialcal.signals.sine.drive import applied_drive, averaging_response, sine_drive
-from inertialcal.signals.sine.fit import design_of, fit_line
+from inertialcal.signals.sine.fit import common_noise, design_of, fit_line
 
 STEP = 120.0
 TIMES = 50.0 + STEP * np.arange(100)
@@ -39,33 +39,33 @@ def test_frequency_is_that_of_the_true_times() -> None:
     assert abs(wrong.in_phase[0]) < 0.1
 
 
-def test_uncertainty_of_white_noise_is_that_of_theory() -> None:
-    """2 sigma^2 / N, the limit S(f0) / T."""
+def test_uncertainty_of_white_noise_is_a_twentieth_more_than_theory() -> None:
+    """2 sigma^2 / N, the limit S(f0) / T, and what the unknown drift takes; the mean over its shares is 6 % more."""
     x = 0.3 * np.random.default_rng(1).standard_normal((100, 2000))
     fit = fit_line(design_of(sine_drive(TIMES, 1.0 / PERIOD, 0.0)), x)
     theory = 0.3 * np.sqrt(2.0 / 100.0)
-    assert np.sqrt(np.mean(fit.u_in_phase**2)) == pytest.approx(theory, rel=0.02)
-    assert np.mean(fit.density) == pytest.approx(2.0 * 0.09 * STEP, rel=0.02)
-    assert fit.in_phase.std() == pytest.approx(theory, rel=0.05)
+    assert 0.3 * np.linalg.norm(fit.weights) == pytest.approx(1.048 * theory, rel=0.002)
+    assert fit.in_phase.std() == pytest.approx(1.048 * theory, rel=0.05)
+    assert np.median(fit.u_in_phase) == pytest.approx(1.11 * theory, rel=0.03)
+    np.testing.assert_allclose(np.sqrt(fit.density), fit.u_in_phase / 0.3 / np.linalg.norm(fit.weights)
+                               * 0.3 * np.sqrt(2.0 * STEP))  # fmt: skip
 
 
 def test_weights_are_those_of_the_estimate() -> None:
     drive = sine_drive(TIMES, 1.0 / PERIOD, 0.0)
     x = np.random.default_rng(1).standard_normal(100)
     fit = fit_line(design_of(drive), x)
-    weights = fit.weights_on(np.eye(100))
+    weights = fit.weights
     assert weights @ x == pytest.approx(fit.in_phase[0])
     assert weights @ drive.in_phase == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize("drift", ["dct", "polynomial"])
-def test_any_applied_sequence(drift: str) -> None:
+def test_any_applied_sequence() -> None:
     """A square wave of eight samples, a random order: reading over applied, in the unit applied."""
     for applied in (np.tile([23.0] * 4 + [-23.0] * 4, 12), np.random.default_rng(3).choice([0.0, 46.0], 96)):
         x = 0.01 * applied + 3.0 + 1e-3 * np.arange(96) + 1e-6 * np.random.default_rng(4).standard_normal(96)
-        drive = applied_drive(STEP * np.arange(96), applied, 1.0 / (8 * STEP))
-        fit = fit_line(design_of(drive, drift), x)  # type: ignore[arg-type]
-        assert fit.in_phase[0] == pytest.approx(0.01, abs=2e-4 if drift == "dct" else 1e-6)
+        fit = fit_line(design_of(applied_drive(STEP * np.arange(96), applied, 1.0 / (8 * STEP))), x)
+        assert fit.in_phase[0] == pytest.approx(0.01, abs=1e-6)
         assert fit.quadrature is None
 
 
@@ -93,7 +93,7 @@ def test_means_over_a_time_show_less_of_a_sine() -> None:
 
 
 def test_alternating_differences_by_hand() -> None:
-    """Three points of + and -: (1, -2, 1) / 4 on four samples, mean of two sums."""
+    """Three points of + and -: (1, -2, 1) / 4 on four samples, mean of two sums; order 8 over 9 half periods."""
     drive = applied_drive(np.arange(4.0), [1.0, -1.0, 1.0, -1.0], 0.5)
     np.testing.assert_allclose(difference_weights(drive), [0.125, -0.375, 0.375, -0.125], atol=1e-15)
     drive = applied_drive(TIMES, np.tile([0.0, 1.0, 0.0, -1.0], 25), 1.0 / PERIOD)
@@ -105,7 +105,7 @@ def test_alternating_differences_by_hand() -> None:
 def test_alternating_differences_leave_incomplete_halves_out() -> None:
     keep = np.arange(100) != 31
     drive = applied_drive(TIMES[keep], np.tile([0.0, 1.0, 0.0, -1.0], 25)[keep], 1.0 / PERIOD)
-    weights = difference_weights(drive)
+    weights = difference_weights(drive, 2)
     assert weights[30] == 0.0  # the other sample of that half
     assert abs(weights @ (3.0 + 0.2 * TIMES[keep])) < 1e-12
     assert weights @ drive.in_phase == pytest.approx(1.0, abs=0.01)
@@ -121,7 +121,7 @@ def test_checks_share_their_noise_with_the_fit() -> None:
         assert len(made) == (2 if n == 100 else 1)
         for one in made:
             assert one.u == pytest.approx(fit.u_in_phase[0], rel=0.35)
-            assert 0.0 < one.u_difference < 0.35 * one.u  # type: ignore[operator]
+            assert 0.0 < one.u_difference < 0.4 * one.u  # type: ignore[operator]
             assert abs(one.difference) < 3.0 * one.u_difference  # type: ignore[arg-type, operator]
 
 
@@ -134,28 +134,60 @@ def test_checks_say_why_they_cannot_be_made() -> None:
     assert "500 samples" in made[1].reason
 
 
-def test_a_drift_that_one_of_them_does_not_take_out_is_remarked() -> None:
-    """A disturbance near the period of the drive, at the start only: neither drift nor stationary noise."""
-    n = 800
-    i = np.arange(n)
-    x = np.tile([0.0, 1.0, 0.0, -1.0], n // 4) + 0.01 * np.random.default_rng(1).standard_normal(n)
-    x += 30.0 * np.sin(2 * np.pi * i / 7.9) * (i < 40)
-    fit = fit_line(design_of(applied_drive(STEP * i, np.tile([0.0, 1.0, 0.0, -1.0], n // 4), 1.0 / PERIOD)), x)
-    made = [one for one in cross_checks(fit, x) if one.disagrees]
-    assert made
-    assert "differ from the fit by" in str(made[0].remark())
+def test_a_difference_beyond_three_standard_deviations_is_remarked() -> None:
+    assert not CrossCheck("alternating_differences", 1.0, 0.1, 0.2, 0.1).disagrees
+    check = CrossCheck("alternating_differences", 1.0, 0.1, 0.4, 0.1)
+    assert check.disagrees
+    assert "alternating differences differ from the fit by 0.4, noise explains 0.1" in str(check.remark())
 
 
 def test_generalised_fit_agrees_in_white_noise() -> None:
     drive = sine_drive(TIMES, 1.0 / PERIOD, 0.0)
     x = drive.in_phase + 0.1 * np.random.default_rng(1).standard_normal(100)
-    found = generalised_fit(drive, x)
+    found = cross_checks(fit_line(design_of(drive), x), x)[1]
     assert found.value == pytest.approx(1.0, abs=0.05)
     assert found.u == pytest.approx(0.1 * np.sqrt(0.02), rel=0.3)
 
 
-def test_a_million_samples_with_gaps_in_a_second() -> None:
-    """Cost: samples times columns squared; memory: columns times 16,384."""
+PLACE = (np.arange(100) + 0.5) / 100
+SMOOTH = {
+    "T/3": np.exp(-3 * PLACE), "T/10": np.exp(-10 * PLACE), "T/30": np.exp(-30 * PLACE), "line": 10.0 * PLACE,
+    "cubic": (PLACE - 0.4) ** 3 - 0.1 * PLACE, "3 periods": 0.5 * np.sin(np.arange(100) * np.pi / 6 + 0.7),
+    "5 periods": 0.5 * np.sin(np.arange(100) * np.pi / 10 + 2.0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SMOOTH)
+def test_no_smooth_drift_enters(name: str) -> None:
+    """1000 times the response: less than 0.5 % of it; a line and 20 cosines let up to 143 % pass."""
+    weights = fit_line(design_of(sine_drive(TIMES, 1.0 / PERIOD, 0.0)), NOISE).weights
+    assert abs(1000.0 * weights @ SMOOTH[name]) < 0.002
+
+
+@pytest.mark.parametrize(("period", "size", "seen"), [(3.0, 1e3, False), (1.675, 1e2, True), (1.25, 3.0, True)])
+def test_a_sine_near_the_drive_is_seen_by_another_smoothing(period: float, size: float, seen: bool) -> None:
+    drive = sine_drive(TIMES, 1.0 / PERIOD, 0.0)
+    x = drive.in_phase + 0.1 * np.random.default_rng(1).standard_normal(100)
+    x += 0.5 * size * np.sin(2 * np.pi * np.arange(100) / (4.0 * period) + 0.7)
+    fit = fit_line(design_of(drive), x)
+    shifts = [(one.length, float(one.value[0]), float(one.u[0]), float(one.dof[0])) for one in fit.shifts
+              if not one.across]  # fmt: skip
+    found = smoothing_remark(shifts, float(fit.in_phase[0]), float(fit.u_in_phase[0]))
+    assert (found is not None) == seen
+
+
+def test_runs_share_their_noise_unless_it_differs() -> None:
+    rng, design = np.random.default_rng(1), design_of(sine_drive(TIMES, 1.0 / PERIOD, 0.0))
+    alike = [fit_line(design, rng.standard_normal(100)) for _ in range(4)]
+    joined = common_noise(alike)
+    assert len({float(one.u_in_phase[0]) for one in joined}) == 1
+    assert joined[0].dof[0] > 2.0 * np.mean([one.dof[0] for one in alike])
+    apart = [*alike[:3], fit_line(design, 5.0 * rng.standard_normal(100))]
+    assert [one.u_in_phase[0] for one in common_noise(apart)] == [one.u_in_phase[0] for one in apart]
+
+
+def test_a_million_samples_with_gaps_in_seconds() -> None:
+    """Cost: a root of 300 readings for each stretch that is like no other."""
     rng, n = np.random.default_rng(1), 1_000_000
     times = np.arange(n) * 0.1
     keep = rng.random(n) > 0.02
@@ -163,21 +195,17 @@ def test_a_million_samples_with_gaps_in_a_second() -> None:
     x = (np.cumsum(0.01 * rng.standard_normal(n)) + rng.standard_normal(n) + 0.05 * np.sin(2 * np.pi * times / 100))[
         keep
     ]
-    best = np.inf
-    for _ in range(2):
-        start = time.process_time()
-        fit = fit_line(design_of(sine_drive(times[keep], 0.01, 0.0)), x)
-        best = min(best, time.process_time() - start)
+    start = time.process_time()
+    fit = fit_line(design_of(sine_drive(times[keep], 0.01, 0.0)), x)
     assert abs(fit.in_phase[0] - 0.05) < 4.0 * fit.u_in_phase[0]
-    assert best < 1.0
+    assert time.process_time() - start < 4.0
 
 
 def refused(kind: type[Exception], words: str, code: str, **given: object) -> None:
     n, step = int(given.get("n", 100)), float(given.get("step", 1.0))  # type: ignore[call-overload, arg-type]
     with pytest.raises(kind) as error:  # noqa: PT012 - any of the three may refuse
         drive = sine_drive(step * np.arange(n), given.get("f", 0.25), given.get("phase"))  # type: ignore[arg-type]
-        design = design_of(drive, **given.get("design", {}))  # type: ignore[arg-type]
-        fit_line(design, given.get("x", np.zeros(n)))  # type: ignore[arg-type]
+        fit_line(design_of(drive), given.get("x", np.zeros(n)))  # type: ignore[arg-type]
     assert words in str(error.value)
     assert error.value.problems[0].code == code  # type: ignore[attr-defined]
 
@@ -192,12 +220,6 @@ def test_refused() -> None:
     refused(DataError, "100 samples of the drive, 99 readings", "different_length", x=np.zeros(99))
     refused(DataError, "1 readings are missing", "gaps", x=np.where(np.arange(100) == 5, np.nan, 1.0))
     refused(DataError, "nothing but drive and drift", "no_scatter", x=np.ones(100))
-    refused(DataError, "20 samples for 26 columns", "too_few_readings", n=20, f=0.4)
-    refused(PlanError, "49 rows of drift, 25 cycles", "wrong_value", design={"rows": 49})
-    refused(DataError, "no side band lies between", "side_bands", n=13, design={"rows": 4})
-    refused(PlanError, "30 side bands on each side", "side_bands", design={"side_bands": 30})
-    refused(PlanError, "drift 'spline'", "wrong_value", design={"drift": "spline"})
-    refused(PlanError, "degree 20", "wrong_value", design={"drift": "polynomial", "rows": 20})
     with pytest.raises(DataError, match="100 samples, 99 applied values"):
         applied_drive(TIMES, np.ones(99), 1.0 / PERIOD)
     with pytest.raises(DataError, match="does not vary"):

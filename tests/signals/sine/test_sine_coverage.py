@@ -9,6 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+from scipy.special import stdtrit
 
 from drift_scenarios import AMPLITUDE, SCENARIOS, STEP, N, drawn
 from inertialcal.core.estimate import Array
@@ -38,7 +39,7 @@ def found(name: str, alternating: bool = False) -> LineFit:
 def test_no_bias_and_an_interval_that_holds(name: str, alternating: bool) -> None:
     fit = found(name, alternating)
     assert abs(fit.in_phase.mean() / AMPLITUDE - 1.0) < BIAS
-    inside = np.abs(fit.in_phase - AMPLITUDE) < coverage_factor(fit.dof) * fit.u_in_phase
+    inside = np.abs(fit.in_phase - AMPLITUDE) < stdtrit(fit.dof, 0.975) * fit.u_in_phase
     assert covers(int(inside.sum()), MANY), inside.mean()
 
 
@@ -48,7 +49,7 @@ def test_nothing_is_in_quadrature(name: str) -> None:
     assert fit.quadrature is not None
     assert fit.u_quadrature is not None
     assert abs(fit.quadrature.mean()) < BIAS * AMPLITUDE
-    inside = np.abs(fit.quadrature) < coverage_factor(fit.dof) * fit.u_quadrature
+    inside = np.abs(fit.quadrature) < stdtrit(fit.dof, 0.975) * fit.u_quadrature
     assert covers(int(inside.sum()), MANY), inside.mean()
 
 
@@ -141,7 +142,7 @@ def test_gaps_and_jitter_do_no_harm() -> None:
     drive = sine_drive(times, 1.0 / (4 * STEP), 0.3)
     fit = fit_line(design_of(drive), drawn(SCENARIOS["S1"], drive.in_phase, MANY))
     assert abs(fit.in_phase.mean() / AMPLITUDE - 1.0) < BIAS
-    inside = np.abs(fit.in_phase - AMPLITUDE) < coverage_factor(fit.dof) * fit.u_in_phase
+    inside = np.abs(fit.in_phase - AMPLITUDE) < stdtrit(fit.dof, 0.975) * fit.u_in_phase
     assert covers(int(inside.sum()), MANY), inside.mean()
 
 

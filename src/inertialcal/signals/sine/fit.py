@@ -287,8 +287,7 @@ def contrasts_of(design: Design, cells: Array) -> tuple[list[Array], list[Array]
 def _fitted(design: Design, cells: Array, noise: Noise | None) -> LineFit:
     own = design.weights[LENGTH]
     in_phase, u, dof = _summed(design, cells, [w[0] for w in own], noise)
-    size = np.abs(cells - cells.mean(axis=0)).max(axis=0)
-    if not np.all(u > 1e-13 * size):
+    if not np.all(u > 1e-13 * np.abs(cells).max(axis=0)):
         raise DataError("nothing but drive and drift in the record", why="noise not estimated", code="no_scatter")
     across, u_across = None, None
     if len(own[0]) > 1:

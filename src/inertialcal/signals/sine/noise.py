@@ -75,8 +75,8 @@ def noise_of(contrasts: Sequence[Array], walks: Sequence[Array]) -> Noise:
     share = np.linspace(-NEGATIVE / (walk.max() / unit - 1.0 + NEGATIVE), 1.0, TRIED)
     share -= share[np.argmin(np.abs(share))] * (1.0 - share)  # one of them is 0, the last stays 1
     shape = 1.0 - share[:, None] + share[:, None] * walk / unit
-    level = np.maximum((1.0 / shape) @ squares / m, np.finfo(float).tiny)
-    cost = 0.5 * (np.log(shape).sum(axis=1)[:, None] + m * np.log(level))
+    level = (1.0 / shape) @ squares / m
+    cost = 0.5 * (np.log(shape).sum(axis=1)[:, None] + m * np.log(np.maximum(level, np.finfo(float).tiny)))
     before = np.full(TRIED, (1.0 - WHITE) / TRIED)
     before[np.argmin(np.abs(share))] += WHITE
     chance = before[:, None] * np.exp(cost.min(axis=0) - cost)

@@ -91,12 +91,13 @@ class Stretch:
     @cached_property
     def drift_basis(self) -> Array:
         """Orthonormal columns that every smooth drift is a sum of, noise apart, shape (n, p)."""
+        trend = np.linalg.qr(self._trend)[0]
         if not self.smooth:
-            return np.asarray(np.linalg.qr(self._trend)[0])
+            return np.asarray(trend)
         sizes, axes = linalg.eigh(self._kernel(LENGTH if self.step < COARSE else LONG))
-        both = np.column_stack([axes[:, STRENGTH * sizes > BLIND], self._trend])
-        left, spread, _ = np.linalg.svd(both, full_matrices=False)
-        return np.asarray(left[:, spread > DISTINCT])
+        slow = axes[:, STRENGTH * sizes > BLIND]
+        left, spread, _ = np.linalg.svd(slow - trend @ (trend.T @ slow), full_matrices=False)
+        return np.column_stack([trend, left[:, spread > DISTINCT]])
 
     @cached_property
     def contrasts(self) -> Array:
