@@ -132,7 +132,7 @@ def test_a_regressed_tilt_finds_its_share_from_the_readings() -> None:
 
 
 def test_the_coefficient_of_a_regressed_tilt_is_as_uncertain_as_noise_over_tilt_makes_it() -> None:
-    """White readings of scatter s, white tilt of scatter w: u(p) = s / (w sqrt(m)), m = 48 sums without line and drift."""
+    """White readings of scatter s, white tilt of scatter w: u(p) = s / (w sqrt(48)), of 48 contrasts."""
     of, parts = schedule(), []
     for seed in range(1, 31):
         rng = np.random.default_rng(seed)

@@ -5,8 +5,8 @@
 *What repeats.* Drift that is the same in every run is in no scatter of their responses. Where it is smooth, none of it
 enters them; where it has kinks or corners, it does, and it shows in the mean over the runs of the contrasts, sums of
 readings that neither the drive nor a smooth drift enters: they are larger than their scatter from run to run explains.
-For m contrasts of R runs, weighted by their noise, ``R mean^2`` over the variance between runs has Fisher's F with m and
-(R - 1) m degrees of freedom. Runs whose drive starts in different phases need no such test: what repeats cancels in
+For m contrasts of R runs, weighted by their noise, ``R mean^2`` over the variance between runs has Fisher's F with m
+and (R - 1) m degrees of freedom. Runs whose drive starts in different phases need no such test: what repeats cancels in
 their mean.
 
 Both are errors: the verdict is INCONCLUSIVE, and no model is written. Of 1,000 campaigns of white noise, flicker or a
@@ -84,7 +84,7 @@ def _repeats(runs: Sequence[Run], responses: Sequence[Response]) -> Iterator[Rem
         key = (len(schedule), round(schedule.step / schedule.period, 6), schedule.samples_per_cycle)
         groups.setdefault(key, []).append(run)
     group = max(groups.values(), key=len, default=[])
-    if len(group) < 2:  # noqa: PLR2004 - to tell what repeats
+    if len(group) < 2:
         return
     readings = np.column_stack([series[run.name] for run in group])
     there = np.asarray(np.isfinite(readings).all(axis=1))

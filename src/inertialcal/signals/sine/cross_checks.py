@@ -5,9 +5,9 @@ is the noise in the difference of the weights, far less than their uncertainties
 with the fit; where the fit takes the scatter of its stretches, white noise with the density at the drive. More than
 three standard deviations of that difference is called a disagreement.
 
-Another length of the smoothing: drift that is smooth over 1.25 periods of the drive is also smooth over 1.5, and no part
-of the amplitude. Where the amplitude depends on the length, drift is not smooth: a sine of less than two periods of the
-drive is found before it matters, a kink or a corner is not.
+Another length of the smoothing: drift that is smooth over 1.25 periods of the drive is mostly smooth over 1.5, and no
+part of the amplitude. Where the amplitude depends on the length, drift is not smooth: a sine of less than two periods
+of the drive is found before it matters, a kink or a corner is not.
 
 Amplitude from alternating differences of half periods: a check that needs no model of drift.
 

@@ -263,9 +263,9 @@ def fit_line(design: Design, readings: Array) -> LineFit:
 
 
 def common_noise(alone: Sequence[LineFit]) -> list[LineFit]:
-    """Return fits of runs of one instrument, one record each, with the noise of all of them where it may be the same."""
+    """Return fits of runs of one instrument, one record each, with the noise of all where it may be the same."""
     steps = np.array([one.design.stretches[0].step / one.design.drive.frequency for one in alone])
-    if len(alone) < 2 or np.ptp(steps) > HALF * steps.min() or any(one.found is None for one in alone):  # noqa: PLR2004
+    if len(alone) < 2 or np.ptp(steps) > HALF * steps.min() or any(one.found is None for one in alone):
         return list(alone)
     each = [contrasts_of(one.design, one.cells) for one in alone]
     together = noise_of([z for own, _ in each for z in own], [d for _, own in each for d in own])

@@ -3,12 +3,12 @@
 The noise of a record is white and a random walk, in shares 1 - p and p: a contrast to which a walk gives d times the
 variance that it gives to the mean contrast has ``v (1 - p + p d)``. Given p, v follows by restricted maximum likelihood
 from the contrasts of one record, or of several of one instrument [1]_. p is averaged over its likelihood, with white
-noise alone as likely beforehand as all else: a short record hardly shows p, and the uncertainty depends on it by 20 % at
-most. p may be a little negative, as in noise that rises with frequency: cut at zero, the uncertainty of every white
+noise alone as likely beforehand as all else: a short record hardly shows p, and the uncertainty depends on it by 20 %
+at most. p may be a little negative, as in noise that rises with frequency: cut at zero, the uncertainty of every white
 record would be too large.
 
-Any weights that see no drift then have a variance for each p; its mean counts, and its degrees of freedom are those of a
-chi-square with the same scatter [2]_, of v and of p.
+Any weights that see no drift then have a variance for each p; its mean counts, and its degrees of freedom are those of
+a chi-square with the same scatter [2]_, of v and of p.
 
 Assumed: noise that is normal and the same throughout, of about this shape from 0.8 times the frequency of the drive to
 four times it. Flicker lies between both. Student's interval holds the truth in 94 to 97 of 100 records of white noise,

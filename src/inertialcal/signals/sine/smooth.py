@@ -9,8 +9,8 @@ V is fixed: it is a prior on drift [1]_ far above any that is met, not a fit of 
 and the estimate is linear in them. Of a drift of 1000 times the response over 100 dwells of a quarter of a period, W
 lets pass 4e-5 of the response for an exponential of a tenth of the record, 1e-4 for one of a thirtieth, 1e-3 for a sine
 of three periods of the drive and nothing of a cubic; a line and 20 cosines let 0.5, 1.4 and 0.8 pass. The price is at
-the ends, where drift and drive are hardest to separate: the uncertainty is 1.05 times that of white noise whose drift is
-known with 25 periods, 1.14 with 10, 1.01 with 100.
+the ends, where drift and drive are hardest to separate: the uncertainty is 1.05 times that of white noise whose drift
+is known with 25 periods, 1.14 with 10, 1.01 with 100.
 
 Where real data break it: a drift with a kink or a corner (W passes 20 % at 1000 times the response), a sine of less
 than two periods of the drive, a drift that follows the drive. The first is found where runs repeat it, the second by
@@ -20,7 +20,7 @@ Contrasts are sums of readings in which neither the drive nor any smooth drift h
 
 References
 ----------
-.. [1] C. E. Rasmussen and C. K. I. Williams, Gaussian Processes for Machine Learning, MIT Press 2006, sections 2.2, 2.7.
+.. [1] C. E. Rasmussen and C. K. I. Williams, Gaussian Processes for Machine Learning, MIT Press 2006, 2.2 and 2.7.
 """
 
 from __future__ import annotations
