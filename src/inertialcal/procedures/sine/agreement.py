@@ -18,13 +18,14 @@ from ...core.show.rounding import number
 from ...signals.sine.changes import cycle_amplitudes, jumps, response_changes
 from ...signals.sine.fit import LineFit, design_of, fit_line
 from ...statistics.agreement import FALSE_ALARM
-from ..mass_attraction.agreement import LEAST_JUMP, MUCH, Measured, unlike_others
+from ..mass_attraction.agreement import MUCH, Measured, unlike_others
 from .inputs import Driven
 from .plan import Plan
 from .reduction import Readings
 
 PART = FALSE_ALARM / 4.0  # of each search
 SPARSE = 4  # times as long as its readings, from which a recording is not laid on a grid
+LEAST_JUMP = 0.5  # responses, from which a jump matters
 STANDS_OUT = 8.0  # standard uncertainties of a response that is looked into
 
 

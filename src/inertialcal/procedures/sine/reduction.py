@@ -3,7 +3,8 @@
 Estimated: amplitude (and phase, where it is free) of a sine of known period, or of a sequence of dwells that was
 applied. Assumed: nothing else follows the drive; drift is smooth over a period of the drive, or longer. The
 uncertainty: white noise and a random walk, as sums of readings show them that neither drive nor drift enters
-(``signals.sine.fit``). Where real data break it: drift with parts near the drive (remarked: ``drift_near_drive``), a step in the level
+(``signals.sine.fit``). Where real data break it: drift with parts near the drive (remarked: ``drift_near_drive``), a
+step in the level
 (``jump``), a response that changes within the record (``scale_changed``).
 
 References
