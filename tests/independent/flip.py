@@ -6,6 +6,9 @@ In a dwell at the angle ``theta`` about x (Chestney and Sicker 1996, equations 1
 
 A turn takes some time by the smooth angle ``pi (s - sin(2 pi s) / 2 pi)``; at a lever arm it is felt as ``r theta'^2``
 towards the axis and ``r theta''`` across it. ``G(t)`` may change with time, and the bias may wander (flicker).
+
+The truth of ``bias`` is its mean over the time at rest, that of ``bias_next_record`` its mean over as long again from
+the end of this record; ``of the head`` is the constant behind both.
 """
 
 from __future__ import annotations
@@ -73,7 +76,8 @@ def turned(seed: int, head: Head | None = None, programme: Programme | None = No
             angle, at = goal, at + m * dt
     theta = np.concatenate(pieces)
     time: Array = dt * np.arange(len(theta), dtype=float)
-    y = readings(rng, head, theta, time, dt)
+    wander = slow(rng, head, 2 * len(time))  # this record and the next
+    y = readings(rng, head, theta, time, dt, wander[: len(time)])
     which, size = programme.step
     if size:
         middle = round(0.5 * (windows[which][0] + windows[which][1]) / dt)
@@ -87,14 +91,32 @@ def turned(seed: int, head: Head | None = None, programme: Programme | None = No
             words += ["--window", f"{start:.2f}..{stop:.2f}={position} deg"]
     hours = float(np.mean([w[0] + w[1] for w in windows])) / 7200.0
     truth: dict[str, float] = {f"turns {k}": start for k, start in enumerate(levels[1:], 1)}
+    still = np.abs(np.gradient(theta)) == 0.0
+    later = float(time.mean()) + float(time[-1])
     for i, a in enumerate("yz", 1):
-        truth[f"bias {a}"] = head.bias[i]
         truth[f"ambient_acceleration {a}"] = head.ambient[i] + head.ambient_rate[i] * hours
-        truth[f"bias over the record {a}"] = head.bias[i] + head.bias_rate[i] * float(time.mean()) / 3600.0
-    return Case("flip", {"head.csv": table}, words, truth, noise=head.white, rate=programme.rate, rng_seed=seed)
+        now = head.bias_rate[i] * float(time[still].mean()) / 3600.0 + float(wander[: len(time), i][still].mean())
+        truth[f"bias {a}"] = head.bias[i] + now  # of the quiet record
+        onward = head.bias_rate[i] * later / 3600.0 + float(wander[len(time) :, i].mean())
+        truth[f"bias_next_record {a}"] = head.bias[i] + onward
+        truth[f"bias_next_record of the head {a}"] = head.bias[i]
+    ideal = {}
+    if not head.slow:
+        counts = {p: [(b - a) / dt for a, b, q in windows if q == p] for p in (0, 180)}
+        u = 0.5 * head.white * float(np.sqrt(sum(np.sum(1.0 / np.array(n)) / len(n) ** 2 for n in counts.values())))
+        ideal = {f"{name} {a}": u for name in ("bias", "ambient_acceleration") for a in "yz"}
+    return Case("flip", {"head.csv": table}, words, truth, noise=head.white, rate=programme.rate, rng_seed=seed,
+                ideal=ideal)  # fmt: skip
 
 
-def readings(rng: np.random.Generator, head: Head, theta: Array, time: Array, dt: float) -> Array:
+def slow(rng: np.random.Generator, head: Head, count: int) -> Array:
+    """Return how the bias wanders (count, 3)."""
+    if not head.slow:
+        return np.zeros((count, len(AXES)))
+    return np.column_stack([flicker(rng, head.slow, count) for _ in AXES])
+
+
+def readings(rng: np.random.Generator, head: Head, theta: Array, time: Array, dt: float, wander: Array) -> Array:
     """Return what the head reads (n, 3)."""
     hours = time[:, None] / 3600.0
     G = np.array(head.ambient) + np.array(head.ambient_rate) * hours
@@ -104,8 +126,7 @@ def readings(rng: np.random.Generator, head: Head, theta: Array, time: Array, dt
     y[:, 1] -= UG_OF_SI * head.lever * speed**2
     y[:, 2] += UG_OF_SI * head.lever * np.gradient(speed, dt)
     y += np.array(head.bias) + np.array(head.bias_rate) * hours
-    if head.slow:
-        y += np.column_stack([flicker(rng, head.slow, len(y)) for _ in AXES])
+    y += wander
     sd = np.where(np.abs(speed) > 0.0, 1.0 + head.shake, 1.0)[:, None] * head.white
     values: Array = y + sd * rng.standard_normal(y.shape)
     return values

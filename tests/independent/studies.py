@@ -44,6 +44,7 @@ class Tried:
     notes: list[str]
 
 
+HEAD = "bias of the head behind the flicker, as that of the next record"
 B0 = "gyro bias b0"  # under flicker no record identifies the bias behind it: the interval is not for it
 
 
@@ -603,7 +604,8 @@ def heads() -> list[Study]:
     """Flips: windows given, ambient change, turns to be found."""
     groups = {
         "bias": like(r"bias [yz]"),
-        "bias over the record": like("", "over the record"),
+        "bias of the next record": like(r"bias_next_record [yz]"),
+        HEAD: like("bias_next_record", "of the head"),
         "ambient acceleration": like("ambient_acceleration"),
     }
     control = remarks("control_axis_not_zero", "flips_differ", "not_turned_by_angle", "short_record", "no_noise")

@@ -17,9 +17,11 @@ from __future__ import annotations
 import math
 from typing import Literal
 
+import numpy as np
 from scipy import special
 
 from ..core.errors import DataError, PlanError
+from ..core.estimate import Array
 from ..core.results import Interval
 
 
@@ -93,6 +95,40 @@ def upper_bound(value: float, u: float, dof: float, p: float = 0.95) -> float:
     """
     _check_value(value, u)
     return value + t_quantile(dof, p) * u
+
+
+def student_of_mixture(deviations: Array, probability: Array, dof: float = math.inf) -> tuple[float, float]:
+    """Return the scale and the degrees of freedom of Student's t with the 95 % interval of a mixture.
+
+    Parameters
+    ----------
+    deviations : ndarray, shape (n,)
+        Standard deviations of an error.
+    probability : ndarray, shape (n,)
+        Of each; they add up to 1.
+    dof : float
+        Degrees of freedom of each; infinite: normal.
+
+    Returns
+    -------
+    tuple of float
+        The median deviation, and degrees of freedom, one at least. Where one would not do, the scale is larger.
+    """
+
+    from scipy import optimize  # noqa: PLC0415 - heavy import, which most commands need not wait for
+
+    def outside(half: float) -> float:
+        t = -half / deviations
+        return float(probability @ (2.0 * (special.ndtr(t) if math.isinf(dof) else special.stdtr(dof, t)))) - 0.05
+
+    order = np.argsort(deviations)
+    u = float(deviations[order][np.searchsorted(np.cumsum(probability[order]), 0.5)])
+    half = float(optimize.brentq(outside, 0.5 * u, 60.0 * float(deviations.max())))
+    quantile = max(half / u, 1.97)
+    if quantile > float(special.stdtrit(1.0, 0.975)):  # more than half of it is unseen
+        return half / float(special.stdtrit(1.0, 0.975)), 1.0
+    found = float(optimize.brentq(lambda nu: special.stdtrit(nu, 0.975) - quantile, 1.0, 1e4))
+    return half / quantile, found
 
 
 def ends(interval: Interval) -> tuple[float, float]:

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 QUANTITIES = dict.fromkeys(
     (
         "bias", "ambient_acceleration", "model_bias_error", "control_error", "reading", "bias_shift", "corrected_bias",
+        "bias_next_record", "model_bias_error_next_record",
         "model_bias_error_change", "model_bias_error_reduction",
     ),
     Quantity(READING),

@@ -1,6 +1,7 @@
 """Rows of a flip's result: every quantity with its uncertainty, or the reason why there is none.
 
-Rows without method or member are the result, all flips pooled; ``Member("flip", "1")`` marks each of several; methods
+Rows without method or member are the result, all flips pooled; ``bias_next_record`` is the same bias as that of the
+record that comes next, with the slow noise of the head from one to the other in u; ``Member("flip", "1")`` marks each of several; methods
 ``median`` and ``low_pass`` other statistics of the same windows. Where a ground model's prediction is given there are
 ``predicted_bias`` with ``bias_shift`` or ``corrected_bias`` (``separation.orbit``).
 
@@ -38,6 +39,8 @@ if TYPE_CHECKING:
     from .reduction import Result
 
 UNIT = "m/s^2"
+NEXT = "_next_record"
+AS_NEXT = "of the next record, as long as this one"
 MODEL_BIAS = "model_bias_error"  # of a ground model
 ALONG = Reason("along_turn", "not turned: bias and ambient acceleration along the turn are one (see reading)")
 NO_STATISTIC = Reason("no_statistic", "no uncertainty for this statistic: see that of the mean")
@@ -54,6 +57,7 @@ def rows(result: Result) -> list[Row]:
     """Return all rows, SI."""
     bias = MODEL_BIAS if result.plan.corrected else BIAS
     found = _of_flip(result, result.whole)
+    found += _next_rows(result)
     several = len(result.flips) > 1
     for one in result.flips if several else ():
         found += _of_flip(result, one, member=Member("flip", one.label))
@@ -83,6 +87,22 @@ def _of_flip(result: Result, one: Flip, method: Method = Method.RESULT, member: 
         own = key._replace(quantity=_called(result.plan, key.quantity))
         found.append(not_estimated(own, units([key])[0], why, method, member))
     return found
+
+
+def _next_rows(result: Result) -> list[Row]:
+    """Return each bias as that of the record that comes next."""
+    found = []
+    for key, (u, dof) in result.whole.next_record.items():
+        value = float(result.whole.values[result.whole.keys.index(key)])
+        own = key._replace(quantity=f"{_called(result.plan, key.quantity)}{NEXT}")
+        interval = t_interval(value, u, dof)
+        reason = Reason("limits", "; ".join([AS_NEXT, *_relative(result)]))
+        found.append(Row(own, value, u, UNIT, dof if np.isfinite(dof) else None, interval, reason=reason))
+    return found
+
+
+def _relative(result: Result) -> list[str]:
+    return ["relative to the fixture"] if missing(result.plan) else []
 
 
 def _called(plan: Plan, quantity: str) -> str:
@@ -124,7 +144,8 @@ def _row(
         return Row(key, value, None, unit, status="not_estimated", reason=reason, method=method, member=member)
     u, dof = float(one.estimate.u[at]), float(one.estimate.dof[at])
     limits = ["bias and ambient acceleration together"] if own.quantity == READING else []
-    limits += ["relative to the fixture"] if missing(result.plan) else []
+    limits += ["mean over the quiet record"] if own.quantity == BIAS and result.readings.quiet else []
+    limits += _relative(result)
     return Row(
         key, value, u, unit, dof if np.isfinite(dof) else None, t_interval(value, u, dof),
         reason=Reason("limits", "; ".join(limits)), method=method, member=member,

@@ -14,20 +14,20 @@ A flip that separates less than the others (a missing position) is not pooled, a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy import special
 
-from ....core.estimate import Array, Component, Estimate
+from ....core.estimate import Array, Component, Estimate, joined_dof
 from ....core.key import Key, Origin, Reason
 from ....core.remarks import Remark
 from ....statistics.decision import holm
 from ..plan import Plan
 from ..readings import Readings
 from .equations import AMBIENT, BIAS, CONTROL, RATES, WARM, Separated, separate
-from .uncertainty import components, noise_components, patterns, record_of
+from .uncertainty import components, next_record, noise_components, patterns, record_of
 
 FEW = 5  # flips: with fewer, the scatter between them is hardly known
 RISK = 0.05
@@ -52,6 +52,8 @@ class Flip:
         Why there is no uncertainty.
     separated : tuple of Separated
         The flips that went in.
+    next_record : mapping of Key to tuple of float
+        Uncertainty of each bias as that of the next record, and its degrees of freedom.
     """
 
     label: str
@@ -60,12 +62,30 @@ class Flip:
     estimate: Estimate | None
     reason: Reason
     separated: tuple[Separated, ...]
+    next_record: Mapping[Key, tuple[float, float]] = field(default_factory=dict[Key, tuple[float, float]])
 
     @classmethod
-    def of(cls, label: str, values: Array, parts: list[Component], separated: tuple[Separated, ...]) -> Flip:
-        """Return the values of separated flips with the components of their uncertainty."""
+    def of(
+        cls,
+        label: str,
+        values: Array,
+        parts: list[Component],
+        separated: tuple[Separated, ...],
+        onward: Mapping[Key, tuple[float, float]],
+    ) -> Flip:
+        """Return the values of separated flips with the components of their uncertainty.
+
+        ``onward``: u and degrees of freedom of the noise of each bias as that of the next record.
+        """
         keys = separated[0].keys
-        return cls(label, keys, values, Estimate(keys, values, units(keys), tuple(parts)), Reason(), separated)
+        estimate = Estimate(keys, values, units(keys), tuple(parts))
+        later = {}
+        for key, (u, dof) in onward.items():
+            others = [one for one in estimate.select([key]).components if one.kind != "A"]
+            squares = [np.array([u**2]), *(np.diagonal(one.covariance) for one in others)]
+            known = joined_dof(squares, [dof, *(one.dof for one in others)])
+            later[key] = (float(np.sqrt(np.sum(squares))), float(known[0]))
+        return cls(label, keys, values, estimate, Reason(), separated, later)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -92,7 +112,7 @@ def flips_of(plan: Plan, readings: Readings) -> tuple[Flip, ...]:
         noise, reason = noise_components(plan, readings, one)
         if noise and not reason:
             parts = [*noise, *components(plan, patterns(plan, readings, one), one)]
-            flips.append(Flip.of(label, one.values, parts, (one,)))
+            flips.append(Flip.of(label, one.values, parts, (one,), next_record(plan, readings, one)))
         else:
             why = reason or Reason("not_read", "nothing was read")
             flips.append(Flip(label, one.keys, one.values, None, why, (one,)))
@@ -111,7 +131,21 @@ def pooled(plan: Plan, readings: Readings, flips: Sequence[Flip]) -> Flip:
     every = [patterns(plan, readings, one) for one in separated]
     common = {name: np.mean([one[name] for one in every], axis=0) for name in every[0]}
     parts = [between, *_in_common(plan, readings, used), *components(plan, common, separated[0])]
-    return Flip.of("", values.mean(axis=0), parts, separated)
+    return Flip.of("", values.mean(axis=0), parts, separated, _onward(plan, readings, used))
+
+
+def _onward(plan: Plan, readings: Readings, used: Sequence[Flip]) -> dict[Key, tuple[float, float]]:
+    """Return u and degrees of freedom of a mean bias as that of the next record, by noise or scatter of flips."""
+    if not readings.quiet:
+        return {}
+    parts = [one.separated[0] for one in used]
+    records = {id(record_of(readings, part.weights)) for part in parts}
+    if len(records) == 1:
+        weights = {axis: np.mean([part.weights[axis] for part in parts], axis=0) for axis in parts[0].weights}
+        return next_record(plan, readings, replace(parts[0], weights=weights))
+    values, count = np.array([one.values for one in used]), len(used)
+    grown = np.std(values, axis=0, ddof=1) * np.sqrt(1.0 + 1.0 / count)
+    return {key: (float(u), count - 1.0) for key, u in zip(used[0].keys, grown, strict=True) if key.quantity == BIAS}
 
 
 def _used(flips: Sequence[Flip]) -> list[Flip]:

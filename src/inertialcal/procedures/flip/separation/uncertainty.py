@@ -1,15 +1,11 @@
 """Uncertainty of a flip: noise slower than a dwell (Type A), and standards that are not exact (Type B).
 
 **Noise.** Sub-means inside one dwell say nothing about what wanders from dwell to dwell: with 1/f noise that is most of
-it. The noise is therefore taken from the whole quiet record, and only contrasts count, as every result is one: ambient
-acceleration is the half difference of two dwells, bias the half sum less the mean of the record. So ``bias`` means the
-mean bias over the record around the flip, and ``ambient_acceleration`` is taken as constant over it: all noise is the
-sensor's.
+it. The noise is therefore taken from the whole quiet record. ``bias`` means the mean over that record of what wanders
+slowly, of which white noise is no part; ``ambient_acceleration`` likewise.
 
 ``slow``
-    White and 1/f noise by ``statistics.slow_noise`` on block means. Level, step at the turns (and a drift in time, if
-    the plan has one) and the level of each dwell are fitted as well: an error of the result that stayed in the noise
-    would widen its interval, and 95 % would cover 98 % on white noise.
+    White and slow noise, and a drift, of head or ambient acceleration, by ``separation.noise``.
 ``pairs``
     The same combination of dwells, moved to where the record has quiet stretches as long and as far apart: scatter of
     values that should be zero. Assumes no shape of the noise and needs three such places. For a bias the mean at each
@@ -47,12 +43,13 @@ from functools import lru_cache
 import numpy as np
 
 from ....core.errors import DataError
-from ....core.estimate import Array, Component
+from ....core.estimate import Array, Component, joined_dof
 from ....core.key import AXES, Key, Origin, Reason
 from ....statistics.slow_noise import Blocks, SlowNoise, blocks_of, slow_noise
 from ..plan import INFLUENCES, Plan
 from ..readings import Quiet, Readings
-from .equations import AMBIENT, SAME, Separated, directions, slope, tilted
+from .equations import AMBIENT, BIAS, SAME, Separated, directions, slope, tilted
+from .noise import noise_of
 
 FEWEST = 3  # pairs
 PART = 0.8  # of a window that the blocks of a moved one must fill
@@ -71,8 +68,13 @@ NAMES = {
 }
 
 
-def noise_components(plan: Plan, readings: Readings, flip: Separated) -> tuple[list[Component], Reason]:
-    """Return one component per axis of a flip, or the reason why there is no uncertainty."""
+def noise_components(
+    plan: Plan, readings: Readings, flip: Separated, without_drift: bool = False
+) -> tuple[list[Component], Reason]:
+    """Return one component per axis of a flip, or the reason why there is no uncertainty.
+
+    ``without_drift``: of white and 1/f noise alone, as a control axis is tested.
+    """
     if not readings.quiet:
         return [], NO_RECORD
     components = []
@@ -83,11 +85,33 @@ def noise_components(plan: Plan, readings: Readings, flip: Separated) -> tuple[l
         if record is None:
             return [], APART
         try:
-            covariance, dof, method = _of_axis(plan, record.of(axis), axis, weights)
+            covariance, dof, method = _of_axis(plan, record.of(axis), axis, weights, without_drift)
         except DataError as error:
             return [], Reason(error.problems[0].code, f"{axis}: {error.problems[0].what}")
         components.append(Component(Origin(f"noise of {axis}: {method}", level="record"), "A", covariance, dof, "t"))
     return components, Reason()
+
+
+def next_record(plan: Plan, readings: Readings, flip: Separated) -> dict[Key, tuple[float, float]]:
+    """Return u and degrees of freedom of each bias as that of the next record; empty where the noise is not known."""
+    found = {}
+    for axis in plan.turned:
+        key = Key(BIAS, axis)
+        record = record_of(readings, flip.weights)
+        if key not in flip.keys or record is None or plan.noise == "pairs":
+            continue
+        at, squares, free = flip.keys.index(key), [], []
+        for other, weights in flip.weights.items():
+            line = _lines(record.of(other), weights[at : at + 1])[0]
+            if np.any(line):
+                try:
+                    u, dof = noise_of(record.of(other), other, other != plan.axis, plan.drift).next_record(line)
+                except DataError:
+                    return {}
+                squares.append(np.array([u**2]))
+                free.append(np.array([dof]))
+        found[key] = (float(np.sqrt(np.sum(squares))), float(joined_dof(squares, free)[0]))
+    return found
 
 
 def independent(plan: Plan, record: Quiet, lines: Mapping[str, Array]) -> tuple[Array, Array, Array]:
@@ -135,17 +159,16 @@ def record_of(readings: Readings, weights: Mapping[str, Array]) -> Quiet | None:
     return next((one for one in readings.quiet if np.all(one.dwells[used])), None)
 
 
-def _of_axis(plan: Plan, record: Quiet, axis: str, weights: Array) -> tuple[Array, Array, str]:
+def _of_axis(plan: Plan, record: Quiet, axis: str, weights: Array, without_drift: bool) -> tuple[Array, Array, str]:
     """Return covariance, degrees of freedom and method of the noise of one axis."""
     if not len(record.times):
         raise DataError("no block of the record is quiet and complete", do="Record longer", code="too_few_blocks")
     if plan.noise == "pairs":
         return _pairs(record, axis, weights)
     try:
-        contrasts = _contrasts(record, weights)
-        noise = slow_noise(record.means[axis], _shape(plan, record), contrasts)
-        dof = np.array([noise.variance(line)[1] if np.any(line) else np.inf for line in contrasts])
-        return _covariance(noise, record, contrasts), dof, "white and 1/f, by its quiet record"
+        noise = noise_of(record, axis, axis != plan.axis, plan.drift)
+        noise = noise.without_drift() if without_drift else noise
+        return *noise.covariance(_lines(record, weights)), "white, slow and drift, by its quiet record"
     except DataError as error:
         try:
             return _pairs(record, axis, weights)
@@ -161,12 +184,17 @@ def _covariance(noise: SlowNoise, record: Quiet, contrasts: Array) -> Array:
 
 def _contrasts(record: Quiet, weights: Array) -> Array:
     """Weights of the blocks in each result, shape (p, m); less the mean of the record where they make a mean."""
+    lines = _lines(record, weights)
+    return np.asarray(lines - lines.sum(axis=1, keepdims=True) / lines.shape[1])
+
+
+def _lines(record: Quiet, weights: Array) -> Array:
+    """Weights of the blocks in each result, shape (p, m)."""
     weights = _small_to_zero(weights)
     if np.any(np.any(weights != 0.0, axis=0) & ~np.any(record.weights, axis=1)):
         what = "no block of a window has all its samples"
         raise DataError(what, why="its noise is not known", do="Choose another window", code="too_few_blocks")
-    lines = weights @ record.weights
-    return np.asarray(lines - lines.sum(axis=1, keepdims=True) / lines.shape[1])
+    return np.asarray(weights @ record.weights)
 
 
 def _small_to_zero(weights: Array) -> Array:

@@ -36,10 +36,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import optimize, special
 
 from ....core.estimate import Array
 from ....core.key import Reason
+from ....statistics.intervals import student_of_mixture
 from ....statistics.slow_noise import FLICKER, WALK, window_covariance
 from ..readings import Readings
 
@@ -144,7 +144,7 @@ class Slow:
             onward = gain @ (loading[:, axis] * kernel[place, -1])
             grown.append(float(gain @ between @ gain - 2.0 * onward + kernel[-1, -1]))
         variance = noise + np.outer(np.maximum(SHARES @ grown, 0.0), self.variances)
-        return _student(np.sqrt(variance).ravel(), self.probability.ravel())
+        return student_of_mixture(np.sqrt(variance).ravel(), self.probability.ravel())
 
 
 def slow_noise_of(wander: Wander, rests: Rests) -> Slow | None:
@@ -183,22 +183,6 @@ def slow_noise_of(wander: Wander, rests: Rests) -> Slow | None:
     weight = np.array(logs) + POWER * np.log(sizes) + np.log(BEFORE)[:, None]
     probability = np.exp(weight - weight.max())
     return Slow(wander, kernels / size[:, None, None], probability / probability.sum(), sizes**2)
-
-
-def _student(deviations: Array, probability: Array) -> tuple[float, float]:
-    """Return the scale and the degrees of freedom of Student's t with the 95 % interval of a mixture of normals."""
-
-    def outside(half: float) -> float:
-        return float(probability @ (2.0 * special.ndtr(-half / deviations))) - 0.05
-
-    order = np.argsort(deviations)
-    u = float(deviations[order][np.searchsorted(np.cumsum(probability[order]), 0.5)])
-    half = float(optimize.brentq(outside, 0.5 * u, 60.0 * float(deviations.max())))
-    quantile = max(half / u, 1.97)
-    if quantile > float(special.stdtrit(1.0, 0.975)):  # more than half of it is unseen
-        return half / float(special.stdtrit(1.0, 0.975)), 1.0
-    dof = float(optimize.brentq(lambda nu: special.stdtrit(nu, 0.975) - quantile, 1.0, 1e4))
-    return half / quantile, dof
 
 
 @dataclass(frozen=True, eq=False)
