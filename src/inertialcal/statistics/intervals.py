@@ -24,6 +24,8 @@ from ..core.errors import DataError, PlanError
 from ..core.estimate import Array
 from ..core.results import Interval
 
+ALIKE = 0.005  # of the logarithm of deviations that are taken together
+
 
 def t_quantile(dof: float, p: float) -> float:
     """Return the value that Student's t stays below with probability ``p`` (one-sided).
@@ -114,21 +116,22 @@ def student_of_mixture(deviations: Array, probability: Array, dof: float = math.
     tuple of float
         The median deviation, and degrees of freedom, one at least. Where one would not do, the scale is larger.
     """
-
     from scipy import optimize  # noqa: PLC0415 - heavy import, which most commands need not wait for
-
-    def outside(half: float) -> float:
-        t = -half / deviations
-        return float(probability @ (2.0 * (special.ndtr(t) if math.isinf(dof) else special.stdtr(dof, t)))) - 0.05
 
     order = np.argsort(deviations)
     u = float(deviations[order][np.searchsorted(np.cumsum(probability[order]), 0.5)])
-    half = float(optimize.brentq(outside, 0.5 * u, 60.0 * float(deviations.max())))
-    quantile = max(half / u, 1.97)
-    if quantile > float(special.stdtrit(1.0, 0.975)):  # more than half of it is unseen
-        return half / float(special.stdtrit(1.0, 0.975)), 1.0
-    found = float(optimize.brentq(lambda nu: special.stdtrit(nu, 0.975) - quantile, 1.0, 1e4))
-    return half / quantile, found
+    bins, members = np.unique(np.round(np.log(deviations / u) / ALIKE), return_inverse=True)
+    sizes, shares = np.exp(ALIKE * bins), np.bincount(members, weights=probability)
+
+    def outside(half: float) -> float:
+        t = -half / sizes
+        return float(shares @ (2.0 * (special.ndtr(t) if math.isinf(dof) else special.stdtr(dof, t)))) - 0.05
+
+    quantile = max(float(optimize.brentq(outside, 0.5, 60.0 * float(sizes.max()), xtol=1e-6)), 1.97)
+    most = float(special.stdtrit(1.0, 0.975))
+    if quantile > most:  # more than half of it is unseen
+        return u * quantile / most, 1.0
+    return u, float(optimize.brentq(lambda nu: special.stdtrit(nu, 0.975) - quantile, 1.0, 1e4))
 
 
 def ends(interval: Interval) -> tuple[float, float]:

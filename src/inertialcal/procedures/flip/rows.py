@@ -1,9 +1,9 @@
 """Rows of a flip's result: every quantity with its uncertainty, or the reason why there is none.
 
-Rows without method or member are the result, all flips pooled; ``bias_next_record`` is the same bias as that of the
-record that comes next, with the slow noise of the head from one to the other in u; ``Member("flip", "1")`` marks each of several; methods
-``median`` and ``low_pass`` other statistics of the same windows. Where a ground model's prediction is given there are
-``predicted_bias`` with ``bias_shift`` or ``corrected_bias`` (``separation.orbit``).
+Rows without method or member are the result, all flips pooled; ``Member("flip", "1")`` marks each of several; methods
+``median`` and ``low_pass`` other statistics of the same windows. ``bias_next_record`` is the same bias as that of the
+record that comes next: its u holds the slow noise of the head from one to the other. Where a ground model's prediction
+is given there are ``predicted_bias`` with ``bias_shift`` or ``corrected_bias`` (``separation.orbit``).
 
 The textbook rows follow TM-106980: half difference and half sum of a flip of two positions half a turn apart [1]_::
 

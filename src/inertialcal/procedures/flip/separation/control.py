@@ -1,11 +1,12 @@
 """Checks that the flip makes on itself: control axis, angle, axis of the turn, and size of the results.
 
 The axis along the turn keeps its reading; any part that follows the turn is tested against zero at 1 % (Holm's rule
-over several flips), by the white and 1/f noise of its record: a drift or a walk, which its interval allows for, is
-something that this test is to find. A control axis that fails is an error: no requirement on the flip can PASS. The turned axes, where there are more dwells than unknowns, must follow
-cosine and sine of the stated angles: the residual is tested against the record's noise, at 1 %, by an F-test that
-allows for how well that noise is known [1]_. Half turns of two positions leave no residual, and do not show a turn by
-another angle than stated.
+over several flips), by the white and 1/f noise of its record: a drift or a walk, which its interval allows for, is what
+this test is to find. A control axis that fails is an error: no requirement on the flip can PASS.
+
+The turned axes, where there are more dwells than unknowns, must follow cosine and sine of the stated angles: the
+residual is tested against the record's noise, at 1 %, by an F-test that allows for how well that noise is known [1]_.
+Half turns of two positions leave no residual, and do not show a turn by another angle than stated.
 
 A control axis that moves clearly (0.1 %) while a turned one does not (5 %) says that another axis was turned about.
 

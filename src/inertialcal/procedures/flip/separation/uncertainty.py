@@ -102,14 +102,16 @@ def next_record(plan: Plan, readings: Readings, flip: Separated) -> dict[Key, tu
             continue
         at, squares, free = flip.keys.index(key), [], []
         for other, weights in flip.weights.items():
-            line = _lines(record.of(other), weights[at : at + 1])[0]
-            if np.any(line):
-                try:
-                    u, dof = noise_of(record.of(other), other, other != plan.axis, plan.drift).next_record(line)
-                except DataError:
-                    return {}
-                squares.append(np.array([u**2]))
-                free.append(np.array([dof]))
+            if not np.any(weights[at]):
+                continue
+            try:
+                own = record.of(other)
+                noise = noise_of(own, other, other != plan.axis, plan.drift)
+                u, dof = noise.next_record(_lines(own, weights[at : at + 1])[0])
+            except DataError:
+                return {}
+            squares.append(np.array([u**2]))
+            free.append(np.array([dof]))
         found[key] = (float(np.sqrt(np.sum(squares))), float(joined_dof(squares, free)[0]))
     return found
 
