@@ -16,6 +16,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.signal import lfilter
 
 from .case import Array, Case, Table
 from .static import flicker
@@ -34,6 +35,8 @@ class Head:
     bias_rate: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [ug/h]
     white: float = 20.0  # of a sample
     slow: float = 0.0  # flicker B of the bias
+    walk: float = 0.0  # of the bias, in a second
+    correlated: tuple[float, float] = (0.0, 1.0)  # of the bias: standard deviation, correlation time [s]
     angle_error: float = 0.0  # standard deviation of each turn [deg]
     lever: float = 0.1  # [m]
     shake: float = 3.0  # noise during a turn, in parts of the white noise
@@ -76,7 +79,7 @@ def turned(seed: int, head: Head | None = None, programme: Programme | None = No
             angle, at = goal, at + m * dt
     theta = np.concatenate(pieces)
     time: Array = dt * np.arange(len(theta), dtype=float)
-    wander = slow(rng, head, 2 * len(time))  # this record and the next
+    wander = slow(rng, head, 2 * len(time), dt)  # this record and the next
     y = readings(rng, head, theta, time, dt, wander[: len(time)])
     which, size = programme.step
     if size:
@@ -101,7 +104,7 @@ def turned(seed: int, head: Head | None = None, programme: Programme | None = No
         truth[f"bias_next_record {a}"] = head.bias[i] + onward
         truth[f"bias_next_record of the head {a}"] = head.bias[i]
     ideal = {}
-    if not head.slow:
+    if not np.any(wander):
         counts = {p: [(b - a) / dt for a, b, q in windows if q == p] for p in (0, 180)}
         u = 0.5 * head.white * float(np.sqrt(sum(np.sum(1.0 / np.array(n)) / len(n) ** 2 for n in counts.values())))
         ideal = {f"{name} {a}": u for name in ("bias", "ambient_acceleration") for a in "yz"}
@@ -109,11 +112,20 @@ def turned(seed: int, head: Head | None = None, programme: Programme | None = No
                 ideal=ideal)  # fmt: skip
 
 
-def slow(rng: np.random.Generator, head: Head, count: int) -> Array:
+def slow(rng: np.random.Generator, head: Head, count: int, dt: float) -> Array:
     """Return how the bias wanders (count, 3)."""
-    if not head.slow:
-        return np.zeros((count, len(AXES)))
-    return np.column_stack([flicker(rng, head.slow, count) for _ in AXES])
+    found = np.zeros((count, len(AXES)))
+    for i in range(len(AXES)):
+        if head.slow:
+            found[:, i] += flicker(rng, head.slow, count)
+        if head.walk:
+            found[:, i] += head.walk * np.sqrt(dt) * np.cumsum(rng.standard_normal(count))
+        if head.correlated[0]:
+            kept = np.exp(-dt / head.correlated[1])
+            steps = np.sqrt(1.0 - kept**2) * rng.standard_normal(count)
+            steps[0] = rng.standard_normal()
+            found[:, i] += head.correlated[0] * lfilter([1.0], [1.0, -kept], steps)
+    return found
 
 
 def readings(rng: np.random.Generator, head: Head, theta: Array, time: Array, dt: float, wander: Array) -> Array:

@@ -629,6 +629,24 @@ def heads() -> list[Study]:
         ),
     ]
 
+    slowly = partial(flip.Programme, rate=5.0)
+    for name, head, programme in (
+        ("two dwells of 10 min, white", flip.Head(), slowly(dwells=2)),
+        ("two dwells of 10 min, flicker 0.3 ug", flip.Head(slow=0.3), slowly(dwells=2)),
+        ("two dwells of 60 s, white, 1 Hz", flip.Head(), flip.Programme(2, (60.0, 60.0), 20.0, 1.0)),
+        ("two dwells of 60 s in 20 min, flicker 1 ug", flip.Head(slow=1.0),
+         slowly(2, (60.0, 60.0), 20.0, before=540.0)),
+        ("three dwells of 5 min, flicker 1 ug", flip.Head(slow=1.0), slowly(3, (300.0, 300.0), 40.0)),
+        ("four dwells of 10 min, walk 0.02 ug", flip.Head(walk=0.02), slowly(dwells=4)),
+        ("twelve dwells of 60 to 120 s, correlated 100 s", flip.Head(correlated=(0.5, 100.0)),
+         slowly(12, (60.0, 120.0), 30.0)),
+        ("twelve dwells of 60 to 120 s, ambient changes 3 ug/h", changing, slowly(12, (60.0, 120.0), 30.0)),
+        ("six dwells, the bias drifts 3 ug/h", flip.Head(bias_rate=(3.0, 3.0, 3.0)), slowly()),
+        ("two dwells of 60 s, white, 250 Hz", flip.Head(), flip.Programme(2, (60.0, 60.0), 20.0, 250.0)),
+    ):  # fmt: skip
+        made = partial(flip.turned, head=head, programme=programme)
+        found.append(Study(f"flip, {name}", "", made, groups, control))
+
     def turns(case: Case, outcome: Outcome) -> Sequence[str]:
         said = next((text for code, text in outcome.said if code == "turns_found"), "0 turns")
         number = re.search(r"(\d+) turns?", said)

@@ -55,7 +55,9 @@ def test_three_commands_lead_from_records_to_a_report(capsys: pytest.CaptureFixt
     status, out, _ = call(capsys, "info", folder)
     assert status == 0
     assert out.endswith(f"next: inertialcal flip '{folder}'\n")
-    status, out, _ = call(capsys, "flip", folder, "--campaign", folder)
+    status, out, _ = call(
+        capsys, "flip", folder, "--axis", "y", "--campaign", folder
+    )  # x of the file
     assert status == 0
     assert out.endswith(f"written: {folder}/campaign.toml\n")
     assert call(capsys, "run", folder)[0] == 0
@@ -63,7 +65,7 @@ def test_three_commands_lead_from_records_to_a_report(capsys: pytest.CaptureFixt
     assert "2014_10_22_09_36_36.000" in page
     status, _, err = call(capsys, "flip", folder, "--campaign", folder)
     assert (status, "campaign.toml exists" in err) == (3, True)  # never written over
-    assert call(capsys, "flip", folder, "--quiet") == (0, "", "")  # out/ is none of the records
+    assert call(capsys, "flip", folder, "--axis", "y", "--quiet") == (0, "", "")  # out/ is none of the records
     assert call(capsys, "info", folder)[1].endswith(f"next: inertialcal run '{folder}'\n")
 
 
@@ -112,7 +114,7 @@ def test_a_part_of_the_files_becomes_a_campaign(tmp_path: Path) -> None:
 
 def test_a_figure_of_the_flip(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     folder = flip_records(tmp_path / "records")
-    status, out, _ = call(capsys, "flip", folder, "-o", tmp_path / "flip.svg", "--json")
+    status, out, _ = call(capsys, "flip", folder, "--axis", "y", "-o", tmp_path / "flip.svg", "--json")
     assert (status, json.loads(out)["written"][0].startswith(str(tmp_path / "flip.svg"))) == (0, True)
     assert "reading [ug]" in (tmp_path / "flip.svg").read_text(encoding="utf-8")
     status, _, err = call(capsys, "flip", folder, "-o", tmp_path / "flip.doc")

@@ -27,7 +27,7 @@ MINUTES = 8.0  # for 3,000 flips on PROCESSES
 PROCESSES = 2
 QUIET = {"relative_to_fixture", "settling"}  # what is said of every flip
 MOST = 0.03  # of undisturbed flips that carry a remark they should not, each kind
-TESTED = {"control_axis_not_zero", "not_turned_by_angle"}  # at 5 and 1 %
+TESTED = {"control_axis_not_zero", "not_turned_by_angle"}  # at 1 %
 ARM = 60.0  # [s] that the robot arm moves
 
 
@@ -35,8 +35,8 @@ def check(found: Tally, corner: float, standards: bool = False) -> None:
     """Check that intervals hold the truth, and how often what is right is called wrong."""
     n = found.n
     assert len(found.hits) == 6
-    assert all(covers(hits, n) for hits in found.hits.values()), (corner, found.hits)
-    assert covers(found.remarks["control_axis_not_zero"], n, 0.03, 0.07), (corner, found.remarks)
+    assert all(covers(hits, n, 0.93, 1.0) for hits in found.hits.values()), (corner, found.hits)
+    assert covers(found.remarks["control_axis_not_zero"], n, 0.0, 0.02), (corner, found.remarks)
     assert covers(found.remarks["not_turned_by_angle"], n, 0.0, 0.02), (corner, found.remarks)  # a test at 1 %
     false = {code: k for code, k in found.remarks.items() if code not in {*QUIET, *TESTED}}
     assert all(covers(k, n, 0.0, MOST) for k in false.values()), (corner, false)

@@ -57,15 +57,15 @@ def coverage(corner: float, n: int, plan: Plan, along: float = 0.0) -> None:
             hits[name] = hits.get(name, 0) + hit
         alarms += "control_axis_not_zero" in {one.code for one in result.remarks}
     assert len(hits) == 6
-    assert all(covers(hit, n) for hit in hits.values()), (corner, hits)
-    assert covers(alarms, n, 0.03, 0.07), (corner, alarms)
+    assert all(covers(hit, n, 0.93, 1.0) for hit in hits.values()), (corner, hits)
+    assert covers(alarms, n, 0.0, 0.02), (corner, alarms)
 
 
 @pytest.mark.parametrize(
     "corner", [pytest.param(one, marks=pytest.mark.slow if i % 2 else []) for i, one in enumerate(CORNERS)]
 )
-def test_intervals_hold_the_truth_and_the_control_axis_alarms_in_5_percent(corner: float) -> None:
-    coverage(corner, 300, Plan())
+def test_intervals_hold_the_truth_and_the_control_axis_alarms_in_1_percent(corner: float) -> None:
+    coverage(corner, 100, Plan())
 
 
 @pytest.mark.slow
@@ -108,7 +108,7 @@ def test_general_positions_with_noise_hold_the_truth() -> None:
         whole = replace(result.whole, estimate=result.estimate.select(kept))
         for name, hit in held(replace(result, whole=whole), truth).items():
             hits[name] = hits.get(name, 0) + hit
-    assert all(covers(hit, 60) for hit in hits.values()), hits
+    assert all(covers(hit, 60, 0.93, 1.0) for hit in hits.values()), hits
 
 
 def test_pairs_and_model_agree_on_white_noise() -> None:
@@ -237,7 +237,7 @@ def test_flips_of_one_record_share_its_slow_noise() -> None:
         result = reduce(Plan(), in_one_record(seed, 6, 0.1))
         for name, hit in held(result, replace(TRUTH, corner=0.1)).items():
             hits[name] = hits.get(name, 0) + hit
-    assert all(covers(hit, 60) for hit in hits.values()), hits
+    assert all(covers(hit, 60, 0.93, 1.0) for hit in hits.values()), hits
     assert result.estimate is not None
     assert "have in common" in result.estimate.components[1].source
 

@@ -96,7 +96,7 @@ def test_windows_found_and_given_agree_within_the_uncertainty(record: Path) -> N
     assert "turns_found" not in {remark.code for remark in given.remarks}
     one, other = by_name(found), by_name(given)
     compared = [name for name, row in other.items() if row.u is not None]
-    assert len(compared) == 6
+    assert len(compared) == 8
     for name in compared:
         value, reference, u, other_u = one[name].value, other[name].value, one[name].u, other[name].u
         assert value is not None

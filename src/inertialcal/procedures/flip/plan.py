@@ -43,7 +43,7 @@ class Plan:
 
     axis: Axis = setting("Head axis of the turn; its own readings are the control.", "x")
     noise: Literal["slow", "pairs"] = setting(
-        "Source of the uncertainty: a model of the record's white and 1/f noise, or the scatter of equally long "
+        "Source of the uncertainty: white and slow noise and drift of the record, or the scatter of equally long "
         "and equally spaced quiet stretches elsewhere in the record.", "slow",
     )  # fmt: skip
     drift: Literal["none", "ambient", "bias", "temperature"] = setting(
@@ -51,7 +51,8 @@ class Plan:
         "bias in proportion to time, or bias in proportion to temperature.", "none",
     )  # fmt: skip
     block: float = setting(
-        "Length of the block means that show the noise; longer in a long record with long windows.",
+        "Length of the block means that show the noise; longer in a long record with long windows, shorter in a record "
+        "of less than 48 of them.",
         10.0, unit="s", example="10 s",
     )  # fmt: skip
     settle: float = setting(

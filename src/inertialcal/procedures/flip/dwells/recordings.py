@@ -28,6 +28,7 @@ from .quiet import MOST, Window, quiet_of, stretches
 LOW_PASS, MEDIAN = "low_pass", "median"
 STATISTICS = ("mean", MEDIAN, LOW_PASS)
 FEWEST = 2  # samples of a window
+SHOWN = 48  # blocks that a short record is cut into
 LONG = 8.0  # windows' lengths of quiet record that the noise model should have
 TEMPERATURE = "temperature"
 PREDICTED = "predicted_"  # before the axis
@@ -253,8 +254,12 @@ def _quiet(
     parts = stretches(used, int(one.time_ns[0]), int(one.time_ns[-1]))
     lengths = [(window.stop - window.start) / SECOND for window in used]
     need = LONG * max(lengths)
-    enough = min(sum(part.stop - part.start for part in parts) / SECOND, 2.0 * need)
-    length = min(max(plan.block, enough / MOST), *lengths)  # longer blocks, so that a long record is kept
+    whole = sum(part.stop - part.start for part in parts) / SECOND
+    enough = min(whole, 2.0 * need)
+    # longer blocks, so that a long record is kept; shorter ones of whole samples, so that a short one shows its noise
+    interval = one.recording.sample_interval or float(np.median(np.diff(one.time_ns))) / SECOND
+    short = max(math.floor(whole / SHOWN / interval), 2) * interval
+    length = min(max(min(plan.block, short), enough / MOST), *lengths)
     record, lost = quiet_of(one.time_ns, channels, parts, rows, total, length, one.place)
     remarks = []
     if lost:
