@@ -42,6 +42,7 @@ OTHER: dict[str, Any] = {"color": COLOURS["quiet"], "linestyle": (0, (1, 2))}
 WHOLE: dict[str, Any] = {"color": COLOURS["vermilion"], "linewidth": 1.6}
 LONGEST = 120  # characters of a finding: two lines
 FEIGNED = ("level_step", "slow_wave")  # codes of reasons for which slow terms are not estimated
+IN_BAND = "in_band"  # code of the reason that says that a figure is the level inside the band of a filter
 NAMED = 2  # terms in a finding with their figures: two lines of it
 DOTS: tuple[dict[str, Any], ...] = (
     {"marker": "o", "color": COLOURS["blue"], "markersize": 3.6},
@@ -143,7 +144,7 @@ def finding(results: Mapping[str, Any], test: str, axis: str, otherwise: str) ->
         if row["status"] == "estimated"
         if (term := ALIKE.get(str(row["quantity"]), str(row["quantity"]))) in STROKES
     ]
-    doubt = next((reason for _, row in mine if (reason := reason_text(row))), "")
+    doubt = next((reason for _, row in mine if (reason := reason_text(row)) and reason_code(row) != IN_BAND), "")
     sized = [f"{_size(row)} {with_uncertainty(row['value'], row['u'])} {plain(row['unit'])}" for _, row in mine]
     others = [_size(row) for _, row in mine[NAMED:]]
     feigned = dict.fromkeys(reason_text(row) for row in own if reason_code(row) in FEIGNED)

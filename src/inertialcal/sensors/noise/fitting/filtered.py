@@ -44,16 +44,20 @@ PER_DECADE = 60  # bands of the spectrum
 CLEAR = 30.0  # twice the gain of log likelihood from which a filter is there
 SLOWEST = 1.0 / 60.0  # of the sample rate: a corner below is that of a drift, as a correlation time of 10 samples is
 BRIEF = 10.0  # samples: correlation times from here on are noise of the sensor
+STEEP = 30.0  # fall of the density about one octave that shows a filter of itself
 PERIODS = 1.5  # of the corner, in the shortest averaging time of the fit
 PART = 0.5  # of the corner, up to which the level is fitted
-FEWEST = 12  # bands below that
+FEWEST = 6  # bands below that
 LEAST = 40  # bands of a spectrum that is searched
 LOWEST = 0.01  # of the corner, from which it is
 SHAPE = 0.02  # least relative uncertainty of what is lost
 GRID = 4096  # frequencies of the integral
 CYCLES = (np.arange(GRID) + 0.5) * (0.5 / GRID)  # those frequencies
 RESOLVED = 512  # samples of a window that the grid resolves; sin^4 is 3/8 on average beyond
-FOLDS = np.geomspace(1e-3, 1e4, 57)  # sizes of a low pass that are tried: its density is 1 / (1 + size 4 sin^2(pi f))
+FOLDS = np.geomspace(1e-4, 1e4, 65)  # sizes of a low pass that are tried: its density is 1 / (1 + size 4 sin^2(pi f))
+ROUNDED = 3  # column of the rounded angle, which rises
+TOP, FALLEN = 0.35, 0.95  # cycles a sample above which a filter has taken some of the density
+NONE = 4  # of them that are as good as none
 CURVES = np.concatenate(
     [-np.geomspace(0.01, 1.0, 25)[::-1], [0.0], np.geomspace(0.01, 3.0, 33)]
 )  # of the level: -ln h at the end of the fit
@@ -144,8 +148,10 @@ def gain_of(cycles: Array, density: Array, weight: Array, interval: float) -> tu
     D = columns_at(cycles, interval)
     plain = least(D, density, weight)[0]
     steps = 4.0 * np.sin(np.pi * cycles) ** 2
-    costs = np.array([least(D / (1.0 + size * steps)[:, None], density, weight)[0] for size in FOLDS])
+    falling = np.delete(D, ROUNDED, axis=1)
+    costs = np.array([least(falling / (1.0 + size * steps)[:, None], density, weight)[0] for size in FOLDS])
     best = int(np.argmin(costs))
+    plain = min(plain, *costs[: NONE + 1])  # where the solver stops short
     return 2.0 * float(plain - costs[best]), corner_of(float(FOLDS[best]))
 
 
@@ -175,7 +181,11 @@ class Search:
     def band(self, stated: float | None = None) -> Band | None:
         """Return the band, about a stated corner [cycles a sample]; None where too little lies inside of it."""
         corner = self.corner if stated is None else stated
-        return band_at(self.cycles, self.density, self.weight, self.interval, corner, stated is not None)
+        found = band_at(self.cycles, self.density, self.weight, self.interval, corner, stated is not None)
+        if found is None or stated is not None:
+            return found
+        top = self.cycles >= TOP
+        return found if np.average(found.passed[top], weights=self.weight[top]) < FALLEN else None
 
 
 def search(spectrum: Spectrum, marked: NDArray[np.bool_] | None = None) -> Search | None:
@@ -183,7 +193,23 @@ def search(spectrum: Spectrum, marked: NDArray[np.bool_] | None = None) -> Searc
     cycles, density, weight = bands_of(spectrum, marked)
     if len(cycles) < LEAST:
         return None
+    steep = steep_fall(cycles, density)
+    if steep is not None:
+        return Search(cycles, density, weight, spectrum.interval, float("inf"), steep)
     return Search(cycles, density, weight, spectrum.interval, *gain_of(cycles, density, weight, spectrum.interval))
+
+
+def steep_fall(cycles: Array, density: Array) -> float | None:
+    """Return from where the density falls as that of no term does, and stays low [cycles a sample]; None for nowhere.
+
+    A walk falls by 8 from the octave below a frequency to the octave above it.
+    """
+    highest = np.maximum.accumulate(density[::-1])[::-1]  # of all above
+    for i in np.flatnonzero((cycles >= SLOWEST) & (2.0 * cycles < cycles[-1])):
+        below = density[(cycles > 0.5 * cycles[i]) & (cycles <= cycles[i])]
+        if STEEP * highest[np.searchsorted(cycles, 2.0 * cycles[i])] < np.median(below):
+            return float(cycles[np.flatnonzero(density >= 0.5 * np.median(below))[-1]])
+    return None
 
 
 def band_at(cycles: Array, density: Array, weight: Array, interval: float, corner: float, held: bool) -> Band | None:
