@@ -52,11 +52,15 @@ def bands_of(plan: Plan, records: Sequence[Recorded], axis: str) -> Bands:
     each: list[Band | None] = []
     for one, cut_off, own in zip(searches, stated, records, strict=True):
         said = None if cut_off is None else cut_off * own.run.interval
-        used = said is not None and said < BELOW
-        if one is None or not (found or used):
-            each.append(None)
-        else:
-            each.append(one.band(None if found else said))
+        used = found or (said is not None and said < BELOW)
+        each.append(one.band(None if found else said) if one is not None and used else None)
+    known_corners = [one.corner / own.run.interval for one, own in zip(each, records, strict=True) if one is not None]
+    if known_corners:  # one sensor has one filter: where a record alone does not show it, the others do
+        middle = float(np.median(known_corners))
+        each = [
+            one.band(middle * own.run.interval) if band is None and one is not None else band
+            for one, band, own in zip(searches, each, records, strict=True)
+        ]
     corners = [one.corner / own.run.interval for one, own in zip(each, records, strict=True) if one is not None]
     if not corners:
         return Bands(tuple(each), None, tuple(_unused(axis, found, [s for s in stated if s is not None])))

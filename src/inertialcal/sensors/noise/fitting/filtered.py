@@ -28,7 +28,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -38,10 +38,10 @@ from ....core.estimate import Array
 from ....signals.spectrum.density import Spectrum
 from .._kernels import scored
 from ..expected import density_of_samples
-from ..terms import Phase
+from ..terms import GaussMarkov, Phase
 
 PER_DECADE = 60  # bands of the spectrum
-CLEAR = 30.0  # twice the gain of log likelihood from which a filter is there
+CLEAR = 25.0  # twice the gain of log likelihood from which a filter is there
 SLOWEST = 1.0 / 60.0  # of the sample rate: a corner below is that of a drift, as a correlation time of 10 samples is
 BRIEF = 10.0  # samples: correlation times from here on are noise of the sensor
 STEEP = 30.0  # fall of the density about one octave that shows a filter of itself
@@ -50,7 +50,7 @@ PART = 0.5  # of the corner, up to which the level is fitted
 FEWEST = 6  # bands below that
 LEAST = 40  # bands of a spectrum that is searched
 LOWEST = 0.01  # of the corner, from which it is
-SHAPE = 0.02  # least relative uncertainty of what is lost
+SHAPE = 0.07  # least relative uncertainty of what is lost
 GRID = 4096  # frequencies of the integral
 CYCLES = (np.arange(GRID) + 0.5) * (0.5 / GRID)  # those frequencies
 RESOLVED = 512  # samples of a window that the grid resolves; sin^4 is 3/8 on average beyond
@@ -95,12 +95,12 @@ class Band:
 
     def lost(self, phases: Sequence[Phase], m: Array) -> Array:
         """Return what the filter takes of the Allan variance of each noise over m samples, shape (p, k) [unit^2]."""
-        density = np.array([density_of_samples(one, CYCLES) for one in phases])
+        density = np.array([density_at(one) for one in phases])
         return np.asarray((density * (1.0 - self.share)) @ windows(tuple(m.tolist())).T)
 
     def doubt(self, phase: Phase, m: Array) -> tuple[Array, Array]:
         """Return standard uncertainties of what is lost: by the level, and by the shape, shape (k,) [unit^2]."""
-        above = density_of_samples(phase, CYCLES) * self.share * (self.end < CYCLES)
+        above = density_at(phase) * self.share * (self.end < CYCLES)
         return self.u_level * windows(tuple(m.tolist())) @ above, SHAPE * self.lost([phase], m)[0]
 
 
@@ -110,6 +110,18 @@ def windows(m: tuple[float, ...]) -> Array:
     at = np.array(m)[:, None]
     fourth = np.where(at <= RESOLVED, np.sin(np.pi * CYCLES * at) ** 4, 0.375)
     return np.asarray(4.0 * (0.5 / GRID) * fourth / (at * np.sin(np.pi * CYCLES)) ** 2)
+
+
+def density_at(phase: Phase) -> Array:
+    """Return the density of samples at `CYCLES`, shape (GRID,) [unit^2]."""
+    found = density_of_samples(replace(phase, flicker=0.0), CYCLES)
+    return found + phase.flicker * unit_flicker(phase.duty) if phase.flicker else found
+
+
+@lru_cache(maxsize=8)
+def unit_flicker(duty: float) -> Array:
+    """Return the density of flicker of h = 1 at `CYCLES`: its folding is slow to sum."""
+    return density_of_samples(Phase(flicker=1.0, duty=duty), CYCLES)
 
 
 def bands_of(spectrum: Spectrum, marked: NDArray[np.bool_] | None = None) -> tuple[Array, Array, Array]:
@@ -129,9 +141,9 @@ def bands_of(spectrum: Spectrum, marked: NDArray[np.bool_] | None = None) -> tup
 
 def columns_at(cycles: Array, interval: float) -> Array:
     """Return the density of each unit term, shape (k, p): white, flicker, walk, rounded angle, Gauss-Markov."""
-    times = BRIEF * np.sqrt(2.0) ** np.arange(14)
+    times = BRIEF * 1.25 ** np.arange(21)
     units = [Phase(linear=1.0), Phase(flicker=1.0), Phase(cubic=1.0), Phase(point=1.0)]
-    units += [Phase(exponentials=((1.0, 1.0 / time),)) for time in times]
+    units += [GaussMarkov(1.0, time).phase(1.0, 1.0) for time in times]
     return np.column_stack([2.0 * interval * density_of_samples(one, cycles) for one in units])
 
 

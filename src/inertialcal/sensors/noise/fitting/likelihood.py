@@ -59,7 +59,6 @@ SPACINGS = np.array([5.0, 1.67, 0.3])  # rows between correlation times that are
 SAME_TAU = 0.01  # relative difference of averaging times that are alike
 NO_BEAT = 1e-9  # sine of a frequency that is no beat: the sum of two lines at the sample rate
 TAIL = 8.0  # of a correlation time, and of both averaging times, beyond which nothing is summed
-SHARED = 1.7  # times the level of a band: noise that all averaging times share with it (simulated)
 SINGULAR = 1e-12  # of the largest eigenvalue: directions that nothing tells of
 
 
@@ -172,7 +171,7 @@ def covariance_of_runs(problem: Problem, fitted: Fitted) -> Array:
         lost, (level, shape) = run.band.lost([phase], run.m)[0], run.band.doubt(phase, run.m)
         phase += Phase(point=-float(lost[0] * run.m[0] ** 2) / 3.0)
         own = covariance_of_allan(phase, run.m, run.n, run.inflation)
-        more = 1.0 + SHARED * level / np.sqrt(np.diag(own))  # the level comes from the same noise
+        more = 1.0 + level / np.sqrt(np.diag(own))  # the level comes from the same noise
         blocks.append(own * np.outer(more, more) + np.outer(shape, shape))
     sigma = linalg.block_diag(*blocks)
     if problem.misfit > 0.0:

@@ -1,0 +1,70 @@
+"""Noise behind a filter: the band that is found, and what its pole takes of an Allan variance."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.signal import butter, lfilter, sosfilt
+
+from inertialcal.sensors.noise import BiasInstability, RandomWalk, RateRandomWalk, fit, simulate
+from inertialcal.sensors.noise.fitting.filtered import Band, Search, search
+from inertialcal.sensors.noise.terms import Phase
+from inertialcal.signals.allan import allan
+from inertialcal.signals.spectrum.psd import psd
+
+N = 40_000
+CORNER = 0.1  # cycles a sample
+
+
+def filtered(kind: str, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    if kind == "first order":
+        kept = np.exp(-2.0 * np.pi * CORNER)
+        return np.asarray(lfilter([1.0 - kept], [1.0, -kept], x))
+    if kind == "mean of 4":
+        return np.asarray(lfilter(np.full(4, 0.25), [1.0], x))
+    return np.asarray(sosfilt(butter(4, CORNER, fs=1.0, output="sos"), x))
+
+
+def searched(x: NDArray[np.float64]) -> Search:
+    found = search(psd(x, 1.0))
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("kind", ["first order", "mean of 4", "fourth order"])
+def test_the_level_inside_the_band_is_the_random_walk(kind: str) -> None:
+    """All filters have gain 1 at low frequency: N stays 1."""
+    x = filtered(kind, np.random.default_rng(7).standard_normal(N))
+    found = searched(x)
+    assert Search.together([found])
+    band = found.band()
+    assert band is not None
+    assert band.corner == pytest.approx(CORNER, rel=0.15)
+    terms = fit(allan(x, 1.0, quantity="rate"), None, bands=[band], axis=0)
+    assert [term.name for term in terms.terms] == ["random_walk"]
+    (white,) = terms.found[0].parameters
+    assert white.interval.lo < 1.0 < white.interval.hi
+    assert white.u < 0.02
+
+
+@pytest.mark.parametrize(
+    "terms", [(RandomWalk(1.0),), (RandomWalk(0.1), BiasInstability(1.0)), (RandomWalk(1.0), RateRandomWalk(0.1))]
+)
+def test_noise_without_a_filter_shows_none(terms: tuple[RandomWalk, ...]) -> None:
+    found = searched(simulate(terms, N, 1.0, np.random.default_rng(3)))
+    assert not Search.together([found])
+
+
+def test_a_pole_takes_what_the_closed_form_says() -> None:
+    """First order: autocovariance a^k of a process whose density at zero is (1 + a) / (1 - a)."""
+    a = 0.6
+    cycles = (np.arange(4000) + 0.5) / 8000.0
+    passed = (1.0 - a) ** 2 / (1.0 - 2.0 * a * np.cos(2.0 * np.pi * cycles) + a * a)
+    band = Band(CORNER, cycles, passed, 0.0)
+    level = (1.0 + a) / (1.0 - a)
+    m = np.array([1.0, 2.0, 16.0, 128.0, 4096.0])
+    sums = [k * level - 2.0 * a * (1.0 - a**k) / (1.0 - a) ** 2 for k in (m, 2.0 * m)]  # variance of sums of k
+    wanted = (4.0 * sums[0] - sums[1]) / (2.0 * m**2)
+    found = level / m - band.lost([Phase(linear=level)], m)[0]
+    np.testing.assert_allclose(found, wanted, rtol=2e-3)
