@@ -237,9 +237,9 @@ def _size(solution: Solution, term: Term) -> str:
     """Return a term and its size as data sheets have it; of Gauss-Markov noise also its correlation time."""
     word = term.parameters[0]
     inside = parameter_unit(term.name, word, solution.unit)
-    unit = next(iter(shown_units(term.name, word, solution.kind)), inside)
+    unit = next(iter(shown_units(term.name, word, solution.kind)), inside if solution.unit else "")
     value = float(getattr(term, word))
-    size = f"{number(value if unit == inside else converted(value, inside, unit), 3)} {unit}".rstrip()
+    size = f"{number(converted(value, inside, unit) if unit not in {inside, ''} else value, 3)} {unit}".rstrip()
     if isinstance(term, GaussMarkov):
         return f"Gauss-Markov noise of {size} over {number(term.correlation_time, 2)} s"
     return f"{quantity_name(term.name, word, solution.kind).replace('_', ' ')} {size}"
