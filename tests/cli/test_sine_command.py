@@ -152,7 +152,7 @@ def test_figure_is_drawn(capsys: pytest.CaptureFixture[str], tmp_path: Path, pul
     labels = [line.get_label() for line in axes[2].get_lines()]
     assert [name for name in labels if not str(name).startswith("_")] == [
         "other lines",
-        "neighbours: the noise",
+        "neighbours",
         "the drive",
     ]
     assert figures()["sine"].pictures({"curves": []}) == []

@@ -22,7 +22,7 @@ from scipy import special
 
 from ...core.estimate import Array
 from ...core.remarks import Remark
-from ...signals.sine.cross_checks import cross_checks, smoothing_remark
+from ...signals.sine.cross_checks import CrossCheck, cross_checks, smoothing_remark
 from ...signals.sine.fit import contrasts_of
 from ...signals.sine.noise import noise_of
 from .joining import phases_ahead
@@ -46,8 +46,8 @@ def drift_remarks(runs: Sequence[Run], responses: Sequence[Response]) -> Iterato
     moved = [one for one in responses if one.moved and one.fitted is not None]
     if moved:
         yield from _near_drive(moved)
-        yield from _methods(moved)
     if not moved or not np.any(phases_ahead(moved)):
+        yield from _methods(moved)
         yield from _repeats(runs, responses)
 
 
@@ -69,10 +69,17 @@ def _near_drive(moved: Sequence[Response]) -> Iterator[Remark]:
 
 
 def _methods(moved: Sequence[Response]) -> Iterator[Remark]:
-    for one in moved:
-        if one.fitted is not None:
-            checks = cross_checks(one.fitted.found, one.series[np.isfinite(one.series)])
-            yield from (check.remark().at(one.name) for check in checks if check.disagrees)
+    """Compare the mean response with that by the other methods, of the runs that have them [count/s]."""
+    made = [check for one in moved if one.fitted is not None
+            for check in cross_checks(one.fitted.found, one.series[np.isfinite(one.series)])]  # fmt: skip
+    for name in dict.fromkeys(check.name for check in made):
+        each = np.array([(check.difference, check.u_difference) for check in made
+                         if check.name == name and check.value is not None], dtype=np.float64)  # fmt: skip
+        if len(each):
+            u = float(np.linalg.norm(each[:, 1])) / len(each)
+            mean = CrossCheck(name, difference=float(each[:, 0].mean()), u_difference=u)
+            if mean.disagrees:
+                yield mean.remark()
 
 
 def _repeats(runs: Sequence[Run], responses: Sequence[Response]) -> Iterator[Remark]:

@@ -26,7 +26,7 @@ FIGURES = (
     FigureSpec(
         "mass_line",
         DRAWN + "mass_line",
-        "The line of the drive and the lines next to it that give its noise; below, autocorrelation over lag.",
+        "The line of the drive and the lines next to it; below, autocorrelation over lag.",
         curves={"mass_spectrum": "mass spectrum", "mass_correlation": "mass correlation"},
         order=420,
         most=1,

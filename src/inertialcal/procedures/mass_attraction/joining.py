@@ -282,7 +282,7 @@ SCALE, ERROR, DIFFERENCE = "scale_factor", "scale_factor_error", "high_g_differe
 UNIT = "count/s/(m/s^2)"
 
 
-SOURCES = {"between_runs": "scatter between runs", "within_runs": "noise next to the line of each run"}
+SOURCES = {"between_runs": "scatter between runs", "within_runs": "noise within the runs"}
 
 
 NAMES = {

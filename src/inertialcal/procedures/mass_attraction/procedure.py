@@ -36,7 +36,7 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
     commands = (
         Command(
             "mass-attraction",
-            "Scale factor from a moved mass: its line in the drift, with the uncertainty from the lines next to it.",
+            "Scale factor from a moved mass: its line in the drift, with the uncertainty of noise and of runs.",
         ),
     )
     planner = Command(

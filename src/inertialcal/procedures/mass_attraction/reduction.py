@@ -2,7 +2,7 @@
 
 A mass moves between places near the sensor and dwells at each. Half the difference of its attraction along the input
 axis is the amplitude that is applied; the readings follow it within their own drift. Each run gives a response: the
-line of the drive, with its error from the lines next to it (``response``). Response over amplitude is the scale factor
+line of the drive, with the noise within the runs (``response``). Response over amplitude is the scale factor
 of the run, and ``joining`` makes one of those of all runs.
 
 Estimated: pulses per second and unit of acceleration, for accelerations as small as the mass applies, mean over the

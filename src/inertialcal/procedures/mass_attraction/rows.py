@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from .reduction import Result
 
 OTHER = {
-    "within_runs": "by the noise next to the line of each run, which includes nothing that differs from run to run",
+    "within_runs": "by the noise within the runs, which includes nothing that differs from run to run",
     "between_runs": "by the scatter of the runs",
 }
 LAGS = 0.5  # of the dwells

@@ -1,4 +1,4 @@
-"""A known drive in drift: its line in each channel, with the noise of the neighbouring lines.
+"""A known drive in drift: its line in each channel, in the noise of the record.
 
 Estimated: amplitude (and phase, where it is free) of a sine of known period, or of a sequence of dwells that was
 applied. Assumed: nothing else follows the drive; drift is smooth over a period of the drive, or longer. The
@@ -43,7 +43,7 @@ STRANGE = 0.999  # probability of the interval outside which the quadrature of a
 MOST = 4000  # rows of a curve
 METHODS = {"alternating_differences": Method.DIFFERENCES, "generalised_least_squares": Method.GENERALISED}
 SIDES = 6  # lines on each side of the drive, that are marked
-AROUND = 3  # shown lines on each side, over the side bands
+AROUND = 3  # shown lines on each side, over those that are marked
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,8 +93,6 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     ------
     DataError
         ``no_recordings`` if there is no channel; as ``signals.sine``.
-    PlanError
-        If drift or side bands do not fit the record.
     """
     if not readings.driven:
         raise DataError("no channel", code="no_recordings")

@@ -1,7 +1,7 @@
 """Line of a moved mass among its side bands, and autocorrelation of the readings.
 
-Above, the amplitude at each frequency of the reduced readings: the line of the drive, the lines next to it that give
-its noise, the others. Below, the autocorrelation of the reduced readings, with and without the line.
+Above, the amplitude at each frequency of the reduced readings: the line of the drive, the lines next to it, the
+others. Below, the autocorrelation of the reduced readings, with and without the line.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, w
 
 NAME = "mass_line"
 SHOWS = (
-    "Above, amplitude of the reduced readings over frequency: the drive, lines next to it that give its noise,"
+    "Above, amplitude of the reduced readings over frequency: the drive, lines next to it,"
     " others; below, autocorrelation over lag of the reduced readings, with and without the line"
 )
 ROLES: dict[str, tuple[str, dict[str, Any]]] = {

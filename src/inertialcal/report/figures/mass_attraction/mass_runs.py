@@ -1,6 +1,6 @@
 """Scale factor of each run with a moved mass, of all runs, and in the published way.
 
-Whiskers are 95 % intervals from the noise next to the line of each run alone. A null run is drawn at its response over
+Whiskers are 95 % intervals from the noise of each run alone. A null run is drawn at its response over
 the amplitude of a moved mass: zero is expected.
 """
 

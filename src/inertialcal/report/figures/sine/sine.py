@@ -18,14 +18,14 @@ from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, w
 NAME = "sine"
 SHOWS = (
     "Above, readings over time with the drift that was fitted; in the middle, the readings without it and the line;"
-    " below, amplitude over frequency: the line of the drive and its neighbours, which give its noise"
+    " below, amplitude over frequency: the line of the drive and its neighbours"
 )
 HEIGHTS = (2.2, 2.2, 2.2)  # of the panels [in]
 HOURS, MINUTES = 7200.0, 300.0  # [s] from which time is shown in them
 POINTS = 400  # readings from which they are joined
 ROLES: dict[str, tuple[str, dict[str, Any]]] = {
     "other": ("other lines", {"color": COLOURS["quiet"], "marker": ".", "markersize": 4.0}),
-    "side_band": ("neighbours: the noise", {"color": COLOURS["orange"], "marker": "s", "markersize": 3.6}),
+    "side_band": ("neighbours", {"color": COLOURS["orange"], "marker": "s", "markersize": 3.6}),
     "drive": ("the drive", {"color": COLOURS["vermilion"], "marker": "o", "markersize": 5.0}),
 }
 
