@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -127,12 +128,26 @@ def write_folder(folder: Path, found: Reduced, texts: Mapping[str, str], only: s
 
 
 def pairs_of(settings: Mapping[str, Setting], given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the options that were given, NAME=VALUE by name; a value without a name stands under itself."""
+    """Return the options that were given, NAME=VALUE by name; a value without a name stands under itself.
+
+    A table as a campaign has it, ``{ x = 32768 }``, is taken apart.
+    """
     found = {name: value for name, value in given.items() if value is not None}
     for name, texts in found.items():
         one = settings[name]
         if one.pairs:
-            named = [text for text in texts if "=" in text]
-            bare = {text: text for text in texts if "=" not in text}
+            every = [part for text in texts for part in _of_table(text)]
+            named = [text for text in every if "=" in text]
+            bare = {text: text for text in every if "=" not in text}
             found[name] = bare | pairs(named, f"--{one.option}", one.example)
     return found
+
+
+def _of_table(text: str) -> list[str]:
+    """Return the pairs of an inline table, or the text as it is."""
+    if not text.strip().startswith("{"):
+        return [text]
+    try:
+        return [f"{name}={value}" for name, value in tomllib.loads(f"table = {text}")["table"].items()]
+    except tomllib.TOMLDecodeError:
+        return [text]

@@ -33,6 +33,17 @@ Numbers = Annotated[list[Any], AfterValidator(_numbers)]  # lists of lists of nu
 Pair = Annotated[list[Number], Field(min_length=2, max_length=2)]
 
 
+class StatedInfluence(BaseModel):
+    """Uncertainty of one quantity of a standard, as a certificate states it."""
+
+    standard: str
+    quantity: str
+    u: Number
+    unit: str
+    certificate: str
+    valid: str
+
+
 def check_content(kind: type[BaseModel], content: Mapping[str, Any], where: str = "", do: str = "") -> None:
     """Refuse a content whose keys or values are not those of a schema.
 

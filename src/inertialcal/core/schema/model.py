@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict
 
-from .content import Number, Numbers, Pair
+from .content import Number, Numbers, Pair, StatedInfluence
 
 
 class Part(BaseModel):
@@ -40,15 +40,9 @@ class Origin(Part):
     level: str
 
 
-class Influence(Part):
+class Influence(StatedInfluence, Part):
     """Uncertainty of one quantity of a standard, as stated."""
 
-    standard: str
-    quantity: str
-    u: Number
-    unit: str
-    certificate: str
-    valid: str
     redrawn_by: str
 
 

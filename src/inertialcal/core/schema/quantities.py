@@ -30,7 +30,9 @@ def quantity(si_unit: str, difference: bool = False) -> Any:
 
     def read(given: object) -> float:
         if isinstance(given, bool) or not isinstance(given, str):
-            raise ValueError(f'{given!r} is not a quantity: write "number unit", like "1 {si_unit}", in quotes')
+            raise ValueError(
+                f'{given!r} is not a quantity: write "number unit", like "{_like(given, si_unit)}", in quotes'
+            )
         try:
             read = parse_quantity(GRAM.sub(r" gram\1", given) if si_unit in {"kg", "kg/m^3"} else given)
             if si_unit == READING and kind(read.unit) in KINDS_OF_READING:
@@ -45,6 +47,14 @@ def quantity(si_unit: str, difference: bool = False) -> Any:
             raise ValueError(_text(error)) from None
 
     return Annotated[float, BeforeValidator(read)]
+
+
+def _like(given: object, si_unit: str) -> str:
+    """Return how a quantity is written: a share in %, as large as the bare number that was given."""
+    if si_unit == "1":
+        bare = isinstance(given, int | float) and not isinstance(given, bool)
+        return f"{100.0 * given:.6g} %" if bare else "1 %"  # type: ignore[operator]
+    return f"1 {'deg/s' if si_unit == READING else si_unit}"
 
 
 def read_unit(given: object) -> str:

@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from ..key import Method
 from ..results import Status
-from .content import Number
+from .content import Number, StatedInfluence
 
 FILE = Path(__file__).with_name("results.schema.json")
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
@@ -96,15 +96,9 @@ class Figure(Key):
     )
 
 
-class Influence(Part):
+class Influence(StatedInfluence, Part):
     """Uncertainty of one quantity of a standard, as stated."""
 
-    standard: str
-    quantity: str
-    u: Number
-    unit: str
-    certificate: str
-    valid: str
     reason: str = Field("", description="Why the uncertainty is zero, where it is.")
     redrawn_by: Literal["never", "certificate", "day", "mounting", "power_up", "dwell"]
 

@@ -113,7 +113,11 @@ def _problem(kind: Any, entry: Any, at: Callable[..., str], above: tuple[str, ..
     if entry["type"] == "missing":
         return Problem(f"{name} is missing", where, do=do, code="missing_key")
     what = entry["msg"].removeprefix("Value error, ").replace("Input should be", "should be")
-    unit = f" {known[last].unit}" if known[last].unit and entry.get("ctx", {}).keys() & {"gt", "ge", "le"} else ""
+    unit = (
+        f" {known[last].unit}"
+        if known[last].unit not in ("", "1") and entry.get("ctx", {}).keys() & {"gt", "ge", "le"}
+        else ""
+    )
     value = (
         "" if isinstance(entry["input"], Mapping | list) or str(entry["input"]) in what else f" = {entry['input']!r}"
     )
