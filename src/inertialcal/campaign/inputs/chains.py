@@ -7,12 +7,14 @@ import numpy as np
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.schema.quantities import Axis, PerAxis
-from ...core.units import parse_quantity, si_unit
+from ...core.units import kind, parse_quantity, si_unit
 from ...sensors.chain.converter import Chain, Thermometer, pulse_counter
 from ..file.sensors import Chain as Chain_
 from ..file.sensors import Sensor
 
 TEMPERATURE = ("temperature",)
+RAW = ("count", "voltage")
+INPUT = {"accelerometer": "m/s^2", "gyro": "rad/s"}
 
 
 def build_chain(sensor: Sensor, axes: tuple[str, ...] | None = None) -> Chain:
@@ -53,13 +55,18 @@ def build_chain(sensor: Sensor, axes: tuple[str, ...] | None = None) -> Chain:
 
 
 def scale_factors(sensor: Sensor, axes: tuple[str, ...]) -> Array | None:
-    """Return the ideal scale factor of each axis [V/SI unit], shape (k,); None where there is none."""
-    given = sensor.chain.scale_factor
-    return None if given is None else per_axis(given, f"V/({si_unit(sensor.unit)})", axes)
+    """Return the ideal scale factor of each axis, shape (k,); None where there is none.
+
+    Of a converter [V/SI unit]; of readings that stay in counts or volts [unit of the readings/SI unit].
+    """
+    given, si, output = sensor.chain.scale_factor, si_unit(sensor.unit), "V"
+    if sensor.chain.kind == "none" and kind(sensor.unit) in RAW and sensor.kind in INPUT:
+        si, output = INPUT[sensor.kind], sensor.unit
+    return None if given is None else per_axis(given, f"{output}/({si})", axes)
 
 
 def body_scale_factors(sensor: Sensor) -> dict[str, float] | None:
-    """Return the ideal scale factor behind each body axis [V/SI unit].
+    """Return the ideal scale factor behind each body axis, as `scale_factors`.
 
     With a mounting that only exchanges or turns axes, that of the sensor that feels the body axis; None where there
     is none, or where the mounting mixes sensors.

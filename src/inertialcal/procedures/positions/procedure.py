@@ -95,9 +95,14 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
         return {**entry, **own_keys(given)}, ()
 
     def plan_fields(self, facts: Facts) -> dict[str, Any]:
-        """Return gravity, latitude and height of the site, and the standards."""
-        place = {"gravity": facts.gravity, "latitude": facts.latitude, "height": facts.height or 0.0}
-        return {**place, "standards": facts.standards}
+        """Return gravity, latitude and height of the site, the standards, and the nominal scale factor of counts."""
+        from ...core.units import kind
+
+        found: dict[str, Any] = {"gravity": facts.gravity, "latitude": facts.latitude, "height": facts.height or 0.0}
+        name = {"accelerometer": "acc_scale_factor", "gyro": "gyro_scale_factor"}.get(facts.kind or "")
+        if name and facts.scale_factor and kind(facts.unit) in ("count", "voltage"):  # else readings are in SI
+            found[name] = facts.scale_factor
+        return {**found, "standards": facts.standards}
 
     def plan(self, values: Mapping[str, Any], facts: Facts) -> Plan:
         """Return the plan of a test.
