@@ -6,7 +6,10 @@ others (another sensor).
 *From dwell to dwell.* With all readings from some dwell on inverted, the dwells follow the turn; as they stand, they do
 not. Or all axes change between two dwells by far more than between any others.
 
-*Positions.* The turned axes of one dwell fit another of the positions, and not the one stated.
+*Positions.* The dwells do not follow the stated positions, and do so with one change: another position of a dwell, two
+dwells exchanged, the other sense, another axis of the turn, or an axis reversed. More than one may fit as well; all
+are named then. Two positions that are half a turn apart and exchanged throughout fit as well as they stand, with the
+opposite ambient acceleration: that cannot be told.
 
 *Flips.* One flip shows the ambient acceleration of the others with opposite sign.
 
@@ -18,7 +21,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +30,7 @@ from scipy import special
 
 from ...core.errors import DataError
 from ...core.estimate import Array
-from ...core.key import Key
+from ...core.key import AXES, Key
 from ...core.remarks import Remark
 from ...core.show.rounding import number
 from ...core.units import factor
@@ -35,7 +39,7 @@ from ...statistics.agreement import FALSE_ALARM
 from ..agreement import unit_mistaken
 from .plan import Plan
 from .readings import Quiet, Readings
-from .separation.equations import AMBIENT, SAME, separate
+from .separation.equations import AMBIENT, SAME, rotation, separate
 
 PART = FALSE_ALARM / 4.0  # of each of the searches
 EXPLAINED = 1.0 / 9.0  # of the squared residuals, that a cause may leave
@@ -47,6 +51,8 @@ MAD = 0.6745  # median of |x| of normal noise
 ALIKE = 0.1  # relative difference of factors that are one
 FAR = 5.0  # times any other change between dwells
 PAUSE = 3.0  # times the usual time between dwells
+CLOSE = 3.0  # times the squared residuals of the best cause, that another may leave and be as good
+MOST = 4  # causes in a message
 UG = factor("m/s^2", "ug")
 
 
@@ -59,7 +65,10 @@ def agreement(plan: Plan, readings: Readings) -> list[Remark]:
     return (
         list(_inverted(plan, readings, scale))
         or list(_other_levels(readings))
-        or [*_misnamed(plan, readings, scale), *_opposite_flips(plan, readings, scale)]
+        or list(_opposite_flips(plan, readings, scale))
+        or (list(readings.misplaced) if len(np.unique(np.round(readings.angle, 6))) == 2 else [])
+        or list(_misnamed(plan, readings, scale))
+        or list(readings.misplaced)
     )
 
 
@@ -224,32 +233,97 @@ def _other_levels(readings: Readings) -> Iterator[Remark]:
         yield _changed(place, readings.axes, y[:, at], y[:, at + 1], others)
 
 
+def _misfit(axis: str, readings: Readings, angle: Array, scale: Mapping[str, tuple[float, float]]) -> tuple[float, int]:
+    """Return the squared residuals of all axes over what dwells wander, and how many are free.
+
+    Bias and ambient acceleration of each flip are free; along the turn they are one, and the axis keeps its reading.
+    """
+    C = rotation(axis, angle)
+    total, free = 0.0, 0
+    for label in readings.flips:
+        own = np.flatnonzero(readings.flip == label)
+        rows, values = [], []
+        for i, name in enumerate(AXES):
+            read = own[np.isfinite(readings.outputs[name][own])] if name in readings.outputs else own[:0]
+            B: Array = np.zeros((len(read), 3))
+            B[:, i] = 1.0
+            u = scale[name][0] if len(read) else 1.0
+            rows.append(np.hstack([B, C[read, i]]) / u)
+            values.append((readings.outputs[name][read] if len(read) else np.zeros(0)) / u)
+        X, y = np.vstack(rows), np.concatenate(values)
+        beta, _, rank, _ = np.linalg.lstsq(X, y, rcond=1e-9)
+        total, free = total + float(np.sum((y - X @ beta) ** 2)), free + len(y) - int(rank)
+    return total, free
+
+
+@dataclass(frozen=True)
+class _Cause:
+    """What may be wrong: with this axis of the turn, these angles and this axis reversed the dwells would fit."""
+
+    code: str
+    what: str
+    where: str
+    do: str
+    axis: str
+    angle: Array
+    reversed: str = ""
+
+
 def _misnamed(plan: Plan, readings: Readings, scale: Mapping[str, tuple[float, float]]) -> Iterator[Remark]:
-    """Yield the dwell that fits another position."""
-    if not all(axis in scale and scale[axis][0] > 0.0 for axis in plan.turned if axis in readings.axes):
+    """Yield what is wrong about the positions: the one cause that explains the dwells, or all that do as well."""
+    if plan.drift != "none" or not all(axis in scale and scale[axis][0] > 0.0 for axis in readings.axes):
         return
-    as_read = _tried(plan, readings, scale)
-    places = np.unique(np.round(readings.angle, 6))
-    if as_read is None or not _unlikely(*as_read, scale, 1):
+    square, free = _misfit(plan.axis, readings, readings.angle, scale)
+    if free < 1 or not _unlikely(square, free, scale, 1):
         return
-    best: tuple[float, int, float] | None = None
+    found: list[tuple[float, _Cause]] = []
+    for one in (*_wrong_positions(plan, readings), *_wrong_axes(plan, readings)):
+        outputs = {name: -own if name == one.reversed else own for name, own in readings.outputs.items()}
+        mended, dof = _misfit(one.axis, replace(readings, outputs=outputs), one.angle, scale)
+        if dof > 0 and mended < EXPLAINED * square:
+            found.append((mended, one))
+    least = min((mended for mended, _ in found), default=0.0)
+    good = [one for mended, one in sorted(found, key=lambda pair: pair[0]) if mended < CLOSE * max(least, free)]
+    if len(good) == 1:
+        yield Remark(good[0].code, "error", good[0].what, good[0].where, do=good[0].do)
+    elif good:
+        causes = "; or ".join(f"{one.where}: {one.what}" if one.where else one.what for one in good[:MOST])
+        do = "Each of these explains the dwells: check positions, signs and columns"
+        yield Remark("not_turned_by_angle", "error", causes, do=do)
+
+
+def _wrong_positions(plan: Plan, readings: Readings) -> Iterator[_Cause]:
+    """Yield another position of each dwell, each two dwells exchanged, and the other sense of all turns."""
+    angle, code = readings.angle, "not_turned_by_angle"
+    places = np.unique(np.round(angle, 6))
+    turned = " and ".join(plan.turned)
     for k in range(len(readings)):
-        for place in places:
-            if abs(place - readings.angle[k]) < SAME:
-                continue
-            angle = readings.angle.copy()
-            angle[k] = place
-            mended = _tried(plan, replace(readings, angle=angle), scale)
-            if mended is None or mended[1] < 1 or mended[1] > as_read[1]:
-                continue
-            score = mended[0] / as_read[0]
-            if score < EXPLAINED and (best is None or score < best[0]):
-                best = score, k, float(place)
-    if best is not None:
-        _, k, angle_ = best
-        axes, true = " and ".join(plan.turned), f"{math.degrees(angle_):.6g} deg"
-        what = f"{axes} read in this dwell what they read at {true}, not at the position stated"
-        yield Remark("not_turned_by_angle", "error", what, readings.place(k), do="Correct the position of this dwell")
+        for place in places[np.abs(places - angle[k]) > SAME]:
+            other = angle.copy()
+            other[k] = place
+            there = f"{math.degrees(place):.6g} deg"
+            what = f"{turned} read in this dwell what they read at {there}, not at the position stated"
+            yield _Cause(code, what, readings.place(k), "Correct the position of this dwell", plan.axis, other)
+    for k, m in combinations(range(len(readings)), 2):
+        if abs(angle[k] - angle[m]) > SAME and readings.flip[k] == readings.flip[m]:
+            other = angle.copy()
+            other[[k, m]] = angle[[m, k]]
+            what = f"the positions of two dwells are exchanged: this one and {readings.place(m)}"
+            yield _Cause(code, what, readings.place(k), "Exchange them", plan.axis, other)
+    what = "the dwells follow the angles in the other sense: the head was turned left-handed, or the axis points back"
+    yield _Cause(code, what, "", "Give the angles with the opposite sign", plan.axis, -angle)
+
+
+def _wrong_axes(plan: Plan, readings: Readings) -> Iterator[_Cause]:
+    """Yield the other axes of the turn, and each turned axis reversed."""
+    for axis in (one for one in AXES if one != plan.axis):
+        if len(readings.axes) == len(AXES):
+            what = f"the dwells follow a turn about {axis}, not about {plan.axis}"
+            do = f"Check plan.axis, columns and mounting (--axis {axis})"
+            yield _Cause("turned_about_other_axis", what, "", do, axis, readings.angle)
+        if axis in readings.axes:
+            what = f"the dwells follow the angles with {axis} reversed: its sign is wrong, or it is another axis"
+            yield _Cause("not_turned_by_angle", what, "", f"Check the sign of {axis}", plan.axis, readings.angle, axis)
 
 
 def _opposite_flips(plan: Plan, readings: Readings, scale: Mapping[str, tuple[float, float]]) -> Iterator[Remark]:

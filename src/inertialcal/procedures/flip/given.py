@@ -310,7 +310,7 @@ def found_windows(
     Raises
     ------
     UsageError
-        If no turn is found.
+        If no turn is found, or it is not certain which changes are turns.
     """
     time_ns, interval = recording.time_ns, recording.sample_interval or 0.0
     seconds = len(recording) * interval
@@ -322,11 +322,19 @@ def found_windows(
     turns = find_turns(channels, time_ns, recording.sample_interval, plan=plan)
     pairs = turn_windows(turns)
     do = f"Give the windows: {option}"
+    place = name or recording.source.path
+    if turns.doubt:
+        what = f"{place}: {turns.doubt}: {seen_turns(recording, turns.shifts)}"
+        raise UsageError(what, why="nothing in the record says which of these are turns", do=do, code="unclear_turns")
     if not pairs:
-        what = f"{name or recording.source.path}: no turn of the head found in {seconds:.4g} s"
-        spikes = _spikes(recording, turns.others)
-        why = f"no axis clearly changes its level, by means over {shortest:g} s, across {spikes}"
+        what = f"{place}: no turn of the head found in {seconds:.4g} s"
+        spikes = f"; {_spikes(recording, turns.others)} may be one" if turns.others else ""
+        why = f"no axis clearly changes its level from one dwell to the next{spikes}"
         raise UsageError(what, why=why, do=do, code="no_turns")
+    if not turns.certain:
+        what = f"{place}: {seen_turns(recording, turns.turns)}; {_spikes(recording, turns.others)} may be one too"
+        why = "if it is, positions and the sign of ambient acceleration are wrong from there on"
+        raise UsageError(what, why=why, do=do, code="unclear_turns")
     windows: list[Window] = []
     for i, pair in enumerate(pairs):
         before, after = (0.0, angle) if i % 2 == 0 else (angle, 0.0)
@@ -338,33 +346,35 @@ def found_windows(
                 windows[-1] = replace(last, stop=max(last.stop, one.stop_ns))
             else:
                 windows.append(Window(one.start_ns, one.stop_ns, at))
-    several = len(pairs) > 1
-    what = f"{len(pairs)} turn{'s' if several else ''} found, at {_times(recording, [pair.turn for pair in pairs])}:"
-    what += f" 0 deg before, {np.degrees(angle):g} deg after{', and so on by turns' if several else ''}"
-    found = Remark("turns_found", "info", what)
-    unsure = [one for one in turns.others if not one.significance > TurnPlan().step]
-    if unsure:
-        verb = "is not taken for a turn" if len(unsure) == 1 else "are not taken for turns"
-        spikes = _spikes(recording, unsure)
-        what += (
-            f". {spikes[0].upper()}{spikes[1:]} {verb}: if one is, positions and the sign of ambient acceleration are"
-        )
-        found = Remark(
-            "turns_found", "warning", f"{what} wrong", do=f"If the head was turned there, {do[0].lower()}{do[1:]}"
-        )
+    what = f"{seen_turns(recording, turns.turns)}: 0 deg before the first, then {np.degrees(angle):g} deg"
+    what += " and 0 deg by turns" if len(pairs) > 1 else ""
+    do = "If it started at the other position, which the record does not show, ambient acceleration has the other sign"
+    found = Remark("turns_found", "info", what, do=f"{do}, and the bias the same")
     return windows, (*turns.remarks, *(problem for pair in pairs for problem in pair.problems), found)
 
 
+def seen_turns(recording: Recording, turns: Sequence[Turn]) -> str:
+    """Return how many turns are seen, and when, each with the uncertainty of its time."""
+    several = "s" if len(turns) > 1 else ""
+    unit = "change" if any(not one.clear for one in turns) else "turn"
+    texts = [
+        f"{_clock(recording, one.start_ns)} to {_clock(recording, one.stop_ns)}" if one.felt
+        else f"{_clock(recording, one.middle_ns)} ± {max(one.u, 1.0):.0f} s"
+        for one in turns[:MOST]
+    ]  # fmt: skip
+    more = f" and {len(turns) - MOST} more" if len(turns) > MOST else ""
+    return f"{len(turns)} {unit}{several} found: {', '.join(texts)}{more}"
+
+
 def _spikes(recording: Recording, others: Sequence[Turn]) -> str:
-    if not others:
-        return "a spike"
-    return f"the {'spike' if len(others) == 1 else f'{len(others)} spikes'} at {_times(recording, others)}"
+    times = ", ".join(_clock(recording, one.middle_ns) for one in others[:MOST])
+    more = f" and {len(others) - MOST} more" if len(others) > MOST else ""
+    return f"the {'spike' if len(others) == 1 else f'{len(others)} spikes'} at {times}{more}"
 
 
-def _times(recording: Recording, turns: Sequence[Turn]) -> str:
-    """Return the begin of each turn, to 0.1 s, on the clock of the recording; of many, the first few."""
-    texts = []
-    for at in [round(one.start_ns, -8) for one in turns][:MOST]:
-        elapsed = elapsed_text(at) if at >= 0 else f"{at / SECOND:.9g} s"
-        texts.append(instant_text(at) if recording.epoch == "utc" else elapsed)
-    return ", ".join(texts) + (f" and {len(turns) - MOST} more" if len(turns) > MOST else "")
+def _clock(recording: Recording, at: int) -> str:
+    """Return an instant on the clock of the recording, to 0.1 s."""
+    at = round(at, -8)
+    if recording.epoch == "utc":
+        return instant_text(at)
+    return elapsed_text(at) if at >= 0 else f"{at / SECOND:.9g} s"

@@ -113,6 +113,8 @@ class Readings:
         Bias that a ground model predicts in each dwell, in axes of the head [m/s^2]; NaN or absent where not given.
     disagreements : tuple of Remark
         Changes within recordings that no figure survives.
+    misplaced : tuple of Remark
+        Windows in the wrong place or at the wrong position, by the turns that the recordings show.
     """
 
     angle: Array
@@ -128,6 +130,7 @@ class Readings:
     reasons: Mapping[str, str] = field(default_factory=dict[str, str])
     predicted: Mapping[str, Array] = field(default_factory=dict[str, Array])
     disagreements: tuple[Remark, ...] = ()
+    misplaced: tuple[Remark, ...] = ()
 
     def __len__(self) -> int:
         """Return the number of dwells."""

@@ -1,16 +1,24 @@
-"""Turns of a triaxial head found in its own record, or given by the user: a selection from the one detector.
+"""Turns of a triaxial head found in its own record.
 
-The record is reduced to blocks once (``block_statistics``). Block means, and the cube roots of block variances, which
-are nearly normal [1]_, go through ``segments.detect``; a place where it sees no rest, and where a sample lies further
-than ``spike`` standard deviations of the quiet samples from the levels around, is a spike. Whoever turns the head, or
-pushes at it, leaves one.
+The record is reduced to blocks once (``block_statistics``). Turns are changes of level (``level_changes``): half a turn
+changes an axis by twice the ambient acceleration, and each dwell counts with all of its length. How far the level
+wanders by itself, by 1/f noise or a drift, is estimated with them. Block means, and the cube roots of block variances,
+which are nearly normal [1]_, go through ``segments.detect`` as well: it says which blocks are quiet. Where it sees no
+rest, and a sample lies further than ``spike`` standard deviations of the quiet samples from the levels around, is a
+spike: whoever turns the head, or pushes at it, leaves one, and so does the head where it is not in the axis.
 
-A spike is a *turn* if the level after it differs from the level before it in some channel: half a turn changes an axis
-by twice the ambient acceleration. How much means are apart that nothing parts is measured on the rest of the record,
-slow noise included. A spike whose level returns is crew, or a turn where the ambient acceleration is too small to be
-seen: nobody can tell from the record, so it is no turn here, and is remarked. A shift of level without a spike, or one
-that takes longer than ``longest``, is no turn either. Turn times that are given settle all this: they are taken as
-they are, and the record says only how far each spike reaches.
+What counts as a turn:
+
+- Two or more changes that go to and fro between two levels, with spikes or without.
+- A change with a spike. Changes of level without one beside them are no turns (``shifts``): a bias that jumped, say.
+- A single change without a spike may be either, and changes that do not go to and fro may be turns to other positions:
+  ``doubt`` says so, and no turn is returned.
+- A spike whose level stays is no turn where the ambient acceleration is seen at other turns, so that a change by it is
+  excluded (``certain``); else nobody can tell from the record.
+
+What is assumed: a dwell lasts 150 s or more, a turn 180 s or less, and the walk of the level is normal. What breaks it:
+a bias that jumps there and back by the same amount, without a spike, looks like two turns; noise that wanders by as
+much as the ambient acceleration within a turn hides it; dwells shorter than 150 s are passed over (both their turns).
 
 ``turn_windows`` lays quiet windows before and after the turns.
 
@@ -22,27 +30,32 @@ References
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
 from ...core.recording import SECOND, Times
-from ...core.remarks import Remark, Severity
+from ...core.remarks import Remark
 from ..time.samples import Flags, Indices
-from .block_statistics import Blocks, LevelScatter, Signal, block_statistics, quiet_level
+from .block_statistics import Blocks, Signal, block_statistics
+from .level_changes import EDGE, LONGEST, Change, Fit, Series, at_spike, find_changes, located, steps_at
 from .segments import Detection, Segmentation, detect
 
-SPIKES = {
-    "spike_without_step": "spike with one level before and after: a disturbance, or a turn in almost no acceleration",
-    "spike_undecided": "spike too close to other disturbances to read the level before and after",
-    "disturbed": "spike with a change of level that is not a turn: too long, or not at the given turn times",
-}
-
-FEWEST = 8  # quiet blocks beside a spike from which a level is told
-
-Instant = int | tuple[int, int]  # [ns]
+SAMPLES = 4  # of a block, at least
+COARSE, MOST = 5.0, 4000  # least length [s] and most of the blocks in which levels are compared
+CALM = 300.0  # length over which a block is compared with its neighbours [s]
+FAR = 6.0  # standard deviations at which a block is off its neighbours
+LOUD, LOUDER = 1.5, 2.0  # variance over the usual: from which a block weighs less, from which it is shaken
+MARGIN = 20.0  # left out beside what is off [s]
+OPPOSITE, ALIKE = 0.7, 2.0  # cosine, and ratio of sizes, of changes that go to and fro
+CLEAR = 0.15  # of a turn's change: the uncertainty with which a change is excluded
+# least sum of squares of a turn's steps over their uncertainties: without a spike, or alone; with one
+SQUARE, SQUARE_FELT = 40.0, 20.0
+SHARP = 45.0  # most uncertainty of the time of a turn without a spike [s]: a wave or a drift is no turn
+STRONG = 60.0  # peak from which a spike shows where the turn begins and ends
 
 
 @dataclass(frozen=True)
@@ -57,15 +70,12 @@ class TurnPlan:
 
     block: float = 1.0  # length of a block [s]
     spike: float = 10.0  # least peak of a turn, in standard deviations of a quiet sample
-    # least change of level of a turn, and most that a level may move inside a window, in standard deviations of such
-    # differences elsewhere
+    # most that a level may move inside a window, in standard deviations of such differences elsewhere
     step: float = 5.0
-    longest: float = 60.0  # longest turn [s]
     settle: float = 10.0  # left out on both sides of a turn: the filter settles, hands let go [s]
     # length of the windows before and after a turn, the same for both [s]; as long as it is quiet by default
     window: float | None = None
-    # shortest, widest: least and greatest length where none is stated; levels beside a spike are means over the least
-    # [s]
+    # shortest, widest: least and greatest length where none is stated [s]
     shortest: float = 30.0
     widest: float = 600.0
     # most by which the variance of one half of a window, or of one window, may exceed that of the other
@@ -73,7 +83,7 @@ class TurnPlan:
     temperature_slope: float = np.inf  # greatest slope of the temperature in a window [degC/s]
 
     def __post_init__(self) -> None:
-        for name in ("block", "spike", "step", "longest", "shortest", "widest", "temperature_slope"):
+        for name in ("block", "spike", "step", "shortest", "widest", "temperature_slope"):
             if not getattr(self, name) > 0.0:
                 raise PlanError(f"{name} {getattr(self, name):g}, need a positive number")
         if not self.settle >= 0.0:
@@ -92,20 +102,32 @@ class TurnPlan:
 
 @dataclass(frozen=True, eq=False)
 class Turn:
-    """A turn of the head, or a spike that may be one."""
+    """A turn of the head, a change of level, or a spike."""
 
-    # start_ns, stop_ns: first and last of the blocks that the spike reaches into, half-open [ns]; both the instant that
-    # was given, where no spike is seen there
-    start_ns: int
+    start_ns: int  # half-open [ns]: all that the spike reaches; without one, between them with 95 %
     stop_ns: int
-    # first, stop: the same in blocks
-    first: int
-    stop: int
+    middle_ns: int
+    u: float  # standard uncertainty of the middle [s]
     peak: float  # furthest sample from the level around, in standard deviations of a quiet sample
-    step: Array  # level after less level before [unit of the signal]; NaN where one is not there, shape (channels,)
-    # largest of the steps, in standard deviations of such differences elsewhere; NaN where none is there
-    significance: float
-    given: bool = False  # whether the user said that it is one
+    step: Array  # level after less level before [unit of the signal], shape (channels,); NaN where not compared
+    u_step: Array  # standard uncertainty of it
+    felt: bool  # whether a spike goes with it
+
+    @property
+    def clear(self) -> bool:
+        """Whether the level changes by more than it wanders, and at once where there is no spike."""
+        return self.square > SQUARE_FELT if self.felt else self.square > SQUARE and self.u < SHARP
+
+    @property
+    def square(self) -> float:
+        """Sum of squares of the steps over their uncertainties."""
+        return float(np.sum((self.step / np.where(self.u_step > 0.0, self.u_step, np.inf)) ** 2))
+
+    @property
+    def significance(self) -> float:
+        """Largest step over its uncertainty; NaN where none is there."""
+        ratio = np.abs(self.step) / np.where(self.u_step > 0.0, self.u_step, np.nan)
+        return float(np.nanmax(ratio)) if np.isfinite(ratio).any() else float("nan")
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,29 +136,40 @@ class Turns:
 
     turns: tuple[Turn, ...]  # in order of time
     others: tuple[Turn, ...]  # spikes that are not taken for turns
+    shifts: tuple[Turn, ...]  # changes of level that are not taken for turns
+    doubt: str  # why what changes cannot be said to be turns; empty where it is clear
+    certain: bool  # whether all spikes without a change are known to be no turns
     blocks: Blocks  # the record
     quiet: Flags  # full blocks in which nothing moves, shape (b,)
     segmentation: Segmentation  # what the detector found in the full blocks
     plan: TurnPlan  # what it was found with
+    series: Series  # means in which levels were compared
+    fit: Fit  # changes of level
+
+    def excludes(self, low: float, high: float) -> bool:
+        """Whether the level excludes a turn from one time to another [s], as turns elsewhere show that one is seen."""
+        if any(low - LONGEST < one.middle < high + LONGEST for one in self.fit.changes):
+            return False
+        return _no_turn(self.series, self.fit, self.turns, np.arange(low, high + 1.0, 60.0))
 
     @property
     def remarks(self) -> tuple[Remark, ...]:
-        """Spikes that are no turns, as far as the record tells; turns that are given and leave none."""
+        """Spikes and changes of level that are no turns, as far as the record tells."""
         found = []
-        groups: dict[str, list[Turn]] = {}
-        for one in self.others:
-            stepped = one.significance > self.plan.step
-            kind = "disturbed" if stepped else "spike_without_step" if one.significance >= 0.0 else "spike_undecided"
-            groups.setdefault(kind, []).append(one)
-        do = "If the head was turned there, give the turn times"
-        for kind, group in groups.items():
-            severity: Severity = "warning" if kind == "disturbed" else "info"
-            found.append(Remark(kind, severity, SPIKES[kind], _clock(group[0], self), len(group), do))
-        missing = [one for one in self.turns if one.given and one.first == one.stop]
-        if missing:
-            text, do = "no spike where the head was turned", "Check that the turn times are on the clock of the record"
-            found.append(Remark("turn_not_seen", "warning", text, _clock(missing[0], self), len(missing), do))
+        if self.others:
+            what = "spike with one level before and after: a disturbance"
+            what += "" if self.certain else ", or a turn in almost no acceleration"
+            do = "If the head was turned there, give the windows"
+            found.append(Remark("spike_without_step", "info", what, self.clock(self.others[0]), len(self.others), do))
+        if self.shifts and not self.doubt:
+            what = "the level changes for good without a turn: a bias jumped, or something else did"
+            do = "Cut the record there (--from, --to), or give windows that keep to one side"
+            found.append(Remark("level_step", "error", what, self.clock(self.shifts[0]), len(self.shifts), do))
         return tuple(found)
+
+    def clock(self, one: Turn) -> str:
+        """Return when a turn is, since the start."""
+        return f"{(one.middle_ns - self.blocks.start_ns) / SECOND:.0f} s after the start"
 
 
 def find_turns(
@@ -145,7 +178,6 @@ def find_turns(
     sample_interval: float | None = None,
     *,
     plan: TurnPlan | None = None,
-    given_ns: Sequence[Instant] | None = None,
 ) -> Turns:
     """Find the turns of a head in a record.
 
@@ -159,32 +191,51 @@ def find_turns(
         From sample to sample [s], where there are no stamps.
     plan : TurnPlan, optional
         Default settings if absent.
-    given_ns : sequence of int or (int, int), optional
-        When the head was turned: instants, or start and stop [ns]. Then no other place is a turn.
 
     Raises
     ------
     DataError
-        If the time does not fit, a channel has no values or the record is too short, or a turn time lies outside.
+        If the time does not fit, a channel has no values or the record is too short.
     """
     plan = plan or TurnPlan()
-    blocks = signal if isinstance(signal, Blocks) else block_statistics(signal, plan.block, time_ns, sample_interval)
+    if isinstance(signal, Blocks):
+        blocks = signal
+    else:
+        blocks = block_statistics(signal, block_length(plan.block, time_ns, sample_interval), time_ns, sample_interval)
     full = np.flatnonzero(blocks.full)
     found = _moving(blocks, full)
     quiet = np.zeros(len(blocks), dtype=bool)
     quiet[full] = np.repeat(found.still, found.stop - found.start) & ~found.samples.outlier
     peak = peaks(blocks, full, found, quiet)
-    scatter = LevelScatter(blocks, quiet).of(plan.blocks(plan.shortest), 2 * plan.blocks(plan.settle))
-    look = _Look(blocks, quiet, peak, scatter, plan)
-    spikes = clusters(blocks, (peak >= plan.spike) & ~quiet, plan.blocks(plan.settle))
-    every = [look.measured(*narrowed(peak, *one)) for one in spikes]
-    if given_ns is None:
-        turns = [one for one in every if one.significance > plan.step and one.stop - one.first <= look.longest]
-    else:
-        turns = sorted((look.given(one, every) for one in given_ns), key=lambda one: one.start_ns)
-    taken = {(one.first, one.stop) for one in turns}
-    others = tuple(one for one in every if (one.first, one.stop) not in taken)
-    return Turns(tuple(turns), others, blocks, quiet, found, plan)
+    hot = clusters(blocks, (peak >= plan.spike) & ~quiet, plan.blocks(plan.settle))
+    spikes = [_spike(blocks, peak, *narrowed(peak, *one)) for one in hot]
+    series, shaken = series_of(blocks, full)
+    start = blocks.start_ns
+    short = [Change((one.start_ns - start) / SECOND, (one.stop_ns - start) / SECOND) for one in spikes]
+    places = [one for one in (*shaken, *short) if one.stop - one.start <= LONGEST + 2.0 * MARGIN]
+    fit = find_changes(series, joined(places))
+    changes = [_change(blocks, series, fit, i, places, spikes) for i in range(len(fit.changes))]
+    turns, shifts, doubt = _taken(changes)
+    taken = [one for one in changes if one.felt]
+    others = [
+        one for one in spikes if not any(t.start_ns <= one.middle_ns <= t.stop_ns for t in taken)
+    ]  # fmt: skip
+    # beside a turn the levels before and after both show that there is no other; at the ends there is no dwell beyond
+    far = [
+        at for at in ((one.middle_ns - start) / SECOND for one in others)
+        if series.seconds[0] + EDGE < at < series.seconds[-1] - EDGE
+        and all(abs(at - change.middle) >= LONGEST for change in fit.changes)
+    ]  # fmt: skip
+    certain = not far or _no_turn(series, fit, turns, far)
+    return Turns(tuple(turns), tuple(others), tuple(shifts), doubt, certain, blocks, quiet, found, plan, series, fit)
+
+
+def block_length(least: float, time_ns: Times | None, sample_interval: float | None) -> float:
+    """Return the length of blocks that hold enough samples [s]."""
+    interval = sample_interval or 0.0
+    if time_ns is not None and len(time_ns) > 1:
+        interval = (int(time_ns[-1]) - int(time_ns[0])) / SECOND / (len(time_ns) - 1)
+    return max(least, SAMPLES * interval)
 
 
 def _moving(blocks: Blocks, full: Indices) -> Segmentation:
@@ -195,67 +246,128 @@ def _moving(blocks: Blocks, full: Indices) -> Segmentation:
     return detect(signal, blocks.time_ns[full], blocks.length, Detection())
 
 
-@dataclass(frozen=True, eq=False)
-class _Look:
-    """What the blocks of a record tell of a place in it: `peaks`, and the scatter of levels beside each other."""
+def series_of(blocks: Blocks, full: Indices) -> tuple[Series, list[Change]]:
+    """Return the means in which levels are compared, and where something shakes the head.
 
-    blocks: Blocks
-    quiet: Flags
-    peak: Array
-    scatter: Array
-    plan: TurnPlan
+    A block that is off those around weighs nothing, a louder one less.
+    """
+    from scipy import ndimage  # noqa: PLC0415 - starts slowly
 
-    @property
-    def longest(self) -> int:
-        """Blocks that the longest turn reaches into."""
-        return self.plan.blocks(self.plan.longest) + 1
-
-    def measured(self, first: int, stop: int) -> Turn:
-        """Return the blocks [first, stop) as a spike, with the levels on both sides of it."""
-        blocks, plan = self.blocks, self.plan
-        begin, end = int(blocks.at[first]), int(blocks.at[stop - 1]) + 1
-        gap, w = plan.blocks(plan.settle), plan.blocks(plan.shortest)
-        walls = (self.peak >= plan.spike) & ~self.quiet
-        after, n = quiet_level(blocks, self.quiet, end + gap, 1, w, walls)
-        before, m = quiet_level(blocks, self.quiet, begin - gap, -1, w, walls)
-        step = after - before if min(n, m) >= FEWEST else np.full(len(before), np.nan)
-        ratio = np.abs(step) / (self.scatter * np.sqrt(max(w / max(min(n, m), 1), 1.0)))
-        significance = float(np.nanmax(ratio)) if np.isfinite(ratio).any() else float("nan")
-        start_ns, stop_ns = (blocks.start_ns + at * blocks.length_ns for at in (begin, end))
-        return Turn(start_ns, stop_ns, first, stop, float(self.peak[first:stop].max()), step, significance)
-
-    def given(self, when: Instant, spikes: Sequence[Turn]) -> Turn:
-        """Return the turn of a time that was given: of an instant, as long as the spike that is seen there."""
-        start_ns, stop_ns = when if isinstance(when, tuple) else (when, when)
-        first, stop = self._blocks(start_ns, stop_ns)
-        slack = self.blocks.length_ns
-        near = [one for one in spikes if one.start_ns <= stop_ns + slack and start_ns <= one.stop_ns + slack]
-        if isinstance(when, tuple):
-            stop = max(stop, first + 1)
-            return replace(self.measured(first, stop), start_ns=start_ns, stop_ns=stop_ns, given=True)
-        if near:
-            return replace(max(near, key=lambda one: one.peak), given=True)
-        spike = self.measured(first, first + 1)
-        return replace(spike, start_ns=when, stop_ns=when, stop=first, given=True)
-
-    def _blocks(self, start_ns: int, stop_ns: int) -> tuple[int, int]:
-        """Blocks [first, stop) that a time reaches into."""
-        blocks = self.blocks
-        if stop_ns < start_ns:
-            raise PlanError(f"turn from {start_ns} to {stop_ns} ns ends before it starts")
-        end_ns = blocks.start_ns + int(blocks.at[-1] + 1) * blocks.length_ns
-        if stop_ns <= blocks.start_ns or start_ns >= end_ns:
-            why = f"the record runs from {blocks.start_ns} to {end_ns} ns"
-            raise DataError(f"turn at {start_ns} ns lies outside the record", why=why, code="turn_outside")
-        a, b = (stamp - blocks.start_ns for stamp in (start_ns, stop_ns))
-        first, stop = np.searchsorted(blocks.at, (a // blocks.length_ns, -(-b // blocks.length_ns)))
-        return min(int(first), len(blocks) - 1), int(stop)
+    span = float(blocks.at[-1] + 1) * blocks.length
+    many = max(int(np.ceil(max(COARSE, span / MOST) / blocks.length)), 1)
+    group = blocks.at[full] // many
+    first = np.flatnonzero(np.concatenate(([True], np.diff(group) > 0)))
+    at = group[first]
+    count = np.add.reduceat(blocks.count[full], first, axis=0)
+    means = np.add.reduceat(blocks.count[full] * blocks.mean[full], first, axis=0) / count
+    variance = np.add.reduceat(blocks.count[full] * blocks.variance[full], first, axis=0) / count
+    length = many * blocks.length
+    size = 2 * int(0.5 * CALM / length) + 1
+    off = np.zeros(len(at), dtype=bool)
+    weight: Array = np.asarray(np.median(count, axis=0) / count, dtype=np.float64)
+    for k in range(means.shape[1]):
+        away = np.abs(means[:, k] - ndimage.median_filter(means[:, k], size, mode="nearest"))
+        usual = float(np.median(away)) / MAD
+        ratio = variance[:, k] / max(float(np.median(variance[:, k])), 1e-300)
+        weight[:, k] *= np.where(ratio > LOUD, np.minimum(ratio, 100.0), 1.0)
+        many_samples = FAR * np.sqrt(2.0 / np.maximum(count[:, k] - 1, 1))
+        off |= (away > FAR * usual) & (usual > 0.0) | (ratio > LOUDER + many_samples)
+    lasting = ndimage.binary_opening(off, np.ones(2))
+    wide = ndimage.binary_dilation(lasting, np.ones(2 * int(np.ceil(MARGIN / length)) + 1))
+    # what is loud for longer than a turn is the cabin: it weighs less, and is kept
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], wide | off, [False])).astype(int)))
+    seconds = (at + 0.5) * length
+    shaken = []
+    for a, b in edges.reshape(-1, 2):
+        if (b - a) * length <= LONGEST + 2.0 * MARGIN:
+            weight[a:b] = 0.0
+            shaken.append(Change(float(seconds[a]) - 0.5 * length, float(seconds[b - 1]) + 0.5 * length))
+    return Series(seconds, means, weight, length), shaken
 
 
-def _clock(one: Turn, found: Turns) -> str:
-    return f"{(one.start_ns - found.blocks.start_ns) / SECOND:.0f} s after the start"
+def joined(places: Sequence[Change]) -> list[Change]:
+    """Return stretches, those that touch as one, no longer than a turn."""
+    found: list[Change] = []
+    for one in sorted(places, key=lambda one: one.start):
+        last = found[-1] if found else None
+        if last and one.start <= last.stop and one.stop - last.start <= LONGEST + 2.0 * MARGIN:
+            found[-1] = Change(last.start, max(last.stop, one.stop))
+        else:
+            found.append(one)
+    return found
 
 
+def _spike(blocks: Blocks, peak: Array, first: int, stop: int) -> Turn:
+    """Return the blocks [first, stop) as a spike."""
+    a, b = (blocks.start_ns + int(at) * blocks.length_ns for at in (blocks.at[first], blocks.at[stop - 1] + 1))
+    none = np.full(blocks.mean.shape[1], np.nan)
+    return Turn(a, b, (a + b) // 2, blocks.length, float(peak[first:stop].max()), none, none, felt=True)
+
+
+def _change(blocks: Blocks, series: Series, fit: Fit, i: int, places: Sequence[Change], spikes: Sequence[Turn]) -> Turn:
+    """Return a change of level as a turn: where it is by its spike, else by the level."""
+    start = blocks.start_ns
+    one = fit.changes[i]
+    felt = at_spike(one, joined(places))
+    own: list[Turn] = []
+    if felt is None:
+        middle, u, low, high = located(series, fit, i)
+    else:
+        reach = (start + round(felt.start * SECOND), start + round(felt.stop * SECOND))
+        own = [spike for spike in spikes if spike.start_ns < reach[1] and spike.stop_ns > reach[0]]
+        low, high = felt.start, felt.stop
+        wide = 2.0 * (MARGIN + series.length)
+        first = min((spike.start_ns - start for spike in own), default=0) / SECOND
+        last = max((spike.stop_ns - start for spike in own), default=0) / SECOND
+        if max((spike.peak for spike in own), default=0.0) > STRONG or last - first > 0.5 * (high - low - wide):
+            low, high = first, last
+        middle, u = 0.5 * (low + high), max((high - low) / np.sqrt(12.0), blocks.length)
+    first_ns, last_ns, middle_ns = (start + round(value * SECOND) for value in (low, high, middle))
+    strongest = max((spike.peak for spike in own), default=0.0)
+    return Turn(first_ns, last_ns, middle_ns, float(u), strongest, fit.size[i], fit.u[i], felt is not None)
+
+
+def _to_and_fro(changes: Sequence[Turn]) -> bool:
+    """Whether changes go to and fro between two levels."""
+    for one, two in pairwise(changes):
+        scale = np.where(one.u_step > 0.0, np.hypot(one.u_step, two.u_step), 1.0)
+        a, b = one.step / scale, two.step / scale
+        size = float(np.linalg.norm(a)), float(np.linalg.norm(b))
+        if -float(a @ b) < OPPOSITE * size[0] * size[1] or max(size) > ALIKE * min(size):
+            return False
+    return True
+
+
+def _taken(changes: list[Turn]) -> tuple[list[Turn], list[Turn], str]:
+    """Return which changes are turns, which are none, and why it is not clear."""
+    felt = [one for one in changes if one.felt]
+    if not changes:
+        return [], [], ""
+    if not all(one.clear for one in changes) or (len(changes) == 1 and changes[0].square < SQUARE):
+        return [], changes, "the level changes, but not by so much more than it wanders that these are turns"
+    if _to_and_fro(changes) and (felt or len(changes) > 1):
+        return changes, [], ""
+    if felt and _to_and_fro(felt):
+        return felt, [one for one in changes if not one.felt], ""
+    if len(changes) == 1:
+        return [], changes, "the level changes once, without a spike: a turn, or a bias that jumped"
+    return [], changes, "the level changes, but not to and fro between two levels"
+
+
+def _no_turn(series: Series, fit: Fit, turns: Sequence[Turn], at: Sequence[float] | Array) -> bool:
+    """Whether the record excludes a turn at each of some places [s], by the change of level at the others."""
+    if not turns:
+        return False
+    signs = np.array([(-1.0) ** i for i in range(len(turns))])
+    change = np.mean(signs[:, None] * np.array([one.step for one in turns]), axis=0)
+    size, u = steps_at(series, fit, at)
+    weight = np.where(np.isfinite(u) & (u > 0.0), 1.0 / np.maximum(u, 1e-300) ** 2, 0.0)
+    information = np.sum(weight * change**2, axis=1)
+    part = np.sum(weight * change * size, axis=1) / np.maximum(information, 1e-300)
+    return bool(np.all((np.abs(part) < 0.5) & (information > CLEAR**-2)))
+
+
+MAD = 0.6745  # median of |x| of unit normal x
 INSIDE = 0.03  # of the peak of a spike: what is below is no part of it
 
 

@@ -23,11 +23,12 @@ from ....core.show.rounding import number
 from ....signals.segmentation.block_statistics import block_statistics
 from ....signals.segmentation.gain_changes import gain_changes
 from ....signals.segmentation.turn_windows import quiet_part
-from ....signals.segmentation.turns import Turns, find_turns
+from ....signals.segmentation.turns import Turns, block_length, find_turns
 from ....signals.sense.limits import LIMITS
 from ....signals.time.time_axis import AGAIN, backward_steps
 from ...agreement import unit_mistaken
 from .quiet import Window
+from .said import said_and_seen
 
 BLOCK = 1.0  # [s]
 ALIKE = 0.2  # relative difference of factors that are one
@@ -36,7 +37,7 @@ PART = 0.98  # of a window that is quiet where nothing moves
 
 def disturbances(
     time_ns: Times, channels: Mapping[str, NDArray[np.floating]], windows: Sequence[Window], known_gain: Sequence[str]
-) -> tuple[frozenset[str], tuple[Remark, ...], tuple[Remark, ...]]:
+) -> tuple[frozenset[str], tuple[Remark, ...], tuple[Remark, ...], tuple[Remark, ...]]:
     """Look for movements in the windows of a recording, and for changes of gain in all of it.
 
     Parameters
@@ -58,14 +59,18 @@ def disturbances(
         Why, and windows that are not quiet.
     disagreements : tuple of Remark
         That all axes change by one factor.
+    misplaced : tuple of Remark
+        Windows in the wrong place or at the wrong position, by the turns that are seen.
     """
     axes = [axis for axis, data in channels.items() if np.isfinite(data).any()]
     changed: dict[str, Remark] = {}
     moved: list[Remark] = []
     factors: dict[str, float] = {}
     alike: tuple[Remark, ...] = ()
+    wrong: list[Remark] = []
     try:
-        blocks = block_statistics([channels[axis] for axis in axes], BLOCK, time_ns)
+        length = block_length(BLOCK, time_ns, None)
+        blocks = block_statistics([channels[axis] for axis in axes], length, time_ns)
         for one in gain_changes(blocks):
             axis = axes[one.channel]
             if axis not in known_gain:
@@ -77,9 +82,12 @@ def disturbances(
         alike = _changed_alike(axes, factors, changed)
         turns = find_turns(blocks.of([axis not in changed for axis in axes]))
         moved = [one for window in windows for one in _moved(turns, window)]
+        if not alike:
+            seen, wrong = said_and_seen(turns, windows)
+            moved += seen
     except DataError:
         pass  # no axis remains, or the record is too short to tell what is quiet: `short_record` says so
-    return frozenset(changed), (*changed.values(), *moved), alike
+    return frozenset(changed), (*changed.values(), *moved), alike, tuple(wrong)
 
 
 def _changed_alike(

@@ -109,12 +109,13 @@ def readings_from(plan: Plan, turned: Sequence[FlipRecording]) -> Readings:
     places: list[str] = []
     remarks: list[Remark] = []
     disagreements: list[Remark] = []
+    misplaced: list[Remark] = []
     for one in turned:
         used = _settled(plan, one)
         channels = _channels(one)
         # levels near zero, after a ground model, do not show a change of gain: it was looked for before
         known = [a for a in channels if any(name in one.recording.names for name in (f"gain_{a}", PREDICTED + a))]
-        unread, disturbed, alike = disturbances(one.time_ns, channels, used, known)
+        unread, disturbed, alike, wrong = disturbances(one.time_ns, channels, used, known)
         own = [_dwell(plan, one, window, channels, unread) for window in used]
         rows = len(dwells) + np.arange(len(own))
         read = {axis: data for axis, data in channels.items() if any(axis in dwell.values for dwell in own)}
@@ -122,10 +123,12 @@ def readings_from(plan: Plan, turned: Sequence[FlipRecording]) -> Readings:
         dwells += own
         quiet.append(record)
         disagreements += [remark.at(one.place) for remark in alike]
+        misplaced += [remark.at(one.place) for remark in wrong]
         remarks += [*one.recording.remarks, *(remark.at(one.place) for remark in disturbed), *more]
         places += [f"{one.place}: window {i + 1}" for i in range(len(own))]
     axes = [axis for axis in AXES if any(axis in one.recording.names for one in turned)]
-    return replace(_gathered(plan, axes, dwells, quiet, places, remarks), disagreements=tuple(disagreements))
+    found = _gathered(plan, axes, dwells, quiet, places, remarks)
+    return replace(found, disagreements=tuple(disagreements), misplaced=tuple(misplaced))
 
 
 def _check(plan: Plan) -> None:
