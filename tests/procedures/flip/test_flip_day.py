@@ -97,7 +97,7 @@ def ran(path: Path) -> tuple[float, int]:
     """Run the command on a file; return what it took: processor time [s], and most memory [bytes]."""
     done = subprocess.run([sys.executable, "-c", LAUNCH, str(path)], capture_output=True, text=True, check=True)
     used = json.loads(done.stdout)
-    assert used["code"] == 0
+    assert used["code"] in {0, 4}  # in the axes of the sensor it was not turned about x, which is remarked
     return used["seconds"], used["most"]
 
 

@@ -36,7 +36,7 @@ WALKS = np.concatenate([[0.0], np.logspace(-8.0, 1.0, 13)])  # variance of a ste
 LONGEST = 180.0  # change [s]
 TIE = 1e-6  # of twice the log-likelihood: places that samples left out make alike; the first of them is taken
 EDGE = 30.0  # least level before the first change and after the last [s]
-APART = 150.0  # least time between the middles of two changes [s]
+APART, APART_AT_SPIKES = 150.0, 50.0  # least time between the middles of two changes [s]: anywhere, at spikes
 
 
 @dataclass(frozen=True)
@@ -54,12 +54,24 @@ class Change:
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """Means over blocks of equal length: their middles [s] (n), values (n, k), and relative variances, 0 for none."""
+    """Means over blocks of equal length: their middles [s] (n), values (n, k), and relative variances, 0 for none.
+
+    ``spikes``: where something else says that a change may be.
+    """
 
     seconds: Array
     values: Array
     weight: Array
     length: float
+    spikes: tuple[Change, ...] = ()
+
+    def apart(self, one: Change, two: Change) -> bool:
+        """Whether two changes are far enough apart to be two: less where each has a spike of its own."""
+        between = abs(one.middle - two.middle)
+        if between >= APART:
+            return True
+        a, b = at_spike(one, self.spikes), at_spike(two, self.spikes)
+        return between >= APART_AT_SPIKES and a is not None and b is not None and a != b
 
     def course(self, change: Change) -> Array:
         """Return how far a change is done in each block, 0 to 1, shape (n,)."""
@@ -183,8 +195,8 @@ def placed(series: Series, others: Sequence[Change], start: Change, walks: Array
         middles = middles[(middles > series.seconds[0] + EDGE) & (middles < series.seconds[-1] - EDGE)]
         length = best.stop - best.start
         lengths = (0.0, 60.0, 150.0) if step > 1.0 else length + np.array([-45.0, -30.0, -15.0, 0.0, 15.0, 30.0])
-        for one in others:
-            middles = middles[np.abs(middles - one.middle) >= APART]
+        free = [all(series.apart(Change(m, m), one) for one in others) for m in middles]
+        middles = middles[np.array(free, dtype=bool)]
         tried = [Change(m - 0.5 * d, m + 0.5 * d) for m in middles for d in lengths if 0.0 <= d <= LONGEST]
         if not tried:
             return best
@@ -215,16 +227,8 @@ def gains(series: Series, others: Sequence[Change], tried: Sequence[Change], wal
     return gain
 
 
-def find_changes(series: Series, spikes: Sequence[Change] = ()) -> Fit:
-    """Return the changes of greatest likelihood, less their penalty.
-
-    Parameters
-    ----------
-    series : Series
-        Block means.
-    spikes : sequence of Change
-        Where something else says that a change may be.
-    """
+def find_changes(series: Series) -> Fit:
+    """Return the changes of greatest likelihood, less their penalty."""
     none = fitted(series, ())
     known: dict[tuple[Change, ...], Fit] = {(): none}
     for white in (True, False):
@@ -236,13 +240,13 @@ def find_changes(series: Series, spikes: Sequence[Change] = ()) -> Fit:
                 break
             known[more] = fitted(series, more, known[changes].walk)
             changes = more
-    changes = _apart(series, spikes)
+    changes = _at_spikes(series)
     while changes and changes not in known:
         known[changes] = fitted(series, changes)
         changes = _without_least(known[changes])
 
     def score(one: Fit) -> float:
-        return merit(series, one, spikes)
+        return merit(series, one)
 
     best = max(known.values(), key=score)
     while best.changes:  # each where it explains most, and only those that do
@@ -259,10 +263,10 @@ def find_changes(series: Series, spikes: Sequence[Change] = ()) -> Fit:
     return best
 
 
-def merit(series: Series, fit: Fit, spikes: Sequence[Change]) -> float:
+def merit(series: Series, fit: Fit) -> float:
     """Return the log-likelihood of changes less their penalty: as they are, or as to and fro between two levels."""
-    many = float(np.log(max(len(spikes), 1)))
-    struck = [at_spike(one, spikes) is not None for one in fit.changes]
+    many = float(np.log(max(len(series.spikes), 1)))
+    struck = [at_spike(one, series.spikes) is not None for one in fit.changes]
     free = fit.likelihood - sum(AT_SPIKE + many if one else PENALTY for one in struck)
     if len(fit.changes) < 2:
         return free
@@ -319,12 +323,12 @@ def steps_at(series: Series, fit: Fit, at: Sequence[float] | Array) -> tuple[Arr
     return size, u
 
 
-def _apart(series: Series, spikes: Sequence[Change]) -> tuple[Change, ...]:
+def _at_spikes(series: Series) -> tuple[Change, ...]:
     """Return changes in the middle of the longest spikes, those that leave a level between them."""
     found: list[Change] = []
-    for one in sorted(spikes, key=lambda one: one.start - one.stop):
+    for one in sorted(series.spikes, key=lambda one: one.start - one.stop):
         inside = series.seconds[0] + EDGE < one.middle < series.seconds[-1] - EDGE
-        if inside and len(found) < MOST and all(abs(one.middle - other.middle) >= APART for other in found):
+        if inside and len(found) < MOST and all(series.apart(one, other) for other in found):
             found.append(Change(one.middle, one.middle))
     return tuple(sorted(found, key=lambda one: one.start))
 
@@ -340,7 +344,9 @@ def _next(series: Series, changes: tuple[Change, ...], walks: Array) -> tuple[Ch
     """Return the changes with the one more that explains most; None where none explains enough."""
     scores = _scores(series, changes, walks)
     for one in changes:
-        scores[np.abs(series.seconds - one.middle) < APART] = 0.0
+        for i in np.flatnonzero((np.abs(series.seconds - one.middle) < APART) & (scores > PENALTY)):
+            if not series.apart(Change(series.seconds[i], series.seconds[i]), one):
+                scores[i] = 0.0
     scores[(series.seconds < series.seconds[0] + EDGE) | (series.seconds > series.seconds[-1] - EDGE)] = 0.0
     at = int(np.argmax(scores))
     if not scores[at] > PENALTY:

@@ -16,9 +16,10 @@ What counts as a turn:
 - A spike whose level stays is no turn where the ambient acceleration is seen at other turns, so that a change by it is
   excluded (``certain``); else nobody can tell from the record.
 
-What is assumed: a dwell lasts 150 s or more, a turn 180 s or less, and the walk of the level is normal. What breaks it:
-a bias that jumps there and back by the same amount, without a spike, looks like two turns; noise that wanders by as
-much as the ambient acceleration within a turn hides it; dwells shorter than 150 s are passed over (both their turns).
+What is assumed: a dwell lasts 150 s or more (70 s between spikes), a turn 180 s or less, and the walk of the level is
+normal. What breaks it: a bias that jumps there and back by the same amount, without a spike, looks like two turns;
+noise that wanders by as much as the ambient acceleration within a turn hides it; shorter dwells are passed over, with
+both their turns.
 
 ``turn_windows`` lays quiet windows before and after the turns.
 
@@ -30,7 +31,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -49,6 +50,7 @@ COARSE, MOST = 5.0, 4000  # least length [s] and most of the blocks in which lev
 CALM = 300.0  # length over which a block is compared with its neighbours [s]
 FAR = 6.0  # standard deviations at which a block is off its neighbours
 LOUD, LOUDER = 1.5, 2.0  # variance over the usual: from which a block weighs less, from which it is shaken
+FEWEST, FLAT = 4, 2.5  # blocks of a short dwell, and most that they scatter in standard deviations
 MARGIN = 20.0  # left out beside what is off [s]
 OPPOSITE, ALIKE = 0.7, 2.0  # cosine, and ratio of sizes, of changes that go to and fro
 CLEAR = 0.15  # of a turn's change: the uncertainty with which a change is excluded
@@ -213,8 +215,9 @@ def find_turns(
     start = blocks.start_ns
     short = [Change((one.start_ns - start) / SECOND, (one.stop_ns - start) / SECOND) for one in spikes]
     places = [one for one in (*shaken, *short) if one.stop - one.start <= LONGEST + 2.0 * MARGIN]
-    fit = find_changes(series, joined(places))
-    changes = [_change(blocks, series, fit, i, places, spikes) for i in range(len(fit.changes))]
+    series = replace(series, spikes=tuple(joined(places)))
+    fit = find_changes(series)
+    changes = [_change(blocks, series, fit, i, spikes) for i in range(len(fit.changes))]
     turns, shifts, doubt = _taken(changes)
     taken = [one for one in changes if one.felt]
     others = [
@@ -259,30 +262,43 @@ def series_of(blocks: Blocks, full: Indices) -> tuple[Series, list[Change]]:
     first = np.flatnonzero(np.concatenate(([True], np.diff(group) > 0)))
     at = group[first]
     count = np.add.reduceat(blocks.count[full], first, axis=0)
-    means = np.add.reduceat(blocks.count[full] * blocks.mean[full], first, axis=0) / count
+    means: Array = np.asarray(
+        np.add.reduceat(blocks.count[full] * blocks.mean[full], first, axis=0) / count, dtype=float
+    )
     variance = np.add.reduceat(blocks.count[full] * blocks.variance[full], first, axis=0) / count
     length = many * blocks.length
     size = 2 * int(0.5 * CALM / length) + 1
     off = np.zeros(len(at), dtype=bool)
+    scatter = np.zeros(means.shape[1])
     weight: Array = np.asarray(np.median(count, axis=0) / count, dtype=np.float64)
     for k in range(means.shape[1]):
         away = np.abs(means[:, k] - ndimage.median_filter(means[:, k], size, mode="nearest"))
-        usual = float(np.median(away)) / MAD
+        scatter[k] = usual = float(np.median(away)) / MAD
         ratio = variance[:, k] / max(float(np.median(variance[:, k])), 1e-300)
         weight[:, k] *= np.where(ratio > LOUD, np.minimum(ratio, 100.0), 1.0)
         many_samples = FAR * np.sqrt(2.0 / np.maximum(count[:, k] - 1, 1))
         off |= (away > FAR * usual) & (usual > 0.0) | (ratio > LOUDER + many_samples)
+    _keep_levels(means, off, scatter, int(np.ceil(0.5 * MARGIN / length)))
     lasting = ndimage.binary_opening(off, np.ones(2))
     wide = ndimage.binary_dilation(lasting, np.ones(2 * int(np.ceil(MARGIN / length)) + 1))
     # what is loud for longer than a turn is the cabin: it weighs less, and is kept
     edges = np.flatnonzero(np.diff(np.concatenate(([False], wide | off, [False])).astype(int)))
-    seconds = (at + 0.5) * length
+    seconds: Array = np.asarray((at + 0.5) * length, dtype=np.float64)
     shaken = []
     for a, b in edges.reshape(-1, 2):
         if (b - a) * length <= LONGEST + 2.0 * MARGIN:
             weight[a:b] = 0.0
             shaken.append(Change(float(seconds[a]) - 0.5 * length, float(seconds[b - 1]) + 0.5 * length))
     return Series(seconds, means, weight, length), shaken
+
+
+def _keep_levels(means: Array, off: Flags, usual: Array, margin: int) -> None:
+    """Take from what is off its inside where that is a level of its own: a short dwell."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], off, [False])).astype(int)))
+    for a, b in edges.reshape(-1, 2):
+        inside = means[a + margin : b - margin]
+        if len(inside) >= FEWEST and np.all(inside.std(axis=0) < FLAT * usual):
+            off[a + margin : b - margin] = False
 
 
 def joined(places: Sequence[Change]) -> list[Change]:
@@ -304,11 +320,11 @@ def _spike(blocks: Blocks, peak: Array, first: int, stop: int) -> Turn:
     return Turn(a, b, (a + b) // 2, blocks.length, float(peak[first:stop].max()), none, none, felt=True)
 
 
-def _change(blocks: Blocks, series: Series, fit: Fit, i: int, places: Sequence[Change], spikes: Sequence[Turn]) -> Turn:
+def _change(blocks: Blocks, series: Series, fit: Fit, i: int, spikes: Sequence[Turn]) -> Turn:
     """Return a change of level as a turn: where it is by its spike, else by the level."""
     start = blocks.start_ns
     one = fit.changes[i]
-    felt = at_spike(one, joined(places))
+    felt = at_spike(one, series.spikes)
     own: list[Turn] = []
     if felt is None:
         middle, u, low, high = located(series, fit, i)
