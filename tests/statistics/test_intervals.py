@@ -20,6 +20,7 @@ from inertialcal.statistics.intervals import (
     coverage_factor,
     covers,
     ends,
+    student_of_mixture,
     t_interval,
     t_quantile,
     upper_bound,
@@ -198,3 +199,17 @@ def test_other_refusals_by_their_words() -> None:
         covers(0, 0)
     with pytest.raises(PlanError, match="simultaneous interval of 0 values"):
         band_factor(0, 5.0)
+
+
+def test_a_mixture_has_the_interval_of_one_student() -> None:
+    u, dof = student_of_mixture(np.array([2.0]), np.array([1.0]))
+    assert (u, dof > 100.0) == (2.0, True)  # normal
+    u, dof = student_of_mixture(np.full(2, 1e-9), np.array([0.4, 0.6]), 7.0)
+    assert u == pytest.approx(1e-9)
+    assert dof == pytest.approx(7.0, rel=0.01)
+    u, dof = student_of_mixture(np.array([1.0, 5.0]), np.array([0.7, 0.3]))
+    half = stats.t.ppf(0.975, dof) * u
+    outside = 0.7 * 2.0 * stats.norm.sf(half) + 0.3 * 2.0 * stats.norm.sf(half / 5.0)
+    assert outside == pytest.approx(0.05, rel=0.02)
+    u, dof = student_of_mixture(np.array([1.0, 1000.0]), np.array([0.6, 0.4]))
+    assert (dof, u > 1.0) == (1.0, True)

@@ -55,9 +55,7 @@ def test_three_commands_lead_from_records_to_a_report(capsys: pytest.CaptureFixt
     status, out, _ = call(capsys, "info", folder)
     assert status == 0
     assert out.endswith(f"next: inertialcal flip '{folder}'\n")
-    status, out, _ = call(
-        capsys, "flip", folder, "--axis", "y", "--campaign", folder
-    )  # x of the file
+    status, out, _ = call(capsys, "flip", folder, "--axis", "y", "--campaign", folder)  # x of the file
     assert status == 0
     assert out.endswith(f"written: {folder}/campaign.toml\n")
     assert call(capsys, "run", folder)[0] == 0
