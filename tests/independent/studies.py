@@ -45,6 +45,7 @@ class Tried:
 
 
 HEAD = "bias of the head behind the flicker, as that of the next record"
+INCONCLUSIVE = 4  # exit
 B0 = "gyro bias b0"  # under flicker no record identifies the bias behind it: the interval is not for it
 
 
@@ -60,11 +61,14 @@ class Study:
     rule: str = "holds"  # above 93 % or holds 95 %; ``few``: two power-ups, upper end above 94 %; ``shown``: nothing
     shown: frozenset[str] = frozenset({B0})  # groups of which nothing is asked
     limits: frozenset[str] = frozenset()  # groups of upper limits, of what was not found
+    clear: bool = False  # whether campaigns that end INCONCLUSIVE are left out
 
     def tried(self, seed: int) -> Tried:
         """Run the command on the case of a seed."""
         case = self.case(seed)
         outcome = tried(case)
+        if self.clear and outcome.exit == INCONCLUSIVE:
+            return Tried(outcome.exit, [Figure(name, None) for name in self.groups], list(self.notes(case, outcome)))
         rows = estimates(outcome, "rates" if case.procedure == "rate_table" else "")
         found = [limit(name, rows.get(key), truth) if name in self.limits
                  else figure(name, rows.get(key), truth, case.ideal.get(key, math.nan))
@@ -516,8 +520,10 @@ def masses() -> list[Study]:
         ("exp10", 300.0, "-15.9 %, 0.00"),
         ("exp3", 1000.0, "-15 %, 0.00"),
         ("exp30", 1000.0, "-143 % (prototype)"),
+        ("exp10", 1000.0, "-50 % (prototype)"),
         ("cubic", 1000.0, "-13 %, 0.00"),
         ("sine3", 300.0, "thermostat +23 %"),
+        ("sine3", 1000.0, "+80 % (prototype)"),
         ("kink", 1000.0, "-11 % (prototype)"),
         ("sqrt", 1000.0, "-2.3 % (prototype)"),
         ("sine6.7", 1000.0, "+8 % (prototype)"),
@@ -539,7 +545,11 @@ def masses() -> list[Study]:
                     "below_floor",
                     "far_from_nominal",
                     "wrong_sign",
+                    "drift_near_drive",
+                    "drift_repeats",
+                    "methods_disagree",
                 ),
+                clear=shape in ("kink", "sqrt", "sine6.7", "sine5", "sawtooth"),
             )
         )
     for shape, size in (("none", 0.0), ("kink", 1000.0), ("sqrt", 1000.0), ("sine5", 100.0), ("sine6.7", 1000.0),
@@ -760,6 +770,7 @@ def densities(case: Case, outcome: Outcome) -> Sequence[str]:
 def every() -> list[Study | Pair | LeftOut]:
     """Return all studies: those of issue 21, and those of issue 22; of some nothing is asked yet."""
     every = (*masses(), *heads(), *noises())
-    later = [one if one.name.startswith("allan") else replace(one, rule="shown") for one in every]
+    asked = tuple(f"mass, {shape} " for shape in moved_mass.SHAPES)
+    later = [one if one.name.startswith(("allan", *asked)) else replace(one, rule="shown") for one in every]
     stated = LeftOut("leave one out, 10 positions, condition 50 to 1300, with the prior", words=PRIOR)
     return [*tables(), *hands(), *chambers(), *pairs(), LeftOut(), stated, *later]
