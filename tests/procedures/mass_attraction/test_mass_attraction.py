@@ -13,6 +13,7 @@ from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
 from inertialcal.core.recording import SECOND, Channel, Recording
 from inertialcal.core.results import Row
+from inertialcal.procedures.mass_attraction.agreement import agreement
 from inertialcal.procedures.mass_attraction.line import shape_of
 from inertialcal.procedures.mass_attraction.published import less_noise, published
 from inertialcal.procedures.mass_attraction.reduction import (
@@ -132,7 +133,7 @@ def test_a_regressed_tilt_finds_its_share_from_the_readings() -> None:
 
 
 def test_the_coefficient_of_a_regressed_tilt_is_as_uncertain_as_noise_over_tilt_makes_it() -> None:
-    """White readings of scatter s, white tilt of scatter w: u(p) = s / (w sqrt(48)), of 48 contrasts."""
+    """White readings of scatter s, white tilt of scatter w, n / 2 dwells left by drift: u(p) = s / (w sqrt(n / 2))."""
     of, parts = schedule(), []
     for seed in range(1, 31):
         rng = np.random.default_rng(seed)
@@ -141,7 +142,37 @@ def test_the_coefficient_of_a_regressed_tilt_is_as_uncertain_as_noise_over_tilt_
         (response,) = reduce(Plan(nominal=S, tilt="regressed"), Readings((Run("1", of, x, tilt),))).responses
         assert response.fitted is not None
         parts.append((response.u**2 - response.fitted.u**2) / response.tilt**2)
-    assert np.sqrt(np.mean(parts)) == pytest.approx(0.1 / (1e-8 * np.sqrt(48.0)), rel=0.2)
+    assert np.sqrt(np.mean(parts)) == pytest.approx(0.1 / (1e-8 * np.sqrt(50.0)), rel=0.2)
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_a_tilt_that_its_meter_drowns_in_noise_is_not_regressed_but_known_by_its_line(sense: float) -> None:
+    """4e-9 rad in phase with the drive, 2e-9 rad noise of the meter, none off the drive."""
+    of, runs = schedule(u=0.0), []
+    for seed in range(1, 6):
+        rng = np.random.default_rng(seed)
+        pad = 4e-9 * shape_of(of)
+        x = 170.0 + S * (of.applied + G * pad) + 0.01 * rng.standard_normal(100)
+        runs.append(Run(str(seed), of, x, sense * pad + 2e-9 * rng.standard_normal(100)))
+    with pytest.raises(DataError, match="do not show the tilt") as caught:
+        reduce(Plan(nominal=S, tilt="regressed"), Readings(tuple(runs)))
+    assert caught.value.problems[0].code == "tilt_not_regressed"
+    for nominal in (1.1 * S, None):
+        known = reduce(Plan(nominal=nominal, tilt="known", tilt_sign=int(sense)), Readings(tuple(runs)))  # type: ignore[arg-type]
+        found = row(known, "scale_factor")
+        assert found.u is not None
+        assert found.value == pytest.approx(S, abs=3.0 * found.u)
+        assert found.u < 0.02 * S
+
+
+def test_a_sign_of_the_meter_that_the_readings_contradict_is_an_error() -> None:
+    of, rng = schedule(), np.random.default_rng(3)
+    pad = 3e-8 * rng.standard_normal(100) + 3e-9 * shape_of(of)
+    x = 170.0 + S * (of.applied + G * pad) + 0.05 * rng.standard_normal(100)
+    readings = Readings((Run("1", of, x, pad),))
+    assert not agreement(Plan(nominal=S, tilt="known"), readings)
+    remarks = agreement(Plan(nominal=S, tilt="known", tilt_sign=-1), readings)
+    assert "tilt_sign_disagrees" in [one.code for one in remarks]
 
 
 def test_the_doubt_about_the_high_g_scale_factor_is_in_the_difference_from_it() -> None:
@@ -157,7 +188,7 @@ def test_the_doubt_about_the_high_g_scale_factor_is_in_the_difference_from_it() 
 
 
 def test_what_the_noise_of_the_meter_leaves_of_a_regressed_tilt_is_told_and_counted() -> None:
-    """Half of the variance of the meter is noise: half of a tilt in phase stays, whatever its sense."""
+    """Half of the variance of the meter is noise: its coefficient lies between a half and all, whatever its sense."""
     of, tau = schedule(u=0.0), 3e-9
     for sense in (1.0, -1.0):
         off, told, runs = [], [], []
@@ -170,13 +201,13 @@ def test_what_the_noise_of_the_meter_leaves_of_a_regressed_tilt_is_told_and_coun
             assert result.estimate is not None
             scale = float(result.estimate.values[0])
             off.append(scale / S - 1.0)
-            told.append(tilt_left(result.responses, scale) / scale)
-        half = 0.5 * G * tau / of.amplitude
-        assert np.mean(off) == pytest.approx(half, rel=0.15)
-        assert np.mean(told) == pytest.approx(half, rel=0.15)
+            told.append(tilt_left(result.responses) / scale)
+        quarter = 0.25 * G * tau / of.amplitude
+        assert np.mean(off) == pytest.approx(quarter, rel=0.5)
+        assert np.mean(told) == pytest.approx(quarter / np.sqrt(3.0), rel=0.5)
         together = reduce(Plan(nominal=S), Readings(tuple(runs)))
         (said,) = [one for one in together.remarks if one.code == "tilt_in_phase"]
-        assert "% of the scale factor" in said.what
+        assert "% to u" in said.what
         assert together.estimate is not None
         assert contains(t_interval(*(float(a[0]) for a in (together.estimate.values, together.estimate.u,
                                                            together.estimate.dof))), S)  # fmt: skip

@@ -26,11 +26,12 @@ from ...core.show.rounding import number
 from ...signals.sine.changes import critical
 from ...statistics.agreement import FALSE_ALARM, disagreeing
 from ..agreement import likely_cause
-from .changes import MOST, Change, common_change
+from .changes import MOST, Change, common_change, regression
 from .joining import phases_ahead, quiet_runs
 from .plan import Plan
 from .readings import Readings, Run
 from .response import Response, response_of_line
+from .tilt import CLEAR, pad_tilt, tilt_used
 
 PART = FALSE_ALARM / 3.0  # of each search between the runs
 MUCH = 0.25  # part of a response
@@ -66,6 +67,7 @@ def agreement(plan: Plan, readings: Readings) -> list[Remark]:
     return [
         *_between(plan, moved),
         *_within([one for one in measured if one.run is not None]),
+        *_tilt_sign(plan, readings),
     ]
 
 
@@ -201,3 +203,18 @@ def _fault(change: Change, subject: str, where: str, name: str) -> Remark:
         f"the reading of dwell {dwell} is off" if change.kind == "reading" else f"the level jumps before dwell {dwell}"
     )
     return Remark("jump", "error", f"{subject}: {place}", where, do=CUT, subject=name, index=change.at)
+
+
+def _tilt_sign(plan: Plan, readings: Readings) -> Iterator[Remark]:
+    """Yield an error if the tilt off the drive is felt with the other sign than the plan states."""
+    weights = shares = 0.0
+    for run in readings.series:
+        if run.tilt is None or tilt_used(plan, run) != "known":
+            continue
+        found = regression(run.schedule, run.reading, pad_tilt(plan, run))
+        if found is not None and found.u > 0.0:
+            weights, shares = weights + found.u**-2, shares + found.value / found.u**2
+    if weights and shares < -2.0 * CLEAR * np.sqrt(weights):
+        what = f"tilt_sign = {plan.tilt_sign}: off the drive, the readings show the tilt with the other sign"
+        do = f"Set tilt_sign = {-plan.tilt_sign}, if the scale factor of the chain is positive"
+        yield Remark("tilt_sign_disagrees", "error", what, do=do)

@@ -39,7 +39,7 @@ DEGREE = 3  # of the polynomial that goes with it
 WALKS = (0.0, 1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0)  # variance of a step of a walk over that of white noise
 BENDS = (1e-4, 1e-3, 1e-2, 0.1, 1.0)  # the same, of a step of its slope
 SHIFTS = (1.0, -1.0, 2.0, -2.0, 0.5, -0.5)  # dwells, by which the mass may be late
-LIMITS: Mapping[Kind, float] = {"slip": 25.0, "gain": 19.0, "jump": 24.0, "reading": 24.0, "kink": 28.0}
+LIMITS: Mapping[Kind, float] = {"slip": 21.0, "gain": 19.0, "jump": 24.0, "reading": 24.0, "kink": 28.0}
 COSTS: Mapping[Kind, float] = {"slip": 0.0, "gain": 5.0, "jump": 0.0, "reading": 0.0, "kink": 6.0}  # of a parameter
 NEXT_TO = 10.0  # limit of a gain that changes where the level jumps
 MOST = 3  # jumps, kinks and readings of a run
@@ -237,6 +237,7 @@ def _try(piece: _Piece, before: Array, near: Sequence[int], moved: bool) -> _Tri
     close = inner & np.any([np.abs(at - k) <= 1 for k in (*near, -n)], axis=0)
     late = {by: shifted(s, by) for by in SHIFTS}
     unlike = [by for by, other in late.items() if abs(s @ other) < ALIKE * np.sqrt((s @ s) * (other @ other))]
+    opposite = [by for by, other in late.items() if s @ other < -ALIKE * np.sqrt((s @ s) * (other @ other))]
     best: dict[tuple[str, float], tuple[float, int]] = {}
     found = None
     fits = [_free(noise, x[keep], before[keep], piece.drive[keep]) for noise in noises_of(piece)]
@@ -271,7 +272,8 @@ def _try(piece: _Piece, before: Array, near: Sequence[int], moved: bool) -> _Tri
             ]
             for by in SHIFTS:
                 c = noise.tried[by] - base @ (base.T @ noise.tried[by])
-                response = np.maximum(sign * (c.T @ y), 0.0) / np.sqrt(np.maximum(np.sum(c**2, axis=0), NONE))
+                response = c.T @ y / np.sqrt(np.maximum(np.sum(c**2, axis=0), NONE))
+                response = response if by in opposite else np.maximum(sign * response, 0.0)
                 left += [("slip", by, square - response**2, at > 0), ("whole", by, square - response**2, at == 0)]
                 gains["slip", by] = response**2 - float(along[0]) ** 2
         for name, by, squares, where in left:
@@ -333,9 +335,9 @@ def _together(piece: _Piece, own: Sequence[Change], tried: _Tried, moved: bool) 
     return []
 
 
-def _pieces(schedule: Schedule, x: Array) -> Iterator[_Piece]:
+def _pieces(schedule: Schedule, x: Array, overlap: int = OVERLAP) -> Iterator[_Piece]:
     n = len(x)
-    count = 1 if n <= PIECE else int(np.ceil((n - OVERLAP) / (PIECE - OVERLAP)))
+    count = 1 if n <= PIECE else int(np.ceil((n - overlap) / (PIECE - overlap)))
     drive, times = drive_of(schedule), schedule.middle / schedule.step
     for begin in [round(k * (n - PIECE) / (count - 1)) for k in range(count)] if count > 1 else [0]:
         part = slice(begin, min(begin + PIECE, n))
@@ -412,6 +414,32 @@ def _of_piece(piece: _Piece, moved: bool, room: int) -> tuple[list[Change], _Tri
             own[k] = replace(one, size=float(tried.sizes[at]))
             at += one.columns(1).shape[1]
     return own, tried
+
+
+@dataclass(frozen=True)
+class Regression:
+    """Coefficient of one series in another, apart from drive and drift."""
+
+    value: float  # [count/s over unit of the other]
+    u: float  # Its standard uncertainty
+    reverse: float  # The same if all that it leaves of the readings comes from noise of the other
+
+
+def regression(schedule: Schedule, x: Array, other: Array) -> Regression | None:
+    """Return the coefficient of a series in the readings; None if drive and drift leave nothing of it."""
+    xx = xy = yy = dof = 0.0
+    for piece in _pieces(schedule, np.where(np.isfinite(other), x, np.nan), overlap=0):
+        keep = np.isfinite(piece.reading)
+        y = other[piece.begin : piece.begin + len(keep)][keep, None]
+        fits = [_free(noise, piece.reading[keep], y, piece.drive[keep]) for noise in noises_of(piece)]
+        one = max(fits, key=lambda each: each.value)
+        line = np.linalg.qr(one.line)[0]
+        a, b = (v - line @ (line.T @ v) for v in (one.white, one.known[:, 0]))
+        xx, xy, yy, dof = xx + float(a @ a), xy + float(a @ b), yy + float(b @ b), dof + one.dof
+    if not (yy > 0.0 and xy != 0.0):
+        return None
+    left = max(xx - xy**2 / yy, 0.0)
+    return Regression(xy / yy, float(np.sqrt(left / max(dof, 1.0) / yy)), xx / xy)
 
 
 def common_change(runs: Sequence[tuple[Schedule, Array]]) -> Change | None:

@@ -342,9 +342,9 @@ def _type_b(
             u = way * slope * stated.u
             origin = stated.origin(label)
             yield Component(origin, "B", _outer(u), stated.dof, stated.distribution, stated.stated, u[None])
-    remainder = tilt_left(responses, scale)
-    if remainder:  # all of it as one standard uncertainty
-        yield Component("tilt left by the noise of its meter", "B", _outer(way * remainder))
+    remainder = tilt_left(responses)
+    if remainder:
+        yield Component("coefficient of the tilt, from the noise of its meter", "B", _outer(way * remainder))
 
 
 def compared_with(plan: Plan, estimate: Estimate | None) -> dict[str, str]:

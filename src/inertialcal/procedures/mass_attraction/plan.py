@@ -46,7 +46,7 @@ class Plan:
     axis: str = fact("Input axis.", "sensor", "x")
     nominal: float | None = fact("Scale factor of the data sheet [count/s/(m/s^2)].", "sensor", None)
     tilt: Tilt = setting(
-        "Use of the tilt channel: its share in the readings is fitted, is gravity times the tilt, or is not used.",
+        "Use of the tilt channel: its share is fitted off the drive, is gravity times the tilt, or is not used.",
         "regressed",
     )
     tilt_sign: Literal[1, -1] = setting(

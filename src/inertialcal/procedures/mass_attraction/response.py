@@ -3,17 +3,8 @@
 The drive is what the schedule applies, about its middle and over its amplitude: the line is in the unit of the
 readings.
 
-The pad tilts with the mass that moves on it, and an accelerometer feels a tilt ``theta`` as ``g theta``. The meter
-reads that tilt and, in phase, the tilt of its own mercury, which the mass attracts; the computed tilt of the mercury is
-subtracted first. Then, with the remaining tilt Y:
-
-- ``known``: ``S0 g Y`` is subtracted from the readings; S0 is the nominal scale factor. The tilt tau in phase with the
-  drive corrects for the difference of S from S0: ``S = (A + S0 g tau) / (a + g tau)``.
-- ``regressed``: Y is regressed together with drive and drift. Its coefficient p follows from the residuals of both; the
-  response is that of the readings less ``p Y``, and the uncertainty of p counts by the tilt in phase. Noise of the
-  meter draws p towards zero, which leaves ``(S g - |p|) tau`` in the response if the meter stands along the input axis
-  (`tilt_left`): it is remarked, and counts as an uncertainty.
-- ``ignored``: the response is to ``a + g tau`` with an unknown tau.
+Jumps, kinks of the drift and single false readings are subtracted first (``changes``), and the tilt of the pad as
+``tilt`` has it.
 """
 
 from __future__ import annotations
@@ -52,6 +43,7 @@ class Response:
     tilt: float = np.nan
     u_tilt: float = np.nan  # Its standard uncertainty [rad]
     coefficient: float = np.nan  # Of the tilt in the readings [count/s/rad]; NaN if nothing was subtracted
+    half_range: float = 0.0  # Of the coefficient, by noise of the meter [count/s/rad]
     tilt_used: str = "ignored"  # As the plan says, or ``ignored`` without a tilt
     fitted: Fitted | None = None  # Line and drift; None for a run that was reduced before
     # shape (n,): readings that were fitted, tilt subtracted [count/s]
@@ -101,6 +93,7 @@ class _Prepared(NamedTuple):
     mode: str
     coefficient: float
     u_coefficient: float
+    half_range: float
     meter: Fitted | None
     changes: Changes
 
@@ -109,7 +102,7 @@ def _prepared(plan: Plan, run: Run) -> _Prepared:
     mode = tilt_used(plan, run)
     tilt = None if run.tilt is None or mode == "ignored" else pad_tilt(plan, run)
     try:
-        x, p, u_p = without_tilt(plan, run, tilt, mode)
+        x, p, u_p, half = without_tilt(plan, run, tilt, mode)
         changes = changes_of(run.schedule, x, run.moved)
         _check_schedule(run, changes)
         x = changes.repaired(x) if changes.repairable else x
@@ -117,11 +110,11 @@ def _prepared(plan: Plan, run: Run) -> _Prepared:
         meter = None if tilt is None else fit_line(run.schedule, np.where(np.isfinite(x), tilt, np.nan))
     except DataError as error:
         raise DataError([replace(one, where=one.where or run.where or run.name) for one in error.problems]) from None
-    return _Prepared(x, found, mode, p, u_p, meter, changes)
+    return _Prepared(x, found, mode, p, u_p, half, meter, changes)
 
 
 def _response(run: Run, prepared: _Prepared, fit: LineFit) -> Response:
-    x, _, mode, p, u_p, meter, changes = prepared
+    x, _, mode, p, u_p, half, meter, changes = prepared
     found = fitted_line(fit, np.isfinite(x))
     tau, u_tau = (np.nan, np.nan) if meter is None else (meter.amplitude, meter.u)
     applied, amplitude, u = run.schedule.amplitude, found.amplitude, found.u
@@ -133,7 +126,7 @@ def _response(run: Run, prepared: _Prepared, fit: LineFit) -> Response:
     if mode == "regressed":
         u = float(np.hypot(u, u_p * tau))
     return Response(run.name, run.moved, applied, amplitude, u, found.dof, found.quadrature, found.u_quadrature, tau,
-                    u_tau, p, mode, found, x, start_phase(run.schedule), changes)  # fmt: skip
+                    u_tau, p, half, mode, found, x, start_phase(run.schedule), changes)  # fmt: skip
 
 
 def _check_schedule(run: Run, changes: Changes) -> None:
@@ -148,24 +141,10 @@ def _check_schedule(run: Run, changes: Changes) -> None:
             raise DataError(what, run.where, why, do, "schedule_slip")
 
 
-def tilt_left(responses: Iterable[Response], scale: float) -> float:
-    """Return what a regressed tilt leaves in the scale factor, mean over the runs [count/s/(m/s^2)].
-
-    An accelerometer feels gravity times the tilt. Noise of the meter draws the coefficient towards zero (or the meter
-    does not stand along the input axis); the difference stays in the response, with the sign of the coefficient.
-
-    Parameters
-    ----------
-    responses : iterable of Response
-        Of all runs.
-    scale : float
-        Scale factor [count/s/(m/s^2)].
-    """
-    each = [
-        np.sign(one.coefficient) * max(abs(scale) * G - abs(one.coefficient), 0.0) * one.tilt / one.applied
-        if one.tilt_used == "regressed" else 0.0 for one in responses if one.moved
-    ]  # fmt: skip
-    return float(np.mean(each)) if each else 0.0
+def tilt_left(responses: Iterable[Response]) -> float:
+    """Return the uncertainty of the scale factor from the noise of the meter of a regressed tilt [count/s/(m/s^2)]."""
+    each = [one.half_range * one.tilt / one.applied for one in responses if one.moved and one.half_range]
+    return abs(float(np.sum(each))) / float(np.sqrt(3.0)) / max(sum(one.moved for one in responses), 1)
 
 
 def response_of_line(line: Line) -> Response:

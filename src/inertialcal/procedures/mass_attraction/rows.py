@@ -231,10 +231,6 @@ def series_remarks(plan: Plan, readings: Readings) -> Iterator[Remark]:
             yield Remark("missing_dwells", "info", what, run.where)
         if plan.tilt == "ignored" or tilt_used(plan, run) != "ignored":
             continue
-        if plan.tilt == "known" and not plan.nominal and run.tilt is not None:
-            what = f'{run.name}: tilt = "known" needs the nominal scale factor of the chain; tilt was not subtracted'
-            yield Remark("missing_tilt", "warning", what, run.where, do='Give it, or set tilt = "regressed"')
-            continue
         what = f"{run.name}: the tilt of the pad was not recorded, and is not subtracted"
         do = 'State its size as [standards.pad] tilt, or set tilt = "ignored"'
         yield Remark("missing_tilt", "warning", what, run.where, do=do)
@@ -247,13 +243,10 @@ def result_remarks(result: Result) -> Iterator[Remark]:
     yield from _on_runs(result)
     if result.estimate is not None:
         scale, u = float(result.estimate.values[0]), float(result.estimate.u[0])
-        remainder = tilt_left(result.responses, scale)
+        remainder = tilt_left(result.responses)
         if abs(remainder) > COUNTS * u:
-            what = (
-                f"tilt is regressed: noise of its meter leaves {100.0 * remainder / scale:+.2g} % of the scale factor,"
-                f" if the meter stands along the input axis"
-            )
-            do = 'The uncertainty includes it. tilt = "known" subtracts it; it needs the sign of the meter (tilt_sign)'
+            what = f"tilt is regressed: noise of its meter adds {100.0 * remainder / abs(scale):.2g} % to u"
+            do = 'tilt = "known" avoids it; it needs the sign of the meter (tilt_sign)'
             yield Remark("tilt_in_phase", "warning", what, do=do)
         yield from _on_comparisons(result)
     if not applied_influences(result.plan, result.readings):
