@@ -204,7 +204,7 @@ def test_what_the_noise_of_the_meter_leaves_of_a_regressed_tilt_is_told_and_coun
             told.append(tilt_left(result.responses) / scale)
         quarter = 0.25 * G * tau / of.amplitude
         assert np.mean(off) == pytest.approx(quarter, rel=0.5)
-        assert np.mean(told) == pytest.approx(quarter / np.sqrt(3.0), rel=0.5)
+        assert np.mean(told) == pytest.approx(quarter / np.sqrt(2.0), rel=0.5)
         together = reduce(Plan(nominal=S), Readings(tuple(runs)))
         (said,) = [one for one in together.remarks if one.code == "tilt_in_phase"]
         assert "% to u" in said.what

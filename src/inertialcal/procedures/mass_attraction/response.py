@@ -142,9 +142,12 @@ def _check_schedule(run: Run, changes: Changes) -> None:
 
 
 def tilt_left(responses: Iterable[Response]) -> float:
-    """Return the uncertainty of the scale factor from the noise of the meter of a regressed tilt [count/s/(m/s^2)]."""
+    """Return the uncertainty of the scale factor from the noise of the meter of a regressed tilt [count/s/(m/s^2)].
+
+    Of a range whose ends are likelier than its middle (arc sine): a meter along the input axis is at one of them.
+    """
     each = [one.half_range * one.tilt / one.applied for one in responses if one.moved and one.half_range]
-    return abs(float(np.sum(each))) / float(np.sqrt(3.0)) / max(sum(one.moved for one in responses), 1)
+    return abs(float(np.sum(each))) / float(np.sqrt(2.0)) / max(sum(one.moved for one in responses), 1)
 
 
 def response_of_line(line: Line) -> Response:
