@@ -41,6 +41,7 @@ from scipy import optimize, special
 
 from ..core.errors import DataError
 from ..core.judging import LEVEL, Rule
+from ..core.show.rounding import freedom
 from .intervals import coverage_factor, t_quantile
 
 NODES = 2000  # of the scatter's distribution, in steps of equal probability
@@ -144,7 +145,7 @@ def pass_probability(
     """
     if not (math.isfinite(true_value) and 0.0 < u < math.inf and dof > 0.0):
         raise DataError(
-            f"probability of PASS at {true_value:g}: u = {u:g} with {dof:g} degrees of freedom",
+            f"probability of PASS at {true_value:g}: u = {u:g} with {freedom(dof)}",
             do="Need a finite value, u above 0 and degrees of freedom above 0",
             code="no_uncertainty",
         )

@@ -23,6 +23,7 @@ from scipy import special
 from ..core.errors import DataError, PlanError
 from ..core.estimate import Array
 from ..core.results import Interval
+from ..core.show.rounding import freedom
 
 ALIKE = 0.005  # of the logarithm of deviations that are taken together
 
@@ -257,7 +258,7 @@ def _check_probability(p: float) -> None:
 def _check_dof(dof: float) -> None:
     if not dof > 0.0:
         raise DataError(
-            f"{dof:g} degrees of freedom",
+            freedom(dof),
             why="no scatter was estimated, so no interval can be stated",
             do="Repeat the measurement, at the level that was not repeated",
             code="no_dof",

@@ -18,6 +18,7 @@ from scipy import special
 
 from ..core.errors import DataError
 from ..core.results import Interval
+from ..core.show.rounding import freedom
 from .intervals import chi_square_interval, ends
 
 
@@ -39,7 +40,7 @@ def equality_p_value(first: float, first_dof: float, second: float, second_dof: 
     for std, dof in ((first, first_dof), (second, second_dof)):
         if not (std > 0.0 and dof > 0.0 and math.isfinite(std) and math.isfinite(dof)):
             raise DataError(
-                f"standard deviation {std:g} with {dof:g} degrees of freedom",
+                f"standard deviation {std:g} with {freedom(dof)}",
                 do="Need positive finite numbers",
                 code="no_dof",
             )

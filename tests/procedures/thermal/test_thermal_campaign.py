@@ -88,6 +88,7 @@ def test_figures_stand_in_the_units_of_the_sensor(outcome: Outcome) -> None:
     assert units["bias_voltage_0"] == "V"
     assert units["path_difference"] == "deg/s"
     assert units["warm_up_time"] == "s"
+    assert not [row for row in outcome.results["results"] if row["reason"] and "rad/s" in row["reason"]["text"]]
 
 
 def test_the_vacuum_test_has_its_offset_from_air(outcome: Outcome) -> None:

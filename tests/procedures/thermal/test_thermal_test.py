@@ -206,6 +206,8 @@ def test_the_start_up_is_found_and_left_out_until_it_is_below_the_tolerance() ->
     assert cut.value == pytest.approx(expected, rel=0.1)
     assert found.sensors["x"].cells.left_out["warm_up"] == pytest.approx(5.0 * expected / 5.0, rel=0.1)
     assert "0.0004" in cut.reason.text
+    spoken = row(with_start_up(0.02, 900.0, settled=4e-4, unit="deg/s"), "warm_up_time")
+    assert spoken.reason.text.endswith("is below 0.0229 deg/s")
 
 
 def test_a_tenth_of_the_scatter_is_the_tolerance_where_none_is_stated() -> None:

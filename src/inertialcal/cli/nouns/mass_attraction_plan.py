@@ -104,6 +104,7 @@ def plan(
 def _build(path: Path, found: MassPlan) -> list[str]:
     """Write the list of cubes, the drawing, or both; return a line for each."""
     from ...core.errors import StoreError
+    from ...core.show.rounding import items
     from ...files.write.atomic import atomic_write
     from ...report.figures.mass_attraction.build_drawing import write_build
 
@@ -121,7 +122,7 @@ def _build(path: Path, found: MassPlan) -> list[str]:
                 aside.write_text(cubes.csv(notes), encoding="utf-8")
         else:
             write_build(one, cubes, "Source mass of a mass-attraction test", inputs)
-        written.append(clean(f"written: {one} ({len(cubes)} cubes)"))
+        written.append(clean(f"written: {one} ({items(len(cubes), 'cube')})"))
     return written
 
 

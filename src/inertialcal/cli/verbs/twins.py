@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ...core.show.rounding import items
 from ...rigs import RIGS
 from ..options import Json, Quiet, faults_beginning, rigs_beginning
 from ..shown.output import clean, json_out, table
@@ -60,7 +61,7 @@ def simulate(
         content = {"written": str(written.folder), "recordings": list(written.recordings), "truth_sha256": written.seal}
         json_out("simulate", content | {"rig": rig, "seed": seed, "fault": written.fault, "size": written.size})
     elif not quiet:
-        print(clean(f"written: {written.folder} ({len(written.recordings)} recordings)"))
+        print(clean(f"written: {written.folder} ({items(len(written.recordings), 'recording')})"))
         print(clean(f"truth sealed in {written.folder / '.truth'}, SHA-256 {written.seal}"))
         folder = shlex.quote(str(written.folder))
         print(clean(f"Next: inertialcal run {folder}, then inertialcal score {folder}"))

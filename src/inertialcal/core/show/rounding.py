@@ -112,5 +112,22 @@ def number(value: float | None, digits: int = PLAIN) -> str:
     return "-" if value is None or not math.isfinite(value) else f"{value:.{digits}g}"
 
 
+def items(n: int, noun: str) -> str:
+    """Return a count with its noun: ``items(1, "cube")`` is ``"1 cube"``."""
+    return f"{n} {noun}{'' if n == 1 else 's'}"
+
+
+def freedom(dof: float, digits: int = PLAIN) -> str:
+    """Return degrees of freedom in words.
+
+    Examples
+    --------
+    >>> freedom(1), freedom(2.5)
+    ('1 degree of freedom', '2.5 degrees of freedom')
+    """
+    text = number(dof, digits)
+    return f"{text} degree{'' if text == '1' else 's'} of freedom"
+
+
 def _decade(value: float) -> int:
     return math.floor(math.log10(abs(value))) if value else -300

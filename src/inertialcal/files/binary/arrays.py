@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import DataError
+from ...core.key import AXES
 from ...core.remarks import Remark
 from ..columns import Column, Content
 
@@ -143,7 +144,8 @@ def _columns(variable: _Variable) -> list[Column]:
     for i in range(table.shape[1]):
         title = (f"{name}_{i + 1}" if several else name) if name else f"column_{i + 1}"
         column = number_column(title, table[:, i], unit, named=bool(name) and not several)
-        columns.append(replace(column, matrix=name))
+        axis = AXES[i] if table.shape[1] == len(AXES) else ""
+        columns.append(replace(column, matrix=name, axis=axis))
     return columns
 
 

@@ -28,6 +28,7 @@ GROUPS = {
     "voltage": "voltage",
     "time": "time",
 }
+OF_AXES = ("gyro", "acc", "magnetometer")  # quantities of which a matrix of three columns is x, y, z
 COUNTED_FROM = 3  # rows from which 0, 1, 2, ... is a count of rows
 
 
@@ -108,7 +109,8 @@ def _from_header(column: Column, path: str, remarks: list[Remark]) -> Described:
         remarks.append(Remark("unknown_unit", "info", what, where=path, subject=column.name))
     quantity = "index" if _counts_rows(column, said.quantity) else said.quantity
     unit = None if quantity in ("index", "status") else said.unit
-    return Described(column, said.axis, quantity, unit, "header" if unit else "")
+    axis = said.axis or (column.axis if quantity in OF_AXES else "")
+    return Described(column, axis, quantity, unit, "header" if unit else "")
 
 
 def _counts_rows(column: Column, quantity: str) -> bool:

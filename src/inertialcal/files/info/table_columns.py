@@ -22,7 +22,7 @@ PATTERNS = {
 }
 OTHER = r"(^|_)(error|percent|temp|temperature|time|warm)(_|$)"
 READING = r"(^|_)(reading|output|measured|mean|sensor|gyro|gyr)(_|$)"
-AXIS = re.compile(r"(^|_)([xyz])(_|$)", re.IGNORECASE)
+AXIS = re.compile(r"(^|_)[gw]?([xyz])(_|$)", re.IGNORECASE)  # x, gx, wx
 REDUCED = re.compile(r"(?:\b|_)(?:(?<!sample[_ ])rate|applied|reading)(?:_|\b)", re.IGNORECASE)
 
 

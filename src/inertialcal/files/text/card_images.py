@@ -12,6 +12,7 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.remarks import Remark
+from ...core.show.rounding import items
 from ...signals.programme1969.cards import MeasuredCase, read_cards, series_with_gaps
 from ..columns import Column, Content
 from ..reader import Reader
@@ -38,7 +39,7 @@ def read_card_images(loaded: Loaded, variables: Sequence[str] | None = None) -> 
     x, tilt = series_with_gaps(case)
     wrong = int(np.count_nonzero(np.isnan(x)))
     if wrong and isinstance(case, MeasuredCase):
-        what = f"{wrong} values marked as wrong in the deck: treated as missing"
+        what = f"{items(wrong, 'value')} marked as wrong in the deck: treated as missing"
         remarks += (Remark("wrong_values", "info", what, loaded.path, count=wrong),)
     columns = (Column("accelerometer", x, "count"), Column("tilt", tilt))
     return Content(columns, "card images", sample_rate=1.0 / case.NH if case.NH > 0 else None, remarks=remarks)

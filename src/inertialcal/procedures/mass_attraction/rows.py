@@ -15,7 +15,7 @@ from ...core.errors import DataError
 from ...core.key import NO_REASON, Key, Member, Method, Reason
 from ...core.remarks import Remark
 from ...core.results import Interval, Row, not_estimated
-from ...core.show.rounding import number
+from ...core.show.rounding import freedom, number
 from ...physics.mass_shape.bound import largest_field
 from ...signals.correlation import autocorrelation
 from ...statistics.intervals import coverage_factor, t_interval
@@ -301,7 +301,7 @@ def _on_runs(result: Result) -> Iterator[Remark]:
         yield Remark("no_runs", "warning", what, do="Repeat the run")
     elif runs < FEW_RUNS:
         spare = 0 if both is None or both.between is None else both.between.dof
-        what = f"{runs} runs with the mass moved: their scatter has {spare:g} degree(s) of freedom"
+        what = f"{runs} runs with the mass moved: their scatter has {freedom(spare)}"
         yield Remark("few_runs", "warning", what, do=f"Repeat until there are {FEW_RUNS} or more")
     if both is not None and both.p_value < ALPHA:
         what = f"the runs differ by more than their own noise explains (probability {both.p_value:.2g})"

@@ -32,6 +32,7 @@ from ...core.key import AXES, Kind, Reason
 from ...core.remarks import Remark, gather
 from ...core.results import Row, by_quantity
 from ...core.show.result_tables import estimate_table, remarks_line
+from ...core.show.rounding import items
 from ...core.show.tables import Block, html, text
 from ...sensors.model.sensor_model import SensorModel
 from .checks import check_units, judged_scale, remarks_of, start_of
@@ -107,7 +108,8 @@ class Result:
     def parts(self) -> tuple[Block, ...]:
         """Return what is shown: how much went in, the figures in SI, how many remarks."""
         kind = "known orientations" if self.acc.known else "|f| = g"
-        caption = f"positions: {len(self.readings)} positions ({kind}), {len(self.readings.rotations)} rotations"
+        caption = f"positions: {items(len(self.readings), 'position')} ({kind}),"
+        caption += f" {items(len(self.readings.rotations), 'rotation')}"
         return (
             *estimate_table([row.to_dict() for row in self.rows() if not row.case.beside], caption),
             *remarks_line(self.remarks),

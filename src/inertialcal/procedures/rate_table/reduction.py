@@ -28,6 +28,7 @@ from ...core.key import Reason
 from ...core.remarks import Remark, gather
 from ...core.results import Row
 from ...core.show.result_tables import estimate_table, remarks_line
+from ...core.show.rounding import freedom
 from ...core.show.tables import Block, html, text
 from .curves import curves
 from .exclusions import exclusions
@@ -186,7 +187,7 @@ def _estimate_of_all(plan: Plan, chosen: Mapping[str, Chosen]) -> Estimate | Non
 def _remarks(plan: Plan, readings: Readings) -> list[Remark]:
     found = []
     if 2 <= readings.runs < FEW_RUNS:
-        what = f"{readings.runs} runs: the scatter between runs has {readings.runs - 1} degrees of freedom"
+        what = f"{readings.runs} runs: the scatter between runs has {freedom(readings.runs - 1)}"
         found.append(Remark("few_runs", "warning", what, do=f"Repeat until there are {FEW_RUNS} power-ups or more"))
     if readings.runs < 2:
         what = "power-up runs were not repeated or not given: the scatter between runs is not in the uncertainty"

@@ -27,7 +27,7 @@ from ...core.estimate import Array
 from ...core.key import Key, Method, Reason
 from ...core.remarks import Remark, Severity, gather
 from ...core.results import Interval, Row
-from ...core.show.rounding import number, with_uncertainty
+from ...core.show.rounding import freedom, number, with_uncertainty
 from ...core.units import FILE_UNIT
 from ...files.text.headers import bare_name
 from ...signals.sine.amplitude import amplitude_of
@@ -199,7 +199,7 @@ class SineResult:
             f"{self._axis}: {kind} of {number(1.0 / drive.frequency, 6)} s,"
             f" phase {'known' if drive.phase_known else 'free'},"
             f" {len(self.driven.readings)} readings, {number(drive.cycles, 5)} cycles, noise with"
-            f" {number(self._dof, 3)} degrees of freedom{''.join(limits)}"
+            f" {freedom(self._dof, 3)}{''.join(limits)}"
         )
 
     def remarks(self) -> tuple[Remark, ...]:
@@ -214,9 +214,7 @@ class SineResult:
             do = f'Say how samples are made: --averaging "{step} s" for means, --averaging "0 s" for points'
             remarks.append(Remark("averaging", level, what, do=do))
         if self._dof < FEW_DOF:
-            what = (
-                f"the noise has {number(self._dof, 2)} degrees of freedom: {number(fit.design.drive.cycles, 3)} cycles"
-            )
+            what = f"the noise has {freedom(self._dof, 2)}: {number(fit.design.drive.cycles, 3)} cycles"
             remarks.append(Remark("few_cycles", "warning", what, do="Record more cycles"))
         known = fit.design.drive.phase_known
         amplitude = float(fit.in_phase[0]) if known or fit.quadrature is None else math.hypot(

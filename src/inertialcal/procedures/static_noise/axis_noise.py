@@ -16,7 +16,7 @@ from ...core.errors import DataError, Problem
 from ...core.estimate import Array
 from ...core.key import Reason
 from ...core.remarks import Remark
-from ...core.show.rounding import number
+from ...core.show.rounding import freedom, number
 from ...core.units import factor
 from ...sensors.noise.fitting.estimator import fit
 from ...sensors.noise.fitting.filtered import Band
@@ -233,7 +233,7 @@ def _tested(axis: str, found: NoiseFit) -> tuple[Remark, ...]:
     remarks = []
     for code, test, what in ways:
         if test is not None and code not in found.fit_warnings:
-            chi = f"chi-square {test.statistic:.1f} with {test.dof} degrees of freedom, p = {test.p:.2g}"
+            chi = f"chi-square {test.statistic:.1f} with {freedom(test.dof)}, p = {test.p:.2g}"
             remarks.append(Remark("tested", "info", f"{axis}: {what} ({chi})"))
     return tuple(remarks)
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...core.results import Row, finite
 from ...core.show.result_tables import figure, interval, not_estimated
-from ...core.show.rounding import number, with_uncertainty
+from ...core.show.rounding import freedom, number, with_uncertainty
 from ...core.show.tables import aligned, clean, csv_cell, ending, short
 from ...core.units import FILE_UNIT, factor
 from ...sensors.noise.fitting.noise_fit import duration
@@ -166,7 +166,7 @@ def _spectrum(found: Reduced, test: Test) -> Iterator[str]:
         first = spectra[0][1]
         yield _wrapped(
             f"{_heading(test)}: spectrum ({first.method}), {first.segments} segment(s) of "
-            f"{number(first.segment * first.interval, 4)} s, {number(first.edf, 3)} degrees of freedom a value; "
+            f"{number(first.segment * first.interval, 4)} s, {freedom(first.edf, 3)} a value; "
             f"means over bands [{density_unit(unit)}]"
         )
         bands: dict[float, dict[str, float]] = {}

@@ -94,5 +94,6 @@ class Plan:
     thermometers: Mapping[str, Thermometer] | None = fact(
         "Temperature channel of each sensor, by axis.", "sensor", None
     )
+    unit: str = fact("Unit that the sensor is spoken of in, for texts; empty: that of the readings.", "sensor", "")
     scale_factor: Mapping[str, float] | None = fact("Ideal scale factor of each sensor [V/(rad/s)].", "sensor", None)
     standards: Standards = fact("Uncertainties of the standards.", "standards", dict[str, Influence])

@@ -80,9 +80,12 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
 
     def plan_fields(self, facts: Facts) -> dict[str, Any]:
         """Return what sensor and site say, thermometers as the plan has them."""
+        from ...core.units import same_dimension
+
         own = facts.thermometers
         known = None if own is None else {axis: Thermometer(*one) for axis, one in own.items()}
-        return super().plan_fields(facts) | {"thermometers": known}
+        spoken = facts.unit if facts.unit and same_dimension(facts.unit, facts.si) else ""
+        return super().plan_fields(facts) | {"thermometers": known, "unit": spoken}
 
     def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
         """Return the recordings of all sources."""

@@ -30,6 +30,7 @@ from ...core.key import Reason
 from ...core.remarks import Remark, gather
 from ...core.results import Row
 from ...core.show.result_tables import estimate_table, remarks_line
+from ...core.show.rounding import freedom
 from ...core.show.tables import Block, html, text
 from .curves import curves
 from .fit.law import Law
@@ -166,7 +167,7 @@ def _remarks(plan: Plan, readings: Readings, runs: int) -> list[Remark]:
     """Return what is to be said of the whole test, with so many runs that have a ramp."""
     found = []
     if 2 <= runs < FEW_RUNS:
-        what = f"{runs} runs: the scatter between runs has {runs - 1} degrees of freedom"
+        what = f"{runs} runs: the scatter between runs has {freedom(runs - 1)}"
         found.append(Remark("few_runs", "warning", what, do=f"Repeat until there are {FEW_RUNS} power-ups or more"))
     if runs < 2:
         what = "one power-up run: what differs from power-up to power-up is not in the uncertainty"

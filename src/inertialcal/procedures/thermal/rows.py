@@ -16,7 +16,7 @@ from numpy.polynomial import chebyshev
 from ...core.estimate import Array, Estimate
 from ...core.key import AXES, Key, Member, Method, Reason
 from ...core.results import Row, not_estimated
-from ...core.units import normalise
+from ...core.units import factor, normalise
 from ...sensors.thermal import in_unit, over_voltage
 from ...statistics.intervals import chi_square_interval, t_interval
 from ...statistics.least_squares import fit
@@ -190,7 +190,10 @@ def _start_up_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
 def _cut_row(result: Result, axis: str, one: OfSensor) -> Row:
     """Row of what is left out after a power-up, by the criterion or as the plan says."""
     start, found, key = one.start_up, one.start_up.found, Key("warm_up_time", axis)
-    told = Reason("limits", f"until the start-up transient is below {start.settled:.3g} {result.readings.unit}")
+    own = result.readings.unit
+    unit = result.plan.unit or own
+    least = start.settled * (factor(own, unit) if unit != own else 1.0)
+    told = Reason("limits", f"until the start-up transient is below {least:.3g} {unit}")
     if result.plan.warm_up is not None:
         return Row(key, start.cut, None, "s", status="not_estimated", reason=Reason("by_plan", "as the plan says"))
     if found is None:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ....core.estimate import Array
 from ....core.remarks import Remark
-from ....core.show.rounding import number
+from ....core.show.rounding import items, number
 from .drive import CM, MassBody
 
 RESTS = 0.999  # of its lower face, below which a cube needs packing
@@ -74,7 +74,7 @@ class Build:
     def csv(self, notes: Sequence[str] = ()) -> str:
         """Return the list of all cubes as CSV, lengths in cm from the proof mass."""
         totals = [
-            f"# {count} cubes of {number(CM * size, DIGITS)} cm: {number(each, DIGITS)} kg each,"
+            f"# {items(count, 'cube')} of {number(CM * size, DIGITS)} cm: {number(each, DIGITS)} kg each,"
             f" {number(every, DIGITS)} kg"
             for size, count, each, every in self.totals()
         ]
@@ -84,7 +84,7 @@ class Build:
             "# cubes of the source mass, in the order in which they are placed",
             "# origin: proof mass, body at position zero; x: input axis, away from the proof mass; z: up",
             *totals,
-            f"# all: {len(self)} cubes, {number(float(self.mass.sum()), DIGITS)} kg, {extent} cm (x, y, z)",
+            f"# all: {items(len(self), 'cube')}, {number(float(self.mass.sum()), DIGITS)} kg, {extent} cm (x, y, z)",
             *(f"# {note}" for note in notes),
             "# rests_on: part of the lower face that lies on other cubes, or on the base; pack what is below 100 %",
             "cube,layer,edge [cm],mass [kg],x_corner [cm],y_corner [cm],z_corner [cm],"

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ....core.errors import PlanError, UsageError
 from ....core.estimate import Array
-from ....core.show.rounding import number
+from ....core.show.rounding import items, number
 from ....files.write.atomic import atomic_write
 from ....procedures.mass_attraction.planning.build import Build
 from ...figure_file import DPI, FORMATS, check_ending
@@ -210,9 +210,9 @@ def _overview(figure: Figure | SubFigure, build: Build) -> None:
     low, high = CM * np.array(_extent(build))
     sizes = "x".join(("", *(f" {number(side, 5)} " for side in (high - low)))).removeprefix("x").strip()
     lines = [
-        *(f"{count} cubes of {number(CM * size, 5)} cm, {number(each, 5)} kg each: {number(every, 6)} kg"
+        *(f"{items(count, 'cube')} of {number(CM * size, 5)} cm, {number(each, 5)} kg each: {number(every, 6)} kg"
           for size, count, each, every in build.totals()),
-        f"All: {len(build)} cubes, {number(float(build.mass.sum()), 6)} kg, {sizes} cm (x, y, z),"
+        f"All: {items(len(build), 'cube')}, {number(float(build.mass.sum()), 6)} kg, {sizes} cm (x, y, z),"
         f" density {number(build.density, 6)} kg/m^3",
         "Origin of all lengths: the proof mass, with the body at position zero of its drive. x: input axis; z: up.",
         "Place the cubes in the order of their numbers: layer by layer from the lowest, in a layer from the smallest x,"
