@@ -295,10 +295,10 @@ def _misnamed(plan: Plan, readings: Readings, scale: Mapping[str, tuple[float, f
 def _wrong_positions(plan: Plan, readings: Readings) -> Iterator[_Cause]:
     """Yield another position of each dwell, each two dwells exchanged, and the other sense of all turns."""
     angle, code = readings.angle, "not_turned_by_angle"
-    places = np.unique(np.round(angle, 6))
+    places = np.unique(np.round(np.concatenate([angle, angle + np.pi]) % (2.0 * np.pi), 6))
     turned = " and ".join(plan.turned)
     for k in range(len(readings)):
-        for place in places[np.abs(places - angle[k]) > SAME]:
+        for place in places[np.abs(np.exp(1j * places) - np.exp(1j * angle[k])) > 10.0 * SAME]:
             other = angle.copy()
             other[k] = place
             there = f"{math.degrees(place):.6g} deg"

@@ -156,17 +156,13 @@ class Turns:
 
     @property
     def remarks(self) -> tuple[Remark, ...]:
-        """Spikes and changes of level that are no turns, as far as the record tells."""
+        """Spikes that are no turns, as far as the record tells."""
         found = []
         if self.others:
             what = "spike with one level before and after: a disturbance"
             what += "" if self.certain else ", or a turn in almost no acceleration"
             do = "If the head was turned there, give the windows"
             found.append(Remark("spike_without_step", "info", what, self.clock(self.others[0]), len(self.others), do))
-        if self.shifts and not self.doubt:
-            what = "the level changes for good without a turn: a bias jumped, or something else did"
-            do = "Cut the record there (--from, --to), or give windows that keep to one side"
-            found.append(Remark("level_step", "error", what, self.clock(self.shifts[0]), len(self.shifts), do))
         return tuple(found)
 
     def clock(self, one: Turn) -> str:

@@ -50,7 +50,12 @@ def said_and_seen(turns: Turns, windows: Sequence[Window]) -> tuple[list[Remark]
             where = f"window {order[i] + 1}, {clock(placed[i].start)} to {clock(placed[i].stop)} s"
             do = "Correct the window, or give one on each side"
             wrong.append(Remark("turn_in_dwell", "error", what, where, do=do))
-        if not hit:
+        jumped = one in turns.shifts and not turns.doubt
+        if jumped and not hit and placed[0].start < one.middle_ns < placed[-1].stop:
+            what = f"the level changes for good, without a turn: {_seen(one, clock)}"
+            do = "A bias jumped, or something else did: give the windows of one side"
+            wrong.append(Remark("level_step", "error", what, do=do))
+        if not hit and not jumped:
             free.append(one)
     texts, parity, missed = [], [0], []
     for a, b in pairwise(placed):
