@@ -49,6 +49,8 @@ def _reach(plan: Plan, found: AxisNoise, term: TermEstimate, record: float) -> R
     first = term.parameters[0]
     error = first.u / first.value
     needed = record if error <= plan.relative_error else _planned(plan, found, term.name)
+    if needed is not None and error > plan.relative_error and needed <= record:  # the planner takes the terms as known
+        needed = record * (error / plan.relative_error) ** 2
     return Reach(term.name, first.name, error, record, needed, term.reason, found.doubt)
 
 
