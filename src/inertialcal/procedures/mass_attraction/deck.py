@@ -42,7 +42,7 @@ from ...signals.programme1969.cards import (
     series_with_gaps,
 )
 from ...signals.programme1969.programme import NG, Analysis, Step, adjusted_curve, run_case, scale_factor
-from ...signals.sine.drive import sine_drive
+from ...signals.sine.drive import Drive, sine_drive
 from ...signals.sine.fit import design_of, fit_line
 from ...statistics.intervals import t_interval
 
@@ -57,6 +57,7 @@ AT_ONCE = "line and drift"
 PRINTED = {"amplitude": False, "spectrum_amplitude": False, "standard_deviation": False, "scale_factor": True,
            "scale_factor_error": True}  # whether it is per unit of input  # fmt: skip
 CORRELATED = ("accelerometer", "tilt", "cross")
+SIDES = 4  # lines on each side of the input's, that give the noise of a reduced series
 FEWEST = 0.1  # of a line, that a reduction must leave
 HEADS = ("reduction", "Fourier", "spectrum", "std", "scale factor", "error", "gaps kept, gain corrected")
 
@@ -329,21 +330,53 @@ def _done_right(request: Request, last: Reduced, tilt: Array, case: Case) -> Red
 def _amplitude(case: Case, x: Array, member: Member, reduced: Reduced | None, unit: str) -> Row:
     """Return the amplitude of the input's line after a reduction; without one, fitted together with the drift."""
     key = Key("amplitude")
-    times, frequency = np.arange(len(x)) * float(case.NH), 1.0 / ((case.KO or SAMPLES_PER_CYCLE) * case.NH)
+    times, frequency = (
+        np.asarray(np.arange(len(x)) * float(case.NH), dtype=np.float64),
+        1.0 / ((case.KO or SAMPLES_PER_CYCLE) * case.NH),
+    )
     try:
-        gain, rest = 1.0, x
+        gain, rest = 1.0, x if reduced is None else reduced(x)
         if reduced is not None:
-            rest = reduced(x)
-            line = np.where(np.isfinite(x), sine_drive(times, frequency, 0.0).in_phase, np.nan)
-            gain = reductions.gain_of(reduced, line)
+            gain = _gain(reduced, x, times, frequency)
             if abs(gain) < FEWEST:
                 raise DataError("the reduction takes the line away")
         there = np.isfinite(rest)
         phase = 2.0 * np.pi * frequency * float(times[there][0] - times[0])
         drive = sine_drive(times[there], frequency, phase)
-        fit = fit_line(design_of(drive, smooth=reduced is None), rest[there])
+        if reduced is not None:
+            value, u, dof = _beside_lines(drive, rest, times, reduced)
+            value /= gain
+        else:
+            fit = fit_line(design_of(drive), rest[there])
+            value, u, dof = float(fit.in_phase[0]), float(fit.u_in_phase[0]), float(fit.dof[0])
     except InertialcalError as error:
         return not_estimated(key, unit, Reason("no_line", error.problems[0].what), member=member)
-    dof = float(fit.dof[0])
-    value, u = float(fit.in_phase[0]) / gain, float(fit.u_in_phase[0]) / abs(gain)
     return Row(key, value, u, unit, dof, t_interval(value, u, dof), member=member)
+
+
+def _gain(reduced: Reduced, x: Array, times: Array, frequency: float) -> float:
+    """Return what a reduction leaves of a line, at the samples that there are."""
+    line = np.sin(2.0 * np.pi * np.fmod(times * frequency, 1.0))
+    return reductions.gain_of(reduced, np.where(np.isfinite(x), line, np.nan))
+
+
+def _beside_lines(drive: Drive, reduced_x: Array, times: Array, reduced: Reduced) -> tuple[float, float, float]:
+    """Return the line in phase, the standard uncertainty of its amplitude and degrees of freedom, by the lines around.
+
+    Drift that a reduction leaves stands in those lines too, so that it counts. Each is divided by what the reduction
+    leaves of it; bands that a reduction removes do not count.
+    """
+    there = np.isfinite(reduced_x)
+    x = reduced_x[there]
+    parts = [np.ones(len(x)), drive.in_phase] + ([] if drive.quadrature is None else [drive.quadrature])
+    basis = np.column_stack(parts)
+    found = np.linalg.lstsq(basis, x, rcond=None)[0]
+    rest = x - basis @ found
+    lines = drive.frequency + np.r_[-SIDES:0, 1 : SIDES + 1] / drive.span
+    lines = lines[(lines > 0.5 / drive.span) & (lines < 0.5 / drive.step * (1.0 - 1e-9))]
+    gains = np.array([_gain(reduced, reduced_x, times, line) for line in lines.tolist()])
+    lines, gains = lines[np.abs(gains) > FEWEST], gains[np.abs(gains) > FEWEST]
+    if len(lines) < 2:
+        raise DataError("no lines next to that of the input", do="Take more cycles", code="too_few_cycles")
+    power = np.abs(2.0 / len(x) * np.exp(-2j * np.pi * np.outer(lines, times[there])) @ rest) ** 2
+    return float(found[1]), float(np.sqrt(0.5 * (power / gains**2).mean())), 2.0 * len(lines)
