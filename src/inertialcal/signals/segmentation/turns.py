@@ -325,14 +325,20 @@ def _change(blocks: Blocks, series: Series, fit: Fit, i: int, spikes: Sequence[T
     if felt is None:
         middle, u, low, high = located(series, fit, i)
     else:
-        reach = (start + round(felt.start * SECOND), start + round(felt.stop * SECOND))
-        own = [spike for spike in spikes if spike.start_ns < reach[1] and spike.stop_ns > reach[0]]
         low, high = felt.start, felt.stop
-        wide = 2.0 * (MARGIN + series.length)
-        first = min((spike.start_ns - start for spike in own), default=0) / SECOND
-        last = max((spike.stop_ns - start for spike in own), default=0) / SECOND
-        if max((spike.peak for spike in own), default=0.0) > STRONG or last - first > 0.5 * (high - low - wide):
-            low, high = first, last
+        for place in (*series.spikes, *reversed(series.spikes)):  # no level between them: it may be in any
+            if place.start < high + 3.0 * series.length and place.stop > low - 3.0 * series.length:
+                low, high = min(low, place.start), max(high, place.stop)
+        own = [
+            spike for spike in spikes
+            if spike.start_ns < start + round(high * SECOND) and spike.stop_ns > start + round(low * SECOND)
+        ]  # fmt: skip
+        if own:
+            first = min(spike.start_ns - start for spike in own) / SECOND
+            last = max(spike.stop_ns - start for spike in own) / SECOND
+            wide = 2.0 * (MARGIN + series.length)
+            if max(spike.peak for spike in own) > STRONG or last - first > 0.5 * (high - low - wide):
+                low, high = first, last
         middle, u = 0.5 * (low + high), max((high - low) / np.sqrt(12.0), blocks.length)
     first_ns, last_ns, middle_ns = (start + round(value * SECOND) for value in (low, high, middle))
     strongest = max((spike.peak for spike in own), default=0.0)
