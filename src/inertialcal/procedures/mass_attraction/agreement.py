@@ -183,7 +183,10 @@ def _within(measured: Sequence[Measured]) -> Iterator[Remark]:
         places = ", ".join(str(change.at + 1) for change in changes.found)
         what = f"run {one.name}: more than {MOST} jumps or false readings, at dwells {places}"
         yield Remark("jump", "error", what, one.where, do=CUT, subject=one.name, index=last.at)
-    common = common_change([(run.schedule, response.series) for run, response in sound if run.moved])
+    moved = [(run, response) for run, response in sound if run.moved]
+    found = [one for _, response in moved for one in (response.changes.found if response.changes else ())]
+    near = sorted({one.at for one in found if one.kind in ("jump", "kink")})
+    common = common_change([(run.schedule, response.series) for run, response in moved], near)
     if common is not None:
         yield _fault(common, "every run", sound[0][0].where, "")
 

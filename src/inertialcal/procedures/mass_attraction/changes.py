@@ -41,6 +41,7 @@ BENDS = (1e-4, 1e-3, 1e-2, 0.1, 1.0)  # the same, of a step of its slope
 SHIFTS = (1.0, -1.0, 2.0, -2.0, 0.5, -0.5)  # dwells, by which the mass may be late
 LIMITS: Mapping[Kind, float] = {"slip": 21.0, "gain": 19.0, "jump": 24.0, "reading": 24.0, "kink": 28.0}
 COSTS: Mapping[Kind, float] = {"slip": 0.0, "gain": 5.0, "jump": 0.0, "reading": 0.0, "kink": 6.0}  # of a parameter
+GAIN_OF_ALL = 14.0  # limit of a gain of all runs: their cycles are few
 NEXT_TO = 10.0  # limit of a gain that changes where the level jumps
 MOST = 3  # jumps, kinks and readings of a run
 FEWEST = 24  # readings
@@ -442,13 +443,15 @@ def regression(schedule: Schedule, x: Array, other: Array) -> Regression | None:
     return Regression(xy / yy, float(np.sqrt(left / max(dof, 1.0) / yy)), xx / xy)
 
 
-def common_change(runs: Sequence[tuple[Schedule, Array]]) -> Change | None:
+def common_change(runs: Sequence[tuple[Schedule, Array]], near: Sequence[int] = ()) -> Change | None:
     """Return a jump, a gain or a slip at the same dwell of several runs of n dwells; None if there is none.
 
     Parameters
     ----------
     runs : sequence of (Schedule, ndarray of shape (n,))
         With the mass moved; readings without the faults of single runs.
+    near : sequence of int
+        Dwells where the level of single runs jumps: a gain that changes there has the lower limit.
     """
     pieces = [list(_pieces(schedule, x)) for schedule, x in runs]
     if len(runs) < 2 or len({len(x) for _, x in runs}) > 1 or len({len(each) for each in pieces}) > 1:
@@ -467,7 +470,11 @@ def common_change(runs: Sequence[tuple[Schedule, Array]]) -> Change | None:
                 score = (signs @ each) ** 2 / r
                 where = (inner >= per) & (inner <= n - per) if kind == "gain" else inner > 0
             k = int(np.argmax(np.where(where, score, -np.inf)))
-            limit = LIMITS[kind]  # type: ignore[index]
+            limit = LIMITS[kind] if kind != "gain" else GAIN_OF_ALL  # type: ignore[index]
+            if kind == "gain" and near:
+                at = np.flatnonzero(where & np.any([np.abs(inner + same[0].begin - j) <= 1 for j in near], axis=0))
+                if len(at) and score[at].max() > NEXT_TO and score[k] <= limit:
+                    k, limit = int(at[np.argmax(score[at])]), NEXT_TO
             if score[k] > limit and (best is None or score[k] - COSTS[kind] > best.score - COSTS[best.kind]):  # type: ignore[index]
                 best = Change(kind, k + same[0].begin, float(score[k]), by)  # type: ignore[arg-type]
     return best
