@@ -227,6 +227,7 @@ class _Tried:
     sizes: Array  # shape (m,): of the columns of the faults found before
     inflation: float  # Of the variance of the amplitude by these columns
     tail: float  # Largest whitened residual over the median one
+    present: float  # Square of the response over its standard uncertainty
 
 
 def _try(piece: _Piece, before: Array, near: Sequence[int], moved: bool) -> _Tried:  # noqa: C901 - one fit
@@ -291,7 +292,15 @@ def _try(piece: _Piece, before: Array, near: Sequence[int], moved: bool) -> _Tri
             inflation = float(np.sum(inverse[m] ** 2) / np.sum(np.linalg.pinv(one.line)[0] ** 2))
             scores = {(name, 0.0): each / np.sqrt(variance) for name, each in t.items()}
             scores |= {key: each / variance for key, each in gains.items()}
-            found = _Tried(best, scores, float(inverse[m] @ one.white), inverse[:m] @ one.white, inflation, tail)
+            found = _Tried(
+                best,
+                scores,
+                float(inverse[m] @ one.white),
+                inverse[:m] @ one.white,
+                inflation,
+                tail,
+                along[0] ** 2 * dof / free,
+            )
             if tail < TAIL and _likeliest(found, HALF) is None:
                 return found
     assert found is not None  # noqa: S101 - one of the walks is best
@@ -468,7 +477,8 @@ def common_change(runs: Sequence[tuple[Schedule, Array]], near: Sequence[int] = 
             else:
                 signs = np.array([np.sign(one.amplitude) if kind == "gain" else 1.0 for one in tried])
                 score = (signs @ each) ** 2 / r
-                where = (inner >= per) & (inner <= n - per) if kind == "gain" else inner > 0
+                present = float(np.mean([one.present for one in tried])) > PRESENT**2
+                where = (inner >= per) & (inner <= n - per) & present if kind == "gain" else inner > 0
             k = int(np.argmax(np.where(where, score, -np.inf)))
             limit = LIMITS[kind] if kind != "gain" else GAIN_OF_ALL  # type: ignore[index]
             if kind == "gain" and near:
