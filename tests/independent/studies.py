@@ -682,6 +682,7 @@ def heads() -> list[Study]:
             partial(flip.turned, head=clear, programme=finding),
             groups,
             turns,
+            rule="shown",
         ),
         Study(
             "flip, the same, felt less",
@@ -689,6 +690,7 @@ def heads() -> list[Study]:
             partial(flip.turned, head=faint, programme=finding),
             groups,
             turns,
+            rule="shown",
         ),
     ]
     return found

@@ -25,6 +25,7 @@ import numpy as np
 from scipy import special
 
 from ....core.errors import DataError
+from ....core.estimate import Estimate
 from ....core.key import Key
 from ....core.remarks import Remark
 from ....core.units import factor
@@ -55,22 +56,24 @@ def checks(plan: Plan, readings: Readings, flips: Sequence[Flip], whole: Flip) -
 
 def control_axis(plan: Plan, readings: Readings, flips: Sequence[Flip], whole: Flip) -> list[Remark]:
     """Return the remark on each flip whose control axis is not zero; on all pooled where single ones cannot tell."""
-    judged = [(one, p) for one in flips if (p := not_zero(plan, readings, one)) is not None]
-    if not judged and (p := not_zero(plan, readings, whole)) is not None:
-        judged = [(whole, p)]
+    judged = [(one, tested) for one in flips if (tested := _tested(plan, readings, one)) is not None]
+    if not judged and (tested := _tested(plan, readings, whole)) is not None:
+        judged = [(whole, tested)]
     remarks = []
-    rejections = holm([p for _, p in judged], CONTROL_RISK) if judged else ()
-    for (one, p), rejected in zip(judged, rejections, strict=True):
+    chances = [_zero(tested) for _, tested in judged]
+    rejections = holm(chances, CONTROL_RISK) if judged else ()
+    for (one, tested), p, rejected in zip(judged, chances, rejections, strict=True):
         if rejected:
             place = f"flip {one.label}" if one.label and len(flips) > 1 else ""
-            what = f"{plan.axis} does not turn, but {_control(plan, one)}: zero has p = {p:.2g} in white and 1/f noise"
+            known = f"zero has p = {p:.2g} in white and 1/f noise (u = {tested.u[0] * UG:.3g} ug)"
             do = "Look for a disturbance, a drift (plan.drift), or another axis or angle; no requirement can PASS"
+            what = f"{plan.axis} does not turn, but {_control(plan, one)}: {known}"
             remarks.append(Remark("control_axis_not_zero", "error", what, place, do=do, axis=plan.axis))
     return remarks
 
 
-def not_zero(plan: Plan, readings: Readings, one: Flip) -> float | None:
-    """Return the p value of a zero control axis; None where it has no uncertainty."""
+def _tested(plan: Plan, readings: Readings, one: Flip) -> Estimate | None:
+    """Return the control error of a flip in white and 1/f noise; None where it has no uncertainty."""
     keys = [key for key in one.keys if key.quantity in (CONTROL, QUADRATURE)]
     if one.estimate is None or not keys:
         return None
@@ -80,10 +83,14 @@ def not_zero(plan: Plan, readings: Readings, one: Flip) -> float | None:
         others = [part for part in estimate.components if part.kind != "A"]
         estimate = estimate if reason else replace(estimate, components=(*noise, *others))
     own = estimate.select(keys)
-    if not np.all(own.u > 0.0):
-        return None
+    return own if np.all(own.u > 0.0) else None
+
+
+def _zero(own: Estimate) -> float:
+    """Return the p value of zero."""
     square = float(own.values @ np.linalg.solve(own.covariance, own.values))
-    return float(special.fdtrc(len(keys), min(float(np.min(own.dof)), LARGEST), square / len(keys)))
+    count = len(own.values)
+    return float(special.fdtrc(count, min(float(np.min(own.dof)), LARGEST), square / count))
 
 
 def _p(one: Flip, key: Key) -> float | None:
@@ -96,19 +103,16 @@ def _p(one: Flip, key: Key) -> float | None:
 
 
 def _control(plan: Plan, one: Flip) -> str:
-    """Say what the control axis reads of the turn, with its uncertainty [ug]."""
-    key = Key(CONTROL, plan.axis)
-    value = one.values[one.keys.index(key)] * UG
-    u = "" if one.estimate is None else f" (u = {one.estimate.select([key]).u[0] * UG:.3g} ug)"
-    return f"reads {value:+.4g} ug of the turn{u}"
+    """Say what the control axis reads of the turn [ug]."""
+    return f"reads {one.values[one.keys.index(Key(CONTROL, plan.axis))] * UG:+.4g} ug of the turn"
 
 
 def _other_axis(plan: Plan, readings: Readings, flips: Sequence[Flip]) -> list[Remark]:
     remarks = []
     for one in flips:
-        moved = not_zero(plan, readings, one)
+        tested = _tested(plan, readings, one)
         still = [axis for axis in plan.turned if (p := _p(one, Key(AMBIENT, axis))) is not None and p > RISK]
-        if moved is not None and moved < CLEAR and still:
+        if tested is not None and _zero(tested) < CLEAR and still:
             what = f"{plan.axis} {_control(plan, one)} while {' and '.join(still)} kept the reading"
             do = f"The head may have been turned about {' or '.join(still)}: check plan.axis, columns and mounting"
             remarks.append(Remark("turned_about_other_axis", "warning", what, f"flip {one.label}", do=do))
