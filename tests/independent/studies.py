@@ -773,6 +773,6 @@ def every() -> list[Study | Pair | LeftOut]:
     """Return all studies: those of issue 21, and those of issue 22; of some nothing is asked yet."""
     every = (*masses(), *heads(), *noises())
     asked = tuple(f"mass, {shape} " for shape in moved_mass.SHAPES)
-    later = [one if one.name.startswith(("allan", *asked)) else replace(one, rule="shown") for one in every]
+    later = [one if one.name.startswith(("allan", "flip", *asked)) else replace(one, rule="shown") for one in every]
     stated = LeftOut("leave one out, 10 positions, condition 50 to 1300, with the prior", words=PRIOR)
     return [*tables(), *hands(), *chambers(), *pairs(), LeftOut(), stated, *later]
