@@ -597,7 +597,7 @@ def masses() -> list[Study]:
                 stated,
                 partial(moved_mass.moved, bench=tilted, tilt=use),
                 {"scale factor": like("scale_factor x")},
-                remarks("tilt_in_phase"),
+                remarks("tilt_in_phase", "tilt_not_regressed", "tilt_sign_disagrees"),
             )
         )
     for name, stated in (("gain_mid", ""), ("gain_mid_all", "+19.6 %"), ("jump", "+5 %, 0.5"), ("slip", "refused")):
@@ -607,7 +607,7 @@ def masses() -> list[Study]:
                 stated,
                 partial(spoilt, fault=name),
                 {"scale factor": like("scale_factor x")},
-                remarks("schedule_slip", "runs_differ"),
+                remarks("schedule_slip", "runs_differ", "scale_changed", "jump"),
             )
         )
     return found
