@@ -401,7 +401,7 @@ def _of_test(read: GroupsRead[Settings]) -> Iterator[Problem]:
         yield Problem(what, read.at("timing", "starts"), do='Set starts = "alternating"', code="contradiction")
     if said.drift is not None and (said.drift.time is None) == (said.drift.period is None):
         what = "drift needs time or period, one of them"
-        yield Problem(what, read.at("drift"), do='Example: drift.time = "1 h"', code="missing_key")
+        yield Problem(what, read.at("drift"), do='Set it: drift.time = "NUMBER h"', code="missing_key")
     period = len(ORDER[DRIVES[timing.drive]]) * (timing.dwell + timing.move)
     if timing.length < period:
         what = f"timing.length: {timing.length / HOUR:g} h is shorter than one cycle of {period / HOUR:.3g} h"
