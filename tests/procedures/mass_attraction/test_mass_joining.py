@@ -138,6 +138,13 @@ def test_intervals_with_phases_hold_the_truth_if_gains_differ_or_the_drift_grows
     assert covers(held, 300), held
 
 
+def test_a_gain_that_differs_with_the_phase_looks_like_drift_and_is_remarked() -> None:
+    readings = campaign(1, [0, 180, 0, 180], np.zeros(DWELLS), [1.1, 0.9, 1.1, 0.9])
+    result = reduce(PLAN, readings)
+    assert scale_factor(result)[0] == pytest.approx(S, rel=0.03)
+    assert "repeating_drift" in [one.code for one in result.remarks]
+
+
 @pytest.mark.slow
 def test_runs_of_another_length_count_what_repeats_as_scatter() -> None:
     held = 0
