@@ -231,7 +231,9 @@ def join(values: Array, u: Array, dof: Array, columns: Array | None = None, phas
     spare = len(values) - X.shape[1]
     fit = _fitted(values, u, X, between_variance(values, u, X) if spare else 0.0)
     parts = (fit.weights * u) ** 2
-    within = Mean(fit.mean, float(np.sqrt(parts.sum())), float(parts.sum() ** 2 / np.sum(parts**2 / dof)))
+    one_noise = np.ptp(u) < EXACT * u.min() and np.ptp(dof) < EXACT * dof.min()  # of all runs together
+    spent = float(dof[0]) if one_noise else float(parts.sum() ** 2 / np.sum(parts**2 / dof))
+    within = Mean(fit.mean, float(np.sqrt(parts.sum())), spent)
     between, p = None, np.nan
     if spare:
         between = Mean(fit.mean, float(np.sqrt(fit.covariance[0, 0] * fit.squares / spare)), float(spare))
