@@ -139,7 +139,7 @@ def test_intervals_with_phases_hold_the_truth_if_gains_differ_or_the_drift_grows
 
 
 def test_a_gain_that_differs_with_the_phase_looks_like_drift_and_is_remarked() -> None:
-    readings = campaign(1, [0, 180, 0, 180], np.zeros(DWELLS), [1.1, 0.9, 1.1, 0.9])
+    readings = campaign(1, [0, 180, 0, 180], np.zeros(DWELLS), [1.2, 0.8, 1.2, 0.8])
     result = reduce(PLAN, readings)
     assert scale_factor(result)[0] == pytest.approx(S, rel=0.03)
     assert "repeating_drift" in [one.code for one in result.remarks]

@@ -44,11 +44,12 @@ def drift_remarks(runs: Sequence[Run], responses: Sequence[Response]) -> Iterato
         Of them, in the same order.
     """
     moved = [one for one in responses if one.moved and one.fitted is not None]
+    if moved and np.any(phases_ahead(moved)):
+        return  # what repeats cancels, the rest is in the scatter of the runs
     if moved:
         yield from _near_drive(moved)
-    if not moved or not np.any(phases_ahead(moved)):
         yield from _methods(moved)
-        yield from _repeats(runs, responses)
+    yield from _repeats(runs, responses)
 
 
 def _near_drive(moved: Sequence[Response]) -> Iterator[Remark]:
