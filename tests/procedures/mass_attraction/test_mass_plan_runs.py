@@ -94,9 +94,9 @@ def test_runs_of_noise_alone_are_forecast_by_their_number() -> None:
 
 
 def test_a_drift_larger_than_the_noise_is_remarked_with_what_cures_it() -> None:
-    (said,) = [one for one in planned("alike", size="1 ug", period="12 min").remarks if one.code == "repeating_drift"]
+    (said,) = [one for one in planned("alike", size="20 ug", period="10 min").remarks if one.code == "repeating_drift"]
     assert 'timing.starts = "alternating"' in said.do
-    assert not [one for one in planned("alternating", size="1 ug", period="12 min").remarks
+    assert not [one for one in planned("alternating", size="20 ug", period="10 min").remarks
                 if one.code == "repeating_drift"]  # fmt: skip
 
 
