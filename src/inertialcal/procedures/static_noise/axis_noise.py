@@ -33,7 +33,7 @@ from ...signals.spectrum.allan_check import Agreement, compare_allan
 from ...signals.spectrum.density import Spectrum
 from ...signals.spectrum.lines import Line, Lines, find_lines
 from ...signals.spectrum.psd import psd
-from .band import Bands, bands_of
+from .band import Bands, bands_of, inside_band
 from .plan import Plan
 from .readings import Readings, Run
 
@@ -131,10 +131,13 @@ def noise_of(plan: Plan, readings: Readings, axis: str) -> AxisNoise:
     records, problems, remarks = _each(plan, readings, axis)
     if not records:
         return AxisNoise(axis, (), None, problems[0], (), (*remarks, *_no_terms(axis, problems[0])))
-    lines = tuple(sorted((*lines_to_fit([one.spectral for one in records]), *_waves(records, axis))))
     bands = bands_of(plan, records, axis)
-    records = [replace(one, band=band) for one, band in zip(records, bands.each, strict=True)]
+    records = [inside_band(replace(one, band=band)) for one, band in zip(records, bands.each, strict=True)]
     remarks += bands.remarks
+    several = len(readings.records) > 1
+    own = [(one, remark) for one in records for remark in lines_remark(one.spectral.lines, axis)]
+    remarks += [remark.at(one.run.name) if several else remark for one, remark in own]
+    lines = tuple(sorted((*lines_to_fit([one.spectral for one in records]), *_waves(records, axis))))
     try:
         try:
             found_terms = _fitted(plan, records, lines)
@@ -410,22 +413,27 @@ def spectral(plan: Plan, rates: Array, interval: float, curve: Allan, axis: str,
         what = f"{axis}: {count} line{'s' * (count > 1)} of the spectrum below the resolution of the record: not listed"
         remarks.append(Remark("lines_below_resolution", "info", what, axis=axis))
     agreement = compare_allan(spectrum, curve)
-    if lines is not None and len(lines):  # one remark on all of them, the strongest first
-        found = sorted(lines.found, key=lambda line: -line.ratio)
-        named = [
-            f"{line.name}{'' if line.kind == 'line' else ' (broad)'}, {number(line.ratio, 3)} times the noise around it"
-            for line in found[:LISTED_LINES]
-        ]
-        more = f"; {len(found) - LISTED_LINES} more" if len(found) > LISTED_LINES else ""
-        what = f"{axis}: lines in the spectrum ({len(found)}): {'; '.join(named)}{more}"
-        do = "Find the source: mains, fans, resonances; the fit includes lines, but not broad peaks"
-        remarks.append(Remark("lines", "warning", what, do=do, axis=axis))
     remarks += [
         Remark(one.code, one.severity, one.what.replace("axis 0", axis, 1), do=one.do, axis=axis)
         for one in agreement.remarks
         if one.code != "allan_not_compared"
     ]
     return Spectral(spectrum, lines, agreement, tuple(remarks))
+
+
+def lines_remark(lines: Lines | None, axis: str) -> Iterator[Remark]:
+    """Yield one remark on all lines of a spectrum, the strongest first."""
+    if lines is None or not len(lines):
+        return
+    found = sorted(lines.found, key=lambda line: -line.ratio)
+    named = [
+        f"{line.name}{'' if line.kind == 'line' else ' (broad)'}, {number(line.ratio, 3)} times the noise around it"
+        for line in found[:LISTED_LINES]
+    ]
+    more = f"; {len(found) - LISTED_LINES} more" if len(found) > LISTED_LINES else ""
+    what = f"{axis}: lines in the spectrum ({len(found)}): {'; '.join(named)}{more}"
+    do = "Find the source: mains, fans, resonances; the fit includes lines, but not broad peaks"
+    yield Remark("lines", "warning", what, do=do, axis=axis)
 
 
 def lines_to_fit(found: Sequence[Spectral]) -> tuple[float, ...]:

@@ -7,7 +7,7 @@ or the header of the file state is used where nothing is found, too, and compare
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from .axis_noise import Recorded
 
 ALIKE = 1.5  # ratio of a stated cut-off to the corner from which they disagree
+PASSED = 1e-3  # of the density, below which a line is one of the stop band
 BELOW = 0.45  # of the sample rate: a cut-off above it takes nothing that the samples would show
 
 
@@ -53,7 +54,8 @@ def bands_of(plan: Plan, records: Sequence[Recorded], axis: str) -> Bands:
     for one, cut_off, own in zip(searches, stated, records, strict=True):
         said = None if cut_off is None else cut_off * own.run.interval
         used = found or (said is not None and said < BELOW)
-        each.append(one.band(None if found else said) if one is not None and used else None)
+        stated_here = said if said is not None and said < BELOW else None
+        each.append(one.band(stated_here) if one is not None and used else None)
     known_corners = [one.corner / own.run.interval for one, own in zip(each, records, strict=True) if one is not None]
     if known_corners:  # one sensor has one filter: where a record alone does not show it, the others do
         middle = float(np.median(known_corners))
@@ -102,9 +104,32 @@ def _remarks(
             f"{axis}: cut-off stated at {number(cut_off or corner, 3)} Hz, but the spectrum shows no fall there: {used}"
         )
         return [Remark("cut_off_disagrees", "warning", what, do="Check the stated cut-off", axis=axis)]
-    what = f"{axis}: low pass: half of the density is left at {where}; {used}"
-    remarks = [Remark("low_pass", "info", what, axis=axis)]
-    if cut_off is not None and not 1.0 / ALIKE < corner / cut_off < ALIKE:
-        what = f"{axis}: cut-off stated at {number(cut_off, 3)} Hz, found at {where}: the one found is used"
-        remarks.append(Remark("cut_off_disagrees", "warning", what, do="Check the stated cut-off", axis=axis))
-    return remarks
+    if cut_off is None:
+        return [
+            Remark("low_pass", "info", f"{axis}: low pass: half of the density is left at {where}; {used}", axis=axis)
+        ]
+    shown = float(
+        np.median([one.shown / own.run.interval for one, own in zip(each, records, strict=True) if one is not None])
+    )
+    if 1.0 / ALIKE < shown / cut_off < ALIKE:
+        what = (
+            f"{axis}: low pass: cut-off stated at {where}, half of the density is left at {number(shown, 3)} Hz; {used}"
+        )
+        return [Remark("low_pass", "info", what, axis=axis)]
+    what = f"{axis}: cut-off stated at {where}, but half of the density is left at {number(shown, 3)} Hz: {used}"
+    return [Remark("cut_off_disagrees", "warning", what, do="Check the stated cut-off", axis=axis)]
+
+
+def inside_band(record: Recorded) -> Recorded:
+    """Return a record without the lines of the stop band, which the sensor cannot have measured."""
+    lines, band = record.spectral.lines, record.band
+    if lines is None or band is None or not len(lines):
+        return record
+    passed = band.passed_at(np.array([line.frequency for line in lines.found]) * record.run.interval)
+    far = np.array([line.frequency for line in lines.found]) * record.run.interval > band.corner
+    kept = tuple(
+        line for line, share, beyond in zip(lines.found, passed, far, strict=True) if share > PASSED or not beyond
+    )
+    if len(kept) == len(lines.found):
+        return record
+    return replace(record, spectral=replace(record.spectral, lines=replace(lines, found=kept)))

@@ -52,7 +52,7 @@ LEAST = 40  # bands of a spectrum that is searched
 LOWEST = 0.01  # of the corner, from which it is
 SHAPE = 0.07  # least relative uncertainty of what is lost
 GRID = 4096  # frequencies of the integral
-CYCLES = (np.arange(GRID) + 0.5) * (0.5 / GRID)  # those frequencies
+CYCLES: Array = (np.arange(GRID, dtype=np.float64) + 0.5) * (0.5 / GRID)  # those frequencies
 RESOLVED = 512  # samples of a window that the grid resolves; sin^4 is 3/8 on average beyond
 FOLDS = np.geomspace(1e-4, 1e4, 65)  # sizes of a low pass that are tried: its density is 1 / (1 + size 4 sin^2(pi f))
 ROUNDED = 3  # column of the rounded angle, which rises
@@ -70,6 +70,7 @@ class Band:
     corner: float  # Where half of the density is left, in cycles a sample; beyond 1/2 extrapolated by first order
     cycles: Array  # shape (k,): Frequencies, in cycles a sample
     passed: Array  # shape (k,): Share of the density that is left there
+    shown: float  # Where half of the density is left, by the spectrum: another than a stated corner
     u_level: float  # Relative uncertainty of the level that the share is of
 
     @property
@@ -233,7 +234,7 @@ def band_at(cycles: Array, density: Array, weight: Array, interval: float, corne
             return found
         passed, doubt = level
         new = crossing(cycles, passed, weight, corner)
-        found = Band(corner if held else new, cycles, passed, doubt)
+        found = Band(corner if held else new, cycles, passed, new, doubt)
         if held or abs(new / corner - 1.0) < 0.02:
             break
         corner = new
