@@ -20,9 +20,9 @@ terms. Its uncertainty: that of the level enters as a misfit of what is lost, co
 least `SHAPE` of it.
 
 Real data break it in three ways, each simulated. A fall of 2 % at half the sample rate (first order at 44 Hz, sampled
-at 50 Hz) is not seen in an hour: N is 0.3 % low, its interval holds in half of the records. Ripple or a resonance inside
-the band counts as level: a Chebyshev filter of 1 dB reads N up to 3 % high. Flicker above the white noise at half of the
-corner hides N, and reads 2 to 4 % high.
+at 50 Hz) is not seen in an hour: N is 0.3 % low, its interval holds in half of the records. Ripple or a resonance
+inside the band counts as level: a Chebyshev filter of 1 dB reads N up to 3 % high. Flicker above the white noise at
+half of the corner hides N, and reads 2 to 4 % high.
 
 References
 ----------
