@@ -525,6 +525,7 @@ def masses() -> list[Study]:
         ("sine3", 300.0, "thermostat +23 %"),
         ("sine3", 1000.0, "+80 % (prototype)"),
         ("kink", 1000.0, "-11 % (prototype)"),
+        ("kink", 100.0, "-1.06 %, missed (prototype)"),
         ("sqrt", 1000.0, "-2.3 % (prototype)"),
         ("sine6.7", 1000.0, "+8 % (prototype)"),
         ("sine5", 100.0, "-23 % (prototype)"),
@@ -548,6 +549,10 @@ def masses() -> list[Study]:
                     "drift_near_drive",
                     "drift_repeats",
                     "methods_disagree",
+                    "jump",
+                    "drift_kink",
+                    "reading_left_out",
+                    "scale_changed",
                 ),
                 clear=shape in ("kink", "sqrt", "sine6.7", "sine5", "sawtooth"),
             )

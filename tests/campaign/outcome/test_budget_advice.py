@@ -30,6 +30,14 @@ def source(u: float, kind: str = "B", stated: float | None = None, level: str = 
     return (named if kind == "B" else scatter) | own
 
 
+@pytest.mark.parametrize(
+    "level, noun", [("run", "runs"), ("between_runs", "runs"), ("within_runs", "runs"), ("", "repeats")]
+)
+def test_scatter_is_reduced_by_more_of_what_was_repeated(level: str, noun: str) -> None:
+    found = advice([source(0.4, "A", level=level)], 0.2, "%")
+    assert str(found) == f"scatter between runs: 4 times as many {noun} would suffice"
+
+
 def test_one_standard_goes_to_what_the_rest_leaves() -> None:
     found = advice([source(0.4, stated=0.8), source(0.3, "A")], 0.35, "%")
     assert found.u == pytest.approx(0.5)

@@ -55,7 +55,8 @@ class Change:
             return (
                 f"{self.influence} from {number(self.u_from, 3)} to {number(self.u_to, 3)} {_shown(self.unit)}".strip()
             )
-        repeats = "repeats" if self.level in ("", "hidden") else f"{self.level}s"
+        repeats = "repeats" if self.level in ("", "hidden") else f"{self.level.removesuffix('s')}s"
+        repeats = repeats.removeprefix("between_").removeprefix("within_")
         return f"{self.source}: {_times(self.times)} times as many {repeats}"
 
     def to_dict(self) -> dict[str, Any]:

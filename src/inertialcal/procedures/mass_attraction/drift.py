@@ -30,7 +30,7 @@ from .line import line_design
 from .readings import Run
 from .response import Response
 
-FALSE = 0.0075  # chance that noise of the runs alone is called a drift that repeats
+FALSE = 0.005  # chance that noise of the runs alone is called a drift that repeats
 
 
 def drift_remarks(runs: Sequence[Run], responses: Sequence[Response]) -> Iterator[Remark]:
