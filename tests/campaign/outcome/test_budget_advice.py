@@ -31,7 +31,7 @@ def source(u: float, kind: str = "B", stated: float | None = None, level: str = 
 
 
 @pytest.mark.parametrize(
-    "level, noun", [("run", "runs"), ("between_runs", "runs"), ("within_runs", "runs"), ("", "repeats")]
+    ("level", "noun"), [("run", "runs"), ("between_runs", "runs"), ("within_runs", "runs"), ("", "repeats")]
 )
 def test_scatter_is_reduced_by_more_of_what_was_repeated(level: str, noun: str) -> None:
     found = advice([source(0.4, "A", level=level)], 0.2, "%")
