@@ -27,6 +27,8 @@ def hints(path: Path) -> Iterator[str]:
             value = node.value
         else:
             continue
+        if value is None:
+            continue
         texts = [one.value for one in ast.walk(value) if isinstance(one, ast.Constant) and isinstance(one.value, str)]
         if not any(text.startswith(FORMS) or " like " in text for text in texts):
             yield from texts

@@ -111,7 +111,14 @@ def test_every_cube_is_numbered_in_its_layers(tmp_path: Path) -> None:
 
 def test_what_cannot_be_drawn_is_refused() -> None:
     cells = np.stack(np.meshgrid(*[np.arange(n) for n in (10, 200, 10)], indexing="ij"), axis=-1).reshape(-1, 3)
-    many = Build(np.full(len(cells), 0.01), 0.01 * cells, 1 + cells[:, 2], np.ones(len(cells)), 11340.0, 0.01)
+    many = Build(
+        np.full(len(cells), 0.01),
+        np.multiply(0.01, cells, dtype=np.float64),
+        1 + cells[:, 2],
+        np.ones(len(cells)),
+        11340.0,
+        0.01,
+    )
     with pytest.raises(PlanError, match="too small to read"):
         sheet_of(many)
     orbit = {"density": "19300 kg/m^3", "stand_off": "10 cm", "acceleration": "1e-9 m/s^2"}

@@ -13,7 +13,7 @@ from inertialcal.procedures.mass_attraction.joining import join
 from inertialcal.procedures.mass_attraction.plan import Plan
 from inertialcal.procedures.mass_attraction.readings import Readings, Run
 from inertialcal.procedures.mass_attraction.reduction import Result, reduce
-from inertialcal.statistics.intervals import covers, t_interval
+from inertialcal.statistics.intervals import coverage_factor, covers
 
 A, S, NOISE, DWELLS = 2.25e-7, 1.04e6, 0.056, 100  # [m/s^2], [count/s/(m/s^2)], [count/s]
 PLAN = Plan(tilt="ignored")
@@ -116,8 +116,7 @@ def hits(n: int, starts: list[int], spread: float = 0.0, grows: float = 0.0) -> 
                     for k, one in enumerate(readings.series)]  # fmt: skip
             readings = Readings(tuple(each))
         value, u, dof = scale_factor(reduce(PLAN, readings))
-        interval = t_interval(value, u, dof)
-        held += interval.lo <= S <= interval.hi
+        held += abs(value - S) <= coverage_factor(dof) * u
         off.append(value / S - 1.0)
     return held, float(np.mean(off))
 
@@ -155,6 +154,5 @@ def test_runs_of_another_length_count_what_repeats_as_scatter() -> None:
                              "custom", 4, 0.0)  # fmt: skip
         cut = Run("short", short, runs[0].reading[:60])
         value, u, dof = scale_factor(reduce(PLAN, Readings((cut, *runs[1:]))))
-        interval = t_interval(value, u, dof)
-        held += interval.lo <= S <= interval.hi
+        held += abs(value - S) <= coverage_factor(dof) * u
     assert covers(held, 200), held

@@ -19,10 +19,11 @@ from inertialcal.procedures.mass_attraction.schedule_csv import read_schedule
 from typed_commands import call
 
 UG = 9.80665e-6
+WAVE = {"size": "20 ug", "period": "10 min"}
 NOISE = 55e-9 * 9.80665 / np.sqrt(100.0)  # of a mean over a dwell [m/s^2]
 
 
-def planned(starts: str, runs: int = 4, **drift: str) -> MassPlan:
+def planned(starts: str, runs: int = 4, drift: dict[str, str] | None = None) -> MassPlan:
     groups: dict[str, Any] = {"drift": drift} if drift else {}
     return ic.plan_mass_attraction(
         body={"cube": "20 cm", "count": 18, "stand_off": "10 cm"},
@@ -69,7 +70,7 @@ def test_each_start_is_the_same_cycle_from_another_dwell_on() -> None:
 
 def test_a_drift_near_the_drive_is_forecast_as_simulations_have_it() -> None:
     drift = {"size": "1 ug", "period": "12 min"}  # six dwells
-    plan = planned("alternating", **drift)
+    plan = planned("alternating", drift=drift)
     alike, alternating = (figure(plan, "scale_factor_uncertainty", one) for one in ("alike", "alternating"))
     error = figure(plan, "repeating_drift_error", "alike")
     assert figure(plan, "repeating_drift_error", "alternating") == 0.0
@@ -77,7 +78,7 @@ def test_a_drift_near_the_drive_is_forecast_as_simulations_have_it() -> None:
     found, u = simulated(plan, 25, size=UG, period=720.0)
     assert np.std(found) == pytest.approx(alternating, rel=0.5)
     assert np.median(u) == pytest.approx(alternating, rel=0.25)
-    same, _ = simulated(planned("alike", **drift), 25, size=UG, period=720.0)
+    same, _ = simulated(planned("alike", drift=drift), 25, size=UG, period=720.0)
     assert np.sqrt(np.mean(same**2)) == pytest.approx(alike, rel=0.35)
 
 
@@ -94,9 +95,9 @@ def test_runs_of_noise_alone_are_forecast_by_their_number() -> None:
 
 
 def test_a_drift_larger_than_the_noise_is_remarked_with_what_cures_it() -> None:
-    (said,) = [one for one in planned("alike", size="20 ug", period="10 min").remarks if one.code == "repeating_drift"]
+    (said,) = [one for one in planned("alike", drift=WAVE).remarks if one.code == "repeating_drift"]
     assert 'timing.starts = "alternating"' in said.do
-    assert not [one for one in planned("alternating", size="20 ug", period="10 min").remarks
+    assert not [one for one in planned("alternating", drift=WAVE).remarks
                 if one.code == "repeating_drift"]  # fmt: skip
 
 
@@ -110,7 +111,7 @@ def test_a_drift_larger_than_the_noise_is_remarked_with_what_cures_it() -> None:
 )  # fmt: skip
 def test_what_does_not_fit_is_refused(runs: int, starts: str, drift: dict[str, str], words: str) -> None:
     with pytest.raises(InertialcalError, match=words):
-        planned(starts, runs, **drift)
+        planned(starts, runs, drift)
 
 
 def test_schedules_are_written_read_and_taken_by_the_files_one_after_the_other(

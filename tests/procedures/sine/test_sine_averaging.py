@@ -52,6 +52,8 @@ def test_the_hint_obeyed_is_right(tmp_path: Path, every: float) -> None:
     assert averaging[1] == f"{every:g} s"
     row = ic.sine(file, period="4 s", phase="0 deg", averaging=averaging[1]).rows[0]
     assert row.interval
+    assert row.interval.lo is not None
+    assert row.interval.hi is not None
     assert row.interval.lo < AMPLITUDE < row.interval.hi
 
 

@@ -36,6 +36,7 @@ def test_exports_take_the_level_of_the_headline() -> None:
     assert row.interval.lo < WALK < row.interval.hi
     assert row.reason.code == "in_band"
     assert [remark.code for remark in found.remarks if remark.code == "low_pass"]
+    assert row.value is not None
     density = row.value * factor("deg/sqrt(h)", "rad/sqrt(s)")
     for target in ("kalibr", "px4", "gtsam", "kf-gins"):
         block = str(filter_block(found, target))

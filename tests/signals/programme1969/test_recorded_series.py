@@ -35,8 +35,9 @@ def figures(found: Any) -> list[tuple[str, float | None, str]]:
 
 def test_a_table_gives_the_figures_of_a_deck(tmp_path: Path) -> None:
     cards, table = files(tmp_path)
-    own = {"column": "pulses", "tilt": "tilt", "amplitude": "23 ng", "wrong": [WRONG]}
+    own: dict[str, Any] = {"column": "pulses", "tilt": "tilt", "amplitude": "23 ng", "wrong": [WRONG]}
     wanted = ic.programme_1969(cards)
+    given: dict[str, Any]
     for given in ({"period": "400 s"}, {"half_period": 2}, {"sample_time": "100 s", "half_period": 2}):
         found = ic.programme_1969(table, **own, **given)
         assert figures(found) == figures(wanted)
@@ -132,6 +133,8 @@ def test_intervals_of_the_right_column_hold_the_truth() -> None:
         x = np.round(drift + 23.0 * np.sin(np.pi / 2.0 * i) + rng.normal(0.0, 3.0, 100))
         for step in ic.programme_1969(x, sample_time="100 s", half_period=2).cases[0].steps:
             assert step.right.interval
+            assert step.right.interval.lo is not None
+            assert step.right.interval.hi is not None
             inside = step.right.interval.lo <= 23.0 <= step.right.interval.hi
             held[step.reduction] = held.get(step.reduction, 0) + inside
     assert len(held) == 5

@@ -44,6 +44,8 @@ def test_the_level_inside_the_band_is_the_random_walk(kind: str) -> None:
     terms = fit(allan(x, 1.0, quantity="rate"), None, bands=[band], axis=0)
     assert [term.name for term in terms.terms] == ["random_walk"]
     (white,) = terms.found[0].parameters
+    assert white.interval.lo is not None
+    assert white.interval.hi is not None
     assert white.interval.lo < 1.0 < white.interval.hi
     assert white.u < 0.02
 
@@ -60,7 +62,7 @@ def test_a_pole_takes_what_the_closed_form_says() -> None:
     """First order: autocovariance a^k of a process whose density at zero is (1 + a) / (1 - a)."""
     a = 0.6
     cycles = (np.arange(4000) + 0.5) / 8000.0
-    passed = (1.0 - a) ** 2 / (1.0 - 2.0 * a * np.cos(2.0 * np.pi * cycles) + a * a)
+    passed = np.asarray((1.0 - a) ** 2 / (1.0 - 2.0 * a * np.cos(2.0 * np.pi * cycles) + a * a), dtype=np.float64)
     band = Band(CORNER, cycles, passed, CORNER, 0.0)
     level = (1.0 + a) / (1.0 - a)
     m = np.array([1.0, 2.0, 16.0, 128.0, 4096.0])
