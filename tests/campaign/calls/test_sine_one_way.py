@@ -50,7 +50,7 @@ def test_a_column_without_a_unit(tmp_path: Path, capsys: pytest.CaptureFixture[s
 def test_a_schedule(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = recording(tmp_path / "output.csv", "output [V]", 1e-3)
     order = str(schedule(tmp_path / "order.csv"))
-    found = same_rows(capsys, "sine", [file], tmp_path / "campaign", schedule=order, drift="polynomial", order=3)
+    found = same_rows(capsys, "sine", [file], tmp_path / "campaign", schedule=order)
     scale = next(row for row in found.rows if row.quantity == "scale_factor")
     assert scale.unit == "V/(m/s^2)"
     assert scale.value == pytest.approx(1e-3 / APPLIED, rel=0.05)

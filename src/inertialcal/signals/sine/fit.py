@@ -50,7 +50,7 @@ DIGITS = 9  # of times and drive, to which stretches are alike
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """What is fitted: a drive, and a smooth drift or a level."""
+    """What is fitted: a drive and a smooth drift."""
 
     drive: Drive  # at the samples that there are
     stretches: tuple[Stretch, ...]
@@ -75,7 +75,7 @@ class Design:
         """Weights of drive and quadrature in each stretch, shape (1 or 2, n), by the length of the prior of drift."""
         made: dict[tuple[float, bytes], Array] = {}
         found: dict[float, list[Array]] = {}
-        for length in (LENGTH, *OTHERS) if self.stretches[0].smooth else (LENGTH,):
+        for length in (LENGTH, *OTHERS):
             found[length] = []
             for one in self.stretches:
                 pattern = np.column_stack([one.times - one.times[0], one.line])
@@ -185,15 +185,13 @@ class LineFit:
         return line, np.interp(drive.times * drive.frequency, times, drift)
 
 
-def design_of(drive: Drive, smooth: bool = True) -> Design:
+def design_of(drive: Drive) -> Design:
     """Return what is fitted to a record with a drive.
 
     Parameters
     ----------
     drive : Drive
         At the samples that there are.
-    smooth : bool
-        Whether a smooth drift goes with it; else a level only.
 
     Raises
     ------
@@ -214,7 +212,7 @@ def design_of(drive: Drive, smooth: bool = True) -> Design:
     line = [drive.in_phase] if drive.quadrature is None else [drive.in_phase, drive.quadrature]
     columns = _means(np.column_stack([periods, *line]), cell, kept)
     parts = _parts(len(kept), step)
-    stretches = tuple(Stretch(columns[one, 0], columns[one, 1:], step, smooth) for one in parts)
+    stretches = tuple(Stretch(columns[one, 0], columns[one, 1:], step) for one in parts)
     return Design(drive, stretches, parts, cell, kept)
 
 

@@ -54,7 +54,6 @@ class Stretch:
     times: Array  # middles [periods of the drive], shape (n,)
     line: Array  # drive and, where there is one, its quadrature, shape (n, 1 or 2)
     step: float  # of the readings [periods]
-    smooth: bool = True  # whether there is a drift; else a level only
 
     def weights(self, length: float = LENGTH, noise: Array | None = None) -> Array:
         """Return the weights of drive and quadrature, shape (1 or 2, n).
@@ -72,11 +71,9 @@ class Stretch:
             ``rank_deficient`` if drive and drift cannot be separated at these readings.
         """
         columns = np.column_stack([self.line, self._trend])
-        white = columns
-        if self.smooth:
-            own = np.eye(len(columns)) if noise is None else noise
-            root = linalg.cholesky(own + STRENGTH * self._kernel(length), lower=True)
-            white = linalg.solve_triangular(root, columns, lower=True)
+        own = np.eye(len(columns)) if noise is None else noise
+        root = linalg.cholesky(own + STRENGTH * self._kernel(length), lower=True)
+        white = linalg.solve_triangular(root, columns, lower=True)
         size = np.linalg.norm(white, axis=0)
         basis, upper = np.linalg.qr(white / size)
         count = self.line.shape[1]
@@ -86,14 +83,12 @@ class Stretch:
             what = "drive and drift cannot be separated at these samples"
             raise DataError(what, do="Record longer, or with a drive that changes more often", code="rank_deficient")
         found = linalg.solve_triangular(upper, basis.T)[:count] / size[:count, None]
-        return np.asarray(linalg.solve_triangular(root, found.T, lower=True, trans="T").T if self.smooth else found)
+        return np.asarray(linalg.solve_triangular(root, found.T, lower=True, trans="T").T)
 
     @cached_property
     def drift_basis(self) -> Array:
         """Orthonormal columns that every smooth drift is a sum of, noise apart, shape (n, p)."""
         trend = np.linalg.qr(self._trend)[0]
-        if not self.smooth:
-            return np.asarray(trend)
         sizes, axes = linalg.eigh(self._kernel(LENGTH if self.step < COARSE else LONG))
         slow = axes[:, STRENGTH * sizes > BLIND]
         left, spread, _ = np.linalg.svd(slow - trend @ (trend.T @ slow), full_matrices=False)
@@ -121,8 +116,6 @@ class Stretch:
     def drift(self, rest: Array) -> Array:
         """Return the drift in readings less the drive, shape (n, k)."""
         trend = self._trend
-        if not self.smooth:
-            return np.asarray(trend @ np.linalg.lstsq(trend, rest, rcond=None)[0])
         kernel = STRENGTH * self._kernel(LENGTH)
         root = linalg.cholesky(np.eye(len(rest)) + kernel, lower=True)
         white, y = (linalg.solve_triangular(root, one, lower=True) for one in (trend, rest))
@@ -137,4 +130,4 @@ class Stretch:
     @property
     def _trend(self) -> Array:
         place = 2.0 * (self.times - self.times[0]) / np.ptp(self.times) - 1.0
-        return np.asarray(np.polynomial.legendre.legvander(place, DEGREE if self.smooth else 0))
+        return np.asarray(np.polynomial.legendre.legvander(place, DEGREE))
