@@ -78,6 +78,7 @@ class Recorded:
     spectral: Spectral  # Its spectrum
     own: NoiseFit | None = None  # Its own terms, where there are several records
     band: Band | None = None  # What a filter leaves of its noise
+    unseen: Band | None = None  # What one might leave that the spectrum does not show, nor excludes
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,7 +133,10 @@ def noise_of(plan: Plan, readings: Readings, axis: str) -> AxisNoise:
     if not records:
         return AxisNoise(axis, (), None, problems[0], (), (*remarks, *_no_terms(axis, problems[0])))
     bands = bands_of(plan, records, axis)
-    records = [inside_band(replace(one, band=band)) for one, band in zip(records, bands.each, strict=True)]
+    records = [
+        inside_band(replace(one, band=band, unseen=unseen))
+        for one, band, unseen in zip(records, bands.each, bands.unseen, strict=True)
+    ]
     remarks += bands.remarks
     several = len(readings.records) > 1
     own = [(one, remark) for one in records for remark in lines_remark(one.spectral.lines, axis)]
@@ -208,7 +212,7 @@ def _recorded(plan: Plan, run: Run, axis: str) -> Recorded:
 def _fitted(plan: Plan, records: Sequence[Recorded], lines: tuple[float, ...]) -> NoiseFit:
     terms = "auto" if plan.terms is None else tuple(plan.terms)
     curves = [one.curve for one in records]
-    bands = [one.band for one in records]
+    bands = [one.band or one.unseen for one in records]
     return fit(curves, plan.kind, terms=terms, lines=lines, bands=bands, axis=0, unit=plan.unit)
 
 

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from .axis_noise import Recorded
 
 ALIKE = 1.5  # ratio of a stated cut-off to the corner from which they disagree
+STEEPER = 100.0  # ratio of the falls about both, from which the stated one is the filter's, the other that of the noise
 PASSED = 1e-3  # of the density, below which a line is one of the stop band
 BELOW = 0.45  # of the sample rate: a cut-off above it takes nothing that the samples would show
 
@@ -30,6 +31,7 @@ class Bands:
     """What the filter of one axis leaves of its noise."""
 
     each: tuple[Band | None, ...] = ()  # A record each; None where it is cut nowhere
+    unseen: tuple[Band | None, ...] = ()  # A record each: what a mild filter might leave that no spectrum shows
     corner: float | None = None  # Where half of the density is left: the median of the records [Hz]
     remarks: tuple[Remark, ...] = ()
 
@@ -65,9 +67,11 @@ def bands_of(plan: Plan, records: Sequence[Recorded], axis: str) -> Bands:
         ]
     corners = [one.corner / own.run.interval for one, own in zip(each, records, strict=True) if one is not None]
     if not corners:
-        return Bands(tuple(each), None, tuple(_unused(axis, found, [s for s in stated if s is not None])))
+        unseen = tuple(None if one is None or found else one.unseen() for one in searches)
+        return Bands(tuple(each), unseen, None, tuple(_unused(axis, found, [s for s in stated if s is not None])))
     corner = float(np.median(corners))
-    return Bands(tuple(each), corner, tuple(_remarks(axis, corner, found, records, each, stated)))
+    remarks = _remarks(axis, corner, found, records, each, stated, known)
+    return Bands(tuple(each), (None,) * len(each), corner, tuple(remarks))
 
 
 def _searched(record: Recorded) -> Search | None:
@@ -94,6 +98,7 @@ def _remarks(
     records: Sequence[Recorded],
     each: Sequence[Band | None],
     stated: Sequence[float | None],
+    searches: Sequence[Search],
 ) -> list[Remark]:
     shortest = max(one.first * own.run.interval for one, own in zip(each, records, strict=True) if one is not None)
     where = f"{number(corner, 3)} Hz"
@@ -108,10 +113,10 @@ def _remarks(
         return [
             Remark("low_pass", "info", f"{axis}: low pass: half of the density is left at {where}; {used}", axis=axis)
         ]
-    shown = float(
-        np.median([one.shown / own.run.interval for one, own in zip(each, records, strict=True) if one is not None])
-    )
-    if 1.0 / ALIKE < shown / cut_off < ALIKE:
+    ends = [np.array(one.shown) / own.run.interval for one, own in zip(each, records, strict=True) if one is not None]
+    lowest, shown, highest = np.median(ends, axis=0).tolist()
+    falls = [one.fall(cut_off * one.interval) / one.fall(shown * one.interval) for one in searches]
+    if (lowest < ALIKE * cut_off and highest > cut_off / ALIKE) or np.median(falls) > STEEPER:
         what = (
             f"{axis}: low pass: cut-off stated at {where}, half of the density is left at {number(shown, 3)} Hz; {used}"
         )

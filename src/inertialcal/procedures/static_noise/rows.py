@@ -164,11 +164,10 @@ def interval_at(result: Result, row: Row, p: float) -> Interval | None:
     if one is None or one.fit is None:
         return None
     names = "auto" if result.plan.terms is None else tuple(result.plan.terms)
-    curves = [record.curve for record in one.records]
+    curves, bands = [record.curve for record in one.records], [record.band or record.unseen for record in one.records]
     try:
         again = fit(
-            curves, result.plan.kind, terms=names, lines=one.lines, bands=one.bands.each, axis=0,
-            unit=result.plan.unit, p=p,
+            curves, result.plan.kind, terms=names, lines=one.lines, bands=bands, axis=0, unit=result.plan.unit, p=p
         )  # fmt: skip
     except DataError:
         return None

@@ -56,10 +56,13 @@ FEWEST = 6  # bands below that
 LEAST = 40  # bands of a spectrum that is searched
 LOWEST = 0.01  # of the corner, from which it is
 SHAPE = 0.07  # least relative uncertainty of what is lost
+LIKELY = 2.0  # standard uncertainties
 GRID = 4096  # frequencies of the integral
 CYCLES: Array = (np.arange(GRID, dtype=np.float64) + 0.5) * (0.5 / GRID)  # those frequencies
 RESOLVED = 512  # samples of a window that the grid resolves; sin^4 is 3/8 on average beyond
 FOLDS = np.geomspace(1e-4, 1e4, 65)  # sizes of a low pass that are tried: its density is 1 / (1 + size 4 sin^2(pi f))
+NEAR = 0.5  # log likelihood less than the best: one standard uncertainty
+MILD = 0.3  # size of a low pass, above which it does not stay hidden
 ROUNDED = 3  # column of the rounded angle, which rises
 TOP, FALLEN = 0.35, 0.95  # cycles a sample above which a filter has taken some of the density
 NONE = 4  # of them that are as good as none
@@ -75,8 +78,10 @@ class Band:
     corner: float  # Where half of the density is left, in cycles a sample; beyond 1/2 extrapolated by first order
     cycles: Array  # shape (k,): Frequencies, in cycles a sample
     passed: Array  # shape (k,): Share of the density that is left there
-    shown: float  # Where half of the density is left, by the spectrum: another than a stated corner
-    u_level: float  # Relative uncertainty of the level that the share is of
+    shown: tuple[float, float, float]  # Where half is left by the spectrum, whatever is stated: lowest, best, highest
+    curve: float  # -ln h at the end of the level, nearly: see `rolled`
+    doubt: Array  # shape (2, 2): Covariance of the logarithm of the level that the share is of, and of the curve
+    found: bool = True  # False: the spectrum does not show it, nor excludes it
 
     @property
     def end(self) -> float:
@@ -104,10 +109,13 @@ class Band:
         density = np.array([density_at(one) for one in phases])
         return np.asarray((density * (1.0 - self.share)) @ windows(tuple(m.tolist())).T)
 
-    def doubt(self, phase: Phase, m: Array) -> tuple[Array, Array]:
-        """Return standard uncertainties of what is lost: by the level, and by the shape, shape (k,) [unit^2]."""
-        above = density_at(phase) * self.share * (self.end < CYCLES)
-        return self.u_level * windows(tuple(m.tolist())) @ above, SHAPE * self.lost([phase], m)[0]
+    def u_lost(self, phase: Phase, m: Array) -> tuple[Array, Array]:
+        """Return standard uncertainties of what is lost: by level and curve, and by the shape, shape (k,) [unit^2]."""
+        part, density = (CYCLES / self.end) ** 2, density_at(phase) * self.share
+        slopes = np.where(self.end < CYCLES, [[1.0], [0.0]], [np.zeros(GRID), part / (1.0 + 0.5 * self.curve * part)])
+        by = windows(tuple(m.tolist())) @ (slopes * density).T
+        level = np.sqrt(np.maximum(np.einsum("ki,ij,kj->k", by, self.doubt, by), 0.0))
+        return level, SHAPE * self.lost([phase], m)[0]
 
 
 @lru_cache(maxsize=16)
@@ -161,8 +169,11 @@ def least(D: Array, density: Array, weight: Array) -> tuple[float, Array]:
     return cost, sizes / scale
 
 
-def gain_of(cycles: Array, density: Array, weight: Array, interval: float) -> tuple[float, float]:
-    """Return twice the gain of log likelihood by a low pass of first order, and its corner [cycles a sample]."""
+def gain_of(cycles: Array, density: Array, weight: Array, interval: float) -> tuple[float, float, float]:
+    """Return twice the gain of log likelihood by a low pass, its corner [cycles a sample], and a mild one's size.
+
+    The low pass is one of first order. Of mild ones, it is the largest that fits nearly as well as the best.
+    """
     D = columns_at(cycles, interval)
     plain = least(D, density, weight)[0]
     steps = 4.0 * np.sin(np.pi * cycles) ** 2
@@ -170,7 +181,10 @@ def gain_of(cycles: Array, density: Array, weight: Array, interval: float) -> tu
     costs = np.array([least(falling / (1.0 + size * steps)[:, None], density, weight)[0] for size in FOLDS])
     best = int(np.argmin(costs))
     plain = min(plain, *costs[: NONE + 1])  # where the solver stops short
-    return 2.0 * float(plain - costs[best]), corner_of(float(FOLDS[best]))
+    mild = costs[FOLDS <= MILD]
+    there = np.flatnonzero(mild < plain + NEAR) if mild.min() >= plain else np.flatnonzero(mild < mild.min() + NEAR)
+    hidden = float(FOLDS[there[-1]]) if len(there) else 0.0
+    return 2.0 * float(plain - costs[best]), corner_of(float(FOLDS[best])), hidden
 
 
 def corner_of(size: float) -> float:
@@ -189,12 +203,20 @@ class Search:
     interval: float  # From sample to sample [s]
     gain: float  # Twice the gain of log likelihood by a low pass of first order
     corner: float  # Its corner, in cycles a sample
+    hidden: float = 0.0  # Size of a mild low pass that may be there where none is found
 
     @staticmethod
     def together(records: Sequence[Search]) -> bool:
         """Return whether records of one sensor show a filter."""
         corner = float(np.median([one.corner for one in records]))
         return sum(one.gain for one in records) >= CLEAR and corner >= SLOWEST
+
+    def unseen(self) -> Band | None:
+        """Return the band of a low pass that may be there where none is found; None where its best size is zero."""
+        if self.hidden == 0.0:
+            return None
+        passed, corner = 1.0 / (1.0 + self.hidden * 4.0 * np.sin(np.pi * CYCLES) ** 2), corner_of(self.hidden)
+        return Band(corner, CYCLES, passed, (corner,) * 3, 0.0, np.zeros((2, 2)), False)
 
     def band(self, stated: float | None = None) -> Band | None:
         """Return the band, about a stated corner [cycles a sample]; None where too little lies inside of it."""
@@ -204,6 +226,12 @@ class Search:
             return found
         top = self.cycles >= TOP
         return found if np.average(found.passed[top], weights=self.weight[top]) < FALLEN else None
+
+    def fall(self, corner: float) -> float:
+        """Return the factor by which the density falls about a frequency [cycles a sample], within an octave."""
+        below = self.density[(self.cycles >= 0.7 * corner) & (self.cycles <= corner)]
+        above = self.density[(self.cycles >= 1.4 * corner) & (self.cycles <= 2.0 * corner)]
+        return float(np.median(below) / np.median(above)) if len(below) and len(above) else 1.0
 
 
 def search(spectrum: Spectrum, marked: NDArray[np.bool_] | None = None) -> Search | None:
@@ -237,9 +265,11 @@ def band_at(cycles: Array, density: Array, weight: Array, interval: float, corne
         level = level_of(cycles, density, weight, interval, corner)
         if level is None:
             return found
-        passed, doubt = level
-        new = crossing(cycles, passed, weight, corner)
-        found = Band(corner if held else new, cycles, passed, new, doubt)
+        passed, curve, doubt = level
+        lowest, new, highest = (
+            crossing(cycles, passed * np.exp(k * np.sqrt(doubt[0, 0])), corner) for k in (-LIKELY, 0.0, LIKELY)
+        )
+        found = Band(corner if held else new, cycles, passed, (lowest, new, highest), curve, doubt)
         if held or abs(new / corner - 1.0) < 0.02:
             break
         corner = new
@@ -248,29 +278,34 @@ def band_at(cycles: Array, density: Array, weight: Array, interval: float, corne
 
 def level_of(
     cycles: Array, density: Array, weight: Array, interval: float, corner: float
-) -> tuple[Array, float] | None:
-    """Return the share passed, and the relative uncertainty of the level below a part of the corner."""
+) -> tuple[Array, float, Array] | None:
+    """Return the share passed, its curve, and the covariance of the level below a part of the corner and the curve."""
     end = min(PART * corner, 0.5)
     inside = (cycles >= LOWEST * corner) & (cycles <= end)
     if np.count_nonzero(inside) < FEWEST:
         return None
     D = columns_at(cycles, interval)[:, :3]
-    own = [rolled(cycles[inside] / end, curve) for curve in CURVES]
-    costs = [least(D[inside] * shape[:, None], density[inside], weight[inside])[0] for shape in own]
+    part, own, measured = cycles[inside] / end, density[inside], weight[inside]
+    costs = [least(D[inside] * rolled(part, curve)[:, None], own, measured)[0] for curve in CURVES]
     best = int(np.argmin(costs))
-    _, sizes = least(D[inside] * own[best][:, None], density[inside], weight[inside])
+    curve = float(CURVES[best])
+    if 0 < best < len(CURVES) - 1:
+        a, b = np.polyfit(CURVES[best - 1 : best + 2], np.array(costs[best - 1 : best + 2]) - costs[best], 2)[:2]
+        curve = float(np.clip(-0.5 * b / a, CURVES[best - 1], CURVES[best + 1])) if a > 0.0 else curve
+    shape = rolled(part, curve)
+    _, sizes = least(D[inside] * shape[:, None], own, measured)
     level = D @ sizes
-    mu = (D[inside] @ sizes) * own[best]
+    mu = level[inside] * shape
     there = sizes > 0.0
-    slopes = np.column_stack([D[inside][:, there] * own[best][:, None], -mu * (cycles[inside] / end) ** 2])
-    H = (slopes.T * (weight[inside] / mu**2)) @ slopes
+    slopes = np.column_stack([D[inside][:, there] * shape[:, None], -mu * part**2 / (1.0 + 0.5 * curve * part**2)])
+    H = (slopes.T * (measured / mu**2)) @ slopes
     scale = 1.0 / np.sqrt(np.diag(H))
     covariance = np.linalg.pinv(H * np.outer(scale, scale), rcond=1e-10, hermitian=True) * np.outer(scale, scale)
     at = D[np.searchsorted(cycles, end) - 1, there]
-    u = float(np.sqrt(at @ covariance[:-1, :-1] @ at) / (at @ sizes[there]))
-    share = density / level
-    passed = np.where(cycles <= end, rolled(np.minimum(cycles / end, 1.0), CURVES[best]), share)
-    return passed, u
+    to = np.zeros((2, len(at) + 1))  # the logarithm of the level at its end, and the curve
+    to[0, :-1], to[1, -1] = at / (at @ sizes[there]), 1.0
+    passed = np.where(cycles <= end, rolled(np.minimum(cycles / end, 1.0), curve), density / level)
+    return passed, curve, to @ covariance @ to.T
 
 
 def rolled(part: Array, curve: float) -> Array:
@@ -278,7 +313,7 @@ def rolled(part: Array, curve: float) -> Array:
     return np.asarray((1.0 + 0.5 * curve * part**2) ** -2)
 
 
-def crossing(cycles: Array, passed: Array, weight: Array, corner: float) -> float:
+def crossing(cycles: Array, passed: Array, corner: float) -> float:
     """Return where half of the density is left [cycles a sample]; by first order where nowhere."""
     below = np.flatnonzero((passed < 0.5) & (cycles > 0.2 * corner))
     for i in below:

@@ -166,9 +166,11 @@ def covariance_of_runs(problem: Problem, fitted: Fitted) -> Array:
         if run.ends is not None:  # errors at gaps are independent from gap to gap, as white noise is
             phase += Phase(linear=phase.point * float(np.max((run.ends - COMPLETE) / run.m)))
         if run.band is None:
-            blocks.append(covariance_of_allan(phase, run.m, run.n, run.inflation))
+            own = covariance_of_allan(phase, run.m, run.n, run.inflation)
+            shape = np.zeros(len(own)) if run.unseen is None else run.unseen.lost([phase], run.m)[0]
+            blocks.append(own + np.outer(shape, shape))
             continue
-        lost, (level, shape) = run.band.lost([phase], run.m)[0], run.band.doubt(phase, run.m)
+        lost, (level, shape) = run.band.lost([phase], run.m)[0], run.band.u_lost(phase, run.m)
         phase += Phase(point=-float(lost[0] * run.m[0] ** 2) / 3.0)
         own = covariance_of_allan(phase, run.m, run.n, run.inflation)
         more = 1.0 + level / np.sqrt(np.diag(own))  # the level comes from the same noise

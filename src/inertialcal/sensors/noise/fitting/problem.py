@@ -178,6 +178,7 @@ class Run:
     # shape (k,): Squared weights of errors of the integrated signal over 2 / m^2; default: 3, without gaps
     ends: Array | None = None
     band: Band | None = None  # What a filter of the sensor leaves of its noise
+    unseen: Band | None = None  # What one might leave that the spectrum does not show, nor exclude
 
     @property
     def tau(self) -> Array:
@@ -244,13 +245,15 @@ def run_of(curve: AllanLike | Run, axis: int | None = None, unit: str = "") -> R
 
 
 def inside(run: Run, band: Band) -> Run:
-    """Return the averaging times that tell of the terms, not of a filter alone.
+    """Return the averaging times that tell of the terms, not of a filter alone; all where it is not found.
 
     Raises
     ------
     DataError
         If fewer than four are there.
     """
+    if not band.found:
+        return replace(run, unseen=band)
     at = run.m >= band.first
     if np.count_nonzero(at) < LEAST_POINTS:
         corner = number(band.corner / run.interval, 3)
