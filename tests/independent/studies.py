@@ -679,25 +679,14 @@ def heads() -> list[Study]:
 
     finding = flip.Programme(given=False)
     clear = flip.Head(ambient=(1.0, 3.0, -3.0))
-    faint = replace(clear, lever=0.05, shake=2.0)
-    found += [
-        Study(
-            "flip, turns to find, step 6 ug",
-            "all five in 2 of 9",
-            partial(flip.turned, head=clear, programme=finding),
-            groups,
-            turns,
-            rule="shown",
-        ),
-        Study(
-            "flip, the same, felt less",
-            "all five in 2 of 9",
-            partial(flip.turned, head=faint, programme=finding),
-            groups,
-            turns,
-            rule="shown",
-        ),
-    ]
+    for name, head in (
+        ("turns to find, step 6 ug", clear),
+        ("the same, felt less", replace(clear, lever=0.05, shake=2.0)),
+        ("turns to find, step 1.6 ug", replace(clear, ambient=(1.0, 0.8, 0.0))),
+        ("turns to find, step 0.5 ug", replace(clear, ambient=(1.0, 0.25, 0.0))),
+    ):
+        made = partial(flip.turned, head=head, programme=finding)
+        found.append(Study(f"flip, {name}", "all five in 2 of 9" if head.ambient[1] > 1.0 else "", made, groups, turns))
     return found
 
 

@@ -46,6 +46,15 @@ def test_ends_carry_letters_and_positions_their_marks() -> None:
     assert (still, turned) == ([0.0, 1.0, 2.0, 3.0], [4.0, 5.0, 6.0, 7.0])
 
 
+def test_a_line_marks_each_turn_that_the_record_shows() -> None:
+    columns = {"start": column([45.0], "s"), "stop": column([55.0], "s")}
+    turns = {"name": "turns", "test": "t", "axis": "x", "recording": "r", "columns": columns}
+    picture = figures()["flip"].pictures({"curves": [dwells("x"), quiet("x"), quiet("y"), turns]})[1]
+    for ax in on_new_figure(picture, titled=False).axes:
+        (line,) = (one for one in ax.get_lines() if one.get_label() == "turn seen")
+        assert np.asarray(line.get_xdata()).tolist() == [50.0, 50.0]
+
+
 def test_readings_are_drawn_filled_at_zero_and_hollow_turned() -> None:
     results = {"curves": [dwells("x"), dwells("y"), quiet("x"), quiet("y")]}
     first, second = figures()["flip"].pictures(results)

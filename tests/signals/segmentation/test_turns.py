@@ -14,8 +14,9 @@ from inertialcal.core.estimate import Array
 from inertialcal.core.recording import SECOND, Times
 from inertialcal.rigs.parts.noise import flicker
 from inertialcal.signals.segmentation.block_statistics import block_statistics
+from inertialcal.signals.segmentation.level_changes import Change, at_spike
 from inertialcal.signals.segmentation.turn_windows import quiet_part, turn_windows
-from inertialcal.signals.segmentation.turns import Turn, TurnPlan, Turns, find_turns
+from inertialcal.signals.segmentation.turns import Turn, TurnPlan, Turns, _taken, find_turns
 
 RATE = 25.0  # samples a second
 NOISE = 3.0  # ug, of a sample
@@ -190,6 +191,38 @@ def test_slow_noise_drift_and_waves_are_no_turns() -> None:
         assert not find_turns(x, stamps).turns
         assert not find_turns(x + (3.0 * t / 3600.0)[:, None], stamps).turns
         assert not find_turns(x + wave[:, None], stamps).turns
+
+
+def test_a_change_goes_with_the_spike_that_it_lies_in_not_with_a_shorter_one_near_it() -> None:
+    push, turn = Change(1650.0, 1700.0), Change(1725.0, 1830.0)
+    assert at_spike(Change(1725.0, 1725.0), (push, turn)) == turn
+
+
+def test_no_window_reaches_into_a_smooth_turn_that_only_means_show() -> None:
+    start, stop = 1200.0, 1320.0
+    x, stamps = record(seconds=2400.0, turns=())
+    s = np.clip(((stamps - EPOCH) / SECOND - start) / (stop - start), 0.0, 1.0)
+    angle = np.pi * s - 0.5 * np.sin(2.0 * np.pi * s)
+    x += np.column_stack([0.0 * s, 20.0 * np.cos(angle), -20.0 * np.sin(angle)])
+    (pair,) = turn_windows(find_turns(x, stamps))
+    assert pair.before is not None
+    assert pair.after is not None
+    assert (pair.before.stop_ns - EPOCH) / SECOND < start + 5.0
+    assert (pair.after.start_ns - EPOCH) / SECOND > stop - 5.0
+
+
+def test_two_changes_within_a_minute_are_no_turns() -> None:
+    step, u = np.array([0.0, 8.0, -6.0]), np.ones(3)
+
+    def turn(at: float, sign: float) -> Turn:
+        ns = round(at * SECOND)
+        return Turn(ns, ns + 5 * SECOND, ns + 2 * SECOND, 1.0, 30.0, sign * step, u, felt=True)
+
+    assert _taken([turn(3425.0, 1.0), turn(3600.0, -1.0)])[0]
+    turns, changes, why = _taken([turn(3425.0, 1.0), turn(3445.0, -1.0)])
+    assert not turns
+    assert len(changes) == 2
+    assert "twice in less than a minute" in why
 
 
 def test_a_turn_in_no_acceleration_is_not_certain() -> None:

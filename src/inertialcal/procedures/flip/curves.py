@@ -4,6 +4,8 @@
     Each dwell of an axis: position, time, reading, its value by the flip's result, and the residual.
 ``quiet``
     Of each recording: the block means of an axis behind its noise, with the position.
+``turns``
+    Of each recording: between which times each turn lies that it shows, with the axis of the turn.
 """
 
 from __future__ import annotations
@@ -29,7 +31,8 @@ UNIT = "m/s^2"
 def curves(result: Result) -> list[Curve]:
     """Return the curves of all axes and recordings."""
     found = [_dwells(result, axis) for axis in result.readings.axes]
-    return found + [_quiet(one, axis) for one in result.readings.quiet for axis in one.means]
+    found += [_quiet(one, axis) for one in result.readings.quiet for axis in one.means]
+    return found + [_turns(one, result.plan.axis) for one in result.readings.quiet if len(one.turns)]
 
 
 def _dwells(result: Result, axis: str) -> Curve:
@@ -78,3 +81,8 @@ def _quiet(one: Quiet, axis: str) -> Curve:
         "used": Column(np.any(one.weights > 0.0, axis=0)),
     }
     return Curve("quiet", axis, columns, recording=one.name)
+
+
+def _turns(one: Quiet, axis: str) -> Curve:
+    columns = {"start": Column(one.turns[:, 0], "s"), "stop": Column(one.turns[:, 1], "s")}
+    return Curve("turns", axis, columns, recording=one.name)

@@ -27,7 +27,7 @@ FIGURES = (
         "flip",
         DRAWN + "flip",
         "{note}",
-        curves={"flip_dwells": "flip_dwells {axis}", "quiet": "quiet {axis}"},
+        curves={"flip_dwells": "flip_dwells {axis}", "quiet": "quiet {axis}", "turns": "turns"},
         order=210,
         top=40,
     ),

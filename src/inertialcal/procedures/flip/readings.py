@@ -38,6 +38,8 @@ class Quiet:
         Start and stop of each dwell on the same clock [s]; NaN for those of other recordings.
     name : str
         Of the recording.
+    turns : ndarray, shape (t, 2)
+        Turns that the recording shows: between which times each lies, since the first sample [s].
     """
 
     times: Array
@@ -47,6 +49,7 @@ class Quiet:
     weights: Array
     spans: Array
     name: str = ""
+    turns: Array = field(default_factory=lambda: np.zeros((0, 2)))
 
     @property
     def dwells(self) -> NDArray[np.bool_]:

@@ -31,6 +31,7 @@ AT_SPIKE = 7.0  # the same where a spike is, and the logarithm of their number
 # the same of changes that go to and fro between two levels: of all of them, and of each
 TO_AND_FRO, EACH, EACH_AT_SPIKE = 6.0, 6.0, 2.0
 NEAR = 30.0  # most from a spike to a change that goes with it [s]
+AS_LIKELY = 12.0  # of twice the logarithm of the likelihood: a place where a change may be as well
 MOST = 16  # changes
 WALKS = np.concatenate([[0.0], np.logspace(-8.0, 1.0, 13)])  # variance of a step of the level over the white noise's
 LONGEST = 180.0  # change [s]
@@ -281,7 +282,21 @@ def merit(series: Series, fit: Fit) -> float:
 def at_spike(change: Change, spikes: Sequence[Change]) -> Change | None:
     """Return the nearest spike that reaches to a change, if one does."""
     near = [one for one in spikes if one.start - NEAR <= change.middle <= one.stop + NEAR]
-    return min(near, key=lambda one: abs(one.middle - change.middle), default=None)
+
+    def off(one: Change) -> float:
+        return max(abs(one.middle - change.middle) - 0.5 * (one.stop - one.start), 0.0)
+
+    return min(near, key=off, default=None)
+
+
+def likely_spikes(series: Series, fit: Fit, i: int) -> list[Change]:
+    """Return the spikes that a change may go with: near it, and where it explains the level as well as where it is."""
+    one = fit.changes[i]
+    near = [p for p in series.spikes if p.start - NEAR <= one.middle <= p.stop + NEAR]
+    tried = [Change(p.middle, p.middle) for p in near] + [Change(p.start, p.stop) for p in near]
+    gain = gains(series, fit.changes[:i] + fit.changes[i + 1 :], [one, *tried], fit.walk)
+    enough = gain.max() - AS_LIKELY
+    return [p for k, p in enumerate(near) if max(gain[1 + k], gain[1 + len(near) + k]) >= enough]
 
 
 def located(series: Series, fit: Fit, i: int) -> tuple[float, float, float, float]:

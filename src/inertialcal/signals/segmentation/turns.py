@@ -42,7 +42,19 @@ from ...core.recording import SECOND, Times
 from ...core.remarks import Remark
 from ..time.samples import Flags, Indices
 from .block_statistics import Blocks, Signal, block_statistics
-from .level_changes import EDGE, LONGEST, Change, Fit, Series, at_spike, find_changes, located, steps_at
+from .level_changes import (
+    APART_AT_SPIKES,
+    EDGE,
+    LONGEST,
+    Change,
+    Fit,
+    Series,
+    at_spike,
+    find_changes,
+    likely_spikes,
+    located,
+    steps_at,
+)
 from .segments import Detection, Segmentation, detect
 
 SAMPLES = 4  # of a block, at least
@@ -57,7 +69,6 @@ CLEAR = 0.15  # of a turn's change: the uncertainty with which a change is exclu
 # least sum of squares of a turn's steps over their uncertainties: without a spike, or alone; with one
 SQUARE, SQUARE_FELT = 40.0, 20.0
 SHARP = 45.0  # most uncertainty of the time of a turn without a spike [s]: a wave or a drift is no turn
-STRONG = 60.0  # peak from which a spike shows where the turn begins and ends
 
 
 @dataclass(frozen=True)
@@ -319,13 +330,13 @@ def _spike(blocks: Blocks, peak: Array, first: int, stop: int) -> Turn:
 def _change(blocks: Blocks, series: Series, fit: Fit, i: int, spikes: Sequence[Turn]) -> Turn:
     """Return a change of level as a turn: where it is by its spike, else by the level."""
     start = blocks.start_ns
-    one = fit.changes[i]
-    felt = at_spike(one, series.spikes)
+    felt = at_spike(fit.changes[i], series.spikes)
     own: list[Turn] = []
     if felt is None:
         middle, u, low, high = located(series, fit, i)
     else:
-        low, high = felt.start, felt.stop
+        likely = likely_spikes(series, fit, i)
+        low, high = (likely or [felt])[0].start, max(place.stop for place in likely or [felt])
         for place in (*series.spikes, *reversed(series.spikes)):  # no level between them: it may be in any
             if place.start < high + 3.0 * series.length and place.stop > low - 3.0 * series.length:
                 low, high = min(low, place.start), max(high, place.stop)
@@ -333,12 +344,16 @@ def _change(blocks: Blocks, series: Series, fit: Fit, i: int, spikes: Sequence[T
             spike for spike in spikes
             if spike.start_ns < start + round(high * SECOND) and spike.stop_ns > start + round(low * SECOND)
         ]  # fmt: skip
-        if own:
+        if own and likely:
             first = min(spike.start_ns - start for spike in own) / SECOND
             last = max(spike.stop_ns - start for spike in own) / SECOND
-            wide = 2.0 * (MARGIN + series.length)
-            if max(spike.peak for spike in own) > STRONG or last - first > 0.5 * (high - low - wide):
-                low, high = first, last
+            near = MARGIN + 2.0 * series.length  # where more is shaken than the spikes explain, the turn may lie there
+            low, high = first if first - low <= near else low, last if high - last <= near else high
+        if not own:  # loud means alone show the middle of a smooth turn, not its ends
+            low, high = low - MARGIN, high + MARGIN
+        if not likely:  # the level changes elsewhere: beside a disturbance the record shows roughly where
+            _, _, begin, end = located(series, fit, i)
+            low, high = min(low, begin), max(high, end)
         middle, u = 0.5 * (low + high), max((high - low) / np.sqrt(12.0), blocks.length)
     first_ns, last_ns, middle_ns = (start + round(value * SECOND) for value in (low, high, middle))
     strongest = max((spike.peak for spike in own), default=0.0)
@@ -359,11 +374,11 @@ def _to_and_fro(changes: Sequence[Turn]) -> bool:
 def _taken(changes: list[Turn]) -> tuple[list[Turn], list[Turn], str]:
     """Return which changes are turns, which are none, and why it is not clear."""
     felt = [one for one in changes if one.felt]
-    if not changes:
-        return [], [], ""
+    if any(two.middle_ns - one.middle_ns < APART_AT_SPIKES * SECOND for one, two in pairwise(changes)):
+        return [], changes, "the level changes twice in less than a minute: a disturbance, or turns too near each other"
     if not all(one.clear for one in changes) or (len(changes) == 1 and changes[0].square < SQUARE):
         return [], changes, "the level changes, but not by so much more than it wanders that these are turns"
-    if _to_and_fro(changes) and (felt or len(changes) > 1):
+    if not changes or (_to_and_fro(changes) and (felt or len(changes) > 1)):
         return changes, [], ""
     if felt and _to_and_fro(felt):
         return felt, [one for one in changes if not one.felt], ""

@@ -23,7 +23,7 @@ from ....core.show.rounding import number
 from ....signals.segmentation.block_statistics import block_statistics
 from ....signals.segmentation.gain_changes import gain_changes
 from ....signals.segmentation.turn_windows import quiet_part
-from ....signals.segmentation.turns import Turns, block_length, find_turns
+from ....signals.segmentation.turns import Turn, Turns, block_length, find_turns
 from ....signals.sense.limits import LIMITS
 from ....signals.time.time_axis import AGAIN, backward_steps
 from ...agreement import unit_mistaken
@@ -37,7 +37,7 @@ PART = 0.98  # of a window that is quiet where nothing moves
 
 def disturbances(
     time_ns: Times, channels: Mapping[str, NDArray[np.floating]], windows: Sequence[Window], known_gain: Sequence[str]
-) -> tuple[frozenset[str], tuple[Remark, ...], tuple[Remark, ...], tuple[Remark, ...]]:
+) -> tuple[frozenset[str], tuple[Remark, ...], tuple[Remark, ...], tuple[Remark, ...], tuple[Turn, ...]]:
     """Look for movements in the windows of a recording, and for changes of gain in all of it.
 
     Parameters
@@ -61,6 +61,8 @@ def disturbances(
         That all axes change by one factor.
     misplaced : tuple of Remark
         Windows in the wrong place or at the wrong position, by the turns that are seen.
+    turns : tuple of Turn
+        Those.
     """
     axes = [axis for axis, data in channels.items() if np.isfinite(data).any()]
     changed: dict[str, Remark] = {}
@@ -68,6 +70,7 @@ def disturbances(
     factors: dict[str, float] = {}
     alike: tuple[Remark, ...] = ()
     wrong: list[Remark] = []
+    shown: tuple[Turn, ...] = ()
     try:
         length = block_length(BLOCK, time_ns, None)
         blocks = block_statistics([channels[axis] for axis in axes], length, time_ns)
@@ -85,9 +88,10 @@ def disturbances(
         if not alike:
             seen, wrong = said_and_seen(turns, windows)
             moved += seen
+            shown = turns.turns
     except DataError:
         pass  # no axis remains, or the record is too short to tell what is quiet: `short_record` says so
-    return frozenset(changed), (*changed.values(), *moved), alike, tuple(wrong)
+    return frozenset(changed), (*changed.values(), *moved), alike, tuple(wrong), shown
 
 
 def _changed_alike(

@@ -115,13 +115,15 @@ def readings_from(plan: Plan, turned: Sequence[FlipRecording]) -> Readings:
         channels = _channels(one)
         # levels near zero, after a ground model, do not show a change of gain: it was looked for before
         known = [a for a in channels if any(name in one.recording.names for name in (f"gain_{a}", PREDICTED + a))]
-        unread, disturbed, alike, wrong = disturbances(one.time_ns, channels, used, known)
+        unread, disturbed, alike, wrong, turns = disturbances(one.time_ns, channels, used, known)
         own = [_dwell(plan, one, window, channels, unread) for window in used]
         rows = len(dwells) + np.arange(len(own))
         read = {axis: data for axis, data in channels.items() if any(axis in dwell.values for dwell in own)}
         record, more = _quiet(plan, one, used, read, rows, total)
         dwells += own
-        quiet.append(record)
+        start = int(one.time_ns[0])
+        shown = np.array([(turn.start_ns - start, turn.stop_ns - start) for turn in turns], dtype=np.float64) / SECOND
+        quiet.append(replace(record, turns=shown.reshape(-1, 2)))
         disagreements += [remark.at(one.place) for remark in alike]
         misplaced += [remark.at(one.place) for remark in wrong]
         remarks += [*one.recording.remarks, *(remark.at(one.place) for remark in disturbed), *more]

@@ -1,7 +1,8 @@
 """A flip: what each axis read at its positions, and the quiet record with its windows, their ends named A, B, C.
 
 With a record of the noise its block means stand over time, the windows are shaded, and their ends carry letters, as
-the document of the method has them. The means of the dwells stand in their order. Filled: position 0; hollow: turned.
+the document of the method has them; a line marks each turn that the record shows. The means of the dwells stand in
+their order. Filled: position 0; hollow: turned.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, w
 NAME = "flip"
 SHOWS = "Reading of each axis, a panel an axis; filled at position 0, hollow where turned; the line is the result"
 DWELLS = "Reading of each axis at its positions, in the order of the dwells, and the result (line)."
-RECORD = "Block means of the quiet record; shaded are the windows, their ends are A, B and so on."
+RECORD = "Block means of the quiet record; shaded are the windows, their ends are A, B and so on; lines: turns seen."
 MOST = 800  # blocks drawn a panel
 SAME = 1e-3  # angles that are one position [rad]
 HEIGHT = 1.35  # of a panel [in]
@@ -39,7 +40,7 @@ def pictures(results: Mapping[str, Any]) -> list[Picture]:
         mine = [curve for curve in dwells if curve.get("test") == test]
         found.append(_of_dwells(test, mine))
         records = [one for one in curves(results, "quiet") if one.get("test") == test]
-        found += _of_records(test, records)
+        found += _of_records(test, records, [one for one in curves(results, "turns") if one.get("test") == test])
     return found
 
 
@@ -53,16 +54,19 @@ def _of_dwells(test: str, mine: Sequence[Curve]) -> Picture:
     return Picture(NAME, test, "", finding, SHOWS, (HEIGHT,) * len(mine), paint, data=mine, note=(DWELLS,))
 
 
-def _of_records(test: str, records: Sequence[Curve]) -> Iterator[Picture]:
+def _of_records(test: str, records: Sequence[Curve], turns: Sequence[Curve]) -> Iterator[Picture]:
     for name in dict.fromkeys(str(one.get("recording", "")) for one in records):
         own = [one for one in records if one.get("recording") == name and len(finite(numbers(one, "mean")))]
         if own:
-            yield _of_record(test, name, records, own)
+            yield _of_record(test, name, (*records, *turns), own)
 
 
 def _of_record(test: str, name: str, records: Sequence[Curve], own: Sequence[Curve]) -> Picture:
+    turns = [one for one in records if one["name"] == "turns" and one.get("recording", "") == name]
+    seen = [pair for one in turns for pair in zip(numbers(one, "start"), numbers(one, "stop"), strict=True)]
+
     def paint(axes: Sequence[Axes], title: str) -> None:
-        draw_record(axes, own, title)
+        draw_record(axes, own, title, seen)
 
     blocks = len(numbers(own[0], "mean"))
     shows = "Block means over time, a panel an axis; shaded are the windows, their ends are A, B, C and so on"
@@ -98,7 +102,9 @@ def draw_dwells(axes: Sequence[Axes], mine: Sequence[Curve], title: str = "") ->
     set_legend(axes[-1])
 
 
-def draw_record(axes: Sequence[Axes], own: Sequence[Curve], title: str = "") -> None:
+def draw_record(
+    axes: Sequence[Axes], own: Sequence[Curve], title: str = "", turns: Sequence[tuple[float, float]] = ()
+) -> None:
     """Draw the quiet record of one recording, its windows shaded and their ends named.
 
     Parameters
@@ -109,6 +115,8 @@ def draw_record(axes: Sequence[Axes], own: Sequence[Curve], title: str = "") -> 
         ``quiet`` curves of one recording, of ``results.json``.
     title : str
         Above the first; empty for none.
+    turns : sequence of (float, float)
+        Start and stop of each turn that the record shows [s].
     """
     for ax, curve in zip(axes, own, strict=True):
         time, mean, turned = numbers(curve, "time"), numbers(curve, "mean"), np.abs(numbers(curve, "angle")) > SAME
@@ -117,6 +125,9 @@ def draw_record(axes: Sequence[Axes], own: Sequence[Curve], title: str = "") -> 
             ax.plot(time[at], mean[at], linestyle="none", zorder=3, label=label, **(look | {"markersize": 2.4}))
         for start, stop in spans(curve):
             ax.axvspan(start, stop, color=COLOURS["green"], alpha=0.22, linewidth=0.0, zorder=1)
+        for i, (start, stop) in enumerate(turns):
+            label = "turn seen" if i == 0 else None
+            ax.axvline(0.5 * (start + stop), color=COLOURS["ink"], linewidth=0.7, zorder=2, label=label)
         set_labels(ax, y=with_unit(plain(curve.get("axis", ""), 12), unit(curve, "mean")))
     _letters(axes[0], spans(own[0]))
     set_title(axes[0], title)
