@@ -145,6 +145,8 @@ class Facts:
         Of a chain that counts pulses [s], [count/s/SI].
     oblique : bool
         Body axes are mixtures of the sensor's.
+    cut_off : float or None
+        Of the sensor's low pass [Hz].
     """
 
     kind: Kind | None
@@ -161,6 +163,7 @@ class Facts:
     gate: float | None = None
     pulse_scale_factor: float | None = None
     oblique: bool = False
+    cut_off: float | None = None
 
 
 class Source(Protocol):

@@ -205,6 +205,21 @@ def test_an_oblique_mounting_is_said_to_mix_the_sensors(still: Make) -> None:
     assert row(outcome, "line_frequency", "y", "line at 9.97 Hz")
 
 
+@pytest.mark.parametrize("stated", ["5 Hz", "2 Hz"])
+def test_a_sensor_states_its_cut_off_and_a_test_goes_before_it(still: Make, stated: str) -> None:
+    own = ('cut_off = "5 Hz"\n[recordings.one]', f'plan = {{ cut_off = "{stated}", ')
+    replacements = [("[recordings.one]", own[0]), *([("plan = { ", own[1])] if stated != "5 Hz" else [])]
+    outcome = run(still(*replacements), write=False)
+    remarks = [one["what"] for one in outcome.results["remarks"] if one["code"] == "cut_off_disagrees"]
+    assert remarks
+    assert all(f"cut-off stated at {stated}" in one for one in remarks)
+
+
+def test_a_cut_off_that_is_none_is_refused(still: Make) -> None:
+    with pytest.raises(PlanError, match="above 0 Hz"):
+        run(still(("[recordings.one]", 'cut_off = "0 Hz"\n[recordings.one]')), write=False)
+
+
 # Verdicts
 
 

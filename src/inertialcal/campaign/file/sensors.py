@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from ...core.schema.quantities import Axis, Duration, PerAxis, Strict, Text, UnitOrNone, Voltage
+from ...core.schema.quantities import Axis, Duration, Frequency, PerAxis, Strict, Text, UnitOrNone, Voltage
 from ...core.units import kind
 
 RAW = ("count", "voltage")
@@ -85,6 +85,7 @@ class Sensor(Strict):
     axes: list[Axis] = Field(min_length=1, max_length=3)
     unit: UnitOrNone = ""
     range: list[str] | None = Field(default=None, min_length=2, max_length=2)
+    cut_off: Frequency | None = None
     mounting: list[list[float]] | None = None
     chain: Chain = Chain(kind="none")
 
@@ -94,6 +95,8 @@ class Sensor(Strict):
             raise ValueError(f"axes = {self.axes}: an axis appears twice")
         if self.mounting is not None and not _is_rotation_or_mirror(self.mounting):
             raise ValueError("mounting: needs three rows of three numbers, orthonormal: sensor from body")
+        if self.cut_off is not None and self.cut_off <= 0.0:
+            raise ValueError("cut_off: needs a frequency above 0 Hz")
         if self.kind == "other" and self.chain.kind != "none":
             raise ValueError('kind = "other": readings stay in the unit of the file, without a chain')
         wanted = {"gyro": "angular_rate", "accelerometer": "acceleration"}.get(self.kind)

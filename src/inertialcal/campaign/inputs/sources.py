@@ -399,6 +399,7 @@ def facts_of(sensor: Sensor, standards: Standards, site: Site | None = None) -> 
         gate=sensor.chain.gate,
         pulse_scale_factor=None if pulses is None else float(np.ravel(pulses)[0]),
         oblique=_is_oblique(sensor),
+        cut_off=sensor.cut_off,
     )
 
 

@@ -41,7 +41,7 @@ class Plan:
         "Samples that are no readings: glitches, disturbances, stuck, saturated or repeated ones.", "leave_out"
     )
     cut_off: float | None = setting(
-        "Cut-off of the sensor's low pass; by default as the file states it, or as the spectrum shows it.", None,
+        "Cut-off of the sensor's low pass; by default that of the sensor or the file, or as the spectrum shows.", None,
         unit="Hz", example="5 Hz", above=0.0,
     )  # fmt: skip
     spectrum: Method = setting("Estimator of the spectrum.", "welch")

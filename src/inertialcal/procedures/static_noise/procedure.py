@@ -85,7 +85,7 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
             for label, one in source.recordings():
                 channels = {axis: axis for axis in AXES if axis in one.names}
                 samples: Any = added or "rate"
-                found.append(AtRest(one, channels, samples, label, shown, source.screening))
+                found.append(AtRest(one, channels, samples, label, shown, source.screening, source.facts.cut_off))
         readings = readings_from(plan, found)
         check(plan, readings)
         return readings

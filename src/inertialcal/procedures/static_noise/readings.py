@@ -42,7 +42,7 @@ class Run:
     # Of an axis: below it lines in a spectrum mean nothing; absent where it is not known
     resolution: Mapping[str, Resolution] = field(default_factory=dict[str, Resolution])
     screened: bool = True  # Whether samples that are no readings, and disturbances, are left out
-    cut_off: float | None = None  # Of a low pass, as the file states it [Hz]; None when nobody said
+    cut_off: float | None = None  # Of a low pass, as the sensor or the file states it [Hz]; None when nobody said
 
     def __len__(self) -> int:
         return len(next(iter(self.values.values())))
@@ -117,6 +117,7 @@ class AtRest:
     name: str = ""  # For messages; its file where not given
     shown: str = ""  # Unit that samples are told in; that of the channel where not given
     screening: bool = True  # Whether samples that are no readings are left out
+    cut_off: float | None = None  # Of the sensor's low pass [Hz]; as the file states it where not given
 
     @property
     def place(self) -> str:
