@@ -80,7 +80,7 @@ def test_bias_and_ambient_acceleration_come_out_of_a_recording() -> None:
             assert white / 4.0 < result.estimate.u[at] < 4.0 * white  # 148 blocks tell it no better
     assert {str(row.case) for row in result.rows()} == {"", "median", "low_pass", "as_published"}
     assert {"at_rails", "short_record"} <= {one.code for one in result.remarks}
-    assert [curve.name for curve in result.curves()] == ["flip_dwells"] * 3 + ["quiet"] * 3
+    assert [curve.name for curve in result.curves()] == ["flip_dwells"] * 3 + ["quiet"] * 3 + ["turns"]
 
 
 def test_the_spike_of_the_turn_is_not_in_the_noise() -> None:

@@ -334,6 +334,10 @@ def _change(blocks: Blocks, series: Series, fit: Fit, i: int, spikes: Sequence[T
     own: list[Turn] = []
     if felt is None:
         middle, u, low, high = located(series, fit, i)
+        near = [place for place in series.spikes if place.start < high and place.stop > low]
+        if near:  # it may be there, though the level puts it elsewhere
+            low, high = min(low, near[0].start), max(high, near[-1].stop)
+            middle, u = 0.5 * (low + high), max(u, (high - low) / np.sqrt(12.0))
     else:
         likely = likely_spikes(series, fit, i)
         low, high = (likely or [felt])[0].start, max(place.stop for place in likely or [felt])
@@ -347,8 +351,8 @@ def _change(blocks: Blocks, series: Series, fit: Fit, i: int, spikes: Sequence[T
         if own and likely:
             first = min(spike.start_ns - start for spike in own) / SECOND
             last = max(spike.stop_ns - start for spike in own) / SECOND
-            near = MARGIN + 2.0 * series.length  # where more is shaken than the spikes explain, the turn may lie there
-            low, high = first if first - low <= near else low, last if high - last <= near else high
+            reach = MARGIN + 2.0 * series.length  # where more is shaken than the spikes explain, the turn may lie there
+            low, high = first if first - low <= reach else low, last if high - last <= reach else high
         if not own:  # loud means alone show the middle of a smooth turn, not its ends
             low, high = low - MARGIN, high + MARGIN
         if not likely:  # the level changes elsewhere: beside a disturbance the record shows roughly where
