@@ -334,7 +334,8 @@ def _change(blocks: Blocks, series: Series, fit: Fit, i: int, spikes: Sequence[T
     own: list[Turn] = []
     if felt is None:
         middle, u, low, high = located(series, fit, i)
-        near = [place for place in series.spikes if place.start < high and place.stop > low]
+        taken = [at_spike(other, series.spikes) for k, other in enumerate(fit.changes) if k != i]
+        near = [one for one in series.spikes if one.start < high and one.stop > low and one not in taken]
         if near:  # it may be there, though the level puts it elsewhere
             low, high = min(low, near[0].start), max(high, near[-1].stop)
             middle, u = 0.5 * (low + high), max(u, (high - low) / np.sqrt(12.0))
