@@ -752,6 +752,9 @@ def exported(seed: int, noises: dict[str, static.Noise], n: int, rate: float) ->
     """Return a record at rest, with the settings of a filter asked for."""
     case = static.still(seed, noises, n, rate)
     case.words += ["--for", "kalibr"]
+    for axis, noise in noises.items():  # white noise of that length inside the band, of n corner / (rate / 2) samples
+        key, inside = f"angle_random_walk {axis}", n * min(1.0, 2.0 * noise.corner / rate)
+        case.ideal[key] = case.truth[key] / math.sqrt(2.0 * inside)
     return case
 
 

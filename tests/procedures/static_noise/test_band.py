@@ -12,6 +12,10 @@ import inertialcal as ic
 from inertialcal.core.recording import Channel, Recording
 from inertialcal.core.units import factor
 from inertialcal.procedures.static_noise.filters import filter_block
+from inertialcal.sensors.noise.fitting.filtered import Search, search
+from inertialcal.sensors.noise.simulate import simulate
+from inertialcal.sensors.noise.terms import GaussMarkov, RandomWalk
+from inertialcal.signals.spectrum.psd import psd
 
 INTERVAL, N = 0.02, 20_000
 WALK = 0.24  # deg/sqrt(h)
@@ -56,3 +60,24 @@ def test_a_stated_cut_off_is_compared_with_the_spectrum() -> None:
     assert [remark.code for remark in found.remarks if remark.code == "cut_off_disagrees"]
     found = ic.allan(record(5.0), cut_off="5 Hz")
     assert not [remark.code for remark in found.remarks if remark.code == "cut_off_disagrees"]
+
+
+def test_strong_gauss_markov_noise_is_no_filter() -> None:
+    """26 of 30 records of a correlation time of 100 samples were taken for filtered ones, 0 of 20 are."""
+    x = simulate((RandomWalk(0.14), GaussMarkov(3.0, 2.0)), 200_000, INTERVAL, np.random.default_rng(4321))
+    found = search(psd(x, INTERVAL, "welch"))
+    assert found is not None
+    assert not Search.together([found])
+
+
+def test_a_mild_filter_that_no_spectrum_shows_is_part_of_u() -> None:
+    plain, mild = (
+        next(row for row in ic.allan(record(corner)).rows if row.quantity == "angle_random_walk")
+        for corner in (None, 44.0)
+    )
+    assert plain.interval is not None
+    assert mild.interval is not None
+    assert plain.u is not None
+    assert plain.u / WALK > 0.006  # by the noise alone 0.005
+    assert mild.interval.hi is not None
+    assert mild.interval.hi > WALK
