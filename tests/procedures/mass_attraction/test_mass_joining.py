@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -9,7 +11,7 @@ from scipy import stats
 from inertialcal.core.estimate import Array
 from inertialcal.physics.motion.schedule import repeated
 from inertialcal.procedures.mass_attraction.agreement import agreement
-from inertialcal.procedures.mass_attraction.joining import join
+from inertialcal.procedures.mass_attraction.joining import join, quiet_runs
 from inertialcal.procedures.mass_attraction.plan import Plan
 from inertialcal.procedures.mass_attraction.readings import Readings, Run
 from inertialcal.procedures.mass_attraction.reduction import Result, reduce
@@ -156,3 +158,21 @@ def test_runs_of_another_length_count_what_repeats_as_scatter() -> None:
         value, u, dof = scale_factor(reduce(PLAN, Readings((cut, *runs[1:]))))
         held += abs(value - S) <= coverage_factor(dof) * u
     assert covers(held, 200), held
+
+
+@pytest.mark.parametrize("runs", [2, 3])
+def test_a_gross_jump_of_one_run_stays_in_that_run(runs: int) -> None:
+    readings = campaign(5, [0, 180, 0][:runs], np.zeros(100))
+    whole = [one.run.reading for one in quiet_runs(readings.series)]
+    jump = 500.0 * (np.arange(100) >= 37)
+    series = list(readings.series)
+    series[1] = replace(series[1], reading=series[1].reading + jump)
+    faulty = [one.run.reading for one in quiet_runs(series)]
+    for k in range(runs):
+        change = faulty[k] - whole[k] - (jump if k == 1 else 0.0)
+        assert abs(change[40:].mean() - change[:34].mean()) < 2.0  # of 250 or 167 without the repair
+
+
+def test_without_any_meter_the_missing_tilt_is_said_once() -> None:
+    result = reduce(Plan(), campaign(6, [0, 180, 0], np.zeros(100)))
+    assert [one.code for one in result.remarks].count("missing_tilt") == 1

@@ -186,7 +186,9 @@ def _within(measured: Sequence[Measured]) -> Iterator[Remark]:
     moved = [(run, response) for run, response in sound if run.moved]
     found = [one for _, response in moved for one in (response.changes.found if response.changes else ())]
     near = sorted({one.at for one in found if one.kind in ("jump", "kink")})
-    common = common_change([(run.schedule, response.series) for run, response in moved], near)
+    quiet = len(moved) > 1 and bool(np.any(phases_ahead([response for _, response in moved])))
+    series = [(run.schedule, response.series) for run, response in moved]
+    common = common_change(series, near, len(moved) - 1.0 if quiet else None)
     if common is not None:
         yield _fault(common, "every run", sound[0][0].where, "")
 

@@ -452,7 +452,9 @@ def regression(schedule: Schedule, x: Array, other: Array) -> Regression | None:
     return Regression(xy / yy, float(np.sqrt(left / max(dof, 1.0) / yy)), xx / xy)
 
 
-def common_change(runs: Sequence[tuple[Schedule, Array]], near: Sequence[int] = ()) -> Change | None:
+def common_change(
+    runs: Sequence[tuple[Schedule, Array]], near: Sequence[int] = (), free: float | None = None
+) -> Change | None:
     """Return a jump, a gain or a slip at the same dwell of several runs of n dwells; None if there is none.
 
     Parameters
@@ -461,6 +463,8 @@ def common_change(runs: Sequence[tuple[Schedule, Array]], near: Sequence[int] = 
         With the mass moved; readings without the faults of single runs.
     near : sequence of int
         Dwells where the level of single runs jumps: a gain that changes there has the lower limit.
+    free : float, optional
+        Runs that are independent, if not all: one fewer after the mean of all of them was subtracted from each.
     """
     pieces = [list(_pieces(schedule, x)) for schedule, x in runs]
     if len(runs) < 2 or len({len(x) for _, x in runs}) > 1 or len({len(each) for each in pieces}) > 1:
@@ -471,7 +475,9 @@ def common_change(runs: Sequence[tuple[Schedule, Array]], near: Sequence[int] = 
         per, n, r = same[0].per_cycle, len(same[0].reading), float(len(same))
         inner = np.arange(n)
         for kind, by in tried[0].scores:
-            each = np.array([one.scores[kind, by] for one in tried])
+            # the same mean subtracted from all: noise r / free times as large in their sum, by their own
+            share = 1.0 if free is None else free / r
+            each = np.array([one.scores[kind, by] for one in tried]) * (share if kind == "slip" else np.sqrt(share))
             if kind == "slip":
                 score, where = each.sum(axis=0), inner > 0
             else:

@@ -61,6 +61,7 @@ from ...core.influence import Influence
 from ...core.key import Key, Origin
 from ...statistics.intervals import coverage_factor
 from ...statistics.means import Mean
+from .changes import changes_of
 from .line import fit_line, shape_of, start_phase
 from .plan import APPLIED, Plan
 from .readings import Readings, Run
@@ -159,25 +160,19 @@ def quiet_runs(runs: Sequence[Run]) -> list[Quiet]:
 
     A drift that repeats and is near the drive would count as noise, slip or jump of every run. The mean over the runs
     with the mass moved of what the line leaves of each dwell (in a gap, the drift) has no part in the line: amplitudes
-    stay. The line itself follows from the phases; any error in it cancels as it does.
+    stay. The line itself follows from the phases; any error in it cancels as it does. Jumps, kinks and false readings
+    of one run are kept out of the mean: else each of the others would get a part of them.
     """
     moved = [run for run in runs if run.moved]
     phases = np.array([start_phase(run.schedule) for run in moved])
     as_they_are = [Quiet(run) for run in runs]
     if len(moved) < 2 or not np.any(_ahead(phases, np.array([run.schedule.frequency for run in moved]))):
         return as_they_are
-    shortest, longest = (limit(len(run.reading) for run in moved) for limit in (min, max))
-    rest, lines = np.full((len(moved), longest), np.nan), []
-    for row, run in zip(rest, moved, strict=True):
-        try:
-            found = fit_line(run.schedule, run.reading)
-        except DataError:  # the response of this run says why
-            return as_they_are
-        part, at = run.reading - found.line, np.arange(len(run.reading))
-        gaps = np.isnan(part)
-        part[gaps] = np.interp(at[gaps], at[~gaps], found.drift[~gaps])
-        row[: len(part)] = part - part[:shortest].mean()
-        lines.append(complex(found.amplitude, np.nan_to_num(found.quadrature)))
+    try:
+        sound = _repaired(moved)
+        rest, lines = _rests(sound)
+    except DataError:  # the response of this run says why
+        return as_they_are
     repeats = np.nanmean(rest, axis=0)
     turned = np.exp(1j * phases)
     _, common = np.linalg.lstsq(np.column_stack([turned, np.ones(len(moved))]), np.array(lines) * turned, rcond=None)[0]
@@ -189,9 +184,55 @@ def quiet_runs(runs: Sequence[Run]) -> list[Quiet]:
         line = complex(common * np.exp(-1j * start_phase(run.schedule)))
         at_drive = size * (line.real * wave.imag + line.imag * wave.real)
         common_part = np.zeros(len(angle))
-        common_part[:longest] = repeats[: len(angle)]
+        common_part[: len(repeats)] = repeats[: len(angle)]
         quiet.append(Quiet(replace(run, reading=run.reading - common_part - at_drive), line, len(moved)))
     return quiet
+
+
+def _rests(runs: Sequence[Run]) -> tuple[Array, list[complex]]:
+    """Return what the line leaves of each dwell, shape (m, n), NaN beyond the end of a run, and the line of each run.
+
+    Raises
+    ------
+    DataError
+        As `fit_line`.
+    """
+    shortest, longest = (limit(len(run.reading) for run in runs) for limit in (min, max))
+    rest, lines = np.full((len(runs), longest), np.nan), []
+    for row, run in zip(rest, runs, strict=True):
+        found = fit_line(run.schedule, run.reading)
+        part, at = run.reading - found.line, np.arange(len(run.reading))
+        gaps = np.isnan(part)
+        part[gaps] = np.interp(at[gaps], at[~gaps], found.drift[~gaps])
+        row[: len(part)] = part - part[:shortest].mean()
+        lines.append(complex(found.amplitude, np.nan_to_num(found.quadrature)))
+    return rest, lines
+
+
+def _repaired(runs: Sequence[Run]) -> list[Run]:
+    """Return m runs without the jumps, kinks and false readings that one of them has and the median over them has not.
+
+    The median of two runs is their mean, and both show half of a fault: it belongs to the one whose reading steps more.
+    """
+    usual = np.nanmedian(_rests(runs)[0], axis=0)
+    found = [changes_of(run.schedule, run.reading - usual[: len(run.reading)], moved=False) for run in runs]
+
+    def step(k: int, at: int) -> float:
+        before = runs[k].reading[max(at - 3, 0) : at]
+        size = abs(runs[k].reading[at] - np.median(before[np.isfinite(before)])) if np.isfinite(before).any() else 0.0
+        return float(np.nan_to_num(size))
+
+    sound = []
+    for k, (run, own) in enumerate(zip(runs, found, strict=True)):
+        rivals = [(j, one.at) for j, other in enumerate(found) if j != k for one in other.found]
+        mine = all(step(k, one.at) >= step(j, one.at) for one in own.found for j, at in rivals if abs(at - one.at) <= 1)
+        if not (own.found and mine and own.repairable):
+            sound.append(run)
+            continue
+        x = run.reading - usual[: len(run.reading)]
+        sizes = own.sizes * (2.0 if len(runs) == 2 else 1.0)
+        sound.append(replace(run, reading=replace(own, sizes=sizes).repaired(x) + usual[: len(run.reading)]))
+    return sound
 
 
 def _parts(ahead: Array) -> tuple[Array, Array]:

@@ -81,6 +81,7 @@ def responses_of(plan: Plan, runs: Sequence[Run]) -> list[Response]:
         ``schedule_slip``, if the mass came a dwell late or early from some dwell on; as `line.line_design`.
     """
     prepared = [_prepared(plan, run) for run in runs]
+    _check_schedules(runs, [one.changes for one in prepared])
     fits = common_noise([one.found for one in prepared])
     return [_response(run, one, found) for run, one, found in zip(runs, prepared, fits, strict=True)]
 
@@ -104,7 +105,6 @@ def _prepared(plan: Plan, run: Run) -> _Prepared:
     try:
         x, p, u_p, half = without_tilt(plan, run, tilt, mode)
         changes = changes_of(run.schedule, x, run.moved)
-        _check_schedule(run, changes)
         x = changes.repaired(x) if changes.repairable else x
         found = fit_series(run.schedule, x)
         meter = None if tilt is None else fit_line(run.schedule, np.where(np.isfinite(x), tilt, np.nan))
@@ -129,16 +129,19 @@ def _response(run: Run, prepared: _Prepared, fit: LineFit) -> Response:
                     u_tau, p, half, mode, found, x, start_phase(run.schedule), changes)  # fmt: skip
 
 
-def _check_schedule(run: Run, changes: Changes) -> None:
-    for one in changes.found:
-        if one.kind == "slip":
-            part = "the whole run fits" if one.at == 0 else f"from dwell {one.at + 1} on the readings fit"
-            size = "half a dwell" if abs(one.size) < 1.0 else ("one dwell" if abs(one.size) == 1.0 else "two dwells")
-            side = "late" if one.size > 0.0 else "early"
-            what = f"{run.name}: {part} a mass that comes {size} {side}"
-            why = f"twice the log likelihood gains {one.score:.0f}; the phase would be wrong"
-            do = "Find the lost dwell or move, and correct the schedule or its begin"
-            raise DataError(what, run.where, why, do, "schedule_slip")
+def _check_schedules(runs: Sequence[Run], changes: Sequence[Changes]) -> None:
+    """Refuse a slip; where several runs show it, as they share what repeats, the one that shows it most."""
+    slips = [(one.score, k, one) for k, each in enumerate(changes) for one in each.found if one.kind == "slip"]
+    if not slips:
+        return
+    score, k, one = max(slips, key=lambda each: each[0])
+    part = "the whole run fits" if one.at == 0 else f"from dwell {one.at + 1} on the readings fit"
+    size = "half a dwell" if abs(one.size) < 1.0 else ("one dwell" if abs(one.size) == 1.0 else "two dwells")
+    side = "late" if one.size > 0.0 else "early"
+    what = f"{runs[k].name}: {part} a mass that comes {size} {side}"
+    why = f"twice the log likelihood gains {score:.0f}; the phase would be wrong"
+    do = "Find the lost dwell or move, and correct the schedule or its begin"
+    raise DataError(what, runs[k].where, why, do, "schedule_slip")
 
 
 def tilt_left(responses: Iterable[Response]) -> float:

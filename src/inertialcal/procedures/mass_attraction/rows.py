@@ -229,10 +229,13 @@ def series_remarks(plan: Plan, readings: Readings) -> Iterator[Remark]:
         if lost:
             what = f"{run.name}: {lost} dwell(s) of the schedule have no reading; they stay gaps"
             yield Remark("missing_dwells", "info", what, run.where)
-        if plan.tilt == "ignored" or tilt_used(plan, run) != "ignored":
-            continue
+    lacking = [run for run in readings.series if plan.tilt != "ignored" and tilt_used(plan, run) == "ignored"]
+    do = 'State its size as [standards.pad] tilt, or set tilt = "ignored"'
+    if lacking and not any(run.tilt is not None for run in readings.series):
+        yield Remark("missing_tilt", "warning", "the tilt of the pad was not recorded, and is not subtracted", do=do)
+        return
+    for run in lacking:
         what = f"{run.name}: the tilt of the pad was not recorded, and is not subtracted"
-        do = 'State its size as [standards.pad] tilt, or set tilt = "ignored"'
         yield Remark("missing_tilt", "warning", what, run.where, do=do)
 
 
