@@ -186,9 +186,11 @@ def gain_of(cycles: Array, density: Array, weight: Array, interval: float) -> tu
     plain = min(plain, *costs[: NONE + 1])  # where the solver stops short
     if 2.0 * (plain - costs[best]) >= CLEAR:
         plain = min(plain, with_one_time(cycles, density, weight, interval))
-    mild = costs[FOLDS <= MILD]
-    there = np.flatnonzero(mild < plain + NEAR) if mild.min() >= plain else np.flatnonzero(mild < mild.min() + NEAR)
-    hidden = float(FOLDS[there[-1]]) if len(there) else 0.0
+    few = falling[:, :3]  # white noise, flicker, walk: others give way to any filter
+    mild = np.array(
+        [least(few / (1.0 + size * steps)[:, None], density, weight)[0] for size in (0.0, *FOLDS[FOLDS <= MILD])]
+    )
+    hidden = float([0.0, *FOLDS][np.flatnonzero(mild < mild.min() + NEAR)[-1]])
     return 2.0 * float(plain - costs[best]), corner_of(float(FOLDS[best])), hidden
 
 

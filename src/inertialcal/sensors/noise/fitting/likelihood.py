@@ -59,6 +59,7 @@ SPACINGS = np.array([5.0, 1.67, 0.3])  # rows between correlation times that are
 SAME_TAU = 0.01  # relative difference of averaging times that are alike
 NO_BEAT = 1e-9  # sine of a frequency that is no beat: the sum of two lines at the sample rate
 TAIL = 8.0  # of a correlation time, and of both averaging times, beyond which nothing is summed
+HIDDEN = 2.5  # standard uncertainties of the noise: most that a filter may take unseen
 SINGULAR = 1e-12  # of the largest eigenvalue: directions that nothing tells of
 
 
@@ -168,6 +169,7 @@ def covariance_of_runs(problem: Problem, fitted: Fitted) -> Array:
         if run.band is None:
             own = covariance_of_allan(phase, run.m, run.n, run.inflation)
             shape = np.zeros(len(own)) if run.unseen is None else run.unseen.lost([phase], run.m)[0]
+            shape = np.minimum(shape, HIDDEN * np.sqrt(np.diag(own)))
             blocks.append(own + np.outer(shape, shape))
             continue
         lost, (level, shape) = run.band.lost([phase], run.m)[0], run.band.u_lost(phase, run.m)
