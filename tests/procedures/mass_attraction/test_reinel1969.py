@@ -57,7 +57,7 @@ def test_null_runs_are_zero_within_their_noise(rows: Rows) -> None:
 
 def test_the_budget_adds_up_and_has_the_applied_acceleration(results: dict[str, Any]) -> None:
     mine = [one for one in results["budgets"] if (one["test"], one["quantity"]) == ("after_work", "scale_factor")]
-    assert {one["source"] for one in mine} == {"noise next to the line of each run", "acceleration applied"}
+    assert {one["source"] for one in mine} == {"noise within the runs", "acceleration applied"}
     assert sum(one["share"] for one in mine) == pytest.approx(1.0)
 
 
