@@ -137,5 +137,5 @@ def repeating_chance(contrasts: Array, walks: Array, kinks: Array) -> float:
     size = np.linalg.norm(kinks / root, axis=0)
     clear = size > SHOWN * size.max()
     t = np.abs(mean @ (kinks / root)[:, clear]) / size[clear] * np.sqrt(runs / between)
-    kink = 2.0 * clear.sum() * float(special.stdtr(dof, -t.max()))
+    kink = 2.0 * float(clear.sum()) * float(special.stdtr(dof, -t.max()))
     return min(2.0 * min(f, kink), 1.0)

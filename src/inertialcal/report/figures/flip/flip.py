@@ -126,8 +126,8 @@ def draw_record(
         for start, stop in spans(curve):
             ax.axvspan(start, stop, color=COLOURS["green"], alpha=0.22, linewidth=0.0, zorder=1)
         for i, (start, stop) in enumerate(turns):
-            label = "turn seen" if i == 0 else None
-            ax.axvline(0.5 * (start + stop), color=COLOURS["ink"], linewidth=0.7, zorder=2, label=label)
+            line = ax.axvline(0.5 * (start + stop), color=COLOURS["ink"], linewidth=0.7, zorder=2)
+            line.set_label("turn seen" if i == 0 else "_")
         set_labels(ax, y=with_unit(plain(curve.get("axis", ""), 12), unit(curve, "mean")))
     _letters(axes[0], spans(own[0]))
     set_title(axes[0], title)
