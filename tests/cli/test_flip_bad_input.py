@@ -23,14 +23,14 @@ SHORT = replace(SMALL, duration=1800.0, turn_starts=(600.0, 1200.0), window=200.
 # What `run` leaves for each mistake of the rig: its exit status, and the words that name the mistake.
 RUN = {
     "not_turned": (0, "y and z do not follow the stated angles"),
-    "other_axis": (0, "The head may have been turned about z"),
+    "other_axis": (4, "the dwells follow a turn about z, not about x"),
     "gain_changed": (4, "level and scatter of y change by a factor of 0.1: y is not read"),
     "too_short": (3, "is no longer than the 20 s of settling"),
     "missing_position": (4, "missing position: x, y, z were read at 0 deg only"),
     "at_rails": (0, "at an end of the converter"),
     "magnitude": (4, "less than the bias of any head"),
     "robot_arm": (0, "Something else moved (robot arm, crew)"),
-    "wrong_sign": (0, "Check the positions and the sign of each axis"),
+    "wrong_sign": (4, "the dwells follow the angles with y reversed: its sign is wrong"),
 }
 
 
@@ -98,7 +98,7 @@ THIRD = "1996/051/12:21:00..1996/051/12:29:00=0 deg"
         (("--unit", "g", "--settle", "a while"), 2, "settle"),
         (("--unit", "g", "--angle", "180"), 2, "angle: '180' Write a number with its unit, like 180 deg"),
         (("--unit", "g", *windows("1996/051/12:03:00..1996/051/12:09:00=0")), 2, "'0' Write a number with its unit"),
-        (("--unit", "g", "--axis", "z"), 0, "The head may have been turned about x"),
+        (("--unit", "g", "--axis", "z"), 4, "The head may have been turned about x"),
         (("--unit", "g", "--angle", "half"), 2, "angle: 'half' Write"),
         (("--unit", "g", *windows(FIRST)), 0, "missing position: x, y, z were read at 0 deg only"),
         (("--unit", "g", *windows("1996/051/12:09:00..1996/051/12:03:00=0 deg")), 2, "the end must be after the start"),
@@ -123,15 +123,39 @@ def test_a_record_asked_for_wrongly(
     assert found == status
 
 
-@pytest.mark.parametrize("fault", ["not_turned", "other_axis", "wrong_sign"])
-def test_a_mistake_is_named_from_the_record_alone(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, fault: str
-) -> None:
+def record_with(fault: str, path: Path) -> Path:
     bench = replace(FAULTS[fault].put_into(SMALL), saved="g", said="g")
-    path = tmp_path / "head.csv"
     path.write_text(csv_text(build(bench, 1).recordings[FILE]), encoding="utf-8")
-    status, said = call(capsys, "flip", path, "--unit", "g")
-    assert (status, RUN[fault][1] in said) == (0, True)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("fault", "status", "words"),
+    [
+        ("not_turned", *RUN["not_turned"]),
+        ("other_axis", *RUN["other_axis"]),
+        ("wrong_sign", 2, "not to and fro between two levels: 3 turns found"),  # quarter turns: windows are needed
+    ],
+)
+def test_a_mistake_is_named_from_the_record_alone(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, fault: str, status: int, words: str
+) -> None:
+    path = record_with(fault, tmp_path / "head.csv")
+    found, said = call(capsys, "flip", path, "--unit", "g")
+    assert words in said
+    assert found == status
+
+
+def test_a_wrong_sign_is_named_where_windows_say_quarter_turns(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    path = record_with("wrong_sign", tmp_path / "head.csv")
+    dwells = {"12:06:00..1996/051/12:14:00": 0, "12:19:00..1996/051/12:27:00": 90,
+              "12:33:00..1996/051/12:41:00": 180, "12:46:30..1996/051/12:50:00": 0}  # fmt: skip
+    given = windows(*(f"1996/051/{span}={angle} deg" for span, angle in dwells.items()))
+    status, said = call(capsys, "flip", path, "--unit", "g", *given)
+    assert RUN["wrong_sign"][1] in said
+    assert status == RUN["wrong_sign"][0]
 
 
 def table_of(path: Path) -> tuple[str, np.ndarray]:

@@ -22,7 +22,8 @@ from inertialcal.statistics.intervals import covers
 from sized import FULL, sized
 
 CORNERS = (0.0, 0.01, 0.1)  # of the 1/f noise [Hz]; 0: white alone
-LONG, FURTHER, SHORT = range(1, sized(1000, 100) + 1), range(1, sized(1000, 60) + 1), range(1, 31)
+LONG, FURTHER = range(1, sized(1000, 100) + 1), range(1, sized(1000, 60) + 1)
+SHORT = range(1, 8)  # shows gross mistakes alone
 MINUTES = 8.0  # for 3,000 flips on PROCESSES
 PROCESSES = 2
 QUIET = {"relative_to_fixture", "settling", "turns_seen"}  # what is said of every flip
@@ -43,9 +44,7 @@ def check(found: Tally, corner: float, standards: bool = False) -> None:
     assert found.remarks["relative_to_fixture"] == (0 if standards else n)
 
 
-@pytest.mark.parametrize(
-    "corner", [pytest.param(one, marks=pytest.mark.slow if i % 2 else []) for i, one in enumerate(CORNERS)]
-)
+@pytest.mark.parametrize("corner", [CORNERS[0], CORNERS[-1]])  # the next test has all, and many more flips
 def test_intervals_hold_the_truth_of_the_rig(corner: float) -> None:
     check(flips(THERE_AND_BACK, corner, SHORT), corner)
 
@@ -105,7 +104,7 @@ def kept_off(seed: int, corner: float) -> bool:
     return reach <= ARM_FADE or "disturbed" in {one.code for one in remarks}
 
 
-@pytest.mark.parametrize("n", [10, pytest.param(sized(200, 60), marks=pytest.mark.slow)])
+@pytest.mark.parametrize("n", [4, pytest.param(sized(200, 60), marks=pytest.mark.slow)])
 @pytest.mark.parametrize("corner", [0.01])
 def test_windows_that_are_found_keep_off_a_robot_arm_or_say_so(corner: float, n: int) -> None:
     assert sum(kept_off(seed, corner) for seed in range(1, n + 1)) >= 0.95 * n

@@ -321,11 +321,12 @@ def found_windows(
     channels = [recording.channel(axis).data for axis in AXES if axis in recording.names]
     turns = find_turns(channels, time_ns, recording.sample_interval, plan=plan)
     pairs = turn_windows(turns)
-    do = f"Give the windows: {option}"
+    do = f"Give the windows, each with its angle: {option}"
     place = name or recording.source.path
     if turns.doubt:
         what = f"{place}: {turns.doubt}: {seen_turns(recording, turns.shifts)}"
-        raise UsageError(what, why="nothing in the record says which of these are turns", do=do, code="unclear_turns")
+        why = "the record does not say which of these are turns, and by what angle"
+        raise UsageError(what, why=why, do=do, code="unclear_turns")
     if not pairs:
         what = f"{place}: no turn of the head found in {seconds:.4g} s"
         spikes = f"; {_spikes(recording, turns.others)} may be one" if turns.others else ""
