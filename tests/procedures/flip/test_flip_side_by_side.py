@@ -200,9 +200,10 @@ def test_what_cannot_be_set_side_by_side_is_refused() -> None:
         side_by_side(result, other, "old")
 
 
-def test_the_interval_of_the_change_holds_its_confidence() -> None:
+@pytest.mark.parametrize("n", [100, pytest.param(300, marks=pytest.mark.slow)])
+def test_the_interval_of_the_change_holds_its_confidence(n: int) -> None:
     """Four flips, models that differ by 5 ug and a scatter from flip to flip; noise of the dwells is common to both."""
-    n, hits = 300, 0
+    hits = 0
     for seed in range(1, n + 1):
         rng, flips = np.random.default_rng(seed), [str(k) for k in range(4)]
         common = {f: 30.0 + rng.normal(0.0, 20.0, 2) for f in flips}

@@ -114,7 +114,8 @@ def _other_axis(plan: Plan, readings: Readings, flips: Sequence[Flip]) -> list[R
         still = [axis for axis in plan.turned if (p := _p(one, Key(AMBIENT, axis))) is not None and p > RISK]
         if tested is not None and _zero(tested) < CLEAR and still:
             what = f"{plan.axis} {_control(plan, one)} while {' and '.join(still)} kept the reading"
-            do = f"The head may have been turned about {' or '.join(still)}: check plan.axis, columns and mounting"
+            axis = " or ".join(still)
+            do = f"The head may have been turned about {axis}: check plan.axis (--axis {axis}), columns and mounting"
             remarks.append(Remark("turned_about_other_axis", "warning", what, f"flip {one.label}", do=do))
     return remarks
 
