@@ -110,17 +110,10 @@ class _Noise:
         return np.asarray(found - self.slow @ (self.slow.T @ found))
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=8)
 def _noises(shape: bytes, times: bytes, there: bytes, per_cycle: int) -> tuple[_Noise, ...]:
     """Return the whitened columns for each walk; shape and times [dwells] of all dwells, and which have a reading."""
     s, t, keep = np.frombuffer(shape), np.frombuffer(times), np.frombuffer(there, dtype=np.bool_)
-    at = np.arange(len(s))
-    onward = at[:, None] >= at[None, :]
-    columns: dict[str | float, Array] = {
-        "jump": onward.astype(np.float64), "kink": onward * np.subtract.outer(1.0 * at, 1.0 * at),
-        "reading": np.eye(len(s)), "gain": onward * s[:, None],
-    }  # fmt: skip
-    columns |= {by: np.where(onward, shifted(s, by)[:, None], s[:, None]) for by in SHIFTS}
     here = t[keep]
     apart = (here[:, None] - here[None, :]) / (LENGTH * per_cycle)
     smooth = np.eye(len(here)) + DRIFT * np.exp(-0.5 * apart**2)
@@ -133,15 +126,22 @@ def _noises(shape: bytes, times: bytes, there: bytes, per_cycle: int) -> tuple[_
         root = linalg.cholesky(smooth + noise, lower=True)
         slow, r = np.linalg.qr(linalg.solve_triangular(root, polynomial, lower=True))
         log_det = 2.0 * float(np.sum(np.log(np.diag(root))) + np.sum(np.log(np.abs(np.diag(r)))))
-        raw = {
-            name: np.asarray(linalg.solve_triangular(root, 1.0 * each[keep], lower=True))
-            for name, each in columns.items()
-        }
+        readings = np.zeros((len(here), len(s)))  # each dwell alone, whitened; zero for a gap
+        readings[:, keep] = linalg.solve_triangular(root, np.eye(len(here)), lower=True)
+        jumps = _onward(readings)
+        raw: dict[str | float, Array] = {"jump": jumps, "reading": readings, "gain": _onward(readings * s)}
+        raw["kink"] = np.column_stack([_onward(jumps)[:, 1:], np.zeros(len(here))])
+        raw |= {by: (readings @ s)[:, None] + _onward(readings * (shifted(s, by) - s)) for by in SHIFTS}
         power = {name: np.sum(each**2, axis=0) for name, each in raw.items()}
         tried = {name: each - slow @ (slow.T @ each) for name, each in raw.items()}
         dof = dof or float(np.sum(tried["reading"] ** 2))
         found.append(_Noise(root, slow, log_det, dof, tried, power))
     return tuple(found)
+
+
+def _onward(columns: Array) -> Array:
+    """Return the sum of each column and all after it."""
+    return np.asarray(np.cumsum(columns[:, ::-1], axis=1)[:, ::-1])
 
 
 def shifted(s: Array, by: float) -> Array:
