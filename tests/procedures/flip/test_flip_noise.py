@@ -15,8 +15,11 @@ from inertialcal.core.key import Key
 from inertialcal.procedures.flip.plan import Plan
 from inertialcal.procedures.flip.readings import Quiet, Readings
 from inertialcal.procedures.flip.reduction import Result, reduce
+from inertialcal.procedures.flip.separation.equations import separate
+from inertialcal.procedures.flip.separation.noise import noise_of
 from inertialcal.procedures.flip.simulation import Truth, simulate
 from inertialcal.statistics.intervals import contains, covers, t_interval
+from inertialcal.statistics.slow_noise import FLICKER, WALK
 from sized import sized
 
 UG = 9.80665e-6
@@ -131,6 +134,21 @@ def test_the_uncertainty_in_white_noise_is_that_of_two_means() -> None:
         assert estimate is not None
         variances.append(estimate.u[estimate.names.index("control_error_x")] ** 2)
     assert np.mean(variances) * 4.0 * TRUTH.dwell / TRUTH.white == pytest.approx(1.0, rel=0.2)
+
+
+def test_slow_ambient_noise_is_in_a_bias_as_that_of_the_head_is_in_an_ambient_acceleration() -> None:
+    """After half a turn: g cos(angle) with the weights of a bias, which are those of g times cos(angle)."""
+    readings = simulate(Plan(), TRUTH, np.random.default_rng(1))
+    flip, record = separate(Plan(), readings, readings.flip[0]), readings.quiet[0].of("y")
+    noise = noise_of(record, "y", True)
+    bias, ambient = (
+        flip.weights["y"][flip.keys.index(Key(name, "y"))] @ record.weights @ noise.pieces.membership.T
+        for name in ("bias", "ambient_acceleration")
+    )
+    for slow in (FLICKER, WALK):
+        in_bias = noise._of_slow((slow, "ambient"), bias, bias, False)
+        assert in_bias > 0.0
+        assert in_bias == pytest.approx(noise._less_record(slow, ambient, ambient), rel=1e-6)
 
 
 FULL_RECORD = replace(TRUTH, angles=(0.0, math.pi) * 3, turn=10.0, record=1850.0)  # nothing but dwells and turns

@@ -11,10 +11,11 @@ from scipy import stats
 from inertialcal.core.estimate import Array
 from inertialcal.physics.motion.schedule import repeated
 from inertialcal.procedures.mass_attraction.agreement import agreement
-from inertialcal.procedures.mass_attraction.joining import join, quiet_runs
+from inertialcal.procedures.mass_attraction.joining import between_variance, join, quiet_runs
 from inertialcal.procedures.mass_attraction.plan import Plan
 from inertialcal.procedures.mass_attraction.readings import Readings, Run
 from inertialcal.procedures.mass_attraction.reduction import Result, reduce
+from inertialcal.procedures.mass_attraction.response import response_of
 from inertialcal.statistics.intervals import coverage_factor, covers
 
 A, S, NOISE, DWELLS = 2.25e-7, 1.04e6, 0.056, 100  # [m/s^2], [count/s/(m/s^2)], [count/s]
@@ -52,6 +53,29 @@ def test_equal_runs_that_differ_give_what_textbooks_give() -> None:
     assert found.scatter == "between_runs"
 
 
+def test_the_variance_between_runs_brings_the_residuals_to_their_lower_quartile() -> None:
+    values = np.array([1.0, 2.0, 3.0, 6.0])  # squares about their mean: 14
+    found = between_variance(values, np.full(4, 0.5), np.ones((4, 1)))
+    assert 14.0 / (0.25 + found) == pytest.approx(stats.chi2.ppf(0.25, 3.0), rel=1e-5)
+
+
+def test_degrees_of_freedom_of_the_noise_are_satterthwaites() -> None:
+    """Weights by 1 / u^2: variances 100 and 25, of a whole of 125."""
+    found = join(np.ones(2), np.array([0.1, 0.2]), np.array([4.0, 20.0])).within
+    assert found.u == pytest.approx(125.0**-0.5)
+    assert found.dof == pytest.approx(125.0**2 / (100.0**2 / 4.0 + 25.0**2 / 20.0))
+
+
+def test_a_run_keeps_its_noise_where_the_mean_of_both_is_taken_out() -> None:
+    ratios = []
+    for seed in range(10):
+        runs = campaign(seed, [0, 180], np.zeros(DWELLS)).series
+        u = [(one.response(PLAN).u, response_of(PLAN, one.run).u) for one in quiet_runs(runs)]
+        ratios += [own / quiet for own, quiet in u]
+        assert np.mean([own for own, _ in u]) == pytest.approx(NOISE * np.sqrt(2.0 / DWELLS), rel=0.5)
+    assert ratios == pytest.approx(np.full(20, np.sqrt(2.0)))
+
+
 def test_runs_that_agree_better_than_their_noise_have_the_uncertainty_of_their_noise() -> None:
     found = join(np.array([1.0, 1.001, 0.999, 1.0]), np.full(4, 0.1), np.full(4, DOF))
     assert found.scatter == "within_runs"
@@ -75,7 +99,7 @@ def test_intervals_hold_the_mean_whether_runs_scatter_or_not(runs: int, scatter:
     assert np.median(widths) < 1.35 / np.sqrt(np.sum(1.0 / (sigma**2 + scatter**2)))
 
 
-@pytest.mark.parametrize("starts", [[0, 180, 0, 180], [0, 90, 0, 90], [90, 0, 90, 0], [0, 90, 180, 270]])
+@pytest.mark.parametrize("starts", [[0, 180, 0, 180], [0, 90, 0, 90], [90, 0, 90, 0], [0, 90, 180, 90]])
 def test_what_repeats_cancels_if_the_phase_of_the_drive_differs(starts: list[int]) -> None:
     alone = scale_factor(reduce(PLAN, campaign(1, starts, np.zeros(DWELLS))))
     result = reduce(PLAN, campaign(1, starts, SAWTOOTH))

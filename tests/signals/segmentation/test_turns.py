@@ -14,7 +14,7 @@ from inertialcal.core.estimate import Array
 from inertialcal.core.recording import SECOND, Times
 from inertialcal.rigs.parts.noise import flicker
 from inertialcal.signals.segmentation.block_statistics import block_statistics
-from inertialcal.signals.segmentation.level_changes import Change, at_spike
+from inertialcal.signals.segmentation.level_changes import Change, Series, _scores, at_spike
 from inertialcal.signals.segmentation.turn_windows import quiet_part, turn_windows
 from inertialcal.signals.segmentation.turns import Turn, TurnPlan, Turns, _taken, find_turns
 
@@ -373,3 +373,17 @@ def test_a_day_of_three_axes_at_250_samples_a_second() -> None:
     assert all(pair.before is not None and pair.after is not None for pair in pairs)
     assert used < 6.0
     assert peak < 200 * 2**20  # beside the record itself
+
+
+def test_the_score_of_a_step_is_what_least_squares_gain() -> None:
+    """Without a walk: the fall of the sum of squares by a step before each block, beside a level and a line."""
+    n, rng = 60, np.random.default_rng(1)
+    seconds, y = 10.0 * np.arange(n), rng.standard_normal(n) + (np.arange(n) >= 30)
+    found = _scores(Series(seconds, y[:, None], np.ones((n, 1)), 10.0), (), np.zeros(1))
+
+    def squares(*columns: Array) -> float:
+        X = np.column_stack([np.ones(n), seconds, *columns])
+        return float(np.sum((y - X @ np.linalg.lstsq(X, y, rcond=None)[0]) ** 2))
+
+    gain = np.array([squares() - squares(1.0 * (np.arange(n) >= i)) for i in range(n)])
+    np.testing.assert_allclose(found, gain / (squares() / (n - 1)), atol=1e-6)

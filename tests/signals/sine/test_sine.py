@@ -11,6 +11,7 @@ from inertialcal.signals.sine.amplitude import amplitude_of, most_likely
 from inertialcal.signals.sine.cross_checks import CrossCheck, cross_checks, difference_weights, smoothing_remark
 from inertialcal.signals.sine.drive import applied_drive, averaging_response, sine_drive
 from inertialcal.signals.sine.fit import common_noise, design_of, fit_line
+from inertialcal.signals.sine.noise import Noise, noise_of, same_noise
 
 STEP = 120.0
 TIMES = 50.0 + STEP * np.arange(100)
@@ -184,6 +185,43 @@ def test_runs_share_their_noise_unless_it_differs() -> None:
     assert joined[0].dof[0] > 2.0 * np.mean([one.dof[0] for one in alike])
     apart = [*alike[:3], fit_line(design, 5.0 * rng.standard_normal(100))]
     assert [one.u_in_phase[0] for one in common_noise(apart)] == [one.u_in_phase[0] for one in apart]
+
+
+def test_variance_of_weights_is_averaged_over_the_shares_of_the_walk() -> None:
+    """White 1 with a chance of 1/4, walk 2 x 6 / 4 = 3 with 3/4; 2 V^2 / dof: of a chi-square, and between both."""
+    noise = Noise(np.array([0.0, 1.0]), 4.0, np.array([[1.0], [2.0]]), np.array([[0.25], [0.75]]), 10)
+    variance, dof = noise.of(1.0, 6.0)
+    assert variance[0] == pytest.approx(2.5)
+    assert dof[0] == pytest.approx(2.0 * 2.5**2 / (0.25 * (0.2 + 1.5**2) + 0.75 * (0.2 * 9.0 + 0.5**2)))
+
+
+@pytest.mark.parametrize(("white", "walk"), [(1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+def test_white_noise_and_walk_are_found_from_contrasts(white: float, walk: float) -> None:
+    d = np.geomspace(0.01, 100.0, 4000)
+    z = np.sqrt(white + walk * d)[:, None] * np.random.default_rng(3).standard_normal((4000, 1))
+    found = noise_of([z], [d])
+    for weights in ((1.0, 0.1), (1.0, 1.0), (1.0, 20.0)):
+        variance, dof = found.of(*weights)
+        assert variance[0] == pytest.approx(white * weights[0] + walk * weights[1], rel=0.15)
+        assert 200.0 < dof[0] < 4001.0
+    halves = [z[::2, 0], z[1::2, 0]]
+    assert same_noise(halves, [d[::2], d[1::2]], found)
+    assert not same_noise([halves[0], 1.3 * halves[1]], [d[::2], d[1::2]], found)
+
+
+def test_drift_is_smoother_than_the_noise_that_it_is_found_in() -> None:
+    drift, noise = 30.0 * np.exp(-3 * PLACE), np.random.default_rng(4).standard_normal(100)
+    found = fit_line(design_of(sine_drive(TIMES, 1.0 / PERIOD, 0.0)), drift + noise).fitted()[1]
+    assert np.std(found - drift) < 0.8
+
+
+def test_the_scatter_of_many_stretches_is_the_uncertainty() -> None:
+    n = 12_000
+    x = np.random.default_rng(2).standard_normal((n, 40))
+    fit = fit_line(design_of(sine_drive(np.arange(1.0 * n), 0.25, 0.0)), x)
+    assert len(fit.design.stretches) >= 30
+    assert np.sqrt(np.mean(fit.u_in_phase**2)) == pytest.approx(np.sqrt(2.0 / n), rel=0.06)
+    assert fit.dof[0] == len(fit.design.stretches) - 1
 
 
 def test_a_million_samples_with_gaps_in_seconds() -> None:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy import stats
 
-from inertialcal.signals.sine.changes import contrast, cycle_amplitudes, jumps, response_changes
+from inertialcal.signals.sine.changes import contrast, critical, cycle_amplitudes, jumps, response_changes
 
 CHANCE = 5e-4
 
@@ -67,3 +68,11 @@ def test_a_change_of_the_response_and_where_it_is() -> None:
     assert found[2] is not None
     assert found[2].at == 18
     assert found[2].after / found[2].before == pytest.approx(1.5, rel=0.1)
+
+
+def test_the_score_of_a_change_is_students_t_over_its_limit() -> None:
+    each = np.random.default_rng(6).standard_normal(60) + 3.0 * (np.arange(60) >= 25)
+    found = response_changes([each], 0.01)[0]
+    assert found is not None
+    t = abs(stats.ttest_ind(each[: found.at], each[found.at :]).statistic)
+    assert 0.9 * t < found.score * critical(0.01 / 58.0, 58.0) <= t * (1.0 + 1e-9)
