@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.signal import butter, lfilter, sosfilt
 
 from inertialcal.sensors.noise import BiasInstability, RandomWalk, RateRandomWalk, fit, simulate
-from inertialcal.sensors.noise.fitting.filtered import Band, Search, search
+from inertialcal.sensors.noise.fitting.filtered import Band, Search, corner_of, crossing, rolled, search
 from inertialcal.sensors.noise.terms import Phase
 from inertialcal.signals.allan import allan
 from inertialcal.signals.spectrum.psd import psd
@@ -70,3 +70,14 @@ def test_a_pole_takes_what_the_closed_form_says() -> None:
     wanted = (4.0 * sums[0] - sums[1]) / (2.0 * m**2)
     found = level / m - band.lost([Phase(linear=level)], m)[0]
     np.testing.assert_allclose(found, wanted, rtol=2e-3)
+
+
+def test_parts_of_a_band_are_their_closed_forms() -> None:
+    """1 / (1 + s 4 sin^2(pi f)) folds a pole, cosh(2 pi fc) = 1 + 1 / (2 s); curve 2: (1 + x^2)^-2; half by halves."""
+    kept = np.exp(-2.0 * np.pi * CORNER)
+    assert corner_of(kept / (1.0 - kept) ** 2) == pytest.approx(CORNER)
+    np.testing.assert_allclose(rolled(np.array([0.0, 1.0, 2.0]), 2.0), [1.0, 0.25, 0.04])
+    cycles = np.geomspace(0.01, 0.5, 200)
+    assert crossing(cycles, 1.0 / (1.0 + (cycles / CORNER) ** 2), CORNER) == pytest.approx(CORNER, rel=1e-3)
+    band = Band(CORNER, np.array([0.1, 0.2]), np.array([0.8, 0.5]), (CORNER,) * 3, 0.0, np.zeros((2, 2)))
+    np.testing.assert_allclose(band.passed_at(np.array([0.05, 0.1])), [0.95, 0.8])
