@@ -378,12 +378,13 @@ def test_a_day_of_three_axes_at_250_samples_a_second() -> None:
 def test_the_score_of_a_step_is_what_least_squares_gain() -> None:
     """Without a walk: the fall of the sum of squares by a step before each block, beside a level and a line."""
     n, rng = 60, np.random.default_rng(1)
-    seconds, y = 10.0 * np.arange(n), rng.standard_normal(n) + (np.arange(n) >= 30)
+    seconds: Array = 10.0 * np.arange(n, dtype=np.float64)
+    y = rng.standard_normal(n) + (np.arange(n) >= 30)
     found = _scores(Series(seconds, y[:, None], np.ones((n, 1)), 10.0), (), np.zeros(1))
 
     def squares(*columns: Array) -> float:
         X = np.column_stack([np.ones(n), seconds, *columns])
         return float(np.sum((y - X @ np.linalg.lstsq(X, y, rcond=None)[0]) ** 2))
 
-    gain = np.array([squares() - squares(1.0 * (np.arange(n) >= i)) for i in range(n)])
+    gain = np.array([squares() - squares((np.arange(n) >= i).astype(np.float64)) for i in range(n)])
     np.testing.assert_allclose(found, gain / (squares() / (n - 1)), atol=1e-6)
