@@ -22,6 +22,7 @@ from inertialcal.rigs.mesa.rig import Bench, Run, build
 from inertialcal.rigs.mesa.setup import GATE, UG
 from inertialcal.rigs.twin import Twin
 from inertialcal.statistics.intervals import contains, covers, t_interval
+from sized import sized
 
 QUIET = Bench(
     runs=(Run("run1"), Run("null1", moved=False)), white=0.0, flicker=0.0, walk=0.0, cubic=0.0, thermostat=0.0,
@@ -128,7 +129,7 @@ def test_the_interval_holds_the_truth_in_a_few_campaigns() -> None:
 
 @pytest.mark.slow
 def test_the_interval_holds_the_truth_without_bias_and_null_runs_are_zero() -> None:
-    n, held, alarms, errors = 1000, 0, 0, []
+    n, held, alarms, errors = sized(1000, 400), 0, 0, []
     for seed in range(1, n + 1):
         twin = mesa.RIG.twin(seed)
         (result,) = fit_results(twin)

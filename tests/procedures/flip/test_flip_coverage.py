@@ -26,7 +26,8 @@ LONG, FURTHER = range(1, sized(1000, 100) + 1), range(1, sized(1000, 60) + 1)
 SHORT = range(1, 8)  # shows gross mistakes alone
 MINUTES = 8.0  # for 3,000 flips on PROCESSES
 PROCESSES = 2
-QUIET = {"relative_to_fixture", "settling", "turns_seen"}  # what is said of every flip
+# What is said of every flip, and of turns that slow noise hides
+QUIET = {"relative_to_fixture", "settling", "turns_seen", "turn_not_seen"}
 MOST = 0.03  # of undisturbed flips that carry a remark they should not, each kind
 TESTED = {"control_axis_not_zero", "not_turned_by_angle"}  # at 1 %
 ARM = 60.0  # [s] that the robot arm moves
