@@ -87,7 +87,7 @@ def _remarks(texts: Sequence[str], outside: Sequence[Turn], seen: bool, clock: C
     remarks = []
     if texts and seen:
         more = f"; and {len(texts) - MOST} more" if len(texts) > MOST else ""
-        what = f"turns said, seen (their middles apart): {'; '.join(texts[:MOST])}{more}"
+        what = f"turns from the windows and as the record shows them (apart): {'; '.join(texts[:MOST])}{more}"
         remarks.append(Remark("turns_seen", "info", what))
     elif texts:
         what = "the turns that are said do not show in the record: nothing checks the positions"
