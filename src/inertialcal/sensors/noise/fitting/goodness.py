@@ -60,6 +60,7 @@ def residual_test(problem: Problem, fitted: Fitted, sigma: Array) -> ChiSquare |
     found = (np.cbrt(problem.variance / mu) - (1.0 - 2.0 / (9.0 * edf))) / np.sqrt(2.0 / (9.0 * edf))
     D = slopes_of(problem, fitted)
     weights = problem.weight / mu**2
+    D = D / np.sqrt(weights @ D**2)  # powers of different terms differ by orders of magnitude
     taken = D @ np.linalg.solve((D.T * weights) @ D, D.T * weights)
     left = (np.eye(len(mu)) - taken) * unit / unit[:, None]
     correlation = left @ (sigma / np.outer(unit, unit)) @ left.T
