@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TypeVar
+from typing import Literal, NamedTuple, TypeVar, get_args
 
 import numpy as np
 
@@ -22,7 +22,39 @@ from ..sensors.model.sensor_model import Provenance
 from ..statistics.closed_loop import AxisLoop
 
 T = TypeVar("T")
+TermKind = Literal[
+    "scale_factor", "misalignment", "asymmetry", "bias", "g_sensitivity", "hysteresis", "warm_up", "sensitivity",
+    "noise",
+]  # fmt: skip
+KINDS: tuple[TermKind, ...] = get_args(TermKind)  # of terms: what [model] terms of a campaign decides on
+KIND_OF: Mapping[str, TermKind] = {
+    "scale_factor_error": "scale_factor",
+    "misalignment": "misalignment",
+    "scale_factor_asymmetry": "asymmetry",
+    "second_order": "asymmetry",
+    "third_order": "asymmetry",
+    "bias": "bias",
+    "bias_temperature": "bias",
+    "g_sensitivity": "g_sensitivity",
+    "bias_hysteresis": "hysteresis",
+    "bias_temperature_rate": "hysteresis",
+    "bias_warm_up": "warm_up",
+    "warm_up_time": "warm_up",
+}  # by quantity; every other parameter is a sensitivity to a recorded condition
 BIASES = ("bias", "bias_temperature")  # the other terms are entries of the matrix
+
+
+def kind_of(key: Key) -> TermKind:
+    """Return the kind of term that a parameter of the model is."""
+    return KIND_OF.get(key.quantity, "sensitivity")
+
+
+class ChannelReference(NamedTuple):
+    """What a sensitivity to a channel refers to, and where it holds."""
+
+    value: float  # Of the channel, SI (temperature: degC)
+    unit: str  # SI: ``"V"``, ``"Pa"``
+    range: tuple[float, float] | None = None  # Of the channel, in the same unit
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +93,13 @@ class ModelTerms:
         Unknowns of corrections that the readings had before, by origin.
     changes : mapping of Origin to mapping of Key to ndarray, shape (s,)
         By origin: what one standard uncertainty of each of those unknowns changes in a value of the estimate.
+    references : mapping of str to ChannelReference
+        By channel (``"supply"``, ``"pressure"``): what sensitivities refer to, and where they hold.
+    noise : Estimate or None
+        Terms of the noise, by axis: keys as rows of static noise have them, SI. They are shown and exported with the
+        model; no reading is compensated with them.
+    test : str
+        That they come from; the engine says it.
     """
 
     estimate: Estimate | None
@@ -78,6 +117,9 @@ class ModelTerms:
     temperature_range: tuple[float, float] | None = None
     taken_off: Mapping[Origin, Unknowns] = field(default_factory=dict[Origin, Unknowns])
     changes: Mapping[Origin, Mapping[Key, Array]] = field(default_factory=dict[Origin, Mapping[Key, Array]])
+    references: Mapping[str, ChannelReference] = field(default_factory=dict[str, ChannelReference])
+    noise: Estimate | None = None
+    test: str = ""
 
     def with_bias_of(self, other: ModelTerms | None) -> ModelTerms:
         """Return these with the bias of another reduction, taken as independent; without bias where there is none."""

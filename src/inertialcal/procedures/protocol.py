@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from ..sensors.model.sensor_model import SensorModel
     from .entries import Entry, EntryKey, SaidSensor, SaidTest
     from .given import Described, GivenFile
-    from .model_terms import HeldOut, ModelTerms
+    from .model_terms import HeldOut, ModelTerms, TermKind
     from .suggestions import Claim, Draft, FolderFile, Suggestion
 
 T = TypeVar("T")
@@ -565,9 +565,14 @@ class Procedure(Generic[P, R, S]):
     counts_dwells: bool = True
     figures: Sequence[FigureSpec] = ()
     compared: Compared | None = None
-    makes_model: bool = False  # what is fitted becomes the model of the sensor
+    gives: tuple[TermKind, ...] = ()  # kinds of terms (``model_terms.KINDS``) that its ``terms`` can hold
     model_of_each: bool = False  # several sensors of a campaign may each have one
     takes_corrections: bool = False  # readings may have taken off what another test found
+
+    @property
+    def makes_model(self) -> bool:
+        """Whether a model can be made of its tests alone; noise alone is none."""
+        return any(kind != "noise" for kind in self.gives)
 
     # ---- from a file to what a campaign says of it -----------------------------------------------------------------
 

@@ -73,7 +73,8 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
     plan_type, said_type, planner_type, influences = Plan, FileSettings, Wanted, INFLUENCES
     figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
-    makes_model = model_of_each = True
+    gives = ("scale_factor", "misalignment", "bias", "g_sensitivity")
+    model_of_each = True
     inputs = InputSpec(("accelerometer", "gyro"), table="rests", several_sensors=True, raw=True)
 
     def split_label(self, given: str) -> tuple[str, str]:

@@ -73,7 +73,8 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
     plan_type, influences = Plan, INFLUENCES
     figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
-    makes_model = takes_corrections = True
+    gives = ("scale_factor", "misalignment", "asymmetry", "bias")
+    takes_corrections = True
     chosen_by = "Choose by windows, or give rows.group"
     said_type = Columns
     inputs = InputSpec(("gyro",), (Role("applied", "", "rad/s", by_axis=False),), table="rows")
