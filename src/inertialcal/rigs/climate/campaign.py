@@ -21,7 +21,7 @@ def campaign_text(bench: Bench) -> str:
     """Return the text of campaign.toml, with the marks for the seed and for the seal of the truth."""
     title, about = "Sensitivities of a simulated rate-sensor suite", "supply, temperature, pressure and warm-up"
     groups = groups_of(bench)
-    recordings = {name: _entry(name, run, axis) for group in groups
+    recordings = {name: _entry(group, name, run, axis) for group in groups
                   for name, (run, axis) in names_of(bench, group).items()}  # fmt: skip
     decided: Content = {"scale_factor": ["table"], "misalignment": ["table"]} if "table" in groups else {}
     return toml_text(
@@ -41,12 +41,11 @@ def campaign_text(bench: Bench) -> str:
     )
 
 
-def _entry(name: str, run: int, axis: str) -> Content:
+def _entry(group: str, name: str, run: int, axis: str) -> Content:
     columns = {one: (one, unit) for one, unit in (("supply", "V"), ("pressure", "Pa"), ("temperature", "degC"))}
     columns |= {f"reference_{one}": (f"{one}_ref", "V") for one in AXES}
     turned: Content = {"axis": axis} if axis else {}
     columns |= {"applied": ("applied", "deg/s")} if axis else {}
-    group = name.rstrip("0123456789").rstrip("xyz_")
     return {
         "sensor": "suite",
         "file": file_of(name),
