@@ -49,7 +49,7 @@ class Bench:
     u_azimuth_deg: float = 2.0
     standards: Mapping[str, Influence] = field(
         default_factory=lambda: (
-            {name: one for name, one in STANDARDS.items() if not name.startswith("converter")}
+            {name: STANDARDS[name] for name in ("rate_table.rate", "rate_table.mounting", "site.latitude")}
             | {"thermometer.temperature": Influence(0.1, "degC", certificate="simulated")}
         )
     )
