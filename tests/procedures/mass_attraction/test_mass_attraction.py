@@ -98,6 +98,7 @@ def test_a_known_tilt_in_phase_is_taken_off_with_its_sign_and_the_mercury_is_not
     meter = 5e-6 + (tau + mercury) * s + 1e-14 * rng.standard_normal(100)
     for plan, expected in (
         (Plan(nominal=S, tilt="known", mercury=mercury), S),
+        (Plan(tilt="known", mercury=mercury), S),  # nor is one needed
         (Plan(nominal=1.1 * S, tilt="known", mercury=mercury), S),  # the nominal scale factor is not the answer
         (Plan(nominal=S, tilt="known"), S * (of.amplitude + G * tau) / (of.amplitude + G * (tau + mercury))),
         (Plan(nominal=S, tilt="ignored"), S * (1.0 + G * tau / of.amplitude)),
