@@ -89,9 +89,9 @@ def _content(
     return {
         "r": r,
         "about": about_text(results, model),
-        "model": modelled,
+        "document": modelled,  # all of model.json
         "provenance": numbers.wrap(provenance, "provenance:"),
-        "delivered": None if model is None or modelled is None else delivered(model, modelled, lists["results"]),
+        "delivered": [] if model is None or modelled is None else delivered(model, modelled, lists["results"]),
         "sections": found,
         "models": [(sensor_of[one.test], one) for one in found if one.test in sensor_of],
         "model_lines": sections.table(row for row in lists["results"] if row["test"] == sections.MODEL),

@@ -213,7 +213,7 @@ def _model(
     assert sensor.kind != "other"  # noqa: S101 - of which no procedure makes a model
     volts = None if sensor.mounting is not None else body_scale_factors(sensor)
     item = campaign.file.item
-    of_temperature = {
+    of_temperature: dict[str, Any] = {
         "reference_temperature": terms.reference_temperature,
         "temperature_range": terms.temperature_range,
     }

@@ -9,14 +9,35 @@ from pathlib import Path
 from ...core.errors import DataError
 from ...files.models.model_file import ModelFile, load_model_file
 from ...files.source import load
+from ...sensors.model.model_set import ModelSet
 from ...sensors.model.sensor_model import SensorModel
 from ..outcome.publish import OUT, RESULTS, restore
 
 MODEL = "model.json"
 
 
-def load_model(path: str | os.PathLike[str]) -> SensorModel:
+def load_model(path: str | os.PathLike[str], condition: str | None = None) -> SensorModel:
     """Return the model in a file, or that of a campaign.
+
+    Parameters
+    ----------
+    path : path
+        A ``model.json``, or the folder of a campaign.
+    condition : str, optional
+        Whose model is wanted, where there are several: ``"air"``.
+
+    Raises
+    ------
+    DataError
+        ``no_model`` for a folder without one; ``condition_needed`` where there are several and none is named,
+        ``no_such_condition``; ``checksum`` for a file that was changed by hand; and as
+        ``files.models.model_file.load_model_file``.
+    """
+    return find_model(path, condition).model
+
+
+def load_models(path: str | os.PathLike[str]) -> ModelSet:
+    """Return the models in a file, or those of a campaign, by condition.
 
     Parameters
     ----------
@@ -29,13 +50,13 @@ def load_model(path: str | os.PathLike[str]) -> SensorModel:
         ``no_model`` for a folder without one; ``checksum`` for a file that was changed by hand; and as
         ``files.models.model_file.load_model_file``.
     """
-    return find_model(path).model
+    return find_model(path).models
 
 
-def find_model(path: str | os.PathLike[str]) -> ModelFile:
-    """Return the model in a file or of a campaign, with its bytes; Raises as `load_model`."""
+def find_model(path: str | os.PathLike[str], condition: str | None = None) -> ModelFile:
+    """Return the models in a file or of a campaign, with its bytes; Raises as `load_model`."""
     given = Path(path)
-    return load_model_file(_in_folder(given) if given.is_dir() else given)
+    return load_model_file(_in_folder(given) if given.is_dir() else given, condition)
 
 
 def _in_folder(folder: Path) -> Path:

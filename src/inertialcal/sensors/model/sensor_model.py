@@ -40,6 +40,7 @@ from ...core.key import Kind
 from ...core.show.rounding import number, with_uncertainty
 from ...core.show.tables import Block, Details, Table, clean, html, text
 from ...core.units import convert, divide, factor, normalise, same_dimension
+from .sensitivity import Sensitivity
 from .terms import (
     SHAPES,
     Parameter,
@@ -47,6 +48,7 @@ from .terms import (
     check_estimate,
     check_needs,
     check_ranges,
+    check_sensitivities,
     parameters,
     read_only_term,
     values,
@@ -114,6 +116,7 @@ class SensorModel:
     matrix: Array  # shape (q, k, k): m_0, M_1, ... [1/degC^j].
     bias: Array  # shape (k,): k0 at the reference conditions [input unit]
     item: Item = field(default_factory=Item)  # Which unit
+    condition: str = ""  # Of the campaign, that the model is for; empty where none is told apart
     bias_temperature: Array | None = None  # shape (q, k): b_1, b_2, ... [input unit/degC^j].
     bias_pressure: Array | None = None  # shape (k,): b_p [input unit/Pa]
     bias_warm_up: Array | None = None  # shape (m, k): a_m [input unit]
@@ -126,6 +129,7 @@ class SensorModel:
     second_order: Array | None = None  # shape (k,): k2 [1/input unit]
     third_order: Array | None = None  # shape (k,): K3 [1/input unit^2]
     g_sensitivity: Array | None = None  # shape (k, 3): g [input unit/(m/s2)]
+    sensitivities: tuple[Sensitivity, ...] = ()  # Change of bias and scale factor with other channels
     reference_temperature: Array | None = None  # shape (k,): t_ref [degC]; needed with terms in temperature
     reference_pressure: float | None = None  # p_ref [Pa]; needed with ``bias_pressure``
     # shape (k, 2): lowest and highest input along each axis that the model holds for [input unit]; both zero for
@@ -135,6 +139,8 @@ class SensorModel:
     pressure_range: tuple[float, float] | None = None  # The same for pressure [Pa]
     # Values and covariance of the parameters, names as ``terms.parameters`` gives them
     estimate: Estimate | None = None
+    # Noise terms by axis, SI, as the noise test names them; they take no part in compensation
+    noise: Estimate | None = None
     not_estimated: Mapping[str, str] = field(default_factory=dict)  # Parameter -> why it has no uncertainty
     provenance: Mapping[str, Provenance] = field(default_factory=dict)  # Parameter -> where it comes from
     judged: bool = False  # Whether the closed loop has passed on recordings held out
@@ -155,9 +161,11 @@ class SensorModel:
             value = getattr(self, name)
             if value is not None:
                 object.__setattr__(self, name, read_only_term(name, value, len(self.axes)))
+        check_sensitivities(self.sensitivities, len(self.axes))
         terms = self.terms
-        check_needs(terms, self.reference_pressure)
-        check_ranges(self.axes, terms, {"temperature": self.temperature_range, "pressure": self.pressure_range})
+        check_needs(terms, self.reference_pressure, self.sensitivities)
+        ranges = {"temperature": self.temperature_range, "pressure": self.pressure_range}
+        check_ranges(self.axes, terms, ranges | {one.channel: one.range for one in self.sensitivities if one.range})
         if self.estimate is not None:
             check_estimate(self.parameters, terms, self.estimate)
 
@@ -168,13 +176,14 @@ class SensorModel:
 
     @property
     def terms(self) -> dict[str, Array]:
-        """Terms that are present, by name."""
-        return {name: getattr(self, name) for name in SHAPES if getattr(self, name) is not None}
+        """Terms that are present, by name; those of sensitivities by the name of their quantity."""
+        own = {name: getattr(self, name) for name in SHAPES if getattr(self, name) is not None}
+        return own | {name: array for one in self.sensitivities for name, array in one.terms.items()}
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """Every number of the equation that a test can give, with name and unit."""
-        return parameters(self.axes, self.unit, self.terms)
+        return parameters(self.axes, self.unit, self.terms, self.sensitivities)
 
     def parts(self) -> tuple[Block, ...]:
         """Return what is shown: whose it is, equation, matrix, a row a parameter, where it holds."""
