@@ -8,7 +8,7 @@ that starts slowly, as options and help are made of them.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, Protocol, TypeVar
 
 from ..core.figure import FigureSpec
@@ -379,10 +379,18 @@ class Correction(Protocol):
         """That found it."""
         ...
 
+    @property
+    def unit(self) -> str:
+        """Of the readings that it is taken off: ``"rad/s"`` or ``"m/s^2"``."""
+        ...
+
     def apply(
         self, recordings: Sequence[tuple[str, Recording]]
     ) -> tuple[list[Recording], list[Mapping[Origin, Unknowns]]]:
-        """Return named recordings with it taken off, and for each what is not known of it, by origin."""
+        """Return named recordings with it taken off, and for each what is not known of it, by origin.
+
+        The unknowns of an origin are the same ones, in one order, whatever the recordings.
+        """
         ...
 
     def with_terms(self, terms: ModelTerms) -> ModelTerms:
@@ -568,6 +576,7 @@ class Procedure(Generic[P, R, S]):
     gives: tuple[TermKind, ...] = ()  # kinds of terms (``model_terms.KINDS``) that its ``terms`` can hold
     model_of_each: bool = False  # several sensors of a campaign may each have one
     takes_corrections: bool = False  # readings may have taken off what another test found
+    no_corrections: str = ""  # why they may not
 
     @property
     def makes_model(self) -> bool:
@@ -623,8 +632,8 @@ class Procedure(Generic[P, R, S]):
         return self.plan_type(**{**values, **self.plan_fields(facts)})
 
     def inputs_for(self, plan: P, corrections: Sequence[Correction] = ()) -> InputSpec:
-        """Return what is taken with this plan and after these corrections; always the same by default."""
-        return self.inputs
+        """Return what is taken with this plan; before a correction, temperatures by the body axis of their sensor."""
+        return replace(self.inputs, by_body=True) if corrections else self.inputs
 
     def readings(self, plan: P, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> R:
         """Return the readings of all sources of a test.

@@ -110,6 +110,7 @@ def test_the_thermometer_and_the_converter_drop_out(found: dict[str, Fitted]) ->
     off = {one.source for one in estimate.components if one.source.startswith("thermal_ambient: ")}
     assert off == {
         "thermal_ambient: scatter between runs",
+        "thermal_ambient: order of the polynomial",
         "thermal_ambient: earth rate: latitude",
         "thermal_ambient: earth rate: tilt of the body",
         "thermal_ambient: earth rate: azimuth of the body",
@@ -200,7 +201,11 @@ def test_a_sensor_without_a_law_is_refused(bias: ThermalCorrection) -> None:
     [
         ('after = ["thermal_ambient"]', 'after = ["rate_check"]', "'rate_check' is no thermal test"),
         ('after = ["thermal_ambient"]', 'after = ["thermal_ambient_check"]', 'with use = "fit"'),
-        ('against = "thermal_ambient"', 'after = ["thermal_ambient"]', "only a rate_table has a bias taken off"),
+        (
+            'against = "thermal_ambient"',
+            'after = ["thermal_ambient"]',
+            "nothing is taken off the readings of a thermal test",
+        ),
     ],
 )
 def test_a_wrong_after_is_named(twin: Twin, tmp_path: Any, old: str, new: str, words: str) -> None:

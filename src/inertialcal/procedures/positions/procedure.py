@@ -74,7 +74,7 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
     figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
     gives = ("scale_factor", "misalignment", "bias", "g_sensitivity")
-    model_of_each = True
+    model_of_each = takes_corrections = True
     inputs = InputSpec(("accelerometer", "gyro"), table="rests", several_sensors=True, raw=True)
 
     def split_label(self, given: str) -> tuple[str, str]:
@@ -125,7 +125,7 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
         """Return static intervals and the rotations between them."""
         from .inputs import readings_of
 
-        return readings_of(plan, sources)
+        return readings_of(plan, sources, corrections)
 
     def agreement(self, plan: Plan, readings: Readings) -> Sequence[Remark]:
         """Return recordings, or parts of them, that disagree with gravity."""

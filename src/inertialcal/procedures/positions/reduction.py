@@ -35,11 +35,12 @@ from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.rounding import items
 from ...core.show.tables import Block, html, text
 from ...sensors.model.sensor_model import SensorModel
+from ..corrections import TakenOff
 from .checks import check_units, judged_scale, remarks_of, start_of
 from .fit.accelerometer import FEWEST, Fitted, among, fit_known, fit_unknown
 from .fit.at_rest import apart, at_rest, joined
 from .fit.gyro import FittedGyro, fit_gyro, problem_of
-from .fit.linear_sensor import rounded_scale, with_ideal
+from .fit.linear_sensor import after_corrections, rounded_scale, with_ideal
 from .fit.next_record import FEW, NO_TIME, UNJUDGED, NextRecord, rests_of, slow_noise_of
 from .fit.prior import Judgement, check_prior, fit_prior
 from .orientations import check_names, missing_faces
@@ -150,6 +151,10 @@ def reduce(plan: Plan, readings: Readings) -> Result:
         fitted = fit_unknown(plan, readings.acc, ideal, zero)
         if plan.priors:
             fitted, prior = fit_prior(plan, readings.acc, ideal, zero, fitted)
+    off = readings.taken_off.get("accelerometer", {})
+    fitted = _after_corrections(fitted, off)
+    if prior is not None:
+        prior = replace(prior, without=_after_corrections(prior.without, off))
     sensor = fitted.sensor
     final = ideal if si or plan.acc_scale_factor else rounded_scale(sensor, np.ones(3, dtype=bool))
     acc = replace(fitted, sensor=with_ideal(sensor, final, by_axis(plan.acc_zero, 0.0)))
@@ -178,6 +183,15 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     if gyro is not None:
         onward["gyro"] = _next_gyros(readings, gyro)
     return replace(bare, remarks=remarks, next_record=onward)
+
+
+def _after_corrections(fitted: Fitted, taken_off: TakenOff) -> Fitted:
+    """Return a fit with what is not known of corrections among its sources."""
+    gain = fitted.per_reading
+    if gain is None or not taken_off:
+        return fitted
+    more = after_corrections(taken_off, gain / fitted.sensor.ideal)
+    return replace(fitted, sensor=replace(fitted.sensor, sources=(*fitted.sensor.sources, *more)))
 
 
 def _next_accelerometers(readings: Readings, fitted: Fitted, final: Fitted) -> NextRecord | Reason:

@@ -228,8 +228,9 @@ def estimate(sensor: LinearSensor, kind: Kind, output_unit: str) -> Estimate | N
         least: Array | float = (
             float(dof) if not dof.ndim else np.array([dof[row].min(initial=np.inf) for row in matters])
         )
-        stated = None if one.influence is None else one.influence.stated
-        distribution = "t" if one.influence is None else one.influence.distribution
+        known = one.off or one.influence
+        stated = None if known is None else known.stated
+        distribution = "t" if known is None else known.distribution
         kind_of: Literal["A", "B"] = "B" if one.kind == "B" else "A"
         changes = None if one.changes is None else one.changes @ by_numbers.T
         components.append(

@@ -85,23 +85,19 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
 
         return [described(given)]
 
-    def inputs_for(self, plan: Plan, corrections: Sequence[Correction] = ()) -> InputSpec:
-        """Return what is taken: before a correction, temperatures by the body axis whose sensor feels them."""
-        return replace(self.inputs, by_body=bool(corrections))
-
     def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
         """Return the dwells of tables and of recordings, after what earlier tests found was taken off."""
+        from ..corrections import corrected
         from .recordings import readings_from, together, turned_recordings
         from .tables import readings_of_table
 
         parts = [readings_of_table(plan, one) for one in sources if one.is_table]
         turned = turned_recordings(plan, [one for one in sources if not one.is_table])
-        for correction in corrections:
-            recordings, unknowns = correction.apply([(one.name, one.recording) for one in turned])
-            turned = [
-                replace(one, recording=recording, taken_off={**one.taken_off, **unknown})
-                for one, recording, unknown in zip(turned, recordings, unknowns, strict=True)
-            ]
+        recordings, unknowns = corrected(corrections, [(one.name, one.recording) for one in turned])
+        turned = [
+            replace(one, recording=recording, taken_off=unknown)
+            for one, recording, unknown in zip(turned, recordings, unknowns, strict=True)
+        ]
         return together([*parts, readings_from(plan, turned)] if turned else parts)
 
     def agreement(self, plan: Plan, readings: Readings) -> Sequence[Remark]:

@@ -69,6 +69,7 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
     figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
     corrects = set_against = True
+    no_corrections = "it finds the bias itself, at all its temperatures: what was taken off would be found again"
     counts_dwells = False
     inputs = InputSpec(
         ("gyro", "accelerometer"),

@@ -16,7 +16,9 @@ from scipy import linalg
 from ....core.estimate import Array, joined_dof
 from ....core.influence import Influence
 from ....core.key import AXES, Key, Origin, Reason
+from ....core.unknowns import Unknowns
 from ....statistics.two_levels import TwoLevels
+from ...corrections import TakenOff, dof_of, moved
 
 PAIRS = tuple(a + b for a in AXES for b in AXES)
 MATRIX = tuple(Key("scale_factor_error", p[0]) if p[0] == p[1] else Key("misalignment", p) for p in PAIRS)
@@ -42,10 +44,13 @@ class Source:
     level: str = ""
     changes: Array | None = None
     unknowns: tuple[str, ...] = ()  # Which each of them is, where there are several
+    off: Unknowns | None = None  # What an earlier test found, that was taken off the readings
 
     @property
     def origin(self) -> Origin:
         """Where it comes from."""
+        if self.off is not None:
+            return self.off.origin
         return Origin(self.name, level=self.level) if self.influence is None else self.influence.origin(self.name)
 
 
@@ -107,6 +112,31 @@ def with_ideal(sensor: LinearSensor, ideal: Array, zero: Array) -> LinearSensor:
         for one in sensor.sources
     )
     return replace(sensor, values=values, sources=sources, ideal=ideal, zero=zero)
+
+
+def after_corrections(taken_off: TakenOff, per_reading: Array, per_level: Array | None = None) -> list[Source]:
+    """Return the sources that corrections are, by the numbers per mean reading.
+
+    Parameters
+    ----------
+    taken_off : mapping of Origin to Unknowns
+        Of m positions.
+    per_reading : ndarray, shape (q, m, 3)
+        Numbers per mean reading of x, y and z in each position [per input unit].
+    per_level : ndarray, shape (q, 3), optional
+        Numbers per reading of x, y and z while the unit turns; it follows the mean over the positions.
+    """
+    gain = per_reading
+    if per_level is not None:
+        gain = per_reading + per_level[:, None, :] / per_reading.shape[1]
+    found = []
+    for off in taken_off.values():
+        changes = moved(off, gain)
+        if np.any(changes):
+            whole = changes.T @ changes
+            covariance, dof = 0.5 * (whole + whole.T), dof_of(off, gain)
+            found.append(Source(str(off.origin), off.kind, covariance, dof, None, "", changes, off.unknowns, off))
+    return found
 
 
 def rounded_scale(sensor: LinearSensor, determined: NDArray[np.bool_]) -> Array:
