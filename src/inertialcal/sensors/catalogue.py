@@ -29,12 +29,14 @@ from ..core.constants import REINEL_GRAVITY
 from ..core.key import Kind
 from ..core.units import factor
 from .chain.converter import Chain, Thermometer, pulse_counter
+from .flight import FlightEquation
 from .model.sensor_model import Item, Provenance, SensorModel
 
 XYZ = ("x", "y", "z")
 BADESCU = "Badescu, NPS thesis, 2011"
 CHESTNEY = "Chestney and Sicker, NASA TM-106980, 1996"
 REINEL = "Reinel, NASA TM X-53857, 1969"
+CORRECTED, AS_PRINTED = "corrected", "as_printed"  # States of a published model
 
 Relation = Literal["at most", "less than", "at least", "more than", "plus or minus", "equals"]
 
@@ -61,6 +63,7 @@ class PublishedSensor:
     figures: tuple[Figure, ...] = ()  # Data sheet and text
     chains: Mapping[str, Chain] = field(default_factory=dict)  # By range or purpose
     models: Mapping[str, SensorModel] = field(default_factory=dict)  # By state of correction
+    equations: Mapping[str, FlightEquation] = field(default_factory=dict)  # Of flight software, likewise
 
     def figure(self, quantity: str) -> Figure:
         """One figure by its quantity; KeyError names those there are."""
@@ -165,15 +168,21 @@ def flight_unit() -> PublishedSensor:
     )
     printed = np.array(M_PERCENT) * factor("%", "1")
     mended = np.where(np.eye(3, dtype=bool), -printed, printed.T)
-    models = {
-        "corrected": _flight_model(mended, 1.0 / IDEAL_V_PER_DEG_S, "corrected"),
-        "as_printed": _flight_model(printed, 1.0, "as printed"),
+    states = {CORRECTED: (mended, IDEAL_V_PER_DEG_S), AS_PRINTED: (printed, 1.0)}  # M; volts in one deg/s of b_in_run
+    models = {name: _flight_model(matrix, 1.0 / volts, _source(name)) for name, (matrix, volts) in states.items()}
+    equations = {
+        name: FlightEquation(XYZ, np.array(B_IN_RUN), volts, np.array(B_CONS_DEG_S), matrix, _source(name))
+        for name, (matrix, volts) in states.items()
     }
-    item = Item("Systron Donner", "3 x QRS11-00005-565", "flight")
-    return PublishedSensor(item, "gyro", XYZ, f"{BADESCU}, Table 15", chains={"flight": chain}, models=models)
+    item, source = Item("Systron Donner", "3 x QRS11-00005-565", "flight"), f"{BADESCU}, Table 15"
+    return PublishedSensor(item, "gyro", XYZ, source, (), {"flight": chain}, models, equations)
 
 
-def _flight_model(errors: np.ndarray, deg_s_per_volt: float, state: str) -> SensorModel:
+def _source(state: str) -> str:
+    return f"{BADESCU}, Table 15, {state.replace('_', ' ')}"
+
+
+def _flight_model(errors: np.ndarray, deg_s_per_volt: float, source: str) -> SensorModel:
     """M = I + errors, and K0(T) = b_in_run + b_cons in powers of T - T_ref of each axis."""
     to_rad = factor("deg/s", "rad/s")
     nominal = zip(
@@ -194,7 +203,7 @@ def _flight_model(errors: np.ndarray, deg_s_per_volt: float, state: str) -> Sens
         reference_temperature=np.array(T_REFERENCE),
         input_range=np.array([[-span, span]] * 3),
         temperature_range=TEMPERATURES,
-        source=f"{BADESCU}, Table 15, {state}",
+        source=source,
     )
     names = [one.name for one in model.parameters]
     return replace(

@@ -13,6 +13,8 @@ from ...core.errors import DataError
 from ...core.recording import Recording
 from ...core.units import parse_quantity, same_dimension
 from ...files.text.headers import bare_name
+from ...sensors.chain.converter import Chain
+from ...sensors.model.on_recordings import CONDITIONS as CHANNELS
 from ...sensors.model.on_recordings import QUANTITY
 from ...sensors.model.sensor_model import SensorModel
 from ...sensors.model.terms import FORCE_AXES
@@ -67,6 +69,29 @@ def taken(
     if column is not None:
         return Taken({**found, "temperature": column, **named})
     return Taken(found | named, None if temperature is None else _fixed_temperature(recording, temperature))
+
+
+def chain_columns(chain: Chain, recording: Recording, columns: Mapping[str, str] | None = None) -> dict[str, str]:
+    """Return the columns of counts by what they are: axes, ``reference_x``, ``temperature_x``, ``validity_x``, ...
+
+    Those that are named, and those whose header is the word; empty where the axes are in other units than counts.
+
+    Raises
+    ------
+    DataError
+        ``wrong_column`` for a name that is not known.
+    """
+    words = [*chain.axes, *CHANNELS, *(f"{what}_{axis}" for what in CHANNELS for axis in chain.axes)]
+    strangers = [f"{what}={name}" for what, name in (columns or {}).items() if what not in words]
+    if strangers:
+        raise DataError(
+            f"{', '.join(strangers)}: the chain has no such input", do=f"It takes: {', '.join(words)}",
+            code="wrong_column",
+        )  # fmt: skip
+    named = {what: full_name(recording, name) or recording.channel(name).name for what, name in (columns or {}).items()}
+    found = {word: name for word in words if (name := named.get(word) or full_name(recording, word)) is not None}
+    counted = all(axis in found and recording.channel(found[axis]).unit in {None, "count"} for axis in chain.axes)
+    return found if counted else {}
 
 
 def full_name(recording: Recording, name: str) -> str | None:

@@ -9,6 +9,7 @@ from ...campaign.compare.compare import HEADS, JUDGED, Comparison, is_beside, is
 from ...core.results import key_of
 from ...core.show.rounding import number, settled_number
 from ...core.show.rows import names_of, reason_text
+from ...sensors.flight import Step
 from ...sensors.model.sensor_model import SensorModel, show
 from .output import clean, table, wrapped
 from .summary import remarks_text
@@ -37,6 +38,16 @@ def model_text(model: SensorModel, rows: Sequence[Mapping[str, Any]]) -> str:
         for row in rows
     ]
     return f"{show(model)}\n\nCoefficients, all digits\n{table(cells, heads, right=(1, 2))}"
+
+
+def steps_text(steps: Sequence[Step], axes: Sequence[str]) -> str:
+    """Return a calculation step by step: a line a step, its groups with a head."""
+    cells: list[list[str]] = []
+    for before, one in zip((None, *steps), steps, strict=False):
+        if before is None or before.group != one.group:
+            cells.append([one.group, *("" for _ in axes), ""])
+        cells.append([f"  {one.name}", *(f"{value:.{one.decimals}f}" for value in one.values), one.unit])
+    return table(cells, ["", *axes, "unit"], right=range(1, len(axes) + 1))
 
 
 def comparison_text(found: Comparison) -> str:

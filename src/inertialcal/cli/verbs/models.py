@@ -15,7 +15,10 @@ from .. import figures
 from ..options import Decimal, Frame, Json, MissionStart, Quiet, Start, Stop, Units, pairs
 from ..shown.output import clean, json_out, wrapped
 
-Model = Annotated[Path, typer.Argument(help="model.json, or the folder of a campaign.", show_default=False)]
+Model = Annotated[
+    Path,
+    typer.Argument(help="model.json, the folder of a campaign, or a published one: flight_unit.", show_default=False),
+]
 Data = Annotated[Path, typer.Argument(help="Recording.", show_default=False)]
 Output = Annotated[Path, typer.Option("--output", "-o", help="File to write.", show_default=False)]
 SampleRate = Annotated[
@@ -108,7 +111,9 @@ def _show_model(
 def compensate(
     model: Model,
     data: Data,
-    output: Output,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="File to write; needed without --steps.", show_default=False)
+    ] = None,
     unit: Units = [],  # noqa: B006 - typer copies it
     column: Annotated[
         list[str],
@@ -125,6 +130,13 @@ def compensate(
     uncertainty: Annotated[
         bool, typer.Option("--uncertainty", help="Add a column with the standard uncertainty of each axis.")
     ] = False,
+    steps: Annotated[
+        bool, typer.Option("--steps", help="Show every step for one reading, from counts; of a published model.")
+    ] = False,
+    row: Annotated[int, typer.Option(help="Which reading --steps shows, from 1.")] = 1,
+    as_printed: Annotated[
+        bool, typer.Option("--as-printed", help="A published model with the mistakes of its document.")
+    ] = False,
     sample_rate: SampleRate = None,
     time_column: TimeColumn = None,
     as_json: Json = False,
@@ -132,15 +144,36 @@ def compensate(
 ) -> int:
     """Apply a model to a recording: true inputs in place of readings; time, gaps and other channels stay."""
     from ...campaign.models.compensation import compensate as apply
-    from ...campaign.models.find import find_model
+    from ...campaign.models.find import find_model, published
     from ...campaign.models.inputs import taken
+    from ...campaign.models.published import from_counts, reading_steps
     from ...files import read
     from ...files.write.recording import write, writer_for
+    from ...sensors.catalogue import CATALOGUE
+    from ..shown.model_text import steps_text
 
-    writer_for(output)
+    if output is None and not steps:
+        raise UsageError("no file to write", do="Add -o FILE; or --steps, for a published model", code="missing_option")
+    if output is not None:
+        writer_for(output)
     columns, units = pairs(column, "--column", "x=wx"), pairs(unit, "--unit", "gyro=deg/s")
-    found = find_model(model)
+    found, sensor = find_model(model, as_printed=as_printed), published(model)
+    if steps and sensor is None:
+        do = f"Name one of the catalogue: {', '.join(name for name, make in CATALOGUE.items() if make().equations)}"
+        raise UsageError(f"--steps: {model} is no published model", do=do, code="no_steps")
     raw = read(data, units=units, sample_rate=sample_rate, time_column=time_column)
+    inputs = [_input(found), {"path": raw.source.path, "sha256": raw.source.sha256}]
+    worked = reading_steps(sensor, raw, columns, row, as_printed) if steps and sensor is not None else ()
+    listed = {"row": row, "steps": [one.to_dict(found.model.axes) for one in worked]} if steps else {}
+    if steps and not as_json and not quiet:
+        print(f"{clean(found.model.source)}: row {row} of {len(raw)} of {clean(raw.source.path)}")
+        print(steps_text(worked, found.model.axes))
+    if output is None:
+        if as_json:
+            json_out("compensate", {"inputs": inputs} | listed)
+        return 0
+    if sensor is not None:
+        raw, columns = from_counts(sensor, raw, columns)
     done = apply(found.model, raw, columns, temperature=temperature, serial=serial, uncertainty=uncertainty)
     chosen = taken(found.model, raw, columns, temperature)
     remarks = [*done.remarks, *write(output, done)]
@@ -148,8 +181,7 @@ def compensate(
         {} if chosen.temperature is None else {"temperature": f"{chosen.temperature:g} degC"}
     )
     if as_json:
-        inputs = [_input(found), {"path": raw.source.path, "sha256": raw.source.sha256}]
-        more = {"columns": used, "compensated_by": done.compensated_by}
+        more = {"columns": used, "compensated_by": done.compensated_by} | listed
         _written("compensate", inputs, output, len(done), remarks, more)
     elif not quiet:
         print(wrapped("columns: " + ", ".join(f"{what} = {clean(name)}" for what, name in used.items())))
