@@ -19,6 +19,7 @@ from ...core.show.rounding import number
 from ...procedures import procedure_of
 from ...procedures.display import displayed
 from ...procedures.protocol import Correction, Exclusion, Facts, P, Procedure, R, Result, S, Tested
+from ...procedures.recorded import QUANTITIES as RECORDED
 from ...signals.screening.screen import NO_READINGS
 from ...signals.time.sample_rates import rate_remarks
 from ..file.load import Campaign
@@ -56,7 +57,8 @@ class Prepared:
     """A test ready to be reduced.
 
     Its entry, facts, plan and readings; SHA-256 of its files by path; its recordings; samples that the gate left out;
-    what recordings hold, where it is compared with others; what drew the errors of standards in it.
+    what recordings hold, where it is compared with others; what drew the errors of standards in it; what each of its
+    recordings gives, where a requirement asks for it.
     """
 
     test: Test
@@ -68,6 +70,7 @@ class Prepared:
     screened: tuple[Exclusion, ...] = ()
     contents: tuple[Content, ...] = ()
     occasion: Occasion = field(default_factory=Occasion)
+    recorded: tuple[Row, ...] = ()
 
     @property
     def selection(self) -> Selection:
@@ -191,7 +194,9 @@ def prepare_test(
     screened = tuple(exclusion for one in sources for exclusion in one.exclusions)
     origins = tuple(one.origin for one in sources)
     occasion = occasion_of(file, test, sources)
-    return Prepared(test, first, plan, readings, inputs, origins, screened, tuple(contents), occasion)
+    asked = any(one.quantity in RECORDED for one in file.requirements)
+    recorded = tuple(replace(row, test=test.id) for one in sources if asked for row in one.recorded())
+    return Prepared(test, first, plan, readings, inputs, origins, screened, tuple(contents), occasion, recorded)
 
 
 def occasion_of(file: CampaignFile, test: Test, sources: Sequence[Ready]) -> Occasion:
@@ -284,6 +289,8 @@ class ReducedTest:
         requirement is judged.
     opened : tuple of Remark
         What its figures are with the samples that screening left out.
+    recorded : sequence of Row
+        What each of its recordings gives, where a requirement asks for it.
     """
 
     test: Test
@@ -293,6 +300,7 @@ class ReducedTest:
     against: Sequence[Row] = ()
     errors: tuple[Remark, ...] = ()
     opened: tuple[Remark, ...] = ()
+    recorded: Sequence[Row] = ()
 
     @property
     def remarks(self) -> tuple[Remark, ...]:
@@ -423,7 +431,7 @@ def reduced_tests(prepared: Sequence[Prepared], results: Mapping[str, Result]) -
         behind = _with_those_before(one.test, {each.test.id: each.test for each in prepared})
         errors = tuple(remark for name in behind for remark in _remarks(plain[name]) if remark.severity == "error")
         named = [replace(row, test=one.test.id) for row in rows]
-        found.append(ReducedTest(one.test, tested, named, errors=errors))
+        found.append(ReducedTest(one.test, tested, named, errors=errors, recorded=one.recorded))
     return found
 
 

@@ -143,12 +143,13 @@ def _limit(one: Requirement, text: str, where: str) -> Iterator[Problem]:
 
 
 def _spelling(one: Requirement, where: str) -> Iterator[Problem]:
-    """Tell a misspelt quantity from one that no test here gives (which is OPEN)."""
+    """Find a quantity that no procedure gives, tested or not; one that no test of this campaign gives is OPEN."""
     known = all_quantities()
-    near = get_close_matches(one.quantity, known, n=1, cutoff=0.8)
-    if one.quantity not in known and near:
-        what = f"requirement {one.id!r}: no quantity {one.quantity!r}"
-        yield Problem(what, where, "it would stay OPEN for ever", f"Did you mean {near[0]}?", "unknown_name")
+    if one.quantity not in known:
+        near = get_close_matches(one.quantity, known, n=3, cutoff=0.6)
+        do = f"Did you mean {' or '.join(near)}?" if near else f"There are: {', '.join(sorted(known))}"
+        what = f"requirement {one.id!r}: no procedure gives a quantity {one.quantity!r}"
+        yield Problem(what, where, "it would stay OPEN for ever", do, "unknown_quantity")
     if one.where and not _known(one).over:
         ranged = [name for name, quantity in known.items() if quantity.over]
         what = f"requirement {one.id!r}: where is about {' or '.join(ranged)}, not {one.quantity}"

@@ -30,7 +30,7 @@ QUANTITIES = dict.fromkeys(
     (
         "bias", "ambient_acceleration", "model_bias_error", "control_error", "reading", "bias_shift", "corrected_bias",
         "bias_next_record", "model_bias_error_next_record",
-        "model_bias_error_change", "model_bias_error_reduction",
+        "model_bias_error_change", "model_bias_error_reduction", "other_model_bias_error", "predicted_bias",
     ),
     Quantity(READING),
 )  # fmt: skip

@@ -25,6 +25,10 @@ QUANTITIES = {
     "scale_factor": Quantity(("other",)),
     "high_g_difference": Quantity(RELATIVE, shown="%"),
     "null_response": Quantity(READING),
+    "scale_factor_error": Quantity(RELATIVE, shown="%"),
+    "response_amplitude": Quantity(("other",)),
+    "quadrature_amplitude": Quantity(("other",)),
+    "tilt_amplitude": Quantity(("angle",)),
 }
 
 

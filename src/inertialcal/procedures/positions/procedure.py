@@ -43,6 +43,7 @@ QUANTITIES = {
     "bias_next_record": Quantity(READING),
     "scale_factor": Quantity(("other",)),
     "scale_factor_error": Quantity(RELATIVE, shown="%"),
+    "misalignment": Quantity(("angle",)),
     "cross_axis_sensitivity": Quantity(RELATIVE, shown="%"),
     "g_sensitivity": Quantity(("other",), shown="({unit})/g"),  # of readings in counts it stays in counts
     "scatter_position": Quantity(READING),

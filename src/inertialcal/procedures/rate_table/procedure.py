@@ -56,6 +56,7 @@ QUANTITIES = {
     "scatter_run": Quantity(READING),
     "scatter_recording": Quantity(READING),
     "residual_bias": Quantity(READING),
+    "resolution": Quantity(READING),
 }
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, cast
 
 from ...core.key import AXES
-from ..protocol import Command, Correction, Facts, InputSpec, Procedure, Reduced, Source
+from ..protocol import Command, Correction, Facts, InputSpec, Procedure, Quantity, Reduced, Source
 from .figures import FIGURES
 from .plan import INFLUENCES, Drive, Plan
 
@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from ..given import Described, GivenFile
     from .entry import SineEntry
     from .reduction import Readings, Result
+
+
+QUANTITIES = dict.fromkeys(("amplitude", "quadrature", "phase", "scale_factor", "noise_density"), Quantity())
 
 
 class Sine(Procedure[Plan, "Readings", "Result"]):
@@ -44,6 +47,10 @@ class Sine(Procedure[Plan, "Readings", "Result"]):
         from .given import described
 
         return [described(given, self.inputs)]
+
+    def quantities(self) -> Mapping[str, Quantity]:
+        """Return the figures that it can give; their units are those of the file."""
+        return QUANTITIES
 
     def plan_fields(self, facts: Facts) -> dict[str, Any]:
         """Return nothing: all of it is set."""

@@ -20,7 +20,7 @@ from ..protocol import (
     Tested,
 )
 from .figures import FIGURES
-from .plan import INFLUENCES, Plan, Thermometer
+from .plan import INFLUENCES, LARGEST_ORDER, Plan, Thermometer
 
 if TYPE_CHECKING:
     from ...core.errors import Problem
@@ -51,6 +51,16 @@ QUANTITIES = {
     "thermal_lag": Quantity(("time",)),
     "reference_voltage": Quantity(("voltage",)),
     "temperature_reference_voltage": Quantity(("voltage",)),
+    "reference_voltage_temperature_1": Quantity(("other",)),
+    "temperature_reference_voltage_temperature_1": Quantity(("other",)),
+    **{f"bias_temperature_{power}": Quantity(("other",)) for power in range(1, LARGEST_ORDER + 1)},
+    "vacuum_offset_run_to_run": Quantity(READING),
+    "bias_shift": Quantity(READING),
+    "bias_shift_run_to_run": Quantity(READING),
+    "residual_bias": Quantity(READING),
+    "scatter_sample": Quantity(READING),
+    "temperature_lowest": Quantity(("temperature",)),
+    "temperature_highest": Quantity(("temperature",)),
 }
 
 
