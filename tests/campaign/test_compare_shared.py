@@ -210,12 +210,13 @@ def test_a_model_keeps_what_it_shares(pairs: Path) -> None:
 
 def test_a_model_file_from_before_sensitivities_were_stored_is_read(pairs: Path) -> None:
     content = json.loads((pairs / "a/out/model.json").read_text())
+    stored = content["models"][""]
     for name in ("influences", "occasion", "selections"):
-        del content[name]
-    for one in content["estimate"]["components"]:
+        del stored[name]
+    for one in stored["estimate"]["components"]:
         for name in ("origin", "unknowns", "changes"):
             del one[name]
-    model = from_dict({name: value for name, value in content.items() if name != "checksum"})
+    model = from_dict({name: value for name, value in content.items() if name != "checksum"}).only()
     assert model.estimate is not None
     assert not model.estimate.shared("misalignment_xz")
     assert model.occasion == Occasion()

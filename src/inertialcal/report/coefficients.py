@@ -12,14 +12,12 @@ from ..core.show.rows import reason_text
 from ..core.units import divide
 from ..files.models.apply_c import c_text
 from ..files.models.apply_python import python_text
-from ..sensors.model.sensor_model import SensorModel, equation
+from ..sensors.model.sensor_model import SensorModel, formulas
 from ..sensors.model.serial import from_dict
 from ..sensors.model.terms import Parameter
 from .findings import Figure, Finding
 from .numbers import Branch, Number, Text
 from .sections import MODEL
-
-FORMULAS = 3  # lines of an equation before those that say what its symbols are
 
 
 @dataclass(frozen=True)
@@ -73,7 +71,7 @@ def _delivered(sensor: SensorModel, model: Branch, rows: Sequence[Branch]) -> De
     return Delivered(
         sensor.condition,
         model,
-        equation(sensor)[:FORMULAS],
+        formulas(sensor),
         listed,
         [one for one in found if one],
         scale,

@@ -86,18 +86,18 @@ def broken(change: dict[str, Any], drop: str = "") -> dict[str, Any]:
         (broken({"direction": "inverse"}), "schema", "direction reads 'inverse'"),
         (broken({"matrix_order": "row = axis that is turned"}), "schema", "matrix_order reads"),
         (broken({"unit": "deg/s"}), "schema", "unit 'deg/s' for a"),
-        (broken({}, "terms"), "schema", "models..terms: Field required"),
+        (broken({}, "terms"), "schema", "models.terms: Field required"),
         (broken({"terms": {"drift": [1.0]}}), "schema", "unknown term.*drift"),
         (broken({"terms": {}}), "schema", "KeyError"),
-        (broken({"item": 5}), "schema", "models..item: should be"),
+        (broken({"item": 5}), "schema", "models.item: should be"),
         (broken({"item": {"colour": "red"}}), "schema", "colour"),
-        (broken({"estimate": []}), "schema", "models..estimate: should be"),
+        (broken({"estimate": []}), "schema", "models.estimate: should be"),
         (
             broken({"temperature_range": ["cold", "warm"]}),
             "schema",
-            r"models..temperature_range.0: should be a valid number \(and 1 more\)",
+            r"models.temperature_range.0: should be a valid number \(and 1 more\)",
         ),
-        (broken({"provenance": []}), "schema", "models..provenance: should be"),
+        (broken({"provenance": []}), "schema", "models.provenance: should be"),
     ],
 )
 def test_refused(content: dict[str, Any], code: str, text: str) -> None:

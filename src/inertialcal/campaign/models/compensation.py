@@ -19,7 +19,7 @@ from ...core.recording import MARK, Channel, Recording
 from ...core.remarks import Remark
 from ...core.results import Row, finite
 from ...core.units import convert, factor
-from ...sensors.model.equation import Conditions, needed
+from ...sensors.model.equation import Conditions, by_name, needed
 from ...sensors.model.on_recordings import compensate_recording, to_input_unit
 from ...sensors.model.sensor_model import SensorModel, check_item, lines
 from ...sensors.model.serial import model_checksum
@@ -110,7 +110,7 @@ def emptied(raw: Recording, done: Recording, axes: Mapping[str, str], conditions
     missing = np.isnan(raw.array(names))
     lost = np.isnan(done.array(names)) & ~missing
     unknown = np.zeros(len(raw), dtype=bool)
-    for given in conditions.values():
+    for given in by_name(conditions).values():
         columns = np.asarray(given, dtype=float)
         if columns.ndim and len(columns) == len(raw):
             unknown |= np.isnan(columns.reshape(len(raw), -1)).any(axis=1)

@@ -14,7 +14,7 @@ from ...core.key import Kind
 from ...core.units import factor
 from .sensitivity import PARTS, PRESSURE, ChannelReference, Sensitivity, quantity_of
 from .sensor_model import SensorModel
-from .terms import FORCE_AXES, PER_AXIS, SHAPES, orders, parameter_keys, with_values
+from .terms import FORCE_AXES, PER_AXIS, SHAPES, Parameter, orders, parameter_keys, with_values
 
 NOT_ESTIMATED = "no test gives it: taken as 0"
 
@@ -70,11 +70,16 @@ def model_from(
     held = in_units(estimate, tuple(known[name].unit for name in estimate.names))
     changes = {known[name]: float(value) for name, value in zip(held.names, held.values, strict=True)}
     changes |= {known[name]: value for name, value in without.items() if name in known and name not in held.names}
-    arrays = with_values(blank.terms, changes)
     missing = {name: reasons.get(name, NOT_ESTIMATED) for name in known if name not in held.names}
-    terms = {name: array for name, array in arrays.items() if name in SHAPES}
-    sensitive = {"sensitivities": tuple(one.with_terms(arrays) for one in blank.sensitivities)}
-    return SensorModel(**(fields | terms | sensitive | {"estimate": held, "not_estimated": missing}))
+    return replace(with_parameters(blank, changes), estimate=held, not_estimated=missing)
+
+
+def with_parameters(model: SensorModel, changes: Mapping[Parameter, float]) -> SensorModel:
+    """Return a model with some parameters set and without their estimate; the others keep their values."""
+    arrays = with_values(model.terms, changes)
+    terms: dict[str, Any] = {name: array for name, array in arrays.items() if name in SHAPES}
+    sensitivities = tuple(one.with_terms(arrays) for one in model.sensitivities)
+    return replace(model, estimate=None, sensitivities=sensitivities, **terms)
 
 
 def in_units(estimate: Estimate, units: tuple[str, ...]) -> Estimate:

@@ -111,7 +111,7 @@ def condition_columns(model: SensorModel, n: int, conditions: Conditions) -> dic
     DataError
         ``missing_condition``, or a shape that does not fit n rows.
     """
-    given: dict[str, object] = {**conditions.get("channels", {}), **conditions}
+    given = by_name(conditions)
     columns = {}
     for name, term in needed(model).items():
         value = given.get(name)
@@ -124,6 +124,12 @@ def condition_columns(model: SensorModel, n: int, conditions: Conditions) -> dic
             )
         columns[name] = _column(np.asarray(value, dtype=float), n, name, len(model.axes))
     return columns
+
+
+def by_name(conditions: Conditions) -> dict[str, object]:
+    """Return all conditions by name, other channels with them."""
+    own = {name: value for name, value in conditions.items() if name != "channels"}
+    return {**conditions.get("channels", {}), **own}
 
 
 def needed(model: SensorModel) -> dict[str, str]:
