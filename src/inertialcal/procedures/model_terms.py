@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Literal, NamedTuple, TypeVar, get_args
+from typing import Literal, TypeVar, get_args
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from ..core.key import Key, Origin
 from ..core.remarks import Remark
 from ..core.results import Row
 from ..core.unknowns import Unknowns
+from ..sensors.model.sensitivity import ChannelReference
 from ..sensors.model.sensor_model import Provenance
 from ..statistics.closed_loop import AxisLoop
 
@@ -47,14 +48,6 @@ BIASES = ("bias", "bias_temperature")  # the other terms are entries of the matr
 def kind_of(key: Key) -> TermKind:
     """Return the kind of term that a parameter of the model is."""
     return KIND_OF.get(key.quantity, "sensitivity")
-
-
-class ChannelReference(NamedTuple):
-    """What a sensitivity to a channel refers to, and where it holds."""
-
-    value: float  # Of the channel, SI (temperature: degC)
-    unit: str  # SI: ``"V"``, ``"Pa"``
-    range: tuple[float, float] | None = None  # Of the channel, in the same unit
 
 
 @dataclass(frozen=True, eq=False)

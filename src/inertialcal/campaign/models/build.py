@@ -231,6 +231,7 @@ def _model(
         bias_run_to_run=terms.bias_run_to_run,
         not_estimated=terms.not_estimated,
         values=terms.values,
+        references=terms.references,
         provenance={str(key): one for key, one in terms.provenance.items()},
         influences={name: one for name, one in campaign.standards.items() if name in drawn_on},
         occasion=reduce(Occasion.joined, [one.occasion for one in sources[0]]),

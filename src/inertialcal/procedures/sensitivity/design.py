@@ -106,8 +106,10 @@ def term_keys(plan: Plan, axis: str, name: str, order: int = 1, *, applied: bool
     return keys + ([Key(f"scale_factor_error_{name}", axis)] if applied else [])
 
 
-def design_of(plan: Plan, readings: Readings, axis: str, references: Mapping[str, float]) -> Design:
-    """Return the columns of one sensor that its levels carry."""
+def design_of(
+    plan: Plan, readings: Readings, axis: str, references: Mapping[str, float], like: Design | None = None
+) -> Design:
+    """Return the columns of one sensor that its levels carry; those of another design where one is given."""
     wanted = [name for name in plan.to if name in readings.conditions and name not in (TEMPERATURE, WARM_UP)]
     own = {name: by_axis[axis] for name, by_axis in readings.conditions.items()}
     chosen = np.isfinite(readings.values[axis])
@@ -125,13 +127,16 @@ def design_of(plan: Plan, readings: Readings, axis: str, references: Mapping[str
     y = readings.values[axis][chosen] - along
     moving = {name: own[name][chosen] - references[name] for name in wanted}
     refused, remarks = _refused(plan, readings, axis, moving, warm, runs, applied=bool(along.any()))
-    order = _order(plan, warm, runs)
+    order = _order(plan, warm, runs) if like is None else like.order
     h = np.zeros(len(runs)) if warm is None else warm - plan.reference_temperature
     columns = [_warm_column(plan, readings, axis, j, h) for j in range(1, order + 1)]
-    changes = order > 0 and _spread(h, runs) > 0.0
+    changes = order > 0
     for name, d in moving.items():
         columns += _columns_of(plan, readings, axis, name, d, h, changes=changes)
     columns += _of_scale(plan, readings, axis, along, across, moving, h, changes=changes)
+    if like is not None:
+        fitted = {one.name for one in like.columns}
+        return Design(axis, chosen, y, runs, tuple(one for one in columns if one.name in fitted), refused, order)
     kept = _told_apart(columns, runs, refused, axis)
     return Design(axis, chosen, y, runs, tuple(kept), refused, order, tuple(remarks))
 

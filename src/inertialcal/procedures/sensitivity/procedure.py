@@ -26,9 +26,10 @@ if TYPE_CHECKING:
     from ...core.errors import Problem
     from ...core.results import WrittenRow
     from ...core.show.rows import Sentence
+    from ...sensors.model.sensor_model import SensorModel
     from ..entries import Entry, EntryKey, SaidTest
     from ..given import Described, GivenFile
-    from ..model_terms import ModelTerms
+    from ..model_terms import HeldOut, ModelTerms
     from .readings import Readings
     from .reduction import Result
 
@@ -54,7 +55,7 @@ class Sensitivity(Procedure[Plan, "Readings", "Result"]):
     plan_type, said_type, influences = Plan, OfFile, INFLUENCES
     figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
-    gives = ()
+    gives = ("sensitivity",)
     counts_dwells = False
     inputs = InputSpec(
         ("gyro", "accelerometer"),
@@ -126,6 +127,24 @@ class Sensitivity(Procedure[Plan, "Readings", "Result"]):
         from .terms import terms
 
         return terms(result, tests)
+
+    def joined(self, tests: Sequence[Tested[Plan, Readings, Result]]) -> tuple[Plan, Readings] | None:
+        """Return plan and readings of tests that find the same terms, to be reduced together."""
+        from .held_out import joined
+
+        return joined(tests)
+
+    def held_out(
+        self,
+        result: Result,
+        fitted: Sequence[Tested[Plan, Readings, Result]],
+        held: Sequence[Tested[Plan, Readings, Result]],
+        model: SensorModel | None,
+    ) -> HeldOut:
+        """Return what the terms leave of the levels of power-ups held out."""
+        from .held_out import held_out
+
+        return held_out(result, held)
 
     def finding(self, rows: Sequence[WrittenRow]) -> Sentence:
         """Return what a test found, as one sentence."""

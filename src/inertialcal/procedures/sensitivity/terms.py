@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...sensors.model.sensitivity import ChannelReference
 from ...sensors.model.sensor_model import Provenance
-from ..model_terms import ChannelReference, ModelTerms, kind_of
+from ..model_terms import ModelTerms, kind_of
 from ..protocol import Tested
 from .plan import TEMPERATURE, Plan
 
