@@ -59,4 +59,3 @@ def test_a_quantity_that_nothing_gives_is_refused_with_its_line(tmp_path: Path) 
     assert problem.code == "unknown_quantity"
     line = text.splitlines().index('quantity = "g_rms"') + 1
     assert problem.where == f"campaign.toml:{line}"
-

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+import inertialcal as ic
 from independent.warm_up import Chamber, power_ups, starts
 from inertialcal.core.errors import DataError
+from inertialcal.procedures.sensitivity.warm_up import warm_up_curves, warm_up_rows
 from inertialcal.procedures.sensitivity.warm_up_model import PowerUps, WarmUpModel, stretches_of, warm_up_model
-from inertialcal.procedures.sensitivity.warm_up_rows import warm_up_curves, warm_up_rows
 from inertialcal.statistics.intervals import contains, covers, t_interval
 
 SPREAD = starts(-20.0, 40.0, 6)
@@ -38,7 +40,7 @@ def true_values(truth: Chamber) -> dict[str, float]:
     for axis, amplitudes in zip("xyz", truth.amplitudes, strict=True):
         for j, one in enumerate(amplitudes):
             values[f"bias_warm_up_{j + 1}_{axis}"] = one + (truth.by_start * at if j == 0 else 0.0)
-        values[f"bias_warm_up_temperature_1_{axis}"] = truth.by_start
+        values[f"warm_up_start_temperature_1_{axis}"] = truth.by_start
     return values
 
 
@@ -86,14 +88,16 @@ def test_offset_and_unit_change_nothing() -> None:
 
 def test_power_ups_held_out_are_predicted() -> None:
     found = found_in(1, PLAIN)
-    rows = {(row.quantity, row.axis): row for row in warm_up_rows(found) if row.member is None}
+    rows = {(row.quantity, row.axis): row for row in warm_up_rows(found)}
     with_model, without = rows["warm_up_residual", "x"].value, rows["warm_up_residual_without_model", "x"].value
     assert with_model is not None
     assert without is not None
     assert with_model < 0.003  # noise of the means
     # root mean square of a exp(-t / tau) over the first 300 s
     assert without == pytest.approx(0.024 * np.sqrt(150.0 / 600.0 * (1.0 - np.exp(-4.0))), rel=0.05)
-    assert {curve.of for curve in warm_up_curves(found)} == {"1", "2", "3", "4", "5"}
+    held_out = next(one for one in warm_up_curves(found) if one.name == "warm_up_held_out")
+    assert list(held_out.columns["with_model"].values) == pytest.approx([with_model] * 5, rel=0.2)
+    assert {curve.of for curve in warm_up_curves(found) if curve.name == "warm_up_joint"} == {"1", "2", "3", "4", "5"}
     assert [key.quantity for key in found.parameters] == ["warm_up_time"] + 3 * ["bias_warm_up"]
 
 
@@ -212,3 +216,28 @@ def test_false_alarms_are_those_stated(truth: Chamber) -> None:
     n = 60
     found = sum(found_in(seed, truth).estimate is not None for seed in range(1, n + 1))
     assert covers(n - found, n)
+
+
+@pytest.fixture
+def files(tmp_path: Path) -> list[Path]:
+    t, y, run, T = power_ups(1, BY_START)
+    found = []
+    for r in range(6):
+        mine = run == r
+        columns = np.column_stack([t[mine], y[mine], T[mine, 0]])
+        found.append(tmp_path / f"up{r + 1}.csv")
+        head = "time [s],gyro_x [deg/s],gyro_y [deg/s],gyro_z [deg/s],temperature [degC]"
+        np.savetxt(found[-1], columns, "%.6f", ",", header=head, comments="")
+    return found
+
+
+def test_files_give_what_arrays_give(files: list[Path]) -> None:
+    result = ic.sensitivity(files, to="warm_up")
+    rows = {row.key: row for row in result.rows}
+    found = found_in(1, BY_START)
+    assert found.estimate is not None
+    for key, value in zip(found.estimate.keys, found.estimate.values, strict=True):
+        given = rows[key].value
+        assert given is not None
+        assert given == pytest.approx(value, rel=0.01)
+    assert result.curves

@@ -10,6 +10,7 @@ from ...core.curve import Column, Curve
 from ...core.estimate import Array
 from ...statistics.intervals import coverage_factor
 from .plan import TEMPERATURE
+from .warm_up import warm_up_curves
 
 if TYPE_CHECKING:
     from .reduction import Result, SensorFit
@@ -26,7 +27,7 @@ def curves(result: Result) -> list[Curve]:
         for name in dict.fromkeys(one.condition for one in fit.columns if one.key in fit.keys and not one.scale):
             found += _against(result, fit, axis, name)
         found.append(_residuals(result, fit, axis))
-    return found
+    return [*found, *(() if result.warm_up is None else warm_up_curves(result.warm_up))]
 
 
 def _against(result: Result, fit: SensorFit, axis: str, name: str) -> list[Curve]:

@@ -26,8 +26,8 @@ from ...core.key import AXES, Key, Reason
 from ...core.remarks import Remark
 from ...core.units import divide, multiply, parse_quantity, power
 from ...physics.earth import earth_rate_along
-from .plan import APPLIED, SUPPLY, TEMPERATURE, Plan
-from .readings import ALIKE, RANGES, WARM_UP, Readings
+from .plan import APPLIED, SUPPLY, TEMPERATURE, WARM_UP, Plan
+from .readings import ALIKE, RANGES, Readings
 
 MOST_POWERS = 3  # of the temperature, where nobody said
 STILL = 0.01  # of a range, inside power-ups, that tells nothing

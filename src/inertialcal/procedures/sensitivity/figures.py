@@ -23,4 +23,12 @@ FIGURES = (
         order=325,
         rank=1,
     ),
+    FigureSpec(
+        "sensitivity_warm_up",
+        DRAWN + "warm_up",
+        "Warm-up of {axis}: power-ups less their settled levels, with the joint fit.",
+        curves={"warm_up_joint": "warm-up {axis} {of}"},
+        order=318,
+        top=55,
+    ),
 )

@@ -13,8 +13,7 @@ from ...core.units import normalise
 from ..given import Described, GivenFile
 from ..given import described as described_channels
 from ..protocol import InputSpec
-from .plan import APPLIED, SUPPLY
-from .readings import WARM_UP
+from .plan import APPLIED, SUPPLY, WARM_UP
 
 INPUTS = ("applied", "table")  # that the name of a column with the true input begins with
 FOLLOWS = 0.9  # correlation of an axis with it

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from ...core.influence import Influence, Standards
 from ...core.settings import fact, setting
 
+WARM_UP, START_TEMPERATURE = "warm_up", "warm_up_start_temperature"
+RESIDUALS = ("warm_up_residual", "warm_up_residual_without_model")  # of power-ups held out
 TEMPERATURE, PRESSURE, SUPPLY, REFERENCE, APPLIED = "temperature", "pressure", "supply", "reference", "applied"
 HIGHEST_ORDER = 5  # of the polynomial in temperature
 
@@ -51,7 +53,7 @@ class Plan:
     """Which conditions the readings are set against, and how."""
 
     to: list[str] = setting(
-        "Conditions: supply, pressure, reference, temperature, or any channel by its name.",
+        "Conditions: supply, pressure, reference, temperature, or any channel by its name; warm_up.",
         lambda: [SUPPLY], example='["supply"]',
     )  # fmt: skip
     order: int | None = setting(
@@ -71,6 +73,9 @@ class Plan:
         "Length of the means; longer than the noise is correlated. A mean a level where not given.",
         None, unit="s", example="60 s",
     )  # fmt: skip
+    power_up_delay: float = setting(
+        "Time from power-up to the first sample of a power-up, for warm_up.", 0.0, unit="s", example="2 s"
+    )
     stated: Mapping[str, object] = setting(
         "Sensitivity that is known otherwise and taken off: its value, standard uncertainty and source.",
         dict[str, object],

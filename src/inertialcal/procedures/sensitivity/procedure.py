@@ -20,7 +20,18 @@ from ..protocol import (
     Tested,
 )
 from .figures import FIGURES
-from .plan import APPLIED, INFLUENCES, PRESSURE, REFERENCE, SUPPLY, TEMPERATURE, OfFile, Plan
+from .plan import (
+    APPLIED,
+    INFLUENCES,
+    PRESSURE,
+    REFERENCE,
+    RESIDUALS,
+    START_TEMPERATURE,
+    SUPPLY,
+    TEMPERATURE,
+    OfFile,
+    Plan,
+)
 
 if TYPE_CHECKING:
     from ...core.errors import Problem
@@ -37,7 +48,9 @@ OF_CONDITION = {SUPPLY: "V", REFERENCE: "V", PRESSURE: "Pa"}
 
 
 def _quantities() -> dict[str, Quantity]:
-    found = {"scatter_level": Quantity(READING), "scale_factor_error": Quantity(("dimensionless",), shown="%")}
+    found = {name: Quantity(READING) for name in ("scatter_level", "bias_warm_up", *RESIDUALS)}
+    found |= {"warm_up_time": Quantity(("time",)), START_TEMPERATURE: Quantity(("other",)),
+              "scale_factor_error": Quantity(("dimensionless",), shown="%")}  # fmt: skip
     for name, unit in OF_CONDITION.items():
         found[f"bias_{name}"] = Quantity(("other",))
         found[f"bias_{name}_{TEMPERATURE}"] = Quantity(("other",))

@@ -25,9 +25,8 @@ from ...core.remarks import Remark
 from ...core.units import convert, kind, si_unit
 from ..protocol import Source
 from .entry import SensitivityEntry, conditions_of
-from .plan import APPLIED, PRESSURE, REFERENCE, SUPPLY, TEMPERATURE, Plan
+from .plan import APPLIED, PRESSURE, REFERENCE, SUPPLY, TEMPERATURE, WARM_UP, Plan
 
-WARM_UP = "warm_up"
 ALIKE = 0.05  # of the range of a condition: a level
 QUIET = 4.0  # deviations of the noise of a window's mean inside that distance
 WINDOWS = 8  # at least, in which a level is looked for

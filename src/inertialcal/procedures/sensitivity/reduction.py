@@ -30,9 +30,11 @@ from ...core.remarks import Remark
 from ...core.results import Row
 from ...statistics.own_offsets import OwnOffsets, fit_own_offsets
 from .design import Column, Design, design_of, references_of, within
-from .plan import PRESSURE, SUPPLY, TEMPERATURE, Plan
+from .plan import PRESSURE, SUPPLY, TEMPERATURE, WARM_UP, Plan
 from .readings import Readings
 from .stated import Stated, stated_terms
+from .warm_up import joint_warm_up
+from .warm_up_model import WarmUpModel
 
 FEW = 5  # power-ups, below which their scatter is badly known
 SURE = 1e-4  # chance of a doubt where there is none
@@ -82,6 +84,7 @@ class Result:
     sensors: Mapping[str, SensorFit]
     estimate: Estimate | None
     remarks: tuple[Remark, ...]
+    warm_up: WarmUpModel | None = None  # Where it was asked for
 
     def rows(self) -> list[Row]:
         """Return a row a term that was asked for."""
@@ -110,12 +113,17 @@ def reduce(plan: Plan, readings: Readings) -> Result:
         ``missing_condition``, ``impossible_value``; ``too_few_levels`` where no sensor leaves a scatter to judge by.
     """
     references = references_of(plan, readings)
-    sensors = {axis: _fitted(plan, readings, design_of(plan, readings, axis, references)) for axis in readings.axes}
-    remarks = [*readings.remarks, *_of_power_ups(readings)]
+    linear = readings.axes if set(plan.to) != {WARM_UP} else ()
+    sensors = {axis: _fitted(plan, readings, design_of(plan, readings, axis, references)) for axis in linear}
+    remarks = [*readings.remarks, *(_of_power_ups(readings) if linear else ())]
     for fit in sensors.values():
         remarks += [*fit.design.remarks, *_doubts(readings, fit)]
     estimates = [one for fit in sensors.values() if (one := _estimate(plan, readings, fit)) is not None]
-    return Result(plan, readings, references, sensors, _side_by_side(estimates), tuple(remarks))
+    warm_up = joint_warm_up(plan, readings) if WARM_UP in plan.to else None
+    if warm_up is not None:
+        estimates += [] if warm_up.estimate is None else [warm_up.estimate]
+        remarks += warm_up.remarks
+    return Result(plan, readings, references, sensors, _side_by_side(estimates), tuple(remarks), warm_up)
 
 
 def _fitted(plan: Plan, readings: Readings, design: Design) -> SensorFit:

@@ -10,11 +10,14 @@ from ...core.key import NO_REASON, Key, Reason
 from ...core.results import Interval, Row, WrittenRow, not_estimated
 from ...core.show.rows import Cited, Quoted, Sentence, estimated, largest, quantity_name
 from ...statistics.intervals import t_interval, t_quantile
+from .plan import RESIDUALS
+from .warm_up import warm_up_rows
 
 if TYPE_CHECKING:
     from .reduction import Result, SensorFit
 
 P, POWER = 0.95, 0.9  # of intervals; chance that a term of the size told would have been seen
+NO_TERMS = ("scatter_level", *RESIDUALS)
 ALONE = Reason("few_runs", "one power-up: the scatter between levels alone")
 
 
@@ -28,7 +31,7 @@ def rows(result: Result) -> list[Row]:
             key = Key("scatter_level", axis)
             dof = fit.own.spare
             found.append(Row(key, u, u / math.sqrt(2.0 * dof), result.readings.unit, dof))
-    return found
+    return [*found, *(() if result.warm_up is None else warm_up_rows(result.warm_up))]
 
 
 def _of_sensor(result: Result, fit: SensorFit) -> Iterator[Row]:
@@ -65,7 +68,7 @@ def _row(result: Result, key: Key, *, alone: bool) -> Row:
 
 def finding(rows: Sequence[WrittenRow]) -> Sentence:
     """Say the terms that were seen, each for the axis where it is largest, and how many were not."""
-    terms = [row for row in rows if row["quantity"] != "scatter_level"]
+    terms = [row for row in rows if row["quantity"] not in NO_TERMS]
     said: Sentence = ()
     for quantity in dict.fromkeys(str(row["quantity"]) for row in terms):
         row = largest(estimated(terms, quantity))

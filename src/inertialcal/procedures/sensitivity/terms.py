@@ -11,11 +11,14 @@ from ...sensors.model.sensitivity import ChannelReference
 from ...sensors.model.sensor_model import Provenance
 from ..model_terms import ModelTerms, kind_of
 from ..protocol import Tested
-from .plan import TEMPERATURE, Plan
+from .plan import START_TEMPERATURE, TEMPERATURE, Plan
 
 if TYPE_CHECKING:
     from .readings import Readings
     from .reduction import Result
+
+
+GIVEN = ("sensitivity", "warm_up")
 
 
 def terms(result: Result, tests: Sequence[Tested[Plan, Readings, Result]]) -> ModelTerms | None:
@@ -27,7 +30,7 @@ def terms(result: Result, tests: Sequence[Tested[Plan, Readings, Result]]) -> Mo
     readings, estimate = result.readings, result.estimate
     if estimate is None or len(readings.power_ups) < 2:
         return None
-    keys = tuple(key for key in estimate.keys if kind_of(key) == "sensitivity")
+    keys = tuple(key for key in estimate.keys if kind_of(key) in GIVEN and key.quantity != START_TEMPERATURE)
     names = tuple(dict.fromkeys(name for one in tests for name in one.recordings))
     test = ", ".join(dict.fromkeys(one.id for one in tests))
     provenance = {

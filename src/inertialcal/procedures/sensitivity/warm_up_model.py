@@ -52,6 +52,7 @@ from ...core.units import normalise
 from ...statistics.clustered import clustered_covariance
 from ...statistics.intervals import coverage_factor
 from ...statistics.least_squares import fit
+from .plan import START_TEMPERATURE
 
 FEWEST = 12  # stretches of a power-up that the unknowns need
 LENGTHENS = 1.05  # end of a stretch over its start
@@ -569,7 +570,7 @@ def _estimate(power_ups: PowerUps, solved: _Solved, depends: bool) -> Estimate |
             at.append(m + a * q + j)
     for a, axis in enumerate(power_ups.axes if depends else ()):
         for j in range(m):
-            keys.append(Key("bias_warm_up_temperature", axis, power=j + 1))
+            keys.append(Key(START_TEMPERATURE, axis, power=j + 1))
             units.append(by_start)
             at.append(m + a * q + m + j)
     covariance = solved.covariance[np.ix_(at, at)]
@@ -608,7 +609,7 @@ def _remarks(found: WarmUpModel, problem: _Problem, solved: _Solved) -> Iterator
         yield Remark("no_temperature", "warning", what, do="Record the temperature, or take a thermal model off first")
     if means.moves:
         what = f"the temperature moves by up to {means.moves:.3g} degC after power-up"
-        do = "Take a thermal model of the bias off first (after = [...])"
+        do = "Take the bias over temperature off the readings first, or hold the temperature"
         severity: Severity = "warning" if found.reason.code == "temperature_moves" else "info"
         yield Remark("temperature_moves", severity, what, do=do)
     if found.reason.code == SHORT.code:

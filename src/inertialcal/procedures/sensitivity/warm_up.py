@@ -1,4 +1,4 @@
-"""Rows and curves of the joint warm-up."""
+"""Joint warm-up of a sensitivity test: its power-ups from the recordings, its rows and curves."""
 
 from __future__ import annotations
 
@@ -8,12 +8,50 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...core.curve import Column, Curve
-from ...core.key import Key, Member, Reason
+from ...core.errors import DataError
+from ...core.key import Key, Reason
+from ...core.recording import SECOND
 from ...core.results import Interval, Row, not_estimated
 from ...statistics.intervals import t_interval
-from .warm_up_model import WarmUpModel
+from .plan import RESIDUALS, START_TEMPERATURE, TEMPERATURE, Plan
+from .readings import Readings
+from .warm_up_model import PowerUps, WarmUpModel, warm_up_model
 
 LIMITED = ("no_transient", "temperature_moves")  # reasons that leave an upper limit
+
+
+def joint_warm_up(plan: Plan, readings: Readings) -> WarmUpModel:
+    """Return the warm-up of all axes over all power-ups.
+
+    Raises
+    ------
+    DataError
+        ``no_time`` where a recording has no times; as `warm_up_model`.
+    """
+    first: dict[str, int] = {}
+    times, values, warmth, runs = [], [], [], []
+    axes = readings.axes
+    for one in readings.recorded:
+        recording, run = one.recording, one.run or one.name
+        stamps = recording.time_ns
+        if stamps is None:
+            what = "no time since power-up is known"
+            raise DataError(what, recording.source.path, do="Give the sample rate", code="no_time")
+        if any(axis not in recording.names for axis in axes):
+            what = f"not all of {', '.join(axes)} were read"
+            raise DataError(what, recording.source.path, do="Give the axes apart", code="missing_axis")
+        begin = first.setdefault(run, int(stamps[0]))
+        times.append((stamps - begin) / SECOND + plan.power_up_delay)
+        values.append(np.column_stack([np.asarray(recording.channel(axis).data, dtype=float) for axis in axes]))
+        own = one.conditions.get(TEMPERATURE, {})
+        warmth.append(np.column_stack([own.get(axis, np.full(len(recording), np.nan)) for axis in axes]))
+        runs.append(np.full(len(recording), list(first).index(run)))
+    temperature = np.concatenate(warmth)
+    power_ups = PowerUps(
+        axes, readings.unit, np.concatenate(times), np.concatenate(values), np.concatenate(runs),
+        temperature if np.isfinite(temperature).any() else None, labels=tuple(first),
+    )  # fmt: skip
+    return warm_up_model(power_ups, plan.reference_temperature if np.isfinite(temperature).all() else None)
 
 
 def warm_up_rows(found: WarmUpModel) -> tuple[Row, ...]:
@@ -23,7 +61,7 @@ def warm_up_rows(found: WarmUpModel) -> tuple[Row, ...]:
 
 def warm_up_curves(found: WarmUpModel) -> list[Curve]:
     """Return means of each power-up less its settled level, with the joint fit."""
-    return [one for i in range(len(found.power_ups.axes)) for one in _of_axis(found, i)]
+    return [one for i in range(len(found.power_ups.axes)) for one in (*_of_axis(found, i), *_of_held_out(found, i))]
 
 
 def _model_rows(found: WarmUpModel) -> Iterator[Row]:
@@ -42,7 +80,7 @@ def _model_rows(found: WarmUpModel) -> Iterator[Row]:
     said = {"bias_warm_up": "amplitude at power-up"}
     if found.slopes is not None and start is not None:
         said["bias_warm_up"] += f" from {start:.4g} degC"
-        said["bias_warm_up_temperature"] = "change of the amplitude with the starting temperature"
+        said[START_TEMPERATURE] = "change of the amplitude with the starting temperature"
     for i, key in enumerate(estimate.keys):
         value, u, dof = float(estimate.values[i]), float(estimate.u[i]), float(estimate.dof[i])
         reason = Reason("limits", said.get(key.quantity, ""))
@@ -50,25 +88,21 @@ def _model_rows(found: WarmUpModel) -> Iterator[Row]:
 
 
 def _held_out_rows(found: WarmUpModel) -> Iterator[Row]:
-    """Rows of what is left of power-ups held out: the root mean square over all, then each."""
+    """Rows of what is left of power-ups held out: the root mean square over all."""
     runs, unit = found.held_out, found.power_ups.unit
     if not runs:
         return
     told = "first minutes of power-ups held out, predicted from the others"
     for a, axis in enumerate(found.power_ups.axes):
         for name, each in (
-            ("warm_up_residual", [float(one.with_model[a]) for one in runs]),
-            ("warm_up_residual_without_model", [float(one.without[a]) for one in runs]),
+            (RESIDUALS[0], [float(one.with_model[a]) for one in runs]),
+            (RESIDUALS[1], [float(one.without[a]) for one in runs]),
         ):
             squares = np.square(each)
             value = math.sqrt(float(squares.mean()))
             u = float(squares.std(ddof=1)) / math.sqrt(len(each)) / (2.0 * value) if value > 0.0 else 0.0
             dof = len(each) - 1.0
             yield Row(Key(name, axis), value, u, unit, dof, t_interval(value, u, dof), reason=Reason("limits", told))
-            for one, alone in zip(runs, each, strict=True):
-                member = Member("held_out", one.label)
-                yield Row(Key(name, axis), alone, None, unit, status="not_estimated", member=member,
-                          reason=Reason("limits", "one power-up"))  # fmt: skip
 
 
 def _of_axis(found: WarmUpModel, axis: int) -> Iterator[Curve]:
@@ -85,3 +119,15 @@ def _of_axis(found: WarmUpModel, axis: int) -> Iterator[Curve]:
             "model": Column(found.at(means.time[own], axis, start if math.isfinite(start) else None), unit),
         }
         yield Curve("warm_up_joint", name, columns, of=labels[r], picture=True)
+
+
+def _of_held_out(found: WarmUpModel, axis: int) -> Iterator[Curve]:
+    """Yield what is left of the first minutes of each power-up, predicted from the others."""
+    runs, unit = found.held_out, found.power_ups.unit
+    if runs:
+        columns = {
+            "run": Column([one.label for one in runs]),
+            "with_model": Column([float(one.with_model[axis]) for one in runs], unit),
+            "without_model": Column([float(one.without[axis]) for one in runs], unit),
+        }
+        yield Curve("warm_up_held_out", found.power_ups.axes[axis], columns)
