@@ -234,7 +234,8 @@ def files(tmp_path: Path) -> list[Path]:
 def test_files_give_what_arrays_give(files: list[Path]) -> None:
     result = ic.sensitivity(files, to="warm_up")
     rows = {row.key: row for row in result.rows}
-    found = found_in(1, BY_START)
+    t, y, run, T = power_ups(1, BY_START)
+    found = warm_up_model(PowerUps(("x", "y", "z"), "deg/s", t, y, run, T), 20.0)
     assert found.estimate is not None
     for key, value in zip(found.estimate.keys, found.estimate.values, strict=True):
         given = rows[key].value

@@ -49,9 +49,9 @@ def finding(test: str, axis: str, rows: Sequence[Mapping[str, Any]]) -> str:
         if row["status"] == "upper_limit":
             return f"{name}: no warm-up seen; below {row['value']:.2g} {plain(row['unit'])}"
         tau = times.get(row["power"])
-        of = f" within {with_uncertainty(tau['value'], tau['u'])} s" if tau is not None and tau["u"] else ""
+        of = f", time constant {with_uncertainty(tau['value'], tau['u'])} s" if tau is not None and tau["u"] else ""
         said.append(f"{with_uncertainty(row['value'], row['u'])} {plain(row['unit'])}{of}")
-    return f"{name} warms up by {' and '.join(said)}" if said else f"{name}: warm-up not estimated"
+    return f"{name} starts off by {' and '.join(said)}" if said else f"{name}: warm-up not estimated"
 
 
 def draw(axes: Sequence[Axes], own: Sequence[Curve], title: str = "") -> None:
@@ -64,7 +64,7 @@ def draw(axes: Sequence[Axes], own: Sequence[Curve], title: str = "") -> None:
         label = plain(one.get("of", ""), 16) if len(own) <= NAMED else ("power-ups" if i == 0 else None)
         ax.plot(time[at], reading[at], MARKS[i % len(MARKS)], color=COLOURS["vermilion"], markersize=3.0,
                 markerfacecolor="none", label=label, zorder=2)  # fmt: skip
-        label = "joint fit" if i == 0 else None
+        label = "joint fit" if i == len(own) - 1 else None
         ax.plot(time[order], model[order], color=COLOURS["blue"], linewidth=1.2, label=label, zorder=3)
     ax.axhline(0.0, color=COLOURS["quiet"], linewidth=0.6, zorder=1)
     set_title(ax, title)
