@@ -241,4 +241,3 @@ def test_files_give_what_arrays_give(files: list[Path]) -> None:
         given = rows[key].value
         assert given is not None
         assert given == pytest.approx(value, rel=0.01)
-    assert result.curves
