@@ -9,18 +9,24 @@ unknowns, and what a constant does not change (a difference of readings, a scale
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..core.errors import DataError
-from ..core.estimate import Array, Component
+from ..core.estimate import Array, Component, Estimate, placed_changes
 from ..core.key import AXES, Key, Origin
 from ..core.recording import SECOND, Recording
+from ..core.remarks import Remark
 from ..core.unknowns import Unknowns
 from .protocol import Correction
 
+if TYPE_CHECKING:
+    from .model_terms import ModelTerms
+
 TakenOff = Mapping[Origin, Unknowns]  # by origin, a dwell a recording
+TINY = 1e-24  # of the largest eigenvalue of a covariance: no unknown of its own
 
 
 def corrected(
@@ -110,3 +116,138 @@ def dof_of(off: Unknowns, gain: Array) -> Array:
     """Return the degrees of freedom of each figure, shape (k,): the fewest of the sensors that it rests on."""
     used = np.any(gain != 0.0, axis=1) & np.any(off.changes != 0.0, axis=(0, 1))
     return np.asarray(np.where(used, off.dof, np.inf).min(axis=1, initial=np.inf))
+
+
+def carried(estimate: Estimate, taken_off: TakenOff) -> dict[Origin, dict[Key, Array]]:
+    """Return by origin what each unknown of corrections changes in the values of an estimate, by key, shape (s,)."""
+    found: dict[Origin, dict[Key, Array]] = {origin: {} for origin in taken_off}
+    for one in estimate.components:
+        if one.origin in found and one.changes is not None:
+            found[one.origin] = dict(zip(estimate.keys, one.changes.T, strict=True))
+    return found
+
+
+def factor(covariance: Array) -> Array:
+    """Return independent unknowns with this covariance, shape (s, n): ``changes.T @ changes`` is the covariance."""
+    scale = np.sqrt(np.diag(covariance))
+    size = np.where(scale > 0.0, scale, 1.0)
+    sizes, vectors = np.linalg.eigh(covariance / np.outer(size, size))
+    keep = sizes > TINY * sizes[-1]
+    return np.asarray((vectors[:, keep] * np.sqrt(sizes[keep])).T * size)
+
+
+@dataclass(frozen=True, eq=False)
+class BiasCorrection:
+    """A constant bias that a test found, to be taken off.
+
+    Parameters
+    ----------
+    test : str
+        Its name.
+    estimate : Estimate
+        Bias of each axis that has one, SI.
+    """
+
+    test: str
+    estimate: Estimate
+
+    @property
+    def unit(self) -> str:
+        """Of the readings."""
+        return self.estimate.units[0]
+
+    def apply(
+        self, recordings: Sequence[tuple[str, Recording]]
+    ) -> tuple[list[Recording], list[Mapping[Origin, Unknowns]]]:
+        """Return recordings with the bias taken off the axes that have one; the others are remarked."""
+        bias = {key.axis: float(value) for key, value in zip(self.estimate.keys, self.estimate.values, strict=True)}
+        made = []
+        for name, one in recordings:
+            channels = tuple(
+                replace(c, data=np.asarray(c.data, dtype=np.float64) - bias[c.name]) if c.name in bias else c
+                for c in one.channels
+            )
+            lacking = [c.name for c in one.channels if c.name in AXES and c.name not in bias]
+            what = f"{self.test} found no bias of {', '.join(lacking)}: nothing is taken off"
+            more = (Remark("no_bias", "warning", what, one.source.path or name),) if lacking else ()
+            made.append(replace(one, channels=channels, remarks=(*one.remarks, *more)))
+        unknowns = self._unknowns()
+        return made, [unknowns for _ in made]
+
+    def _unknowns(self) -> dict[Origin, Unknowns]:
+        found, keys = {}, self.estimate.keys
+        for one in self.estimate.components:
+            if not np.any(one.u):
+                continue
+            origin = one.origin if one.origin.test else one.origin._replace(test=self.test)
+            law = factor(one.covariance) if one.changes is None else one.changes
+            changes, dof = np.zeros((len(law), 1, 3)), np.full(3, np.inf)
+            for i, key in enumerate(keys):
+                changes[:, 0, AXES.index(key.axis)] = law[:, i]
+                dof[AXES.index(key.axis)] = np.broadcast_to(one.dof, len(keys))[i]
+            found[origin] = Unknowns(origin, one.kind, changes, keys, law, dof, one.distribution, one.stated,
+                                     one.unknowns)  # fmt: skip
+        return found
+
+    def with_terms(self, terms: ModelTerms) -> ModelTerms:
+        """Return terms of readings without the bias, with the bias."""
+        if terms.estimate is None or terms.referenced:
+            return terms
+        each = zip(self.estimate.keys, self.estimate.values, self.estimate.units, strict=True)
+        law = {key: (float(value), unit) for key, value, unit in each}
+        provenance = {
+            key: replace(one, test=", ".join(filter(None, (self.test, one.test)))) if key in law else one
+            for key, one in terms.provenance.items()
+        }
+        return replace(terms, estimate=with_law(terms, terms.estimate, law), provenance=provenance)
+
+
+def with_law(
+    terms: ModelTerms, estimate: Estimate, law: Mapping[Key, tuple[float, str]], more: tuple[Key, ...] = ()
+) -> Estimate:
+    """Return an estimate of readings after a correction with the law added to it that was taken off.
+
+    The errors of the law are in both with opposite signs: they are added as the same unknowns.
+
+    Parameters
+    ----------
+    terms : ModelTerms
+        With what was taken off, and what its unknowns change in the estimate.
+    estimate : Estimate
+        Of the readings after the correction.
+    law : mapping of Key to (float, str)
+        Value and unit of each coefficient.
+    more : tuple of Key
+        Coefficients that the estimate lacks.
+    """
+    keys = (*estimate.keys, *more)
+    at_reference = {key: value for key, (value, _) in law.items()}
+    values = [v + at_reference.get(key, 0.0) for key, v in zip(estimate.keys, estimate.values, strict=True)]
+    values += [at_reference[key] for key in more]
+    units = (*estimate.units, *(law[key][1] for key in more))
+    kept = [_wider(one, len(more)) for one in estimate.components if one.origin not in terms.taken_off]
+    off = [_joint(one, keys, terms.changes[origin]) for origin, one in terms.taken_off.items()]
+    return Estimate(keys, np.array(values), units, (*kept, *off))
+
+
+def _wider(component: Component, more: int) -> Component:
+    k = len(component.covariance)
+    covariance = np.zeros((k + more, k + more))
+    covariance[:k, :k] = component.covariance
+    dof = np.full(k + more, np.inf)
+    dof[:k] = component.dof
+    return replace(component, covariance=covariance, dof=dof, changes=placed_changes(component, 0, len(covariance)))
+
+
+def _joint(off: Unknowns, keys: tuple[Key, ...], changes: Mapping[Key, Array]) -> Component:
+    size = len(off.law)
+    own = {key: off.law[:, i] for i, key in enumerate(off.keys)}
+    rows = [
+        (changes[key] if key in changes and len(changes[key]) else np.zeros(size)) + own.get(key, np.zeros(size))
+        for key in keys
+    ]
+    whole = np.array(rows)
+    covariance = whole @ whole.T
+    dof = np.array([off.dof["xyz".index(key.axis[0])] for key in keys])
+    return Component(off.origin, off.kind, 0.5 * (covariance + covariance.T), dof, off.distribution, off.stated,
+                     whole.T, off.unknowns)  # fmt: skip

@@ -199,7 +199,7 @@ def test_a_sensor_without_a_law_is_refused(bias: ThermalCorrection) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ('after = ["thermal_ambient"]', 'after = ["rate_check"]', "'rate_check' is no thermal test"),
+        ('after = ["thermal_ambient"]', 'after = ["rate_check"]', "'rate_check' is no flip or thermal test"),
         ('after = ["thermal_ambient"]', 'after = ["thermal_ambient_check"]', 'with use = "fit"'),
         (
             'against = "thermal_ambient"',

@@ -173,6 +173,7 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
         """Return the terms of one sensor."""
         from ...sensors.model.sensor_model import Provenance
         from ...sensors.model.terms import values
+        from ..corrections import carried
         from ..model_terms import ModelTerms
 
         found = result.models.get(result.sensor)
@@ -192,6 +193,8 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
             found.scale_factor,
             None if found.output_unit == found.unit else found.output_unit,
             found.input_range,
+            taken_off=result.readings.taken_off.get(found.kind, {}),
+            changes=carried(found.estimate, result.readings.taken_off.get(found.kind, {})),
         )
 
     def held_out(

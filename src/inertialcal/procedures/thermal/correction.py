@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...core.errors import DataError
-from ...core.estimate import Array, Component, Estimate, placed_changes
+from ...core.estimate import Array, Component, Estimate
 from ...core.influence import Influence
 from ...core.key import AXES, At, Key, Origin
 from ...core.recording import Recording
@@ -30,6 +30,7 @@ from ...core.remarks import Remark
 from ...core.unknowns import Unknowns
 from ...sensors.model.sensor_model import Provenance
 from ...sensors.thermal import powers_of
+from ..corrections import factor, with_law
 from .fit.law import Law
 from .fit.quantities import ORDER, Asked, earth_along, estimate, power_unit
 from .recordings import TEMPERATURE
@@ -40,7 +41,6 @@ if TYPE_CHECKING:
 
 CANCELLED = ("converter.reference",)  # in the readings and in what is taken off alike
 PATH = "sensor.hysteresis"
-TINY = 1e-24  # of the largest eigenvalue of a covariance: no unknown of its own
 DWELL = "dwell"  # place of a value: number of a recording
 TAKEN = "bias_taken_off"
 
@@ -110,7 +110,7 @@ class ThermalCorrection:
         more = tuple(key for key in found if key.power and key.axis in terms.axes)
         return replace(
             whole,
-            estimate=_with_law(terms, terms.estimate, found, more),
+            estimate=with_law(terms, terms.estimate, found, more),
             parameters=(*terms.parameters, *more),
             provenance={**whole.provenance, **dict.fromkeys(more, self._before(Provenance()))},
         )
@@ -227,7 +227,7 @@ def _changes(found: Estimate, component: Component, laws: Mapping[str, Law], ask
         steps = (
             np.zeros((1, law.order + 1))
             if component.origin == ORDER
-            else _factor(law.contrasts(np.eye(law.order + 1))[0])
+            else factor(law.contrasts(np.eye(law.order + 1))[0])
         )
         own = [rows.get(key, np.zeros(law.order + 1)) for key in found.keys]
         block = steps @ np.array(own).T
@@ -236,15 +236,6 @@ def _changes(found: Estimate, component: Component, laws: Mapping[str, Law], ask
             block = np.array([[other.get(key, 0.0) for key in found.keys]])
         blocks.append(block)
     return np.vstack(blocks)
-
-
-def _factor(covariance: Array) -> Array:
-    """Return independent unknowns with this covariance, shape (s, n): ``changes.T @ changes`` is the covariance."""
-    scale = np.sqrt(np.diag(covariance))
-    size = np.where(scale > 0.0, scale, 1.0)
-    sizes, vectors = np.linalg.eigh(covariance / np.outer(size, size))
-    keep = sizes > TINY * sizes[-1]
-    return np.asarray((vectors[:, keep] * np.sqrt(sizes[keep])).T * size)
 
 
 def law_of(bias: ThermalCorrection) -> dict[Key, tuple[float, str]]:
@@ -281,40 +272,3 @@ def _taken_off(found: Estimate, component: Component, changes: Array, n: int, te
     origin = component.origin._replace(test=test)
     return Unknowns(origin, kind, patterns, keys, changes[:, law], of_sensor, shape, component.stated,
                     component.unknowns)  # fmt: skip
-
-
-def _with_law(
-    terms: ModelTerms, estimate: Estimate, law: Mapping[Key, tuple[float, str]], more: tuple[Key, ...]
-) -> Estimate:
-    """Return the estimate with the law added to its bias, and with the coefficients that it lacks."""
-    keys = (*estimate.keys, *more)
-    at_reference = {key: value for key, (value, _) in law.items()}
-    values = [v + at_reference.get(key, 0.0) for key, v in zip(estimate.keys, estimate.values, strict=True)]
-    values += [at_reference[key] for key in more]
-    units = (*estimate.units, *(law[key][1] for key in more))
-    kept = [_wider(one, len(more)) for one in estimate.components if one.origin not in terms.taken_off]
-    off = [_joint(one, keys, terms.changes[origin]) for origin, one in terms.taken_off.items()]
-    return Estimate(keys, np.array(values), units, (*kept, *off))
-
-
-def _wider(component: Component, more: int) -> Component:
-    k = len(component.covariance)
-    covariance = np.zeros((k + more, k + more))
-    covariance[:k, :k] = component.covariance
-    dof = np.full(k + more, np.inf)
-    dof[:k] = component.dof
-    return replace(component, covariance=covariance, dof=dof, changes=placed_changes(component, 0, len(covariance)))
-
-
-def _joint(off: Unknowns, keys: tuple[Key, ...], changes: Mapping[Key, Array]) -> Component:
-    size = len(off.law)
-    own = {key: off.law[:, i] for i, key in enumerate(off.keys)}
-    rows = [
-        (changes[key] if key in changes and len(changes[key]) else np.zeros(size)) + own.get(key, np.zeros(size))
-        for key in keys
-    ]
-    whole = np.array(rows)
-    covariance = whole @ whole.T
-    dof = np.array([off.dof["xyz".index(key.axis[0])] for key in keys])
-    return Component(off.origin, off.kind, 0.5 * (covariance + covariance.T), dof, off.distribution, off.stated,
-                     whole.T, off.unknowns)  # fmt: skip
