@@ -141,7 +141,7 @@ def test_shared_takes_names_of_standards_in_both_that_do_not_differ(pairs: Path)
     with pytest.raises(UsageError, match=r"no standard of that name is in both.*rate_table.mounting, rate_table.rate"):
         compare(pairs / "a", pairs / "b", shared=["gravity.value"])
     other = json.loads((pairs / "b/out/model.json").read_text())
-    assert other["influences"]["rate_table.rate"]["certificate"] == "C-1"
+    assert other["models"][""]["influences"]["rate_table.rate"]["certificate"] == "C-1"
     model = read_model(pairs / "b/out/model.json")
     renewed = replace(model.influences["rate_table.rate"], certificate="C-2")
     influences = {**model.influences, "rate_table.rate": renewed}
