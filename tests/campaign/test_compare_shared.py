@@ -277,7 +277,7 @@ def test_a_curvature_that_a_line_lacks_cancels_for_one_unit_at_one_set_of_rates(
 
 @pytest.mark.parametrize("file", ["", "out/model.json"], ids=["results", "models"])
 def test_curvatures_stand_in_results_and_models(pairs: Path, file: str) -> None:
-    sides = load_both(pairs / "a" / file, pairs / "b" / file)[1:]
+    (sides,) = load_both(pairs / "a" / file, pairs / "b" / file)[1]
     scales = [row for one in sides for row in one.rows if str(row.key) == "scale_factor_error_x" and row.case.plain]
     terms = [row.curvature["third_order_x"] for row in scales]
     assert terms[0].change == pytest.approx(terms[1].change, rel=1e-6)

@@ -45,7 +45,8 @@ def taken(
     Parameters
     ----------
     columns : mapping of str to str, optional
-        What it is -> name of the column; an axis that is not in it is found by its header.
+        What it is -> name of the column; an axis, or a channel that the model has a sensitivity to, is found by its
+        header where it is not in it.
     temperature : str or float, optional
         Column, or temperature of all rows: ``"25 degC"``, or a number [degC].
 
@@ -55,7 +56,8 @@ def taken(
         ``wrong_column`` where an axis has no column or several, or a name is not known.
     """
     named = dict(columns or {})
-    known = {*model.axes, *CONDITIONS, *FORCES, *(f"temperature_{axis}" for axis in model.axes)}
+    channels = [one.channel for one in model.sensitivities]
+    known = {*model.axes, *CONDITIONS, *FORCES, *(f"temperature_{axis}" for axis in model.axes), *channels}
     strangers = [f"{what}={name}" for what, name in named.items() if what not in known]
     if strangers:
         raise DataError(
@@ -65,6 +67,7 @@ def taken(
         )
     named = {what: full_name(recording, name) or recording.channel(name).name for what, name in named.items()}
     found = {axis: named[axis] if axis in named else _column_of(model, recording, axis) for axis in model.axes}
+    found |= {name: column for name in channels if name not in CONDITIONS and (column := full_name(recording, name))}
     column = full_name(recording, temperature) if isinstance(temperature, str) else None
     if column is not None:
         return Taken({**found, "temperature": column, **named})

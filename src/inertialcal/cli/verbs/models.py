@@ -29,6 +29,12 @@ TimeColumn = Annotated[
 ]
 
 
+Condition = Annotated[
+    str | None,
+    typer.Option("--condition", help="Whose model is meant, where there are several: air.", show_default=False),
+]
+
+
 def show(
     model: Annotated[
         Path,
@@ -38,6 +44,7 @@ def show(
     figure: figures.FigureName = None,
     test: Annotated[str | None, typer.Option(help="Figure of results: of which test.")] = None,
     axis: Annotated[str | None, typer.Option(help="Figure of results: of which axis.")] = None,
+    condition: Condition = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -56,7 +63,7 @@ def show(
     results = find_results(model, of_campaign=any(chosen.values()))
     if results is not None:
         return show_results(results, edited, output, chosen, as_json, quiet)
-    return _show_model(model, edited, output, chosen, as_json, quiet)
+    return _show_model(model, condition, edited, output, chosen, as_json, quiet)
 
 
 def _show_page(page: Any, as_json: bool, quiet: bool) -> int:
@@ -74,6 +81,7 @@ def _show_page(page: Any, as_json: bool, quiet: bool) -> int:
 
 def _show_model(
     path: Path,
+    condition: str | None,
     edited: Sequence[Remark],
     output: Path | None,
     chosen: dict[str, str | None],
@@ -86,25 +94,33 @@ def _show_model(
     from ...sensors.model.serial import to_dict
     from ..shown.model_text import model_text
 
-    found = find_model(path)
+    found = find_model(path, condition)
     remarks = (*edited, *found.remarks)
-    rows = [row.to_dict() for row in model_rows(found.model)]
+    shown = list(found.models.values()) if condition is None else [found.model]
+    rows = [[row.to_dict() for row in model_rows(one)] for one in shown]
     line = "" if output is None else figures.write(output, found.model, [found.path], chosen)
     if as_json:
-        words = [{"name": line.name, "words": line.words, "origin": line.origin} for line in lines(found.model)]
+        each = [
+            {
+                "condition": one.condition,
+                "equation": equation(one),
+                "words": [{"name": line.name, "words": line.words, "origin": line.origin} for line in lines(one)],
+                "judged": one.judged,
+            }
+            for one in shown
+        ]
         content = {
             "inputs": [_input(found)],
             "remarks": [remark.to_dict() for remark in remarks],
-            "results": rows,
-            "equation": equation(found.model),
-            "words": words,
-            "judged": found.model.judged,
-            "model": to_dict(found.model),
+            "results": [row for of_one in rows for row in of_one],
+            "judged": all(one.judged for one in shown),
+            "model": to_dict(found.models if condition is None else found.model),
         } | ({} if output is None else {"written": str(output)})
+        content |= each[0] if len(each) == 1 else {"conditions": each}
         json_out("show", content)
     elif not quiet:
         _print_remarks(remarks)
-        print(line or model_text(found.model, rows))
+        print(line or "\n\n".join(model_text(one, of_one) for one, of_one in zip(shown, rows, strict=True)))
     return 0
 
 
@@ -127,6 +143,7 @@ def compensate(
     serial: Annotated[
         str | None, typer.Option(help="Serial number of the sensor that gave the data: checked against the model.")
     ] = None,
+    condition: Condition = None,
     uncertainty: Annotated[
         bool, typer.Option("--uncertainty", help="Add a column with the standard uncertainty of each axis.")
     ] = False,
@@ -144,18 +161,15 @@ def compensate(
 ) -> int:
     """Apply a model to a recording: true inputs in place of readings; time, gaps and other channels stay."""
     from ...campaign.models.compensation import compensate as apply
+    from ...campaign.models.compensation import model_for
     from ...campaign.models.find import find_model, published
     from ...campaign.models.inputs import taken
     from ...campaign.models.published import from_counts, reading_steps
     from ...files import read
-    from ...files.write.recording import write, writer_for
+    from ...files.write.recording import write
     from ...sensors.catalogue import CATALOGUE
-    from ..shown.model_text import steps_text
 
-    if output is None and not steps:
-        raise UsageError("no file to write", do="Add -o FILE; or --steps, for a published model", code="missing_option")
-    if output is not None:
-        writer_for(output)
+    _check_output(output, steps)
     columns, units = pairs(column, "--column", "x=wx"), pairs(unit, "--unit", "gyro=deg/s")
     found, sensor = find_model(model, as_printed=as_printed), published(model)
     if steps and sensor is None:
@@ -163,30 +177,49 @@ def compensate(
         raise UsageError(f"--steps: {model} is no published model", do=do, code="no_steps")
     raw = read(data, units=units, sample_rate=sample_rate, time_column=time_column)
     inputs = [_input(found), {"path": raw.source.path, "sha256": raw.source.sha256}]
-    worked = reading_steps(sensor, raw, columns, row, as_printed) if steps and sensor is not None else ()
-    listed = {"row": row, "steps": [one.to_dict(found.model.axes) for one in worked]} if steps else {}
-    if steps and not as_json and not quiet:
-        print(f"{clean(found.model.source)}: row {row} of {len(raw)} of {clean(raw.source.path)}")
-        print(steps_text(worked, found.model.axes))
+    listed: dict[str, Any] = {}
+    if sensor is not None:
+        if steps:
+            worked = reading_steps(sensor, raw, columns, row, as_printed)
+            listed = {"row": row, "steps": [one.to_dict(found.model.axes) for one in worked]}
+            _print_steps(found.model, raw, worked, row, quiet=as_json or quiet)
+        raw, columns = from_counts(sensor, raw, columns)
     if output is None:
         if as_json:
             json_out("compensate", {"inputs": inputs} | listed)
         return 0
-    if sensor is not None:
-        raw, columns = from_counts(sensor, raw, columns)
-    done = apply(found.model, raw, columns, temperature=temperature, serial=serial, uncertainty=uncertainty)
-    chosen = taken(found.model, raw, columns, temperature)
+    whose = model_for(found.models, raw, columns, condition)
+    done = apply(whose, raw, columns, temperature=temperature, serial=serial, uncertainty=uncertainty)
+    chosen = taken(whose, raw, columns, temperature)
     remarks = [*done.remarks, *write(output, done)]
     used = dict(chosen.columns) | (
         {} if chosen.temperature is None else {"temperature": f"{chosen.temperature:g} degC"}
     )
+    more = {"columns": used, "condition": whose.condition, "compensated_by": done.compensated_by} | listed
     if as_json:
-        more = {"columns": used, "compensated_by": done.compensated_by} | listed
         _written("compensate", inputs, output, len(done), remarks, more)
     elif not quiet:
         print(wrapped("columns: " + ", ".join(f"{what} = {clean(name)}" for what, name in used.items())))
+        print(f"model of condition: {clean(whose.condition)}\n" if whose.condition else "", end="")
         _print_written(output, len(done), remarks)
     return 0
+
+
+def _check_output(output: Path | None, steps: bool) -> None:
+    from ...files.write.recording import writer_for
+
+    if output is not None:
+        writer_for(output)
+    elif not steps:
+        raise UsageError("no file to write", do="Add -o FILE; or --steps, for a published model", code="missing_option")
+
+
+def _print_steps(model: Any, raw: Any, worked: Any, row: int, quiet: bool) -> None:
+    from ..shown.model_text import steps_text
+
+    if not quiet:
+        print(f"{clean(model.source)}: row {row} of {len(raw)} of {clean(raw.source.path)}")
+        print(steps_text(worked, model.axes))
 
 
 def convert(
@@ -229,6 +262,7 @@ def export(
         str,
         typer.Option("--to", help=f"Format: {', '.join(BUILT_IN)}.", show_default=False),
     ],
+    condition: Condition = None,
     other: Annotated[
         Path | None, typer.Option("--with", help="Model of the other sensor, for formats that hold both.")
     ] = None,
@@ -245,21 +279,24 @@ def export(
     from ...campaign.models.find import find_model
     from ...files.models.model_file import export as export_model
 
-    found = find_model(model)
+    found = find_model(model, condition)
     sources = [found] if other is None else [found, find_model(other)]
+    if other is not None and condition in sources[1].models:
+        sources[1] = find_model(other, condition)
     exported = export_model(found, to, output, unjudged, sources[1:], nominal)
+    judged = all(one.judged for one in (found.models.values() if condition is None else [found.model]))
     if as_json:
         content = {
             "inputs": [_input(one) for one in sources],
             "remarks": [remark.to_dict() for remark in exported.remarks],
             "written": str(output),
             "sha256": exported.sha256,
-            "judged": found.model.judged,
+            "judged": judged,
         }
         json_out("export", content)
     elif not quiet:
         _print_remarks(exported.remarks)
-        print(f"written: {clean(str(output))} ({'judged' if found.model.judged else 'not judged'})")
+        print(f"written: {clean(str(output))} ({'judged' if judged else 'not judged'})")
     return 0
 
 
@@ -280,6 +317,7 @@ def compare(
         list[str],
         typer.Option("--shared", help="Standard whose error is the same in both: rate_table.rate. May be repeated."),
     ] = [],  # noqa: B006 - typer copies it
+    condition: Condition = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -287,7 +325,7 @@ def compare(
     from ...campaign.compare.compare import compare as compare_both
     from ..shown.model_text import comparison_text
 
-    found = compare_both(first, second, allowed, decision, shared)
+    found = compare_both(first, second, allowed, decision, shared, condition)
     if as_json:
         content = {
             "inputs": [{"path": path, "sha256": digest} for path, digest in found.inputs.items()],

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from ...core.errors import DataError
+from ...core.errors import DataError, UsageError
 from ...core.key import Kind
 from .sensor_model import SensorModel
 
@@ -31,7 +31,10 @@ class ModelSet(Mapping[str, SensorModel]):
 
     def __getitem__(self, condition: str) -> SensorModel:
         """Return the model of a condition."""
-        return next(one for one in self.models if one.condition == condition)
+        for one in self.models:
+            if one.condition == condition:
+                return one
+        raise KeyError(condition)
 
     def __iter__(self) -> Iterator[str]:
         """Conditions, in the order of the models."""
@@ -58,24 +61,23 @@ class ModelSet(Mapping[str, SensorModel]):
 
         Raises
         ------
-        DataError
+        UsageError
             ``condition_needed`` where there are several and none is named; ``no_such_condition``.
         """
         known = [one for one in self if one]
         if condition is None:
             if len(self) == 1:
                 return self.models[0]
-            raise DataError(
+            raise UsageError(
                 f"models for several conditions: {', '.join(known)}",
                 where,
                 why="readings in one condition need the model of that condition",
                 do=f"Say which: {' or '.join(f'--condition {one}' for one in known)}",
                 code="condition_needed",
             )
-        for one in self.models:
-            if one.condition == condition:
-                return one
-        raise DataError(
+        if condition in self:
+            return self[condition]
+        raise UsageError(
             f"no model for condition {condition!r}",
             where,
             do=f"There is: {', '.join(known)}" if known else "The model names no condition: leave the condition out",
