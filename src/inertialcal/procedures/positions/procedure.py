@@ -20,7 +20,7 @@ from ..protocol import (
     Tested,
 )
 from .figures import FIGURES
-from .plan import INFLUENCES, FileSettings, Plan, Wanted
+from .plan import HIGHEST_ORDER, INFLUENCES, FileSettings, Plan, Wanted
 
 if TYPE_CHECKING:
     from ...core.errors import Problem
@@ -44,6 +44,9 @@ QUANTITIES = {
     "scale_factor": Quantity(("other",)),
     "scale_factor_error": Quantity(RELATIVE, shown="%"),
     "misalignment": Quantity(("angle",)),
+    **{f"bias_temperature_{j}": Quantity(("other",)) for j in range(1, HIGHEST_ORDER + 1)},
+    **{f"scale_factor_error_temperature_{j}": Quantity(("other",)) for j in range(1, HIGHEST_ORDER + 1)},
+    **{f"cross_axis_sensitivity_temperature_{j}": Quantity(("other",)) for j in range(1, HIGHEST_ORDER + 1)},
     "cross_axis_sensitivity": Quantity(RELATIVE, shown="%"),
     "g_sensitivity": Quantity(("other",), shown="({unit})/g"),  # of readings in counts it stays in counts
     "scatter_position": Quantity(READING),
@@ -177,6 +180,7 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
         from ..model_terms import ModelTerms
 
         found = result.models.get(result.sensor)
+        over = result.acc.sensor.temperature if result.sensor == "accelerometer" else None
         if result.estimate is None or found is None or found.estimate is None:
             return None
         without = [one for one in found.parameters if one.name in found.not_estimated]
@@ -195,6 +199,8 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
             found.input_range,
             taken_off=result.readings.taken_off.get(found.kind, {}),
             changes=carried(found.estimate, result.readings.taken_off.get(found.kind, {})),
+            reference_temperature=None if over is None else over.reference,
+            temperature_range=None if over is None else over.range,
         )
 
     def held_out(

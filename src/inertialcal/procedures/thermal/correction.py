@@ -107,7 +107,7 @@ class ThermalCorrection:
         if terms.estimate is None or terms.referenced:
             return whole
         found = law_of(self)
-        more = tuple(key for key in found if key.power and key.axis in terms.axes)
+        more = tuple(key for key in found if key.power and key.axis in terms.axes and key not in terms.estimate.keys)
         return replace(
             whole,
             estimate=with_law(terms, terms.estimate, found, more),

@@ -55,6 +55,23 @@ class Source:
 
 
 @dataclass(frozen=True, eq=False)
+class OverTemperature:
+    """How the numbers of a sensor change with temperature: coefficients of powers of T - T_ref, from the first on."""
+
+    reference: float  # T_ref [degC]
+    range: tuple[float, float]  # Temperatures that it was seen at [degC]
+    values: Array  # shape (p, 12): of the plain entries of A and b, by power
+    sources: tuple[Source, ...]  # Of the numbers at T_ref and of all powers together, 12 (p + 1) of them
+    keys: tuple[Key, ...]  # shape (12 p,): their names
+    units: tuple[str, ...]  # and units
+
+    def scaled(self, rows: Array) -> OverTemperature:
+        """Return the same with every number times a factor, shape (12,)."""
+        each = np.tile(rows, len(self.values) + 1)
+        return replace(self, values=self.values * rows, sources=tuple(_scaled(one, each) for one in self.sources))
+
+
+@dataclass(frozen=True, eq=False)
 class LinearSensor:
     """Matrix and offset of three sensors, relative to their ideal scale factor and zero."""
 
@@ -64,6 +81,7 @@ class LinearSensor:
     ideal: Array  # shape (3,): scale factor [unit of the readings/input unit]
     zero: Array  # shape (3,): reading for no input [unit of the readings]
     named: tuple[Key, ...] = field(default=(*MATRIX, *BIAS))
+    temperature: OverTemperature | None = None  # Then the numbers are those at its reference temperature
 
     @property
     def matrix(self) -> Array:
@@ -103,15 +121,14 @@ def with_ideal(sensor: LinearSensor, ideal: Array, zero: Array) -> LinearSensor:
     rows = np.concatenate([np.repeat(ratio, 3), ratio, np.repeat(ratio, 3)])[: len(sensor.values)]
     values = sensor.values * rows
     values[9:12] += (sensor.zero - zero) / ideal
-    sources = tuple(
-        replace(
-            one,
-            covariance=one.covariance * np.outer(rows, rows),
-            changes=None if one.changes is None else one.changes * rows,
-        )
-        for one in sensor.sources
-    )
-    return replace(sensor, values=values, sources=sources, ideal=ideal, zero=zero)
+    sources = tuple(_scaled(one, rows) for one in sensor.sources)
+    own = None if sensor.temperature is None else sensor.temperature.scaled(rows)
+    return replace(sensor, values=values, sources=sources, ideal=ideal, zero=zero, temperature=own)
+
+
+def _scaled(source: Source, rows: Array) -> Source:
+    changes = None if source.changes is None else source.changes * rows
+    return replace(source, covariance=source.covariance * np.outer(rows, rows), changes=changes)
 
 
 def after_corrections(taken_off: TakenOff, per_reading: Array, per_level: Array | None = None) -> list[Source]:
