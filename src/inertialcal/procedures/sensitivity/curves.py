@@ -13,7 +13,8 @@ from .plan import TEMPERATURE
 from .warm_up import warm_up_curves
 
 if TYPE_CHECKING:
-    from .reduction import Result, SensorFit
+    from .fit import SensorFit
+    from .reduction import Result
 
 POINTS = 41  # of a line
 

@@ -14,6 +14,7 @@ References
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -34,6 +35,12 @@ STILL = 0.01  # of a range, inside power-ups, that tells nothing
 TOGETHER, APART = 0.98, 0.9  # squared multiple correlation: told apart by nothing; badly
 TOLD = 1e-4  # share of a column that no other makes up, below which its coefficient is not told
 NEAR = 3.0  # ratio of a condition to its reference that is a wrong unit
+TO_DO = {
+    "missing_condition": "Record it with the readings",
+    "not_varied": "Step it while the unit stays powered",
+    "between_power_ups": "Step it while the unit stays powered",
+    "conditions_together": "Change one while the other stays",
+}
 SUPPLIES = (0.5, 500.0)  # of any sensor [V]
 
 
@@ -80,7 +87,7 @@ def references_of(plan: Plan, readings: Readings) -> dict[str, float]:
         if not len(levels):
             continue
         middle = 0.5 * (float(levels.min()) + float(levels.max()))
-        found[name] = plan.reference_temperature if name == TEMPERATURE else middle
+        found[name] = plan.reference_temperature if name == TEMPERATURE else _round(middle, float(np.ptp(levels)))
         if name in plan.references:
             found[name] = parse_quantity(plan.references[name]).to(readings.units[name])
             ratio = abs(middle / found[name]) if found[name] and name != TEMPERATURE else 1.0
@@ -89,6 +96,14 @@ def references_of(plan: Plan, readings: Readings) -> dict[str, float]:
         elif name == SUPPLY and not SUPPLIES[0] <= abs(middle) <= SUPPLIES[1]:
             raise _wrong_unit(name, middle, "V", "no supply of a sensor")
     return found
+
+
+def _round(middle: float, span: float) -> float:
+    """Return a number near the middle of a range with no more digits than the range needs."""
+    if not span > 0.0:
+        return middle
+    digits = -math.floor(math.log10(span))
+    return round(middle, digits)
 
 
 def _wrong_unit(name: str, middle: float, unit: str, why: str) -> DataError:
@@ -131,12 +146,19 @@ def design_of(
     h = np.zeros(len(runs)) if warm is None else warm - plan.reference_temperature
     columns = [_warm_column(plan, readings, axis, j, h) for j in range(1, order + 1)]
     changes = order > 0
+    columns += _drift(plan, readings, chosen)
     for name, d in moving.items():
         columns += _columns_of(plan, readings, axis, name, d, h, changes=changes)
     columns += _of_scale(plan, readings, axis, along, across, moving, h, changes=changes)
     if like is not None:
         fitted = {one.name for one in like.columns}
         return Design(axis, chosen, y, runs, tuple(one for one in columns if one.name in fitted), refused, order)
+    there = {one.key for one in columns} | set(refused)
+    for name in (*moving, *(one for one in (TEMPERATURE,) if one in plan.to)):
+        for key in term_keys(plan, axis, name, applied=bool(along.any())):
+            if key not in there:
+                what = "no temperature was recorded" if warm is None else "the temperature stays within power-ups"
+                refused[key] = (_unit_of(readings, key, name), Reason("not_varied", what))
     kept = _told_apart(columns, runs, refused, axis)
     return Design(axis, chosen, y, runs, tuple(kept), refused, order, tuple(remarks))
 
@@ -191,6 +213,21 @@ def _order(plan: Plan, warm: Array | None, runs: NDArray[np.str_]) -> int:
     return min(distinct - 1, MOST_POWERS if plan.order is None else plan.order)
 
 
+def _drift(plan: Plan, readings: Readings, chosen: NDArray[np.bool_]) -> list[Column]:
+    """Return powers of the time since power-up, the same in all of them.
+
+    Raises
+    ------
+    DataError
+        ``no_time``.
+    """
+    time = readings.time[chosen]
+    if plan.drift and not np.all(np.isfinite(time)):
+        raise DataError("drift: recordings without time", do="Give the sample rate", code="no_time")
+    span = float(np.ptp(time)) or 1.0
+    return [Column(None, f"t^{j}", readings.unit, (time / span) ** j) for j in range(1, plan.drift + 1)]
+
+
 def _warm_column(plan: Plan, readings: Readings, axis: str, j: int, h: Array) -> Column:
     key = Key(f"bias_{TEMPERATURE}", axis, power=j) if TEMPERATURE in plan.to else None
     unit = divide(readings.unit, power("degC", j))
@@ -240,6 +277,7 @@ def _refused(
     def refuse(name: str, code: str, text: str) -> None:
         for key in term_keys(plan, axis, name, applied=applied):
             refused.setdefault(key, (_unit_of(readings, key, name), Reason(code, text)))
+        remarks.append(Remark(code, "warning", text, do=TO_DO[code], axis=axis, subject=name))
 
     for name in asked:
         values, unit = base.get(name), readings.units.get(name, "degC")
@@ -247,7 +285,7 @@ def _refused(
             refuse(name, "missing_condition", f"{axis} has no {name}")
             continue
         whole, inside = float(np.ptp(values)), _spread(values, runs)
-        least = max(RANGES.get(name, 0.0), 2.0 * readings.resolution.get(name, 0.0))
+        least = max(RANGES.get(name, 0.0), readings.scatter.get(name, 0.0))
         if whole <= least:
             refuse(name, "not_varied", f"{name} stayed within {whole:.3g} {unit} in all recordings")
         elif inside < STILL * whole:
@@ -261,7 +299,7 @@ def _refused(
         if share > TOGETHER:
             refuse(name, "conditions_together", f"{text}: nothing tells their effects apart")
         elif share > APART:
-            do = "Change one while the other stays"
+            do = TO_DO["conditions_together"]
             remarks.append(Remark("conditions_together", "warning", text, do=do, axis=axis, subject=name))
     return refused, remarks
 

@@ -22,7 +22,8 @@ from .plan import Plan
 from .readings import Readings
 
 if TYPE_CHECKING:
-    from .reduction import Result, SensorFit
+    from .fit import SensorFit
+    from .reduction import Result
 
 
 def joined(tests: Sequence[Tested[Plan, Readings, Result]]) -> tuple[Plan, Readings] | None:

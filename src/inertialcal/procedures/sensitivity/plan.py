@@ -16,6 +16,7 @@ HIGHEST_ORDER = 5  # of the polynomial in temperature
 # Influences that a sensitivity is subject to, and what each would change.
 INFLUENCES = {
     "supply_meter.voltage": "sensitivities to the supply in proportion",
+    "supply_meter.resolution": "sensitivities to the supply: the rounding of each of its levels",
     "pressure_gauge.pressure": "sensitivities to pressure in proportion",
     "thermometer.temperature": "sensitivities by their own slope over temperature",
     "converter.reference": "sensitivities of the bias in proportion",
@@ -64,6 +65,10 @@ class Plan:
     reference_temperature: float = setting(
         "Sensitivities hold at it; powers are those of the temperature less this.", 20.0, unit="degC", example="20 degC"
     )
+    drift: int = setting(
+        "Powers of the time since power-up that are taken off, alike in all power-ups: a warm-up that is not over.",
+        0, least=0, most=3, example="1",
+    )  # fmt: skip
     references: Mapping[str, str] = setting(
         "Nominal value of a condition, where its term is zero; the middle of its levels where not given.",
         dict[str, str], example='supply="5 V"', option="reference",

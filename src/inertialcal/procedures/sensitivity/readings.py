@@ -10,6 +10,7 @@ Recordings with one run label are of one power-up; without labels each recording
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import cast
@@ -28,6 +29,8 @@ from .entry import SensitivityEntry, conditions_of
 from .plan import APPLIED, PRESSURE, REFERENCE, SUPPLY, TEMPERATURE, WARM_UP, Plan
 
 ALIKE = 0.05  # of the range of a condition: a level
+STEPPED = 12.0  # deviations of its noise, over which a condition changed
+KEPT, TRUNCATED = 0.9, 0.789  # part of the steps, without the largest, and the deviation that is left of normal ones
 QUIET = 4.0  # deviations of the noise of a window's mean inside that distance
 WINDOWS = 8  # at least, in which a level is looked for
 PARTS = 8  # of a level, whose means show its noise
@@ -86,8 +89,8 @@ class Readings:
         By name, then axis: mean of the condition; NaN where a recording does not have it [SI].
     units : mapping of str to str
         Of the conditions.
-    resolution : mapping of str to float
-        Smallest step in which a condition was recorded; 0 where it is finer than its noise.
+    scatter : mapping of str to float
+        Noise of a sample of each condition; 0 where it repeats itself, as a set value does.
     turned : ndarray of str, shape (n,)
         Axis that the applied input is along.
     transients : int
@@ -105,7 +108,7 @@ class Readings:
     settling: Mapping[str, Array]
     conditions: Mapping[str, Mapping[str, Array]]
     units: Mapping[str, str]
-    resolution: Mapping[str, float]
+    scatter: Mapping[str, float]
     turned: NDArray[np.str_]
     transients: int = 0
     remarks: tuple[Remark, ...] = ()
@@ -187,8 +190,10 @@ def readings_from(plan: Plan, found: Sequence[ConditionRecording], unit: str) ->
     """
     names = tuple(dict.fromkeys(name for one in found for name in one.conditions))
     ranges = {name: _range([c for one in found for c in one.conditions.get(name, {}).values()]) for name in names}
+    scatter = {name: max((_noise(c) for one in found for c in one.conditions.get(name, {}).values()), default=0.0)
+               for name in names}  # fmt: skip
     cut_by = [name for name in names if name in {*plan.to, APPLIED, TEMPERATURE}
-              and ranges[name] > RANGES.get(name, 0.0)]  # fmt: skip
+              and ranges[name] > max(RANGES.get(name, 0.0), STEPPED * scatter[name])]  # fmt: skip
     ordered = sorted(found, key=lambda one: (_first(one.recording), one.name))
     starts: dict[str, int] = {}
     for one in ordered:
@@ -213,12 +218,11 @@ def readings_from(plan: Plan, found: Sequence[ConditionRecording], unit: str) ->
         name: {axis: np.array([one.conditions[name].get(axis, np.nan) for one in rows]) for axis in axes}
         for name in names
     }
-    steps = {name: _resolution([c for one in ordered for c in one.conditions.get(name, {}).values()]) for name in names}
     return Readings(
         axes, unit, np.array([one.run for one in rows]), np.array([one.recording for one in rows]),
         np.array([one.time for one in rows]), np.array([one.samples for one in rows], dtype=np.int64),
-        values, noise, settling, conditions, units, steps, np.array([one.turned for one in rows]), transients, remarks,
-        tuple(ordered),
+        values, noise, settling, conditions, units, scatter, np.array([one.turned for one in rows]), transients,
+        remarks, tuple(ordered),
     )  # fmt: skip
 
 
@@ -239,14 +243,11 @@ def _range(columns: Sequence[Array]) -> float:
     return max(high for _, high in ends) - min(low for low, _ in ends) if ends else 0.0
 
 
-def _resolution(columns: Sequence[Array]) -> float:
-    """Return the smallest step of a condition whose readings mostly repeat the one before; 0 where they do not."""
-    steps = [np.abs(np.diff(one[np.isfinite(one)])) for one in columns]
-    every = np.concatenate(steps) if steps else np.zeros(0)
-    moved = every[every > 0.0]
-    if not len(moved) or np.count_nonzero(every == 0.0) < 0.5 * len(every):
-        return 0.0
-    return float(np.min(moved))
+def _noise(column: Array) -> float:
+    """Return the standard deviation of a sample about its level: changes of level are among the largest steps."""
+    steps = np.sort(np.abs(np.diff(column[np.isfinite(column)])))
+    kept = steps[: max(1, round(KEPT * len(steps)))]
+    return float(np.sqrt(np.mean(kept**2))) / (TRUNCATED * math.sqrt(2.0)) if len(steps) else 0.0
 
 
 def _first(recording: Recording) -> int:
@@ -283,12 +284,9 @@ def _levels(one: ConditionRecording, tolerances: Mapping[str, float], plan: Plan
 
 def _window(column: Array, tolerance: float, n: int) -> int:
     """Return the samples whose mean tells a level from the next."""
-    finite = column[np.isfinite(column)]
-    if len(finite) < 2 * WINDOWS:
+    if n < 2 * WINDOWS:
         return 1
-    steps = np.abs(np.diff(finite))
-    noise = float(np.median(steps)) / (0.6745 * np.sqrt(2.0))
-    return int(np.clip(np.ceil((QUIET * noise / tolerance) ** 2), 1, n // WINDOWS))
+    return int(np.clip(np.ceil((QUIET * _noise(column) / tolerance) ** 2), 1, n // WINDOWS))
 
 
 def _window_means(column: Array, size: int) -> Array:

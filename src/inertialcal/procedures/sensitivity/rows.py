@@ -14,7 +14,8 @@ from .plan import RESIDUALS
 from .warm_up import warm_up_rows
 
 if TYPE_CHECKING:
-    from .reduction import Result, SensorFit
+    from .fit import SensorFit
+    from .reduction import Result
 
 P, POWER = 0.95, 0.9  # of intervals; chance that a term of the size told would have been seen
 NO_TERMS = ("scatter_level", *RESIDUALS)
