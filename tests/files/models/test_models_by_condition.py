@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import inertialcal as ic
-from inertialcal.core.errors import DataError
+from inertialcal.core.errors import DataError, InertialcalError, UsageError
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.key import Key
 from inertialcal.core.schema.checksum import CHECKSUM, checksum
@@ -33,7 +33,7 @@ NOISE = Estimate(
 )
 
 
-def code(error: pytest.ExceptionInfo[DataError]) -> str:
+def code(error: pytest.ExceptionInfo[InertialcalError]) -> str:
     return error.value.problems[0].code
 
 
@@ -50,15 +50,15 @@ def test_the_model_of_a_condition() -> None:
     assert list(models) == ["air", "vacuum"]
     assert models.only("vacuum") is models["vacuum"]
     with pytest.raises(
-        DataError, match=r"several conditions: air, vacuum.*--condition air or --condition vacuum"
+        UsageError, match=r"several conditions: air, vacuum.*--condition air or --condition vacuum"
     ) as none:
         models.only()
-    with pytest.raises(DataError, match=r"no model for condition .orbit.. There is: air, vacuum") as other:
+    with pytest.raises(UsageError, match=r"no model for condition .orbit.. There is: air, vacuum") as other:
         models.only("orbit")
     assert [code(none), code(other)] == ["condition_needed", "no_such_condition"]
     alone = ModelSet((random_model(1),))
     assert alone.only() is alone[""]
-    with pytest.raises(DataError, match="names no condition"):
+    with pytest.raises(UsageError, match="names no condition"):
         alone.only("air")
 
 
@@ -80,10 +80,10 @@ def test_both_models_of_a_file(tmp_path: Path) -> None:
     assert again["air"].noise.u.tobytes() == NOISE.u.tobytes()
     assert again["air"].sensitivities[0].range == (4.85, 5.15)
     assert ic.load_model(tmp_path / "model.json", "vacuum").bias.tolist() == [0.3]
-    with pytest.raises(DataError, match=r"model.json.*several conditions") as caught:
+    with pytest.raises(UsageError, match=r"model.json.*several conditions") as caught:
         ic.load_model(tmp_path / "model.json")
     assert code(caught) == "condition_needed"
-    with pytest.raises(DataError) as caught:
+    with pytest.raises(UsageError) as caught:
         ic.load_model(tmp_path / "model.json", condition="orbit")
     assert code(caught) == "no_such_condition"
 
@@ -105,7 +105,7 @@ def test_the_model_of_a_condition_is_handed_out(tmp_path: Path) -> None:
     assert list(read_models(tmp_path / "one.json")) == ["vacuum"]
     export(load_model_file(source, "air"), "c", tmp_path / "air.c")
     assert "Condition: air" in (tmp_path / "air.c").read_text()
-    with pytest.raises(DataError, match="several conditions"):
+    with pytest.raises(UsageError, match="several conditions"):
         export(load_model_file(source), "c", tmp_path / "any.c")
     assert not (tmp_path / "any.c").exists()
 
