@@ -137,7 +137,7 @@ def design_of(
         what = f"{axis}: no level has all of {', '.join(plan.to)}"
         raise DataError(what, do="Record all conditions together", code="missing_condition")
     warm = None if warm is None or not np.all(np.isfinite(warm[chosen])) else warm[chosen]
-    runs = readings.runs[chosen]
+    runs = readings.run[chosen]
     along, across = _applied(readings, axis, own.get(APPLIED), chosen, _earth(plan))
     y = readings.values[axis][chosen] - along
     moving = {name: own[name][chosen] - references[name] for name in wanted}

@@ -94,7 +94,7 @@ def _drifts(plan: Plan, fit: SensorFit, own: Column, time: Array) -> list[Remark
         return []
     unit = columns / sizes
     do = "Take the levels up and down again, record after the warm-up, or fit the drift: --drift 1"
-    if np.linalg.svd(unit, compute_uv=False)[-1] ** 2 < 1.0 - TOGETHER:
+    if float(unit[:, fit.columns.index(own)] @ unit[:, -1]) ** 2 > TOGETHER:
         what = f"{own.condition} changes with time: a drift is taken for a sensitivity of {design.axis}"
         return [Remark("one_order", "warning", what, do=do, axis=design.axis, subject=own.condition)]
     solve, spare = np.linalg.pinv(unit), fit.own.spare - 1.0

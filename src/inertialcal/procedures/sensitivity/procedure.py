@@ -68,7 +68,7 @@ class Sensitivity(Procedure[Plan, "Readings", "Result"]):
     plan_type, said_type, influences = Plan, OfFile, INFLUENCES
     figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
-    gives = ("sensitivity",)
+    gives = ("sensitivity", "warm_up")
     counts_dwells = False
     inputs = InputSpec(
         ("gyro", "accelerometer"),

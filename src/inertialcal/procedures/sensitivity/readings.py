@@ -75,7 +75,7 @@ class Readings:
         That were read.
     unit : str
         Of the readings, SI.
-    runs, recordings : ndarray of str, shape (n,)
+    run, recording : ndarray of str, shape (n,)
         Power-up and recording of each.
     time : ndarray, shape (n,)
         Middle of the level since the first sample of its power-up [s]; NaN where no time is known.
@@ -99,8 +99,8 @@ class Readings:
 
     axes: tuple[str, ...]
     unit: str
-    runs: NDArray[np.str_]
-    recordings: NDArray[np.str_]
+    run: NDArray[np.str_]
+    recording: NDArray[np.str_]
     time: Array
     samples: NDArray[np.int64]
     values: Mapping[str, Array]
@@ -116,12 +116,17 @@ class Readings:
 
     def __len__(self) -> int:
         """Return the number of levels."""
-        return len(self.runs)
+        return len(self.run)
+
+    @property
+    def runs(self) -> int:
+        """Number of power-ups."""
+        return len(self.power_ups)
 
     @property
     def power_ups(self) -> tuple[str, ...]:
         """Labels of the power-ups, in the order of their first level."""
-        return tuple(dict.fromkeys(self.runs.tolist()))
+        return tuple(dict.fromkeys(self.run.tolist()))
 
 
 def recorded(plan: Plan, sources: Sequence[Source]) -> list[ConditionRecording]:
