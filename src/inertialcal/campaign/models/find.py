@@ -31,9 +31,10 @@ def load_model(path: str | os.PathLike[str], condition: str | None = None) -> Se
 
     Raises
     ------
+    UsageError
+        ``condition_needed`` where there are several and none is named; ``no_such_condition``.
     DataError
-        ``no_model`` for a folder without one; ``condition_needed`` where there are several and none is named,
-        ``no_such_condition``; ``checksum`` for a file that was changed by hand; and as
+        ``no_model`` for a folder without one; ``checksum`` for a file that was changed by hand; and as
         ``files.models.model_file.load_model_file``.
     """
     return find_model(path, condition).model

@@ -39,7 +39,7 @@ class ModelFile:
 
         Raises
         ------
-        DataError
+        UsageError
             ``condition_needed``, ``no_such_condition``.
         """
         return self.models.only(self.condition, self.path)
@@ -62,9 +62,11 @@ def load_model_file(path: str | os.PathLike[str], condition: str | None = None) 
 
     Raises
     ------
+    UsageError
+        ``no_such_condition``.
     DataError
-        ``missing_file``, ``empty_file``; ``which_sensor`` for a file that holds two; ``no_such_condition``; as the
-        reader of the format: ``checksum`` for a ``model.json`` that was changed by hand.
+        ``missing_file``, ``empty_file``; ``which_sensor`` for a file that holds two; as the reader of the format:
+        ``checksum`` for a ``model.json`` that was changed by hand.
     """
     given = str(path)
     name, kind = (given, None) if os.path.exists(path) else sensor_named(given)

@@ -17,10 +17,9 @@ from ...core.estimate import Array, Estimate
 from ...core.key import Key
 from ...core.unit.magnitudes import CODE, LARGEST, is_possible
 from ...core.units import normalise
-from .sensitivity import PARTS, Sensitivity, parameter_unit, quantity_of
+from .sensitivity import HIGHEST, PARTS, Sensitivity, parameter_unit, quantity_of
 
 FORCE_AXES = ("x", "y", "z")
-HIGHEST = 12  # power of temperature, or number of exponentials, that a name in a file can have
 
 # Shapes of the terms: k sensors, q powers of temperature, m warm-up exponentials, f force axes.
 SHAPES: dict[str, tuple[str, ...]] = {
