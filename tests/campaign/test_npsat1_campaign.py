@@ -63,7 +63,7 @@ def rows(outcome: Outcome, **want: Any) -> dict[str, dict[str, Any]]:
 
 def test_the_model_is_the_polynomial_and_what_is_left_on_the_rate_table(folder: Path, outcome: Outcome) -> None:
     model = load_model(folder / "out/model.json")
-    air = rows(outcome, test="thermal_ambient", quantity="bias", condition="ambient", at=None)
+    air = rows(outcome, test="thermal_ambient", quantity="bias", condition="air", at=None)
     left = rows(outcome, test="rate", quantity="bias", at=None)
     slope = rows(outcome, test="thermal_ambient", quantity="bias_temperature", power=1, method="result")
     assert model.bias_temperature is not None
@@ -111,7 +111,7 @@ def test_power_ups_held_out_judge_the_polynomial(outcome: Outcome) -> None:
 
 
 def test_what_is_left_of_the_bias_is_told_with_its_uncertainty(outcome: Outcome) -> None:
-    for test, condition in (("thermal_ambient_check", "ambient"), ("thermal_vacuum_check", "vacuum")):
+    for test, condition in (("thermal_ambient_check", "air"), ("thermal_vacuum_check", "vacuum")):
         for row in rows(outcome, test=test, quantity="residual_bias", condition=condition, at=None).values():
             assert row["unit"] == "deg/s"
             assert 0.0 < row["u"] < 0.02
