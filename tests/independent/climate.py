@@ -242,7 +242,8 @@ def pumped(
     words = ["sensitivity", *(f"@{name}" for name in tables), "--to", "pressure", *LEVEL]
     truth: dict[str, float] = {}
     for axis in axes:
-        truth |= {f"vacuum_offset {axis}": unit.vacuum[0], f"vacuum_offset_temperature {axis}": unit.vacuum[1]}
+        change = tuple(-one / (levels[0] - levels[-1]) for one in unit.vacuum)  # per pascal
+        truth |= {f"bias_pressure {axis}": change[0], f"bias_pressure_temperature {axis}": change[1]}
     return Case("sensitivity", tables, words, truth, noise=unit.sample, rate=1.0 / interval, rng_seed=seed)
 
 
