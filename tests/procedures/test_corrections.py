@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from independent.warm_positions import REFERENCE, Bench, laid
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array, Component, Estimate
 from inertialcal.core.key import Key, Kind, Origin
@@ -180,6 +181,28 @@ def test_a_constant_changes_the_bias_alone() -> None:
         for key, change in zip(found.keys, changes[0], strict=True):
             expected = -level["xyz".index(key.axis)] if key.quantity == "bias" else 0.0
             assert change == pytest.approx(expected, abs=1e-7 if key.quantity != "g_sensitivity" else 1e-8)
+
+
+def test_positions_at_several_temperatures_follow_it_too() -> None:
+    """An error of the slope that was taken off is one of the slope that is left, and of nothing else."""
+    made = laid(Bench(temperatures=(-20.0, 20.0, 60.0, 40.0, 0.0, 50.0), rounds=1), 1)
+    acc = positions.Triad(made.mean, np.full(made.mean.shape, 2e-4), np.ones(made.mean.shape), "m/s^2")
+    readings = positions.Readings(
+        acc, direction=made.direction, temperature=made.temperature, recordings=made.recording
+    )
+    own = np.array([made.temperature[np.array(made.recording) == k].mean() for k in made.recording])
+    patterns = 1e-5 * np.repeat((own - REFERENCE)[None, :, None], 3, axis=2)
+    patterns[:, np.abs(own - REFERENCE) < 5.0] = 0.0
+    plan = positions.Plan(gravity=G, temperature_order=1, reference_temperature=REFERENCE)
+    result = positions.reduce(plan, replace(readings, taken_off={"accelerometer": unknowns(patterns)}))
+    found = result.models["accelerometer"].estimate
+    assert found is not None
+    part = carried(found)
+    assert part.changes is not None
+    for key, change, dof in zip(found.keys, part.changes[0], np.broadcast_to(part.dof, len(found.keys)), strict=True):
+        slope = key == Key("bias_temperature", key.axis, power=1)
+        assert change == pytest.approx(-1e-5 if slope else 0.0, abs=2e-7 if key.quantity != "bias" else 2e-6), key
+        assert dof == 3.0 + "xyz".index(key.axis[0]) or not slope
 
 
 def test_flips_follow_what_was_taken_off_them() -> None:

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from .model_terms import ModelTerms
 
 TakenOff = Mapping[Origin, Unknowns]  # by origin, a dwell a recording
+NEGLIGIBLE = 0.01  # part of a change, below which a sensor does not count in degrees of freedom
 TINY = 1e-24  # of the largest eigenvalue of a covariance: no unknown of its own
 
 
@@ -114,7 +115,8 @@ def moved(off: Unknowns, gain: Array) -> Array:
 
 def dof_of(off: Unknowns, gain: Array) -> Array:
     """Return the degrees of freedom of each figure, shape (k,): the fewest of the sensors that it rests on."""
-    used = np.any(gain != 0.0, axis=1) & np.any(off.changes != 0.0, axis=(0, 1))
+    parts = np.sqrt(np.sum(np.einsum("sna,kna->ska", off.changes, gain) ** 2, axis=0))  # (k, 3)
+    used = (parts > 0.0) & (parts >= NEGLIGIBLE * parts.max(axis=1, keepdims=True))
     return np.asarray(np.where(used, off.dof, np.inf).min(axis=1, initial=np.inf))
 
 

@@ -214,10 +214,16 @@ def _convention(sensor: LinearSensor, k: int) -> bool:
 def _common(levels: Sequence[Level], back: Array) -> list[Source]:
     """Return what is common to all recordings: the same unknowns in each, or errors of the same faces."""
     found = []
-    for one in levels[0].sensor.sources:
-        same = [[other for other in level.sensor.sources if other.origin == one.origin] for level in levels]
+    every = {one.origin: one for level in reversed(levels) for one in level.sensor.sources}
+    for first in every.values():
+        one, same = first, [[own for own in level.sensor.sources if own.origin == first.origin] for level in levels]
         if one.name != FACE_FOUND and one.influence is None and one.off is None:
             continue
+        if one.off is not None and one.changes is not None:  # none where it is a change from this temperature
+            nothing = replace(one, changes=np.zeros_like(one.changes), dof=np.full(one.changes.shape[1], np.inf))
+            same = [own or [nothing] for own in same]
+            dof = [np.broadcast_to(own[0].dof, one.changes.shape[1]) for own in same]
+            one = replace(one, dof=np.tile(np.min(dof, axis=0), len(back)))
         each = [own[0] for own in same if own]
         if one.changes is not None and len(each) == len(levels) and all(own.changes is not None for own in each):
             changes = np.array([own.changes for own in each])  # (n, s, 12)
