@@ -46,6 +46,7 @@ from inertialcal.procedures.mass_attraction import entry as mass_attraction
 from inertialcal.procedures.mass_attraction.planning.settings import Settings
 from inertialcal.procedures.positions import entry as positions
 from inertialcal.procedures.rate_table import entry as rate_table
+from inertialcal.procedures.sensitivity import entry as sensitivity
 from inertialcal.procedures.sine import entry as sine
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -74,6 +75,7 @@ CAMPAIGN_TABLES: dict[str, type[schema_words.Strict]] = {
     "`positions`, of": flip.Position,
     "`rests`, of": positions.Rests,
     "`channels`, of": schema_recordings.ChannelEntry,
+    "`conditions`, of": sensitivity.Condition,
     "`clock`, of": schema_recordings.Clock,
     "`schedule`, of": rate_table.Schedule,
     "`lines`, of": mass_attraction.Lines,

@@ -325,6 +325,7 @@ def sensitivity(
     order: int | None = None,
     interactions: bool | None = None,
     reference_temperature: str | None = None,
+    drift: int | None = None,
     references: Mapping[str, str] | Sequence[str] | str | None = None,
     settle: str | None = None,
     block: str | None = None,

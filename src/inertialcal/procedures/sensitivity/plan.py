@@ -55,7 +55,7 @@ class Plan:
 
     to: list[str] = setting(
         "Conditions: supply, pressure, reference, temperature, or any channel by its name; warm_up.",
-        lambda: [SUPPLY], example='["supply"]',
+        lambda: [SUPPLY], example="supply",
     )  # fmt: skip
     order: int | None = setting(
         "Of the polynomial in temperature; where not given, as many powers as the temperatures of a power-up carry, "
