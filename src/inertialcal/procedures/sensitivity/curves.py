@@ -28,7 +28,8 @@ def curves(result: Result) -> list[Curve]:
         for name in dict.fromkeys(one.condition for one in fit.columns if one.key in fit.keys and not one.scale):
             found += _against(result, fit, axis, name)
         found.append(_residuals(result, fit, axis))
-    return [*found, *(() if result.warm_up is None else warm_up_curves(result.warm_up))]
+    found += [] if result.warm_up is None else warm_up_curves(result.warm_up)
+    return [*found, *([] if result.levels is None else result.levels.curves())]
 
 
 def _against(result: Result, fit: SensorFit, axis: str, name: str) -> list[Curve]:

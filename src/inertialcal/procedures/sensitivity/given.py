@@ -13,9 +13,10 @@ from ...core.units import normalise
 from ..given import Described, GivenFile
 from ..given import described as described_channels
 from ..protocol import InputSpec
-from .plan import APPLIED, SUPPLY, WARM_UP
+from .plan import APPLIED, PUMP, SUPPLY, WARM_UP
 
 INPUTS = ("applied", "table")  # that the name of a column with the true input begins with
+NO_UNIT = {PUMP: "1"}  # on or off
 FOLLOWS = 0.9  # correlation of an axis with it
 
 
@@ -45,13 +46,15 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
         columns |= {SUPPLY: named[0]} if len(named) == 1 else {}
     applied = _applied(given)
     columns |= {APPLIED: applied} if applied else {}
+    if not applied:
+        spec = replace(spec, roles=tuple(role for role in spec.roles if role.name != APPLIED))
     found = described_channels(replace(given, said=replace(given.said, columns=columns)), spec)
     conditions = {}
     for name, column in others.items():
         if column not in given.recording.names:
             do = f"Add: {given.add('column', f'{name}=COLUMN')}; it has {', '.join(given.recording.names)}"
             raise UsageError(f"{given.name}: no column {column!r} for {name}", do=do, code="no_column")
-        unit = given.recording.channel(column).unit or given.said.units.get(name)
+        unit = given.recording.channel(column).unit or given.said.units.get(name) or NO_UNIT.get(name)
         if unit is None:
             do = f"Add: {given.add('unit', f'{column}=V')}"
             raise UsageError(f"{given.name}: unit missing: {column!r}", do=do, code="no_unit")

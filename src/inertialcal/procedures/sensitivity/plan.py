@@ -9,6 +9,15 @@ from ...core.influence import Influence, Standards
 from ...core.settings import fact, setting
 
 WARM_UP, START_TEMPERATURE = "warm_up", "warm_up_start_temperature"
+PUMP = "pump"  # condition that is above half of its range where the pump runs
+OF_LEVELS = (
+    "bias",
+    "bias_change",
+    "bias_change_below",
+    "pressure_constant_below",
+    "scatter_sample",
+    "pump_noise_ratio",
+)
 RESIDUALS = ("warm_up_residual", "warm_up_residual_without_model")  # of power-ups held out
 TEMPERATURE, PRESSURE, SUPPLY, REFERENCE, APPLIED = "temperature", "pressure", "supply", "reference", "applied"
 HIGHEST_ORDER = 5  # of the polynomial in temperature

@@ -23,6 +23,7 @@ from .figures import FIGURES
 from .plan import (
     APPLIED,
     INFLUENCES,
+    OF_LEVELS,
     PRESSURE,
     REFERENCE,
     RESIDUALS,
@@ -48,8 +49,9 @@ OF_CONDITION = {SUPPLY: "V", REFERENCE: "V", PRESSURE: "Pa"}
 
 
 def _quantities() -> dict[str, Quantity]:
-    found = {name: Quantity(READING) for name in ("scatter_level", "bias_warm_up", *RESIDUALS)}
-    found |= {"warm_up_time": Quantity(("time",)), START_TEMPERATURE: Quantity(("other",)),
+    found = {name: Quantity(READING) for name in ("scatter_level", "bias_warm_up", *RESIDUALS, *OF_LEVELS)}
+    found |= {"pressure_constant_below": Quantity(("pressure",)), "pump_noise_ratio": Quantity(("dimensionless",)),
+              "warm_up_time": Quantity(("time",)), START_TEMPERATURE: Quantity(("other",)),
               "scale_factor_error": Quantity(("dimensionless",), shown="%")}  # fmt: skip
     for name, unit in OF_CONDITION.items():
         found[f"bias_{name}"] = Quantity(("other",))

@@ -28,6 +28,7 @@ from ...core.results import Row
 from .design import Column, design_of, references_of
 from .doubts import RESOLUTION, doubts, remarks_on_power_ups
 from .fit import SensorFit, fitted
+from .levels import PressureLevels, pressure_levels
 from .plan import PRESSURE, SUPPLY, TEMPERATURE, WARM_UP, Plan
 from .readings import ALIKE, Readings
 from .stated import Stated
@@ -48,6 +49,7 @@ class Result:
     estimate: Estimate | None
     remarks: tuple[Remark, ...]
     warm_up: WarmUpModel | None = None  # Where it was asked for
+    levels: PressureLevels | None = None  # Where pressure was asked for and goes over a decade
 
     def rows(self) -> list[Row]:
         """Return a row a term that was asked for."""
@@ -86,7 +88,9 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     if warm_up is not None:
         estimates += [] if warm_up.estimate is None else [warm_up.estimate]
         remarks += warm_up.remarks
-    return Result(plan, readings, references, sensors, _side_by_side(estimates), tuple(remarks), warm_up)
+    levels = pressure_levels(readings.recorded, readings.axes, readings.unit) if PRESSURE in plan.to else None
+    remarks += [] if levels is None else levels.remarks
+    return Result(plan, readings, references, sensors, _side_by_side(estimates), tuple(remarks), warm_up, levels)
 
 
 def _estimate(plan: Plan, readings: Readings, fit: SensorFit) -> Estimate | None:

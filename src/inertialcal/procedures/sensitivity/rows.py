@@ -10,7 +10,7 @@ from ...core.key import NO_REASON, Key, Reason
 from ...core.results import Interval, Row, WrittenRow, not_estimated
 from ...core.show.rows import Cited, Quoted, Sentence, estimated, largest, quantity_name
 from ...statistics.intervals import t_interval, t_quantile
-from .plan import RESIDUALS
+from .plan import OF_LEVELS, RESIDUALS
 from .warm_up import warm_up_rows
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from .reduction import Result
 
 P, POWER = 0.95, 0.9  # of intervals; chance that a term of the size told would have been seen
-NO_TERMS = ("scatter_level", *RESIDUALS)
+NO_TERMS = ("scatter_level", *RESIDUALS, *OF_LEVELS)
 ALONE = Reason("few_runs", "one power-up: the scatter between levels alone")
 
 
@@ -32,7 +32,8 @@ def rows(result: Result) -> list[Row]:
             key = Key("scatter_level", axis)
             dof = fit.own.spare
             found.append(Row(key, u, u / math.sqrt(2.0 * dof), result.readings.unit, dof))
-    return [*found, *(() if result.warm_up is None else warm_up_rows(result.warm_up))]
+    found += () if result.warm_up is None else warm_up_rows(result.warm_up)
+    return [*found, *(() if result.levels is None else result.levels.rows())]
 
 
 def _of_sensor(result: Result, fit: SensorFit) -> Iterator[Row]:
