@@ -222,8 +222,8 @@ def _common(levels: Sequence[Level], back: Array) -> list[Source]:
         if one.off is not None and one.changes is not None:  # none where it is a change from this temperature
             nothing = replace(one, changes=np.zeros_like(one.changes), dof=np.full(one.changes.shape[1], np.inf))
             same = [own or [nothing] for own in same]
-            dof = [np.broadcast_to(own[0].dof, one.changes.shape[1]) for own in same]
-            one = replace(one, dof=np.tile(np.min(dof, axis=0), len(back)))
+            free = [np.broadcast_to(own[0].dof, one.changes.shape[1]) for own in same]
+            one = replace(one, dof=np.tile(np.min(free, axis=0), len(back)))
         each = [own[0] for own in same if own]
         if one.changes is not None and len(each) == len(levels) and all(own.changes is not None for own in each):
             changes = np.array([own.changes for own in each])  # (n, s, 12)
