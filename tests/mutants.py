@@ -723,6 +723,32 @@ MUTANTS = (
     ),
     Mutant("equation.py", ".transpose(2, 1, 0))", ".transpose(2, 0, 1))", "test_matrices"),
     Mutant(
+        "equation.py",
+        "change = (columns[one.channel] - one.reference)",
+        "change = (columns[one.channel])",
+        "test_compensate",
+    ),
+    Mutant("equation.py", "total = total + one.bias * away", "total = total - one.bias * away", "test_compensate"),
+    Mutant(
+        "equation.py",
+        "one.bias_temperature * away * away_from_reference(model, columns)",
+        'one.bias_temperature * away * columns["temperature"]',
+        "test_compensate",
+    ),
+    Mutant(
+        "uncertainty.py",
+        "at.slope[:, sensor] * away * at.x[:, sensor]",
+        "at.slope[:, sensor] * away * at.u[:, sensor]",
+        "test_uncertainty",
+    ),
+    Mutant("uncertainty.py", "return away * at.away[:, sensor] if", "return at.away[:, sensor] if", "test_uncertainty"),
+    Mutant(
+        "compensate.py",
+        "places[one.channel] = np.array(between)",
+        "places[one.channel] = np.array([one.reference])",
+        "test_compensate",
+    ),
+    Mutant(
         "nonlinearity.py",
         "2.0 * self.second + 3.0 * self.third * u",
         "2.0 * self.second + 2.0 * self.third * u",
