@@ -17,7 +17,6 @@ from inertialcal.core.key import Key
 from inertialcal.core.recording import Channel, Recording
 from inertialcal.physics.motion.schedule import repeated
 from inertialcal.procedures.mass_attraction import reduction as mass
-from inertialcal.procedures.mass_attraction.terms import model_terms as mass_terms
 from inertialcal.procedures.model_terms import ModelTerms
 from inertialcal.procedures.positions import reduction as positions
 from inertialcal.procedures.positions.procedure import PROCEDURE as POSITIONS
@@ -68,7 +67,7 @@ def of_mass(seed: int) -> tuple[ModelTerms, float]:
         runs.append(mass.Run(f"{k}", of, drift + nominal * (1.0 + true) * off * of.applied))
     plan = mass.Plan(axis="z", nominal=nominal, tilt="ignored")
     result = mass.reduce(plan, mass.Readings(tuple(runs)))
-    found = mass_terms(result, [done(plan, result.readings, result)])
+    found = mass.model_terms(result, [done(plan, result.readings, result)])
     assert found is not None
     return found, true
 
@@ -87,7 +86,7 @@ def test_without_a_nominal_scale_factor_there_is_none_to_relate_it_to() -> None:
     x = 1e6 * of.applied + 1e-4 * np.random.default_rng(1).standard_normal(len(of))
     plan = mass.Plan(tilt="ignored")
     result = mass.reduce(plan, mass.Readings((mass.Run("1", of, x),)))
-    assert mass_terms(result, [done(plan, result.readings, result)]) is None
+    assert mass.model_terms(result, [done(plan, result.readings, result)]) is None
 
 
 # A drive of known size

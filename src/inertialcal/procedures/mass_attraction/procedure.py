@@ -122,7 +122,7 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
 
     def terms(self, result: Result, tests: Sequence[Tested[Plan, Readings, Result]]) -> ModelTerms | None:
         """Return the scale factor of the axis along the mass."""
-        from .terms import model_terms
+        from .reduction import model_terms
 
         return model_terms(result, tests)
 
