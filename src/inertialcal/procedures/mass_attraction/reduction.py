@@ -168,8 +168,8 @@ def reduce(plan: Plan, readings: Readings) -> Result:
 def model_terms(result: Result, tests: Sequence[Tested[Plan, Readings, Result]]) -> ModelTerms | None:
     """Return the scale factor error as a term of the model, for inputs as small as the mass applies.
 
-    None where it was not estimated, or no scale factor is stated to relate it to. A constant that was taken off before does
-    not follow the mass: nothing of its uncertainty is in it.
+    None where it was not estimated, or no scale factor is stated to relate it to. A constant that was taken off before
+    does not follow the mass: nothing of its uncertainty is in it.
     """
     key, nominal = Key(ERROR, result.plan.axis), result.plan.nominal
     if result.estimate is None or not nominal:
