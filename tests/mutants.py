@@ -721,6 +721,34 @@ MUTANTS = (
         'np.exp(columns["time"] / model.warm_up_time)',
         "test_model",
     ),
+    Mutant(
+        "warm_up_model.py",
+        "np.exp(-self.means.time[:, None] / times) * over",
+        "np.exp(-self.means.time[:, None] / times) / over",
+        "test_warm_up_model",
+    ),
+    Mutant(
+        "warm_up_model.py",
+        "wanted = known and means.runs >= DEPENDS",
+        "wanted = known and means.runs < DEPENDS",
+        "test_warm_up_model",
+    ),
+    Mutant("warm_up_model.py", "gain = costs[1] - costs[2]", "gain = costs[2] - costs[1]", "test_warm_up_model"),
+    Mutant(
+        "warm_up_model.py",
+        "left = means.readings[own] - curve - warm",
+        "left = means.readings[own] + curve - warm",
+        "test_warm_up_model",
+    ),
+    Mutant(
+        "warm_up.py", "y - found.at(t, a, start), columns", "y + found.at(t, a, start), columns", "test_warm_up_model"
+    ),
+    Mutant("levels.py", "one[k] = 1.0", "one[k] = -1.0", "test_pressure_levels"),
+    Mutant("levels.py", "ratio = s1 / s2", "ratio = s2 / s1", "test_pressure_levels"),
+    Mutant("levels.py", "if top * float(p.min()) > LEVEL:", "if top * float(p.max()) > LEVEL:", "test_pressure_levels"),
+    Mutant("against.py", "places - reference])", "places + reference])", "test_vacuum_step"),
+    Mutant("against.py", "ratio = slope / step", "ratio = step / slope", "test_vacuum_step"),
+    Mutant("against.py", "values - whole * (earth", "values + whole * (earth", "test_vacuum_step test_thermal_test"),
     Mutant("equation.py", ".transpose(2, 1, 0))", ".transpose(2, 0, 1))", "test_matrices"),
     Mutant(
         "equation.py",

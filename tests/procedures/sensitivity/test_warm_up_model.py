@@ -13,7 +13,7 @@ import pytest
 import inertialcal as ic
 from independent.warm_up import Chamber, power_ups, starts
 from inertialcal.core.errors import DataError
-from inertialcal.procedures.sensitivity.warm_up import warm_up_curves, warm_up_rows
+from inertialcal.procedures.sensitivity.warm_up import warm_up_curves, warm_up_loops, warm_up_rows
 from inertialcal.procedures.sensitivity.warm_up_model import PowerUps, WarmUpModel, stretches_of, warm_up_model
 from inertialcal.statistics.intervals import contains, covers, t_interval
 
@@ -241,3 +241,25 @@ def test_files_give_what_arrays_give(files: list[Path]) -> None:
         given = rows[key].value
         assert given is not None
         assert given == pytest.approx(value, rel=0.01)
+
+
+def held_out_power_ups(seed: int, truth: Chamber) -> PowerUps:
+    t, y, run, T = power_ups(seed, truth)
+    return PowerUps(("x", "y", "z"), "deg/s", t, y, run, T)
+
+
+def test_the_model_lowers_the_mean_square_of_power_ups_that_it_has_not_seen() -> None:
+    found = found_in(1, BY_START)
+    for loop in warm_up_loops(found, [held_out_power_ups(2, BY_START)]):
+        assert loop.runs == 6
+        assert loop.gain > 3.0 * loop.u > 0.0
+        assert loop.compensated < 0.35 * loop.raw
+        assert 0.0 < loop.allowed < loop.compensated**2
+    # of a unit that warms up the other way it doubles the error
+    other = replace(BY_START, amplitudes=tuple((-a[0],) for a in BY_START.amplitudes), by_start=-BY_START.by_start)
+    for loop in warm_up_loops(found, [held_out_power_ups(2, other)]):
+        assert loop.compensated == pytest.approx(2.0 * loop.raw, rel=0.1)
+
+
+def test_power_ups_too_short_to_be_compared_are_left_out() -> None:
+    assert not warm_up_loops(found_in(1, PLAIN), [held_out_power_ups(2, replace(PLAIN, length=10.0))])

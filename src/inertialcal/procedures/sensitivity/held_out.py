@@ -20,6 +20,7 @@ from ..protocol import Tested
 from .design import design_of, within
 from .plan import Plan
 from .readings import Readings
+from .warm_up import power_ups_of, warm_up_loops
 
 if TYPE_CHECKING:
     from .fit import SensorFit
@@ -66,6 +67,8 @@ def held_out(result: Result, held: Sequence[Tested[Plan, Readings, Result]]) -> 
             AxisLoop(axis, len(raw), len(labels), before, after, float(by_run.mean()), u, count - 1.0,
                      float(own.mean()), result.readings.unit)
         )  # fmt: skip
+    if result.warm_up is not None and not loops:
+        loops = warm_up_loops(result.warm_up, [power_ups_of(one.plan, one.readings) for one in held])
     return HeldOut(tuple(loops))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -12,10 +12,11 @@ from ...core.errors import DataError
 from ...core.key import Key, Reason
 from ...core.recording import SECOND
 from ...core.results import Interval, Row, not_estimated
+from ...statistics.closed_loop import AxisLoop
 from ...statistics.intervals import t_interval
 from .plan import RESIDUALS, START_TEMPERATURE, TEMPERATURE, Plan
 from .readings import Readings
-from .warm_up_model import PowerUps, WarmUpModel, warm_up_model
+from .warm_up_model import PowerUps, Stretches, WarmUpModel, stretches_of, warm_up_model
 
 LIMITED = ("no_transient", "temperature_moves")  # reasons that leave an upper limit
 
@@ -26,7 +27,20 @@ def joint_warm_up(plan: Plan, readings: Readings) -> WarmUpModel:
     Raises
     ------
     DataError
-        ``no_time`` where a recording has no times; as `warm_up_model`.
+        As `power_ups_of` and `warm_up_model`.
+    """
+    power_ups = power_ups_of(plan, readings)
+    known = power_ups.temperature is not None and bool(np.isfinite(power_ups.temperature).all())
+    return warm_up_model(power_ups, plan.reference_temperature if known else None)
+
+
+def power_ups_of(plan: Plan, readings: Readings) -> PowerUps:
+    """Return the samples of all recordings with the time since power-up.
+
+    Raises
+    ------
+    DataError
+        ``no_time`` where a recording has no times; ``missing_axis`` where one lacks an axis of the others.
     """
     first: dict[str, int] = {}
     times, values, warmth, runs = [], [], [], []
@@ -47,11 +61,64 @@ def joint_warm_up(plan: Plan, readings: Readings) -> WarmUpModel:
         warmth.append(np.column_stack([own.get(axis, np.full(len(recording), np.nan)) for axis in axes]))
         runs.append(np.full(len(recording), list(first).index(run)))
     temperature = np.concatenate(warmth)
-    power_ups = PowerUps(
+    return PowerUps(
         axes, readings.unit, np.concatenate(times), np.concatenate(values), np.concatenate(runs),
         temperature if np.isfinite(temperature).any() else None, labels=tuple(first),
     )  # fmt: skip
-    return warm_up_model(power_ups, plan.reference_temperature if np.isfinite(temperature).all() else None)
+
+
+def warm_up_loops(found: WarmUpModel, held: Sequence[PowerUps]) -> list[AxisLoop]:
+    """Return how much the warm-up reduces the mean square of power-ups that it has not seen, axis by axis.
+
+    Each is compared about a level of its own, with the warm-up taken off and without.
+    """
+    estimate, stretches = found.estimate, []
+    for one in held:
+        try:
+            stretches.append(stretches_of(one))
+        except DataError:
+            continue  # too short to be compared
+    if estimate is None or not stretches:
+        return []
+    loops = []
+    for a, axis in enumerate(found.power_ups.axes):
+        parts = [part for one in stretches for part in _compared(found, one, a, axis)]
+        raw, left, allowed, weight = (np.array(column) for column in zip(*parts, strict=True))
+        count, gain = len(parts), raw - left
+        share = weight / weight.sum()
+        u = float(gain.std(ddof=1)) / math.sqrt(count) if count > 1 else math.nan
+        before, after = (math.sqrt(float(share @ one)) for one in (raw, left))
+        number = sum(len(one.time) for one in stretches)
+        loops.append(AxisLoop(axis, number, count, before, after, float(gain.mean()), u, count - 1.0,
+                              float(share @ allowed), found.power_ups.unit))  # fmt: skip
+    return loops
+
+
+def _compared(found: WarmUpModel, held: Stretches, a: int, axis: str) -> Iterator[tuple[float, float, float, float]]:
+    """Yield mean squares of each power-up without and with the model, of the model's uncertainty, and the samples."""
+    estimate = found.estimate
+    assert estimate is not None  # noqa: S101 - the caller looked
+    effect = found.by_temperature[a] if found.by_temperature is not None else 0.0
+    for r in range(held.runs):
+        own = held.run == r
+        t, weight = held.time[own], held.weight[own]
+        start = float(held.start[r]) if math.isfinite(held.start[r]) else None
+        away = 0.0 if start is None or found.reference_temperature is None else start - found.reference_temperature
+        y = held.readings[own, a] - effect * held.temperature[own, a]
+        columns = np.zeros((len(t), len(estimate.keys)))
+        for i, key in enumerate(estimate.keys):
+            j = key.power - 1
+            shape = np.exp(-t / found.times[j])
+            if key.quantity == "warm_up_time":
+                size = found.amplitudes[j, a] + (0.0 if found.slopes is None else found.slopes[j, a] * away)
+                columns[:, i] = size * t / found.times[j] ** 2 * shape
+            elif key.axis == axis:
+                columns[:, i] = shape * (away if key.quantity == START_TEMPERATURE else 1.0)
+        every = np.column_stack([y, y - found.at(t, a, start), columns])
+        every = every - np.average(every, axis=0, weights=weight)
+        variance = np.einsum("ij,jk,ik->i", every[:, 2:], estimate.covariance, every[:, 2:])
+        squares = [float(np.average(one, weights=weight)) for one in (every[:, 0] ** 2, every[:, 1] ** 2, variance)]
+        yield squares[0], squares[1], squares[2], float(weight.sum())
 
 
 def warm_up_rows(found: WarmUpModel) -> tuple[Row, ...]:
