@@ -10,20 +10,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..core.errors import DataError
-from ..core.estimate import Array, Component, Estimate, placed_changes
+from ..core.estimate import Array, Component, Estimate
 from ..core.key import AXES, Key, Origin
 from ..core.recording import SECOND, Recording
 from ..core.remarks import Remark
 from ..core.unknowns import Unknowns
 from .protocol import Correction
-
-if TYPE_CHECKING:
-    from .model_terms import ModelTerms
 
 TakenOff = Mapping[Origin, Unknowns]  # by origin, a dwell a recording
 NEGLIGIBLE = 0.01  # part of a change, below which a sensor does not count in degrees of freedom
@@ -120,13 +116,14 @@ def dof_of(off: Unknowns, gain: Array) -> Array:
     return np.asarray(np.where(used, off.dof, np.inf).min(axis=1, initial=np.inf))
 
 
-def carried(estimate: Estimate, taken_off: TakenOff) -> dict[Origin, dict[Key, Array]]:
-    """Return by origin what each unknown of corrections changes in the values of an estimate, by key, shape (s,)."""
-    found: dict[Origin, dict[Key, Array]] = {origin: {} for origin in taken_off}
+def found_by(estimate: Estimate, test: str) -> Estimate:
+    """Return an estimate whose sources are unknowns of the test that found it, as other tests know them after it."""
+    parts = []
     for one in estimate.components:
-        if one.origin in found and one.changes is not None:
-            found[one.origin] = dict(zip(estimate.keys, one.changes.T, strict=True))
-    return found
+        origin = one.origin if one.origin.test else one.origin._replace(test=test)
+        changes = factor(one.covariance) if one.changes is None else one.changes
+        parts.append(replace(one, given=origin, changes=changes))
+    return replace(estimate, components=tuple(parts))
 
 
 def factor(covariance: Array) -> Array:
@@ -178,11 +175,10 @@ class BiasCorrection:
 
     def _unknowns(self) -> dict[Origin, Unknowns]:
         found, keys = {}, self.estimate.keys
-        for one in self.estimate.components:
-            if not np.any(one.u):
+        for one in found_by(self.estimate, self.test).components:
+            law, origin = one.changes, one.origin
+            if law is None or not np.any(one.u):
                 continue
-            origin = one.origin if one.origin.test else one.origin._replace(test=self.test)
-            law = factor(one.covariance) if one.changes is None else one.changes
             changes, dof = np.zeros((len(law), 1, 3)), np.full(3, np.inf)
             for i, key in enumerate(keys):
                 changes[:, 0, AXES.index(key.axis)] = law[:, i]
@@ -190,66 +186,3 @@ class BiasCorrection:
             found[origin] = Unknowns(origin, one.kind, changes, keys, law, dof, one.distribution, one.stated,
                                      one.unknowns)  # fmt: skip
         return found
-
-    def with_terms(self, terms: ModelTerms) -> ModelTerms:
-        """Return terms of readings without the bias, with the bias."""
-        if terms.estimate is None or terms.referenced:
-            return terms
-        each = zip(self.estimate.keys, self.estimate.values, self.estimate.units, strict=True)
-        law = {key: (float(value), unit) for key, value, unit in each}
-        provenance = {
-            key: replace(one, test=", ".join(filter(None, (self.test, one.test)))) if key in law else one
-            for key, one in terms.provenance.items()
-        }
-        return replace(terms, estimate=with_law(terms, terms.estimate, law), provenance=provenance)
-
-
-def with_law(
-    terms: ModelTerms, estimate: Estimate, law: Mapping[Key, tuple[float, str]], more: tuple[Key, ...] = ()
-) -> Estimate:
-    """Return an estimate of readings after a correction with the law added to it that was taken off.
-
-    The errors of the law are in both with opposite signs: they are added as the same unknowns.
-
-    Parameters
-    ----------
-    terms : ModelTerms
-        With what was taken off, and what its unknowns change in the estimate.
-    estimate : Estimate
-        Of the readings after the correction.
-    law : mapping of Key to (float, str)
-        Value and unit of each coefficient.
-    more : tuple of Key
-        Coefficients that the estimate lacks.
-    """
-    keys = (*estimate.keys, *more)
-    at_reference = {key: value for key, (value, _) in law.items()}
-    values = [v + at_reference.get(key, 0.0) for key, v in zip(estimate.keys, estimate.values, strict=True)]
-    values += [at_reference[key] for key in more]
-    units = (*estimate.units, *(law[key][1] for key in more))
-    kept = [_wider(one, len(more)) for one in estimate.components if one.origin not in terms.taken_off]
-    off = [_joint(one, keys, terms.changes[origin]) for origin, one in terms.taken_off.items()]
-    return Estimate(keys, np.array(values), units, (*kept, *off))
-
-
-def _wider(component: Component, more: int) -> Component:
-    k = len(component.covariance)
-    covariance = np.zeros((k + more, k + more))
-    covariance[:k, :k] = component.covariance
-    dof = np.full(k + more, np.inf)
-    dof[:k] = component.dof
-    return replace(component, covariance=covariance, dof=dof, changes=placed_changes(component, 0, len(covariance)))
-
-
-def _joint(off: Unknowns, keys: tuple[Key, ...], changes: Mapping[Key, Array]) -> Component:
-    size = len(off.law)
-    own = {key: off.law[:, i] for i, key in enumerate(off.keys)}
-    rows = [
-        (changes[key] if key in changes and len(changes[key]) else np.zeros(size)) + own.get(key, np.zeros(size))
-        for key in keys
-    ]
-    whole = np.array(rows)
-    covariance = whole @ whole.T
-    dof = np.array([off.dof["xyz".index(key.axis[0])] for key in keys])
-    return Component(off.origin, off.kind, 0.5 * (covariance + covariance.T), dof, off.distribution, off.stated,
-                     whole.T, off.unknowns)  # fmt: skip

@@ -393,10 +393,6 @@ class Correction(Protocol):
         """
         ...
 
-    def with_terms(self, terms: ModelTerms) -> ModelTerms:
-        """Return terms found after the correction with what was taken off: terms of the readings as they are."""
-        ...
-
 
 class Command(NamedTuple):
     """A noun of the command line, or of ``plan``: its word, one line of help, the figure it draws by default."""
@@ -574,7 +570,7 @@ class Procedure(Generic[P, R, S]):
     figures: Sequence[FigureSpec] = ()
     compared: Compared | None = None
     gives: tuple[TermKind, ...] = ()  # kinds of terms (``model_terms.KINDS``) that its ``terms`` can hold
-    model_of_each: bool = False  # several sensors of a campaign may each have one
+    judged_alone: bool = False  # each test held out by itself, on readings that nothing was taken off
     takes_corrections: bool = False  # readings may have taken off what another test found
     no_corrections: str = ""  # why they may not
 
@@ -726,20 +722,16 @@ class Procedure(Generic[P, R, S]):
     # ---- the model of a sensor --------------------------------------------------------------------------------
 
     def joined(self, tests: Sequence[Tested[P, R, S]]) -> tuple[P, R] | None:
-        """Return plan and readings of tests that make one model, to be reduced together; None for the result of one.
+        """Return plan and readings of tests that give the same terms, to be reduced together.
+
+        None where each has its own result: one test, or several that cannot be reduced together (two that give one
+        term are then refused).
 
         Raises
         ------
         PlanError
-            ``plans_differ`` if they cannot be: by default where there are several.
+            If they could be, but for their plans: ``plans_differ``.
         """
-        if len(tests) > 1:
-            from ..core.errors import PlanError  # noqa: PLC0415
-
-            names = ", ".join(one.id for one in tests)
-            what = f"tests {names} are all for a fit of the {self.name.replace('_', ' ')} of one sensor"
-            do = 'Name all recordings in one test, or give the others use = "report_only"'
-            raise PlanError(what, why="what they share would be counted twice", do=do, code="plans_differ")
         return None
 
     def terms(self, result: S, tests: Sequence[Tested[P, R, S]]) -> ModelTerms | None:

@@ -59,11 +59,17 @@ def delivered(content: Mapping[str, Any], document: Branch, rows: Sequence[Branc
     rows : sequence of Branch
         Rows of results.json.
     """
-    return [_delivered(sensor, document["models"][name], rows) for name, sensor in from_dict(content).items()]
+    named = {row["test"] for row in rows}
+    found = []
+    for condition, sensor in from_dict(content).items():
+        own = f"{MODEL}_{condition}"  # of the first condition: MODEL alone
+        mine = [row for row in rows if row["test"] == (own if own in named else MODEL)]
+        found.append(_delivered(sensor, document["models"][condition], mine))
+    return found
 
 
 def _delivered(sensor: SensorModel, model: Branch, rows: Sequence[Branch]) -> Delivered:
-    mine = {key_of(row): row for row in rows if row["test"] == MODEL}
+    mine = {key_of(row): row for row in rows}
     listed = [_coefficient(one, model, mine) for one in sensor.parameters]
     unit = divide(sensor.output_unit, sensor.unit)
     scale = [(a, s, unit) for a, s in zip(model["axes"], model["terms"]["scale_factor"], strict=True)]

@@ -17,12 +17,14 @@ from inertialcal.campaign.twins.fitted import fitted_tests
 from inertialcal.core.errors import DataError
 from inertialcal.core.key import Key
 from inertialcal.core.recording import Channel, Recording
+from inertialcal.procedures.model_terms import joined_terms
 from inertialcal.procedures.protocol import Facts
 from inertialcal.procedures.protocol import Tested as Done
 from inertialcal.procedures.rate_table import reduction as rate_table
 from inertialcal.procedures.rate_table.model.held_out import model_terms
 from inertialcal.procedures.thermal import reduction as thermal
 from inertialcal.procedures.thermal.correction import ThermalCorrection, law_of
+from inertialcal.procedures.thermal.terms import model_terms as thermal_terms
 from inertialcal.rigs.twin import SEED, Twin
 from inertialcal.statistics.intervals import contains, t_interval
 from npsat1_small import short_twin
@@ -125,7 +127,10 @@ def test_errors_of_the_polynomial_cancel_at_the_temperature_of_the_table(
     assert result.estimate is not None
     facts = Facts("gyro", "deg/s", "rad/s")
     rate = Done("rate", "", "fit", result.plan, result.readings, result, facts=facts)
-    whole = bias.with_terms(model_terms(result, [rate])).estimate
+    first = thermal_terms(bias.result, [found["thermal_ambient"].tested])
+    assert first is not None
+    later = replace(model_terms(result, [rate]), tests=("rate",), after=("thermal_ambient",))
+    whole = joined_terms([later, replace(first, tests=("thermal_ambient",))]).estimate
     assert whole is not None
     warmth = 25.0 - bias.result.plan.reference_temperature
     names = [n for n in whole.names if n == "bias_x" or (n.startswith("bias_temperature_") and n.endswith("_x"))]

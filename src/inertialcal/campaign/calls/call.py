@@ -135,8 +135,8 @@ class Reduced:
     @property
     def models(self) -> dict[str, SensorModel]:
         """Models by kind of sensor, of those that the readings could carry and that readings held out do not refute."""
-        every = () if self.whole.modelled is None else self.whole.modelled.every
-        return {one.model.kind: one.model for one in every if one.model is not None and one.verdict != "FAIL"}
+        made = () if self.whole.modelled is None else self.whole.modelled.delivered
+        return {one.model.kind: one.model for one in made if one.model is not None}
 
     @property
     def errors(self) -> tuple[Remark, ...]:

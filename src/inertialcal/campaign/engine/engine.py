@@ -536,12 +536,6 @@ def sensor_of(campaign: Campaign, test: Test, kind: str = "") -> Sensor:
     return next((one for one in others if one.kind == kind), first)
 
 
-def modelled_sensor(campaign: Campaign) -> Sensor:
-    """Return the sensor that the model of a campaign is of: that of the first test for a fit."""
-    fitted = (test for test in campaign.file.tests if test.use == "fit" and procedure_of(test.procedure).makes_model)
-    return sensor_of(campaign, next(fitted))
-
-
 def beside_others(campaign: Campaign, tested: Sequence[ReducedTest]) -> list[ReducedTest]:
     """Return the tests, those ``against`` another with the rows of what the two differ by.
 

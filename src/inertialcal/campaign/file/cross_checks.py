@@ -13,6 +13,7 @@ from ...core.units import kind, normalise, parse_quantity, same_dimension
 from ...procedures import all_quantities, procedure_names, procedure_of
 from ...procedures.protocol import Quantity
 from ..inputs.ground import chain_model, has_model
+from .conditions import after_condition, condition_checks, conditions_of
 from .decisions import fit_problems, key_problems
 from .recording_checks import recording_checks, sensor_checks
 from .schema import CampaignFile, Requirement
@@ -30,11 +31,12 @@ def cross_checks(folder: Path | None, file: CampaignFile, at: At) -> list[Proble
         *(p for number, test in enumerate(file.tests) for p in procedure_checks(file, number, test, at)),
         *(p for number, test in enumerate(file.tests) for p in against_checks(file, number, test, at)),
         *(p for number, test in enumerate(file.tests) for p in after_checks(file, number, test, at)),
+        *(p for number, test in enumerate(file.tests) for p in after_condition(file, number, test, at)),
         *_duplicates("tests", [test.id for test in file.tests], at),
         *_reserved(file, at),
         *_duplicates("requirements", [one.id for one in file.requirements], at),
         *overlap_checks(file, at),
-        *_model_terms(file, at),
+        *condition_checks(file, at),
         *ground_checks(folder, file, at),
         *requirement_checks(file, at),
         *decision_checks(file, at),
@@ -49,33 +51,18 @@ def _duplicates(table: str, ids: list[str], at: At) -> Iterator[Problem]:
             yield Problem(what, at(table, number, "id"), why, "Give each its own", "duplicate_id")
 
 
+def model_name(sensor: str, condition: str) -> str:
+    """Return what the rows of a model are named: of a sensor, but for the first one; of a condition, where one is."""
+    return "_".join(filter(None, (RESERVED, sensor, condition)))
+
+
 def _reserved(file: CampaignFile, at: At) -> Iterator[Problem]:
-    names = {RESERVED, *(f"{RESERVED}_{sensor}" for sensor in file.sensors)}
+    names = {model_name(sensor, condition) for sensor in ("", *file.sensors)
+             for condition in ("", *(one for name in file.sensors for one in conditions_of(file, name)))}  # fmt: skip
     for number, test in enumerate(file.tests):
         if test.id in names:
             what = f"tests: id {test.id!r}: results have the rows of the model of the sensor under this name"
             yield Problem(what, at("tests", number, "id"), "results would be ambiguous", "Rename it", "duplicate_id")
-
-
-def _model_terms(file: CampaignFile, at: At) -> Iterator[Problem]:
-    uses = {
-        test.id: test.use
-        for test in file.tests
-        if (test.procedure in procedure_names() and procedure_of(test.procedure).makes_model)
-    }
-    lists = {}
-    for term, names in file.model.terms.items():
-        where = at("model", "terms", term)
-        for name in names:
-            if uses.get(name) != "fit":
-                what = f"model.terms.{term}: {name!r} is no test with use = 'fit' that a model is made of"
-                have = ", ".join(test for test, use in uses.items() if use == "fit")
-                yield Problem(what, where, do=f"There are: {have or 'none'}", code="unknown_name")
-        if term != "bias":
-            lists[term] = set(names)
-    if len({frozenset(names) for names in lists.values()}) > 1:
-        what = f"model.terms: {', '.join(lists)} come from one reduction and need the same tests"
-        yield Problem(what, at("model", "terms"), code="wrong_value")
 
 
 def requirement_checks(file: CampaignFile, at: At) -> Iterator[Problem]:

@@ -172,10 +172,12 @@ def closed_loop_text(results: Mapping[str, Any]) -> str:
     if not loop["axes"]:
         reason = f" ({loop['reason']})" if loop["reason"] else ""
         return "\n".join([f"closed loop: {loop['verdict']}{reason}", *over])
+    several = len({one["condition"] for one in loop["axes"]}) > 1
     rows = [
         [
-            f"  {one['axis']}", number(one["raw_rms"], 3), number(one["compensated_rms"], 3), one["unit"],
-            f"{one['dwells']}", f"{one['runs']}", one["verdict"], one["reason"],
+            f"  {one['axis']}" + (f", {one['condition']}" if several else ""), number(one["raw_rms"], 3),
+            number(one["compensated_rms"], 3), one["unit"], f"{one['dwells']}", f"{one['runs']}",
+            one["verdict"], one["reason"],
         ]
         for one in loop["axes"]
     ]  # fmt: skip

@@ -51,6 +51,7 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
     plan_type, influences = Plan, INFLUENCES
     said_type = Turned
     figures, compared = FIGURES, COMPARED
+    gives = ("bias",)
     set_against = corrects = takes_corrections = True
     chosen_by = "Choose by positions"
     inputs = InputSpec(("accelerometer",), table="means", ground_model="bias_kept", windows="refused", as_wide=True)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from ...core.estimate import Estimate
 from ...sensors.model.sensor_model import Provenance
-from ..corrections import carried
+from ..corrections import found_by
 from ..model_terms import ModelTerms
 from ..protocol import Tested
 from .separation.equations import BIAS
@@ -37,12 +37,5 @@ def model_terms(result: Result, tests: Sequence[Tested[Plan, Readings, Result]])
     if found is None:
         return None
     origin = Provenance(", ".join(one.id for one in tests), tuple(name for one in tests for name in one.recordings))
-    taken_off = result.readings.taken_off
-    return ModelTerms(
-        found,
-        found.keys,
-        tuple(key.axis for key in found.keys),
-        dict.fromkeys(found.keys, origin),
-        taken_off=taken_off,
-        changes=carried(found, taken_off),
-    )
+    axes = tuple(key.axis for key in found.keys)
+    return ModelTerms(found_by(found, tests[0].id), found.keys, axes, dict.fromkeys(found.keys, origin))

@@ -61,6 +61,7 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
     )
     plan_type, said_type, influences = Plan, SaidMass, INFLUENCES
     kind_of_test = "mass attraction"
+    gives = ("scale_factor",)
     takes_corrections = True
     figures = FIGURES
     inputs = InputSpec(

@@ -77,8 +77,8 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
     plan_type, said_type, planner_type, influences = Plan, FileSettings, Wanted, INFLUENCES
     figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
-    gives = ("scale_factor", "misalignment", "bias", "g_sensitivity")
-    model_of_each = takes_corrections = True
+    gives = ("scale_factor", "misalignment", "bias", "g_sensitivity", "sensitivity")
+    takes_corrections = True
     inputs = InputSpec(("accelerometer", "gyro"), table="rests", several_sensors=True, raw=True)
 
     def split_label(self, given: str) -> tuple[str, str]:
@@ -176,7 +176,6 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
         """Return the terms of one sensor."""
         from ...sensors.model.sensor_model import Provenance
         from ...sensors.model.terms import values
-        from ..corrections import carried
         from ..model_terms import ModelTerms
 
         found = result.models.get(result.sensor)
@@ -197,8 +196,6 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
             found.scale_factor,
             None if found.output_unit == found.unit else found.output_unit,
             found.input_range,
-            taken_off=result.readings.taken_off.get(found.kind, {}),
-            changes=carried(found.estimate, result.readings.taken_off.get(found.kind, {})),
             reference_temperature=None if over is None else over.reference,
             temperature_range=None if over is None else over.range,
         )

@@ -41,6 +41,7 @@ class Sine(Procedure[Plan, "Readings", "Result"]):
     figures = FIGURES
     uses = frozenset({"fit", "report_only"})
     counts_dwells = False
+    gives = ("scale_factor",)
     takes_corrections = True
     inputs = InputSpec(("accelerometer", "gyro"), missing=True, bare=True, raw=True)
 

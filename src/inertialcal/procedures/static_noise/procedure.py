@@ -59,6 +59,7 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
     )
     plan_type, said_type, shown_type, influences = Plan, Samples, Filters, INFLUENCES
     figures = FIGURES
+    gives = ("noise",)
     takes_corrections = True
     inputs = InputSpec(
         ("gyro", "accelerometer"), missing=True, bare=True, ground_model="bias_kept", windows="records", screening="own"

@@ -28,15 +28,13 @@ from ...core.key import AXES, At, Key, Origin
 from ...core.recording import Recording
 from ...core.remarks import Remark
 from ...core.unknowns import Unknowns
-from ...sensors.model.sensor_model import Provenance
 from ...sensors.thermal import powers_of
-from ..corrections import factor, with_law
+from ..corrections import factor
 from .fit.law import Law
 from .fit.quantities import ORDER, Asked, earth_along, estimate, power_unit
 from .recordings import TEMPERATURE
 
 if TYPE_CHECKING:
-    from ..model_terms import ModelTerms
     from .reduction import Result
 
 CANCELLED = ("converter.reference",)  # in the readings and in what is taken off alike
@@ -84,42 +82,11 @@ class ThermalCorrection:
             recording, level = _without(one, name, self)
             corrected.append(recording)
             levels.append(level)
-        unknown = _unknowns(self, levels)
+        unknown = unknowns(self, levels)
         taken_off: list[Mapping[Origin, Unknowns]] = [
             {origin: one.take(np.array([i])) for origin, one in unknown.items()} for i in range(len(corrected))
         ]
         return corrected, taken_off
-
-    def with_terms(self, terms: ModelTerms) -> ModelTerms:
-        """Return terms of readings without the bias, with the bias: at the reference temperature, and over it.
-
-        The readings were corrected by the same polynomial, so its errors are in both with opposite signs: at the
-        temperature of those readings they cancel in the sum. They are carried as the unknowns of the thermal test.
-        """
-        whole = replace(
-            terms,
-            reference_temperature=self.result.plan.reference_temperature,
-            temperature_range=self.range,
-            provenance={
-                key: self._before(one) if key.quantity == "bias" else one for key, one in terms.provenance.items()
-            },
-        )
-        if terms.estimate is None or terms.referenced:
-            return whole
-        found = law_of(self)
-        more = tuple(key for key in found if key.power and key.axis in terms.axes and key not in terms.estimate.keys)
-        return replace(
-            whole,
-            estimate=with_law(terms, terms.estimate, found, more),
-            parameters=(*terms.parameters, *more),
-            provenance={**whole.provenance, **dict.fromkeys(more, self._before(Provenance()))},
-        )
-
-    def _before(self, later: Provenance) -> Provenance:
-        """Return where a term comes from that this test found before a later one."""
-        own = tuple(sweep.name for sweep in self.result.readings.sweeps)
-        tests = [name for name in (self.test, later.test) if name]
-        return Provenance(", ".join(tests), (*own, *later.recordings))
 
 
 def _without(recording: Recording, name: str, bias: ThermalCorrection) -> tuple[Recording, dict[str, float]]:
@@ -183,8 +150,8 @@ def _nowhere(domain: tuple[float, float], warmth: Array, axis: str, place: str, 
     return DataError(what, place, do="Leave out after, or ramp further", code="outside")
 
 
-def _unknowns(bias: ThermalCorrection, levels: Sequence[Mapping[str, float]]) -> dict[Origin, Unknowns]:
-    """Return what is not known of the bias that was taken off, a dwell a recording, by origin."""
+def unknowns(bias: ThermalCorrection, levels: Sequence[Mapping[str, float]] = ()) -> dict[Origin, Unknowns]:
+    """Return what is not known of the bias taken off, a dwell for the temperatures of each level, by origin."""
     result, n = bias.result, len(levels)
     standards = {name: one for name, one in result.plan.standards.items() if name not in CANCELLED}
     standards.setdefault(PATH, Influence(0.0, result.readings.unit))  # one path was seen: the thermal test remarks it
@@ -267,6 +234,9 @@ def _taken_off(found: Estimate, component: Component, changes: Array, n: int, te
             patterns[:, int(key.at.value), AXES.index(key.axis)] = changes[:, i]
             of_sensor[AXES.index(key.axis)] = dof[i]
     law = [i for i, key in enumerate(found.keys) if key.at is None]
+    for i in law if n == 0 else ():  # of the coefficients alone
+        at = AXES.index(found.keys[i].axis)
+        of_sensor[at] = min(of_sensor[at], dof[i])
     keys = tuple(found.keys[i] for i in law)
     kind, shape = component.kind, component.distribution
     origin = component.origin._replace(test=test)

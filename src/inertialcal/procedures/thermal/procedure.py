@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from ...files.info.survey import Survey
     from ...sensors.model.sensor_model import SensorModel
     from ..entries import SaidTest
-    from ..model_terms import HeldOut
+    from ..model_terms import HeldOut, ModelTerms
     from ..suggestions import Suggestion
     from .recordings import Readings
     from .reduction import Result
@@ -81,7 +81,8 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
     plan_type, influences = Plan, INFLUENCES
     figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
-    corrects = set_against = True
+    gives = ("bias",)
+    corrects = set_against = judged_alone = True
     no_corrections = "it finds the bias itself, at all its temperatures: what was taken off would be found again"
     counts_dwells = False
     inputs = InputSpec(
@@ -120,6 +121,12 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
         from .correction import ThermalCorrection
 
         return ThermalCorrection(test, result)
+
+    def terms(self, result: Result, tests: Sequence[Tested[Plan, Readings, Result]]) -> ModelTerms | None:
+        """Return the bias over temperature."""
+        from .terms import model_terms
+
+        return model_terms(result, tests)
 
     def held_out(
         self,

@@ -1,0 +1,57 @@
+"""Terms of the model that a thermal test gives: the bias over temperature, with what is not known of it.
+
+Its unknowns are those of the correction that later tests take off their readings (module ``correction``): equal
+origins are the same unknowns, so that a model of both tests knows how the two go together. Errors that the thermometer
+and the converter have in the test and in the use of the model alike drop out. The constant of accelerometers at rest
+holds what gravity adds: it is no bias, and only what changes with temperature is given.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ...core.estimate import Component, Estimate
+from ...core.unknowns import Unknowns
+from ...sensors.model.sensor_model import Provenance
+from ..model_terms import ModelTerms
+from ..protocol import Tested
+from .correction import ThermalCorrection, law_of, unknowns
+from .reduction import Result
+
+
+def model_terms(result: Result, tests: Sequence[Tested[Any, Any, Any]]) -> ModelTerms | None:
+    """Return the bias over temperature; None where nothing of it has an uncertainty."""
+    bias = ThermalCorrection(tests[0].id, result)
+    law, found = law_of(bias), unknowns(bias)
+    keys = tuple(key for key in law if any(key in one.keys for one in found.values()))
+    if not keys:
+        return None
+    estimate = Estimate(
+        keys,
+        np.array([law[key][0] for key in keys]),
+        tuple(law[key][1] for key in keys),
+        tuple(_component(one, keys) for one in found.values()),
+    )
+    sweeps = tuple(sweep.name for sweep in result.readings.sweeps)
+    axes = tuple(axis for axis in tests[0].facts.axes if axis in {key.axis for key in keys})
+    return ModelTerms(
+        estimate,
+        keys,
+        axes,
+        dict.fromkeys(keys, Provenance(tests[0].id, sweeps)),
+        reference_temperature=result.plan.reference_temperature,
+        temperature_range=bias.range,
+    )
+
+
+def _component(one: Unknowns, keys: Sequence[Any]) -> Component:
+    """Return a source of the coefficients that are given."""
+    own = {key: one.law[:, i] for i, key in enumerate(one.keys)}
+    changes = np.column_stack([own.get(key, np.zeros(len(one.law))) for key in keys])
+    covariance = changes.T @ changes
+    dof = np.array([one.dof["xyz".index(key.axis)] for key in keys])
+    return Component(one.origin, one.kind, 0.5 * (covariance + covariance.T), dof, one.distribution, one.stated,
+                     changes, one.unknowns)  # fmt: skip
