@@ -6,11 +6,14 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ...campaign.compare.compare import HEADS, JUDGED, Comparison, is_beside, is_shown, line, not_compared, rule_lines
+from ...core.constants import EARTH_ROTATION_RATE
 from ...core.results import key_of
-from ...core.show.rounding import number, settled_number
+from ...core.show.rounding import number, settled_number, with_uncertainty
 from ...core.show.rows import names_of, reason_text
+from ...core.units import factor
 from ...sensors.flight import Step
 from ...sensors.model.sensor_model import SensorModel, show
+from ...sensors.orbit_check import OrbitCheck
 from .output import clean, table, wrapped
 from .summary import remarks_text
 
@@ -48,6 +51,48 @@ def steps_text(steps: Sequence[Step], axes: Sequence[str]) -> str:
             cells.append([one.group, *("" for _ in axes), ""])
         cells.append([f"  {one.name}", *(f"{value:.{one.decimals}f}" for value in one.values), one.unit])
     return table(cells, ["", *axes, "unit"], right=range(1, len(axes) + 1))
+
+
+def orbit_text(check: OrbitCheck, condition: str) -> str:
+    """Return whether each axis sees the rate of an orbit and that of the earth."""
+    unit = "deg/s"
+    rate, u = (value * factor("rad/s", unit) for value in (check.rate.values[0], check.rate.u[0]))
+    earth = EARTH_ROTATION_RATE.value * factor("rad/s", unit)
+    cells = [
+        [
+            f"  {one.axis}", "less rest" if one.zero_reference else "direct",
+            settled_number(one.u * factor("rad/s", unit), 3),
+            f"{'seen' if one.orbit_seen else 'not seen'} ({settled_number(one.orbit_ratio, 3)})",
+            f"{'seen' if one.earth_seen else 'not seen'} ({settled_number(one.earth_ratio, 3)})",
+        ]
+        for one in check.checks
+    ]  # fmt: skip
+    heads = ["  axis", "reading", f"u [{unit}]", "orbit (rate / 1.96 u)", "earth (rate / 1.96 u)"]
+    whose = f"; model of condition {condition}" if condition else ""
+    lines = [
+        f"Circular orbit at {number(check.altitude / 1e3)} km: {with_uncertainty(float(rate), float(u))} {unit}; "
+        f"earth {number(earth, 4)} {unit}; mean over {number(check.averaging)} s{clean(whose)}",
+        table(cells, heads, right=(2,)),
+        "A rate is seen if the 95 % interval of a compensated reading does not hold zero, at the model's reference",
+        "conditions, settled and weightless; the earth's counts in full, as along an axis that points to the pole.",
+    ]
+    return "\n".join([*lines, *(wrapped(f"not counted: {clean(one)}", "    ") for one in check.not_counted)])
+
+
+def orbit_dict(check: OrbitCheck, condition: str) -> dict[str, Any]:
+    """Return the same as ``--json`` prints it [rad/s]."""
+    axes = [
+        {
+            "axis": one.axis, "zero_reference": one.zero_reference, "u": one.u, "orbit_ratio": one.orbit_ratio,
+            "orbit_seen": one.orbit_seen, "earth_ratio": one.earth_ratio, "earth_seen": one.earth_seen,
+        }
+        for one in check.checks
+    ]  # fmt: skip
+    return {
+        "condition": condition, "altitude": check.altitude, "rate": float(check.rate.values[0]),
+        "u_rate": float(check.rate.u[0]), "earth_rate": EARTH_ROTATION_RATE.value, "unit": "rad/s",
+        "averaging": check.averaging, "axes": axes, "not_counted": list(check.not_counted),
+    }  # fmt: skip
 
 
 def comparison_text(found: Comparison) -> str:

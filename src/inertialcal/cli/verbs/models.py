@@ -45,6 +45,13 @@ def show(
     test: Annotated[str | None, typer.Option(help="Figure of results: of which test.")] = None,
     axis: Annotated[str | None, typer.Option(help="Figure of results: of which axis.")] = None,
     condition: Condition = None,
+    tables: Annotated[
+        bool, typer.Option("--tables", help="Of a campaign: summary and output of the suite, a table a condition.")
+    ] = False,
+    orbit: Annotated[
+        str | None, typer.Option(help='Whether the suite sees the rate of an orbit: "560 km".', show_default=False)
+    ] = None,
+    averaging: Annotated[str, typer.Option(help="Time over which --orbit averages a reading.")] = "100 s",
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -55,6 +62,8 @@ def show(
 
     figures.check_figure(output, {"--figure": figure, "--test": test, "--axis": axis})
     chosen = {"figure": figure, "test": test, "axis": axis}
+    if tables or orbit:
+        return _show_suite(model, condition, tables, orbit, averaging, as_json, quiet)
     if (page := find_page(model)) is not None:
         if output is not None:
             raise UsageError(f"-o {output}: a report gives no figure", do="Name results.json, or the folder")
@@ -64,6 +73,44 @@ def show(
     if results is not None:
         return show_results(results, edited, output, chosen, as_json, quiet)
     return _show_model(model, condition, edited, output, chosen, as_json, quiet)
+
+
+def _show_suite(
+    path: Path, condition: str | None, tables: bool, orbit: str | None, averaging: str, as_json: bool, quiet: bool
+) -> int:
+    """Show the tables of a suite, and what it sees of an orbit."""
+    from ...campaign.models.find import find_model
+    from ...campaign.outcome.results_file import find_results
+    from ...core.show.output_tables import output_tables
+    from ...core.units import parse_quantity
+    from ...sensors.orbit_check import orbit_check
+    from ..shown.model_text import orbit_dict, orbit_text
+    from ..shown.summary import tables_text
+
+    inputs: list[dict[str, str]] = []
+    content: dict[str, Any] = {}
+    blocks: list[str] = []
+    if tables:
+        results = find_results(path, of_campaign=True)
+        if results is None:
+            raise UsageError(f"--tables: {path} holds no results", do="Name the folder of a campaign, or results.json")
+        made = [one for one in output_tables(results.content) if condition in (None, one.condition)]
+        inputs.append({"path": results.path, "sha256": results.sha256})
+        content["tables"] = [one.to_dict() for one in made]
+        blocks.append(tables_text(made) or "no gyro in this campaign")
+    if orbit is not None:
+        altitude, time = parse_quantity(orbit).to("m"), parse_quantity(averaging).to("s")
+        found = find_model(path, condition)
+        models = found.models.values() if condition is None else [found.model]
+        checks = [(one.condition, orbit_check(one, altitude, time)) for one in models]
+        inputs.append(_input(found))
+        content["orbit"] = [orbit_dict(check, name) for name, check in checks]
+        blocks += [orbit_text(check, name) for name, check in checks]
+    if as_json:
+        json_out("show", {"inputs": inputs} | content)
+    elif not quiet:
+        print("\n\n".join(blocks))
+    return 0
 
 
 def _show_page(page: Any, as_json: bool, quiet: bool) -> int:
