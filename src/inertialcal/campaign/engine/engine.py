@@ -187,7 +187,8 @@ def prepare_test(
     rates = [remark for sensor in facts for remark in rate_remarks(_rates(sources, sensor))]
     known = {(one.code, one.what) for one in readings.remarks}
     unsaid = [one for source in sources for one in source.on_time if (one.code, one.what) not in known]
-    more = (*disagreements, *gated, *rates, *unsaid, *readings.remarks, *procedure.remarks(first), *exact)
+    elsewhere = _outside_condition(file, test, sources)
+    more = (*elsewhere, *disagreements, *gated, *rates, *unsaid, *readings.remarks, *procedure.remarks(first), *exact)
     if len(more) > len(readings.remarks):
         readings = replace(readings, remarks=in_order(more, test.recordings))
     inputs = one_digest(pair for one in sources for pair in one.inputs.items())
@@ -197,6 +198,23 @@ def prepare_test(
     asked = any(one.quantity in RECORDED for one in file.requirements)
     recorded = tuple(replace(row, test=test.id) for one in sources if asked for row in one.recorded())
     return Prepared(test, first, plan, readings, inputs, origins, screened, tuple(contents), occasion, recorded)
+
+
+def _outside_condition(file: CampaignFile, test: Test, sources: Sequence[Ready]) -> Iterator[Remark]:
+    """Yield an error for each recording whose pressure says that it was made in another condition."""
+    own = file.conditions.get(test.condition)
+    if own is None or own.pressure is None:
+        return
+    low, high = own.pressure
+    for one in sources:
+        level = one.pressure
+        if level is not None and not low <= level <= high:
+            inside = (name for name, other in file.conditions.items()
+                      if other.pressure is not None and other.pressure[0] <= level <= other.pressure[1])  # fmt: skip
+            found = " or ".join(inside)
+            what = f"recording {one.name}: pressure {level:.4g} Pa, {test.condition} is {low:.4g} to {high:.4g} Pa"
+            do = f"Give the test condition = {found!r}" if found else "Give it another condition"
+            yield Remark("outside_condition", "error", what, one.file, do=do, recording=one.name)
 
 
 def occasion_of(file: CampaignFile, test: Test, sources: Sequence[Ready]) -> Occasion:

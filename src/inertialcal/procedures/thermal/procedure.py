@@ -140,7 +140,8 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
         from .held_out.closed_loop import held_out, loops, overlays, residual_rows
 
         (own,), (other,) = fitted, held
-        residuals = held_out(result, other.result, own.occasion.remounted(other.occasion))
+        judged = model if result.readings.unit == "rad/s" else None  # of accelerometers the level holds gravity
+        residuals = held_out(result, other.result, own.occasion.remounted(other.occasion), judged)
         first, second = (result, None) if own.against is None else (own.against.result, result)
         rows = residual_rows(residuals, other.result.readings.unit, own.id)
         return HeldOut(loops(residuals, other.result.readings.unit), tuple(rows), overlays(other.result, first, second))
