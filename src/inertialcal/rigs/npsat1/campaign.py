@@ -181,7 +181,7 @@ def _model(bench: Bench) -> Content:
     found: dict[str, dict[str, list[str]]] = {}
     for where in bench.chambers if "thermal" in bench.parts else ():
         found[IN[where]] = {"bias": [NAMES[where]]}
-    if VACUUM in bench.chambers:
+    if IN[VACUUM] in found:
         others = {"rate_table": ("scale_factor", "misalignment", "asymmetry"), "noise": ("noise",)}
         taken = {kind: [NAMES[part]] for part, kinds in others.items() if part in bench.parts for kind in kinds}
         found[IN[VACUUM]] = found.get(IN[VACUUM], {}) | taken
