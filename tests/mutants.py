@@ -723,12 +723,6 @@ MUTANTS = (
     ),
     Mutant(
         "warm_up_model.py",
-        "np.exp(-self.means.time[:, None] / times) * over",
-        "np.exp(-self.means.time[:, None] / times) / over",
-        "test_warm_up_model",
-    ),
-    Mutant(
-        "warm_up_model.py",
         "wanted = known and means.runs >= DEPENDS",
         "wanted = known and means.runs < DEPENDS",
         "test_warm_up_model",
