@@ -46,7 +46,7 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
         columns |= {SUPPLY: named[0]} if len(named) == 1 else {}
     applied = _applied(given)
     columns |= {APPLIED: applied} if applied else {}
-    if not applied:
+    if not applied:  # no other column is taken for it
         spec = replace(spec, roles=tuple(role for role in spec.roles if role.name != APPLIED))
     found = described_channels(replace(given, said=replace(given.said, columns=columns)), spec)
     conditions = {}
