@@ -36,11 +36,11 @@ def joined(tests: Sequence[Tested[Plan, Readings, Result]]) -> tuple[Plan, Readi
         ``plans_differ`` if they are not asked for the same.
     """
     first, *others = tests
-    if not others:
+    differ = [one for one in others if one.plan != first.plan]
+    if not others or (len(differ) == len(others) == 1 and not {*first.plan.to} & {*differ[0].plan.to}):
         return None
-    differ = [one.id for one in others if one.plan != first.plan]
     if differ:
-        what = f"tests {first.id} and {differ[0]} find sensitivities of one sensor with different settings"
+        what = f"tests {first.id} and {differ[0].id} find sensitivities of one sensor with different settings"
         do = 'Give them the same plan, name the terms of each under [model] terms, or use = "report_only"'
         raise PlanError(what, do=do, code="plans_differ")
     from .readings import readings_from  # noqa: PLC0415 - not needed for one test
@@ -49,7 +49,42 @@ def joined(tests: Sequence[Tested[Plan, Readings, Result]]) -> tuple[Plan, Readi
     return first.plan, readings_from(first.plan, recordings, first.readings.unit)
 
 
-def held_out(result: Result, held: Sequence[Tested[Plan, Readings, Result]]) -> HeldOut:
+Tests = Sequence[Tested[Plan, Readings, "Result"]]
+
+
+def held_out(result: Result, fitted: Tests, held: Tests) -> HeldOut:
+    """Return what the terms leave of power-ups held out, each set against the tests of the same conditions.
+
+    Parameters
+    ----------
+    result : Result
+        Of the tests that were fitted together.
+    fitted, held : sequence of Tested
+        Behind the model, and held out.
+    """
+    loops: list[AxisLoop] = []
+    for to in dict.fromkeys(tuple(one.plan.to) for one in held):
+        unseen = [one for one in held if tuple(one.plan.to) == to]
+        own = result if tuple(result.plan.to) == to else _result_of([one for one in fitted if tuple(one.plan.to) == to])
+        if own is not None:
+            there = {one.axis for one in loops}
+            found = _loops(own, unseen)
+            what = " and ".join(to).replace("_", "-")
+            loops += [replace(one, axis=f"{one.axis}, {what}" if one.axis in there else one.axis) for one in found]
+    return HeldOut(tuple(loops))
+
+
+def _result_of(tests: Tests) -> Result | None:
+    """Return the result of tests of one plan; None where there is none."""
+    from .reduction import reduce  # noqa: PLC0415 - it knows this module
+
+    if not tests:
+        return None
+    made = joined(tests)
+    return tests[0].result if made is None else reduce(*made)
+
+
+def _loops(result: Result, held: Tests) -> list[AxisLoop]:
     """Return how much the terms reduce the mean square of levels about the mean of their power-up, axis by axis."""
     loops = []
     for axis, fit in result.sensors.items():
@@ -68,8 +103,8 @@ def held_out(result: Result, held: Sequence[Tested[Plan, Readings, Result]]) -> 
                      float(own.mean()), result.readings.unit)
         )  # fmt: skip
     if result.warm_up is not None and not loops:
-        loops = warm_up_loops(result.warm_up, [power_ups_of(one.plan, one.readings) for one in held])
-    return HeldOut(tuple(loops))
+        return list(warm_up_loops(result.warm_up, [power_ups_of(one.plan, one.readings) for one in held]))
+    return loops
 
 
 def _compared(

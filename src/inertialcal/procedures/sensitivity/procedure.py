@@ -159,7 +159,7 @@ class Sensitivity(Procedure[Plan, "Readings", "Result"]):
         """Return what the terms leave of the levels of power-ups held out."""
         from .held_out import held_out
 
-        return held_out(result, held)
+        return held_out(result, fitted, held)
 
     def finding(self, rows: Sequence[WrittenRow]) -> Sentence:
         """Return what a test found, as one sentence."""
