@@ -133,6 +133,11 @@ def design_of(
     warm = own.get(TEMPERATURE)
     if warm is not None and TEMPERATURE in plan.to:
         chosen &= np.isfinite(warm)
+    # While another axis is turned, this one reads parts of the earth's rate that change with the angle
+    own_levels = chosen & np.isin(readings.turned, ["", axis])
+    across_fitted = like is not None and any(one.key is None and one.condition == APPLIED for one in like.columns)
+    if not across_fitted and (own_levels.any() or like is not None):
+        chosen = own_levels
     if not chosen.any():
         what = f"{axis}: no level has all of {', '.join(plan.to)}"
         raise DataError(what, do="Record all conditions together", code="missing_condition")

@@ -94,7 +94,10 @@ def _loops(result: Result, held: Tests) -> list[AxisLoop]:
         raw, left, own, runs = (np.concatenate(some) for some in zip(*parts, strict=True))
         gain = raw**2 - left**2
         labels = np.unique(runs)
-        by_run = np.array([gain[runs == one].mean() for one in labels]) if len(labels) > 1 else gain
+        by_run = gain
+        if len(labels) > 1:  # each as a part of its own mean square: on a table all is larger than at rest
+            parts_of = np.array([gain[runs == one].mean() / np.mean(raw[runs == one] ** 2) for one in labels])
+            by_run = parts_of * float(np.mean(raw**2))
         count = len(by_run)
         u = float(np.std(by_run, ddof=1) / np.sqrt(count)) if count > 1 else float("nan")
         before, after = (float(np.sqrt(np.mean(one**2))) for one in (raw, left))
