@@ -185,8 +185,8 @@ def on_table(seed: int, unit: Unit | None = None, visits: Visits | None = None) 
              "90 deg", "--attitude", '{ tilt = "0 deg" }']  # fmt: skip
     truth: dict[str, float] = {}
     for axis in visits.axes:
-        truth |= {f"scale_factor_error_temperature_1 {axis}": unit.scale[1]}
-        truth |= {f"scale_factor_error_supply {axis}": unit.scale[2]}
+        truth |= {f"scale_factor_error_temperature_1 {axis}": 100.0 * unit.scale[1]}
+        truth |= {f"scale_factor_error_supply {axis}": 100.0 * unit.scale[2]}
         truth |= {f"bias_supply {axis}": unit.supply, f"bias_supply_temperature {axis}": unit.supply_temperature}
     return Case("sensitivity", tables, words, truth, noise=unit.sample, rate=1.0 / visits.interval, rng_seed=seed)
 
@@ -210,9 +210,10 @@ def warming(
         one = Course(time, start * still, VOLTS * still, AIR * still, 0.0 * still)
         tables[f"run{run}.csv"] = table_of(read(unit, one, axes, rng), axes, run)
     words = ["sensitivity", *(f"@{name}" for name in tables), "--to", "warm_up", *LEVEL]
-    truth = {f"warm_up_time_{j}": tau for j, (_, _, tau) in enumerate(unit.warm_up, 1)}
+    truth = {f"warm_up_time_{j} ": tau for j, (_, _, tau) in enumerate(unit.warm_up, 1)}
     for axis in axes:
         truth |= {f"bias_warm_up_{j} {axis}": w for j, (w, _, _) in enumerate(unit.warm_up, 1)}
+        truth |= {f"warm_up_start_temperature_{j} {axis}": a for j, (_, a, _) in enumerate(unit.warm_up, 1)}
     return Case("sensitivity", tables, words, truth, noise=unit.sample, rate=1.0 / interval, rng_seed=seed)
 
 

@@ -273,8 +273,8 @@ def test_a_table_in_a_chamber_shows_its_scale_factor() -> None:
     rate = table.columns["table [deg/s]"]
     design = np.column_stack([rate, rate * e, rate * d, *(e**k for k in range(3)), d, d * e])
     found, *_ = np.linalg.lstsq(design, table.columns["gyro_x [deg/s]"], rcond=None)
-    assert found[1] == pytest.approx(case.truth["scale_factor_error_temperature_1 x"], rel=1e-2)
-    assert found[2] == pytest.approx(case.truth["scale_factor_error_supply x"], rel=1e-2)
+    assert 100.0 * found[1] == pytest.approx(case.truth["scale_factor_error_temperature_1 x"], rel=1e-2)
+    assert 100.0 * found[2] == pytest.approx(case.truth["scale_factor_error_supply x"], rel=1e-2)
 
 
 def test_a_unit_that_is_pumped_out_steps_and_one_switched_on_dies_away() -> None:
