@@ -329,14 +329,13 @@ def _step(one: Prepared, exclusions: Sequence[LeftOut]) -> dict[str, Any]:
     test = one.test
     out = {left.what.place for left in exclusions if left.test == test.id and left.what.dwell}
     windows = [[instant_text(start), instant_text(stop)] for start, stop in test.windows or []]
-    runs = getattr(one.readings, "runs", None)  # how many power-ups there are, or the label of each reading's
     return {
         "test": test.id, "procedure": test.procedure, "use": test.use, "condition": test.condition,
         "source": test.source, "against": test.against, "after": list(test.after),
         "groups": test.groups, "windows": windows or None,
         "recordings": [_recording(origin) for origin in one.origins],
         "dwells": len(one.readings) if procedure_of(test.procedure).counts_dwells else None,
-        "runs": runs if runs is None or isinstance(runs, int) else len(set(runs)), "left_out": len(out),
+        "runs": getattr(one.readings, "runs", None), "left_out": len(out),
     }  # fmt: skip
 
 
