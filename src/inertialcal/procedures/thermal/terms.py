@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from ...core.estimate import Component, Estimate
+from ...core.estimate import Array, Component, Estimate
+from ...core.key import Key, Origin
 from ...core.unknowns import Unknowns
 from ...sensors.model.sensor_model import Provenance
 from ..model_terms import ModelTerms
@@ -44,7 +45,18 @@ def model_terms(result: Result, tests: Sequence[Tested[Any, Any, Any]]) -> Model
         dict.fromkeys(keys, Provenance(tests[0].id, sweeps)),
         reference_temperature=result.plan.reference_temperature,
         temperature_range=bias.range,
+        bias_run_to_run=_run_to_run(result, estimate, axes),
     )
+
+
+def _run_to_run(result: Result, estimate: Estimate, axes: Sequence[str]) -> Array | None:
+    """Return the scatter of the bias between power-ups, (k,): that of their mean, times the root of their number."""
+    between = [one for one in estimate.components if isinstance(one.origin, Origin) and one.origin.level == "run"]
+    places = [estimate.keys.index(Key("bias", axis)) for axis in axes if Key("bias", axis) in estimate.keys]
+    if len(places) < len(axes) or not between:
+        return None
+    variance = np.sum([np.diag(one.covariance)[places] for one in between], axis=0)
+    return np.asarray(np.sqrt(variance * result.readings.runs))
 
 
 def _component(one: Unknowns, keys: Sequence[Any]) -> Component:
