@@ -44,6 +44,7 @@ QUANTITIES = {
     "scale_factor": Quantity(("other",)),
     "scale_factor_error": Quantity(RELATIVE, shown="%"),
     "misalignment": Quantity(("angle",)),
+    "direction_cosine": Quantity(RELATIVE),
     **{f"bias_temperature_{j}": Quantity(("other",)) for j in range(1, HIGHEST_ORDER + 1)},
     **{f"scale_factor_error_temperature_{j}": Quantity(("other",)) for j in range(1, HIGHEST_ORDER + 1)},
     **{f"cross_axis_sensitivity_temperature_{j}": Quantity(("other",)) for j in range(1, HIGHEST_ORDER + 1)},

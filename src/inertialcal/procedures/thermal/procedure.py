@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from ..entries import latitude_needed, reading_units
 from ..protocol import (
     READING,
+    RELATIVE,
     Command,
     Correction,
     Exclusion,
@@ -62,6 +63,12 @@ QUANTITIES = {
     "bias_shift_run_to_run": Quantity(READING),
     "residual_bias": Quantity(READING),
     "scatter_sample": Quantity(READING),
+    "thermometer_slope": Quantity(("other",)),
+    "thermometer_voltage": Quantity(("voltage",)),
+    "temperature_error": Quantity(("temperature",)),
+    "temperature_error_of_range": Quantity(RELATIVE, shown="%"),
+    "thermometer_nonlinearity": Quantity(("temperature",)),
+    "thermometer_lag": Quantity(("time",)),
     "temperature_lowest": Quantity(("temperature",)),
     "temperature_highest": Quantity(("temperature",)),
 }
@@ -87,7 +94,11 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
     counts_dwells = False
     inputs = InputSpec(
         ("gyro", "accelerometer"),
-        (Role("temperature", "temperature", "degC", required=True), Role("pressure", "pressure", "Pa", by_axis=False)),
+        (
+            Role("temperature", "temperature", "degC", required=True),
+            Role("pressure", "pressure", "Pa", by_axis=False),
+            Role("reference_temperature", "temperature", "degC", by_axis=False),
+        ),
         voltages=True,
         by_body=True,
         still=True,

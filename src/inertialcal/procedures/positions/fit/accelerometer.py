@@ -35,7 +35,7 @@ from ....core.key import AXES, Reason
 from ....statistics.two_levels import TwoLevels, fit_two_levels
 from ..plan import Plan
 from ..readings import Triad, local_gravity
-from .fixture import BETWEEN, INSIDE, Laid, derivatives, fit_agreeing, judged, scatter_interval, tilts_of
+from .fixture import BETWEEN, INSIDE, Laid, chosen, derivatives, fit_agreeing, judged, scatter_interval, tilts_of
 from .fixture import sources_of as fixture_sources
 from .linear_sensor import (
     BIAS,
@@ -138,7 +138,7 @@ def fit_known(plan: Plan, triad: Triad, direction: Array, ideal: Array, zero: Ar
         return finished(sensor, observed, ~everyone, (y - design @ values).reshape(m, 3), None, known=True)
     laid, outliers = fit_agreeing(r, inside, g, tilts, observed.kept, plan.outlier_risk)
     kept = ~outliers
-    sensor = sensor_of(plan, laid.values, fixture_sources(laid, tilts), observed.determined, ideal, zero)
+    sensor = sensor_of(plan, laid.values, fixture_sources(laid, chosen(tilts, kept)), observed.determined, ideal, zero)
     stretch = np.ones(m)
     stretch[kept] = laid.stretch
     away = r - g * (tilts.direction * stretch[:, None]) @ sensor.matrix.T - sensor.offset

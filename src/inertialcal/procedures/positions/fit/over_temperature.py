@@ -8,7 +8,8 @@ numbers y_r come from the same fit as those of any recording; over the recording
 by ordinary least squares, since the recordings are alike.
 
 Assumed: e_r is independent from recording to recording, whatever it is made of: laying, mounting anew, the temperature
-inside against that of the thermometer, its path, the curve that the order leaves out. What u means: the standard
+inside against that of the thermometer, its path. The order follows the curve, else ``temperature_order_low``.
+What u means: the standard
 deviation of the C if all recordings were made again, from the residuals, with n - p - 1 degrees of freedom; joined with
 what is common to all recordings. That is the gravity, the mounting, the faces of the fixture: they move C_0, and the
 powers only as far as the matrix changes; and an error of the thermometer, which shifts all temperatures alike. Each
@@ -26,6 +27,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+from scipy import special
 
 from ....core.errors import DataError, PlanError
 from ....core.estimate import Array
@@ -40,6 +42,7 @@ from .linear_sensor import BIAS, PAIRS, LinearSensor, OverTemperature, Source, p
 
 SCATTER = "scatter between recordings over temperature"
 THERMOMETER = "thermometer.temperature"
+RISK = 0.01  # that any of the numbers is said to bend which does not
 STEADY = 0.1  # of the range of temperatures: a recording that changes by more is not at one temperature
 LEAST_RANGE = 2.0  # [degC] between temperatures that count as two
 
@@ -124,7 +127,7 @@ def over_temperature(
     )  # fmt: skip
     at_reference = tuple(_at_reference(one, size) for one in sources)
     sensor = LinearSensor(C[0], at_reference, reasons, first.ideal, first.zero, first.named, changes)
-    return sensor, _remarks(plan, levels, T)
+    return sensor, [*_remarks(plan, levels, T), *_bent(plan, levels, T, y)]
 
 
 def check_over_temperature(plan: Plan) -> None:
@@ -225,7 +228,7 @@ def _common(levels: Sequence[Level], back: Array) -> list[Source]:
             free = [np.broadcast_to(own[0].dof, one.changes.shape[1]) for own in same]
             one = replace(one, dof=np.tile(np.min(free, axis=0), len(back)))
         each = [own[0] for own in same if own]
-        if one.changes is not None and len(each) == len(levels) and all(own.changes is not None for own in each):
+        if one.changes is not None and len(each) == len(levels) and _alike(each):
             changes = np.array([own.changes for own in each])  # (n, s, 12)
             flat = np.einsum("jr,rsk->sjk", back, changes).reshape(changes.shape[1], -1)
             found.append(replace(one, covariance=flat.T @ flat, changes=flat))
@@ -239,12 +242,38 @@ def _common(levels: Sequence[Level], back: Array) -> list[Source]:
     return found
 
 
+def _alike(sources: Sequence[Source]) -> bool:
+    """Whether each of these has the same unknowns."""
+    shapes = {None if one.changes is None else one.changes.shape for one in sources}
+    return len(shapes) == 1 and len({one.unknowns for one in sources}) == 1
+
+
 def _at_reference(source: Source, size: int) -> Source:
     """Return a source of all coefficients as one of those at the reference temperature."""
     first = np.eye(size, source.covariance.shape[0])
     dof = np.asarray(source.dof)[:size] if np.ndim(source.dof) else source.dof
     changes = None if source.changes is None else source.changes[:, :size]
     return replace(source, covariance=propagated(first, source.covariance), dof=dof, changes=changes)
+
+
+def _bent(plan: Plan, levels: Sequence[Level], T: Array, y: Array) -> list[Remark]:
+    """Say which numbers need a higher order, where the temperatures carry one."""
+    order = plan.temperature_order + 1
+    dof = len(T) - order - 1
+    if dof < 1 or int(np.sum(np.diff(np.sort(T)) > LEAST_RANGE)) < order:
+        return []
+    design = np.vander((T - T.mean()) / np.ptp(T), order + 1, increasing=True)
+    C = np.linalg.lstsq(design, y, rcond=None)[0]
+    scatter = np.sqrt(np.sum((y - design @ C) ** 2, axis=0) / dof)
+    u = scatter * np.sqrt(np.linalg.inv(design.T @ design)[-1, -1])
+    t = np.divide(np.abs(C[-1]), u, out=np.zeros_like(u), where=u > 0.0)
+    p = 2.0 * special.stdtr(dof, -t)
+    bent = [str(key) for key, one in zip(levels[0].sensor.named, p, strict=True) if one < RISK / len(p)]
+    if not bent:
+        return []
+    what = f"{', '.join(bent)} bend(s) more over temperature than order {plan.temperature_order} follows"
+    do = f"Set temperature_order = {order}"
+    return [Remark("temperature_order_low", "warning", what, levels[0].where, len(bent), do)]
 
 
 def _remarks(plan: Plan, levels: Sequence[Level], T: Array) -> list[Remark]:
