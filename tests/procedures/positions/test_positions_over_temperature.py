@@ -89,7 +89,7 @@ def test_a_unit_that_has_not_settled_is_remarked() -> None:
 def test_a_bias_that_bends_is_remarked() -> None:
     wide = replace(SMALL, temperatures=(-20.0, 0.0, 20.0, 40.0, 60.0, 30.0, -10.0))
     assert "temperature_order_low" not in {one.code for one in result(wide, 1)[0].remarks}
-    bent = result(replace(wide, curve=2e-6), 1)[0]
+    bent = result(replace(wide, curve=2e-5), 1)[0]
     remark = next(one for one in bent.remarks if one.code == "temperature_order_low")
     assert "bias_x" in remark.what
 
