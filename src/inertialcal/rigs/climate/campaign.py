@@ -24,6 +24,10 @@ def campaign_text(bench: Bench) -> str:
     recordings = {name: _entry(group, name, run, axis) for group in groups
                   for name, (run, axis) in names_of(bench, group).items()}  # fmt: skip
     decided: Content = {"scale_factor": ["table"], "misalignment": ["table"]} if "table" in groups else {}
+    decided |= {"warm_up": ["warm_up"]} if "warm_up" in groups else {}
+    sensitive = [group for group in groups if group in ("supply_air", "supply_vacuum", "scale")]
+    terms: Content = {"sensitivity": sensitive} if sensitive else {}
+    terms |= {"warm_up": ["warm_up"]} if "warm_up" in groups else {}
     return toml_text(
         {
             **campaign_head("climate", "simulated rate-sensor suite", title, about),
@@ -36,7 +40,7 @@ def campaign_text(bench: Bench) -> str:
             },
             "recordings": recordings,
             "tests": [test for group in groups for test in _tests(bench, group)],
-            "model": {"by_condition": {VACUUM: decided}},
+            "model": {"terms": terms, "by_condition": {VACUUM: decided}},
         }
     )
 
