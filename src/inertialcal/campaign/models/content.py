@@ -66,7 +66,7 @@ def _not_run(campaign: Campaign, modelled: Modelled | None, errors: Sequence[Rem
         return "no test is held out"
     procedures = [procedure_of(name) for name in dict.fromkeys(test.procedure for test in campaign.file.tests)]
     if any(one.makes_model for one in procedures):
-        return "no model"
+        return "no model: no test for a fit gives a term of it"
     return (
         f"no model is made of a {' or a '.join(one.kind_of_test or one.name.replace('_', ' ') for one in procedures)}"
     )
