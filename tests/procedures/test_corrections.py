@@ -245,26 +245,3 @@ def test_a_static_bias_is_taken_off_the_axes_that_have_one() -> None:
     np.testing.assert_allclose(own.T @ own, 1e-12 * np.array([[0, 0, 0], [0, 4, 1], [0, 1, 9.0]]), atol=1e-20)
     gain = np.eye(3)[1:, None, :]
     np.testing.assert_array_equal(dof_of(off[origin], gain), [7.0, 9.0])
-
-
-def test_a_flip_after_a_flip_gives_the_whole_bias_once() -> None:
-    """What the first did not know of the bias cancels in the sum of both: the second knows all of it."""
-    rng = np.random.default_rng(6)
-    plan, correction = FlipPlan(axis="x"), constant()
-    readings = simulate_flip(plan, FlipTruth(), rng)
-    off = correction.apply([at(20.0)])[1][0]
-    outputs = {axis: own - {"x": 0.0, "y": 1e-3, "z": -2e-3}[axis] for axis, own in readings.outputs.items()}
-    spread = {origin: one.over(len(readings)) for origin, one in off.items()}
-    result = flip.reduce(plan, replace(readings, outputs=outputs, taken_off=spread))
-    alone = flip.reduce(plan, readings)
-    tested = Done("again", "", "fit", plan, readings, result, ("head",), facts=Facts("accelerometer", "ug", "m/s^2"))
-    terms = model_terms(result, [tested])
-    assert terms is not None
-    whole = correction.with_terms(terms).estimate
-    assert whole is not None
-    assert alone.estimate is not None
-    for name in ("bias_y", "bias_z"):
-        assert whole.value(name) == pytest.approx(alone.estimate.value(name), abs=1e-12)
-        assert whole.u[whole.index(name)] == pytest.approx(alone.estimate.u[alone.estimate.index(name)], rel=1e-6)
-        assert terms.estimate is not None
-        assert terms.estimate.u[terms.estimate.index(name)] > whole.u[whole.index(name)]

@@ -7,6 +7,7 @@ reference: the model holds the truth at both, and better where it was calibrated
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from inertialcal.core.key import Key
 from inertialcal.core.recording import Channel, Recording
 from inertialcal.physics.motion.schedule import repeated
 from inertialcal.procedures.mass_attraction import reduction as mass
-from inertialcal.procedures.model_terms import ModelTerms
+from inertialcal.procedures.model_terms import ModelTerms, joined_terms
 from inertialcal.procedures.positions import reduction as positions
 from inertialcal.procedures.positions.procedure import PROCEDURE as POSITIONS
 from inertialcal.procedures.protocol import Facts
@@ -30,6 +31,7 @@ from inertialcal.procedures.static_noise import reduction as noise
 from inertialcal.procedures.static_noise.terms import model_terms as noise_terms
 from inertialcal.procedures.thermal import reduction as thermal
 from inertialcal.procedures.thermal.correction import ThermalCorrection
+from inertialcal.procedures.thermal.terms import model_terms as thermal_terms
 from inertialcal.sensors.noise.terms import RandomWalk, RateRandomWalk
 from inertialcal.statistics.intervals import contains, covers, t_interval
 
@@ -176,6 +178,7 @@ HEAT = thermal.Truth(
     axes=("x", "y", "z"),
 )  # fmt: skip
 RAMPS = thermal.Plan(order=2)
+AXES = Facts("accelerometer", "m/s^2", "m/s^2")
 
 
 def calibrated(seed: int) -> ModelTerms:
@@ -190,7 +193,11 @@ def calibrated(seed: int) -> ModelTerms:
     still = Recording((*channels, Channel("temperature", np.full(n, WARM), "degC")), np.arange(n) * 10**9)
     (one,), (off,) = correction.apply([("positions", still)])
     level = np.array([one.channel(axis).data.mean() for axis in "xyz"])
-    return correction.with_terms(_of_positions(plan, readings, level, off))
+    result = correction.result
+    first = thermal_terms(result, [Done("thermal", "", "fit", result.plan, result.readings, result, facts=AXES)])
+    assert first is not None
+    laid = replace(_of_positions(plan, readings, level, off), tests=("positions",), after=("thermal",))
+    return joined_terms([replace(first.of_kinds({"bias"}), tests=("thermal",)), laid])
 
 
 def _as_accelerometers(readings: thermal.Readings) -> thermal.Readings:
@@ -238,3 +245,17 @@ def test_the_model_after_both_holds_the_truth_in_95_percent() -> None:
             true = float(HEAT.bias(temperature)[k])
             hits = sum(contains(t_interval(*bias_at(one, axis, temperature)), true) for one in every)
             assert covers(hits, len(every)), (temperature, axis, hits)
+
+
+def test_hysteresis_comes_with_the_bias() -> None:
+    """Half of the gap between the paths, where it is seen; a model takes it only where it is named."""
+    truth = replace(HEAT, hysteresis=0.02, slope_std=2e-6)
+    result = thermal.reduce(RAMPS, _as_accelerometers(thermal.simulate(RAMPS, truth, np.random.default_rng(2))))
+    terms = thermal_terms(result, [Done("thermal", "", "fit", RAMPS, result.readings, result, facts=AXES)])
+    assert terms is not None
+    assert terms.estimate is not None
+    for axis in "xyz":
+        assert terms.estimate.value(f"bias_hysteresis_{axis}") == pytest.approx(0.01, rel=0.2)
+        assert error_of(terms, f"bias_hysteresis_{axis}", 0.01)
+    kept = {key.quantity for key in terms.of_kinds({"bias"}).parameters}
+    assert kept == {"bias_temperature"}

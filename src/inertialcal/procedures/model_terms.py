@@ -158,7 +158,7 @@ def joined_terms(parts: Sequence[ModelTerms]) -> ModelTerms:
         not_estimated={name: text for one in reversed(parts) for name, text in one.not_estimated.items()},
         values={name: value for one in parts for name, value in one.values.items()},
         input_range=_by_axis([(one.axes, one.input_range) for one in parts], axes),
-        bias_run_to_run=next((one.bias_run_to_run for one in parts if one.bias_run_to_run is not None), None),
+        bias_run_to_run=_run_to_run(parts, axes),
         referenced=all(one.referenced for one in parts),
         reference_temperature=_one([one.reference_temperature for one in parts], "reference_temperature"),
         temperature_range=_common([one.temperature_range for one in parts]),
@@ -250,6 +250,15 @@ def _origins(found: Sequence[Provenance]) -> Provenance:
     tests = dict.fromkeys(one.test for one in found if one.test)
     recordings = tuple(dict.fromkeys(name for one in found for name in one.recordings))
     return Provenance(", ".join(tests), recordings, next((one.source for one in found if one.source), ""))
+
+
+def _run_to_run(parts: Sequence[ModelTerms], axes: Sequence[str]) -> Array | None:
+    """Return the scatter between power-ups of each axis, by the first part that has it; None where an axis has none."""
+    found: dict[str, float] = {}
+    for part in parts:
+        if part.bias_run_to_run is not None:
+            found = {**dict(zip(part.axes, part.bias_run_to_run.tolist(), strict=True)), **found}
+    return np.array([found[axis] for axis in axes]) if {*axes} <= {*found} else None
 
 
 def _by_axis(parts: Sequence[tuple[tuple[str, ...], Array | None]], axes: tuple[str, ...]) -> Array | None:

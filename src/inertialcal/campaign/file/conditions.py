@@ -10,6 +10,7 @@ from ...procedures import procedure_names, procedure_of
 from ...procedures.model_terms import KINDS, TermKind
 from .schema import CampaignFile, Terms, Test
 
+BY_DECISION: tuple[TermKind, ...] = ("hysteresis",)  # kinds that come into a model only where [model] names them
 MATRIX: tuple[TermKind, ...] = ("scale_factor", "misalignment", "asymmetry")  # from one reduction
 
 
@@ -41,7 +42,8 @@ def chosen_tests(file: CampaignFile, sensor: str, condition: str) -> dict[TermKi
     """Return the tests that each kind of term of a model comes from.
 
     Where ``[model]`` decides, those that it names: of the condition, or others if it names none of the condition. Else
-    all tests of the condition. What a test took off its readings before belongs to its bias.
+    all tests of the condition; a hysteresis only where it is named, for compensation then needs the way of the
+    temperature. What a test took off its readings before belongs to its bias.
     """
     every = [test for test in file.tests if gives(test) and on_sensor(file, test, sensor)]
     own = [test for test in every if in_condition(file, test, sensor, condition)]
@@ -55,7 +57,7 @@ def chosen_tests(file: CampaignFile, sensor: str, condition: str) -> dict[TermKi
             named = _named(file.model.terms, kind)
             wanted = [test for test in able if named is not None and test.id in named]
             others = named and not any(test.id in named for test in every)  # it decides on another sensor
-            undecided = named is None or others
+            undecided = (named is None or others) and kind not in BY_DECISION
             chosen = [test for test in (able if undecided else wanted) if test in own] or wanted
         if chosen:
             found[kind] = chosen

@@ -88,7 +88,7 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
     plan_type, influences = Plan, INFLUENCES
     figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
-    gives = ("bias",)
+    gives = ("bias", "hysteresis")
     corrects = set_against = judged_alone = True
     no_corrections = "it finds the bias itself, at all its temperatures: what was taken off would be found again"
     counts_dwells = False
@@ -134,7 +134,7 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
         return ThermalCorrection(test, result)
 
     def terms(self, result: Result, tests: Sequence[Tested[Plan, Readings, Result]]) -> ModelTerms | None:
-        """Return the bias over temperature."""
+        """Return the bias over temperature, hysteresis, and the scatter between power-ups."""
         from .terms import model_terms
 
         return model_terms(result, tests)
