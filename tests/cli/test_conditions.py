@@ -147,3 +147,19 @@ def test_a_channel_is_found_by_its_header_or_named_and_converted(
     assert status == 0
     assert read("o.csv").channels[0].data[0] == pytest.approx(expected)
     assert "condition_missing" in {remark["code"] for remark in content["remarks"]}
+
+
+def test_orbit_of_each_condition(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    status, content = typed(capsys, "show", "both.json", "--orbit", "560 km", "--averaging", "10 s")
+    assert (status, [one["condition"] for one in content["orbit"]]) == (0, ["air", "vacuum"])
+    (air,) = typed(capsys, "show", "both.json", "--orbit", "560 km", "--condition", "air")[1]["orbit"]
+    assert [one["zero_reference"] for one in air["axes"]] == [False, True] * 3
+    assert air["axes"][0]["u"] == pytest.approx(1e-5, rel=1e-6)  # rad/s: that of the bias alone
+    with pytest.raises(SystemExit):
+        main(["show", "both.json", "--orbit", "560 km"])
+    shown = capsys.readouterr().out
+    assert shown.count("0.062690 ± 0.000084 deg/s") == 2
+    assert max(map(len, shown.splitlines())) <= 110
+    assert typed(capsys, "show", "both.json", "--tables")[0] == 2
+    assert typed(capsys, "show", "both.json", "--orbit", "560 s")[0] == 3
+    assert typed(capsys, "show", "both.json", "--orbit", "-5 km")[0] == 3

@@ -49,18 +49,18 @@ class AxisCheck:
     axis: str
     zero_reference: bool  # Whether a reading at rest is subtracted
     u: float  # Of a compensated reading at the orbit's rate [rad/s]
-    orbit_ratio: float  # Rate of the orbit over 1.96 u
+    orbit_ratio: float  # Rate of the orbit over 1.96 u; infinite where the model has nothing that u could hold
     earth_ratio: float  # Rate of the earth over 1.96 u
 
     @property
     def orbit_seen(self) -> bool:
         """Whether the orbit's rate is seen at 95 %."""
-        return self.orbit_ratio > 1.0
+        return 1.0 < self.orbit_ratio < math.inf
 
     @property
     def earth_seen(self) -> bool:
         """Whether the earth's rate, all of it along the axis, is seen at 95 %."""
-        return self.earth_ratio > 1.0
+        return 1.0 < self.earth_ratio < math.inf
 
 
 @dataclass(frozen=True)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ...campaign.compare.compare import HEADS, JUDGED, Comparison, is_beside, is_shown, line, not_compared, rule_lines
 from ...core.constants import EARTH_ROTATION_RATE
-from ...core.results import key_of
+from ...core.results import finite, key_of
 from ...core.show.rounding import number, settled_number, with_uncertainty
 from ...core.show.rows import names_of, reason_text
 from ...core.units import factor
@@ -62,16 +63,16 @@ def orbit_text(check: OrbitCheck, condition: str) -> str:
         [
             f"  {one.axis}", "less rest" if one.zero_reference else "direct",
             settled_number(one.u * factor("rad/s", unit), 3),
-            f"{'seen' if one.orbit_seen else 'not seen'} ({settled_number(one.orbit_ratio, 3)})",
-            f"{'seen' if one.earth_seen else 'not seen'} ({settled_number(one.earth_ratio, 3)})",
+            _seen(one.orbit_seen, one.orbit_ratio),
+            _seen(one.earth_seen, one.earth_ratio),
         ]
         for one in check.checks
     ]  # fmt: skip
     heads = ["  axis", "reading", f"u [{unit}]", "orbit (rate / 1.96 u)", "earth (rate / 1.96 u)"]
-    whose = f"; model of condition {condition}" if condition else ""
     lines = [
+        *([clean(f"Model of condition {condition}")] if condition else []),
         f"Circular orbit at {number(check.altitude / 1e3)} km: {with_uncertainty(float(rate), float(u))} {unit}; "
-        f"earth {number(earth, 4)} {unit}; mean over {number(check.averaging)} s{clean(whose)}",
+        f"earth {number(earth, 4)} {unit}; mean over {number(check.averaging)} s",
         table(cells, heads, right=(2,)),
         "A rate is seen if the 95 % interval of a compensated reading does not hold zero, at the model's reference",
         "conditions, settled and weightless; the earth's counts in full, as along an axis that points to the pole.",
@@ -79,12 +80,16 @@ def orbit_text(check: OrbitCheck, condition: str) -> str:
     return "\n".join([*lines, *(wrapped(f"not counted: {clean(one)}", "    ") for one in check.not_counted)])
 
 
+def _seen(seen: bool, ratio: float) -> str:
+    return f"{'seen' if seen else 'not seen'} ({settled_number(ratio, 3)})" if math.isfinite(ratio) else "u not known"
+
+
 def orbit_dict(check: OrbitCheck, condition: str) -> dict[str, Any]:
     """Return the same as ``--json`` prints it [rad/s]."""
     axes = [
         {
-            "axis": one.axis, "zero_reference": one.zero_reference, "u": one.u, "orbit_ratio": one.orbit_ratio,
-            "orbit_seen": one.orbit_seen, "earth_ratio": one.earth_ratio, "earth_seen": one.earth_seen,
+            "axis": one.axis, "zero_reference": one.zero_reference, "u": one.u, "orbit_ratio": finite(one.orbit_ratio),
+            "orbit_seen": one.orbit_seen, "earth_ratio": finite(one.earth_ratio), "earth_seen": one.earth_seen,
         }
         for one in check.checks
     ]  # fmt: skip
