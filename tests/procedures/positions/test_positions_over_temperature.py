@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from independent.warm_positions import REFERENCE, Bench, G, laid
+from independent.warm.warm_positions import REFERENCE, Bench, G, laid
 from inertialcal.core.errors import DataError
 from inertialcal.core.influence import Influence
 from inertialcal.procedures.positions.reduction import Plan, Readings, Result, Triad, reduce

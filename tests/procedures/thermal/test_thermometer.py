@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from independent.thermometer import HIGH, LOW, Bench, swept
+from independent.warm.thermometer import HIGH, LOW, Bench, swept
 from inertialcal.core.errors import DataError
 from inertialcal.core.influence import Influence
 from inertialcal.core.results import Row
