@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import inertialcal as ic
-from independent.pressure import Chamber, pumped
+from independent.warm.pressure import Chamber, pumped
 from inertialcal.core.key import Key
 from inertialcal.core.recording import Channel, Recording, Source
 from inertialcal.core.results import Row

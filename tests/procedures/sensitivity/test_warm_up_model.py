@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import inertialcal as ic
-from independent.warm_up import Chamber, power_ups, starts
+from independent.warm.warm_up import Chamber, power_ups, starts
 from inertialcal.core.errors import DataError
 from inertialcal.procedures.sensitivity.warm_up import warm_up_curves, warm_up_loops, warm_up_rows
 from inertialcal.procedures.sensitivity.warm_up_model import PowerUps, WarmUpModel, stretches_of, warm_up_model

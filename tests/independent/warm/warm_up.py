@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .case import Array
+from ..case import Array
 
 
 @dataclass(frozen=True)

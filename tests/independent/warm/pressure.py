@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .case import Array
+from ..case import Array
 
 TORR = 133.322
 
