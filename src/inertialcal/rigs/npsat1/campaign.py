@@ -24,7 +24,7 @@ from .setup import (
 
 NAMES = {AIR: "thermal_ambient", VACUUM: "thermal_vacuum", "rate_table": "rate", "noise": "noise"}  # tests for the fit
 IN = {AIR: "air", VACUUM: "vacuum"}  # names of the conditions
-MODELS = {AIR: "model_air", VACUUM: "model_vacuum"}  # as results name them
+MODELS = {AIR: "model", VACUUM: "model_vacuum"}  # as results name them
 CONDITIONS: dict[str, Content] = {
     AIR: {"pressure": ["80 kPa", "120 kPa"]},
     VACUUM: {"pressure": ["0 Pa", "0.053 Pa"], "text": "the bias is constant below 4e-4 Torr"},
