@@ -89,7 +89,7 @@ def course(visits: Visits, backward: bool) -> Course:
         if len(rising):
             times.append(np.asarray(at + rising))
             levels.append(before + np.sign(level - before) * visits.ramp * rising)
-            volts.append(np.full(len(rising), VOLTS))
+            volts.append(VOLTS + (0.005 * (levels[-1] - DEGREES) if visits.coupled else 0.0 * rising))
             rates.append(np.zeros(len(rising)))
             at += step * len(rising)
         for supply, rate in product(visits.volts, visits.rates):

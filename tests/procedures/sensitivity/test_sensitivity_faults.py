@@ -23,6 +23,7 @@ from inertialcal.core.errors import DataError
 from inertialcal.core.influence import Influence
 from inertialcal.procedures.sensitivity.readings import ConditionRecording, readings_from
 
+NAMES = ("bias_supply", "bias_supply_temperature")
 QUICK = Visits(runs=3, dwell=200.0)
 
 
@@ -38,6 +39,12 @@ def test_a_condition_that_another_one_follows_is_refused_by_name() -> None:
     assert found.reason.code == "conditions_together"
     assert "temperature" in found.reason.text
     assert result.estimate is None
+
+
+def test_a_supply_that_follows_the_temperature_is_refused() -> None:
+    result = reduced(climate.supplied(1, visits=replace(QUICK, coupled=True)))
+    assert {row(result, f"{name} {axis}").status for name in NAMES for axis in "xy"} == {"not_estimated"}
+    assert row(result, "bias_supply x").reason.code == "conditions_together"
 
 
 def test_conditions_that_mostly_move_together_are_told() -> None:

@@ -68,6 +68,17 @@ def test_a_scale_that_is_no_unit() -> None:
     assert found.factor == pytest.approx(2.0, rel=0.01)
 
 
+def test_a_scale_that_changes_with_the_pressure_is_none() -> None:
+    x = still(bias=np.array([3.0, 1.0, -2.0]))
+    x[AT:] *= 2.0
+    pressure = np.full(N, 101_325.0)
+    assert [one.code for one in judged(x, pressure=pressure)] == ["scale_changed"]
+    pressure[AT:] = 1e-3
+    assert judged(x, pressure=pressure) == ()
+    x[AT:] *= 0.5 * DEG
+    assert [one.code for one in judged(x, pressure=pressure)] == ["unit_changed"]
+
+
 @pytest.mark.parametrize("record", [still, by_hand])
 @pytest.mark.parametrize("axes", [[0, 1, 2], [2]])
 def test_sign(record: Any, axes: Any) -> None:

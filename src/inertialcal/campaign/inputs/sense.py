@@ -28,7 +28,7 @@ from ..file.recordings import RecordingEntry
 from .gate import Passed, without
 
 RULE = "impossible"
-APPLIED = "applied"
+APPLIED, PRESSURE = "applied", "pressure"
 AT_ONCE = 2**20  # stamps
 
 
@@ -129,6 +129,7 @@ def _changes(
         breaks = -(-breaks // size)
     interval = None if interval is None else interval * size
     applied = averaged(body.channel(APPLIED).data[rows], size) if APPLIED in body.names else None
+    pressure = averaged(body.channel(PRESSURE).data[rows], size) if PRESSURE in body.names else None
     unit = body.channel(axes[0]).unit or ""
     data = [averaged(body.channel(axis).data[rows], size) for axis in axes]
     if mounting is not None and len(axes) == len(AXES):
@@ -136,7 +137,7 @@ def _changes(
     of_unit = kind(unit) if unit else ""
     means = [averaged(column[rows], size) for column in stored]
     columns = [np.where(np.isfinite(x), own, np.nan) for x, own in zip(data, means, strict=False)]
-    found = changes(data, axes, of_unit, interval, breaks, applied, at_rest, columns)
+    found = changes(data, axes, of_unit, interval, breaks, applied, at_rest, columns, pressure=pressure)
     at = [one.index * size for one in found]
     if not isinstance(rows, slice):
         at = [int(rows[one]) for one in at]

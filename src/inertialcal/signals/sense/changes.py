@@ -34,6 +34,7 @@ from .response import by_response, exchanged_response
 MOST = 400_000  # samples that are looked at; a longer record is averaged down to so many
 NOISE_AGREES = 0.08  # of the logarithm of a factor of noise, besides its scatter
 STARTED = 35.0  # [rad/s^2], 2,000 deg/s^2: a table may start so fast, and one sample to the next is a jump then
+PUMPED = 2.0  # ratio of pressures
 TURNED_WITHIN = 0.045  # [s]: nobody lays an accelerometer on another side so fast; slower samples may miss the turn
 
 SAME = 1e-6  # relative
@@ -50,6 +51,7 @@ def changes(
     at_rest: bool = True,
     stored: Sequence[NDArray[Any]] = (),
     scale: float = 1.0,
+    pressure: Array | None = None,
 ) -> tuple[Change, ...]:
     """Return where unit, sign, scale or axes of a record change, in order of time.
 
@@ -74,6 +76,9 @@ def changes(
         sign or a unit changes about the zero of what was written.
     scale : float
         SI units in the unit of the channels.
+    pressure : ndarray, shape (n,), optional
+        Around the sensor, in any unit. Air damps a sensor that vibrates, so noise and biases change with it: where it
+        jumps, no change of scale is concluded (one of unit is).
 
     Returns
     -------
@@ -105,7 +110,18 @@ def changes(
         ratio = _scale(x, y)
         if ratio is not None and np.isfinite(y).all():
             found = _found(_as_stored(record, y), names, factors, given, motion / ratio)
-    return tuple(replace(one, index=int(rows[one.index]) * size) for one in found)
+    found = [replace(one, index=int(rows[one.index]) * size) for one in found]
+    return tuple(one for one in found if one.code != "scale_changed" or not _pumped(pressure, one.index))
+
+
+def _pumped(pressure: Array | None, at: int) -> bool:
+    """Return whether the pressure is another before and after a sample."""
+    if pressure is None:
+        return False
+    sides = (pressure[max(at - FEWEST, 0) : at], pressure[at : at + FEWEST])
+    before, after = (abs(float(np.median(side[np.isfinite(side)]))) if np.isfinite(side).any() else np.nan
+                     for side in sides)  # fmt: skip
+    return max(before, after) > PUMPED * min(before, after)
 
 
 @dataclass(frozen=True, eq=False)
