@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from independent.warm_positions import REFERENCE, Bench, laid
+from independent.warm.warm_positions import REFERENCE, Bench, laid
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array, Component, Estimate
 from inertialcal.core.key import Key, Kind, Origin
@@ -22,12 +22,14 @@ from inertialcal.procedures.flip import reduction as flip
 from inertialcal.procedures.flip.plan import Plan as FlipPlan
 from inertialcal.procedures.flip.simulation import Truth as FlipTruth
 from inertialcal.procedures.flip.simulation import simulate as simulate_flip
-from inertialcal.procedures.flip.terms import model_terms
+from inertialcal.procedures.flip.terms import bias_of, model_terms
+from inertialcal.procedures.model_terms import ModelTerms, joined_terms
 from inertialcal.procedures.positions import reduction as positions
 from inertialcal.procedures.protocol import Facts
 from inertialcal.procedures.protocol import Tested as Done
 from inertialcal.procedures.thermal import reduction as thermal
 from inertialcal.procedures.thermal.correction import ThermalCorrection, law_of
+from inertialcal.sensors.model.sensor_model import Provenance
 from inertialcal.statistics.intervals import contains, covers, t_interval
 
 G = 9.80665
@@ -224,6 +226,35 @@ def test_flips_follow_what_was_taken_off_them() -> None:
     assert terms is not None
     assert [str(key) for key in terms.parameters] == ["bias_y", "bias_z"]
     assert terms.axes == ("y", "z")
+
+
+def test_what_a_flip_found_and_what_is_left_after_it_are_one_bias() -> None:
+    """Readings of u after a flip leave what it missed: the sum is what they read, and known as well as they are."""
+    plan, u = FlipPlan(axis="x"), 3e-6
+    truth = FlipTruth(bias=np.array([1e-4, -2e-4, 3e-4]))
+    readings = simulate_flip(plan, truth, np.random.default_rng(6))
+    result = flip.reduce(plan, readings)
+    facts = Facts("accelerometer", "ug", "m/s^2")
+    first = model_terms(result, [Done("flip", "", "fit", plan, readings, result, ("head",), facts=facts)])
+    bias = bias_of(result)
+    assert first is not None
+    assert first.estimate is not None
+    assert bias is not None
+    (made,), (off,) = BiasCorrection("flip", bias).apply([at(20.0, z=4e-4)])
+    keys, gain = (Key("bias", "z"),), np.array([[[0.0, 0.0, 1.0]]])
+    own = Component(Origin("noise", level="sample"), "A", np.array([[u**2]]), np.inf)
+    left = float(made.channel("z").data.mean())
+    estimate = Estimate(keys, np.array([left]), ("m/s^2",), (own, *components(off, keys, gain)))
+    assert estimate.u[0] > u  # what the flip did not know is in what is left, too
+    provenance = {keys[0]: Provenance("still", ("head",))}
+    second = ModelTerms(estimate, keys, ("z",), provenance, tests=("still",), after=("flip",))
+    joint = joined_terms([replace(first, tests=("flip",)), second]).estimate
+    assert joint is not None
+    z, y = joint.index(keys[0]), joint.index(Key("bias", "y"))
+    assert joint.values[z] == pytest.approx(4e-4)
+    assert joint.u[z] == pytest.approx(u)
+    assert joint.u[y] == pytest.approx(first.estimate.u[first.estimate.index(Key("bias", "y"))])
+    assert joint.covariance[y, z] == pytest.approx(0.0, abs=1e-9 * joint.u[y] * joint.u[z])
 
 
 def constant() -> BiasCorrection:

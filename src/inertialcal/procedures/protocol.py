@@ -667,6 +667,13 @@ class Procedure(Generic[P, R, S]):
         """Return what there is to say of the figures that it can give, by quantity."""
         return {}
 
+    def quantities_of(self, settings: Mapping[str, Any]) -> Mapping[str, Quantity]:
+        """Return the same of further figures of a test with these settings, as of channels that they name.
+
+        The settings are as a campaign file has them, and may be wrong.
+        """
+        return {}
+
     def exclusions(self, test: Tested[P, R, S]) -> Iterator[Exclusion]:
         """Yield what was not used; what the chain left out and what was not chosen is the engine's to tell."""
         yield from ()

@@ -57,7 +57,7 @@ def row(result: Result, name: str) -> Row:
 
 def truth_of(case: Case, name: str) -> float:
     """Return a true value, SI."""
-    return case.truth[name] * (1.0 if name.startswith("scale") else np.pi / 180.0)
+    return case.truth[name] * (0.01 if name.startswith("scale") else np.pi / 180.0)
 
 
 def hits(case: Case, result: Result) -> dict[str, bool]:

@@ -103,6 +103,34 @@ def test_a_requirement_on_a_sensitivity_is_judged(runs: list[str], tmp_path: Pat
     assert verdicts == {"strict": "FAIL", "wide": "PASS"}
 
 
+def campaign_of_board(runs: list[str], folder: Path, asked: str) -> Path:
+    """Write a campaign of readings against a channel of its own, with requirements."""
+    ic.sensitivity(runs, to="board", columns={"board": "board_raw"}, units={"board_raw": "mV"}).write_campaign(folder)
+    path = folder / "campaign.toml"
+    path.write_text(path.read_text(encoding="utf-8") + asked, encoding="utf-8")
+    return folder
+
+
+def test_a_requirement_on_any_channel_is_known_where_a_test_names_it(runs: list[str], tmp_path: Path) -> None:
+    asked = "".join(f'\n[[requirements]]\nid = "{name}"\nquantity = "bias_board"\nlimit = "{limit}"\n'
+                    for name, limit in {"strict": "0.01 deg/s/V", "wide": "0.05 deg/s/V"}.items())  # fmt: skip
+    folder = campaign_of_board(runs, tmp_path / "campaign", asked)
+    ic.check(folder)
+    verdicts = {one["requirement"]: one["verdict"] for one in ic.run(folder).results["verdicts"]}
+    assert verdicts == {"strict": "FAIL", "wide": "PASS"}
+
+
+def test_a_requirement_on_a_channel_that_no_test_names_is_refused(
+    runs: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked = '\n[[requirements]]\nid = "R"\nquantity = "bias_bord"\nlimit = "1 deg/s/V"\n'
+    folder = campaign_of_board(runs, tmp_path / "campaign", asked)
+    status, _, said = call(capsys, "check", str(folder))
+    assert status == 3
+    assert "no procedure gives a quantity 'bias_bord'" in said
+    assert "Did you mean bias_board" in said
+
+
 def test_the_model_has_the_term_and_what_it_refers_to(runs: list[str], tmp_path: Path) -> None:
     found = ic.sensitivity(runs, to="supply", references={"supply": "5 V"})
     (path,) = found.write_models(tmp_path / "model.json")

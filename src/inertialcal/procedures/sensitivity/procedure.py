@@ -30,6 +30,7 @@ from .plan import (
     START_TEMPERATURE,
     SUPPLY,
     TEMPERATURE,
+    WARM_UP,
     OfFile,
     Plan,
 )
@@ -61,6 +62,9 @@ def _quantities() -> dict[str, Quantity]:
     return found
 
 
+OF_ROLES = (*OF_CONDITION, TEMPERATURE, APPLIED, WARM_UP)  # conditions whose figures every test can give
+
+
 class Sensitivity(Procedure[Plan, "Readings", "Result"]):
     """Bias and scale factor against conditions."""
 
@@ -72,6 +76,7 @@ class Sensitivity(Procedure[Plan, "Readings", "Result"]):
     uses = frozenset({"fit", "hold_out", "report_only"})
     gives = ("sensitivity", "warm_up")
     counts_dwells = False
+    takes_corrections = True
     inputs = InputSpec(
         ("gyro", "accelerometer"),
         (
@@ -113,7 +118,7 @@ class Sensitivity(Procedure[Plan, "Readings", "Result"]):
         """Return the means over the levels of all sources."""
         from .readings import readings_from, recorded
 
-        return readings_from(plan, recorded(plan, sources), sources[0].facts.si)
+        return readings_from(plan, recorded(plan, sources, corrections), sources[0].facts.si)
 
     def reduce(self, plan: Plan, readings: Readings) -> Result:
         """Return the sensitivities."""
@@ -124,6 +129,13 @@ class Sensitivity(Procedure[Plan, "Readings", "Result"]):
     def quantities(self) -> Mapping[str, Quantity]:
         """Return what there is to say of its figures."""
         return _quantities()
+
+    def quantities_of(self, settings: Mapping[str, Any]) -> Mapping[str, Quantity]:
+        """Return the terms of conditions that are no role; their unit is that of their column."""
+        to = settings.get("to")
+        others = [name for name in to if isinstance(name, str) and name not in OF_ROLES] if isinstance(to, list) else []
+        stems = ("bias_{}", f"bias_{{}}_{TEMPERATURE}", "scale_factor_error_{}")
+        return {stem.format(name): Quantity() for name in others for stem in stems}
 
     def exclusions(self, test: Tested[Plan, Readings, Result]) -> Iterator[Exclusion]:
         """Yield the samples between levels."""

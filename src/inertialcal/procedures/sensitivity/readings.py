@@ -12,19 +12,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import DataError
+from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
-from ...core.key import AXES
+from ...core.key import AXES, Origin
 from ...core.recording import SECOND, Recording
 from ...core.remarks import Remark
 from ...core.units import convert, kind, si_unit
-from ..protocol import Source
+from ...core.unknowns import Unknowns, joined
+from ..corrections import TakenOff, corrected
+from ..protocol import Correction, Source
 from .entry import SensitivityEntry, conditions_of
 from .plan import APPLIED, PRESSURE, REFERENCE, SUPPLY, TEMPERATURE, WARM_UP, Plan
 
@@ -55,6 +57,8 @@ class ConditionRecording:
         Power-up, empty where not given; of the recording.
     turned : str
         Axis that the applied input is along; empty where not said.
+    corrections : tuple of Correction
+        To be taken off each level of it: the recording is as it was read.
     """
 
     recording: Recording
@@ -63,6 +67,7 @@ class ConditionRecording:
     run: str = ""
     name: str = ""
     turned: str = ""
+    corrections: tuple[Correction, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +100,8 @@ class Readings:
         Axis that the applied input is along.
     transients : int
         Samples between levels that were left out.
+    taken_off : mapping of Origin to Unknowns
+        Of n levels: what is not known of corrections.
     """
 
     axes: tuple[str, ...]
@@ -113,6 +120,7 @@ class Readings:
     transients: int = 0
     remarks: tuple[Remark, ...] = ()
     recorded: tuple[ConditionRecording, ...] = field(default=(), repr=False)
+    taken_off: TakenOff = field(default_factory=dict[Origin, Unknowns])
 
     def __len__(self) -> int:
         """Return the number of levels."""
@@ -129,15 +137,21 @@ class Readings:
         return tuple(dict.fromkeys(self.run.tolist()))
 
 
-def recorded(plan: Plan, sources: Sequence[Source]) -> list[ConditionRecording]:
+def recorded(plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> list[ConditionRecording]:
     """Return the recordings of a test with their conditions.
 
     Raises
     ------
+    PlanError
+        ``wrong_value`` for a warm-up after a correction.
     DataError
         ``missing_condition`` where none of them has a condition that is asked for; ``mixed_runs``.
     """
-    found = [_recorded(source, one) for source in sources for _, one in source.recordings()]
+    if corrections and WARM_UP in plan.to:
+        what = f"{WARM_UP} after {corrections[0].test}: a start-up is not told from a law over temperature"
+        why = "the law is of slow temperatures, the start-up would be in what is taken off"
+        raise PlanError(what, why=why, do="Leave after out", code="wrong_value")
+    found = [_recorded(source, one, tuple(corrections)) for source in sources for _, one in source.recordings()]
     named = [one.run for one in found if one.run]
     if named and len(named) < len(found):
         without = next(one for one in found if not one.run)
@@ -153,7 +167,7 @@ def recorded(plan: Plan, sources: Sequence[Source]) -> list[ConditionRecording]:
     return found
 
 
-def _recorded(source: Source, recording: Recording) -> ConditionRecording:
+def _recorded(source: Source, recording: Recording, corrections: tuple[Correction, ...]) -> ConditionRecording:
     entry = cast("SensitivityEntry", source.entry)
     axes = [axis for axis in AXES if axis in recording.names]
     conditions: dict[str, Mapping[str, Array]] = {}
@@ -178,7 +192,8 @@ def _recorded(source: Source, recording: Recording) -> ConditionRecording:
         inside = "degC" if kind(one.unit) == TEMPERATURE else si_unit(one.unit)
         values = convert(_floats(recording, one.column), one.unit, inside)
         conditions[name], units[name] = dict.fromkeys(axes, values), inside
-    return ConditionRecording(recording, conditions, units, source.run, source.name, entry.axis or "")
+    return ConditionRecording(recording, conditions, units, source.run, source.name, entry.axis or "",
+                              corrections)  # fmt: skip
 
 
 def _floats(recording: Recording, name: str) -> Array:
@@ -205,16 +220,23 @@ def readings_from(plan: Plan, found: Sequence[ConditionRecording], unit: str) ->
         starts.setdefault(one.run or one.name, _first(one.recording))
     axes = tuple(axis for axis in AXES if any(axis in one.recording.names for one in ordered))
     rows: list[_Level] = []
+    taken_off: list[TakenOff] = []
+    remarks = [remark for one in ordered for remark in one.recording.remarks]
     transients = 0
     for one in ordered:
         tolerances = {name: ALIKE * ranges[name] for name in cut_by if name in one.conditions}
         stretches = _levels(one, tolerances, plan)
         transients += len(one.recording) - sum(stop - start for start, stop in stretches)
-        rows += [_level(one, axes, names, stretch, starts[one.run or one.name]) for stretch in stretches]
+        parts = [_part(one.recording, stretch) for stretch in stretches]
+        if one.corrections and parts:
+            parts, off = corrected(one.corrections, [(one.name, part) for part in parts])
+            taken_off += off
+            remarks += [remark for part in parts for remark in part.remarks if remark not in remarks]
+        first = starts[one.run or one.name]
+        rows += [_level(one, axes, names, *both, first) for both in zip(stretches, parts, strict=True)]
     if not rows:
         do = "Shorten settle, or record each level for longer"
         raise DataError(f"no level is longer than settle = {plan.settle:g} s", do=do, code="nothing_left")
-    remarks = tuple(remark for one in ordered for remark in one.recording.remarks)
     units = {name: one.units[name] for one in reversed(ordered) for name in one.units}
     values, noise, settling = (
         {axis: np.array([one.values[axis][i] for one in rows]) for axis in axes} for i in range(3)
@@ -227,7 +249,7 @@ def readings_from(plan: Plan, found: Sequence[ConditionRecording], unit: str) ->
         axes, unit, np.array([one.run for one in rows]), np.array([one.recording for one in rows]),
         np.array([one.time for one in rows]), np.array([one.samples for one in rows], dtype=np.int64),
         values, noise, settling, conditions, units, scatter, np.array([one.turned for one in rows]), transients,
-        remarks, tuple(ordered),
+        tuple(remarks), tuple(ordered), joined(taken_off, [1] * len(taken_off)),
     )  # fmt: skip
 
 
@@ -311,14 +333,20 @@ def _changes(means: Array, size: int, n: int) -> list[int]:
     return [*edges, n]
 
 
+def _part(recording: Recording, stretch: tuple[int, int]) -> Recording:
+    at, times = slice(*stretch), recording.time_ns
+    channels = tuple(replace(one, data=one.data[at]) for one in recording.channels)
+    return replace(recording, channels=channels, time_ns=None if times is None else times[at])
+
+
 def _level(one: ConditionRecording, axes: Sequence[str], names: Sequence[str], stretch: tuple[int, int],
-           power_up: int) -> _Level:  # fmt: skip
+           part: Recording, power_up: int) -> _Level:  # fmt: skip
     at = slice(*stretch)
     times = one.recording.time_ns
     middle = (
         float("nan") if times is None else float(0.5 * (int(times[at][0]) + int(times[at][-1])) - power_up) / SECOND
     )
-    values = {axis: _summary(_floats(one.recording, axis)[at]) if axis in one.recording.names else (np.nan,) * 3
+    values = {axis: _summary(_floats(part, axis)) if axis in part.names else (np.nan,) * 3
               for axis in axes}  # fmt: skip
     conditions = {name: {axis: _mean(c[at]) for axis, c in one.conditions.get(name, {}).items()} for name in names}
     return _Level(one.run or one.name, one.name, one.turned, middle, stretch[1] - stretch[0], values, conditions)

@@ -22,9 +22,10 @@ import numpy as np
 
 from ...core.curve import Curve
 from ...core.estimate import Array, Component, Estimate
-from ...core.key import Key, Origin
+from ...core.key import AXES, Key, Origin
 from ...core.remarks import Remark
 from ...core.results import Row
+from ..corrections import components
 from .design import Column, design_of, references_of
 from .doubts import RESOLUTION, doubts, remarks_on_power_ups
 from .fit import SensorFit, fitted
@@ -88,9 +89,25 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     if warm_up is not None:
         estimates += [] if warm_up.estimate is None else [warm_up.estimate]
         remarks += warm_up.remarks
-    levels = pressure_levels(readings.recorded, readings.axes, readings.unit) if PRESSURE in plan.to else None
+    levels = None
+    if PRESSURE in plan.to and not any(one.corrections for one in readings.recorded):
+        levels = pressure_levels(readings.recorded, readings.axes, readings.unit)
     remarks += [] if levels is None else levels.remarks
-    return Result(plan, readings, references, sensors, _side_by_side(estimates), tuple(remarks), warm_up, levels)
+    estimate = _after(readings, sensors, _side_by_side(estimates))
+    return Result(plan, readings, references, sensors, estimate, tuple(remarks), warm_up, levels)
+
+
+def _after(readings: Readings, sensors: Mapping[str, SensorFit], estimate: Estimate | None) -> Estimate | None:
+    """Return the terms with what is not known of the corrections of their readings."""
+    if estimate is None or not readings.taken_off:
+        return estimate
+    gain = np.zeros((len(estimate.keys), len(readings), len(AXES)))
+    for axis, fit in sensors.items():
+        if fit.own is not None:
+            for key, row in zip(fit.keys, fit.own.solve[fit.at], strict=True):
+                gain[estimate.index(key), fit.design.chosen, AXES.index(axis)] = row
+    more = components(readings.taken_off, estimate.keys, gain)
+    return replace(estimate, components=(*estimate.components, *more))
 
 
 def _estimate(plan: Plan, readings: Readings, fit: SensorFit) -> Estimate | None:
