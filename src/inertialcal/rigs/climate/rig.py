@@ -32,8 +32,7 @@ FAULTS: dict[str, Fault] = {
     ),
     "supply_not_stepped": Fault("the supply was never stepped", "not_varied", {"unplugged": True}),
     "conditions_exchanged": Fault(
-        "the recordings in air and in vacuum have each other's names", "outside_condition", {"exchanged": True},
-        "refused",
+        "the recordings in air and in vacuum have each other's names", "outside_condition", {"exchanged": True}
     ),
     "one_temperature": Fault("the chamber was never switched on", "not_varied", {"temperatures": (20.0,)}),
 }  # fmt: skip
