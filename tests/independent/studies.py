@@ -840,10 +840,11 @@ def climates() -> list[Study]:
     repeats = replace(both, warm_up_scatter=0.1)
     heats = replace(both, self_heating=5.0)
     pumped = climate.Unit(vacuum=(0.04, 3e-4), pump=2.0, walk=4e-6)
-    stepped = climate.supplied
+    stepped, limited = climate.supplied, "its change with temperature, limit"
     return [
         Study("sensitivity, supply, 5 power-ups", "", partial(stepped, unit=usual), supply, codes),
-        Study("sensitivity, supply, 2 power-ups", "", partial(stepped, unit=usual, visits=two), supply, codes, "few"),
+        Study("sensitivity, supply, 2 power-ups", "", partial(stepped, unit=usual, visits=two),
+              supply | {limited: supply["its change with temperature"]}, codes, "few", limits=frozenset({limited})),
         Study("sensitivity, supply, random walk 3e-5", "", partial(stepped, unit=slow), supply, codes),
         Study("sensitivity, supply, bent", "", partial(stepped, unit=bent), supply, codes, "shown"),
         Study("sensitivity, supply that follows the temperature", "refused",
