@@ -86,8 +86,9 @@ def held_out(
             axis,
             fitted.sensors[axis].law,
             one.law.cells,
-            *(float(x[AXES.index(axis)]) for x in (earth, laid)),
-            model=model,
+            float(earth[AXES.index(axis)]),
+            float(laid[AXES.index(axis)]),
+            model,
         )
         for axis, one in held.sensors.items()
         if axis in fitted.sensors and (model is None or axis in model.axes)
