@@ -44,17 +44,17 @@ ROWS = [
     row("at_rest", "bias", "x", None, "deg/s"), row("at_rest", "resolution", "x", 0.1, "deg/s"),
     row("at_rest", "residual_bias", "x", 7.0, "deg/s"), row("still", "angle_random_walk", "x", 0.2, "deg/sqrt(h)"),
 ]  # fmt: skip
-RESULTS = {"sensors": {"suite": SENSOR}, "sequence": STEPS, "results": ROWS}
+TABLES = output_tables({"suite": SENSOR}, STEPS, ROWS)
 
 
-def value(table: OutputTable, name: str, axis: str = "x") -> Any:
+def value(table: OutputTable[Any], name: str, axis: str = "x") -> Any:
     (line,) = [one for one in table.lines if one.name == name]
     found = line.rows[axis]
     return found["value"] if found["value"] is not None else found["reason"]["text"]
 
 
 def test_each_figure_is_that_of_its_test_and_condition() -> None:
-    air, air_output, vacuum, vacuum_output = output_tables(RESULTS)
+    air, air_output, vacuum, vacuum_output = TABLES
     assert [one.condition for one in (air, air_output, vacuum, vacuum_output)] == ["air", "air", "vacuum", "vacuum"]
     figures = {
         "hysteresis": 1.0, "bias run to run": 2.0, "residual settled": 3.0, "scale factor": 0.5,
@@ -68,7 +68,7 @@ def test_each_figure_is_that_of_its_test_and_condition() -> None:
 
 
 def test_output_has_the_units_of_the_equation_and_a_column_a_sensor() -> None:
-    output = output_tables(RESULTS)[1]
+    output = TABLES[1]
     units = {line.name: line.unit for line in output.lines}
     assert [units[name] for name in ("B", "m1", "m2", "m3", "b_cons")] == ["V", "V/V", "V/V^2", "V/V^3", "deg/s"]
     assert (value(output, "m2"), value(output, "b_cons")) == (4.0, 0.01)
@@ -81,4 +81,16 @@ def test_output_has_the_units_of_the_equation_and_a_column_a_sensor() -> None:
 
 
 def test_a_campaign_without_a_gyro_has_none() -> None:
-    assert output_tables({"sensors": {"head": SENSOR | {"kind": "accelerometer"}}, "sequence": [], "results": []}) == []
+    assert output_tables({"head": SENSOR | {"kind": "accelerometer"}}, [], []) == []
+
+
+def test_a_calibrated_thermometer_takes_the_place_of_what_is_stated() -> None:
+    assert value(TABLES[0], "thermometer nominal") == -0.5042
+    found = row("air", "thermometer_voltage", "x", -0.51, "V"), row("air", "thermometer_slope", "x", 0.027, "V/degC")
+    summary, output, *_ = output_tables({"suite": SENSOR}, STEPS, [*ROWS, *found])
+    assert value(summary, "thermometer nominal") == value(output, "V_nominal") == -0.51
+    assert (value(output, "slope"), value(output, "slope", "y")) == (0.027, 0.0264)
+    said = "stated in campaign.toml, without uncertainty"
+    assert dict(output.reasons)[said] == ["T_ref (x)", "slope (y)"]
+    once = row("air", "thermometer_voltage", "x", None, "V")
+    assert value(output_tables({"suite": SENSOR}, STEPS, [*ROWS, once])[1], "V_nominal") == -0.5042

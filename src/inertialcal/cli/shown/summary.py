@@ -29,6 +29,7 @@ from .output import clean, cleaned, json_out, table, wrapped
 if TYPE_CHECKING:
     from ...campaign.outcome.budget import Budgets
     from ...campaign.outcome.results_file import ResultsFile
+    from ...core.results import WrittenRow
     from ...core.show.output_tables import OutputTable
 
 
@@ -267,37 +268,25 @@ def _text(found: ResultsFile) -> str:
     return "\n\n".join(parts)
 
 
-def tables_text(tables: Sequence[OutputTable]) -> str:
+def tables_text(tables: Sequence[OutputTable[WrittenRow]]) -> str:
     """Return the tables of a suite: a line a figure, a column a sensor, and why figures are not estimated."""
     blocks = []
     for one in tables:
         cells: list[list[str]] = []
-        reasons: dict[str, dict[str, list[str]]] = {}
         group = ""
         for line in one.lines:
             if line.group != group:
                 group = line.group
                 cells.append([f"  {group}", *("" for _ in one.axes), ""])
             cells.append([f"    {line.name}", *(_output_cell(line.rows[axis]) for axis in one.axes), line.unit])
-            for axis in one.axes:
-                row = line.rows[axis]
-                if row["status"] == "not_estimated" and (text := reason_text(row)):
-                    reasons.setdefault(text, {}).setdefault(line.name, []).append(axis)
         title = f"{one.title}, condition {one.condition}" if one.condition else one.title
-        told = [
-            wrapped(f"  {', '.join(_named(name, axes, one.axes) for name, axes in names.items())}: {text}", "    ")
-            for text, names in reasons.items()
-        ]
+        told = [wrapped(f"  {', '.join(names)}: {text}", "    ") for text, names in one.reasons]
         right = range(1, len(one.axes) + 1)
         blocks.append("\n".join([clean(title), table(cleaned(cells), ["", *one.axes, "unit"], right=right), *told]))
     return "\n\n".join(blocks)
 
 
-def _named(name: str, axes: Sequence[str], every: Sequence[str]) -> str:
-    return name if len(axes) == len(every) else f"{name} ({' '.join(axes)})"
-
-
-def _output_cell(row: Mapping[str, Any]) -> str:
+def _output_cell(row: WrittenRow) -> str:
     if row["status"] == "not_estimated" and row["value"] is None:
         return "not estimated"
     return figure(row)

@@ -94,7 +94,8 @@ def _show_suite(
         results = find_results(path, of_campaign=True)
         if results is None:
             raise UsageError(f"--tables: {path} holds no results", do="Name the folder of a campaign, or results.json")
-        made = [one for one in output_tables(results.content) if condition in (None, one.condition)]
+        parts = (results.content[name] for name in ("sensors", "sequence", "results"))
+        made = [one for one in output_tables(*parts) if condition in (None, one.condition)]
         inputs.append({"path": results.path, "sha256": results.sha256})
         content["tables"] = [one.to_dict() for one in made]
         blocks.append(tables_text(made) or "no gyro in this campaign")

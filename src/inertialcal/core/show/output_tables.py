@@ -15,16 +15,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Generic
 
-from ..key import Method
-from ..results import WrittenRow, case_of
+from ..key import Key, Method
+from ..results import WrittenRow, case_of, key_of
 from ..units import parse_quantity
+from .rows import R, reason_code
 
 ORDER = {"fit": 0, "report_only": 1, "hold_out": 2}
 REFERENCED = "referenced"  # reason of a bias where the reading at rest was subtracted
 FIELDS = ("value", "u", "dof", "interval", "status", "reason", "test")  # of a row, that a table has
 NOTHING = "no test of the campaign gives it"
+NO_ROW = {
+    "value": None, "u": None, "dof": None, "interval": None, "unit": "", "status": "not_estimated", "reason": None,
+    "test": "",
+}  # fmt: skip
+NO_THERMOMETER = {"code": "no_thermometer", "text": "the chain of the campaign has no temperature channel"}
 
 
 @dataclass(frozen=True)
@@ -39,6 +45,7 @@ class Wanted:
     beside: str = ""  # Another quantity that its test must give
     held_out: bool = False  # Of a test that is held out, first
     referenced: bool | None = None  # Of a test whose readings at rest were subtracted, or were not
+    stated: str = ""  # Key of ``chain.thermometer`` that says it where no test does
 
 
 SUMMARY = (
@@ -47,7 +54,7 @@ SUMMARY = (
     Wanted("Start-up", "time until settled", "warm_up_time"),
     Wanted("Voltages", "reference", "reference_voltage"),
     Wanted("Voltages", "thermometer reference", "temperature_reference_voltage"),
-    Wanted("Voltages", "thermometer nominal", "nominal_voltage"),
+    Wanted("Voltages", "thermometer nominal", "thermometer_voltage", 0, "V", stated="voltage"),
     Wanted("Repeatability", "bias run to run", "scatter_run", beside="hysteresis"),
     Wanted("Repeatability", "residual settled", "residual_bias", beside="hysteresis", held_out=True),
     Wanted("Thermal ramp", "hysteresis", "hysteresis"),
@@ -68,67 +75,102 @@ OUTPUT = (
     Wanted("Rate", "m3", "bias_voltage", 3, "V/V^3"),
     Wanted("Rate", "b_cons", "bias", beside="scale_factor"),
 )
-THERMOMETER = (("T_ref", "temperature", "degC"), ("V_nominal", "voltage", "V"), ("slope", "slope", "V/degC"))
+THERMOMETER = (
+    Wanted("Temperature", "T_ref", "", 0, "degC", stated="temperature"),
+    Wanted("Temperature", "V_nominal", "thermometer_voltage", 0, "V", stated="voltage"),
+    Wanted("Temperature", "slope", "thermometer_slope", 0, "V/degC", stated="slope"),
+)
+STATED = {"code": "stated", "text": "stated in campaign.toml, without uncertainty"}
 
 
 @dataclass(frozen=True)
-class Line:
+class Line(Generic[R]):
     """A figure a sensor."""
 
     group: str
     name: str
     unit: str
-    rows: Mapping[str, Mapping[str, Any]]  # Axis -> row of results, or the same fields of what was stated
+    rows: Mapping[str, R | Mapping[str, Any]]  # Axis -> row of results, or fields of one where there is none
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether no axis has a value."""
+        return all(row["value"] is None for row in self.rows.values())
+
+    @property
+    def tests(self) -> list[str]:
+        """Tests that its values come from."""
+        return list(
+            dict.fromkeys(row["test"] for row in self.rows.values() if row["test"] and row["value"] is not None)
+        )
 
 
 @dataclass(frozen=True)
-class OutputTable:
+class OutputTable(Generic[R]):
     """One table of one condition."""
 
     title: str
     condition: str  # Of the campaign; empty where it names none
-    lines: tuple[Line, ...]
+    lines: tuple[Line[R], ...]
     axes: tuple[str, ...]
+
+    @property
+    def reasons(self) -> list[tuple[str, list[str]]]:
+        """Why figures are not estimated, and the names of those figures, with the axes if it is not all of them."""
+        found: dict[str, dict[str, list[str]]] = {}
+        for line in self.lines:
+            for axis in self.axes:
+                row = line.rows[axis]
+                if row["status"] == "not_estimated" and row["reason"] is not None:
+                    found.setdefault(row["reason"]["text"], {}).setdefault(line.name, []).append(axis)
+        every = len(self.axes)
+        return [
+            (text, [name if len(axes) == every else f"{name} ({' '.join(axes)})" for name, axes in names.items()])
+            for text, names in found.items()
+        ]
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as ``--json`` prints it: a row a figure."""
         rows = [
             {"group": line.group, "name": line.name, "axis": axis, "unit": line.unit}
-            | {name: line.rows[axis].get(name) for name in FIELDS}
+            | {name: line.rows[axis][name] for name in FIELDS}
             for line in self.lines
             for axis in self.axes
         ]
         return {"title": self.title, "condition": self.condition, "rows": rows}
 
 
-def output_tables(results: Mapping[str, Any]) -> list[OutputTable]:
+def output_tables(
+    sensors: Mapping[str, Any], sequence: Sequence[Mapping[str, Any]], results: Sequence[R]
+) -> list[OutputTable[R]]:
     """Return the summary and the output of a suite, condition by condition.
 
     Parameters
     ----------
-    results : mapping
-        Content of ``results.json``.
+    sensors : mapping
+        ``sensors`` of ``results.json``.
+    sequence, results : sequence of mapping
+        Its ``sequence`` and ``results``.
 
     Returns
     -------
     list of OutputTable
         None where the campaign has no gyro.
     """
-    sensor = next((one for one in results["sensors"].values() if one["kind"] == "gyro"), None)
+    sensor = next((one for one in sensors.values() if one["kind"] == "gyro"), None)
     if sensor is None:
         return []
-    axes = tuple(sensor["axes"])
-    steps = {step["test"]: step for step in results["sequence"]}
-    conditions = list(dict.fromkeys(step["condition"] for step in steps.values() if step["condition"])) or [""]
-    rows = [row for row in results["results"] if row["test"] in steps and _is_result(row)]
+    steps = {step["test"]: step for step in sequence}
+    rows = [row for row in results if row["test"] in steps and _is_result(row)]
+    suite = _Suite(tuple(sensor["axes"]), (sensor.get("chain") or {}).get("thermometer") or {}, steps, rows)
     tables = []
-    for condition in conditions:
-        summary = tuple(_line(one, rows, steps, axes, condition) for one in SUMMARY)
-        output = tuple(_line(one, rows, steps, axes, condition) for one in OUTPUT)
-        tables.append(OutputTable("Summary (thesis Table 14)", condition, summary, axes))
-        matrix = tuple(_matrix(axis, rows, steps, axes, condition) for axis in axes)
-        whole = (*output, *matrix, *_thermometer(sensor.get("chain"), axes))
-        tables.append(OutputTable("Output (thesis Table 15)", condition, whole, axes))
+    for condition in list(dict.fromkeys(step["condition"] for step in sequence if step["condition"])) or [""]:
+        summary = [suite.line(one, condition) for one in SUMMARY]
+        output = [suite.line(one, condition) for one in OUTPUT]
+        output += [suite.matrix(axis, condition) for axis in suite.axes]
+        output += [suite.line(one, condition) for one in THERMOMETER]
+        tables.append(OutputTable("Summary (thesis Table 14)", condition, tuple(summary), suite.axes))
+        tables.append(OutputTable("Output (thesis Table 15)", condition, tuple(output), suite.axes))
     return tables
 
 
@@ -139,69 +181,61 @@ def _is_result(row: WrittenRow) -> bool:
     )  # fmt: skip
 
 
-Steps = Mapping[str, Mapping[str, Any]]  # test -> its entry in ``sequence``
+@dataclass(frozen=True)
+class _Suite(Generic[R]):
+    """Where the figures are found."""
 
+    axes: tuple[str, ...]
+    thermometer: Mapping[str, Any]  # Of the chain
+    steps: Mapping[str, Mapping[str, Any]]  # Test -> its entry in ``sequence``
+    rows: Sequence[R]
 
-def _line(one: Wanted, rows: Sequence[WrittenRow], steps: Steps, axes: Sequence[str], condition: str) -> Line:
-    found = {axis: _row(one, axis, rows, steps, condition) for axis in axes}
-    unit = one.unit or next((str(row["unit"]) for row in found.values() if row["unit"]), "")
-    return Line(one.group, one.name, unit, found)
+    def line(self, one: Wanted, condition: str) -> Line[R]:
+        found = {axis: self._row(one, axis, condition) for axis in self.axes}
+        unit = one.unit or next((str(row["unit"]) for row in found.values() if row["unit"]), "")
+        return Line(one.group, one.name, unit, found)
 
+    def matrix(self, moved: str, condition: str) -> Line[R]:
+        """Return what each sensor reads of the motion along one axis, less its own in full."""
+        own, other = Wanted("", "", "scale_factor_error"), Wanted("", "", "cross_axis_sensitivity")
+        found = {
+            axis: self._row(own, axis, condition) if axis == moved else self._row(other, axis + moved, condition)
+            for axis in self.axes
+        }
+        return Line("Rate", f"M from {moved}", "%", found)
 
-def _matrix(moved: str, rows: Sequence[WrittenRow], steps: Steps, axes: Sequence[str], condition: str) -> Line:
-    """Return what each sensor reads of the motion along one axis, less its own in full."""
-    found = {}
-    for axis in axes:
-        own = axis == moved
-        one = Wanted("", "", "scale_factor_error" if own else "cross_axis_sensitivity")
-        found[axis] = _row(one, axis if own else axis + moved, rows, steps, condition)
-    return Line("Rate", f"M from {moved}", "%", found)
+    def _row(self, one: Wanted, axis: str, condition: str) -> R | Mapping[str, Any]:
+        """Return the row of an axis: of the test that comes first and has an estimate."""
+        given = {row["test"] for row in self.rows if row["quantity"] == one.beside}
+        rest = {row["test"] for row in self.rows if row["quantity"] == "bias" and reason_code(row) == REFERENCED}
+        key = Key(one.quantity, axis, power=one.power)
+        every = [
+            row
+            for row in self.rows
+            if key_of(row)._replace(sensor="") == key
+            and (not one.beside or row["test"] in given)
+            and (one.referenced is None or (row["test"] in rest) == one.referenced)
+        ]
 
+        def place(row: R) -> tuple[bool, bool, int]:
+            step = self.steps[row["test"]]
+            use = ORDER[step["use"]]
+            return row["status"] == "not_estimated", not step["condition"], -use if one.held_out else use
 
-def _row(one: Wanted, axis: str, rows: Sequence[WrittenRow], steps: Steps, condition: str) -> Mapping[str, Any]:
-    """Return the row of an axis: of the test that comes first and has an estimate."""
-    given = {row["test"] for row in rows if row["quantity"] == one.beside}
-    rest = {
-        row["test"]
-        for row in rows
-        if row["quantity"] == "bias" and row["reason"] is not None and row["reason"]["code"] == REFERENCED
-    }
-    every = [
-        row
-        for row in rows
-        if (row["quantity"], row["power"], row["axis"]) == (one.quantity, one.power, axis)
-        and (not one.beside or row["test"] in given)
-        and (one.referenced is None or (row["test"] in rest) == one.referenced)
-    ]
+        there = sorted((row for row in every if self.steps[row["test"]]["condition"] in (condition, "")), key=place)
+        estimated = [row for row in there if row["status"] != "not_estimated"]
+        if estimated or (there and not one.stated):
+            return [*estimated, *there][0]
+        if one.stated:
+            return self._stated(one, axis)
+        elsewhere = {self.steps[row["test"]]["condition"]: None for row in every if row["status"] != "not_estimated"}
+        text = f"tests give it only in condition {', '.join(elsewhere)}" if elsewhere else NOTHING
+        return NO_ROW | {"reason": {"code": "no_test", "text": text}}
 
-    def place(row: WrittenRow) -> tuple[bool, bool, int]:
-        step = steps[row["test"]]
-        use = ORDER[step["use"]]
-        return row["status"] == "not_estimated", not step["condition"], -use if one.held_out else use
-
-    there = [row for row in every if steps[row["test"]]["condition"] in (condition, "")]
-    if there:
-        first = sorted(there, key=place)[0]
-        return {name: first[name] for name in (*FIELDS, "unit")}
-    elsewhere = dict.fromkeys(steps[row["test"]]["condition"] for row in every if row["status"] != "not_estimated")
-    text = f"tests give it only in condition {', '.join(elsewhere)}" if elsewhere else NOTHING
-    reason = {"code": "no_test", "text": text}
-    return {"value": None, "u": None, "unit": "", "status": "not_estimated", "reason": reason, "test": ""}
-
-
-def _thermometer(chain: Mapping[str, Any] | None, axes: Sequence[str]) -> tuple[Line, ...]:
-    """Return the constants of the temperature channel, as the campaign states them."""
-    said = (chain or {}).get("thermometer") or {}
-    lines = []
-    for name, field, unit in THERMOMETER:
-        given = said.get(field)
-        found: dict[str, Mapping[str, Any]] = {}
-        for axis in axes:
-            text = given.get(axis) if isinstance(given, Mapping) else given
-            value = None if text is None else parse_quantity(str(text)).to(unit)
-            why = {"code": "stated", "text": "stated in the chain of the campaign, without uncertainty"}
-            none = {"code": "no_thermometer", "text": "the chain of the campaign has no temperature channel"}
-            reason = none if value is None else why
-            found[axis] = {"value": value, "u": None, "status": "not_estimated", "reason": reason, "test": ""}
-        lines.append(Line("Temperature", name, unit, found))
-    return tuple(lines)
+    def _stated(self, one: Wanted, axis: str) -> Mapping[str, Any]:
+        """Return a constant of the temperature channel as the campaign states it."""
+        given = self.thermometer.get(one.stated)
+        text = given.get(axis) if isinstance(given, Mapping) else given
+        if text is None:
+            return NO_ROW | {"reason": NO_THERMOMETER}
+        return NO_ROW | {"value": parse_quantity(str(text)).to(one.unit), "stated": str(text), "reason": STATED}
