@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from independent.warm.warm_positions import REFERENCE, Bench, laid
-from inertialcal.core.errors import DataError
+from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.estimate import Array, Component, Estimate
 from inertialcal.core.key import Key, Kind, Origin
 from inertialcal.core.recording import Channel, Recording
@@ -25,6 +25,7 @@ from inertialcal.procedures.flip.simulation import simulate as simulate_flip
 from inertialcal.procedures.flip.terms import bias_of, model_terms
 from inertialcal.procedures.model_terms import ModelTerms, joined_terms
 from inertialcal.procedures.positions import reduction as positions
+from inertialcal.procedures.positions.inputs import readings_of
 from inertialcal.procedures.protocol import Facts
 from inertialcal.procedures.protocol import Tested as Done
 from inertialcal.procedures.thermal import reduction as thermal
@@ -205,6 +206,20 @@ def test_positions_at_several_temperatures_follow_it_too() -> None:
         slope = key == Key("bias_temperature", key.axis, power=1)
         assert change == pytest.approx(-1e-5 if slope else 0.0, abs=2e-7 if key.quantity != "bias" else 2e-6), key
         assert dof == 3.0 + "xyz".index(key.axis[0]) or not slope
+
+
+def test_positions_refer_to_the_temperature_at_which_a_correction_leaves_the_bias(bias: ThermalCorrection) -> None:
+    """Slopes about two temperatures do not add; without an order, and of gyros, there are none to add."""
+    reference = bias.result.plan.reference_temperature
+    plan = positions.Plan(gravity=G, temperature_order=1, reference_temperature=reference + 5.0)
+    with pytest.raises(PlanError, match="thermal is 20 degC") as refused:
+        readings_of(plan, (), [bias])
+    assert refused.value.problems[0].code == "plans_differ"
+    gyros = replace(bias, result=replace(bias.result, readings=replace(bias.result.readings, unit="rad/s")))
+    assert gyros.reference_temperature is None
+    for own, one in ((replace(plan, temperature_order=0), bias), (plan, gyros)):
+        with pytest.raises(IndexError):  # goes on to the sources, of which there are none
+            readings_of(own, (), [one])
 
 
 def test_flips_follow_what_was_taken_off_them() -> None:

@@ -155,6 +155,11 @@ class BiasCorrection:
         """Of the readings."""
         return self.estimate.units[0]
 
+    @property
+    def reference_temperature(self) -> None:
+        """None: the whole bias is taken off."""
+        return
+
     def apply(
         self, recordings: Sequence[tuple[str, Recording]]
     ) -> tuple[list[Recording], list[Mapping[Origin, Unknowns]]]:

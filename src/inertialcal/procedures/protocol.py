@@ -384,6 +384,11 @@ class Correction(Protocol):
         """Of the readings that it is taken off: ``"rad/s"`` or ``"m/s^2"``."""
         ...
 
+    @property
+    def reference_temperature(self) -> float | None:
+        """At which readings keep their bias where only its change is taken off [degC]; None: all of it is taken off."""
+        ...
+
     def apply(
         self, recordings: Sequence[tuple[str, Recording]]
     ) -> tuple[list[Recording], list[Mapping[Origin, Unknowns]]]:

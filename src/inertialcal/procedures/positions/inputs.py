@@ -13,7 +13,7 @@ from typing import cast
 
 import numpy as np
 
-from ...core.errors import DataError
+from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
 from ...core.key import AXES, Kind, Origin
 from ...core.labelled import LabelledPart
@@ -60,7 +60,10 @@ def readings_of(plan: Plan, sources: Sequence[Source], corrections: Sequence[Cor
     ------
     DataError
         If a recording cannot be read; ``no_accelerometers``; ``clocks_differ``.
+    PlanError
+        ``plans_differ`` if a correction leaves the bias at another temperature than the plan refers to.
     """
+    _check_references(plan, corrections)
     tables = [one for one in sources if one.is_table]
     if tables and len(tables) < len(sources):
         what = f"test {sources[0].test!r} reads tables of rests and recordings"
@@ -80,6 +83,17 @@ def readings_of(plan: Plan, sources: Sequence[Source], corrections: Sequence[Cor
     saturated = [any(_saturated(one) for one in pair if one.kind == "gyro") for pair in pairs]
     readings = _oriented(readings_from(plan, joined, sections, faces, saturated, gyros), pairs)
     return _with_unknowns(readings, corrections, _paired(whole, sources[0].test)) if corrections else readings
+
+
+def _check_references(plan: Plan, corrections: Sequence[Correction]) -> None:
+    """Refuse terms over temperature about another temperature than that at which a correction leaves the bias."""
+    for one in corrections:
+        other = one.reference_temperature
+        if plan.temperature_order and other is not None and other != plan.reference_temperature:
+            what = f"reference_temperature = {plan.reference_temperature:g} degC, that of {one.test} is {other:g} degC"
+            why = f"after = {one.test!r} leaves the bias at {other:g} degC; the terms of both tests are added"
+            do = f'Set reference_temperature = "{other:g} degC"'
+            raise PlanError(what, why=why, do=do, code="plans_differ")
 
 
 def _with_unknowns(readings: Readings, corrections: Sequence[Correction], pairs: Sequence[Sequence[Part]]) -> Readings:

@@ -214,7 +214,7 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
         from .closed_loop import loops_of
 
         remounted = any(one.occasion.remounted(other.occasion) for one in fitted for other in held)
-        loops = loops_of(result, [one.result.readings for one in held], result.sensor or "accelerometer", remounted)
+        loops = loops_of(result, [one.readings for one in held], result.sensor or "accelerometer", remounted)
         if loops:
             return HeldOut(loops)
         what = "what is held out has fewer than two positions: nothing is judged by them"

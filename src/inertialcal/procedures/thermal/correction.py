@@ -56,6 +56,11 @@ class ThermalCorrection:
         return self.result.readings.unit
 
     @property
+    def reference_temperature(self) -> float | None:
+        """Of accelerometers, whose bias at it is left [degC]; of gyros nothing is left."""
+        return self.result.plan.reference_temperature if self.unit == "m/s^2" else None
+
+    @property
     def range(self) -> tuple[float, float]:
         """Temperatures that the law of every sensor holds for [degC]."""
         domains = [one.law.domain for one in self.result.sensors.values()]
