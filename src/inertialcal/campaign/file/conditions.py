@@ -110,7 +110,7 @@ def _decisions(file: CampaignFile, at: At) -> Iterator[Problem]:
     for condition, terms in file.model.by_condition.items():
         tables.append((("model", "by_condition", condition), terms))
         if condition not in every:
-            what = f"model.by_condition.{condition}: no test with use = 'fit' that a model is made of is of it"
+            what = f"model.by_condition.{condition}: no test with use = 'fit' makes a model in this condition"
             do = f"There are: {', '.join(filter(None, every)) or 'none'}"
             yield Problem(what, at("model", "by_condition", condition), do=do, code="unknown_name")
     for path, terms in tables:

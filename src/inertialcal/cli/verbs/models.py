@@ -31,7 +31,7 @@ TimeColumn = Annotated[
 
 Condition = Annotated[
     str | None,
-    typer.Option("--condition", help="Whose model is meant, where there are several: air.", show_default=False),
+    typer.Option("--condition", help="Condition of the model, where there are several: air.", show_default=False),
 ]
 
 
@@ -46,7 +46,7 @@ def show(
     axis: Annotated[str | None, typer.Option(help="Figure of results: of which axis.")] = None,
     condition: Condition = None,
     tables: Annotated[
-        bool, typer.Option("--tables", help="Of a campaign: summary and output of the suite, a table a condition.")
+        bool, typer.Option("--tables", help="Summary and output of a campaign's suite, a table for each condition.")
     ] = False,
     orbit: Annotated[
         str | None, typer.Option(help='Whether the suite sees the rate of an orbit: "560 km".', show_default=False)
