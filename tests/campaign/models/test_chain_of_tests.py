@@ -65,9 +65,16 @@ def of_thermal(estimate: Estimate, keys: tuple[Key, ...]) -> dict[str, Array]:
     return found
 
 
+def joined() -> Estimate:
+    """Return the terms of the model."""
+    estimate = model().estimate
+    assert estimate is not None
+    return estimate
+
+
 def shared() -> tuple[tuple[Key, ...], dict[str, Array], dict[str, Array]]:
     """Return the keys of the model, and what the unknowns of the thermal test change in what each test found."""
-    keys = model().estimate.keys
+    keys = joined().keys
     thermal, rate = (terms_of(name).estimate for name in (THERMAL, RATE))
     assert thermal is not None
     assert rate is not None
@@ -77,9 +84,7 @@ def shared() -> tuple[tuple[Key, ...], dict[str, Array], dict[str, Array]]:
 def test_three_tests_give_one_model() -> None:
     made = model()
     assert set(made.tests) == {THERMAL, RATE, NOISE}
-    assert {"scale_factor_error", "misalignment", "bias", "bias_temperature"} <= {
-        k.quantity for k in made.estimate.keys
-    }
+    assert {"scale_factor_error", "misalignment", "bias", "bias_temperature"} <= {k.quantity for k in joined().keys}
     own = terms_of(NOISE).noise
     assert made.noise is not None
     assert own is not None
@@ -89,7 +94,7 @@ def test_three_tests_give_one_model() -> None:
 
 
 def test_a_term_of_two_tests_is_their_sum() -> None:
-    made, thermal, rate = model().estimate, terms_of(THERMAL).estimate, terms_of(RATE).estimate
+    made, thermal, rate = joined(), terms_of(THERMAL).estimate, terms_of(RATE).estimate
     assert thermal is not None
     assert rate is not None
     for axis in "xyz":
@@ -103,7 +108,7 @@ def test_covariances_follow_the_shared_unknowns() -> None:
     keys, there, later = shared()
     assert set(later) <= set(there)
     assert "scatter between runs" in later
-    made = {one.origin.what: one for one in model().estimate.components if one.origin.test == THERMAL}
+    made = {one.origin.what: one for one in joined().components if one.origin.test == THERMAL}
     for what, rows in there.items():
         joint = rows + later.get(what, 0.0)
         expected = joint.T @ joint
