@@ -192,7 +192,7 @@ class _Suite(Generic[R]):
 
     def line(self, one: Wanted, condition: str) -> Line[R]:
         found = {axis: self._row(one, axis, condition) for axis in self.axes}
-        unit = one.unit or next((str(row["unit"]) for row in found.values() if row["unit"]), "")
+        unit = one.unit or next((row["unit"] for row in found.values() if row["unit"]), "")
         return Line(one.group, one.name, unit, found)
 
     def matrix(self, moved: str, condition: str) -> Line[R]:
