@@ -14,7 +14,7 @@ from inertialcal.core.key import Key
 from inertialcal.physics.orbit import orbital_rate
 from inertialcal.sensors.model.assemble import model_from
 from inertialcal.sensors.model.sensor_model import SensorModel
-from inertialcal.sensors.orbit_check import orbit_check
+from inertialcal.sensors.orbit_check import dwell_check, orbit_check
 
 DEG = math.pi / 180.0
 U_BIAS, U_SCALE, RUN, WALK = 0.004 * DEG, 2e-3, 0.008 * DEG, 0.0045 * DEG  # rad/s, 1, rad/s, rad/sqrt(s)
@@ -77,3 +77,27 @@ def test_what_is_lacking_is_said_and_what_makes_no_sense_refused() -> None:
         with pytest.raises(DataError) as caught:
             orbit_check(model, altitude, averaging)
         assert caught.value.problems[0].code == code
+
+
+def test_at_a_latitude_the_vertical_part_of_the_earths_rate_counts() -> None:
+    whole, there = orbit_check(suite(), 560e3, TAU), orbit_check(suite(), 560e3, TAU, 36.6 * DEG, 0.01)
+    ratio = math.sin(36.6 * DEG)
+    assert float(there.earth.values[0]) == pytest.approx(7.292115e-5 * ratio, rel=1e-6)
+    assert float(there.earth.u[0]) == pytest.approx(7.292115e-5 * 0.01 * math.cos(36.6 * DEG), rel=1e-6)
+    assert float(whole.earth.u[0]) == 0.0
+    for one, other in zip(whole.checks, there.checks, strict=True):
+        assert other.earth_ratio == pytest.approx(one.earth_ratio * ratio, rel=1e-6)
+        assert other.orbit_ratio == one.orbit_ratio
+
+
+def test_dwells_near_the_orbits_rate_stand_beside_the_band() -> None:
+    found = orbit_check(suite(), 560e3, TAU)
+    band = 1.96 * found.checks[0].u
+    applied = np.array([0.06, -0.06, 0.0, 0.5, 0.06, 0.06]) * DEG
+    error = np.array([0.5, 0.7, 9.0, 9.0, 2.0, np.nan]) * band
+    near = dwell_check(found, "x", applied, error, ["1", "1", "1", "1", "2", "2"])
+    assert (near.dwells, near.runs, near.inside, near.band) == (3, 2, 1, band)
+    assert near.error == pytest.approx(1.3 * band)
+    assert near.u == pytest.approx(0.7 * band)  # (2.0 - 0.6) / 2
+    none = dwell_check(found, "x", applied[2:4], error[2:4], ["1", "1"])
+    assert (none.dwells, none.u, math.isnan(none.error)) == (0, None, True)

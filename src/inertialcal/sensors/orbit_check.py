@@ -26,18 +26,21 @@ References
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..core.constants import BIAS_INSTABILITY_FACTOR, EARTH_ROTATION_RATE
 from ..core.errors import DataError
-from ..core.estimate import Array, Estimate
+from ..core.estimate import Array, Component, Estimate
+from ..physics.earth import axis_earth_rate
 from ..physics.orbit import orbital_rate
 from .model.equation import Conditions, condition_columns, inverted, matrix_at, predict
 from .model.sensor_model import SensorModel
 from .model.uncertainty import compensated_uncertainty, point, reading_by, without_uncertainty
 
+NEAR = 1.5  # factor between a rate of the table and that of the orbit, up to which a dwell counts
 FACTOR = 1.96  # u in half a 95 % interval
 SETTLED = 1e9  # [s] after power-up
 
@@ -50,7 +53,7 @@ class AxisCheck:
     zero_reference: bool  # Whether a reading at rest is subtracted
     u: float  # Of a compensated reading at the orbit's rate [rad/s]
     orbit_ratio: float  # Rate of the orbit over 1.96 u; infinite where the model has nothing that u could hold
-    earth_ratio: float  # Rate of the earth over 1.96 u
+    earth_ratio: float  # Rate of the earth, or its vertical part, over 1.96 u
 
     @property
     def orbit_seen(self) -> bool:
@@ -59,7 +62,7 @@ class AxisCheck:
 
     @property
     def earth_seen(self) -> bool:
-        """Whether the earth's rate, all of it along the axis, is seen at 95 %."""
+        """Whether the earth's rate is seen at 95 %: all of it, or its vertical part."""
         return 1.0 < self.earth_ratio < math.inf
 
 
@@ -70,11 +73,52 @@ class OrbitCheck:
     altitude: float  # [m]
     rate: Estimate  # Of the orbit [rad/s]
     averaging: float  # [s]
+    earth: Estimate  # Rate of the earth: all of it, or at a latitude its vertical part [rad/s]
+    latitude: float | None  # Geodetic [rad]
     checks: tuple[AxisCheck, ...]  # Each axis, as it is and with a zero reference
     not_counted: tuple[str, ...]  # What the model lacks, or has without uncertainty
 
 
-def orbit_check(model: SensorModel, altitude: float, averaging: float = 100.0) -> OrbitCheck:
+@dataclass(frozen=True)
+class DwellCheck:
+    """Dwells of one axis, held out, at rates near that of the orbit."""
+
+    axis: str
+    dwells: int
+    runs: int  # Power-ups
+    inside: int  # Of them, with a mean error inside the band
+    error: float  # Compensated reading less table and earth rate, mean over power-ups [rad/s]; NaN without dwells
+    u: float | None  # From power-up to power-up; None of fewer than two [rad/s]
+    band: float  # Half of the 95 % interval of a reading taken as it is [rad/s]
+
+
+def dwell_check(found: OrbitCheck, axis: str, applied: Array, error: Array, run: Sequence[str]) -> DwellCheck:
+    """Return whether compensated dwells near the orbit's rate, within a factor of 1.5, lie in the stated band.
+
+    Parameters
+    ----------
+    applied, error : ndarray, shape (n,)
+        Rate about the axis, earth rate included, and compensated reading less that [rad/s].
+    run : sequence of str
+        Power-up of each dwell.
+    """
+    n = float(found.rate.values[0])
+    band = next(FACTOR * one.u for one in found.checks if one.axis == axis and not one.zero_reference)
+    near = (np.abs(applied) > n / NEAR) & (np.abs(applied) < n * NEAR) & np.isfinite(error)
+    names = np.asarray(run)[near]
+    means = np.array([error[near][names == name].mean() for name in np.unique(names)])
+    u = float(np.std(means, ddof=1) / np.sqrt(len(means))) if len(means) > 1 else None
+    mean = float(np.mean(means)) if len(means) else np.nan
+    return DwellCheck(axis, int(near.sum()), len(means), int(np.sum(np.abs(means) <= band)), mean, u, band)
+
+
+def orbit_check(
+    model: SensorModel,
+    altitude: float,
+    averaging: float = 100.0,
+    latitude: float | None = None,
+    u_latitude: float = 0.0,
+) -> OrbitCheck:
     """Return whether each axis of a suite sees the rate of an orbit.
 
     Parameters
@@ -83,6 +127,9 @@ def orbit_check(model: SensorModel, altitude: float, averaging: float = 100.0) -
         Of a circular orbit [m].
     averaging : float
         Time over which a reading is averaged [s].
+    latitude, u_latitude : float
+        Geodetic, of a suite whose axis stands upright: it reads the vertical part of the earth's rate. Without it
+        the whole counts [rad].
 
     Raises
     ------
@@ -94,7 +141,10 @@ def orbit_check(model: SensorModel, altitude: float, averaging: float = 100.0) -
     if not (math.isfinite(averaging) and averaging > 0.0):
         raise DataError(f"averaging time {averaging:g} s: need more than 0 s", code="averaging")
     rate = orbital_rate(altitude)
-    n, earth = float(rate.values[0]), EARTH_ROTATION_RATE.value
+    known = Component("earth rate", "B", np.zeros((1, 1)))
+    whole = Estimate(("earth_rate",), np.array([EARTH_ROTATION_RATE.value]), ("rad/s",), (known,))
+    earth = whole if latitude is None else axis_earth_rate(latitude, 0.0, u_latitude=u_latitude)
+    n = float(rate.values[0])
     here = _reference_conditions(model)
     checks = []
     for i, axis in enumerate(model.axes):
@@ -106,7 +156,7 @@ def orbit_check(model: SensorModel, altitude: float, averaging: float = 100.0) -
             (False, math.hypot(direct, white)),
             (True, math.hypot(_difference_u(model, x, here)[i], math.sqrt(2.0) * all_noise)),
         ):
-            ratios = [size / (FACTOR * u) if u > 0.0 else math.inf for size in (n, earth)]
+            ratios = [size / (FACTOR * u) if u > 0.0 else math.inf for size in (n, abs(float(earth.values[0])))]
             checks.append(AxisCheck(axis, zero_reference, u, *ratios))
     lacking = [] if model.noise is not None else ["noise: the model has none"]
     lacking += [] if model.bias_run_to_run is not None else ["bias from run to run: the model has none"]
@@ -115,7 +165,7 @@ def orbit_check(model: SensorModel, altitude: float, averaging: float = 100.0) -
     )
     exact = without_uncertainty(model)
     lacking += [f"taken as exact: {', '.join(exact)}"] if exact else []
-    return OrbitCheck(altitude, rate, averaging, tuple(checks), tuple(lacking))
+    return OrbitCheck(altitude, rate, averaging, earth, latitude, tuple(checks), tuple(lacking))
 
 
 def _reference_conditions(model: SensorModel) -> Conditions:

@@ -52,6 +52,10 @@ def show(
         str | None, typer.Option(help='Whether the suite sees the rate of an orbit: "560 km".', show_default=False)
     ] = None,
     averaging: Annotated[str, typer.Option(help="Time over which --orbit averages a reading.")] = "100 s",
+    latitude: Annotated[
+        str | None,
+        typer.Option(help='For --orbit: where an axis stands upright: "36.6 deg"; that of the campaign if not given.'),
+    ] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -63,7 +67,7 @@ def show(
     figures.check_figure(output, {"--figure": figure, "--test": test, "--axis": axis})
     chosen = {"figure": figure, "test": test, "axis": axis}
     if tables or orbit:
-        return _show_suite(model, condition, tables, orbit, averaging, as_json, quiet)
+        return _show_suite(model, condition, tables, orbit, (averaging, latitude), as_json, quiet)
     if (page := find_page(model)) is not None:
         if output is not None:
             raise UsageError(f"-o {output}: a report gives no figure", do="Name results.json, or the folder")
@@ -76,10 +80,17 @@ def show(
 
 
 def _show_suite(
-    path: Path, condition: str | None, tables: bool, orbit: str | None, averaging: str, as_json: bool, quiet: bool
+    path: Path,
+    condition: str | None,
+    tables: bool,
+    orbit: str | None,
+    of_orbit: tuple[str, str | None],
+    as_json: bool,
+    quiet: bool,
 ) -> int:
     """Show the tables of a suite, and what it sees of an orbit."""
     from ...campaign.models.find import find_model
+    from ...campaign.outcome.orbit_dwells import dwells_near, site_latitude
     from ...campaign.outcome.results_file import find_results
     from ...core.show.output_tables import output_tables
     from ...core.units import parse_quantity
@@ -90,8 +101,9 @@ def _show_suite(
     inputs: list[dict[str, str]] = []
     content: dict[str, Any] = {}
     blocks: list[str] = []
+    averaging, latitude = of_orbit
+    results = find_results(path, of_campaign=True)
     if tables:
-        results = find_results(path, of_campaign=True)
         if results is None:
             raise UsageError(f"--tables: {path} holds no results", do="Name the folder of a campaign, or results.json")
         parts = (results.content[name] for name in ("sensors", "sequence", "results"))
@@ -103,10 +115,13 @@ def _show_suite(
         altitude, time = parse_quantity(orbit).to("m"), parse_quantity(averaging).to("s")
         found = find_model(path, condition)
         models = found.models.values() if condition is None else [found.model]
-        checks = [(one.condition, orbit_check(one, altitude, time)) for one in models]
+        run = None if results is None else results.content
+        place = site_latitude(run, latitude)
+        checks = [(one.condition, orbit_check(one, altitude, time, *place)) for one in models]
+        recorded = [dwells_near(run, check, name) for name, check in checks]
         inputs.append(_input(found))
-        content["orbit"] = [orbit_dict(check, name) for name, check in checks]
-        blocks += [orbit_text(check, name) for name, check in checks]
+        content["orbit"] = [orbit_dict(check, name, near) for (name, check), near in zip(checks, recorded, strict=True)]
+        blocks += [orbit_text(check, name, near) for (name, check), near in zip(checks, recorded, strict=True)]
     if as_json:
         json_out("show", {"inputs": inputs} | content)
     elif not quiet:
