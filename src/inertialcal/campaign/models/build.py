@@ -275,7 +275,8 @@ def _model(campaign: Campaign, sensor: Sensor, condition: str, parts: Sequence[P
                    if any(kind_of(key) == "scale_factor" for key in part.terms.parameters))  # fmt: skip
     axes = tuple(axis for axis in sensor.axes if axis in (scaled or terms.axes)) or terms.axes
     keys = tuple(key for key in terms.parameters if key.quantity == "g_sensitivity" or set(key.axis) <= {*axes})
-    volts = None if sensor.mounting is not None else body_scale_factors(sensor)
+    counted = sensor.chain.kind == "pulse_rate"
+    volts = None if counted or sensor.mounting is not None else body_scale_factors(sensor)
     item, own = campaign.file.item, campaign.file.conditions.get(condition, Condition())
     estimate = terms.estimate.select(keys)
     drawn_on = {influence_of(name) for one in estimate.components for name in one.named_changes}
