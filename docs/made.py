@@ -145,6 +145,15 @@ def options(word: str) -> list[str]:
     return [*lines, "| `--help` | Show the options. |"]
 
 
+def terms() -> list[str]:
+    """Return the lines of the table of what each procedure gives to the model of a sensor."""
+    giving = {name: procedure_of(name).gives for name in BUILT_IN}
+    lines = ["| procedure | kinds of term |", "|---|---|"]
+    return lines + [
+        f"| `{name}` | {', '.join(f'`{one}`' for one in kinds)} |" for name, kinds in giving.items() if kinds
+    ]
+
+
 def faults() -> list[str]:
     """Return the lines of the table of general faults, with the rigs that take each."""
     lines = ["| fault | size | what it does | expected | rigs |", "|---|---|---|---|---|"]
@@ -173,6 +182,9 @@ def made() -> dict[Path, str]:
     found[GATE] = page(
         GATE.read_text(encoding="utf-8"), {"## What is possible": limits(), "## Rigs that misbehave": faults()}
     )
+    campaign = GATE.with_name("campaign.md")
+    given = {"## Which procedure gives": terms()}
+    found[campaign] = page(campaign.read_text(encoding="utf-8"), given)
     for name in BUILT_IN:
         plan = procedure_of(name).plan_type
         marks = {"## Settings": plan}

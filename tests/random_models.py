@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any, cast
 
 import numpy as np
 
 from inertialcal.core.estimate import Array, Component, Estimate
 from inertialcal.core.key import Kind
-from inertialcal.sensors.model.equation import Conditions
+from inertialcal.sensors.model.equation import Conditions, by_name
+from inertialcal.sensors.model.sensitivity import Sensitivity
 from inertialcal.sensors.model.sensor_model import Item, Provenance, SensorModel
 from inertialcal.sensors.model.terms import values
 
@@ -57,7 +59,30 @@ def random_model(seed: int, linear: bool = False, k: int | None = None, estimate
         temperature_range=(-20.0, 60.0),
         pressure_range=(0.0, 2e5),
     )
+    model = replace(model, sensitivities=sensitivities(k, span, np.random.default_rng([seed, 1])))
     return with_estimate(model, rng) if estimated else model
+
+
+CHANNELS = {
+    "supply": ("V", 5.0, (4.85, 5.15)),
+    "reference": ("V", 2.5, None),
+    "board_temperature": ("degC", 25.0, None),
+    "pressure": ("Pa", 101325.0, None),
+}
+
+
+def sensitivities(k: int, span: float, rng: np.random.Generator) -> tuple[Sensitivity, ...]:
+    """A random choice of channels, each with a random choice of parts, none of them large at the ends of its range."""
+    found = []
+    for channel, (unit, reference, between) in CHANNELS.items():
+        width = {"V": 0.15, "degC": 45.0, "Pa": 1e5}[unit]
+        sizes = {"bias": 0.05 * span, "bias_temperature": 1e-3 * span, "scale_factor": 0.02}
+        drawn = {part: rng.normal(0.0, size / width, k) for part, size in sizes.items() if rng.random() < 0.5}
+        if channel == "pressure":
+            drawn.pop("bias", None)
+        if drawn and rng.random() < 0.5:
+            found.append(Sensitivity(channel, unit, reference, range=between, **drawn))
+    return tuple(found)
 
 
 def with_estimate(model: SensorModel, rng: np.random.Generator) -> SensorModel:
@@ -98,4 +123,16 @@ def conditions(model: SensorModel, seed: int, n: int = 50) -> Conditions:
         "time": rng.uniform(0.0, 5000.0, n),
         "temperature_rate": rng.normal(0.0, 0.01, n),
         "specific_force": rng.normal(0.0, 10.0, (n, 3)),
+        "channels": {
+            "supply": rng.uniform(4.85, 5.15, n),
+            "reference": rng.uniform(2.35, 2.65, n),
+            "board_temperature": rng.uniform(-20.0, 60.0, n),
+        },
     }
+
+
+def at_row(given: Conditions, i: int) -> Conditions:
+    """The conditions of one row of those that change from row to row."""
+    own: dict[str, Any] = {name: np.asarray(value)[i : i + 1] for name, value in by_name(given).items()}
+    channels = {name: own.pop(name) for name in given.get("channels", {})}
+    return cast("Conditions", {**own, "channels": channels})

@@ -196,7 +196,12 @@ def test_it_takes_what_a_thermal_test_found_off_its_readings(inertialcal: Comman
     test = '[[tests]]\nid = "%s"\nprocedure = "%s"\nrecordings = [%s]\n%s'
     ramps, rests = (", ".join(f'"{name}{number}"' for number in range(1, 6)) for name in ("ramp", "rest"))
     for after in ("", 'after = ["warm"]\n'):
-        tests = test % ("warm", "thermal", ramps, "") + test % ("mean", "mean_reading", rests, after)
+        tests = test % ("warm", "thermal", ramps, "") + test % (
+            "mean",
+            "mean_reading",
+            rests,
+            after + 'use = "report_only"\n',
+        )
         (tmp_path / "campaign.toml").write_text(text + tests)
         done = inertialcal("run", ".", "--json", cwd=tmp_path)
         assert done.returncode == 0, done.stdout + done.stderr

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from .campaign.compare.compare import compare
     from .campaign.engine.run import check, run
     from .campaign.models.compensation import compensate
-    from .campaign.models.find import load_model
+    from .campaign.models.find import load_model, load_models
     from .campaign.outcome.budget import budget
     from .campaign.start.info import info
     from .campaign.twins.score import score
@@ -42,6 +42,7 @@ __all__ = [
     "flip",
     "info",
     "load_model",
+    "load_models",
     "mass_attraction",
     "max_memory",
     "plan_mass_attraction",
@@ -70,6 +71,7 @@ _HOMES = {
     "compare": ("campaign.compare.compare", "compare"),
     "compensate": ("campaign.models.compensation", "compensate"),
     "load_model": ("campaign.models.find", "load_model"),
+    "load_models": ("campaign.models.find", "load_models"),
     "plan_mass_attraction": ("procedures.mass_attraction.planning.planner", "plan_mass_attraction"),
     "plan_positions": ("procedures.positions.planning.planner", "plan_positions"),
     "plot": ("report.plot", "plot"),

@@ -141,7 +141,7 @@ def test_shared_takes_names_of_standards_in_both_that_do_not_differ(pairs: Path)
     with pytest.raises(UsageError, match=r"no standard of that name is in both.*rate_table.mounting, rate_table.rate"):
         compare(pairs / "a", pairs / "b", shared=["gravity.value"])
     other = json.loads((pairs / "b/out/model.json").read_text())
-    assert other["influences"]["rate_table.rate"]["certificate"] == "C-1"
+    assert other["models"][""]["influences"]["rate_table.rate"]["certificate"] == "C-1"
     model = read_model(pairs / "b/out/model.json")
     renewed = replace(model.influences["rate_table.rate"], certificate="C-2")
     influences = {**model.influences, "rate_table.rate": renewed}
@@ -210,12 +210,13 @@ def test_a_model_keeps_what_it_shares(pairs: Path) -> None:
 
 def test_a_model_file_from_before_sensitivities_were_stored_is_read(pairs: Path) -> None:
     content = json.loads((pairs / "a/out/model.json").read_text())
+    stored = content["models"][""]
     for name in ("influences", "occasion", "selections"):
-        del content[name]
-    for one in content["estimate"]["components"]:
+        del stored[name]
+    for one in stored["estimate"]["components"]:
         for name in ("origin", "unknowns", "changes"):
             del one[name]
-    model = from_dict({name: value for name, value in content.items() if name != "checksum"})
+    model = from_dict({name: value for name, value in content.items() if name != "checksum"}).only()
     assert model.estimate is not None
     assert not model.estimate.shared("misalignment_xz")
     assert model.occasion == Occasion()
@@ -276,7 +277,7 @@ def test_a_curvature_that_a_line_lacks_cancels_for_one_unit_at_one_set_of_rates(
 
 @pytest.mark.parametrize("file", ["", "out/model.json"], ids=["results", "models"])
 def test_curvatures_stand_in_results_and_models(pairs: Path, file: str) -> None:
-    sides = load_both(pairs / "a" / file, pairs / "b" / file)[1:]
+    (sides,) = load_both(pairs / "a" / file, pairs / "b" / file)[1]
     scales = [row for one in sides for row in one.rows if str(row.key) == "scale_factor_error_x" and row.case.plain]
     terms = [row.curvature["third_order_x"] for row in scales]
     assert terms[0].change == pytest.approx(terms[1].change, rel=1e-6)

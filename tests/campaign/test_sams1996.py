@@ -134,7 +134,7 @@ def test_the_flips_are_pooled_with_the_scatter_between_them(rows: Rows) -> None:
 def test_no_model_is_made_and_nothing_is_judged_that_cannot_be(results: dict[str, Any], folder: Path) -> None:
     assert results["closed_loop"] == {
         "verdict": "not run",
-        "reason": "no model is made of a flip",
+        "reason": "no model: no test for a fit gives a term of it",
         "axes": [],
         "over_temperature": [],
     }

@@ -61,7 +61,7 @@ def test_command_python_and_campaign_give_the_same_rows(
 def test_like_the_campaign_of_a_rig_it_gives_the_rows_of_the_campaign(folder: Path) -> None:
     paths = [folder / f"recordings/{run.name}.csv" for run in RUNS]
     found = ic.mass_attraction(paths, like=str(folder))
-    own = run(folder, write=False).results["results"]
+    own = [row for row in run(folder, write=False).results["results"] if row["test"] != "model"]
     named = [{**row.to_dict(), "test": ""} for row in found.rows]
     assert json.loads(json.dumps(named)) == [{**row, "test": ""} for row in json.loads(json.dumps(own))]
 

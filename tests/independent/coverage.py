@@ -27,7 +27,7 @@ from pathlib import Path
 
 from scipy.stats import beta
 
-from .studies import Figure, LeftOut, Pair, Study, Tried, every
+from .studies import Figure, LeftOut, Pair, Residuals, Study, Tried, every
 
 BLOCK = 20  # seeds
 KEPT = Path(__file__).parents[2] / "build/coverage/independent"
@@ -76,7 +76,7 @@ def keeps(rule: str, hits: int, n: int) -> bool:
     return rule == "shown" or (high > 0.94 if rule == "few" else low > 0.93 or high >= 0.95)
 
 
-def lines(study: Study | Pair | LeftOut, found: Sequence[Tried]) -> list[str]:
+def lines(study: Study | Pair | LeftOut | Residuals, found: Sequence[Tried]) -> list[str]:
     """Return the rows of one study; a rate that is not what is asked of it is bold."""
     counts = {name: Count() for name in study.groups}
     for one in found:

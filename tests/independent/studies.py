@@ -15,9 +15,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import t as student
 
-from . import flip, moved_mass, positions, rate_table, static, thermal
-from .case import Case, toml
+from . import climate, conditions, flip, moved_mass, positions, rate_table, static, thermal
+from .case import Case, csv_text, toml
 from .trial import Outcome, called, estimates, holds, tried
 
 Truths = Callable[[Case], dict[str, float]]  # truth by the key of an estimate
@@ -504,6 +506,59 @@ class LeftOut:
         return Tried(0, [Figure(name, True, error, u=error) for name, error in rms.items()], [])
 
 
+@dataclass(frozen=True)
+class Residuals:
+    """What is left of power-ups held out, in the model of their condition and in the other one; compensate states u."""
+
+    name: str = "models by condition: mean residual of power-ups held out"
+    stated: str = "0.055, 0.026, 0.033 deg/s of the air model in vacuum"
+    case: Callable[[int], Case] = conditions.suite
+    runs: int = 5  # behind each fit
+    rule: str = "holds"
+    shown: frozenset[str] = frozenset(f"vacuum by the model of air, {axis}" for axis in "xyz")
+
+    @property
+    def groups(self) -> Iterable[str]:
+        """Names of the conditions, and of the axes in the wrong one."""
+        return ("air", "vacuum", *sorted(self.shown))
+
+    def tried(self, seed: int) -> Tried:
+        """Run the campaign, and compensate each power-up that is held out; the wrong condition must be refused."""
+        case = self.case(seed)
+        reach = float(student.ppf(0.975, self.runs - 1))
+        found, notes = [], []
+        with tempfile.TemporaryDirectory(prefix="independent_") as text:
+            folder = Path(text)
+            ran = called(case.write(folder), folder)
+            for name in case.held_out:
+                condition = "air" if name.startswith("air") else "vacuum"
+                left, u = self.left(folder, name, condition)
+                found += [Figure(condition, bool(abs(e) <= reach * s), e, 0.0, s) for e, s in zip(left, u, strict=True)]
+                other = "vacuum" if condition == "air" else "air"
+                words = ["compensate", str(folder / "out/model.json"), str(folder / name), "-o", str(folder / "no.csv")]
+                words += ["--temperature", "temperature [degC]"]
+                refused = called([*words, "--condition", other], folder)
+                notes += ["wrong condition " + ("refused" if refused.exit == 3 else f"exit {refused.exit}")]
+                if condition == "vacuum":
+                    (folder / f"bare_{name}").write_text(csv_text(conditions.without_pressure(case.tables[name])))
+                    left, u = self.left(folder, f"bare_{name}", "air")
+                    found += [
+                        Figure(f"vacuum by the model of air, {axis}", bool(abs(e) <= reach * s), e, 0.0, s)
+                        for axis, e, s in zip("xyz", left, u, strict=True)
+                    ]
+        return Tried(ran.exit, found, notes)
+
+    def left(self, folder: Path, name: str, condition: str) -> NDArray[np.float64]:
+        """Return what is left of a power-up, and its u, by axis; not a number where the command refuses."""
+        made = folder / f"compensated_{name}"
+        words = ["compensate", str(folder / "out/model.json"), str(folder / name), "-o", str(made), "--uncertainty"]
+        words += ["--temperature", "temperature [degC]"]
+        called([*words, "--condition", condition], folder)
+        if not made.exists():
+            return np.full((2, 3), math.nan)
+        return conditions.left_over(made.read_text(encoding="utf-8"))
+
+
 def value(rows: dict[str, dict[str, object]], key: str, default: float) -> float:
     """Return an estimate, or the default where there is none."""
     row = rows.get(key)
@@ -766,10 +821,53 @@ def densities(case: Case, outcome: Outcome) -> Sequence[str]:
     return [f"density {float(found.group(1)) / truth:.1f}" if found else "density none", *(["walk"] if walk else [])]
 
 
-def every() -> list[Study | Pair | LeftOut]:
+def climates() -> list[Study]:
+    """Sensitivities to supply, pressure and temperature, and warm-up: what a laboratory does, and what breaks it."""
+    supply = {"bias by supply": like("bias_supply [xy]"), "its change with temperature": like("bias_supply_temp")}
+    scale = {"scale factor by temperature": like("scale_factor_error_temp"),
+             "scale factor by supply": like("scale_factor_error_supply")} | supply  # fmt: skip
+    pressure = {"bias by pressure": like("bias_pressure [xy]"), "its change with temperature": like("bias_pressure_t")}
+    warm = {"amplitudes": like("bias_warm_up"), "time constants": like("warm_up_time"),
+            "amplitudes by temperature": like("warm_up_start")}  # fmt: skip
+    usual = climate.Unit(scatter=0.03, walk=4e-6, slope_scatter=1e-5)
+    two = climate.Visits(runs=2)
+    slow, bent = replace(usual, walk=3e-5), replace(usual, bend=0.05)
+    codes = remarks("few_runs", "curved", "conditions_together", "not_linear", "bends")
+    table = climate.Unit(scatter=0.03, walk=4e-6, scale_scatter=1e-4)
+    dying = ((0.03, 2e-4, 200.0), (0.015, 1e-4, 2000.0))
+    one = climate.Unit(warm_up=((0.03, 2e-4, 600.0),), walk=4e-6)
+    both = climate.Unit(warm_up=dying, walk=4e-6)
+    repeats = replace(both, warm_up_scatter=0.1)
+    heats = replace(both, self_heating=5.0)
+    pumped = climate.Unit(vacuum=(0.04, 3e-4), pump=2.0, walk=4e-6)
+    stepped, limited = climate.supplied, "its change with temperature, limit"
+    return [
+        Study("sensitivity, supply, 5 power-ups", "", partial(stepped, unit=usual), supply, codes),
+        Study("sensitivity, supply, 2 power-ups", "", partial(stepped, unit=usual, visits=two),
+              supply | {limited: supply["its change with temperature"]}, codes, "few", limits=frozenset({limited})),
+        Study("sensitivity, supply, random walk 3e-5", "", partial(stepped, unit=slow), supply, codes),
+        Study("sensitivity, supply, bent", "", partial(stepped, unit=bent), supply, codes, "shown"),
+        Study("sensitivity, supply that follows the temperature", "refused",
+              partial(stepped, unit=usual, visits=climate.Visits(coupled=True)), supply, codes, "shown"),
+        Study("sensitivity, table in a chamber", "", partial(climate.on_table, unit=table), scale, codes),
+        Study("sensitivity, air to vacuum, pump noise", "", partial(climate.pumped, unit=pumped), pressure, codes),
+        Study("warm-up, one part, 6 power-ups", "", partial(climate.warming, unit=one), warm, codes),
+        Study("warm-up, two parts, 6 power-ups", "", partial(climate.warming, unit=both), warm, codes),
+        Study("warm-up, two parts, sizes differ by 10 %", "", partial(climate.warming, unit=repeats), warm,
+              codes),
+        Study("warm-up, two parts, self-heating 5 K", "", partial(climate.warming, unit=heats), warm, codes, "shown"),
+    ]  # fmt: skip
+
+
+def conditioned() -> list[Residuals]:
+    """Models by condition."""
+    return [Residuals()]
+
+
+def every() -> list[Study | Pair | LeftOut | Residuals]:
     """Return all studies: those of issue 21, and those of issue 22; of some nothing is asked yet."""
     every = (*masses(), *heads(), *noises())
     asked = tuple(f"mass, {shape} " for shape in moved_mass.SHAPES)
     later = [one if one.name.startswith(("allan", "flip", *asked)) else replace(one, rule="shown") for one in every]
     stated = LeftOut("leave one out, 10 positions, condition 50 to 1300, with the prior", words=PRIOR)
-    return [*tables(), *hands(), *chambers(), *pairs(), LeftOut(), stated, *later]
+    return [*tables(), *hands(), *chambers(), *pairs(), LeftOut(), stated, *later, *climates(), *conditioned()]

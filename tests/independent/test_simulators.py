@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from scipy.signal import welch
 
-from . import flip, moved_mass, positions, rate_table, static, thermal
+from . import climate, flip, moved_mass, positions, rate_table, static, thermal
 from .case import START, csv_text, turned, write_pad
 
 FOLDER = Path(__file__).parent
@@ -254,3 +254,37 @@ def test_simulators_import_numpy_scipy_and_each_other_only(name: str) -> None:
     packages, here = imported(SIMULATORS[name])
     assert packages <= ALLOWED, f"{name} imports {packages - ALLOWED}"
     assert here <= set(SIMULATORS), f"{name} imports {here - set(SIMULATORS)}"
+
+
+def test_a_stepped_supply_shows_both_sensitivities() -> None:
+    case = climate.supplied(1, climate.Unit(sample=1e-5, meter=1e-6, thermometer=1e-4))
+    for axis in "xy":
+        found = climate.plane(case, axis)
+        assert found["bias_supply"] == pytest.approx(case.truth[f"bias_supply {axis}"], rel=1e-3)
+        assert found["bias_supply_temperature"] == pytest.approx(
+            case.truth[f"bias_supply_temperature {axis}"], rel=1e-2
+        )
+
+
+def test_a_table_in_a_chamber_shows_its_scale_factor() -> None:
+    case = climate.on_table(1, climate.Unit(sample=1e-6))
+    table = case.tables["run1.csv"]
+    e, d = table.columns["temperature [degC]"] - 20.0, table.columns["supply [V]"] - 5.0
+    rate = table.columns["table [deg/s]"]
+    design = np.column_stack([rate, rate * e, rate * d, *(e**k for k in range(3)), d, d * e])
+    found, *_ = np.linalg.lstsq(design, table.columns["gyro_x [deg/s]"], rcond=None)
+    assert 100.0 * found[1] == pytest.approx(case.truth["scale_factor_error_temperature_1 x"], rel=1e-2)
+    assert 100.0 * found[2] == pytest.approx(case.truth["scale_factor_error_supply x"], rel=1e-2)
+
+
+def test_a_unit_that_is_pumped_out_steps_and_one_switched_on_dies_away() -> None:
+    unit = climate.Unit(vacuum=(0.04, 3e-4), sample=1e-6, polynomial=(0.02,) * 2, thermometer=0.0)
+    table = climate.pumped(1, unit, runs=1).tables["run1.csv"]
+    pressure, y = table.columns["pressure [Pa]"], table.columns["gyro_x [deg/s]"]
+    at_20 = np.abs(table.columns["temperature [degC]"] - 20.0) < 1.0
+    step = y[at_20 & (pressure < 1.0)].mean() - y[at_20 & (pressure > 1.0)].mean()
+    assert step == pytest.approx(0.04, rel=1e-3)
+    unit = climate.Unit(warm_up=((0.03, 0.0, 200.0),), sample=1e-7, turn_on=0.0, polynomial=(0.0, 0.0))
+    table = climate.warming(1, unit, starts=(20.0,), runs=1).tables["run1.csv"]
+    y = table.columns["gyro_x [deg/s]"]
+    assert y[20] == pytest.approx(0.03 * np.exp(-1.0), rel=1e-3)

@@ -30,7 +30,7 @@ from inertialcal.core.results import Interval, Row
 from inertialcal.core.schema.checksum import CHECKSUM
 from inertialcal.core.unit.magnitudes import LARGEST, SMALLEST, check_readings, check_sample_rate, is_possible
 from inertialcal.files import read, read_table
-from inertialcal.files.models.model_json import dump_model, parse_model
+from inertialcal.files.models.model_json import dump_model, parse_models
 from inertialcal.sensors.model.sensor_model import SensorModel
 from typed_commands import call, call_json
 from written_rows import results_text, sealed_text
@@ -259,9 +259,11 @@ def test_a_model_is_refused_with_its_key(
     key: str, value: Any, named: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "model.json"
-    path.write_text(sealed_text(model() | {key: value}))
-    with pytest.raises(DataError, match=f"^{path}: {named}") as caught:
-        parse_model(path.read_text(), str(path))
+    content = model()
+    content["models"][""][key] = value
+    path.write_text(sealed_text(content))
+    with pytest.raises(DataError, match=f"^{path}: models.{named}") as caught:
+        parse_models(path.read_text(), str(path))
     assert caught.value.problems[0].code == "schema"
     for words in (("show", path), ("compare", path, path), ("export", path, "--to", "c", "-o", tmp_path / "a.c")):
         assert call_json(capsys, *map(str, words))["exit"] == 3
@@ -274,7 +276,7 @@ def test_numbers_of_a_model(number: str) -> None:
     if number != HUGE:
         text = sealed_text(content)
     with pytest.raises(DataError) as caught:
-        parse_model(text)
+        parse_models(text)
     assert caught.value.problems[0].code in {"schema", "checksum", CODE}
 
 

@@ -259,3 +259,15 @@ def test_what_readings_held_out_say_of_a_model(judged: bool, verdict: str, words
     assert (
         "".join(map(str, findings.of_model(Branch({"judged": judged}, ""), Branch({"verdict": verdict}, "")))) == words
     )
+
+
+def test_each_condition_has_its_own_judgement() -> None:
+    rows = [{"condition": "air", "verdict": "INCONCLUSIVE"}, {"condition": "vacuum", "verdict": "PASS"}]
+    loop = Branch({"verdict": "INCONCLUSIVE", "axes": rows, "over_temperature": []}, "")
+    said = {
+        name: "".join(map(str, findings.of_model(Branch({"judged": name == "vacuum"}, ""), loop, name)))
+        for name in ("air", "vacuum", "orbit")
+    }
+    assert said["air"] == "Hold-out readings cannot show whether the model improves them"
+    assert said["vacuum"] == "Model judged on hold-out readings: PASS"
+    assert said["orbit"] == "Model not judged on hold-out readings"

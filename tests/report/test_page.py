@@ -282,6 +282,24 @@ def test_hostile_texts_are_shown_and_do_nothing(small: Files, text: str) -> None
     assert {name for _, found in page.tags for name in found} <= {n for _, found in plain.tags for n in found}
 
 
+def test_models_of_two_conditions_stand_one_after_the_other(small: Files) -> None:
+    results, model, provenance = copy.deepcopy(small)
+    assert model is not None
+    one = model["models"].pop("")
+    supply = {"channel": "supply", "unit": "V", "reference": 5.0, "bias": [0.0125] * len(one["axes"]),
+              "bias_temperature": None, "scale_factor": None, "range": None}  # fmt: skip
+    model["models"] = {"air": one, "vacuum": {**one, "sensitivities": [supply]}}
+    page = Page(report_html(results, model, provenance))
+    ids = [found["id"] for _, found in page.tags if "id" in found]
+    assert len(set(ids)) == len(ids)
+    assert {"apply-python", "apply-python-2"} <= set(ids)
+    pointers = [pointer for _, pointer, _ in page.data if pointer.startswith("model:/models/")]
+    assert any(pointer.startswith("model:/models/air/terms") for pointer in pointers)
+    assert "model:/models/vacuum/sensitivities/0/bias/0" in pointers
+    for value, pointer, _ in page.data:
+        assert repr(at((results, model, provenance), pointer)) == value
+
+
 @pytest.mark.slow  # half a minute
 def test_a_large_campaign_stays_small(made: tuple[Files, str]) -> None:
     files, _ = made

@@ -31,8 +31,11 @@ IDEAL = replace(
     acc_bias=0.0, gyro_bias=0.0, g_sensitivity=0.0, angle=Influence(0.0, "rad"), orientation=Influence(0.0, "rad"),
     repeatability=0.0,    gravity_error=Influence(0.0, "m/s^2"), clock=Influence(0.0), mounting=Influence(0.01, "rad"),
 )  # fmt: skip
+WARM = replace(SHORT, temperatures=(-20.0, 20.0, 60.0, 40.0, 0.0, 50.0, -10.0, 30.0), held_out=3)
+OVER_TEMPERATURE = ("bias_temperature", "scale_factor_error_temperature", "cross_axis_sensitivity_temperature")
 DIRECTION = {f"{axis}{sign}1": float(f"{sign}1") * row for axis, row in zip("xyz", np.eye(3), strict=True)
              for sign in "+-"}  # fmt: skip
+HELD_OUT = 3e-3  # of gravity in positions held out at other temperatures [m/s^2]
 RISK = 0.1  # of five kinds of outliers at 1 % each, in two tests, and of a disturbance
 
 
@@ -103,6 +106,37 @@ def test_from_files_to_a_score(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) 
         other = memory.get((row["test"], row["quantity"], row["sensor"], row["axis"]))
         if other is not None and other.value is not None:
             assert row["value"] == pytest.approx(factor.get(row["unit"], 1.0) * other.value, abs=1e-4 * row["u"])
+
+
+def test_several_temperatures_from_files_to_a_score(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Readings held out at other temperatures are compensated to the scatter of positions and faces."""
+    monkeypatch.setitem(RIGS, "warm", Rig("warm", "", lambda seed, changes: build(WARM, seed)))
+    simulate("warm", tmp_path / "d", 1)
+    outcome = run(tmp_path / "d")
+    assert {one["verdict"] for one in outcome.results["verdicts"]} == {"PASS"}
+    assert not outcome.results["remarks"]
+    loop = {one["axis"]: one for one in outcome.results["closed_loop"]["axes"]}
+    assert "FAIL" not in {one["verdict"] for one in loop.values()}
+    assert loop["accelerometer"]["compensated_rms"] < HELD_OUT < 0.02 * loop["accelerometer"]["raw_rms"]
+    found = score(tmp_path / "d")
+    assert found.estimated == len(found.rows)
+    for test in ("imu", "imu_held_out"):
+        warm = Counter(row["quantity"] for row in found.rows if row["test"] == test and row["power"])
+        assert warm == dict(zip(OVER_TEMPERATURE, (3, 3, 6), strict=True))
+
+
+def test_temperatures_change_nothing_else() -> None:
+    """The unit, the bench and the readings at the reference temperature are those of a bench without temperatures."""
+    one, other = build(SHORT, 1), build(replace(SHORT, temperatures=(20.0, 20.0)), 1)
+    np.testing.assert_array_equal(first_record(one)[0], first_record(other)[0])
+    assert set(one.truth) < set(other.truth)
+    assert {value.quantity for value in set(other.truth) - set(one.truth)} == {*OVER_TEMPERATURE}
+
+
+@pytest.mark.slow
+def test_intervals_over_temperature_hold_the_truth(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(RIGS, "warm", Rig("warm", "", lambda seed, changes: build(WARM, seed)))
+    assert not [one for one in score_rig("warm", 60, 1) if one.verdict == "FAIL"]
 
 
 @pytest.mark.slow

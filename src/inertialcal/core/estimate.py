@@ -303,12 +303,3 @@ class Estimate:
     def _repr_html_(self) -> str:
         """Return the same table for a notebook."""
         return html(self.parts())
-
-
-def placed_changes(component: Component, start: int, size: int) -> Array | None:
-    """Return the changes of some of the values as those of all of them; the others do not follow the unknowns."""
-    if component.changes is None:
-        return None
-    whole = np.zeros((len(component.changes), size))
-    whole[:, start : start + len(component.covariance)] = component.changes
-    return whole

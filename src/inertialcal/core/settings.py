@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Collection, Mapping
-from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass
+from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass, replace
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
@@ -117,6 +117,23 @@ def settings_of(plan: type[object]) -> tuple[Setting, ...]:
     hints = get_type_hints(plan, vars(sys.modules[plan.__module__]))
     known = fields(plan)  # type: ignore[arg-type]
     return tuple(_setting(one, hints[one.name]) for one in known if "from" not in one.metadata)
+
+
+def grouped_settings(kinds: Mapping[str, type[object] | None]) -> dict[str, tuple[Setting, ...]]:
+    """Return the settings of several dataclasses by group; what two of them have is the first one's.
+
+    An option whose word another setting has taken is called as its field is: ``--stop`` where ``--to`` is taken.
+    """
+    found: dict[str, tuple[Setting, ...]] = {}
+    names: set[str] = set()
+    options: set[str] = set()
+    for group, kind in kinds.items():
+        every = () if kind is None else settings_of(kind)
+        free = [one for one in every if one.name not in names]
+        found[group] = tuple(replace(one, flag_name="") if one.option in options else one for one in free)
+        names |= {one.name for one in every}
+        options |= {one.option for one in found[group]}
+    return found
 
 
 def _setting(one: Field[Any], hint: Any) -> Setting:

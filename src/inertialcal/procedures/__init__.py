@@ -17,7 +17,7 @@ from ..core.results import WrittenRow
 from ..core.show.rows import Compared
 from .protocol import Procedure, Quantity
 
-BUILT_IN = ("rate_table", "flip", "thermal", "static_noise", "sine", "mass_attraction", "positions")
+BUILT_IN = ("rate_table", "flip", "thermal", "static_noise", "sine", "mass_attraction", "positions", "sensitivity")
 
 PROCEDURES: Registry[Procedure[Any, Any, Any]] = Registry(
     "procedure",
@@ -72,15 +72,18 @@ def compared_in(rows: Iterable[WrittenRow]) -> Compared | None:
 
 
 def all_quantities() -> Mapping[str, Quantity]:
-    """Return what there is to say of a figure, whichever procedure gives it: the first that says it."""
+    """Return what there is to say of a figure, whichever procedure gives it, or every recording: the first says it."""
     return _quantities(tuple(PROCEDURES))
 
 
 @lru_cache(4)
 def _quantities(names: tuple[str, ...]) -> Mapping[str, Quantity]:
+    from .recorded import QUANTITIES  # noqa: PLC0415 - numpy starts slowly
+
     found: dict[str, Quantity] = {}
     for one in loaded_procedures():
         for name, quantity in one.quantities().items():
             known = found.get(name)
             found[name] = quantity if known is None else known.joined(quantity)
+    found.update((name, one) for name, one in QUANTITIES.items() if name not in found)
     return MappingProxyType(found)

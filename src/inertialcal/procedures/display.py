@@ -13,6 +13,7 @@ from ..core.results import Interval, Row
 from ..core.units import divide, factor, kind, kind_of_unit, normalise, power, same_dimension, si_unit
 from . import all_quantities
 
+CONDITIONS = ("degC", "V", "Pa")  # units that readings may change with
 PULSES = "count/s/(m/s^2)"  # scale factor of a pulse-rate converter
 
 
@@ -60,7 +61,7 @@ def _coefficient_unit(unit: str, sensor_unit: str) -> str:
     own = si_unit(sensor_unit)
     for rest in (
         "/sqrt(Hz)",
-        *(f"/{by}" for by in ("degC", "V")),
+        *(f"/{by}" for by in (*CONDITIONS, *(f"{by}/degC" for by in CONDITIONS))),
         *(f"/{by}^{j}" for by in ("degC", "V") for j in range(2, 13)),
     ):
         if unit == normalise(f"({own}){rest}") or unit == f"{own}{rest}":

@@ -7,7 +7,7 @@ clear is asked for, all of it at once.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -16,6 +16,7 @@ from ..core.errors import UsageError
 from ..core.key import AXES, Kind
 from ..core.settings import setting
 from ..core.units import divide, kind, normalise, parse_quantity
+from ..files.text.headers import bare_name
 
 if TYPE_CHECKING:
     from ..core.recording import Recording
@@ -213,7 +214,7 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
             raise UsageError(what, do="Each channel has its own column", code="duplicate_id")
     for role in spec.roles:
         if not any(what == role.name or what.startswith(f"{role.name}_") for what in taken):
-            found = _of_role(recording, role.kind, role.name)
+            found = _of_role(recording, role, spec.roles, set(taken.values()))
             if role.required and not found:
                 what = f"{given.name}: cannot tell which column is the {role.name}; it has {have}"
                 raise UsageError(what, do=f"Add: {given.add('column', f'{role.name}=COLUMN')}", code="no_column")
@@ -330,12 +331,20 @@ def _kinds(what: str, role: Role | None, sensor: Kind, counted: bool) -> tuple[s
     return (*own, "count") if counted and what.startswith("temperature") else own
 
 
-def _of_role(recording: Recording, quantity: str, name: str) -> dict[str, str]:
-    """Return the one channel of a quantity, or that of each axis."""
-    found = [one for one in recording.channels if one.quantity == quantity]
+def _of_role(recording: Recording, role: Role, roles: Sequence[Role], used: Set[str]) -> dict[str, str]:
+    """Return the one channel of a role's quantity, or that of each axis, which nothing else has.
+
+    Of several roles of one quantity only the first is guessed: the others are columns of their name.
+    """
+    alike = [one.name for one in roles if one.kind == role.kind]
+    left = [one for one in recording.channels if one.quantity == role.kind and one.name not in used]
+    own = [one for one in left if bare_name(one.name) == role.name]
+    if role.name != alike[0]:
+        return {role.name: own[0].name} if len(own) == 1 else {}
+    found = [one for one in left if bare_name(one.name) not in alike[1:]]
     if len(found) == 1:
-        return {name: found[0].name}
-    by_axis = {f"{name}_{one.axis}": one.name for one in found if one.axis in AXES}
+        return {role.name: found[0].name}
+    by_axis = {f"{role.name}_{one.axis}": one.name for one in found if one.axis in AXES}
     return by_axis if len(by_axis) == len(found) else {}
 
 

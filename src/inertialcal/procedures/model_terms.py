@@ -6,23 +6,48 @@ item, output and verdicts.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TypeVar
+from itertools import combinations
+from typing import Literal, get_args
 
 import numpy as np
 
 from ..core.curve import Curve
-from ..core.estimate import Array, Component, Estimate, placed_changes
+from ..core.errors import PlanError
+from ..core.estimate import Array, Component, Estimate
 from ..core.key import Key, Origin
 from ..core.remarks import Remark
 from ..core.results import Row
-from ..core.unknowns import Unknowns
+from ..core.units import factor
+from ..sensors.model.sensitivity import ChannelReference
 from ..sensors.model.sensor_model import Provenance
 from ..statistics.closed_loop import AxisLoop
 
-T = TypeVar("T")
-BIASES = ("bias", "bias_temperature")  # the other terms are entries of the matrix
+TermKind = Literal[
+    "scale_factor", "misalignment", "asymmetry", "bias", "g_sensitivity", "hysteresis", "warm_up", "sensitivity",
+    "noise",
+]  # fmt: skip
+KINDS: tuple[TermKind, ...] = get_args(TermKind)  # of terms: what [model] terms of a campaign decides on
+KIND_OF: Mapping[str, TermKind] = {
+    "scale_factor_error": "scale_factor",
+    "misalignment": "misalignment",
+    "scale_factor_asymmetry": "asymmetry",
+    "second_order": "asymmetry",
+    "third_order": "asymmetry",
+    "bias": "bias",
+    "bias_temperature": "bias",
+    "g_sensitivity": "g_sensitivity",
+    "bias_hysteresis": "hysteresis",
+    "bias_temperature_rate": "hysteresis",
+    "bias_warm_up": "warm_up",
+    "warm_up_time": "warm_up",
+}  # by quantity; every other parameter is a sensitivity to a recorded condition
+
+
+def kind_of(key: Key) -> TermKind:
+    """Return the kind of term that a parameter of the model is."""
+    return KIND_OF.get(key.quantity, "sensitivity")
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +57,8 @@ class ModelTerms:
     Parameters
     ----------
     estimate : Estimate or None
-        SI; it may hold more than the model takes. None where nothing could be estimated.
+        SI; it may hold more than the model takes. None where nothing could be estimated. Sources that another test
+        can share have their ``changes``: those of standards, and those with the test that found them.
     parameters : tuple of Key
         Of the estimate: those that are parameters of the model.
     axes : tuple of str
@@ -57,10 +83,13 @@ class ModelTerms:
         That terms over temperature refer to [degC].
     temperature_range : (float, float) or None
         That they hold for [degC].
-    taken_off : mapping of Origin to Unknowns
-        Unknowns of corrections that the readings had before, by origin.
-    changes : mapping of Origin to mapping of Key to ndarray, shape (s,)
-        By origin: what one standard uncertainty of each of those unknowns changes in a value of the estimate.
+    references : mapping of str to ChannelReference
+        By channel (``"supply"``, ``"pressure"``): what sensitivities refer to, and where they hold.
+    noise : Estimate or None
+        Terms of the noise, by axis: keys as rows of static noise have them, SI. They are shown and exported with the
+        model; no reading is compensated with them.
+    tests, after : tuple of str
+        Where they come from, and whose findings were taken off the readings before; the engine says it.
     """
 
     estimate: Estimate | None
@@ -76,57 +105,200 @@ class ModelTerms:
     referenced: bool = False
     reference_temperature: float | None = None
     temperature_range: tuple[float, float] | None = None
-    taken_off: Mapping[Origin, Unknowns] = field(default_factory=dict[Origin, Unknowns])
-    changes: Mapping[Origin, Mapping[Key, Array]] = field(default_factory=dict[Origin, Mapping[Key, Array]])
+    references: Mapping[str, ChannelReference] = field(default_factory=dict[str, ChannelReference])
+    noise: Estimate | None = None
+    tests: tuple[str, ...] = ()
+    after: tuple[str, ...] = ()
 
-    def with_bias_of(self, other: ModelTerms | None) -> ModelTerms:
-        """Return these with the bias of another reduction, taken as independent; without bias where there is none."""
-        if other is None:
-            return replace(self, parameters=tuple(key for key in self.parameters if key.quantity not in BIASES))
-        if self.estimate is None or other.estimate is None:
-            known = other if self.estimate is None else self
-            estimate, keys = known.estimate, known.parameters
-        else:
-            estimate = _merged(self.estimate, other.estimate)
-            chosen = {key for key in self.parameters if key.quantity not in BIASES}
-            chosen |= {key for key in other.parameters if key.quantity in BIASES}
-            keys = tuple(key for key in estimate.keys if key in chosen)
-        parameters = tuple(key for key in keys if set(key.axis) <= {*self.axes})
-        parts = {origin: (self.changes.get(origin, {}), other.changes.get(origin, {}))
-                 for origin in (*self.changes, *other.changes)}  # fmt: skip
+    def of_kinds(self, kinds: Collection[TermKind]) -> ModelTerms:
+        """Return the terms of some kinds alone."""
+        keys = tuple(key for key in self.parameters if kind_of(key) in kinds)
         return replace(
             self,
-            estimate=estimate,
-            parameters=parameters,
-            provenance=_of_each(self.provenance, other.provenance),
-            referenced=other.referenced,
-            taken_off={**self.taken_off, **other.taken_off},
-            changes={origin: _of_each(*pair) for origin, pair in parts.items()},
+            parameters=keys,
+            provenance={key: one for key, one in self.provenance.items() if key in keys},
+            noise=self.noise if "noise" in kinds else None,
+            bias_run_to_run=self.bias_run_to_run if "bias" in kinds else None,
         )
 
 
-def _of_each(mine: Mapping[Key, T], its: Mapping[Key, T]) -> dict[Key, T]:
-    """Return the matrix entries of one mapping by key, and the biases of the other."""
-    entries = {key: one for key, one in mine.items() if key.quantity not in BIASES}
-    return entries | {key: one for key, one in its.items() if key.quantity in BIASES}
+def joined_terms(parts: Sequence[ModelTerms]) -> ModelTerms:
+    """Return the terms of several reductions as those of one model, with their covariance.
+
+    Equal origins are the same unknowns: what two parts share is correlated, and what one took off the readings of the
+    other cancels in their sum. An origin without a test that found it belongs to its part, unless it is a standard.
+    A parameter of two parts is their sum: the second was found after the first had been taken off (``after``).
+
+    Parameters
+    ----------
+    parts : sequence of ModelTerms
+        At least one; a sensor's axes come in the order of the first that has them.
+
+    Raises
+    ------
+    PlanError
+        ``terms_twice`` if two parts give one parameter, and neither was taken off before the other; ``plans_differ``
+        if they refer to different temperatures, or ideal scale factors.
+    """
+    first, *others = parts
+    if not others:
+        return first
+    for one, other in combinations(parts, 2):
+        _check_once(one, other)
+    axes = tuple(dict.fromkeys(axis for one in parts for axis in one.axes))
+    keys = tuple(key for key in dict.fromkeys(key for one in parts for key in one.parameters))
+    scaled = next((one for one in parts if one.output_unit is not None or np.any(one.scale_factor != 1.0)), first)
+    known = [one for one in parts if one.estimate is not None and one.parameters]
+    return replace(
+        scaled,
+        estimate=_joint([one for one in known if one.estimate is not None], keys) if known else None,
+        parameters=keys,
+        axes=axes,
+        provenance={key: _origins([one.provenance[key] for one in parts if key in one.provenance]) for key in keys},
+        not_estimated={name: text for one in reversed(parts) for name, text in one.not_estimated.items()},
+        values={name: value for one in parts for name, value in one.values.items()},
+        input_range=_by_axis([(one.axes, one.input_range) for one in parts], axes),
+        bias_run_to_run=_run_to_run(parts, axes),
+        referenced=all(one.referenced for one in parts),
+        reference_temperature=_one([one.reference_temperature for one in parts], "reference_temperature"),
+        temperature_range=_common([one.temperature_range for one in parts]),
+        references={name: one for part in parts for name, one in part.references.items()},
+        noise=_joint_noise([one.noise for one in parts if one.noise is not None]),
+        tests=tuple(dict.fromkeys(test for one in parts for test in one.tests)),
+    )
 
 
-def _merged(matrix: Estimate, bias: Estimate) -> Estimate:
-    """Return the matrix entries of one estimate and the biases of another, taken as independent."""
-    a = matrix.select([key for key in matrix.keys if key.quantity not in BIASES])
-    b = bias.select([key for key in bias.keys if key.quantity in BIASES])
-    na, n = len(a.keys), len(a.keys) + len(b.keys)
-    components = (*(_placed(one, 0, n) for one in a.components), *(_placed(one, na, n) for one in b.components))
-    return Estimate((*a.keys, *b.keys), np.concatenate([a.values, b.values]), (*a.units, *b.units), components)
+def _check_once(one: ModelTerms, other: ModelTerms) -> None:
+    """Refuse two parts that give one parameter; a value that was found after the other adds to it."""
+    after = {*one.tests} & {*other.after} or {*other.tests} & {*one.after}
+    noise = [() if part.noise is None else part.noise.keys for part in (one, other)]
+    twice = [key for key in one.parameters if key in other.parameters and not after]
+    twice += [key for key in noise[0] if key in noise[1]]
+    if twice:
+        kinds = list(dict.fromkeys("noise" if key in noise[0] else kind_of(key) for key in twice))
+        mine, its = (", ".join(part.tests) for part in (one, other))
+        terms = " and ".join(kinds).replace("_", " ")
+        what = f"tests {mine} and {its} both give {terms} of one sensor in one condition ({twice[0]})"
+        do = (
+            f'Decide in [model]: terms = {{ {kinds[0]} = ["{one.tests[0]}"] }}; or give one of them use = "report_only"'
+        )
+        raise PlanError(what, why="a model has each term once", do=do, code="terms_twice")
 
 
-def _placed(component: Component, start: int, size: int) -> Component:
+def _joint(parts: Sequence[ModelTerms], keys: Sequence[Key]) -> Estimate:
+    """Return the values of all parts with their covariance; those of one key add."""
+    at = {key: i for i, key in enumerate(keys)}
+    values, units = np.zeros(len(keys)), [""] * len(keys)
+    whole: list[Component] = []
+    shared: dict[Origin, tuple[Component, dict[str, Array], Array]] = {}
+    for part in parts:
+        assert part.estimate is not None  # noqa: S101 - the caller has looked
+        own = part.estimate.select(part.parameters)
+        place = [at[key] for key in own.keys]
+        for i, value, unit in zip(place, own.values, own.units, strict=True):
+            values[i] += value if not units[i] else value * factor(unit, units[i], difference=True)
+            units[i] = units[i] or unit
+        for one in own.components:
+            origin, labels = one.origin, _labels(one)
+            dof = np.full(len(keys), np.inf)
+            dof[place] = one.dof
+            if labels is None or one.changes is None:
+                origin = origin if origin.test else origin._replace(test=", ".join(part.tests))
+                whole.append(_placed(replace(one, given=origin), place, dof))
+                continue
+            _, rows, least = shared.setdefault(origin, (one, {}, np.full(len(keys), np.inf)))
+            for label, row in zip(labels, one.changes, strict=True):
+                rows.setdefault(label, np.zeros(len(keys)))[place] += row
+            np.minimum(least, dof, out=least)
+    whole += [_of_changes(one, origin, rows, dof) for origin, (one, rows, dof) in shared.items()]
+    return Estimate(tuple(keys), values, tuple(units), tuple(whole))
+
+
+def _labels(one: Component) -> Sequence[str] | None:
+    """Return what tells the unknowns of a source apart, in all parts alike; None where another part cannot share it."""
+    if one.changes is None or not (one.origin.test or one.origin.standard):
+        return None
+    if one.unknowns:
+        return one.unknowns
+    if len(one.changes) == 1 or one.origin.test:  # unknowns of another test stand in their order
+        return [str(i) for i in range(len(one.changes))]
+    return None
+
+
+def _placed(one: Component, place: Sequence[int], dof: Array) -> Component:
     """Return a component of some of the values as one of all of them."""
-    at = slice(start, start + len(component.covariance))
-    covariance, dof = np.zeros((size, size)), np.full(size, np.inf)
-    covariance[at, at] = component.covariance
-    dof[at] = component.dof
-    return replace(component, covariance=covariance, dof=dof, changes=placed_changes(component, start, size))
+    covariance = np.zeros((len(dof), len(dof)))
+    covariance[np.ix_(place, place)] = one.covariance
+    changes = None
+    if one.changes is not None:
+        changes = np.zeros((len(one.changes), len(dof)))
+        changes[:, place] = one.changes
+    return replace(one, covariance=covariance, dof=dof, changes=changes)
+
+
+def _of_changes(one: Component, origin: Origin, rows: Mapping[str, Array], dof: Array) -> Component:
+    changes = np.array(list(rows.values())).reshape(len(rows), len(dof))
+    covariance = changes.T @ changes
+    unknowns = tuple(rows) if one.unknowns else ()
+    return replace(
+        one, given=origin, covariance=0.5 * (covariance + covariance.T), dof=dof, changes=changes, unknowns=unknowns
+    )
+
+
+def _origins(found: Sequence[Provenance]) -> Provenance:
+    """Return where a term of several tests comes from."""
+    tests = dict.fromkeys(one.test for one in found if one.test)
+    recordings = tuple(dict.fromkeys(name for one in found for name in one.recordings))
+    return Provenance(", ".join(tests), recordings, next((one.source for one in found if one.source), ""))
+
+
+def _run_to_run(parts: Sequence[ModelTerms], axes: Sequence[str]) -> Array | None:
+    """Return the scatter between power-ups of each axis, by the first part that has it; None where an axis has none."""
+    found: dict[str, float] = {}
+    for part in parts:
+        if part.bias_run_to_run is not None:
+            found = {**dict(zip(part.axes, part.bias_run_to_run.tolist(), strict=True)), **found}
+    return np.array([found[axis] for axis in axes]) if {*axes} <= {*found} else None
+
+
+def _by_axis(parts: Sequence[tuple[tuple[str, ...], Array | None]], axes: tuple[str, ...]) -> Array | None:
+    """Return the widest range of each axis that any part was tested over, shape (k, 2)."""
+    rows: dict[str, Array] = {}
+    for own, ranges in parts:
+        for axis, row in zip(own, () if ranges is None else ranges, strict=False):
+            known = rows.get(axis, row)
+            rows[axis] = np.array([min(known[0], row[0]), max(known[1], row[1])])
+    return np.array([rows.get(axis, np.zeros(2)) for axis in axes]) if rows else None
+
+
+def _one(given: Sequence[float | None], name: str) -> float | None:
+    known = sorted({one for one in given if one is not None})
+    if len(known) > 1:
+        what = f"tests that make one model differ in {name}: {', '.join(f'{one:g}' for one in known)} degC"
+        raise PlanError(what, why="their terms mean different things", do="Give them the same", code="plans_differ")
+    return known[0] if known else None
+
+
+def _common(given: Sequence[tuple[float, float] | None]) -> tuple[float, float] | None:
+    known = [one for one in given if one is not None]
+    return (max(low for low, _ in known), min(high for _, high in known)) if known else None
+
+
+def _joint_noise(parts: Sequence[Estimate]) -> Estimate | None:
+    """Return noise terms of several reductions; they share nothing."""
+    if not parts:
+        return None
+    keys = tuple(key for one in parts for key in one.keys)
+    components, start = [], 0
+    for one in parts:
+        place = list(range(start, start + len(one.keys)))
+        start += len(one.keys)
+        for component in one.components:
+            dof = np.full(len(keys), np.inf)
+            dof[place] = component.dof
+            components.append(_placed(component, place, dof))
+    values = np.concatenate([one.values for one in parts])
+    return Estimate(keys, values, tuple(unit for one in parts for unit in one.units), tuple(components))
 
 
 @dataclass(frozen=True, eq=False)

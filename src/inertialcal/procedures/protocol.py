@@ -8,7 +8,7 @@ that starts slowly, as options and help are made of them.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, Protocol, TypeVar
 
 from ..core.figure import FigureSpec
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from ..sensors.model.sensor_model import SensorModel
     from .entries import Entry, EntryKey, SaidSensor, SaidTest
     from .given import Described, GivenFile
-    from .model_terms import HeldOut, ModelTerms
+    from .model_terms import HeldOut, ModelTerms, TermKind
     from .suggestions import Claim, Draft, FolderFile, Suggestion
 
 T = TypeVar("T")
@@ -379,14 +379,23 @@ class Correction(Protocol):
         """That found it."""
         ...
 
+    @property
+    def unit(self) -> str:
+        """Of the readings that it is taken off: ``"rad/s"`` or ``"m/s^2"``."""
+        ...
+
+    @property
+    def reference_temperature(self) -> float | None:
+        """At which readings keep their bias where only its change is taken off [degC]; None: all of it is taken off."""
+        ...
+
     def apply(
         self, recordings: Sequence[tuple[str, Recording]]
     ) -> tuple[list[Recording], list[Mapping[Origin, Unknowns]]]:
-        """Return named recordings with it taken off, and for each what is not known of it, by origin."""
-        ...
+        """Return named recordings with it taken off, and for each what is not known of it, by origin.
 
-    def with_terms(self, terms: ModelTerms) -> ModelTerms:
-        """Return terms found after the correction with what was taken off: terms of the readings as they are."""
+        The unknowns of an origin are the same ones, in one order, whatever the recordings.
+        """
         ...
 
 
@@ -565,9 +574,15 @@ class Procedure(Generic[P, R, S]):
     counts_dwells: bool = True
     figures: Sequence[FigureSpec] = ()
     compared: Compared | None = None
-    makes_model: bool = False  # what is fitted becomes the model of the sensor
-    model_of_each: bool = False  # several sensors of a campaign may each have one
+    gives: tuple[TermKind, ...] = ()  # kinds of terms (``model_terms.KINDS``) that its ``terms`` can hold
+    judged_alone: bool = False  # each test held out by itself, on readings that nothing was taken off
     takes_corrections: bool = False  # readings may have taken off what another test found
+    no_corrections: str = ""  # why they may not
+
+    @property
+    def makes_model(self) -> bool:
+        """Whether a model can be made of its tests alone; noise alone is none."""
+        return any(kind != "noise" for kind in self.gives)
 
     # ---- from a file to what a campaign says of it -----------------------------------------------------------------
 
@@ -618,8 +633,8 @@ class Procedure(Generic[P, R, S]):
         return self.plan_type(**{**values, **self.plan_fields(facts)})
 
     def inputs_for(self, plan: P, corrections: Sequence[Correction] = ()) -> InputSpec:
-        """Return what is taken with this plan and after these corrections; always the same by default."""
-        return self.inputs
+        """Return what is taken with this plan; before a correction, temperatures by the body axis of their sensor."""
+        return replace(self.inputs, by_body=True) if corrections else self.inputs
 
     def readings(self, plan: P, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> R:
         """Return the readings of all sources of a test.
@@ -655,6 +670,13 @@ class Procedure(Generic[P, R, S]):
 
     def quantities(self) -> Mapping[str, Quantity]:
         """Return what there is to say of the figures that it can give, by quantity."""
+        return {}
+
+    def quantities_of(self, settings: Mapping[str, Any]) -> Mapping[str, Quantity]:
+        """Return the same of further figures of a test with these settings, as of channels that they name.
+
+        The settings are as a campaign file has them, and may be wrong.
+        """
         return {}
 
     def exclusions(self, test: Tested[P, R, S]) -> Iterator[Exclusion]:
@@ -712,20 +734,16 @@ class Procedure(Generic[P, R, S]):
     # ---- the model of a sensor --------------------------------------------------------------------------------
 
     def joined(self, tests: Sequence[Tested[P, R, S]]) -> tuple[P, R] | None:
-        """Return plan and readings of tests that make one model, to be reduced together; None for the result of one.
+        """Return plan and readings of tests that give the same terms, to be reduced together.
+
+        None where each has its own result: one test, or several that cannot be reduced together (two that give one
+        term are then refused).
 
         Raises
         ------
         PlanError
-            ``plans_differ`` if they cannot be: by default where there are several.
+            If they could be, but for their plans: ``plans_differ``.
         """
-        if len(tests) > 1:
-            from ..core.errors import PlanError  # noqa: PLC0415
-
-            names = ", ".join(one.id for one in tests)
-            what = f"tests {names} are all for a fit of the {self.name.replace('_', ' ')} of one sensor"
-            do = 'Name all recordings in one test, or give the others use = "report_only"'
-            raise PlanError(what, why="what they share would be counted twice", do=do, code="plans_differ")
         return None
 
     def terms(self, result: S, tests: Sequence[Tested[P, R, S]]) -> ModelTerms | None:

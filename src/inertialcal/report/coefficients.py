@@ -12,13 +12,12 @@ from ..core.show.rows import reason_text
 from ..core.units import divide
 from ..files.models.apply_c import c_text
 from ..files.models.apply_python import python_text
-from ..sensors.model.sensor_model import equation
+from ..sensors.model.sensor_model import SensorModel, formulas
 from ..sensors.model.serial import from_dict
+from ..sensors.model.terms import Parameter
 from .findings import Figure, Finding
 from .numbers import Branch, Number, Text
 from .sections import MODEL
-
-FORMULAS = 3  # lines of an equation before those that say what its symbols are
 
 
 @dataclass(frozen=True)
@@ -38,6 +37,8 @@ class Coefficient:
 class Delivered:
     """A model on the page."""
 
+    condition: str  # that it is for; empty where none is told apart
+    model: Branch  # what model.json holds of it, with pointers
     equation: list[str]
     coefficients: list[Coefficient]
     sentences: list[Finding]
@@ -46,31 +47,51 @@ class Delivered:
     c: str
 
 
-def delivered(content: Mapping[str, Any], model: Branch, rows: Sequence[Branch]) -> Delivered:
-    """Return what the page says of a model.
+def delivered(content: Mapping[str, Any], document: Branch, rows: Sequence[Branch]) -> list[Delivered]:
+    """Return what the page says of each model.
 
     Parameters
     ----------
     content : dict
         Of model.json.
-    model : Branch
+    document : Branch
         The same, with pointers.
     rows : sequence of Branch
         Rows of results.json.
     """
-    sensor = from_dict(content)
-    mine = {key_of(row): row for row in rows if row["test"] == MODEL}
+    named = {row["test"] for row in rows}
+    found = []
+    for condition, sensor in from_dict(content).items():
+        own = f"{MODEL}_{condition}"  # of the first condition: MODEL alone
+        mine = [row for row in rows if row["test"] == (own if own in named else MODEL)]
+        found.append(_delivered(sensor, document["models"][condition], mine))
+    return found
+
+
+def _delivered(sensor: SensorModel, model: Branch, rows: Sequence[Branch]) -> Delivered:
+    mine = {key_of(row): row for row in rows}
     listed = [_coefficient(one, model, mine) for one in sensor.parameters]
     unit = divide(sensor.output_unit, sensor.unit)
     scale = [(a, s, unit) for a, s in zip(model["axes"], model["terms"]["scale_factor"], strict=True)]
     found = [_sentence(one, mine) for one in sensor.parameters]
     return Delivered(
-        equation(sensor)[:FORMULAS], listed, [one for one in found if one], scale, python_text(sensor), c_text(sensor)
+        sensor.condition,
+        model,
+        formulas(sensor),
+        listed,
+        [one for one in found if one],
+        scale,
+        python_text(sensor),
+        c_text(sensor),
     )
 
 
-def _coefficient(one: Any, model: Branch, rows: Mapping[Key, Any]) -> Coefficient:
-    value: Any = model["terms"][one.field]
+def _coefficient(one: Parameter, model: Branch, rows: Mapping[Key, Any]) -> Coefficient:
+    value: Any = (
+        model["terms"][one.field]
+        if not one.channel
+        else next(other[one.part] for other in model["sensitivities"] if str(other["channel"]) == one.channel)
+    )
     for place in one.index:
         value = value[place]
     origin = model["provenance"].get(one.name)
@@ -88,7 +109,7 @@ def _coefficient(one: Any, model: Branch, rows: Mapping[Key, Any]) -> Coefficien
     )
 
 
-def _sentence(one: Any, rows: Mapping[Key, Any]) -> Finding:
+def _sentence(one: Parameter, rows: Mapping[Key, Any]) -> Finding:
     """Say an entry of the matrix, or a bias, in words; nothing where it was not estimated."""
     row = rows.get(one.key)
     if row is None or row["value"] is None or one.key.quantity not in {"scale_factor_error", "misalignment", "bias"}:

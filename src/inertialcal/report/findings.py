@@ -233,15 +233,25 @@ def of_remarks(remarks: Sequence[Branch]) -> Finding:
     return (severities([str(one["severity"]) for one in remarks]).capitalize(),)
 
 
-def of_model(model: Branch | None, loop: Branch) -> Finding:
-    """Say whether there is a model, and whether recordings held out have judged it."""
+def of_model(model: Branch | None, loop: Branch, condition: str = "") -> Finding:
+    """Say whether there is a model, and whether recordings held out, of its condition, have judged it."""
     if model is None:
         return ("No model is delivered",)
-    if loop["verdict"] == "INCONCLUSIVE":
+    if condition and model["judged"]:
+        return ("Model judged on hold-out readings: PASS",)
+    if is_open(loop, condition):
         return ("Hold-out readings cannot show whether the model improves them",)
     if not model["judged"]:
         return ("Model not judged on hold-out readings",)
     return ("Model judged on hold-out readings: ", loop["verdict"])
+
+
+def is_open(loop: Branch, condition: str = "") -> bool:
+    """Tell whether readings held out, of a condition where one is named, were too few to judge a model."""
+    if not condition:
+        return bool(loop["verdict"] == "INCONCLUSIVE")
+    every = (*loop["axes"], *loop["over_temperature"])
+    return any(row["verdict"] == "INCONCLUSIVE" for row in every if str(row["condition"]) == condition)
 
 
 def _unit(unit: str) -> str:

@@ -18,8 +18,8 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from ..core.show import rows as output_table
 from ..core.show import wording
+from ..core.show.output_tables import OutputTable, output_tables
 from ..core.show.rows import case_name, case_words, quantity_name, verdict_of
 from . import drawings, findings, numbers, record_length, sections
 from .coefficients import delivered
@@ -41,6 +41,7 @@ FILTERS: dict[str, Callable[..., Any]] = {
     "both": numbers.both,
     "sentence": findings.html,
     "bare": numbers.clean,
+    "quoted": Text,
     "words": wording.words,
     "case_words": case_words,
     "named": lambda row: Text(quantity_name(row)),
@@ -89,14 +90,14 @@ def _content(
     return {
         "r": r,
         "about": about_text(results, model),
-        "model": modelled,
+        "document": modelled,  # all of model.json
         "provenance": numbers.wrap(provenance, "provenance:"),
-        "delivered": None if model is None or modelled is None else delivered(model, modelled, lists["results"]),
+        "delivered": [] if model is None or modelled is None else delivered(model, modelled, lists["results"]),
         "sections": found,
         "models": [(sensor_of[one.test], one) for one in found if one.test in sensor_of],
         "model_lines": sections.table(row for row in lists["results"] if row["test"] == sections.MODEL),
         "highlights": highlights(r),
-        "output": output_table.output_rows(lists["results"], results["sequence"]),
+        "output": _of_several(output_tables(results["sensors"], results["sequence"], lists["results"])),
         "reaches": record_length.reaches(numbers.wrap(results["curves"], "curves:"), lists["results"]),
         "budgets": _named(sections.grouped(lists["budgets"], "test"), "budget"),
         "totals": sections.budgeted(lists["results"]),
@@ -110,6 +111,12 @@ def _content(
         "by_key": sections.by_key,
         "tally": wording.tally,
     }
+
+
+def _of_several(tables: list[OutputTable[numbers.Branch]]) -> list[OutputTable[numbers.Branch]]:
+    """Return tables that collect what several tests found; nothing where one test says it all."""
+    tests = {test for one in tables for line in one.lines for test in line.tests}
+    return tables if len(tests) > 1 else []
 
 
 def _named(groups: Iterable[tuple[tuple[str, ...], list[Any]]], kind: str) -> list[tuple[str, tuple[str, ...], Any]]:
@@ -152,7 +159,7 @@ def _blocks(page: dict[str, Any], room: Room) -> Iterator[tuple[str, Markup]]:
     for section in page["sections"]:
         yield from _of_section(section, page)
     if page["output"]:
-        yield "output", _block("output", output=page["output"], note=output_table.note)
+        yield "output", _block("output", tables=page["output"])
     if page["reaches"]:
         yield "noise", _block("noise", tests=record_length.by_test(page["reaches"]))
     for name, _, rows in page["judged"]:

@@ -20,6 +20,7 @@ BUILT_IN = (
     "mesa",
     "hand_held",
     "six_faces",
+    "climate",
 )
 DEMONSTRATED = "npsat1"  # where none is named
 

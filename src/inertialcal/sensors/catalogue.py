@@ -26,15 +26,18 @@ import numpy as np
 from numpy.polynomial import Polynomial
 
 from ..core.constants import REINEL_GRAVITY
+from ..core.errors import UsageError
 from ..core.key import Kind
 from ..core.units import factor
 from .chain.converter import Chain, Thermometer, pulse_counter
+from .flight import FlightEquation
 from .model.sensor_model import Item, Provenance, SensorModel
 
 XYZ = ("x", "y", "z")
 BADESCU = "Badescu, NPS thesis, 2011"
 CHESTNEY = "Chestney and Sicker, NASA TM-106980, 1996"
 REINEL = "Reinel, NASA TM X-53857, 1969"
+CORRECTED, AS_PRINTED = "corrected", "as_printed"  # States of a published model
 
 Relation = Literal["at most", "less than", "at least", "more than", "plus or minus", "equals"]
 
@@ -48,6 +51,13 @@ class Figure:
     value: float  # In ``unit``, as printed
     unit: str  # As ``core.units`` prints it
     note: str = ""  # Conditions
+    judged_by: str = ""  # Quantity of the results that says it; empty where no test does
+
+    @property
+    def said(self) -> str:
+        """What is printed, in words."""
+        words = f"{self.quantity} {self.relation} {self.value:g} {self.unit}"
+        return f"{words}, {self.note}" if self.note else words
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +71,7 @@ class PublishedSensor:
     figures: tuple[Figure, ...] = ()  # Data sheet and text
     chains: Mapping[str, Chain] = field(default_factory=dict)  # By range or purpose
     models: Mapping[str, SensorModel] = field(default_factory=dict)  # By state of correction
+    equations: Mapping[str, FlightEquation] = field(default_factory=dict)  # Of flight software, likewise
 
     def figure(self, quantity: str) -> Figure:
         """One figure by its quantity; KeyError names those there are."""
@@ -77,15 +88,24 @@ QRS11_FIGURES = (
     Figure("supply_noise_at_8.7_kHz", "less than", 1.0, "mV", "rms, within 0.5 kHz"),
     Figure("input_range", "plus or minus", 5.0, "deg/s"),
     Figure("full_scale_output", "plus or minus", 2.5, "V", "nominal"),
-    Figure("scale_factor_error", "at most", 1.0, "%", "of value, at 22 degC, typical"),
-    Figure("scale_factor_over_temperature", "at most", 0.03, "%/degC", "from 22 degC, typical"),
-    Figure("bias", "at most", 0.131, "deg/s", "at 22 degC"),
+    Figure("scale_factor_error", "at most", 1.0, "%", "of value, at 22 degC, typical", "scale_factor_error"),
+    Figure(
+        "scale_factor_over_temperature",
+        "at most",
+        0.03,
+        "%/degC",
+        "from 22 degC, typical",
+        "scale_factor_error_temperature_1",
+    ),
+    Figure("bias", "at most", 0.131, "deg/s", "at 22 degC", "bias"),
     Figure("bias_over_temperature", "at most", 0.117, "deg/s", "deviation from 22 degC"),
-    Figure("g_sensitivity", "at most", 0.02, "deg/s/g", "typical"),
+    Figure("g_sensitivity", "at most", 0.02, "deg/s/g", "typical", "g_sensitivity"),
     Figure("turn_on_time", "less than", 1.0, "s", "typical"),
     Figure("bandwidth", "more than", 60.0, "Hz", "90 deg phase"),
-    Figure("nonlinearity", "at most", 0.05, "%", "of full range, typical"),
-    Figure("output_noise", "at most", 0.004, "deg/s/sqrt(Hz)", "to 100 Hz; printed one row higher"),
+    Figure("nonlinearity", "at most", 0.05, "%", "of full range, typical", "linearity_error"),
+    Figure(
+        "output_noise", "at most", 0.004, "deg/s/sqrt(Hz)", "to 100 Hz; printed one row higher", "angle_random_walk"
+    ),
     Figure("operating_temperature_low", "at least", -40.0, "degC"),
     Figure("operating_temperature_high", "at most", 80.0, "degC"),
     Figure("storage_temperature_low", "at least", -55.0, "degC"),
@@ -165,15 +185,21 @@ def flight_unit() -> PublishedSensor:
     )
     printed = np.array(M_PERCENT) * factor("%", "1")
     mended = np.where(np.eye(3, dtype=bool), -printed, printed.T)
-    models = {
-        "corrected": _flight_model(mended, 1.0 / IDEAL_V_PER_DEG_S, "corrected"),
-        "as_printed": _flight_model(printed, 1.0, "as printed"),
+    states = {CORRECTED: (mended, IDEAL_V_PER_DEG_S), AS_PRINTED: (printed, 1.0)}  # M; volts in one deg/s of b_in_run
+    models = {name: _flight_model(matrix, 1.0 / volts, _source(name)) for name, (matrix, volts) in states.items()}
+    equations = {
+        name: FlightEquation(XYZ, np.array(B_IN_RUN), volts, np.array(B_CONS_DEG_S), matrix, _source(name))
+        for name, (matrix, volts) in states.items()
     }
-    item = Item("Systron Donner", "3 x QRS11-00005-565", "flight")
-    return PublishedSensor(item, "gyro", XYZ, f"{BADESCU}, Table 15", chains={"flight": chain}, models=models)
+    item, source = Item("Systron Donner", "3 x QRS11-00005-565", "flight"), f"{BADESCU}, Table 15"
+    return PublishedSensor(item, "gyro", XYZ, source, (), {"flight": chain}, models, equations)
 
 
-def _flight_model(errors: np.ndarray, deg_s_per_volt: float, state: str) -> SensorModel:
+def _source(state: str) -> str:
+    return f"{BADESCU}, Table 15, {state.replace('_', ' ')}"
+
+
+def _flight_model(errors: np.ndarray, deg_s_per_volt: float, source: str) -> SensorModel:
     """M = I + errors, and K0(T) = b_in_run + b_cons in powers of T - T_ref of each axis."""
     to_rad = factor("deg/s", "rad/s")
     nominal = zip(
@@ -194,7 +220,7 @@ def _flight_model(errors: np.ndarray, deg_s_per_volt: float, state: str) -> Sens
         reference_temperature=np.array(T_REFERENCE),
         input_range=np.array([[-span, span]] * 3),
         temperature_range=TEMPERATURES,
-        source=f"{BADESCU}, Table 15, {state}",
+        source=source,
     )
     names = [one.name for one in model.parameters]
     return replace(
@@ -202,6 +228,26 @@ def _flight_model(errors: np.ndarray, deg_s_per_volt: float, state: str) -> Sens
         not_estimated=dict.fromkeys(names, "published without covariance"),
         provenance=dict.fromkeys(names, Provenance(source=model.source)),
     )
+
+
+def published_sensor(name: str) -> PublishedSensor:
+    """Return a published sensor by its name here, or by the part that its document names, in any case.
+
+    Raises
+    ------
+    UsageError
+        ``unknown_sensor``, with those there are.
+    """
+    for key, made in CATALOGUE.items():
+        sensor = made()
+        if _plain(name) in {_plain(key), _plain(sensor.item.part), _plain(sensor.item.part.partition("-")[0])}:
+            return sensor
+    parts = (f"{key} ({made().item.part})" for key, made in CATALOGUE.items())
+    raise UsageError(f"No published sensor {name!r}", do=f"There are: {', '.join(parts)}", code="unknown_sensor")
+
+
+def _plain(name: str) -> str:
+    return "".join(letter for letter in name.lower() if letter.isalnum())
 
 
 CATALOGUE: Mapping[str, Callable[[], PublishedSensor]] = {

@@ -69,9 +69,9 @@ def judged(loops: Sequence[AxisLoop], share: float = 1.0) -> tuple[AxisLoop, ...
     better = holm([_p(-one.gain, one) for one in loops], RISK * share)
     rivals = _better_rivals(loops, share)
     found = []
-    for one, is_worse, is_better in zip(loops, worse, better, strict=True):
-        if one.axis in rivals:
-            reason = f"{rivals[one.axis]} does better on hold-out readings: the model is mixed up"
+    for i, (one, is_worse, is_better) in enumerate(zip(loops, worse, better, strict=True)):
+        if i in rivals:
+            reason = f"{rivals[i]} does better on hold-out readings: the model is mixed up"
             found.append(replace(one, verdict="FAIL", reason=reason))
         elif is_worse:
             reason = "worse on hold-out readings, beyond the uncertainty of the model"
@@ -91,17 +91,17 @@ def overall(loops: Sequence[AxisLoop]) -> Word:
     return "PASS" if found == {"PASS"} else "INCONCLUSIVE"
 
 
-def _better_rivals(loops: Sequence[AxisLoop], share: float) -> dict[str, str]:
-    """Return the mixed-up form that does better than the model, by axis, where one is shown to."""
-    tests = [(one.axis, name, p) for one in loops for name, p in one.rivals.items()]
+def _better_rivals(loops: Sequence[AxisLoop], share: float) -> dict[int, str]:
+    """Return the mixed-up form that does better than the model, by number of the loop, where one is shown to."""
+    tests = [(i, name, p) for i, one in enumerate(loops) for name, p in one.rivals.items()]
     if not tests:
         return {}
     shown = holm([p for _, _, p in tests], RISK * share / 2.0)
-    best: dict[str, tuple[float, str]] = {}
-    for (axis, name, p), significant in zip(tests, shown, strict=True):
-        if significant and p <= best.get(axis, (1.0, ""))[0]:
-            best[axis] = (p, name)
-    return {axis: name for axis, (_, name) in best.items()}
+    best: dict[int, tuple[float, str]] = {}
+    for (i, name, p), significant in zip(tests, shown, strict=True):
+        if significant and p <= best.get(i, (1.0, ""))[0]:
+            best[i] = (p, name)
+    return {i: name for i, (_, name) in best.items()}
 
 
 def _p(size: float, one: AxisLoop) -> float:

@@ -20,7 +20,7 @@ from inertialcal.core.influence import Influence
 from inertialcal.core.show.rows import case_name
 from inertialcal.core.units import convert, divide, factor, multiply, normalise, same_dimension
 from inertialcal.procedures.display import display_unit, stated_unit
-from inertialcal.procedures.model_terms import ModelTerms
+from inertialcal.procedures.model_terms import ModelTerms, joined_terms
 from inertialcal.procedures.rate_table.plan import Attitude
 from inertialcal.procedures.rate_table.procedure import PROCEDURE
 from inertialcal.procedures.rate_table.reduction import Plan, Readings, reduce
@@ -253,11 +253,13 @@ def test_a_model_of_two_reductions_keeps_what_was_stated() -> None:
     estimate = reduce(plan, readings).estimate
     assert estimate is not None
     terms = ModelTerms(estimate, estimate.keys, ("x", "y", "z"), {})
-    merged = terms.with_bias_of(terms).estimate
+    parts = [replace(terms.of_kinds([kind]), tests=(kind,)) for kind in ("scale_factor", "misalignment", "bias")]
+    merged = joined_terms(parts).estimate
     assert merged is not None
     for name in ("bias_x", "misalignment_xy"):
         stated = [
-            {(c.source, c.stated) for c in one.components if c.u[one.index(name)] > 0.0} for one in (estimate, merged)
+            {(c.origin._replace(test=""), c.stated) for c in one.components if c.u[one.index(name)] > 0.0}
+            for one in (estimate, merged)
         ]
         assert stated[0] == stated[1]
 

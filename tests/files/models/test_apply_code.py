@@ -22,7 +22,7 @@ from inertialcal.files.models.apply_python import python_text
 from inertialcal.files.models.model_file import load_model_file
 from inertialcal.sensors.catalogue import flight_unit
 from inertialcal.sensors.model.compensate import compensate
-from inertialcal.sensors.model.equation import Conditions, needed, predict
+from inertialcal.sensors.model.equation import Conditions, by_name, needed, predict
 from inertialcal.sensors.model.sensor_model import Item, SensorModel, to_output
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "sensors"))
@@ -104,6 +104,7 @@ def readings(model: SensorModel, seed: int) -> tuple[Array, Conditions]:
     """Inputs over the range, beyond it on two rows, zero and missing ones; temperatures beyond theirs on one."""
     here = conditions(model, seed)
     np.asarray(here["temperature"])[5] = 80.0
+    np.asarray(here["channels"]["supply"])[7] = 5.2
     x = inputs(replace(model, input_range=full(model)), seed)
     x[3:5] *= 1.5
     output = to_output(model, predict(model, x, **here))
@@ -121,6 +122,8 @@ def row(model: SensorModel, here: Conditions, n: int) -> dict[str, Any]:
     """Conditions of one reading, in the order of the arguments; temperatures one a sensor."""
     columns: Mapping[str, Any] = here
     given: dict[str, Any] = {name: np.asarray(columns[name])[n] for name in ORDER if name in needed(model)}
+    channels = [one.channel for one in model.sensitivities if one.channel not in ORDER]
+    given |= {f"channel_{name}": np.asarray(here["channels"][name])[n] for name in channels}
     for name in {"temperature", "temperature_rate"} & set(given):
         given[name] = np.array(np.broadcast_to(given[name], len(model.axes)))
     return given
@@ -174,6 +177,10 @@ def holds_there(model: SensorModel, x: Array, here: Conditions) -> NDArray[np.bo
         if ends is not None and name in needed(model):
             values = np.asarray(columns[name]).reshape(len(x), -1)
             inside &= np.all((values >= ends[0]) & (values <= ends[1]), axis=1)[:, np.newaxis]
+    for one in model.sensitivities:
+        if one.range is not None:
+            values = np.asarray(by_name(here)[one.channel])
+            inside &= ((values >= one.range[0]) & (values <= one.range[1]))[:, np.newaxis]
     return inside
 
 

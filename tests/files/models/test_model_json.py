@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from inertialcal.core.errors import DataError, StoreError
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.schema.checksum import checksum
-from inertialcal.files.models.model_json import dump_model, parse_model, read_model, write_model
+from inertialcal.files.models.model_json import dump_model, parse_models, read_model, write_model
 from inertialcal.sensors.catalogue import flight_unit
 from inertialcal.sensors.model.assemble import model_from
 from inertialcal.sensors.model.sensor_model import Item, Provenance, SensorModel
@@ -48,7 +48,7 @@ def code(action: Callable[[], object]) -> str:
 @given(NUMBERS, st.floats(-0.5, 0.5, allow_nan=False))
 def test_written_model_reads_back_to_the_bit(bias: float, scale: float) -> None:
     one = model(bias, scale)
-    assert to_dict(parse_model(dump_model(one))) == to_dict(one)
+    assert to_dict(parse_models(dump_model(one))) == to_dict(one)
 
 
 def test_file_there_and_back(tmp_path: Path) -> None:
@@ -91,28 +91,28 @@ def test_any_key_changed_by_hand_is_refused(key: str) -> None:
     content = json.loads(dump_model(model()))
     changes = {"judged": True, "matrix_order": "row = axis that is turned", "checksum": "sha256:00"}
     if key == "serial":
-        content["item"]["serial"] = "8"
+        content["models"][""]["item"]["serial"] = "8"
     else:
-        content[key] = changes[key]
-    assert code(lambda: parse_model(json.dumps(content))) == "checksum"
+        (content if key in content else content["models"][""])[key] = changes[key]
+    assert code(lambda: parse_models(json.dumps(content))) == "checksum"
 
 
 def test_missing_checksum_is_refused() -> None:
     content = json.loads(dump_model(model()))
     del content["checksum"]
-    assert code(lambda: parse_model(json.dumps(content))) == "checksum"
+    assert code(lambda: parse_models(json.dumps(content))) == "checksum"
 
 
 def test_new_layout_is_not_a_change() -> None:
     content = json.loads(dump_model(model()))
-    assert to_dict(parse_model(json.dumps(content, indent=8, sort_keys=True))) == to_dict(model())
+    assert to_dict(parse_models(json.dumps(content, indent=8, sort_keys=True))) == to_dict(model())
 
 
 def test_unknown_schema_version_is_refused_as_such() -> None:
     content = json.loads(dump_model(model()))
     content["schema_version"] = 99
     with pytest.raises(DataError, match="schema version 99 is not known"):
-        parse_model(json.dumps(content), "m.json")
+        parse_models(json.dumps(content), "m.json")
 
 
 @pytest.mark.parametrize(
@@ -127,7 +127,7 @@ def test_unknown_schema_version_is_refused_as_such() -> None:
     ],
 )
 def test_what_is_no_model_is_refused(text: str, expected: str) -> None:
-    assert code(lambda: parse_model(text, "m.json")) == expected
+    assert code(lambda: parse_models(text, "m.json")) == expected
 
 
 def test_missing_or_binary_file_is_refused(tmp_path: Path) -> None:
@@ -150,7 +150,7 @@ def test_mutated_files_never_raise_anything_else(data: st.DataObject) -> None:
     insert = data.draw(st.text(max_size=5))
     changed = text[:at] + insert + text[until:]
     try:
-        parsed = parse_model(changed)
+        parsed = parse_models(changed)
     except DataError:
         return
     assert to_dict(parsed) == to_dict(model())
@@ -166,11 +166,11 @@ def test_the_own_uncertainty_of_a_source_is_kept_and_older_files_lack_it() -> No
     assert one.estimate is not None
     part = replace(one.estimate.components[0], kind="B", stated=(0.05, "%"))
     stated = replace(one, estimate=replace(one.estimate, components=(part,)))
-    again = parse_model(dump_model(stated))
+    again = parse_models(dump_model(stated)).only()
     assert again.estimate is not None
     assert again.estimate.components[0].stated == (0.05, "%")
     older = to_dict(stated)
-    del older["estimate"]["components"][0]["stated"]
-    read = from_dict(older).estimate
+    del older["models"][""]["estimate"]["components"][0]["stated"]
+    read = from_dict(older).only().estimate
     assert read is not None
     assert read.components[0].stated is None

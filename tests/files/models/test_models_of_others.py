@@ -15,8 +15,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from inertialcal.core.errors import DataError, UsageError
-from inertialcal.core.estimate import Array
-from inertialcal.core.key import Kind
+from inertialcal.core.estimate import Array, Component, Estimate
+from inertialcal.core.key import Key, Kind
 from inertialcal.files.models import imu_tk, imucal, kalibr, realsense
 from inertialcal.files.models.formats import FORMATS as ALL
 from inertialcal.files.models.formats import read_models
@@ -26,6 +26,7 @@ from inertialcal.files.models.model_format import ImportedModels, ModelText
 from inertialcal.files.models.model_json import write_model
 from inertialcal.sensors.model.compensate import compensate
 from inertialcal.sensors.model.equation import predict
+from inertialcal.sensors.model.sensitivity import Sensitivity
 from inertialcal.sensors.model.sensor_model import INPUT_UNIT, SensorModel, to_output, to_readings
 
 EXACT = 1e-12  # relative
@@ -269,6 +270,53 @@ def test_a_file_as_kalibr_lays_it_out() -> None:
     texts = " ".join(remark.what for remark in found.remarks)
     assert "size effect" in texts
     assert "time_offset 0.012" in texts
+
+
+def noisy(kind: Kind, white: tuple[float, ...], walk: float, *more: tuple[str, float, str]) -> SensorModel:
+    """A sensor with its noise, an axis each; the walk in the units of a data sheet."""
+    unit, words = {"gyro": ("rad/s", ("angle", "rate")), "accelerometer": ("m/s^2", ("velocity", "acceleration"))}[kind]
+    figures = [
+        (Key(f"{words[0]}_random_walk", axis), n, f"{unit}/sqrt(Hz)") for axis, n in zip("xyz", white, strict=True)
+    ]
+    figures += [(Key(f"{words[1]}_random_walk", axis), walk, f"{unit}/sqrt(h)") for axis in "xyz"]
+    figures += [(Key(word, "x"), value, unit) for word, value, unit in more]
+    keys, values, units = zip(*figures, strict=True)
+    part = Component("scatter", "A", np.diag(np.array(values) * 0.1) ** 2, 5.0)
+    return replace(sensor(kind), noise=Estimate(keys, np.array(values), units, (part,)))
+
+
+def test_kalibr_gets_the_noise_of_the_models_that_have_it() -> None:
+    """The largest of the axes, as densities: K of 0.06 (rad/s)/sqrt(h) is 1e-3 (rad/s)/sqrt(s)."""
+    gyro = noisy("gyro", (1e-3, 3e-3, 2e-3), 0.06, ("bias_instability", 1e-4, "rad/s"))
+    content = parse_yaml(FORMATS["kalibr-model"].dump({"gyro": gyro}))
+    assert isinstance(content, dict)
+    found = {key: value for key, value in content["imu0"].items() if "noise" in key or "walk" in key}
+    assert found == {"gyroscope_noise_density": 3e-3, "gyroscope_random_walk": pytest.approx(1e-3, rel=1e-14)}
+    said = [one.what for one in FORMATS["kalibr-model"].cannot_hold({"gyro": gyro})]
+    assert "noise, gyro: bias instability" in said
+    assert "noise, gyro: differences between axes: the largest value is written" in said
+    both = FORMATS["kalibr-model"].dump({"gyro": gyro, "accelerometer": noisy("accelerometer", (0.01,) * 3, 0.6)})
+    assert "accelerometer_noise_density: 0.01" in both
+    assert "inertialcal allan" not in both
+
+
+def test_white_noise_of_two_axes_is_no_density() -> None:
+    gyro = noisy("gyro", (1e-3, 3e-3, 2e-3), 0.06)
+    assert gyro.noise is not None
+    some = replace(gyro, noise=gyro.noise.select(gyro.noise.keys[1:]))
+    assert "gyroscope_noise_density" not in FORMATS["kalibr-model"].dump({"gyro": some})
+    said = [one.what for one in FORMATS["kalibr-model"].cannot_hold({"gyro": some})]
+    assert "noise, gyro: no white noise of every axis: not written" in said
+
+
+def test_channels_that_formats_of_others_cannot_hold_are_said() -> None:
+    supply = Sensitivity("supply", "V", 5.0, np.full(3, 0.1), None, np.full(3, 0.01))
+    model = replace(sensor("gyro"), sensitivities=(supply,), condition="vacuum")
+    for one in FORMATS.values():
+        said = " ".join(remark.what for remark in one.cannot_hold({"gyro": model}))
+        assert "change of the bias with supply" in said
+        assert "change of the scale factor with supply" in said
+        assert "condition that the model is for" in said
 
 
 SNAP = imucal.dump({"accelerometer": sensor("accelerometer"), "gyro": sensor("gyro")})

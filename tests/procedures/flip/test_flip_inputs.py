@@ -14,6 +14,7 @@ from fitted_results import fit_results
 from inertialcal.campaign.engine.run import check, run
 from inertialcal.campaign.file.example import copy_example
 from inertialcal.campaign.file.load import load
+from inertialcal.campaign.models.find import load_model
 from inertialcal.campaign.twins.score import coverage, score
 from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import DataError, InertialcalError, PlanError
@@ -83,12 +84,14 @@ def refused(folder: Path, act: Callable[[Path], Any] = load) -> list[str]:
 def test_a_simulated_flip_finds_its_truth(simulated: Path) -> None:
     outcome = run(simulated)
     assert outcome.verdict == "PASS"
-    assert outcome.results["closed_loop"]["reason"] == "no model is made of a flip"
-    assert not (simulated / "out" / "model.json").exists()
+    assert outcome.results["closed_loop"]["reason"] == "no test is held out"
+    model = load_model(simulated)
+    assert {name for name in model.provenance if name.startswith("bias")} == {"bias_y", "bias_z"}
+    assert "scale_factor_error_y" in model.not_estimated
     found = score(simulated)
     named = {(row["quantity"], row["axis"]): row for row in found.rows}
     assert named["bias", "x"]["inside"] is None
-    assert found.estimated == 6
+    assert found.estimated == 8  # two of them of the model
     assert all(abs(row["value"] - row["truth"]) < 4.0 * row["u"] for row in found.rows if row["u"] is not None)
 
 
@@ -138,8 +141,9 @@ def test_groups_are_flips(published: Edit) -> None:
     assert "no row is in its groups (7)" in refused(missing, run)[0]
 
 
-def test_flips_may_share_readings_for_no_model_is_made_of_them(published: Edit) -> None:
-    run(published(('use = "report_only"\n', ""), ('recordings = ["filtered"]', 'recordings = ["unfiltered"]')))
+def test_two_flips_that_find_one_bias_are_refused(published: Edit) -> None:
+    folder = published(('use = "report_only"\n', ""), ('recordings = ["filtered"]', 'recordings = ["unfiltered"]'))
+    assert any("both give bias of one sensor" in one for one in refused(folder, run))
 
 
 # What is refused in a campaign file
@@ -169,8 +173,8 @@ def test_what_cannot_be_meant_is_refused(published: Edit, old: str, new: str, wo
 
 
 def test_a_model_cannot_take_a_term_from_a_flip(turned: Edit) -> None:
-    folder = turned(("[[requirements]]", '[model]\nterms = { bias = ["flip"] }\n\n[[requirements]]'))
-    assert any("'flip' is no test with use = 'fit' that a model is made of" in one for one in refused(folder))
+    folder = turned(("[[requirements]]", '[model]\nterms = { scale_factor = ["flip"] }\n\n[[requirements]]'))
+    assert any("'flip' is no test with use = 'fit' that gives it" in one for one in refused(folder))
 
 
 @pytest.mark.parametrize(

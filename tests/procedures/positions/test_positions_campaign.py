@@ -164,7 +164,7 @@ def test_a_model_that_corrects_nothing_neither_passes_nor_fails(folder: Path) ->
         ),
         ('file = "hand1.csv"\n', 'file = "hand1.csv"\norientations = ["faces"]\n', "deg away from any face"),
         ('id = "imu"\n', 'id = "imu"\nplan = { turns = 3 }\n', "unknown key plan.turns"),
-        ('use = "hold_out"', 'use = "fit"', "all for a fit of the positions of one sensor"),
+        ('use = "hold_out"', 'use = "fit"', "both give scale factor and misalignment and bias of one sensor"),
     ],
 )
 def test_a_mistake_in_the_campaign_is_named(folder: Path, tmp_path: Path, old: str, new: str, said: str) -> None:

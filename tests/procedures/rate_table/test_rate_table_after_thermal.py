@@ -17,12 +17,14 @@ from inertialcal.campaign.twins.fitted import fitted_tests
 from inertialcal.core.errors import DataError
 from inertialcal.core.key import Key
 from inertialcal.core.recording import Channel, Recording
+from inertialcal.procedures.model_terms import joined_terms
 from inertialcal.procedures.protocol import Facts
 from inertialcal.procedures.protocol import Tested as Done
 from inertialcal.procedures.rate_table import reduction as rate_table
 from inertialcal.procedures.rate_table.model.held_out import model_terms
 from inertialcal.procedures.thermal import reduction as thermal
 from inertialcal.procedures.thermal.correction import ThermalCorrection, law_of
+from inertialcal.procedures.thermal.terms import model_terms as thermal_terms
 from inertialcal.rigs.twin import SEED, Twin
 from inertialcal.statistics.intervals import contains, t_interval
 from npsat1_small import short_twin
@@ -110,6 +112,7 @@ def test_the_thermometer_and_the_converter_drop_out(found: dict[str, Fitted]) ->
     off = {one.source for one in estimate.components if one.source.startswith("thermal_ambient: ")}
     assert off == {
         "thermal_ambient: scatter between runs",
+        "thermal_ambient: order of the polynomial",
         "thermal_ambient: earth rate: latitude",
         "thermal_ambient: earth rate: tilt of the body",
         "thermal_ambient: earth rate: azimuth of the body",
@@ -124,7 +127,10 @@ def test_errors_of_the_polynomial_cancel_at_the_temperature_of_the_table(
     assert result.estimate is not None
     facts = Facts("gyro", "deg/s", "rad/s")
     rate = Done("rate", "", "fit", result.plan, result.readings, result, facts=facts)
-    whole = bias.with_terms(model_terms(result, [rate])).estimate
+    first = thermal_terms(bias.result, [found["thermal_ambient"].tested])
+    assert first is not None
+    later = replace(model_terms(result, [rate]), tests=("rate",), after=("thermal_ambient",))
+    whole = joined_terms([later, replace(first, tests=("thermal_ambient",))]).estimate
     assert whole is not None
     warmth = 25.0 - bias.result.plan.reference_temperature
     names = [n for n in whole.names if n == "bias_x" or (n.startswith("bias_temperature_") and n.endswith("_x"))]
@@ -198,9 +204,13 @@ def test_a_sensor_without_a_law_is_refused(bias: ThermalCorrection) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ('after = ["thermal_ambient"]', 'after = ["rate_check"]', "'rate_check' is no thermal test"),
+        ('after = ["thermal_ambient"]', 'after = ["rate_check"]', "'rate_check' is no flip or thermal test"),
         ('after = ["thermal_ambient"]', 'after = ["thermal_ambient_check"]', 'with use = "fit"'),
-        ('against = "thermal_ambient"', 'after = ["thermal_ambient"]', "only a rate_table has a bias taken off"),
+        (
+            'against = "thermal_ambient"',
+            'after = ["thermal_ambient"]',
+            "nothing is taken off the readings of a thermal test",
+        ),
     ],
 )
 def test_a_wrong_after_is_named(twin: Twin, tmp_path: Any, old: str, new: str, words: str) -> None:

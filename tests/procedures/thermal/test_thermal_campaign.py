@@ -67,12 +67,12 @@ def rows_of(outcome: Outcome, **want: str) -> list[dict[str, Any]]:
 def test_files_and_memory_give_the_same_figures(outcome: Outcome) -> None:
     memory = {one.test.id: one for one in fitted_tests(small(3))}
     compared = 0
-    for row in outcome.results["results"]:
+    for row in (row for row in outcome.results["results"] if row["test"] in memory):
         one = memory[row["test"]]
         assert one.rows is not None
         key = (row["quantity"], row["axis"])
         alike = [r for r in one.rows if (r.quantity, r.axis) == key and str(r.case) in (case_name(row), "")
-                 and (str(r.case) or case_name(row) in (AIR, VACUUM))]  # fmt: skip
+                 and (str(r.case) or case_name(row) in ("air", "vacuum"))]  # fmt: skip
         if row["quantity"] == "bias" and row["status"] == "estimated" and alike:
             assert row["value"] == pytest.approx(np.degrees(alike[0].value or 0.0), rel=1e-12)
             compared += 1
@@ -123,7 +123,7 @@ def test_budgets_add_up_to_the_figures(outcome: Outcome) -> None:
         sums[key] = sums.get(key, 0.0) + one["u"] ** 2
     for key, total in sums.items():
         (row,) = [r for r in rows_of(outcome, test=key[0], quantity=key[1], axis=key[2])
-                  if case_name(r) in (AIR, VACUUM) and r["power"] == key[3]]  # fmt: skip
+                  if case_name(r) in ("air", "vacuum") and r["power"] == key[3]]  # fmt: skip
         assert np.sqrt(total) == pytest.approx(row["u"], rel=1e-9), key
 
 

@@ -99,6 +99,6 @@ def test_ramps_elsewhere_are_refused() -> None:
 
 def test_rows_come_in_the_unit_of_the_sensor() -> None:
     one = judged(loops([left(1)], "rad/s"))[0]
-    row = residual_row(ResidualLoop("check", "air", one), "deg/s")
+    row = residual_row("air", ResidualLoop("check", "air", one), "deg/s")
     assert (row["test"], row["against"], row["axis"], row["unit"], row["runs"]) == ("check", "air", "x", "deg/s", 2)
     assert 0.02 < row["raw_rms"] < 0.5

@@ -9,6 +9,7 @@ from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.units import factor
 from inertialcal.sensors.model.assemble import NOT_ESTIMATED, in_units, model_from
+from inertialcal.sensors.model.sensitivity import ChannelReference
 from random_models import random_model
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -32,7 +33,9 @@ def test_model_of_its_own_estimate_is_the_model(seed: int) -> None:
         model.output_unit,
         reference_temperature=model.reference_temperature,
         reference_pressure=model.reference_pressure,
+        references={one.channel: ChannelReference(one.reference, one.unit, one.range) for one in model.sensitivities},
     )
+    assert [one.channel for one in again.sensitivities] == [one.channel for one in model.sensitivities]
     for name in {one.field for one in model.parameters}:
         np.testing.assert_allclose(again.terms[name], model.terms[name], rtol=1e-14, atol=1e-16, err_msg=name)
     assert {one.name for one in again.parameters} == set(model.estimate.names)

@@ -17,8 +17,10 @@ from inertialcal.sensors.model import compensate as module
 from inertialcal.sensors.model.compensate import compensate, felt_range, first_order, outside
 from inertialcal.sensors.model.equation import Conditions, condition_columns, curve, offset, predict
 from inertialcal.sensors.model.nonlinearity import rising_branch
+from inertialcal.sensors.model.sensitivity import Sensitivity
 from inertialcal.sensors.model.sensor_model import SensorModel
-from random_models import conditions, inputs, random_model
+from inertialcal.sensors.model.terms import SHAPES
+from random_models import at_row, conditions, inputs, random_model
 
 IDENTITY = 1e-12  # of full scale
 SEEDS = st.integers(0, 2**32 - 1)
@@ -62,8 +64,7 @@ def test_rows_do_not_depend_on_their_neighbours(seed: int) -> None:
     r = predict(model, x, **given_)
     whole = compensate(model, r, **given_)
     for i in range(len(r)):
-        own = {name: np.asarray(value)[i : i + 1] for name, value in given_.items()}
-        np.testing.assert_array_equal(compensate(model, r[i : i + 1], **own)[0], whole[i])
+        np.testing.assert_array_equal(compensate(model, r[i : i + 1], **at_row(given_, i))[0], whole[i])
 
 
 @settings(max_examples=30, deadline=None)
@@ -75,9 +76,13 @@ def test_order_of_the_axes_does_not_matter(seed: int) -> None:
     picked = {
         name: array[..., turn] if array.ndim == 1 or name in {"bias_temperature", "bias_warm_up"} else array[turn]
         for name, array in model.terms.items()
-        if name not in {"matrix", "warm_up_time"}
+        if name in SHAPES and name not in {"matrix", "warm_up_time"}
     }
-    other = replace(model, axes=("z", "x", "y"), matrix=model.matrix[:, turn][:, :, turn], **picked)  # type: ignore[arg-type]
+    sensitivities = tuple(
+        one.with_terms({name: array[turn] for name, array in one.terms.items()}) for one in model.sensitivities
+    )
+    matrix = model.matrix[:, turn][:, :, turn]
+    other = replace(model, axes=("z", "x", "y"), matrix=matrix, sensitivities=sensitivities, **picked)  # type: ignore[arg-type]
     r = predict(model, inputs(model, seed), **given_)
     turned: Conditions = {**given_, "temperature": np.asarray(given_["temperature"])[:, turn]}
     expected = compensate(model, r, **given_)[:, turn]
@@ -89,12 +94,23 @@ def test_order_of_the_axes_does_not_matter(seed: int) -> None:
     )
 
 
+def test_scale_factors_over_a_channel_take_the_plain_path_at_any_length() -> None:
+    supply = Sensitivity("supply", "V", 5.0, scale_factor=np.array([0.1, -0.05, 0.02]))
+    model = replace(random_model(5, k=3), sensitivities=(supply,))
+    given_ = conditions(model, 5)
+    r = predict(model, inputs(model, 5), **given_)
+    expected = compensate(model, r, **given_)
+    with compiled_from(1):
+        np.testing.assert_array_equal(compensate(model, r, **given_), expected)
+
+
 STILL: Conditions = {
     "temperature": 21.0,
     "pressure": 9e4,
     "time": 60.0,
     "temperature_rate": 0.01,
     "specific_force": np.array([0.1, 9.8, -0.3]),
+    "channels": {"supply": 5.1, "reference": 2.4, "board_temperature": 31.0},
 }
 
 
@@ -103,9 +119,10 @@ def forms(seed: int) -> list[tuple[SensorModel, Conditions]]:
     rng = np.random.default_rng(seed)
     whole = random_model(seed, k=3)
     drawn = conditions(whole, seed)
+    scaled, whole = whole, replace(whole, sensitivities=without_scale(whole.sensitivities))
     straight = replace(whole, scale_factor_asymmetry=None, second_order=None, third_order=None)
     alone = dict.fromkeys(("bias_pressure", "bias_warm_up", "warm_up_time", "bias_temperature_rate"))
-    alone |= dict.fromkeys(("bias_hysteresis", "g_sensitivity"))
+    alone |= dict.fromkeys(("bias_hysteresis", "g_sensitivity")) | {"sensitivities": ()}
     halves = rng.normal(0.0, 0.1, 3) * (rng.random(3) < 0.7)
     asymmetric = replace(straight, scale_factor_asymmetry=halves, matrix=whole.matrix[0], **alone)  # type: ignore[arg-type]
     shared: Conditions = {**drawn, "temperature": np.asarray(drawn["temperature"])[:, 0]}
@@ -115,6 +132,7 @@ def forms(seed: int) -> list[tuple[SensorModel, Conditions]]:
         (whole, drawn),
         (whole, shared),
         (whole, STILL),
+        (scaled, STILL),
         (straight, shared),
         (asymmetric, drawn),
         (asymmetric, shared),
@@ -122,6 +140,13 @@ def forms(seed: int) -> list[tuple[SensorModel, Conditions]]:
         (replace(whole, second_order=some, third_order=None, **alone), drawn),  # type: ignore[arg-type]
         (flight_unit().models["corrected"], shared),
     ]
+
+
+def without_scale(sensitivities: tuple[Sensitivity, ...]) -> tuple[Sensitivity, ...]:
+    """The same without the changes of scale factors, which the compiled loops do not know."""
+    return tuple(
+        replace(one, scale_factor=None) for one in sensitivities if len(one.parts) > ("scale_factor" in one.parts)
+    )
 
 
 def awkward_readings(model: SensorModel, seed: int, given_: Conditions) -> Array:
@@ -450,6 +475,39 @@ def test_conditions_outside_their_range_are_counted() -> None:
     x = compensate(model, r, temperature=temperature, pressure=pressure)
     remarks = {one.code: one.count for one in outside(model, x, r, temperature=temperature, pressure=pressure)}
     assert remarks == {"outside_temperature_range": 2, "outside_pressure_range": 1}
+
+
+def test_channels_outside_their_range_are_counted() -> None:
+    one = Sensitivity("supply", "V", 5.0, bias=np.ones(2), range=(4.9, 5.1))
+    model = plain(sensitivities=(one, Sensitivity("reference", "V", 2.5, bias=np.ones(2), range=(2.0, 3.0))))
+    r = np.zeros((3, 2))
+    given_: dict[str, Array | float] = {"supply": np.array([4.8, 5.0, 5.2]), "reference": 2.5}
+    (remark,) = outside(model, compensate(model, r, channels=given_), r, channels=given_)
+    assert (remark.code, remark.count, remark.where) == ("outside_channel_range", 2, "row 0")
+    assert "beyond the supply range (4.9 to 5.1 V)" in remark.what
+
+
+def test_a_channel_that_is_missing_is_named() -> None:
+    model = plain(sensitivities=(Sensitivity("supply", "V", 5.0, bias=np.ones(2)),))
+    with pytest.raises(DataError, match=r"no supply given \(the model has the term bias_supply\)") as caught:
+        compensate(model, np.zeros((1, 2)), channels={"reference": 2.5})
+    assert caught.value.problems[0].code == "missing_condition"
+
+
+def test_supply_by_hand() -> None:
+    """K0 = 0.1 + 0.2 d + 0.01 d (T - 20), M = 1 + 0.5 d, at d = 0.4 V and 30 degC."""
+    supply = Sensitivity("supply", "V", 5.0, np.array([0.2]), np.array([0.01]), np.array([0.5]))
+    bare = SensorModel("gyro", ("x",), np.ones(1), "rad/s", np.eye(1), np.array([0.1]))
+    model = replace(bare, reference_temperature=np.array([20.0]), sensitivities=(supply,))
+    r = predict(model, np.array([3.0]), channels={"supply": 5.4}, temperature=30.0)
+    assert r[0, 0] == pytest.approx(0.1 + 0.08 + 0.04 + 3.0 * 1.2, rel=1e-15)
+    assert compensate(model, r, channels={"supply": 5.4}, temperature=30.0)[0, 0] == pytest.approx(3.0, rel=1e-15)
+
+
+def test_a_scale_factor_that_vanishes_inside_the_range_of_a_channel_is_refused() -> None:
+    one = Sensitivity("supply", "V", 5.0, scale_factor=np.array([2.0, 0.0]), range=(4.4, 5.6))
+    with pytest.raises(DataError, match="cannot be inverted"):
+        compensate(plain(sensitivities=(one,)), np.zeros((1, 2)), channels={"supply": 5.0})
 
 
 def test_missing_readings_and_temperatures_stay_missing() -> None:

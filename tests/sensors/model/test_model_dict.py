@@ -22,7 +22,7 @@ SEEDS = st.integers(0, 2**32 - 1)
 def test_there_and_back_keeps_every_bit(seed: int) -> None:
     model = random_model(seed, estimated=True)
     content = to_dict(model)
-    again = from_dict(json.loads(json.dumps(content, allow_nan=False)))
+    again = from_dict(json.loads(json.dumps(content, allow_nan=False))).only()
     assert to_dict(again) == content
     for name in SHAPES:
         one, other = getattr(model, name), getattr(again, name)
@@ -44,13 +44,13 @@ def test_words_that_fix_the_meaning_stand_in_it() -> None:
     assert content["direction"].startswith("forward")
     assert content["matrix_order"] == "row = the sensor that reads, column = the axis that moves"
     assert content["apply_order"][-1] == "multiply by the inverse of M"
-    assert content["judged"] is False
-    assert content["schema_version"] == 1
+    assert content["models"][""]["judged"] is False
+    assert content["schema_version"] == 2
 
 
 def test_infinite_degrees_of_freedom_are_null() -> None:
     content = to_dict(random_model(1, estimated=True))
-    assert [one["dof"] is None for one in content["estimate"]["components"]] == [False, True]
+    assert [one["dof"] is None for one in content["models"][""]["estimate"]["components"]] == [False, True]
     text = json.dumps(content)
     assert "Infinity" not in text
     assert "NaN" not in text
@@ -59,40 +59,45 @@ def test_infinite_degrees_of_freedom_are_null() -> None:
 def test_some_infinite_degrees_of_freedom() -> None:
     model = random_model(1, k=1, estimated=True)
     content = to_dict(model)
-    content["estimate"]["components"][0]["dof"][0] = None
-    again = from_dict(content)
+    content["models"][""]["estimate"]["components"][0]["dof"][0] = None
+    again = from_dict(content).only()
     assert again.estimate is not None
     assert np.isinf(np.asarray(again.estimate.components[0].dof)[0])
     assert to_dict(again) == content
 
 
 def broken(change: dict[str, Any], drop: str = "") -> dict[str, Any]:
-    content = copy.deepcopy(to_dict(random_model(2, k=2, estimated=True))) | change
+    """Content with some words, or some keys of its model, changed or dropped."""
+    content = copy.deepcopy(to_dict(random_model(2, k=2, estimated=True)))
+    model = content["models"][""]
+    for key, value in change.items():
+        (content if key in content else model)[key] = value
     content.pop(drop, None)
+    model.pop(drop, None)
     return content
 
 
 @pytest.mark.parametrize(
     ("content", "code", "text"),
     [
-        (broken({"schema_version": 2}), "schema_version", "schema version 2 is not known"),
+        (broken({"schema_version": 3}), "schema_version", "schema version 3 is not known"),
         (broken({}, "schema_version"), "schema_version", "schema version None is not known"),
         (broken({"format": "kalibr"}), "schema", "not a model"),
         (broken({"direction": "inverse"}), "schema", "direction reads 'inverse'"),
         (broken({"matrix_order": "row = axis that is turned"}), "schema", "matrix_order reads"),
         (broken({"unit": "deg/s"}), "schema", "unit 'deg/s' for a"),
-        (broken({}, "terms"), "schema", "terms: Field required"),
+        (broken({}, "terms"), "schema", "models.terms: Field required"),
         (broken({"terms": {"drift": [1.0]}}), "schema", "unknown term.*drift"),
         (broken({"terms": {}}), "schema", "KeyError"),
-        (broken({"item": 5}), "schema", "item: should be"),
+        (broken({"item": 5}), "schema", "models.item: should be"),
         (broken({"item": {"colour": "red"}}), "schema", "colour"),
-        (broken({"estimate": []}), "schema", "estimate: should be"),
+        (broken({"estimate": []}), "schema", "models.estimate: should be"),
         (
             broken({"temperature_range": ["cold", "warm"]}),
             "schema",
-            r"temperature_range.0: should be a valid number \(and 1 more\)",
+            r"models.temperature_range.0: should be a valid number \(and 1 more\)",
         ),
-        (broken({"provenance": []}), "schema", "provenance: should be"),
+        (broken({"provenance": []}), "schema", "models.provenance: should be"),
     ],
 )
 def test_refused(content: dict[str, Any], code: str, text: str) -> None:

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from inertialcal.core.recording import Channel, Recording, Source
 from inertialcal.core.remarks import Remark
 from inertialcal.sensors.chain.converter import Chain
 from inertialcal.sensors.model.on_recordings import apply_chain, compensate_recording
+from inertialcal.sensors.model.sensitivity import Sensitivity
 from inertialcal.sensors.model.sensor_model import Item, SensorModel
 
 EARLIER = Remark("gaps", "info", "1 gap")
@@ -133,3 +136,26 @@ def test_unit_is_never_guessed() -> None:
     assert caught.value.problems[0].code == "no_unit"
     with pytest.raises(DataError, match="data are in 'g'"):
         compensate_recording(MODEL, recording(Channel("rate", np.array([0.4]), "g")), {"x": "rate"}, temperature=20.0)
+
+
+def test_other_channels_come_from_columns_in_any_unit() -> None:
+    """x = r - 0.5 (supply - 5 V) - 1e-6 (p - 1e5 Pa)."""
+    model = replace(
+        MODEL, matrix=np.eye(1), bias=np.zeros(1), bias_temperature=None, bias_pressure=np.array([1e-6]),
+        reference_pressure=1e5, sensitivities=(Sensitivity("supply", "V", 5.0, np.array([0.5])),),
+    )  # fmt: skip
+    raw = recording(
+        Channel("rate", np.array([0.4, 0.4]), "rad/s"),
+        Channel("bus", np.array([5000.0, 5200.0]), "mV"),
+        Channel("chamber", np.array([100.0, 0.0]), "kPa"),
+        Channel("dull", np.zeros(2)),
+    )
+    columns = {"x": "rate", "supply": "bus", "pressure": "chamber"}
+    done = compensate_recording(model, raw, columns)
+    np.testing.assert_allclose(done.channel("rate").data, [0.4, 0.4 - 0.1 + 0.1], rtol=1e-14)
+    beside = compensate_recording(model, raw, {"x": "rate"}, pressure=1e5, channels={"supply": np.array([5.0, 5.2])})
+    np.testing.assert_allclose(beside.channel("rate").data, [0.4, 0.3], rtol=1e-14)
+    with pytest.raises(DataError, match="no supply given"):
+        compensate_recording(model, raw, {"x": "rate", "pressure": "chamber"})
+    with pytest.raises(DataError, match="column 'dull' has no unit"):
+        compensate_recording(model, raw, columns | {"supply": "dull"})

@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array, Component, Estimate
-from inertialcal.sensors.model.assemble import model_from
+from inertialcal.sensors.model.assemble import model_from, with_parameters
 from inertialcal.sensors.model.compensate import compensate
 from inertialcal.sensors.model.equation import Conditions, condition_columns, predict
 from inertialcal.sensors.model.sensor_model import SensorModel
-from inertialcal.sensors.model.terms import values, with_values
+from inertialcal.sensors.model.terms import values
 from inertialcal.sensors.model.uncertainty import compensated_uncertainty, point, reading_by, without_uncertainty
 from random_models import conditions, inputs, random_model
 
@@ -25,8 +25,7 @@ TRUNCATION = 3e-6  # of the largest derivative, for that step
 def moved(model: SensorModel, name: str, by: float) -> SensorModel:
     one = next(p for p in model.parameters if p.name == name)
     value = float(values([one], model.terms)[0])
-    terms = with_values(model.terms, {one: value + by})
-    return replace(model, estimate=None, **terms)  # type: ignore[arg-type]
+    return with_parameters(model, {one: value + by})
 
 
 def sizes(model: SensorModel, x: Array, given_: Conditions) -> dict[str, float]:
@@ -122,8 +121,8 @@ def test_monte_carlo_over_the_covariance_agrees() -> None:
     chosen = [by_name[name] for name in model.estimate.names]
     found = np.empty((draws, 3))
     for i, row in enumerate(drawn):
-        terms = with_values(model.terms, dict(zip(chosen, map(float, row), strict=True)))
-        found[i] = compensate(replace(model, estimate=None, **terms), r, **given_)[0]  # type: ignore[arg-type]
+        one = with_parameters(model, dict(zip(chosen, map(float, row), strict=True)))
+        found[i] = compensate(one, r, **given_)[0]
     u = compensated_uncertainty(model, r, **given_)[0]
     np.testing.assert_allclose(found.std(axis=0, ddof=1), u, rtol=4.0 / np.sqrt(2.0 * draws) + 0.01)
 

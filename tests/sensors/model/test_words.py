@@ -5,8 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from inertialcal.core.estimate import Component, Estimate
+from inertialcal.core.key import Key
 from inertialcal.core.units import normalise
 from inertialcal.sensors.catalogue import flight_unit
+from inertialcal.sensors.model.sensitivity import Sensitivity
 from inertialcal.sensors.model.sensor_model import Item, Provenance, SensorModel, equation, lines, show
 from random_models import random_model
 
@@ -117,3 +120,32 @@ def test_reasons_and_origins_stand_beside_each_parameter() -> None:
     assert "bias_x = 0 rad/s  (one run; a table)" in text
     assert "standard deviation: 0.016 deg/s" in text
     assert "inputs -5 to 4 deg/s; pressures 0 to 100000 Pa" in text
+
+
+def test_a_model_over_supply_in_words() -> None:
+    supply = Sensitivity("supply", "V", 5.0, np.array([0.02]), np.array([1e-4]), np.array([0.3]), (4.85, 5.15))
+    noise = Estimate(
+        (Key("angle_random_walk", "x"),),
+        np.array([1.5e-4]),
+        ("rad/sqrt(s)",),
+        (Component("fit", "A", np.array([[1e-10]]), 9.0),),
+    )
+    bare = SensorModel("gyro", ("x",), np.full(1, 28.6), "V", np.eye(1), np.zeros(1), condition="vacuum")
+    model = replace(bare, reference_temperature=np.full(1, 25.0), sensitivities=(supply,), noise=noise)
+    assert equation(model)[:4] == [
+        "u = M(supply) x,  M(supply) = M_0 + diag(s_supply) d_supply",
+        "v = S0 * { K0 + u } + noise",
+        "K0 = bias + b_supply d_supply + b_supply_T d_supply (T - T_ref)",
+        "d_supply = supply - 5 V",
+    ]
+    said = {one.name: one for one in lines(model)}
+    assert said["bias_supply_x"].words == "x bias, change with supply"
+    assert (said["bias_supply_x"].value, said["bias_supply_x"].unit) == (0.02, "rad/s/V")
+    assert said["bias_supply_temperature_x"].words == "x bias, change with supply and T - T_ref together"
+    assert said["bias_supply_temperature_x"].unit == "rad/s/V/degC"
+    assert said["scale_factor_error_supply_x"].words == "x scale factor, change with supply"
+    assert said["scale_factor_error_supply_x"].unit == "1/V"
+    for text in (show(model), str(model)):
+        assert "condition vacuum" in text
+        assert "supply 4.85 to 5.15 V" in text
+        assert "noise, angle random walk: x 0.000150 ± 0.000010 rad/sqrt(s)" in text

@@ -68,6 +68,20 @@ def test_a_scale_that_is_no_unit() -> None:
     assert found.factor == pytest.approx(2.0, rel=0.01)
 
 
+@pytest.mark.parametrize(("before", "after", "noise"), [(101_325.0, 1e-3, 2e-2), (4.85, 5.15, 4e-5), (4.85, 5.15, 0.0)])
+def test_a_scale_that_changes_with_a_condition_is_none(before: float, after: float, noise: float) -> None:
+    x = still(bias=np.array([3.0, 1.0, -2.0]))
+    x[AT:] *= 2.0
+    gauge = 1.0 + noise * np.random.default_rng(2).standard_normal(N)
+    assert [one.code for one in judged(x, conditions=[before * gauge])] == ["scale_changed"]
+    stepped = np.where(np.arange(N) < AT, before, after) * gauge
+    assert judged(x, conditions=[stepped]) == ()
+    slow = np.interp(np.arange(N), [AT - 200, AT + 200], [before, after]) * gauge
+    assert [one.code for one in judged(x, conditions=[slow])] == ["scale_changed"]
+    x[AT:] *= 0.5 * DEG
+    assert [one.code for one in judged(x, conditions=[stepped])] == ["unit_changed"]
+
+
 @pytest.mark.parametrize("record", [still, by_hand])
 @pytest.mark.parametrize("axes", [[0, 1, 2], [2]])
 def test_sign(record: Any, axes: Any) -> None:

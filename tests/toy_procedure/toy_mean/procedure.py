@@ -48,7 +48,8 @@ class MeanReading(Procedure[Plan, "Readings", "Result"]):
     planner = Command("mean-reading", "How many recordings a mean needs.")
     plan_type, said_type, planner_type, influences = Plan, OfFile, Wanted, INFLUENCES
     counts_dwells = False
-    makes_model = takes_corrections = True
+    gives = ("bias",)
+    takes_corrections = True
     uses = frozenset({"fit", "hold_out", "report_only"})
     inputs = InputSpec(("gyro", "accelerometer"), (Role("temperature", "temperature", "degC"),), table="mean_table")
     figures = (

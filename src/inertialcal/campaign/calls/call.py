@@ -27,7 +27,7 @@ from ...core.recording import Recording
 from ...core.remarks import Remark, gather
 from ...core.results import Row
 from ...core.schema.settings import settings_values
-from ...core.settings import Setting, settings_of
+from ...core.settings import Setting, grouped_settings, settings_of
 from ...core.show.frames import frame_of_rows
 from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.tables import Block, html, text
@@ -135,8 +135,8 @@ class Reduced:
     @property
     def models(self) -> dict[str, SensorModel]:
         """Models by kind of sensor, of those that the readings could carry and that readings held out do not refute."""
-        every = () if self.whole.modelled is None else self.whole.modelled.every
-        return {one.model.kind: one.model for one in every if one.model is not None and one.verdict != "FAIL"}
+        made = () if self.whole.modelled is None else self.whole.modelled.delivered
+        return {one.model.kind: one.model for one in made if one.model is not None}
 
     @property
     def errors(self) -> tuple[Remark, ...]:
@@ -327,13 +327,7 @@ def _reduced(document: Document, files: Files) -> tuple[Campaign, Whole, list[Re
 def settings_by_group(procedure: Procedure[Any, Any, Any]) -> dict[str, tuple[Setting, ...]]:
     """Return the settings of a noun by what they are of: the recordings, the file, the plan, what is shown."""
     own = {"plan": procedure.plan_type, "own": procedure.said_type, "said": Said, "shown": procedure.shown_type}
-    found: dict[str, tuple[Setting, ...]] = {}
-    names: set[str] = set()
-    for group, kind in own.items():
-        every = () if kind is None else settings_of(kind)
-        found[group] = tuple(one for one in every if one.name not in names)
-        names |= {one.name for one in every}
-    return found
+    return grouped_settings(own)
 
 
 def split_settings(procedure: Procedure[Any, Any, Any], given: Mapping[str, Any]) -> dict[str, dict[str, Any]]:

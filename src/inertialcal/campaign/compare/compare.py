@@ -24,7 +24,7 @@ from ..file.decisions import read_decision
 from .allowed_change import Allowed, allowed_for, is_named, parse_allowed
 from .common import common_of
 from .differences import Difference, P, differences, is_scatter, matched, quantities_compared, rows_remark
-from .sources import Kind, load_both
+from .sources import Compared, Kind, load_both
 
 
 @dataclass(frozen=True)
@@ -74,8 +74,9 @@ def compare(
     allowed: Sequence[str] = (),
     decision: str = "",
     shared: Sequence[str] = (),
+    condition: str | None = None,
 ) -> Comparison:
-    """Compare two models, or the results of two campaigns.
+    """Compare two models, or the results of two campaigns; models for several conditions condition by condition.
 
     Parameters
     ----------
@@ -90,6 +91,8 @@ def compare(
         95 % interval where not given.
     shared : sequence of str
         Standards whose error is the same in both though the campaigns do not say so: ``"rate_table.mounting"``.
+    condition : str, optional
+        Of which models are compared, where the files have several.
 
     Raises
     ------
@@ -105,7 +108,20 @@ def compare(
             do="Add --allowed CHANGE, the largest that is allowed",
             code="decision",
         )
-    kind, one, other = load_both(first, second)
+    kind, sides, gone = load_both(first, second, condition)
+    found = [_compared(kind, one, other, stated, rule, shared) for one, other in sides]
+    remarks = list(dict.fromkeys(remark for one in found for remark in one.remarks))
+    if gone:
+        what = f"only one of the two has a model for {', '.join(gone)}: not compared"
+        remarks.append(Remark("condition_not_in_both", "warning", what, count=len(gone)))
+    return replace(
+        found[0], differences=tuple(each for one in found for each in one.differences), remarks=tuple(remarks)
+    )
+
+
+def _compared(
+    kind: Kind, one: Compared, other: Compared, stated: Sequence[Allowed], rule: Rule, shared: Sequence[str]
+) -> Comparison:
     pairs, remarks = matched(one.rows, other.rows, by_test=kind == "results")
     if not pairs:
         raise DataError(

@@ -6,19 +6,19 @@ import json
 import math
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
-from ...core.errors import DataError
+from ...core.errors import DataError, UsageError
 from ...core.estimate import AFTER, Component, Estimate
 from ...core.influence import Drawn, Influence, Occasion, Selection, influence_of, influence_read
 from ...core.key import Key, Method
 from ...core.results import Row, key_of
 from ...core.times import read_instant
-from ...files.models.model_file import load_model_file
+from ...files.models.model_file import ModelFile, load_model_file
 from ...files.source import load
 from ...procedures.display import displayed
 from ...sensors.model.sensor_model import FIELD_UNIT
@@ -81,11 +81,30 @@ class Compared:
         return self.selections.get(row.test, self.selections.get("", ()))
 
 
-def load_both(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> tuple[Kind, Compared, Compared]:
+def load_both(
+    first: str | os.PathLike[str], second: str | os.PathLike[str], condition: str | None = None
+) -> tuple[Kind, tuple[tuple[Compared, Compared], ...], tuple[str, ...]]:
     """Return both sides, each a file or the folder of a campaign: models if one is a model file, else results.
+
+    Parameters
+    ----------
+    condition : str, optional
+        Of which models are compared; those that both files have, where not given.
+
+    Returns
+    -------
+    Kind
+        What they are.
+    tuple of (Compared, Compared)
+        A pair for the results, or for the models of each condition.
+    tuple of str
+        Conditions of which only one file has a model.
 
     Raises
     ------
+    UsageError
+        ``condition_of_results``; ``condition_needed`` where one file has a model for every condition, and the other
+        several; ``no_such_condition``.
     DataError
         ``different_kinds`` for a model and results, or models of an accelerometer and a gyro;
         ``no_results`` for a folder that was never run;
@@ -101,7 +120,18 @@ def load_both(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> 
                 do="Name two models, two results, or the folders of two campaigns",
                 code="different_kinds",
             )
-    one, other = (_model(Path(path)) if kind == "models" else _results(Path(path)) for path in (first, second))
+    if kind == "results":
+        if condition is not None:
+            do = "Leave it out: results are compared test by test, each in its condition"
+            raise UsageError("--condition is for models", do=do, code="condition_of_results")
+        return kind, ((_results(Path(first)), _results(Path(second))),), ()
+    one_file, other_file = _models(Path(first)), _models(Path(second))
+    both = [name for name in one_file.models if name in other_file.models]
+    single = len(one_file.models) == len(other_file.models) == 1
+    wanted: list[str | None] = [condition] if condition is not None or single or not both else [*both]
+    gone = [name for name in dict.fromkeys((*one_file.models, *other_file.models)) if name not in both]
+    pairs = tuple((_model(one_file, name, not single), _model(other_file, name, not single)) for name in wanted)
+    one, other = pairs[0]
     if one.sensor != other.sensor:
         raise DataError(
             f"one is a model of the {one.sensor}, the other of the {other.sensor}",
@@ -110,7 +140,7 @@ def load_both(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> 
             do="Name two models of one kind of sensor",
             code="different_kinds",
         )
-    return kind, one, other
+    return kind, pairs, () if condition is not None or single else tuple(gone)
 
 
 def _kind_of(path: Path) -> str:
@@ -120,14 +150,20 @@ def _kind_of(path: Path) -> str:
     return "models" if content.get("format") == FORMAT else "results"
 
 
-def _model(path: Path) -> Compared:
-    source = find_model(path) if path.is_dir() else load_model_file(path)
-    model = source.model
+def _models(path: Path) -> ModelFile:
+    return find_model(path) if path.is_dir() else load_model_file(path)
+
+
+def _model(source: ModelFile, condition: str | None, said: bool) -> Compared:
+    """Return one side; the condition stands in its rows where it is said."""
+    model = source.models.only(condition, source.path)
+    label = model.condition if said else ""
+    rows = [replace(row, condition=label) for row in model_rows(model)]
     components = () if model.estimate is None else model.estimate.components
     return Compared(
         source.path,
         source.sha256,
-        tuple(displayed(row, FIELD_UNIT[model.kind]) for row in model_rows(model)),
+        tuple(displayed(row, FIELD_UNIT[model.kind]) for row in rows),
         model.item.serial,
         frozenset(_source(one) for one in components if one.kind == "B" and one.u.any()),
         _recordings(Path(source.path)),
@@ -135,7 +171,7 @@ def _model(path: Path) -> Compared:
         model.influences,
         {"": model.occasion},
         {"": model.selections},
-        {} if model.estimate is None else _parts_of_model(model.estimate, model_rows(model)),
+        {} if model.estimate is None else _parts_of_model(model.estimate, rows),
     )
 
 

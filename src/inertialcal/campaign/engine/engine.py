@@ -19,6 +19,7 @@ from ...core.show.rounding import number
 from ...procedures import procedure_of
 from ...procedures.display import displayed
 from ...procedures.protocol import Correction, Exclusion, Facts, P, Procedure, R, Result, S, Tested
+from ...procedures.recorded import QUANTITIES as RECORDED
 from ...signals.screening.screen import NO_READINGS
 from ...signals.time.sample_rates import rate_remarks
 from ..file.load import Campaign
@@ -56,7 +57,8 @@ class Prepared:
     """A test ready to be reduced.
 
     Its entry, facts, plan and readings; SHA-256 of its files by path; its recordings; samples that the gate left out;
-    what recordings hold, where it is compared with others; what drew the errors of standards in it.
+    what recordings hold, where it is compared with others; what drew the errors of standards in it; what each of its
+    recordings gives, where a requirement asks for it.
     """
 
     test: Test
@@ -68,6 +70,7 @@ class Prepared:
     screened: tuple[Exclusion, ...] = ()
     contents: tuple[Content, ...] = ()
     occasion: Occasion = field(default_factory=Occasion)
+    recorded: tuple[Row, ...] = ()
 
     @property
     def selection(self) -> Selection:
@@ -184,14 +187,34 @@ def prepare_test(
     rates = [remark for sensor in facts for remark in rate_remarks(_rates(sources, sensor))]
     known = {(one.code, one.what) for one in readings.remarks}
     unsaid = [one for source in sources for one in source.on_time if (one.code, one.what) not in known]
-    more = (*disagreements, *gated, *rates, *unsaid, *readings.remarks, *procedure.remarks(first), *exact)
+    elsewhere = _outside_condition(file, test, sources)
+    more = (*elsewhere, *disagreements, *gated, *rates, *unsaid, *readings.remarks, *procedure.remarks(first), *exact)
     if len(more) > len(readings.remarks):
         readings = replace(readings, remarks=in_order(more, test.recordings))
     inputs = one_digest(pair for one in sources for pair in one.inputs.items())
     screened = tuple(exclusion for one in sources for exclusion in one.exclusions)
     origins = tuple(one.origin for one in sources)
     occasion = occasion_of(file, test, sources)
-    return Prepared(test, first, plan, readings, inputs, origins, screened, tuple(contents), occasion)
+    asked = any(one.quantity in RECORDED for one in file.requirements)
+    recorded = tuple(replace(row, test=test.id) for one in sources if asked for row in one.recorded())
+    return Prepared(test, first, plan, readings, inputs, origins, screened, tuple(contents), occasion, recorded)
+
+
+def _outside_condition(file: CampaignFile, test: Test, sources: Sequence[Ready]) -> Iterator[Remark]:
+    """Yield an error for each recording whose pressure says that it was made in another condition."""
+    own = file.conditions.get(test.condition)
+    if own is None or own.pressure is None:
+        return
+    low, high = own.pressure
+    for one in sources:
+        level = one.pressure
+        if level is not None and not low <= level <= high:
+            inside = (name for name, other in file.conditions.items()
+                      if other.pressure is not None and other.pressure[0] <= level <= other.pressure[1])  # fmt: skip
+            found = " or ".join(inside)
+            what = f"recording {one.name}: pressure {level:.4g} Pa, {test.condition} is {low:.4g} to {high:.4g} Pa"
+            do = f"Give the test condition = {found!r}" if found else "Give it another condition"
+            yield Remark("outside_condition", "error", what, one.file, do=do, recording=one.name)
 
 
 def occasion_of(file: CampaignFile, test: Test, sources: Sequence[Ready]) -> Occasion:
@@ -284,6 +307,8 @@ class ReducedTest:
         requirement is judged.
     opened : tuple of Remark
         What its figures are with the samples that screening left out.
+    recorded : sequence of Row
+        What each of its recordings gives, where a requirement asks for it.
     """
 
     test: Test
@@ -293,6 +318,7 @@ class ReducedTest:
     against: Sequence[Row] = ()
     errors: tuple[Remark, ...] = ()
     opened: tuple[Remark, ...] = ()
+    recorded: Sequence[Row] = ()
 
     @property
     def remarks(self) -> tuple[Remark, ...]:
@@ -423,7 +449,7 @@ def reduced_tests(prepared: Sequence[Prepared], results: Mapping[str, Result]) -
         behind = _with_those_before(one.test, {each.test.id: each.test for each in prepared})
         errors = tuple(remark for name in behind for remark in _remarks(plain[name]) if remark.severity == "error")
         named = [replace(row, test=one.test.id) for row in rows]
-        found.append(ReducedTest(one.test, tested, named, errors=errors))
+        found.append(ReducedTest(one.test, tested, named, errors=errors, recorded=one.recorded))
     return found
 
 
@@ -526,12 +552,6 @@ def sensor_of(campaign: Campaign, test: Test, kind: str = "") -> Sensor:
     """Return the sensor of a test: of a kind, where the test has several, else the first."""
     first, *others = sensors_of(campaign, test).values()
     return next((one for one in others if one.kind == kind), first)
-
-
-def modelled_sensor(campaign: Campaign) -> Sensor:
-    """Return the sensor that the model of a campaign is of: that of the first test for a fit."""
-    fitted = (test for test in campaign.file.tests if test.use == "fit" and procedure_of(test.procedure).makes_model)
-    return sensor_of(campaign, next(fitted))
 
 
 def beside_others(campaign: Campaign, tested: Sequence[ReducedTest]) -> list[ReducedTest]:

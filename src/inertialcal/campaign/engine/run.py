@@ -17,13 +17,12 @@ from ...core.show.result_tables import remarks_line
 from ...core.show.tables import Block, Table, html, text
 from ...files.binary.curves import FILE as CURVES
 from ...files.binary.curves import curves_bytes
-from ...procedures import procedure_of
 from ..file.load import Campaign, load
 from ..inputs.changed import check_unchanged, one_digest, stamps
 from ..inputs.gate import Gate
 from ..inputs.sources import Store
 from ..models.build import build_models, model_files
-from ..models.judged import NOT_RUN, JudgedModel, Residual, hold_out_residuals
+from ..models.judged import NOT_RUN, Modelled, Residual, hold_out_residuals
 from ..outcome.contents import results_content
 from ..outcome.publish import changes, check_writable, csv_text, json_text, provenance, publish, restore
 from ..outcome.requirements import worst
@@ -232,14 +231,14 @@ class Whole:
     ----------
     tested : list of ReducedTest
         Its tests.
-    modelled : JudgedModel or None
-        Model of each sensor and closed loop.
+    modelled : Modelled or None
+        Model of each sensor and condition, and closed loop.
     results, inputs, verdict
         As `Outcome` has them.
     """
 
     tested: list[ReducedTest]
-    modelled: JudgedModel | None
+    modelled: Modelled | None
     results: dict[str, Any]
     inputs: dict[str, str]
     verdict: str
@@ -277,9 +276,7 @@ def reduce_campaign(campaign: Campaign, store: Store | None = None, progress: Pr
         }
     tested = [_with_residuals(one, residuals.get(one.test.id)) for one in tested]
     with computable(campaign.file.campaign.id, "campaign"):
-        made = {one.test.id: procedure_of(one.test.procedure).correction(one.test.id, one.result) for one in tested}
-        corrections = {name: one for name, one in made.items() if one is not None}
-        modelled = build_models(campaign, reduced, corrections, residuals, errors)
+        modelled = build_models(campaign, reduced, residuals, errors)
     if modelled is not None:
         remarks += [remark.at("closed loop") for one in modelled.every for remark in one.remarks]
     with computable(campaign.file.campaign.id, "campaign"):
@@ -343,7 +340,7 @@ def _files(
     campaign: Campaign,
     results: dict[str, Any],
     curves: bytes,
-    modelled: JudgedModel | None,
+    modelled: Modelled | None,
     inputs: dict[str, str],
     folder: str,
 ) -> dict[str, str | bytes]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections import ChainMap
+from collections.abc import Iterator, Mapping
 from difflib import get_close_matches
 from pathlib import Path
 
@@ -13,12 +14,14 @@ from ...core.units import kind, normalise, parse_quantity, same_dimension
 from ...procedures import all_quantities, procedure_names, procedure_of
 from ...procedures.protocol import Quantity
 from ..inputs.ground import chain_model, has_model
+from .conditions import after_condition, condition_checks, conditions_of
 from .decisions import fit_problems, key_problems
 from .recording_checks import recording_checks, sensor_checks
 from .schema import CampaignFile, Requirement
 from .sensors import Sensor
 from .test_checks import after_checks, against_checks, overlap_checks, procedure_checks
 
+Known = Mapping[str, Quantity]
 RESERVED = "model"  # test that the rows of the model of the sensor carry in results.json
 
 
@@ -30,11 +33,12 @@ def cross_checks(folder: Path | None, file: CampaignFile, at: At) -> list[Proble
         *(p for number, test in enumerate(file.tests) for p in procedure_checks(file, number, test, at)),
         *(p for number, test in enumerate(file.tests) for p in against_checks(file, number, test, at)),
         *(p for number, test in enumerate(file.tests) for p in after_checks(file, number, test, at)),
+        *(p for number, test in enumerate(file.tests) for p in after_condition(file, number, test, at)),
         *_duplicates("tests", [test.id for test in file.tests], at),
         *_reserved(file, at),
         *_duplicates("requirements", [one.id for one in file.requirements], at),
         *overlap_checks(file, at),
-        *_model_terms(file, at),
+        *condition_checks(file, at),
         *ground_checks(folder, file, at),
         *requirement_checks(file, at),
         *decision_checks(file, at),
@@ -49,38 +53,24 @@ def _duplicates(table: str, ids: list[str], at: At) -> Iterator[Problem]:
             yield Problem(what, at(table, number, "id"), why, "Give each its own", "duplicate_id")
 
 
+def model_name(sensor: str, condition: str) -> str:
+    """Return what the rows of a model are named: of a sensor, but for the first one; of a condition, where one is."""
+    return "_".join(filter(None, (RESERVED, sensor, condition)))
+
+
 def _reserved(file: CampaignFile, at: At) -> Iterator[Problem]:
-    names = {RESERVED, *(f"{RESERVED}_{sensor}" for sensor in file.sensors)}
+    names = {model_name(sensor, condition) for sensor in ("", *file.sensors)
+             for condition in ("", *(one for name in file.sensors for one in conditions_of(file, name)))}  # fmt: skip
     for number, test in enumerate(file.tests):
         if test.id in names:
             what = f"tests: id {test.id!r}: results have the rows of the model of the sensor under this name"
             yield Problem(what, at("tests", number, "id"), "results would be ambiguous", "Rename it", "duplicate_id")
 
 
-def _model_terms(file: CampaignFile, at: At) -> Iterator[Problem]:
-    uses = {
-        test.id: test.use
-        for test in file.tests
-        if (test.procedure in procedure_names() and procedure_of(test.procedure).makes_model)
-    }
-    lists = {}
-    for term, names in file.model.terms.items():
-        where = at("model", "terms", term)
-        for name in names:
-            if uses.get(name) != "fit":
-                what = f"model.terms.{term}: {name!r} is no test with use = 'fit' that a model is made of"
-                have = ", ".join(test for test, use in uses.items() if use == "fit")
-                yield Problem(what, where, do=f"There are: {have or 'none'}", code="unknown_name")
-        if term != "bias":
-            lists[term] = set(names)
-    if len({frozenset(names) for names in lists.values()}) > 1:
-        what = f"model.terms: {', '.join(lists)} come from one reduction and need the same tests"
-        yield Problem(what, at("model", "terms"), code="wrong_value")
-
-
 def requirement_checks(file: CampaignFile, at: At) -> Iterator[Problem]:
     """Find requirements on tests, quantities, limits or conditions that cannot be judged."""
     ids = {test.id for test in file.tests}
+    known = _quantities(file)
     for number, one in enumerate(file.requirements):
         for name in one.tests or []:
             if name not in ids:
@@ -90,18 +80,19 @@ def requirement_checks(file: CampaignFile, at: At) -> Iterator[Problem]:
         for key in ("limit", "lower", "upper"):
             text = getattr(one, key)
             if text is not None:
-                yield from _limit(one, text, at("requirements", number, key))
-        yield from _spelling(one, at("requirements", number, "quantity"))
-        yield from _where(one, at("requirements", number, "where"))
+                yield from _limit(one, known, text, at("requirements", number, key))
+        yield from _spelling(one, known, at("requirements", number, "quantity"))
+        yield from _where(one, known, at("requirements", number, "where"))
 
 
 def decision_checks(file: CampaignFile, at: At) -> Iterator[Problem]:
     """Find decision rules that are not complete, and those that cannot judge a requirement."""
     yield from key_problems(file.decision, ("decision",), at)
+    quantities = _quantities(file)
     for number, one in enumerate(file.requirements):
         if one.decision is not None:
             yield from key_problems(one.decision, ("requirements", number, "decision"), at)
-        known = _known(one)
+        known = _of(one, quantities)
         pair = (None, one.limit) if known.size else (one.limit, one.limit)
         limits = (one.lower, one.upper) if one.limit is None else pair
         over = known.over if one.where or known.over == "rate" else ""
@@ -110,7 +101,7 @@ def decision_checks(file: CampaignFile, at: At) -> Iterator[Problem]:
         yield from fit_problems(one.decision or file.decision, one.id, limits, over, known.size, where)
 
 
-def _where(one: Requirement, where: str) -> Iterator[Problem]:
+def _where(one: Requirement, known: Known, where: str) -> Iterator[Problem]:
     """Find a condition that cannot be read, or that is about something else than the quantity is told over."""
     try:
         condition = parse_condition(one.where)
@@ -118,14 +109,14 @@ def _where(one: Requirement, where: str) -> Iterator[Problem]:
         what = f"requirement {one.id!r}: {error.problems[0].what}"
         yield Problem(what, where, do=error.problems[0].do, code="wrong_value")
         return
-    over = _known(one).over
+    over = _of(one, known).over
     others = {part.name for every in condition.alternatives for part in every} - {over}
     if over and others:
         what = f"requirement {one.id!r}: where names {' and '.join(sorted(others))}, {one.quantity} is over {over}"
         yield Problem(what, where, "it would have no effect", f"Write it in terms of {over}", "wrong_value")
 
 
-def _limit(one: Requirement, text: str, where: str) -> Iterator[Problem]:
+def _limit(one: Requirement, known: Known, text: str, where: str) -> Iterator[Problem]:
     try:
         unit = normalise(parse_quantity(text).unit)
     except DataError as error:
@@ -135,28 +126,35 @@ def _limit(one: Requirement, text: str, where: str) -> Iterator[Problem]:
         what = f"requirement {one.id!r}: limit = {text!r} is the size of both limits, it must be above zero"
         yield Problem(what, where, do="For one side give lower or upper", code="wrong_value")
     what = f"requirement {one.id!r}: {one.quantity} cannot be compared with {text!r}"
-    needed, shown = _known(one).kinds, _known(one).shown_by_kind.values()
+    needed, shown = _of(one, known).kinds, _of(one, known).shown_by_kind.values()
     if needed and kind(unit) not in needed:
         yield Problem(what, where, do=f"Give a limit of kind {' or '.join(needed)}", code="wrong_value")
     if shown and not any(same_dimension(unit, other) for other in shown):
         yield Problem(what, where, do=f"Give a limit in {' or '.join(shown)}", code="wrong_value")
 
 
-def _spelling(one: Requirement, where: str) -> Iterator[Problem]:
-    """Tell a misspelt quantity from one that no test here gives (which is OPEN)."""
-    known = all_quantities()
-    near = get_close_matches(one.quantity, known, n=1, cutoff=0.8)
-    if one.quantity not in known and near:
-        what = f"requirement {one.id!r}: no quantity {one.quantity!r}"
-        yield Problem(what, where, "it would stay OPEN for ever", f"Did you mean {near[0]}?", "unknown_name")
-    if one.where and not _known(one).over:
+def _spelling(one: Requirement, known: Known, where: str) -> Iterator[Problem]:
+    """Find a quantity that no procedure gives, tested or not; one that no test of this campaign gives is OPEN."""
+    if one.quantity not in known:
+        near = get_close_matches(one.quantity, known, n=3, cutoff=0.6)
+        do = f"Did you mean {' or '.join(near)}?" if near else f"There are: {', '.join(sorted(known))}"
+        what = f"requirement {one.id!r}: no procedure gives a quantity {one.quantity!r}"
+        yield Problem(what, where, "it would stay OPEN for ever", do, "unknown_quantity")
+    if one.where and not _of(one, known).over:
         ranged = [name for name, quantity in known.items() if quantity.over]
         what = f"requirement {one.id!r}: where is about {' or '.join(ranged)}, not {one.quantity}"
         yield Problem(what, where, "it would have no effect", code="wrong_value")
 
 
-def _known(one: Requirement) -> Quantity:
-    return all_quantities().get(one.quantity, Quantity())
+def _quantities(file: CampaignFile) -> Known:
+    """Return what there is to say of all figures that a test of this campaign, or of another, can give."""
+    names = procedure_names()
+    own = [procedure_of(one.procedure).quantities_of(one.plan) for one in file.tests if one.procedure in names]
+    return ChainMap({}, *map(dict, own), dict(all_quantities()))
+
+
+def _of(one: Requirement, known: Known) -> Quantity:
+    return known.get(one.quantity, Quantity())
 
 
 def ground_checks(folder: Path | None, file: CampaignFile, at: At) -> Iterator[Problem]:

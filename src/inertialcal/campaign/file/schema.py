@@ -11,9 +11,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from ...core.schema.quantities import Acceleration, Angle, Length, Name, Strict, Text
+from ...core.schema.quantities import Acceleration, Angle, Length, Name, Pressure, Strict, Temperature, Text
 from ...core.schema.standards import StandardEntry
 from ...core.times import read_instant
+from ...procedures.model_terms import TermKind
 from .decisions import Decision
 from .recordings import RecordingEntry
 from .sensors import Sensor
@@ -98,12 +99,33 @@ def _window(pair: object) -> Window:
     return start, stop
 
 
-class Model(Strict):
-    """[model]: which tests each kind of term comes from; without it, all tests with use = "fit"."""
+Pressures = Annotated[list[Pressure], Field(min_length=2, max_length=2)]
+Temperatures = Annotated[list[Temperature], Field(min_length=2, max_length=2)]
 
-    terms: dict[Literal["scale_factor", "misalignment", "bias", "asymmetry", "g_sensitivity"], list[Name]] = Field(
-        default={}
-    )
+
+class Condition(Strict):
+    """[conditions.NAME]: what the sensor is in, and the ranges that its model holds for."""
+
+    text: Text = ""
+    pressure: Pressures | None = None
+    temperature: Temperatures | None = None
+
+    @model_validator(mode="after")
+    def _rise(self) -> Condition:
+        for name, given in (("pressure", self.pressure), ("temperature", self.temperature)):
+            if given is not None and not given[0] < given[1]:
+                raise ValueError(f"{name}: the second value is not above the first")
+        return self
+
+
+Terms = dict[TermKind, list[Name]]
+
+
+class Model(Strict):
+    """[model]: which tests each kind of term comes from; without it, all tests with use = "fit" of its condition."""
+
+    terms: Terms = Field(default={})  # In every condition
+    by_condition: dict[Name, Terms] = Field(default={})  # In one: tests of other conditions may be named
 
 
 class Requirement(Strict):
@@ -138,6 +160,7 @@ class CampaignFile(Strict):
     campaign: CampaignHead
     item: Item = Item()
     site: Site = Site()
+    conditions: dict[Name, Condition] = Field(default={})
     standards: dict[str, dict[str, StandardEntry]] = Field(default={})
     sensors: dict[Name, Sensor] = Field(min_length=1)
     recordings: dict[Name, RecordingEntry] = Field(min_length=1)

@@ -158,24 +158,38 @@ def after_checks(file: CampaignFile, number: int, test: Test, at: At) -> Iterato
     corrects = _with(lambda procedure: procedure.corrects)
     corrected = _with(lambda procedure: procedure.takes_corrections)
     tables = [procedure_of(name).inputs.table for name in corrected]
-    others = [one.id for one in file.tests if one.id != test.id and one.procedure in corrects and one.use == "fit"]
+    others = {one.id: one for one in file.tests
+              if one.id != test.id and one.procedure in corrects and one.use == "fit"}  # fmt: skip
     if _comes_after_itself(file, test):
         what = f"test {test.id!r} comes after itself, by way of {', '.join(test.after)}"
         yield Problem(what, where, "none of them could be the first", "Leave one after out", "wrong_value")
     for name in test.after:
         if test.procedure not in corrected:
-            what = f"test {test.id!r}: after, but only a {' or '.join(corrected)} has a bias taken off its readings"
-            yield Problem(what, where, "it would have no effect", "Leave it out", "wrong_value")
+            what = f"test {test.id!r}: after, but nothing is taken off the readings of a {test.procedure} test"
+            why = _said(test.procedure) or "it would have no effect"
+            yield Problem(what, where, why, "Leave it out", "wrong_value")
         elif name not in others:
             what = f"test {test.id!r}: after = {name!r} is no {' or '.join(corrects)} test of this campaign"
             what = f'{what} with use = "fit"'
             yield Problem(what, where, do=f"There are: {', '.join(others) or 'none'}", code="unknown_name")
+        elif not _sensors(file, test) & _sensors(file, others[name]):
+            what = f"test {test.id!r}: after = {name!r} is a test of another sensor"
+            yield Problem(what, where, do="Leave it out, or name a test of its own sensor", code="another_sensor")
         for recording in test.recordings:
             entry = file.recordings.get(recording)
             table = None if entry is None else table_of(entry)
             if table is not None and table[0].name in tables:
                 what = f"test {test.id!r}: after = {name!r}, but recording {recording!r} is a table without temperature"
                 yield Problem(what, where, do="Leave after out, or give the recording itself", code="wrong_value")
+
+
+def _said(procedure: str) -> str:
+    """Return why nothing is taken off the readings of a procedure."""
+    return procedure_of(procedure).no_corrections if procedure in procedure_names() else ""
+
+
+def _sensors(file: CampaignFile, test: Test) -> set[str]:
+    return {file.recordings[name].sensor for name in test.recordings if name in file.recordings}
 
 
 def _comes_after_itself(file: CampaignFile, test: Test) -> bool:

@@ -84,7 +84,8 @@ def in_body_axes(
         raise DataError(f"recordings.{name}: no channel x, y or z", code="wrong_column")
     columns = {what: one.column for what, one in channels.items()}
     recording = _declared(recording, columns)
-    warm = {what: columns[what] for what, one in channels.items() if one.unit and kind(one.unit) == TEMPERATURE}
+    warm = {what: columns[what] for what, one in channels.items()
+            if what not in NO_CHAIN and one.unit and kind(one.unit) == TEMPERATURE}  # fmt: skip
     amplified = _gain_columns(columns, axes)
     recording = _in_si(recording, amplified, "1") if amplified else recording
     if chain is None:

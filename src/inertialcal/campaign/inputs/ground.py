@@ -58,6 +58,10 @@ def chain_model(sensor: Sensor, folder: Path | None = None) -> ChainModel | None
     if folder is None:
         raise PlanError(f"chain.model = {given.model!r}: there is no folder to read it from", code="missing_file")
     file = load_model_file(folder / given.model)
+    if len(file.models) > 1:
+        what = f"{given.model} holds models for several conditions: {', '.join(file.models)}"
+        do = "Write one of them: inertialcal export MODEL --condition NAME --to json -o FILE"
+        raise DataError(what, do=do, code="condition_needed")
     if file.model.kind != sensor.kind or file.model.axes != axes:
         what = f"{given.model} is the model of {_article(file.model.kind)} with axes {', '.join(file.model.axes)}"
         need = f"the sensor is {_article(sensor.kind)} with axes {', '.join(axes)}"

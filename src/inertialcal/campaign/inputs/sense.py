@@ -29,6 +29,7 @@ from .gate import Passed, without
 
 RULE = "impossible"
 APPLIED = "applied"
+CONDITIONS = ("pressure", "voltage")  # kinds of unit
 AT_ONCE = 2**20  # stamps
 
 
@@ -129,6 +130,8 @@ def _changes(
         breaks = -(-breaks // size)
     interval = None if interval is None else interval * size
     applied = averaged(body.channel(APPLIED).data[rows], size) if APPLIED in body.names else None
+    others = [one for one in body.channels if one.name not in (*AXES, APPLIED) and one.unit]
+    conditions = [averaged(one.data[rows], size) for one in others if kind(one.unit or "") in CONDITIONS]
     unit = body.channel(axes[0]).unit or ""
     data = [averaged(body.channel(axis).data[rows], size) for axis in axes]
     if mounting is not None and len(axes) == len(AXES):
@@ -136,7 +139,7 @@ def _changes(
     of_unit = kind(unit) if unit else ""
     means = [averaged(column[rows], size) for column in stored]
     columns = [np.where(np.isfinite(x), own, np.nan) for x, own in zip(data, means, strict=False)]
-    found = changes(data, axes, of_unit, interval, breaks, applied, at_rest, columns)
+    found = changes(data, axes, of_unit, interval, breaks, applied, at_rest, columns, conditions=conditions)
     at = [one.index * size for one in found]
     if not isinstance(rows, slice):
         at = [int(rows[one]) for one in at]

@@ -20,6 +20,7 @@ from ...core.influence import Standards
 from ...core.key import AXES
 from ...core.recording import Channel, Recording
 from ...core.remarks import Remark
+from ...core.results import Row
 from ...core.times import instant_text
 from ...core.unit.magnitudes import check_readings
 from ...core.units import convert, factor, kind, parse_quantity, si_unit
@@ -28,6 +29,7 @@ from ...files.budget import ANALYSIS, AS_WIDE, claim_recording
 from ...files.source import load as load_file
 from ...files.text.table import Table
 from ...procedures.protocol import Exclusion, Facts, InputSpec
+from ...procedures.recorded import CLOCK, recorded_rows
 from ...sensors.chain.conversion import convert as convert_counts
 from ...sensors.chain.converter import Chain
 from ..file.recordings import Clock, RecordingEntry
@@ -344,6 +346,31 @@ class Ready:
         several = len(self._parts) > 1
         labels = [f"{self.name}, window {i}" for i in range(1, len(self._parts) + 1)] if several else [self.name]
         return list(zip(labels, self._parts, strict=True))
+
+    def recorded(self) -> list[Row]:
+        """Return what every recording gives, as it was saved: sampling, saves, built-in test; nothing for a table."""
+        if self.is_table:
+            return []
+        chain, channels = self.chain, self.entry.channels or {}
+        sensed_by = _sensed_by(self.sensor) or {axis: axis for axis in self.sensor.axes}
+        tested: dict[str, Array] = {}
+        for body, sensed in sensed_by.items():
+            one = channels.get(f"validity_{sensed}")
+            if chain is not None and one is not None and sensed in chain.axes:
+                tested[body] = chain.step * np.asarray(self.raw.channel(one.column).data, dtype=float)
+        lowest = None if chain is None else chain.validity_minimum
+        return recorded_rows(self.name, self.raw, tested, lowest, self.facts.standards.get(CLOCK))
+
+    @property
+    def pressure(self) -> float | None:
+        """Median of its pressure channel over what the test takes [Pa]; None where it has none."""
+        one = None if self.is_table else (self.entry.channels or {}).get("pressure")
+        if one is None:
+            return None
+        data = np.asarray(self.raw.channel(one.column).data, dtype=float)
+        chosen = in_windows(self.raw, self.of_test.windows)
+        known = data[np.isfinite(data) & (True if chosen is None else chosen)]
+        return float(convert(float(np.median(known)), one.unit, "Pa")) if len(known) else None
 
     @property
     def content(self) -> Content:

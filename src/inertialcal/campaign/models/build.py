@@ -1,13 +1,14 @@
-"""The models that a campaign makes: tests with ``use = "fit"``, judged on those with ``use = "hold_out"``.
+"""The models that a campaign makes: one a sensor and condition, of all its tests with ``use = "fit"``.
 
-A procedure says which terms its tests give, and what they do to readings held out; here they become a model a sensor,
-with what the campaign says of item and output, and with one verdict.
+A procedure says which terms its tests give, and what they do to readings held out; which tests each kind of term comes
+from, ``[model]`` may decide. Here terms are joined with their covariance, and become a model with what the campaign
+says of item, output and condition. It is judged on the readings of its condition that were held out, with one verdict.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import reduce
 from typing import Any
 
@@ -16,240 +17,336 @@ import numpy as np
 from ...core.errors import InertialcalError, PlanError
 from ...core.influence import Occasion, influence_of
 from ...core.remarks import Remark
-from ...files.models.model_json import dump_model
+from ...files.models.model_json import dump_models
 from ...procedures import procedure_of
-from ...procedures.model_terms import ModelTerms
-from ...procedures.protocol import Correction, Procedure, Tested
+from ...procedures.model_terms import HeldOut, ModelTerms, TermKind, joined_terms, kind_of
+from ...procedures.protocol import Procedure, Tested
 from ...sensors.model.assemble import model_from
+from ...sensors.model.model_set import ModelSet
 from ...sensors.model.sensor_model import Item, SensorModel
-from ...statistics.closed_loop import judged, overall
-from ..engine.engine import computable, placed, sensors_of
+from ...statistics.closed_loop import AxisLoop, judged, overall
+from ..engine.engine import computable, placed
+from ..file.conditions import chosen_tests, conditions_of, in_condition, on_sensor
+from ..file.cross_checks import model_name
 from ..file.load import Campaign
-from ..file.schema import Test
+from ..file.schema import CampaignFile, Condition, Test
 from ..file.sensors import Sensor
 from ..inputs.chains import body_scale_factors
-from .judged import NOT_RUN, JudgedModel, Residual, ResidualLoop
+from .judged import NOT_RUN, JudgedModel, Modelled, Residual, ResidualLoop
 
-FIRST = "model.json"
-MATRIX = ("scale_factor", "misalignment", "asymmetry")  # of [model] terms, all from one reduction
+NOTHING = HeldOut()
+PLAIN = ("scale_factor", "misalignment", "asymmetry", "bias")  # kinds that need no condition of the readings
+LASTING = ("never", "certificate")  # what draws errors of standards that all tests of a campaign share
+OF_ANOTHER = "term_of_another_condition"
 
 Reduced = Mapping[str, Tested[Any, Any, Any]]
 Errors = Mapping[str, Sequence[Remark]]  # By test
 
 
-def build_models(
-    campaign: Campaign,
-    reduced: Reduced,
-    corrections: Mapping[str, Correction],
-    residuals: Mapping[str, Residual],
-    errors: Errors,
-) -> JudgedModel | None:
-    """Return the model of the sensor that was fitted first, and with it those of others that may each have one.
+@dataclass(frozen=True, eq=False)
+class Part:
+    """What tests of one procedure give to a model, from one reduction."""
 
-    There is none where a test behind it, or held out for it, has a remark that is an error.
+    procedure: Procedure[Any, Any, Any]
+    tests: tuple[Test, ...]
+    result: Any  # (Joint) of the procedure, about the kind of the sensor
+    whole: ModelTerms  # All that it gives
+    terms: ModelTerms  # What the model takes of it
+
+
+@dataclass(frozen=True, eq=False)
+class Made:
+    """A model before its verdict."""
+
+    judged: JudgedModel
+    first: int  # Number of its first test in the campaign
+    loops: tuple[AxisLoop, ...]  # Of tests held out together
+    residuals: tuple[ResidualLoop, ...]  # Of tests held out that are judged one by one
+    held: frozenset[str]  # Those
+
+
+def build_models(
+    campaign: Campaign, reduced: Reduced, residuals: Mapping[str, Residual], errors: Errors
+) -> Modelled | None:
+    """Return the models of all sensors and conditions, with what was judged without one; None where there is neither.
+
+    There is no model where a test behind it, or held out for it, has a remark that is an error.
 
     Raises
     ------
     PlanError
-        If tests are for a fit that make no model of their own, or tests that belong together differ in their plan;
-        problems get the place of the first test of each.
+        If two tests give one term (``terms_twice``), or tests that belong together differ in their plan; problems
+        get the place of the first test of each.
     DataError
         If they cannot be reduced together.
     """
-    by_sensor: dict[str, list[Test]] = {}
-    for test in campaign.file.tests:
-        if test.use == "fit" and procedure_of(test.procedure).makes_model:
-            for name in sensors_of(campaign, test):
-                by_sensor.setdefault(name, []).append(test)
-    if not by_sensor:
-        return _residuals_alone(residuals)
-    _check(campaign, by_sensor)
-    found = {}
-    for name, tests in by_sensor.items():
-        number = campaign.file.tests.index(tests[0])
-        try:
-            with computable(tests[0].id):
-                made = _build(campaign, name, tests[0].procedure, reduced, corrections, residuals, errors)
-        except InertialcalError as error:
-            raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
-        if made is not None:
-            found[name] = made
-    first, *others = found or [""]
-    if not found:
-        return _residuals_alone(residuals)
-    return replace(found[first], others={name: found[name] for name in others})
+    found: list[Made] = []
+    for name in campaign.file.sensors:
+        for condition in conditions_of(campaign.file, name):
+            chosen = chosen_tests(campaign.file, name, condition)
+            number = min(campaign.file.tests.index(test) for tests in chosen.values() for test in tests)
+            try:
+                with computable(campaign.file.tests[number].id):
+                    made = _build(campaign, name, condition, chosen, reduced, errors)
+            except InertialcalError as error:
+                raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
+            if made is not None:
+                found.append(replace(made, first=number))
+    found.sort(key=lambda one: one.first)
+    of_models = frozenset(test for one in found for test in one.held)
+    alone = tuple(
+        ResidualLoop(test, one.against, loop)
+        for test, one in residuals.items() if test not in of_models for loop in one.found.loops
+    )  # fmt: skip
+    families = sum(bool(one.loops or one.residuals) for one in found) + bool(alone)
+    share = 1.0 / max(families, 1)
+    models = tuple(_with_verdict(one, share, name) for one, name in zip(found, _names(found), strict=True))
+    left = _judged_residuals(alone, share)
+    return Modelled(models, left) if models or left else None
 
 
-def _residuals_alone(residuals: Mapping[str, Residual]) -> JudgedModel | None:
-    """Return the closed loop of tests held out where no model is made; None where none is."""
-    loops = _residual_loops(residuals, 1.0)
-    return JudgedModel(None, residuals=loops, verdict=overall([one.loop for one in loops])) if loops else None
+def _names(found: Sequence[Made]) -> list[str]:
+    """Return what the rows of each model are named: the first of the campaign ``model``, and of each sensor by it."""
+    known: list[tuple[str, str]] = []
+    names = []
+    for sensor, condition in ((one.judged.sensor, one.judged.condition) for one in found):
+        first = not known or known[0][0] == sensor
+        again = any(sensor == before for before, _ in known)
+        names.append(model_name("" if first else sensor, condition if again else ""))
+        known.append((sensor, condition))
+    return names
 
 
-def _residual_loops(residuals: Mapping[str, Residual], share: float) -> tuple[ResidualLoop, ...]:
-    """Return each axis of each test held out with its verdict."""
-    every = [(test, one.against, loop) for test, one in residuals.items() for loop in one.found.loops]
-    words = judged([loop for *_, loop in every], share)
-    return tuple(ResidualLoop(test, against, loop) for (test, against, _), loop in zip(every, words, strict=True))
+def _with_verdict(made: Made, share: float, name: str) -> JudgedModel:
+    """Return a model with its verdict, Holm once over all that was held out, and the name of its rows."""
+    words = judged([*made.loops, *(one.loop for one in made.residuals)], share)
+    loops, rest = words[: len(made.loops)], words[len(made.loops) :]
+    residuals = tuple(replace(one, loop=loop) for one, loop in zip(made.residuals, rest, strict=True))
+    verdict = overall(words) if words else NOT_RUN
+    one = made.judged
+    model = None if one.model is None else replace(one.model, judged=verdict == "PASS")
+    remarks = tuple(replace(remark, where=remark.where or (name if one.condition else "")) for remark in one.remarks)
+    if verdict == "FAIL" and one.condition:
+        what = f"the model in {one.condition} does worse on readings held out: it is left out of the model file"
+        remarks = (*remarks, Remark("condition_left_out", "warning", what, name, subject=one.condition))
+    return replace(one, name=name, model=model, loops=loops, residuals=residuals, verdict=verdict, remarks=remarks)
 
 
-def _check(campaign: Campaign, by_sensor: Mapping[str, Sequence[Test]]) -> None:
-    """Refuse a second model where a campaign makes one, and two procedures that both fit one sensor."""
-    _, *others = by_sensor.values()
-    wrong = [test for tests in others for test in tests if not procedure_of(test.procedure).model_of_each]
-    if wrong:
-        names = ", ".join(sorted({test.id for test in wrong}))
-        procedure = wrong[0].procedure.replace("_", " ")
-        what = f"tests {names} are for a fit of another sensor: a campaign makes one model of a {procedure}"
-        do = 'Give them use = "report_only", or their own campaign'
-        raise PlanError(what, campaign.at("tests", campaign.file.tests.index(wrong[0])), do=do)
-    for name, tests in by_sensor.items():
-        other = next((test for test in tests if test.procedure != tests[0].procedure), None)
-        if other is not None:
-            what = f"tests {tests[0].id!r} and {other.id!r} both fit the model of {name!r}"
-            do = 'Give one of them use = "report_only"'
-            where = campaign.at("tests", campaign.file.tests.index(other))
-            raise PlanError(what, where, "a sensor has one model", do, "plans_differ")
+def _judged_residuals(alone: Sequence[ResidualLoop], share: float) -> tuple[ResidualLoop, ...]:
+    words = judged([one.loop for one in alone], share)
+    return tuple(replace(one, loop=loop) for one, loop in zip(alone, words, strict=True))
 
 
 def _build(
     campaign: Campaign,
     name: str,
-    of_procedure: str,
+    condition: str,
+    chosen: Mapping[TermKind, Sequence[Test]],
     reduced: Reduced,
-    corrections: Mapping[str, Correction],
-    residuals: Mapping[str, Residual],
     errors: Errors,
-) -> JudgedModel | None:
-    """Make and judge the model of a sensor, of all tests of a procedure on it; None where there is none."""
-    sensor, procedure = campaign.file.sensors[name], procedure_of(of_procedure)
-    mine = [test for test in campaign.file.tests if test.procedure == of_procedure
-            and name in sensors_of(campaign, test)]  # fmt: skip
-    fitted = [test for test in mine if test.use == "fit"]
-    held = [test for test in mine if test.use == "hold_out"]
-    matrix, bias = (_chosen(campaign, fitted, terms) for terms in (MATRIX, ("bias",)))
-    if any(errors.get(test.id) for test in (*matrix, *bias, *held)):
+) -> Made | None:
+    """Make the model of a sensor in a condition; None where there is none."""
+    file, sensor = campaign.file, campaign.file.sensors[name]
+    behind = [test for test in file.tests if any(test in tests for tests in chosen.values())]
+    procedures = dict.fromkeys(test.procedure for test in behind)
+    held = [test for test in file.tests if test.use == "hold_out" and test.procedure in procedures
+            and on_sensor(file, test, name) and in_condition(file, test, name, condition)]  # fmt: skip
+    if any(errors.get(test.id) for test in (*behind, *held)):
         return None
-    result, terms = _joint(procedure, [reduced[test.id] for test in matrix], sensor.kind)
-    if {test.id for test in bias} != {test.id for test in matrix} and terms is not None:
-        terms = terms.with_bias_of(
-            _joint(procedure, [reduced[test.id] for test in bias], sensor.kind)[1] if bias else None
-        )
-    if terms is None or terms.estimate is None:
+    parts = [part for one in procedures for part in _parts(campaign, one, chosen, reduced, sensor.kind)]
+    parts = [part for part in parts if part.terms.parameters or part.terms.noise is not None]
+    if not any(part.terms.parameters for part in parts):
         return None
-    correction = _correction([*matrix, *bias, *held], corrections)
-    own = dict.fromkeys(one.id for one in (*matrix, *bias))
-    before = dict.fromkeys(name for test in (*matrix, *bias) for name in test.after)
-    sources = [[reduced[test] for test in tests] for tests in (own, before)]
-    model = whole = _model(campaign, sensor, terms, sources)
-    if correction is not None and bias:
-        whole = _model(campaign, sensor, correction.with_terms(terms), sources)
-    procedure.check_alike([reduced[test.id] for test in (*fitted, *held)])
-    if not held:
-        return JudgedModel(whole)
-    behind, unseen = ([reduced[test.id] for test in tests] for tests in ([*matrix, *bias], held))
-    found = procedure.held_out(result, behind, unseen, model)
-    if found is None:
-        return JudgedModel(whole)
-    left = residuals if procedure.takes_corrections else {}
-    share = _share(campaign, procedure) / (2.0 if any(one.found.loops for one in left.values()) else 1.0)
-    loops = judged(found.loops, share)
-    warm = _residual_loops(left, share)
-    every = (*loops, *(one.loop for one in warm))
-    verdict = overall(every) if every else NOT_RUN
-    whole = replace(whole, judged=verdict == "PASS")
-    return JudgedModel(whole, loops, verdict, found.remarks, found.curves, warm)
+    matrix = [part for part in parts if any(kind_of(key) == "scale_factor" for key in part.terms.parameters)]
+    parts = [*matrix, *(part for part in parts if part not in matrix)]
+    for one in procedures:
+        own = [test for test in (*behind, *held) if test.procedure == one]
+        _check_alike(procedure_of(one), own, reduced)
+    model = _model(campaign, sensor, condition, parts, reduced)
+    made = JudgedModel(name, condition, model, remarks=tuple(_of_others(file, name, condition, parts)))
+    loops: list[AxisLoop] = []
+    residuals: list[ResidualLoop] = []
+    remarks, curves = list(made.remarks), list(made.curves)
+    for one in procedures:
+        procedure = procedure_of(one)
+        unseen = [reduced[test.id] for test in held if test.procedure == one]
+        mine = [part for part in parts if part.procedure is procedure]
+        if not unseen or not mine:
+            continue
+        fitted = [reduced[id] for id in dict.fromkeys(test.id for part in mine for test in part.tests)]
+        if procedure.judged_alone:
+            for each in unseen:
+                found = procedure.held_out(mine[0].result, fitted[:1], [each], model) or NOTHING
+                residuals += [ResidualLoop(each.id, fitted[0].id, loop) for loop in found.loops]
+                remarks += found.remarks
+            continue
+        local = _before_corrections(campaign, sensor, condition, parts, mine, held, reduced)
+        found = procedure.held_out(mine[0].result, fitted, unseen, local) or NOTHING
+        loops += found.loops
+        remarks += found.remarks
+        curves += found.curves
+    made = replace(made, remarks=tuple(remarks), curves=tuple(curves))
+    alone = frozenset(one.test for one in residuals)
+    return Made(made, 0, tuple(loops), tuple(residuals), alone)
 
 
-def _chosen(campaign: Campaign, fitted: Sequence[Test], terms: Sequence[str]) -> list[Test]:
-    """Return the tests that terms come from: those that [model] names; all where it names none of them."""
-    named = campaign.file.model.terms
-    wanted = {test for term in terms for test in named.get(term, [])}  # type: ignore[call-overload]
-    own = [one for one in fitted if one.id in wanted]
-    says_nothing = not any(term in named for term in terms) or (wanted and not own)
-    return list(fitted) if says_nothing else own
+def _parts(
+    campaign: Campaign, name: str, chosen: Mapping[TermKind, Sequence[Test]], reduced: Reduced, kind: str
+) -> list[Part]:
+    """Return what a procedure gives: tests that one or more kinds of terms come from are reduced together."""
+    procedure, found = procedure_of(name), []
+    together: dict[tuple[str, ...], list[TermKind]] = {}
+    for term, tests in chosen.items():
+        own = tuple(test.id for test in tests if test.procedure == name and term in procedure.gives)
+        if own:
+            together.setdefault(own, []).append(term)
+    by_id = {test.id: test for test in campaign.file.tests}
+    for ids, kinds in together.items():
+        made = procedure.joined([reduced[one] for one in ids])
+        groups = [ids] if made is not None or len(ids) == 1 else [(one,) for one in ids]
+        for group in groups:
+            done = [reduced[one] for one in group]
+            parts = procedure.by_sensor(done[0].result if made is None else procedure.reduce(*made))
+            result = parts.get(kind, parts.get(""))
+            terms = None if result is None else procedure.terms(result, done)
+            if terms is None:
+                continue
+            after = tuple(dict.fromkeys(before for one in group for before in by_id[one].after))
+            terms = replace(terms, tests=group, after=after)
+            found.append(Part(procedure, tuple(by_id[one] for one in group), result, terms, terms.of_kinds(kinds)))
+    return found
 
 
-def _joint(
-    procedure: Procedure[Any, Any, Any], tests: Sequence[Tested[Any, Any, Any]], kind: str
-) -> tuple[Any, ModelTerms | None]:
-    """Return the result of tests reduced together, as it is about one kind of sensor, and the terms that it gives."""
-    if not tests:
-        return None, None
-    made = procedure.joined(tests)
-    parts = procedure.by_sensor(tests[0].result if made is None else procedure.reduce(*made))
-    result = parts.get(kind, parts.get(""))
-    return result, None if result is None else procedure.terms(result, tests)
-
-
-def _correction(tests: Sequence[Test], corrections: Mapping[str, Correction]) -> Correction | None:
-    """Return what was taken off the readings of all of these tests; None where nothing was.
+def _check_alike(procedure: Procedure[Any, Any, Any], tests: Sequence[Test], reduced: Reduced) -> None:
+    """Refuse tests of one procedure, behind a model or held out for it, whose terms mean different things.
 
     Raises
     ------
     PlanError
-        If it was not the same in all: their biases mean different things.
+        ``plans_differ``.
     """
-    names = {"".join(one.after) for one in tests}
-    if len(names) > 1:
+    if procedure.takes_corrections and len({tuple(one.after) for one in tests}) > 1:
         what = "tests that make one model, or judge it, differ in after: their biases mean different things"
         raise PlanError(what, do="Give them the same after", code="plans_differ")
-    return corrections.get(names.pop()) if names else None
+    procedure.check_alike([reduced[test.id] for test in tests])
 
 
-def _model(
-    campaign: Campaign, sensor: Sensor, terms: ModelTerms, sources: Sequence[Sequence[Tested[Any, Any, Any]]]
+def _before_corrections(
+    campaign: Campaign,
+    sensor: Sensor,
+    condition: str,
+    parts: Sequence[Part],
+    mine: Sequence[Part],
+    held: Sequence[Test],
+    reduced: Reduced,
 ) -> SensorModel:
-    """Return the model for the output of the sensor: volts where its chain has them and its axes are the body's.
+    """Return the model for readings of a procedure as it takes them: after the same corrections.
 
-    Parameters
-    ----------
-    campaign, sensor, terms
-        Of it.
-    sources : (sequence of Tested, sequence of Tested)
-        Tests that it is made of, and those whose results were taken off before.
+    What other tests add at every condition of the readings is in it where nothing was taken off; a bias that comes
+    from elsewhere over temperature is not, and the readings then have that of their own test.
     """
-    assert terms.estimate is not None  # noqa: S101 - the caller has looked
+    plain = not any(part.terms.after for part in mine)
+    if plain and not any(kind_of(key) not in PLAIN or key.power for part in parts for key in part.terms.parameters):
+        return _model(campaign, sensor, condition, parts, reduced)
+    has_bias = any(kind_of(key) == "bias" for part in mine for key in part.terms.parameters)
+    kinds: set[TermKind] = {kind_of(key) for key in mine[0].terms.parameters}
+    own = list(mine) if has_bias else [replace(mine[0], terms=mine[0].whole.of_kinds({*kinds, "bias"})), *mine[1:]]
+    return _model(campaign, sensor, condition, own, reduced)
+
+
+def _of_others(file: CampaignFile, name: str, condition: str, parts: Sequence[Part]) -> Iterator[Remark]:
+    """Yield a remark for terms that were found in another condition."""
+    for part in parts:
+        for test in part.tests:
+            if not in_condition(file, test, name, condition):
+                kinds = dict.fromkeys(kind_of(key).replace("_", " ") for key in part.terms.parameters)
+                terms = ", ".join(kinds) or "noise"
+                where = f"in {test.condition}" if test.condition else "in no stated condition"
+                what = f"{terms} of the model in {condition}: from {test.id}, which was made {where}, as [model] says"
+                yield Remark(OF_ANOTHER, "info", what, subject=condition)
+
+
+def _model(campaign: Campaign, sensor: Sensor, condition: str, parts: Sequence[Part], reduced: Reduced) -> SensorModel:
+    """Return the model for the output of the sensor: volts where its chain has them and its axes are the body's."""
     assert sensor.kind != "other"  # noqa: S101 - of which no procedure makes a model
-    volts = None if sensor.mounting is not None else body_scale_factors(sensor)
-    item = campaign.file.item
-    of_temperature = {
-        "reference_temperature": terms.reference_temperature,
-        "temperature_range": terms.temperature_range,
-    }
-    estimate = terms.estimate.select(terms.parameters)
+    terms = joined_terms(_told_apart(campaign, parts, reduced))
+    assert terms.estimate is not None  # noqa: S101 - the caller has looked
+    scaled = tuple(axis for part in parts for axis in part.terms.axes
+                   if any(kind_of(key) == "scale_factor" for key in part.terms.parameters))  # fmt: skip
+    axes = tuple(axis for axis in sensor.axes if axis in (scaled or terms.axes)) or terms.axes
+    keys = tuple(key for key in terms.parameters if key.quantity == "g_sensitivity" or set(key.axis) <= {*axes})
+    counted = sensor.chain.kind == "pulse_rate"
+    volts = None if counted or sensor.mounting is not None else body_scale_factors(sensor)
+    item, own = campaign.file.item, campaign.file.conditions.get(condition, Condition())
+    estimate = terms.estimate.select(keys)
     drawn_on = {influence_of(name) for one in estimate.components for name in one.named_changes}
+    ids = list(dict.fromkeys(test.id for part in parts for test in part.tests))
+    before = [name for name in dict.fromkeys(name for part in parts for name in part.terms.after) if name not in ids]
+    temperature = terms.temperature_range or (None if own.temperature is None else tuple(own.temperature))
+    at = [terms.axes.index(axis) for axis in axes]
     return model_from(
         estimate,
         sensor.kind,
-        terms.axes,
-        scale_factor=terms.scale_factor if volts is None else np.array([volts[axis] for axis in terms.axes]),
+        axes,
+        scale_factor=_of_axes(terms.scale_factor, at) if volts is None else np.array([volts[axis] for axis in axes]),
         output_unit=terms.output_unit if volts is None else "V",
         source="" if sensor.mounting is None else f"readings in body axes, after mounting {sensor.mounting}",
         item=Item(item.maker, item.part, item.serial),
-        input_range=terms.input_range,
-        bias_run_to_run=terms.bias_run_to_run,
+        input_range=None if terms.input_range is None else terms.input_range[at],
+        bias_run_to_run=None if terms.bias_run_to_run is None else terms.bias_run_to_run,
         not_estimated=terms.not_estimated,
         values=terms.values,
+        references=terms.references,
         provenance={str(key): one for key, one in terms.provenance.items()},
         influences={name: one for name, one in campaign.standards.items() if name in drawn_on},
-        occasion=reduce(Occasion.joined, [one.occasion for one in sources[0]]),
-        tests=tuple(one.id for tests in sources for one in tests),
-        selections=tuple(one.selection for tests in sources for one in tests),
-        **({} if terms.reference_temperature is None else of_temperature),
+        occasion=reduce(Occasion.joined, [reduced[one].occasion for one in ids]),
+        tests=(*ids, *before),
+        selections=tuple(reduced[one].selection for one in (*ids, *before)),
+        temperature_range=temperature,
+        condition=condition,
+        noise=terms.noise,
+        **({} if own.pressure is None or "pressure" in terms.references else {"pressure_range": tuple(own.pressure)}),
+        **({} if terms.reference_temperature is None else {"reference_temperature": terms.reference_temperature}),
     )
 
 
-def _share(campaign: Campaign, procedure: Procedure[Any, Any, Any]) -> float:
-    """Return the share of the risk of a wrong verdict that is left to one sensor."""
-    if not procedure.model_of_each:
-        return 1.0
-    held = {name for test in campaign.file.tests if test.use == "hold_out" for name in sensors_of(campaign, test)}
-    return 1.0 / max(len(held), 1)
+def _of_axes(given: Any, at: Sequence[int]) -> Any:
+    """Return one number for all, or those of the axes that the model has."""
+    return given if np.ndim(given) == 0 else np.asarray(given)[list(at)]
 
 
-def model_files(modelled: JudgedModel) -> dict[str, str]:
-    """Return the text of each model file, by its name; none of a model that is worse than none."""
-    named = {FIRST: modelled} | {f"model_{name}.json": one for name, one in modelled.others.items()}
-    return {name: dump_model(one.model) for name, one in named.items()
-            if one.model is not None and one.verdict != "FAIL"}  # fmt: skip
+def _told_apart(campaign: Campaign, parts: Sequence[Part], reduced: Reduced) -> list[ModelTerms]:
+    """Return the terms of parts; a standard whose error was drawn anew between two is another unknown in each."""
+    found = []
+    for part in parts:
+        occasion = reduce(Occasion.joined, [reduced[test.id].occasion for test in part.tests])
+        estimate = part.terms.estimate
+        if estimate is None or len(parts) == 1:
+            found.append(part.terms)
+            continue
+        components = []
+        for one in estimate.components:
+            origin = one.origin
+            known = campaign.standards.get(f"{origin.standard}.{origin.quantity}")
+            if origin.standard and not origin.test and known is not None and known.redrawn_by not in LASTING:
+                others = [reduce(Occasion.joined, [reduced[test.id].occasion for test in each.tests])
+                          for each in parts if each is not part]  # fmt: skip
+                label = occasion.drew(known.redrawn_by)
+                if not label or any(label != each.drew(known.redrawn_by) for each in others):
+                    origin = origin._replace(test=", ".join(part.terms.tests))
+            components.append(replace(one, given=origin) if origin != one.origin else one)
+        found.append(replace(part.terms, estimate=replace(estimate, components=tuple(components))))
+    return found
+
+
+def model_files(modelled: Modelled) -> dict[str, str]:
+    """Return the text of the model file of each sensor, by its name; it holds no model that is worse than none."""
+    models: dict[str, list[SensorModel]] = {}
+    for one in modelled.delivered:
+        assert one.model is not None  # noqa: S101 - it is delivered
+        models.setdefault(one.sensor, []).append(one.model)
+    first = modelled.every[0].sensor if modelled.every else ""
+    return {
+        f"{model_name('' if sensor == first else sensor, '')}.json": dump_models(ModelSet(tuple(every)))
+        for sensor, every in models.items()
+    }

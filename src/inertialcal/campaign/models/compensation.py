@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...core.errors import DataError
 from ...core.estimate import Array
@@ -19,31 +20,33 @@ from ...core.recording import MARK, Channel, Recording
 from ...core.remarks import Remark
 from ...core.results import Row, finite
 from ...core.units import convert, factor
-from ...sensors.model.equation import Conditions, needed
+from ...sensors.model.equation import Conditions, by_name, needed
+from ...sensors.model.model_set import ModelSet
 from ...sensors.model.on_recordings import compensate_recording, to_input_unit
 from ...sensors.model.sensor_model import SensorModel, check_item, lines
 from ...sensors.model.serial import model_checksum
 from ...sensors.model.terms import values
 from ...sensors.model.uncertainty import compensated_uncertainty, without_uncertainty
 from ...statistics.intervals import t_interval
-from .inputs import CONDITIONS, FORCES, UNCERTAINTY, Taken, taken
+from .inputs import CONDITIONS, FORCES, UNCERTAINTY, Taken, full_name, taken
 
 
 def compensate(
-    model: SensorModel,
+    model: SensorModel | ModelSet,
     recording: Recording,
     columns: Mapping[str, str] | None = None,
     *,
     temperature: str | float | None = None,
     serial: str | None = None,
     uncertainty: bool = False,
+    condition: str | None = None,
 ) -> Recording:
     """Return the recording with the true inputs in place of the readings; time, gaps and other channels stay.
 
     Parameters
     ----------
-    model : SensorModel
-        As ``load_model`` gives it.
+    model : SensorModel or ModelSet
+        As ``load_model`` gives it, or ``load_models``: the one of the condition is applied.
     recording : Recording
         With readings in units of input (deg/s, g, ...) or output (V, count/s).
     columns, temperature
@@ -52,12 +55,17 @@ def compensate(
         Serial number of the sensor that gave the data, to be checked against that of the model.
     uncertainty : bool
         Add a column with the standard uncertainty of each compensated one.
+    condition : str, optional
+        Whose model is applied; needed where there are several and the pressure of the data does not say.
 
     Raises
     ------
+    UsageError
+        ``condition_needed``, ``no_such_condition``.
     DataError
-        ``already_compensated``, ``wrong_serial``, ``wrong_unit``, ``no_unit``, ``wrong_column``, ``no_temperature``,
-        ``missing_condition``, ``not_unique``, ``not_invertible``, ``no_validity_range``, ``no_covariance``.
+        ``wrong_condition``, ``already_compensated``, ``wrong_serial``, ``wrong_unit``, ``no_unit``,
+        ``wrong_column``, ``no_temperature``, ``missing_condition``, ``not_unique``, ``not_invertible``,
+        ``no_validity_range``, ``no_covariance``.
     """
     if recording.compensated_by:
         raise DataError(
@@ -67,6 +75,7 @@ def compensate(
             do="Compensate the raw recording",
             code="already_compensated",
         )
+    model = model_for(model, recording, columns, condition)
     check_item(model, serial=serial)
     chosen = taken(model, recording, columns, temperature)
     axes = {axis: chosen.columns[axis] for axis in model.axes}
@@ -94,6 +103,62 @@ def compensate(
     return _with_uncertainty(model, recording, done, axes, conditions) if uncertainty else done
 
 
+def model_for(
+    models: SensorModel | ModelSet,
+    recording: Recording,
+    columns: Mapping[str, str] | None = None,
+    condition: str | None = None,
+) -> SensorModel:
+    """Return the model of the condition that a recording was made in.
+
+    It is the one that is named; else the only one; else the one whose range of pressure holds every pressure of the
+    recording. Pressure is the column named for it, or the only one whose header says so.
+
+    Raises
+    ------
+    UsageError
+        ``condition_needed`` where there are several and the pressure does not say; ``no_such_condition``.
+    DataError
+        ``wrong_condition`` for pressures outside the range of the model's condition.
+    """
+    every = models if isinstance(models, ModelSet) else ModelSet((models,))
+    pressure = _pressure(recording, columns or {})
+    known = np.empty(0) if pressure is None else pressure[np.isfinite(pressure)]
+    fitting = [name for name, one in every.items() if len(known) and not _outside(one, known).any()]
+    fitting = [name for name in fitting if every[name].pressure_range is not None]
+    if condition is None and len(every) > 1 and len(fitting) == 1:
+        return every[fitting[0]]
+    model = every.only(condition, recording.source.path)
+    beyond = _outside(model, known) if model.condition else np.zeros(0, dtype=bool)
+    if beyond.any() and model.pressure_range is not None:
+        lo, hi = model.pressure_range
+        count, at = int(np.count_nonzero(beyond)), float(known[np.argmax(beyond)])
+        fits = f"These data fit: --condition {fitting[0]}" if len(fitting) == 1 else "No condition of the model fits"
+        raise DataError(
+            f"{count} of {len(recording)} row(s) were not made in condition {model.condition!r}: pressure {at:.4g} Pa, "
+            f"the model holds for {lo:.4g} to {hi:.4g} Pa",
+            recording.source.path,
+            why="bias and its change with temperature differ between conditions",
+            do=fits if len(every) > 1 else f"The file has no other model than that of {model.condition!r}",
+            code="wrong_condition",
+        )
+    return model
+
+
+def _pressure(recording: Recording, columns: Mapping[str, str]) -> Array | None:
+    """Return pressures [Pa] of the column named for it, or of the only one whose header says so; None without one."""
+    named = columns.get("pressure")
+    names = [one.name for one in recording.channels if one.quantity == "pressure" and one.unit]
+    column = (full_name(recording, named) or recording.channel(named).name) if named else names[0] if names else None
+    return None if column is None or (not named and len(names) > 1) else _in_unit(recording, column, "Pa")
+
+
+def _outside(model: SensorModel, pressure: Array) -> NDArray[np.bool_]:
+    if model.pressure_range is None:
+        return np.zeros(len(pressure), dtype=bool)
+    return (pressure < model.pressure_range[0]) | (pressure > model.pressure_range[1])
+
+
 def emptied(raw: Recording, done: Recording, axes: Mapping[str, str], conditions: Conditions) -> tuple[Remark, ...]:
     """Return remarks that count the readings lost because something else of their row is missing.
 
@@ -110,7 +175,7 @@ def emptied(raw: Recording, done: Recording, axes: Mapping[str, str], conditions
     missing = np.isnan(raw.array(names))
     lost = np.isnan(done.array(names)) & ~missing
     unknown = np.zeros(len(raw), dtype=bool)
-    for given in conditions.values():
+    for given in by_name(conditions).values():
         columns = np.asarray(given, dtype=float)
         if columns.ndim and len(columns) == len(raw):
             unknown |= np.isnan(columns.reshape(len(raw), -1)).any(axis=1)
@@ -140,7 +205,14 @@ def _conditions(model: SensorModel, recording: Recording, chosen: Taken) -> Cond
     if "specific_force" in needs and all(name in chosen.columns for name in FORCES):
         columns = [_in_unit(recording, chosen.columns[name], "m/s^2") for name in FORCES]
         found["specific_force"] = np.column_stack(columns)
-    _require(needs, found, recording)
+    channels = {
+        one.channel: _in_unit(recording, chosen.columns[one.channel], one.unit)
+        for one in model.sensitivities
+        if one.channel in chosen.columns and one.channel not in CONDITIONS
+    }
+    if channels:
+        found["channels"] = channels
+    _require(needs, {*found, *channels}, recording)
     return found
 
 
@@ -184,7 +256,7 @@ def _temperature(chosen: Taken, recording: Recording, term: str) -> float:
     )
 
 
-def _require(needs: Mapping[str, str], found: Conditions, recording: Recording) -> None:
+def _require(needs: Mapping[str, str], found: set[str], recording: Recording) -> None:
     for name, term in needs.items():
         if name not in found:
             words = [f"--column {one}=NAME" for one in (FORCES if name == "specific_force" else (name,))]
@@ -205,17 +277,12 @@ def _about(model: SensorModel, chosen: Taken) -> list[Remark]:
         remarks.append(Remark("unjudged_model", "info", what))
     given = set(chosen.columns) - set(model.axes) | ({"temperature"} if chosen.temperature is not None else set())
     needs = set(needed(model))
-    unused = sorted(name for name in given if _condition_name(name) not in needs)
+    own = {f"temperature_{axis}": "temperature" for axis in model.axes} | dict.fromkeys(FORCES, "specific_force")
+    unused = sorted(name for name in given if own.get(name, name) not in needs)
     if unused:
         what = f"not used, because the model has no term in it: {', '.join(unused)}"
         remarks.append(Remark("condition_not_used", "info", what, count=len(unused)))
     return remarks
-
-
-def _condition_name(name: str) -> str:
-    if name in FORCES:
-        return "specific_force"
-    return name if name in CONDITIONS else "temperature"
 
 
 def _with_uncertainty(
@@ -254,6 +321,7 @@ def model_rows(model: SensorModel) -> tuple[Row, ...]:
                 (t_interval(float(value), line.u, dof) if line.u is not None and dof > 0.0 else None),
                 "not_estimated" if line.u is None else "estimated",
                 Reason("note", line.note),
+                condition=model.condition,
                 test=origin.test if origin is not None else "",
                 shared={}
                 if model.estimate is None or line.u is None

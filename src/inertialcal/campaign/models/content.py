@@ -12,18 +12,14 @@ from ...core.units import factor, kind
 from ...procedures import procedure_of
 from ...statistics.closed_loop import AxisLoop
 from ...statistics.intervals import t_interval
-from ..engine.engine import modelled_sensor
-from ..file.cross_checks import RESERVED
 from ..file.load import Campaign
-from .judged import NOT_RUN, JudgedModel, ResidualLoop
+from .judged import NOT_RUN, JudgedModel, Modelled, ResidualLoop
 
 
-def named_models(campaign: Campaign, modelled: JudgedModel | None) -> dict[str, tuple[str, JudgedModel]]:
-    """Return unit and model of each sensor that has one, by what its rows are named: as its file is."""
-    if modelled is None:
-        return {}
-    others = {f"{RESERVED}_{name}": (campaign.file.sensors[name].unit, one) for name, one in modelled.others.items()}
-    return {} if modelled.model is None else {RESERVED: (modelled_sensor(campaign).unit, modelled)} | others
+def named_models(campaign: Campaign, modelled: Modelled | None) -> dict[str, tuple[str, JudgedModel]]:
+    """Return unit and model of each sensor and condition that has one, by what its rows are named."""
+    every = () if modelled is None else modelled.every
+    return {one.name: (campaign.file.sensors[one.sensor].unit, one) for one in every if one.model is not None}
 
 
 def parameter_rows(modelled: JudgedModel) -> list[Row]:
@@ -45,22 +41,24 @@ def parameter_rows(modelled: JudgedModel) -> list[Row]:
 
 
 def closed_loop_content(
-    campaign: Campaign, modelled: JudgedModel | None, unit: str, errors: Sequence[Remark]
+    campaign: Campaign, modelled: Modelled | None, unit: str, errors: Sequence[Remark]
 ) -> dict[str, Any]:
     """Return what the closed loop gave, in the unit of the sensor; errors are those for which no model is made."""
-    every = () if modelled is None else tuple(one for one in modelled.every if one.is_judged)
-    if modelled is None or not every:
+    if modelled is None or not modelled.is_judged:
         reason = _not_run(campaign, modelled, errors)
         return {"verdict": NOT_RUN, "reason": reason, "axes": [], "over_temperature": []}
     return {
         "verdict": modelled.whole_verdict,
         "reason": "",
-        "axes": [_loop_row(campaign, loop, unit) for one in every for loop in one.loops],
-        "over_temperature": [residual_row(one, unit) for one in modelled.residuals],
+        "axes": [_loop_row(campaign, one.condition, loop, unit) for one in modelled.every for loop in one.loops],
+        "over_temperature": [
+            *(residual_row(one.condition, each, unit) for one in modelled.every for each in one.residuals),
+            *(residual_row("", each, unit) for each in modelled.residuals),
+        ],
     }
 
 
-def _not_run(campaign: Campaign, modelled: JudgedModel | None, errors: Sequence[Remark]) -> str:
+def _not_run(campaign: Campaign, modelled: Modelled | None, errors: Sequence[Remark]) -> str:
     """Say why there is no closed loop."""
     if modelled is None and errors:
         return f"no model: {errors[0].what}"
@@ -68,17 +66,17 @@ def _not_run(campaign: Campaign, modelled: JudgedModel | None, errors: Sequence[
         return "no test is held out"
     procedures = [procedure_of(name) for name in dict.fromkeys(test.procedure for test in campaign.file.tests)]
     if any(one.makes_model for one in procedures):
-        return "no model"
+        return "no model: no test for a fit gives a term of it"
     return (
         f"no model is made of a {' or a '.join(one.kind_of_test or one.name.replace('_', ' ') for one in procedures)}"
     )
 
 
-def _loop_row(campaign: Campaign, one: AxisLoop, unit: str) -> dict[str, Any]:
+def _loop_row(campaign: Campaign, condition: str, one: AxisLoop, unit: str) -> dict[str, Any]:
     shown = _loop_unit(campaign, one.unit, unit)
     scale = factor(one.unit, shown)
     return {
-        "axis": one.axis, "dwells": one.dwells, "runs": one.runs, "unit": shown,
+        "condition": condition, "axis": one.axis, "dwells": one.dwells, "runs": one.runs, "unit": shown,
         "raw_rms": one.raw * scale, "compensated_rms": one.compensated * scale,
         "mean_square_gain": one.gain * scale**2, "u": finite(one.u * scale**2), "dof": finite(one.dof),
         "allowed": one.allowed * scale**2, "verdict": one.verdict, "reason": one.reason,
@@ -93,11 +91,12 @@ def _loop_unit(campaign: Campaign, own: str, unit: str) -> str:
     return unit if kind(unit) == kind(own) else units[0]
 
 
-def residual_row(one: ResidualLoop, unit: str) -> dict[str, Any]:
+def residual_row(condition: str, one: ResidualLoop, unit: str) -> dict[str, Any]:
     """Return a row of ``closed_loop.over_temperature``, in the unit of the sensor."""
     loop, scale = one.loop, factor(one.loop.unit, unit)
     return {
-        "test": one.test, "against": one.against, "axis": loop.axis, "cells": loop.dwells, "runs": loop.runs,
+        "condition": condition, "test": one.test, "against": one.against, "axis": loop.axis, "cells": loop.dwells,
+        "runs": loop.runs,
         "unit": unit, "raw_rms": loop.raw * scale, "compensated_rms": loop.compensated * scale,
         "verdict": loop.verdict, "reason": loop.reason,
     }  # fmt: skip

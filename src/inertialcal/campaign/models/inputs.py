@@ -13,6 +13,8 @@ from ...core.errors import DataError
 from ...core.recording import Recording
 from ...core.units import parse_quantity, same_dimension
 from ...files.text.headers import bare_name
+from ...sensors.chain.converter import Chain
+from ...sensors.model.on_recordings import CONDITIONS as CHANNELS
 from ...sensors.model.on_recordings import QUANTITY
 from ...sensors.model.sensor_model import SensorModel
 from ...sensors.model.terms import FORCE_AXES
@@ -43,7 +45,8 @@ def taken(
     Parameters
     ----------
     columns : mapping of str to str, optional
-        What it is -> name of the column; an axis that is not in it is found by its header.
+        What it is -> name of the column; an axis, or a channel that the model has a sensitivity to, is found by its
+        header where it is not in it.
     temperature : str or float, optional
         Column, or temperature of all rows: ``"25 degC"``, or a number [degC].
 
@@ -53,7 +56,8 @@ def taken(
         ``wrong_column`` where an axis has no column or several, or a name is not known.
     """
     named = dict(columns or {})
-    known = {*model.axes, *CONDITIONS, *FORCES, *(f"temperature_{axis}" for axis in model.axes)}
+    channels = [one.channel for one in model.sensitivities]
+    known = {*model.axes, *CONDITIONS, *FORCES, *(f"temperature_{axis}" for axis in model.axes), *channels}
     strangers = [f"{what}={name}" for what, name in named.items() if what not in known]
     if strangers:
         raise DataError(
@@ -63,10 +67,34 @@ def taken(
         )
     named = {what: full_name(recording, name) or recording.channel(name).name for what, name in named.items()}
     found = {axis: named[axis] if axis in named else _column_of(model, recording, axis) for axis in model.axes}
+    found |= {name: column for name in channels if name not in CONDITIONS and (column := full_name(recording, name))}
     column = full_name(recording, temperature) if isinstance(temperature, str) else None
     if column is not None:
         return Taken({**found, "temperature": column, **named})
     return Taken(found | named, None if temperature is None else _fixed_temperature(recording, temperature))
+
+
+def chain_columns(chain: Chain, recording: Recording, columns: Mapping[str, str] | None = None) -> dict[str, str]:
+    """Return the columns of counts by what they are: axes, ``reference_x``, ``temperature_x``, ``validity_x``, ...
+
+    Those that are named, and those whose header is the word; empty where the axes are in other units than counts.
+
+    Raises
+    ------
+    DataError
+        ``wrong_column`` for a name that is not known.
+    """
+    words = [*chain.axes, *CHANNELS, *(f"{what}_{axis}" for what in CHANNELS for axis in chain.axes)]
+    strangers = [f"{what}={name}" for what, name in (columns or {}).items() if what not in words]
+    if strangers:
+        raise DataError(
+            f"{', '.join(strangers)}: the chain has no such input", do=f"It takes: {', '.join(words)}",
+            code="wrong_column",
+        )  # fmt: skip
+    named = {what: full_name(recording, name) or recording.channel(name).name for what, name in (columns or {}).items()}
+    found = {word: name for word in words if (name := named.get(word) or full_name(recording, word)) is not None}
+    counted = all(axis in found and recording.channel(found[axis]).unit in {None, "count"} for axis in chain.axes)
+    return found if counted else {}
 
 
 def full_name(recording: Recording, name: str) -> str | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ...core.curve import Curve
@@ -13,7 +13,7 @@ from ...procedures import procedure_of
 from ...procedures.model_terms import HeldOut
 from ...procedures.protocol import Tested
 from ...sensors.model.sensor_model import SensorModel
-from ...statistics.closed_loop import AxisLoop
+from ...statistics.closed_loop import AxisLoop, overall
 from ..engine.engine import computable, placed
 from ..file.load import Campaign
 
@@ -31,31 +31,46 @@ class ResidualLoop:
 
 @dataclass(frozen=True, eq=False)
 class JudgedModel:
-    """A model and its closed loop; or a closed loop of tests that make no model."""
+    """The model of a sensor in a condition, and its closed loop."""
 
+    sensor: str  # As the campaign calls it
+    condition: str  # Of the campaign; empty where no test states one
     model: SensorModel | None  # ``judged`` where the closed loop PASSes
+    name: str = ""  # Of its rows: ``model``, ``model_vacuum``
     loops: tuple[AxisLoop, ...] = ()  # Empty where nothing was held out
     verdict: str = NOT_RUN  # ``PASS``, ``FAIL``, ``INCONCLUSIVE``, or ``not run``
     remarks: tuple[Remark, ...] = ()  # Findings
     curves: tuple[Curve, ...] = ()  # Of readings held out, SI
     residuals: tuple[ResidualLoop, ...] = ()  # Of tests held out that found what was taken off before
-    # Models of further sensors, by the name of the sensor
-    others: Mapping[str, JudgedModel] = field(default_factory=dict[str, Any])
-
-    @property
-    def every(self) -> tuple[JudgedModel, ...]:
-        """The model itself and those of further sensors."""
-        return (self, *self.others.values())
 
     @property
     def is_judged(self) -> bool:
         """Whether anything was held out."""
         return bool(self.loops or self.residuals)
 
+
+@dataclass(frozen=True, eq=False)
+class Modelled:
+    """The models of a campaign, and a closed loop of tests that no model is made of."""
+
+    every: tuple[JudgedModel, ...] = ()  # First those of the sensor that was fitted first
+    residuals: tuple[ResidualLoop, ...] = ()  # Of tests held out of which no model was made
+
+    @property
+    def delivered(self) -> tuple[JudgedModel, ...]:
+        """Models that readings held out do not refute."""
+        return tuple(one for one in self.every if one.model is not None and one.verdict != "FAIL")
+
+    @property
+    def is_judged(self) -> bool:
+        """Whether anything was held out."""
+        return bool(self.residuals) or any(one.is_judged for one in self.every)
+
     @property
     def whole_verdict(self) -> str:
-        """The worst verdict of all models that were judged; ``not run`` where none was."""
+        """The worst verdict of all that was judged; ``not run`` where nothing was."""
         found = {one.verdict for one in self.every if one.is_judged}
+        found |= {overall([one.loop for one in self.residuals])} if self.residuals else set()
         return next((word for word in ("FAIL", "INCONCLUSIVE", "PASS") if word in found), NOT_RUN)
 
 
@@ -68,7 +83,7 @@ class Residual:
 
 
 def hold_out_residuals(campaign: Campaign, reduced: Mapping[str, Tested[Any, Any, Any]]) -> dict[str, Residual]:
-    """Return what is left on readings held out where no model is made, by test.
+    """Return what is left on readings held out of tests that are judged one by one, by test.
 
     Each is set against the first test for a fit of its procedure in the same condition.
 
@@ -80,7 +95,7 @@ def hold_out_residuals(campaign: Campaign, reduced: Mapping[str, Tested[Any, Any
     found = {}
     for number, test in enumerate(campaign.file.tests):
         procedure = procedure_of(test.procedure)
-        if test.use != "hold_out" or procedure.makes_model:
+        if test.use != "hold_out" or not procedure.judged_alone:
             continue
         same = (
             one for one in campaign.file.tests if one.procedure == test.procedure and one.condition == test.condition

@@ -32,7 +32,7 @@ from ..file.schema import Site
 from ..file.sensors import Sensor
 from ..inputs.sources import Origin
 from ..models.content import closed_loop_content, named_models, parameter_rows
-from ..models.judged import NOT_RUN, JudgedModel
+from ..models.judged import NOT_RUN, Modelled
 from .budget import advice, budgeted, deciding_u
 from .exclusions import LeftOut, exclusion_rows, left_out
 from .requirements import judge, margin, rule_text, worst
@@ -42,7 +42,7 @@ def results_content(
     campaign: Campaign,
     prepared: Sequence[Prepared],
     tested: Sequence[ReducedTest],
-    modelled: JudgedModel | None,
+    modelled: Modelled | None,
     remarks: Sequence[Remark],
 ) -> tuple[dict[str, Any], list[Verdict]]:
     """Return the content of ``results.json``, and the verdicts behind it.
@@ -55,7 +55,7 @@ def results_content(
         Every test, ready to be reduced.
     tested : sequence of ReducedTest
         Every test, with its rows, SI; they come out in the units of the campaign.
-    modelled : JudgedModel or None
+    modelled : Modelled or None
         Model and closed loop.
     remarks : sequence of Remark
         Of all tests.
@@ -70,7 +70,8 @@ def results_content(
                 else lasting(estimate.shared(row.key), row.u, campaign.standards)
             )
             curvature = {} if estimate is None or row.u is None else estimate.curvature(row.key)
-            rows.append(displayed(replace(row, test=name, shared=shared, curvature=curvature), unit))
+            whole = replace(row, test=name, condition=one.condition, shared=shared, curvature=curvature)
+            rows.append(displayed(whole, unit))
     judged: list[tuple[Verdict, str]] = []
     tests = {one.test.id: one.test for one in tested}
     unit = campaign.file.sensors[next(iter(campaign.file.sensors))].unit
@@ -79,7 +80,8 @@ def results_content(
         found, more = judge(requirement, tested, general)
         judged += [(verdict, requirement.quantity) for verdict in found]
         known = {(row.test, row.key, row.case) for row in rows}
-        new = [row for row in more if (row.test, row.key, row.case) not in known]
+        stated = [replace(row, condition=tests[row.test].condition) if row.test in tests else row for row in more]
+        new = [row for row in stated if (row.test, row.key, row.case) not in known]
         rows += [displayed(row, unit) for row in new]
     verdicts = [verdict for verdict, _ in judged]
     unused = left_out(campaign, prepared, tested)
@@ -143,7 +145,7 @@ def _known(one: ReducedTest, kind: str) -> tuple[Estimate | None, dict[Key, Key]
 
 
 def _occasions(
-    campaign: Campaign, tested: Sequence[ReducedTest], modelled: JudgedModel | None
+    campaign: Campaign, tested: Sequence[ReducedTest], modelled: Modelled | None
 ) -> dict[str, dict[str, Any]]:
     """Return what drew the errors of standards, by test, and by model with the tests that it is made of."""
     by_test = {one.test.id: (one.tested.occasion, [one.test.id]) for one in tested}
@@ -155,7 +157,7 @@ def _occasions(
     return {name: occasion._asdict() | {"tests": tests} for name, (occasion, tests) in (by_test | models).items()}
 
 
-def _budgets(campaign: Campaign, tested: Sequence[ReducedTest], modelled: JudgedModel | None) -> list[dict[str, Any]]:
+def _budgets(campaign: Campaign, tested: Sequence[ReducedTest], modelled: Modelled | None) -> list[dict[str, Any]]:
     """Return the budgets of all tests, then those of the model that is delivered."""
     found = []
     exact = {name: one.reason for name, one in campaign.standards.items() if one.u == 0.0}
@@ -223,9 +225,7 @@ def _with_advice(verdicts: list[dict[str, Any]], results: Mapping[str, Any], ask
             verdict["reason"] += f"; u = {size} would decide: {found}"
 
 
-def _verification(
-    campaign: Campaign, verdicts: Sequence[Verdict], modelled: JudgedModel | None
-) -> list[dict[str, Any]]:
+def _verification(campaign: Campaign, verdicts: Sequence[Verdict], modelled: Modelled | None) -> list[dict[str, Any]]:
     """Rows of the verification matrix: requirement, method, evidence, verdict; untested requirements are OPEN."""
     rows: list[dict[str, Any]] = []
     for requirement in campaign.file.requirements:
@@ -286,7 +286,7 @@ def _text(value: float | None, unit: str, shown: str) -> str | None:
 
 
 def curves_content(
-    campaign: Campaign, tested: Sequence[ReducedTest], modelled: JudgedModel | None
+    campaign: Campaign, tested: Sequence[ReducedTest], modelled: Modelled | None
 ) -> list[dict[str, Any]]:
     """Return the curves of all tests, and those of the closed loop, as ``results.json`` holds them.
 
@@ -296,7 +296,7 @@ def curves_content(
         As read.
     tested : sequence of ReducedTest
         Every test.
-    modelled : JudgedModel or None
+    modelled : Modelled or None
         Model and closed loop.
     """
     found = []

@@ -24,6 +24,8 @@ from ...core.judging import LEVEL, Asked, Rule, Verdict
 from ...core.results import Interval, Row, finite
 from ...procedures import all_quantities, procedure_of
 from ...procedures.protocol import Quantity
+from ...procedures.recorded import COUNTED
+from ...procedures.recorded import QUANTITIES as RECORDED
 from ...statistics.decision import Verdict as Decision
 from ...statistics.decision import decide, decide_by
 from ...statistics.guard_band import INTERVAL
@@ -65,6 +67,10 @@ def judge(
         requirement.upper, requirement.where, rule,
     )  # fmt: skip
     about = [one for one in tested if _is_about(requirement, one)]
+    if asked.quantity in RECORDED:
+        recorded, given = _recorded(asked, about)
+        words = rule_text(rule)
+        return [replace(one, basis=replace(one.basis, rule=words)) for one in recorded or [_open(asked)]], given
     verdicts: list[Verdict] = []
     rows: list[Row] = []
     others: set[str] = set()
@@ -156,6 +162,41 @@ def _figure(asked: Asked, one: ReducedTest, row: Row) -> Verdict:
         *head, found.interval, lower, upper, *_doubted(found.status, found.reason, doubt), sensor=row.key.sensor,
         basis=replace(found.basis, in_doubt=True, risk=None) if doubt else found.basis,
     )  # fmt: skip
+
+
+def _recorded(asked: Asked, about: Sequence[ReducedTest]) -> tuple[list[Verdict], list[Row]]:
+    """Return a verdict a test and axis, by its recording that does worst, and the rows of all recordings."""
+    verdicts: list[Verdict] = []
+    rows = [row for one in about for row in one.recorded if row.quantity == asked.quantity]
+    rows = [row for row in rows if asked.axis in (None, row.axis)]
+    for test, axis in dict.fromkeys((row.test, row.axis) for row in rows):
+        mine = [row for row in rows if (row.test, row.axis) == (test, axis)]
+        verdicts.append(min((_of_recording(asked, row) for row in mine), key=_how_bad))
+    return verdicts, rows
+
+
+def _of_recording(asked: Asked, row: Row) -> Verdict:
+    """Judge a figure of a recording: a count as it is, others by their interval."""
+    head = (asked.id, row.test, row.axis, None, "", row.value, row.u, row.unit)
+    lower, upper = asked.limits(row.unit, all_quantities()[row.quantity].size)
+    place = f"recording {row.member.label}" if row.member is not None else ""
+    if row.status != "estimated" or row.value is None:
+        reason = f"{place}: {row.reason.text}"
+        return Verdict(*head, row.interval, lower, upper, "INCONCLUSIVE", reason)
+    if row.quantity in COUNTED:
+        inside = (lower is None or row.value >= lower) and (upper is None or row.value <= upper)
+        exact = Interval(row.value, row.value)
+        return Verdict(*head, exact, lower, upper, "PASS" if inside else "FAIL", f"{place}; counted")
+    dof = np.inf if row.dof is None else row.dof
+    found = decide(row.value, row.u, dof, lower, upper, rule=asked.rule.within(row.unit, lower, upper))
+    reason = "; ".join(text for text in (place, found.reason, row.reason.text) if text)
+    return Verdict(*head, found.interval, lower, upper, found.status, reason, basis=found.basis)
+
+
+def _how_bad(one: Verdict) -> tuple[int, float]:
+    """Return what sorts the worst verdict first: FAIL, INCONCLUSIVE, PASS, each by its margin."""
+    left = margin(one.interval, one.lower, one.upper)
+    return ("FAIL", "INCONCLUSIVE", "PASS").index(one.verdict), -math.inf if left is None else left
 
 
 def _enough(rule: Rule) -> bool:

@@ -78,8 +78,15 @@ def _closed_loop(loop: Mapping[str, Any]) -> tuple[Block, ...]:
     said = f"closed loop, on readings held out: {loop['verdict']}"
     if not loop["axes"]:
         return (f"{said} ({loop['reason']})",)
+    several = len({one["condition"] for one in loop["axes"]}) > 1
     rows = [
-        (one["axis"], number(one["raw_rms"], 3), number(one["compensated_rms"], 3), one["unit"], one["verdict"])
+        (
+            f"{one['axis']}, {one['condition']}" if several else one["axis"],
+            number(one["raw_rms"], 3),
+            number(one["compensated_rms"], 3),
+            one["unit"],
+            one["verdict"],
+        )
         for one in loop["axes"]
     ]
     heads = ("rms error", "compensated", "unit", "verdict")

@@ -17,19 +17,23 @@ from ...files.text.table import read_table
 from ...files.write.atomic import atomic_write
 from ...procedures import procedure_names, procedure_of
 from ...procedures.suggestions import RELATIVE, Claim, FolderFile, fill_in
+from ...sensors.catalogue import PublishedSensor, published_sensor
+from .data_sheet import requirements, with_facts
 
 ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".parquet", ".csv.gz", ".txt.gz", ".mat", ".h5", ".hdf5", ".npz")
 MOST = 200  # files
 Found = dict[str, dict[str, object]]  # what procedures make of files, by procedure and file
 
 
-def start(folder: str | Path) -> tuple[Path, list[int], tuple[Remark, ...]]:
+def start(folder: str | Path, sensor: str = "") -> tuple[Path, list[int], tuple[Remark, ...]]:
     """Write a first campaign.toml for the tables and recordings of a folder.
 
     Parameters
     ----------
     folder : path
         Holds the files; campaign.toml is written into it.
+    sensor : str
+        Published sensor, by its name in the catalogue or its part: its data sheet becomes facts and requirements.
 
     Returns
     -------
@@ -39,11 +43,11 @@ def start(folder: str | Path) -> tuple[Path, list[int], tuple[Remark, ...]]:
     Raises
     ------
     UsageError
-        If the folder does not exist.
+        If the folder does not exist, or there is no such sensor (``unknown_sensor``).
     PlanError
         If it already holds a campaign, or no file that a test can use.
     """
-    root = Path(folder)
+    root, published = Path(folder), published_sensor(sensor) if sensor else None
     if not root.is_dir():
         raise UsageError(f"No such folder: {root}")
     path = root / FILE
@@ -56,7 +60,10 @@ def start(folder: str | Path) -> tuple[Path, list[int], tuple[Remark, ...]]:
         do += "dwell), or tables of means (a row per axis and orientation)"
         what = f"No recording or table in {root} that a test can use"
         raise PlanError(what, do=do, code="nothing_found")
-    text = starter_text(root.resolve().name, found)
+    text = starter_text(root.resolve().name, found, published)
+    if published is not None and f'kind = "{published.kind}"' not in text:
+        what = f"{published.item.part} is a {published.kind}: no recording here is of one"
+        remarks.append(Remark("not_taken", "warning", what, do="Add its recordings"))
     with atomic_write(path, new=True) as aside:
         aside.write_text(text, encoding="utf-8")
     lines = [number for number, line in enumerate(text.splitlines(), 1) if line.rstrip().endswith(MARK)]
@@ -134,7 +141,7 @@ def _settle(found: Found, taken: dict[str, _Taken]) -> None:
                 found[one.reserve][file] = one.claim.take()[0]
 
 
-def starter_text(name: str, found: Found) -> str:
+def starter_text(name: str, found: Found, published: PublishedSensor | None = None) -> str:
     """Return the text of a campaign file.
 
     Parameters
@@ -143,6 +150,8 @@ def starter_text(name: str, found: Found) -> str:
         Of the campaign.
     found : dict of str to dict
         What its folder holds, by procedure and file.
+    published : PublishedSensor, optional
+        Whose data sheet becomes facts and requirements.
     """
     identifier = (
         "".join(c if c.isascii() and (c.isalnum() or c in "_-") else "-" for c in name).strip("-_") or "campaign"
@@ -157,10 +166,18 @@ def starter_text(name: str, found: Found) -> str:
     for draft in drafts:
         for part in parts:
             parts[part] |= getattr(draft, part)
+    if published is not None:
+        document["item"] = {
+            "maker": published.item.maker or fill_in(""),
+            "part": published.item.part,
+            "serial": fill_in(""),
+        }
+        parts["sensors"] = with_facts(parts["sensors"], published)
     document |= parts
     if parts["standards"]:
         document["standards"] = Noted(parts["standards"], above=RELATIVE)
     document["tests"] = [test for draft in drafts for test in draft.tests]
     examples = sorted((one for one in drafts if one.requirement), key=lambda one: not one.example)
-    document["requirements"] = [Noted({"id": "R1", **one.requirement}, example=True) for one in examples[:1]]
+    asked = [Noted({"id": "R1", **one.requirement}, example=True) for one in examples[:1]]
+    document["requirements"] = asked if published is None else [*asked, *requirements(published)]
     return toml_text(document)

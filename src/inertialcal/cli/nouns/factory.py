@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 
 import typer
 
-from ...core.settings import Setting, settings_of
+from ...core.settings import Setting, grouped_settings
 from ...procedures.given import Said
 from ...procedures.protocol import Command, Procedure
 from ..options import Json, Quiet
@@ -33,10 +33,7 @@ HOLD_OUT = Annotated[
 def command_of(procedure: Procedure[Any, Any, Any], declared: Command) -> Callable[..., int]:
     """Return the command of a procedure, for the parser: options are its settings."""
     groups = {"plan": procedure.plan_type, "own": procedure.said_type, "said": Said, "shown": procedure.shown_type}
-    settings = {one.name: one for kind in reversed(groups.values()) if kind is not None for one in settings_of(kind)}
-    ordered = {
-        one.name: settings[one.name] for kind in groups.values() if kind is not None for one in settings_of(kind)
-    }
+    ordered = {one.name: one for group in grouped_settings(groups).values() for one in group}
 
     def command(**given: Any) -> int:
         from .run import run_noun

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 from ...campaign.compare.compare import HEADS, JUDGED, Comparison, is_beside, is_shown, line, not_compared, rule_lines
-from ...core.results import key_of
-from ...core.show.rounding import number, settled_number
+from ...core.results import finite, key_of
+from ...core.show.rounding import number, settled, settled_number, with_uncertainty
 from ...core.show.rows import names_of, reason_text
+from ...core.units import factor
+from ...sensors.flight import Step
 from ...sensors.model.sensor_model import SensorModel, show
+from ...sensors.orbit_check import DwellCheck, OrbitCheck
 from .output import clean, table, wrapped
 from .summary import remarks_text
 
@@ -37,6 +42,92 @@ def model_text(model: SensorModel, rows: Sequence[Mapping[str, Any]]) -> str:
         for row in rows
     ]
     return f"{show(model)}\n\nCoefficients, all digits\n{table(cells, heads, right=(1, 2))}"
+
+
+def steps_text(steps: Sequence[Step], axes: Sequence[str]) -> str:
+    """Return a calculation step by step: a line a step, its groups with a head."""
+    cells: list[list[str]] = []
+    for before, one in zip((None, *steps), steps, strict=False):
+        if before is None or before.group != one.group:
+            cells.append([one.group, *("" for _ in axes), ""])
+        cells.append([f"  {one.name}", *(f"{value:.{one.decimals}f}" for value in one.values), one.unit])
+    return table(cells, ["", *axes, "unit"], right=range(1, len(axes) + 1))
+
+
+def orbit_text(check: OrbitCheck, condition: str, dwells: Sequence[DwellCheck] = ()) -> str:
+    """Return whether each axis sees the rate of an orbit and that of the earth."""
+    unit = "deg/s"
+    rate, u = (value * factor("rad/s", unit) for value in (check.rate.values[0], check.rate.u[0]))
+    earth, u_earth = (float(value * factor("rad/s", unit)) for value in (check.earth.values[0], check.earth.u[0]))
+    where = (
+        ""
+        if check.latitude is None
+        else f", upright at latitude {number(check.latitude * factor('rad', 'deg'), 4)} deg"
+    )
+    said = with_uncertainty(earth, u_earth) if u_earth else number(earth, 4)
+    reads = "with its vertical part" if where else "in full, as along an axis that points to the pole"
+    cells = [
+        [
+            f"  {one.axis}", "less rest" if one.zero_reference else "direct",
+            settled_number(one.u * factor("rad/s", unit), 3),
+            _seen(one.orbit_seen, one.orbit_ratio),
+            _seen(one.earth_seen, one.earth_ratio),
+        ]
+        for one in check.checks
+    ]  # fmt: skip
+    heads = ["  axis", "reading", f"u [{unit}]", "orbit (rate / 1.96 u)", "earth (rate / 1.96 u)"]
+    lines = [
+        *([clean(f"Model of condition {condition}")] if condition else []),
+        f"Circular orbit at {number(check.altitude / 1e3)} km: {with_uncertainty(float(rate), float(u))} {unit}; "
+        f"earth {said} {unit}{where}; mean over {number(check.averaging)} s",
+        table(cells, heads, right=(2,)),
+        "A rate is seen if the 95 % interval of a compensated reading does not hold zero, at the model's reference",
+        f"conditions, settled and weightless; the earth's counts {reads}.",
+        *_dwells(dwells, unit),
+    ]
+    return "\n".join([*lines, *(wrapped(f"not counted: {clean(one)}", "    ") for one in check.not_counted)])
+
+
+def _dwells(dwells: Sequence[DwellCheck], unit: str) -> list[str]:
+    """Return dwells held out beside the stated band: a line an axis."""
+    if not dwells:
+        return ["Recorded: no rate-table dwells held out judge this model"]
+    if not any(one.dwells for one in dwells):
+        return ["Recorded: no dwell held out at a rate near the orbit's (within a factor of 1.5)"]
+    k = factor("rad/s", unit)
+    cells = [
+        [
+            f"  {one.axis}", str(one.dwells),
+            settled(one.error * k, None if one.u is None else one.u * k) if one.dwells else "no dwell",
+            f"± {settled_number(one.band * k, 3)}", f"{one.inside} of {one.runs}",
+        ]
+        for one in dwells
+    ]  # fmt: skip
+    heads = ["  axis", "dwells", f"mean error [{unit}]", f"stated band [{unit}]", "power-ups inside"]
+    title = "Recorded: dwells held out near the orbit's rate (within a factor of 1.5), compensated less table and earth"
+    return [title, table(cells, heads, right=(1, 2, 3))]
+
+
+def _seen(seen: bool, ratio: float) -> str:
+    return f"{'seen' if seen else 'not seen'} ({settled_number(ratio, 3)})" if math.isfinite(ratio) else "u not known"
+
+
+def orbit_dict(check: OrbitCheck, condition: str, dwells: Sequence[DwellCheck] = ()) -> dict[str, Any]:
+    """Return the same as ``--json`` prints it [rad/s]."""
+    axes = [
+        {
+            "axis": one.axis, "zero_reference": one.zero_reference, "u": one.u, "orbit_ratio": finite(one.orbit_ratio),
+            "orbit_seen": one.orbit_seen, "earth_ratio": finite(one.earth_ratio), "earth_seen": one.earth_seen,
+        }
+        for one in check.checks
+    ]  # fmt: skip
+    return {
+        "condition": condition, "altitude": check.altitude, "rate": float(check.rate.values[0]),
+        "u_rate": float(check.rate.u[0]), "earth_rate": float(check.earth.values[0]),
+        "u_earth_rate": float(check.earth.u[0]), "latitude": check.latitude, "unit": "rad/s",
+        "averaging": check.averaging, "axes": axes, "not_counted": list(check.not_counted),
+        "dwells": [asdict(one) | {"error": finite(one.error)} for one in dwells],
+    }  # fmt: skip
 
 
 def comparison_text(found: Comparison) -> str:

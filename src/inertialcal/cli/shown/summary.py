@@ -29,6 +29,8 @@ from .output import clean, cleaned, json_out, table, wrapped
 if TYPE_CHECKING:
     from ...campaign.outcome.budget import Budgets
     from ...campaign.outcome.results_file import ResultsFile
+    from ...core.results import WrittenRow
+    from ...core.show.output_tables import OutputTable
 
 
 def results_text(results: Mapping[str, Any]) -> str:
@@ -172,10 +174,12 @@ def closed_loop_text(results: Mapping[str, Any]) -> str:
     if not loop["axes"]:
         reason = f" ({loop['reason']})" if loop["reason"] else ""
         return "\n".join([f"closed loop: {loop['verdict']}{reason}", *over])
+    several = len({one["condition"] for one in loop["axes"]}) > 1
     rows = [
         [
-            f"  {one['axis']}", number(one["raw_rms"], 3), number(one["compensated_rms"], 3), one["unit"],
-            f"{one['dwells']}", f"{one['runs']}", one["verdict"], one["reason"],
+            f"  {one['axis']}" + (f", {one['condition']}" if several else ""), number(one["raw_rms"], 3),
+            number(one["compensated_rms"], 3), one["unit"], f"{one['dwells']}", f"{one['runs']}",
+            one["verdict"], one["reason"],
         ]
         for one in loop["axes"]
     ]  # fmt: skip
@@ -262,3 +266,27 @@ def _text(found: ResultsFile) -> str:
     if content.get("verdicts"):
         parts.append(f"requirements ({clean(str(content['decision_rule']))})\n{verdicts_text(content)}")
     return "\n\n".join(parts)
+
+
+def tables_text(tables: Sequence[OutputTable[WrittenRow]]) -> str:
+    """Return the tables of a suite: a line a figure, a column a sensor, and why figures are not estimated."""
+    blocks = []
+    for one in tables:
+        cells: list[list[str]] = []
+        group = ""
+        for line in one.lines:
+            if line.group != group:
+                group = line.group
+                cells.append([f"  {group}", *("" for _ in one.axes), ""])
+            cells.append([f"    {line.name}", *(_output_cell(line.rows[axis]) for axis in one.axes), line.unit])
+        title = f"{one.title}, condition {one.condition}" if one.condition else one.title
+        told = [wrapped(f"  {', '.join(names)}: {text}", "    ") for text, names in one.reasons]
+        right = range(1, len(one.axes) + 1)
+        blocks.append("\n".join([clean(title), table(cleaned(cells), ["", *one.axes, "unit"], right=right), *told]))
+    return "\n\n".join(blocks)
+
+
+def _output_cell(row: WrittenRow) -> str:
+    if row["status"] == "not_estimated" and row["value"] is None:
+        return "not estimated"
+    return figure(row)

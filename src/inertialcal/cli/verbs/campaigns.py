@@ -130,13 +130,16 @@ def check(folder: Folder, as_json: Json = False, quiet: Quiet = False) -> int:
 
 def init(
     folder: Annotated[Path, typer.Argument(help="Folder with recordings.", show_default=False)],
+    sensor: Annotated[
+        str, typer.Option("--sensor", help="Published sensor: its data sheet becomes requirements.", metavar="NAME")
+    ] = "",
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
     """Write a campaign.toml for the recordings found in a folder; fill in its marked lines."""
     from ...campaign.start.starter import start
 
-    path, marked, remarks = start(folder)
+    path, marked, remarks = start(folder, sensor)
     if as_json:
         json_out(
             "init", {"results": [], "written": str(path), "to_fill": marked, "remarks": [r.to_dict() for r in remarks]}

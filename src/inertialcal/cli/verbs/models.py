@@ -15,7 +15,10 @@ from .. import figures
 from ..options import Decimal, Frame, Json, MissionStart, Quiet, Start, Stop, Units, pairs
 from ..shown.output import clean, json_out, wrapped
 
-Model = Annotated[Path, typer.Argument(help="model.json, or the folder of a campaign.", show_default=False)]
+Model = Annotated[
+    Path,
+    typer.Argument(help="model.json, the folder of a campaign, or a published one: flight_unit.", show_default=False),
+]
 Data = Annotated[Path, typer.Argument(help="Recording.", show_default=False)]
 Output = Annotated[Path, typer.Option("--output", "-o", help="File to write.", show_default=False)]
 SampleRate = Annotated[
@@ -23,6 +26,12 @@ SampleRate = Annotated[
 ]
 TimeColumn = Annotated[
     str | None, typer.Option("--time-column", help="Name, or number from 1, of the column with the time.")
+]
+
+
+Condition = Annotated[
+    str | None,
+    typer.Option("--condition", help="Condition of the model, where there are several: air.", show_default=False),
 ]
 
 
@@ -35,6 +44,18 @@ def show(
     figure: figures.FigureName = None,
     test: Annotated[str | None, typer.Option(help="Figure of results: of which test.")] = None,
     axis: Annotated[str | None, typer.Option(help="Figure of results: of which axis.")] = None,
+    condition: Condition = None,
+    tables: Annotated[
+        bool, typer.Option("--tables", help="Summary and output of a campaign's suite, a table for each condition.")
+    ] = False,
+    orbit: Annotated[
+        str | None, typer.Option(help='Whether the suite sees the rate of an orbit: "560 km".', show_default=False)
+    ] = None,
+    averaging: Annotated[str, typer.Option(help="Time over which --orbit averages a reading.")] = "100 s",
+    latitude: Annotated[
+        str | None,
+        typer.Option(help='For --orbit: where an axis stands upright: "36.6 deg"; that of the campaign if not given.'),
+    ] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -45,6 +66,8 @@ def show(
 
     figures.check_figure(output, {"--figure": figure, "--test": test, "--axis": axis})
     chosen = {"figure": figure, "test": test, "axis": axis}
+    if tables or orbit:
+        return _show_suite(model, condition, tables, orbit, (averaging, latitude), as_json, quiet)
     if (page := find_page(model)) is not None:
         if output is not None:
             raise UsageError(f"-o {output}: a report gives no figure", do="Name results.json, or the folder")
@@ -53,7 +76,57 @@ def show(
     results = find_results(model, of_campaign=any(chosen.values()))
     if results is not None:
         return show_results(results, edited, output, chosen, as_json, quiet)
-    return _show_model(model, edited, output, chosen, as_json, quiet)
+    return _show_model(model, condition, edited, output, chosen, as_json, quiet)
+
+
+def _show_suite(
+    path: Path,
+    condition: str | None,
+    tables: bool,
+    orbit: str | None,
+    of_orbit: tuple[str, str | None],
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """Show the tables of a suite, and what it sees of an orbit."""
+    from ...campaign.models.find import find_model
+    from ...campaign.outcome.orbit_dwells import dwells_near, site_latitude
+    from ...campaign.outcome.results_file import find_results
+    from ...core.show.output_tables import output_tables
+    from ...core.units import parse_quantity
+    from ...sensors.orbit_check import orbit_check
+    from ..shown.model_text import orbit_dict, orbit_text
+    from ..shown.summary import tables_text
+
+    inputs: list[dict[str, str]] = []
+    content: dict[str, Any] = {}
+    blocks: list[str] = []
+    averaging, latitude = of_orbit
+    results = find_results(path, of_campaign=True)
+    if tables:
+        if results is None:
+            raise UsageError(f"--tables: {path} holds no results", do="Name the folder of a campaign, or results.json")
+        parts = (results.content[name] for name in ("sensors", "sequence", "results"))
+        made = [one for one in output_tables(*parts) if condition in (None, one.condition)]
+        inputs.append({"path": results.path, "sha256": results.sha256})
+        content["tables"] = [one.to_dict() for one in made]
+        blocks.append(tables_text(made) or "no gyro in this campaign")
+    if orbit is not None:
+        altitude, time = parse_quantity(orbit).to("m"), parse_quantity(averaging).to("s")
+        found = find_model(path, condition)
+        models = found.models.values() if condition is None else [found.model]
+        run = None if results is None else results.content
+        place = site_latitude(run, latitude)
+        checks = [(one.condition, orbit_check(one, altitude, time, *place)) for one in models]
+        recorded = [dwells_near(run, check, name) for name, check in checks]
+        inputs.append(_input(found))
+        content["orbit"] = [orbit_dict(check, name, near) for (name, check), near in zip(checks, recorded, strict=True)]
+        blocks += [orbit_text(check, name, near) for (name, check), near in zip(checks, recorded, strict=True)]
+    if as_json:
+        json_out("show", {"inputs": inputs} | content)
+    elif not quiet:
+        print("\n\n".join(blocks))
+    return 0
 
 
 def _show_page(page: Any, as_json: bool, quiet: bool) -> int:
@@ -71,6 +144,7 @@ def _show_page(page: Any, as_json: bool, quiet: bool) -> int:
 
 def _show_model(
     path: Path,
+    condition: str | None,
     edited: Sequence[Remark],
     output: Path | None,
     chosen: dict[str, str | None],
@@ -83,32 +157,42 @@ def _show_model(
     from ...sensors.model.serial import to_dict
     from ..shown.model_text import model_text
 
-    found = find_model(path)
+    found = find_model(path, condition)
     remarks = (*edited, *found.remarks)
-    rows = [row.to_dict() for row in model_rows(found.model)]
+    shown = list(found.models.values()) if condition is None else [found.model]
+    rows = [[row.to_dict() for row in model_rows(one)] for one in shown]
     line = "" if output is None else figures.write(output, found.model, [found.path], chosen)
     if as_json:
-        words = [{"name": line.name, "words": line.words, "origin": line.origin} for line in lines(found.model)]
+        each = [
+            {
+                "condition": one.condition,
+                "equation": equation(one),
+                "words": [{"name": line.name, "words": line.words, "origin": line.origin} for line in lines(one)],
+                "judged": one.judged,
+            }
+            for one in shown
+        ]
         content = {
             "inputs": [_input(found)],
             "remarks": [remark.to_dict() for remark in remarks],
-            "results": rows,
-            "equation": equation(found.model),
-            "words": words,
-            "judged": found.model.judged,
-            "model": to_dict(found.model),
+            "results": [row for of_one in rows for row in of_one],
+            "judged": all(one.judged for one in shown),
+            "model": to_dict(found.models if condition is None else found.model),
         } | ({} if output is None else {"written": str(output)})
+        content |= each[0] if len(each) == 1 else {"conditions": each}
         json_out("show", content)
     elif not quiet:
         _print_remarks(remarks)
-        print(line or model_text(found.model, rows))
+        print(line or "\n\n".join(model_text(one, of_one) for one, of_one in zip(shown, rows, strict=True)))
     return 0
 
 
 def compensate(
     model: Model,
     data: Data,
-    output: Output,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="File to write; needed without --steps.", show_default=False)
+    ] = None,
     unit: Units = [],  # noqa: B006 - typer copies it
     column: Annotated[
         list[str],
@@ -122,8 +206,16 @@ def compensate(
     serial: Annotated[
         str | None, typer.Option(help="Serial number of the sensor that gave the data: checked against the model.")
     ] = None,
+    condition: Condition = None,
     uncertainty: Annotated[
         bool, typer.Option("--uncertainty", help="Add a column with the standard uncertainty of each axis.")
+    ] = False,
+    steps: Annotated[
+        bool, typer.Option("--steps", help="Show every step for one reading, from counts; of a published model.")
+    ] = False,
+    row: Annotated[int, typer.Option(help="Which reading --steps shows, from 1.")] = 1,
+    as_printed: Annotated[
+        bool, typer.Option("--as-printed", help="A published model with the mistakes of its document.")
     ] = False,
     sample_rate: SampleRate = None,
     time_column: TimeColumn = None,
@@ -132,29 +224,65 @@ def compensate(
 ) -> int:
     """Apply a model to a recording: true inputs in place of readings; time, gaps and other channels stay."""
     from ...campaign.models.compensation import compensate as apply
-    from ...campaign.models.find import find_model
+    from ...campaign.models.compensation import model_for
+    from ...campaign.models.find import find_model, published
     from ...campaign.models.inputs import taken
+    from ...campaign.models.published import from_counts, reading_steps
     from ...files import read
-    from ...files.write.recording import write, writer_for
+    from ...files.write.recording import write
+    from ...sensors.catalogue import CATALOGUE
 
-    writer_for(output)
+    _check_output(output, steps)
     columns, units = pairs(column, "--column", "x=wx"), pairs(unit, "--unit", "gyro=deg/s")
-    found = find_model(model)
+    found, sensor = find_model(model, as_printed=as_printed), published(model)
+    if steps and sensor is None:
+        do = f"Name one of the catalogue: {', '.join(name for name, make in CATALOGUE.items() if make().equations)}"
+        raise UsageError(f"--steps: {model} is no published model", do=do, code="no_steps")
     raw = read(data, units=units, sample_rate=sample_rate, time_column=time_column)
-    done = apply(found.model, raw, columns, temperature=temperature, serial=serial, uncertainty=uncertainty)
-    chosen = taken(found.model, raw, columns, temperature)
+    inputs = [_input(found), {"path": raw.source.path, "sha256": raw.source.sha256}]
+    listed: dict[str, Any] = {}
+    if sensor is not None:
+        if steps:
+            worked = reading_steps(sensor, raw, columns, row, as_printed)
+            listed = {"row": row, "steps": [one.to_dict(found.model.axes) for one in worked]}
+            _print_steps(found.model, raw, worked, row, quiet=as_json or quiet)
+        raw, columns = from_counts(sensor, raw, columns)
+    if output is None:
+        if as_json:
+            json_out("compensate", {"inputs": inputs} | listed)
+        return 0
+    whose = model_for(found.models, raw, columns, condition)
+    done = apply(whose, raw, columns, temperature=temperature, serial=serial, uncertainty=uncertainty)
+    chosen = taken(whose, raw, columns, temperature)
     remarks = [*done.remarks, *write(output, done)]
     used = dict(chosen.columns) | (
         {} if chosen.temperature is None else {"temperature": f"{chosen.temperature:g} degC"}
     )
+    more = {"columns": used, "condition": whose.condition, "compensated_by": done.compensated_by} | listed
     if as_json:
-        inputs = [_input(found), {"path": raw.source.path, "sha256": raw.source.sha256}]
-        more = {"columns": used, "compensated_by": done.compensated_by}
         _written("compensate", inputs, output, len(done), remarks, more)
     elif not quiet:
         print(wrapped("columns: " + ", ".join(f"{what} = {clean(name)}" for what, name in used.items())))
+        print(f"model of condition: {clean(whose.condition)}\n" if whose.condition else "", end="")
         _print_written(output, len(done), remarks)
     return 0
+
+
+def _check_output(output: Path | None, steps: bool) -> None:
+    from ...files.write.recording import writer_for
+
+    if output is not None:
+        writer_for(output)
+    elif not steps:
+        raise UsageError("no file to write", do="Add -o FILE; or --steps, for a published model", code="missing_option")
+
+
+def _print_steps(model: Any, raw: Any, worked: Any, row: int, quiet: bool) -> None:
+    from ..shown.model_text import steps_text
+
+    if not quiet:
+        print(f"{clean(model.source)}: row {row} of {len(raw)} of {clean(raw.source.path)}")
+        print(steps_text(worked, model.axes))
 
 
 def convert(
@@ -197,6 +325,7 @@ def export(
         str,
         typer.Option("--to", help=f"Format: {', '.join(BUILT_IN)}.", show_default=False),
     ],
+    condition: Condition = None,
     other: Annotated[
         Path | None, typer.Option("--with", help="Model of the other sensor, for formats that hold both.")
     ] = None,
@@ -213,21 +342,24 @@ def export(
     from ...campaign.models.find import find_model
     from ...files.models.model_file import export as export_model
 
-    found = find_model(model)
+    found = find_model(model, condition)
     sources = [found] if other is None else [found, find_model(other)]
+    if other is not None and condition in sources[1].models:
+        sources[1] = find_model(other, condition)
     exported = export_model(found, to, output, unjudged, sources[1:], nominal)
+    judged = all(one.judged for one in (found.models.values() if condition is None else [found.model]))
     if as_json:
         content = {
             "inputs": [_input(one) for one in sources],
             "remarks": [remark.to_dict() for remark in exported.remarks],
             "written": str(output),
             "sha256": exported.sha256,
-            "judged": found.model.judged,
+            "judged": judged,
         }
         json_out("export", content)
     elif not quiet:
         _print_remarks(exported.remarks)
-        print(f"written: {clean(str(output))} ({'judged' if found.model.judged else 'not judged'})")
+        print(f"written: {clean(str(output))} ({'judged' if judged else 'not judged'})")
     return 0
 
 
@@ -248,6 +380,7 @@ def compare(
         list[str],
         typer.Option("--shared", help="Standard whose error is the same in both: rate_table.rate. May be repeated."),
     ] = [],  # noqa: B006 - typer copies it
+    condition: Condition = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -255,7 +388,7 @@ def compare(
     from ...campaign.compare.compare import compare as compare_both
     from ..shown.model_text import comparison_text
 
-    found = compare_both(first, second, allowed, decision, shared)
+    found = compare_both(first, second, allowed, decision, shared, condition)
     if as_json:
         content = {
             "inputs": [{"path": path, "sha256": digest} for path, digest in found.inputs.items()],

@@ -67,7 +67,7 @@ def check_content(kind: type[BaseModel], content: Mapping[str, Any], where: str 
         raise DataError("lists within lists without end", where, do=do, code="schema") from None
     except ValidationError as error:
         wrong = error.errors(include_url=False)
-        key = ".".join(str(part) for part in wrong[0]["loc"])
+        key = ".".join(str(part) for part in wrong[0]["loc"] if part != "")
         what = wrong[0]["msg"].removeprefix("Value error, ").replace("Input should be", "should be")
         more = f" (and {len(wrong) - 1} more)" if len(wrong) > 1 else ""
         raise DataError(

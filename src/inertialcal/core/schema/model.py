@@ -88,6 +88,32 @@ class Estimate(Part):
     components: list[Component]
 
 
+class KeyOfNoise(Part):
+    """What a noise term is of."""
+
+    quantity: str
+    axis: str
+    power: int
+
+
+class Noise(Estimate):
+    """Noise terms with their covariance."""
+
+    keys: list[KeyOfNoise]
+
+
+class Sensitivity(Part):
+    """Change of bias and scale factor with a channel."""
+
+    channel: str
+    unit: str
+    reference: Number
+    bias: Numbers | None
+    bias_temperature: Numbers | None
+    scale_factor: Numbers | None
+    range: Pair | None
+
+
 class Provenance(Part):
     """Where a parameter comes from."""
 
@@ -97,7 +123,7 @@ class Provenance(Part):
 
 
 class Model(Part):
-    """Content of model.json."""
+    """One model: all of a model.json of version 1."""
 
     kind: str
     axes: list[str]
@@ -108,11 +134,19 @@ class Model(Part):
     judged: bool
     source: str
     terms: dict[str, Numbers | None]
+    sensitivities: list[Sensitivity] = []
     temperature_range: Pair | None
     pressure_range: Pair | None
     estimate: Estimate | None
+    noise: Noise | None = None
     not_estimated: dict[str, str]
     provenance: dict[str, Provenance]
     influences: dict[str, Influence] = {}
     occasion: Occasion | None = None
     selections: list[Selection] = []
+
+
+class Models(Part):
+    """Content of model.json: a model a condition."""
+
+    models: dict[str, Model]

@@ -242,6 +242,7 @@ class Verdict(Part):
 class LoopAxis(Part):
     """Closed loop of one axis: rms error of readings held out, raw and compensated."""
 
+    condition: str = Field("", description="Of the campaign, whose model is judged; empty where no test states one.")
     axis: str
     dwells: int
     runs: int
@@ -259,6 +260,7 @@ class LoopAxis(Part):
 class LoopOverTemperature(Part):
     """Closed loop of the bias over temperature, on power-ups held out."""
 
+    condition: str = Field("", description="Of the campaign, whose model is judged; empty where no test states one.")
     test: str
     against: str
     axis: str

@@ -19,6 +19,8 @@ STANDARDS: dict[str, dict[str, str]] = {
     "converter": {"reference": "1", "zero": "m/s^2"},
     "sensor": {"scale_factor": "1", "hysteresis": "rad/s"},
     "thermometer": {"temperature": "degC"},
+    "supply_meter": {"voltage": "1", "resolution": "V"},
+    "pressure_gauge": {"pressure": "1"},
     "site": {"latitude": "rad"},
     "source_mass": {"density": "1", "placing": "1", "gravitational_constant": "1"},
     "tilt_meter": {"mercury": "rad"},

@@ -10,7 +10,7 @@ from typing import Any
 
 from ..key import Method
 from ..remarks import Remark
-from ..results import case_of
+from ..results import WrittenRow, case_of
 from .rounding import PLAIN, near, number, settled, settled_number
 from .rows import case_words, full_name, missing_of, quantity_name
 from .tables import Block, Details, Table, clean
@@ -22,7 +22,7 @@ HEADS = ("quantity", "axis", "value ± u", "unit", "95 % interval", "dof")
 RIGHT = (2, 4, 5)
 
 
-def figure(row: Mapping[str, Any] | None) -> str:
+def figure(row: WrittenRow | None) -> str:
     """Return value and standard uncertainty; an upper limit is marked as one."""
     if row is None:
         return ""

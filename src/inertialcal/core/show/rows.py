@@ -9,20 +9,13 @@ others are shown as long as there is room, else counted. They may lack their unc
 
 Two tests side by side: an axis a line, both errors and their difference. A procedure declares as `Compared` which error
 of its tests can stand next to that of another.
-
-Output table of a rate-sensor suite: what a flight computer needs of each sensor, as Table 15 of [1]_ collects it, with
-the offset in vacuum, the residual after compensation, and every uncertainty.
-
-References
-----------
-.. [1] V. V. Badescu, NPS thesis, September 2011, Table 15.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from ..key import PLAIN, WAYS, Case, Method
 from ..results import WrittenRow, case_of, key_of
@@ -245,41 +238,3 @@ def verdict_of(pair: Mapping[str, WrittenRow]) -> str:
 def _stands_there(row: WrittenRow) -> bool:
     case = case_of(row)
     return not case.beside or (case.member is not None and case.method is Method.RESULT)
-
-
-FIRST = "bias_voltage"  # in volts, volts per volt, ...: of the thermal test
-AFTER = ("bias", "scale_factor", "scale_factor_error", "misalignment")  # of the rate table
-OTHERS = ("vacuum_offset", "residual_bias", "angle_random_walk")
-NOTE = {"bias": "residual, on the rate table"}
-
-
-def output_rows(rows: Sequence[R], steps: Sequence[Mapping[str, Any]]) -> list[R]:
-    """Return the rows of the table, sensor by sensor; none without a rate table after a thermal test.
-
-    Parameters
-    ----------
-    rows, steps : sequence of mapping
-        ``results`` and ``sequence`` of ``results.json``.
-    """
-    table = next((step for step in steps if step.get("after") and step.get("use") == "fit"), None)
-    if table is None:
-        return []
-    first = table["after"][0]
-    cases = [case_of(row) for row in rows]
-    own = [row for row, case in zip(rows, cases, strict=True) if not case.beside and case.at is None]
-    turned = {step["test"] for step in steps if step.get("procedure") == table.get("procedure")} - {table["test"]}
-    wanted = {first: (FIRST,), table["test"]: AFTER}
-    chosen = [row for row in own if row["test"] not in turned and row["quantity"] in wanted.get(row["test"], OTHERS)]
-    return sorted(chosen, key=_order)
-
-
-def _order(row: WrittenRow) -> tuple[str, int, str, int, str, str]:
-    """Return sensor by sensor: polynomial, rate table, others."""
-    name = str(row["quantity"])
-    place = [FIRST, *AFTER, *OTHERS].index(name)
-    return str(row["axis"])[:1], place, name, int(float(row["power"])), str(row["axis"]), str(row["test"])
-
-
-def note(row: Mapping[str, Any]) -> str:
-    """Return what a row is beside its quantity."""
-    return NOTE.get(str(row["quantity"]), "")

@@ -43,6 +43,8 @@ def _changes(recording: Recording, channels: list[Channel]) -> Iterator[Remark]:
         if one.unit == unit and not one.axis and one not in channels and one.data.dtype.kind in "iuf"
     ]  # fmt: skip
     applied = driven[0].data if driven else None
+    numbers = [one for one in recording.channels if one.unit and one.data.dtype.kind in "iuf"]
+    gauges = [np.asarray(one.data, dtype=float) for one in numbers if kind(one.unit or "") == "pressure"]
     data, names, scale = [one.data for one in channels], [one.name for one in channels], factor(unit, si_unit(unit))
-    for one in changes(data, names, known, interval, breaks, applied, at_rest=False, scale=scale):
+    for one in changes(data, names, known, interval, breaks, applied, at_rest=False, scale=scale, conditions=gauges):
         yield one.remark(recording.place)

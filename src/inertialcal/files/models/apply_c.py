@@ -9,28 +9,29 @@ from __future__ import annotations
 import numpy as np
 
 from ...core.estimate import Array
-from ...sensors.model.equation import needed
 from ...sensors.model.sensor_model import SensorModel
 from .apply_parts import (
-    CONDITIONS,
     MISSING,
     Constant,
+    arguments,
     checked_ranges,
     code_cannot_hold,
     constants,
+    diagonal_terms,
     head,
     matrix_at,
     newton,
     offset_terms,
     order,
     plain,
+    range_name,
     refusal,
+    single,
     thermal,
 )
 from .model_format import ModelFormat, of_one
 
 TITLE = ["/* True input from one raw reading of a calibrated sensor; written by inertialcal.", " *"]
-SINGLE = {"pressure", "time"}  # conditions that are one number; the others are arrays
 
 SIGN = """\
 static double sign(double value) { return value > 0.0 ? 1.0 : value < 0.0 ? -1.0 : value; }
@@ -139,10 +140,10 @@ def _number(value: float) -> str:
 
 
 def _function(model: SensorModel) -> list[str]:
-    arguments = [name for name in CONDITIONS if name in needed(model)]
-    given = ["const double v[K]", *(_argument(name) for name in arguments), "double x[K]", "int holds[K]"]
-    taken = (",\n" + " " * len("int compensate(") if arguments else ", ").join(given)
-    lines = [*_comment(model, arguments), f"int compensate({taken}) {{"]
+    conditions = arguments(model)
+    given = ["const double v[K]", *(_argument(name) for name in conditions), "double x[K]", "int holds[K]"]
+    taken = (",\n" + " " * len("int compensate(") if conditions else ", ").join(given)
+    lines = [*_comment(model, conditions), f"int compensate({taken}) {{"]
     lines += ["    double u[K], m[K][K];", "    int all = 1;", "    for (int i = 0; i < K; i++) {"]
     if thermal(model):
         lines.append("        const double away = temperature[i] - REFERENCE_TEMPERATURE[i];")
@@ -153,20 +154,21 @@ def _function(model: SensorModel) -> list[str]:
     lines += [f"        offset += {term};" for term in terms[1:]]
     lines += ["        u[i] = v[i] / S0[i] - offset;", *_curve(model)]
     lines.append(f"        for (int j = 0; j < K; j++) m[i][j] = {matrix_at(model, '[i][j]', 'away')};")
+    lines += [f"        m[i][i] += {term.format(i='[i]')};" for term in diagonal_terms(model)]
     return [*lines, "    }", "    solve(m, u, x);", *_validity(model), "    return all;", "}"]
 
 
 def _argument(name: str) -> str:
-    if name in SINGLE:
+    if single(name):
         return f"double {name}"
     return f"const double {name}[{3 if name == 'specific_force' else 'K'}]"
 
 
-def _comment(model: SensorModel, arguments: list[str]) -> list[str]:
+def _comment(model: SensorModel, conditions: dict[str, str]) -> list[str]:
     lines = [
         f"Fill x with the true inputs [{model.unit}], and holds with 1 where the model holds, else 0.",
         f"v: output of each sensor [{plain(model.output_unit)}]",
-        *(f"{name}: {CONDITIONS[name]}" for name in arguments),
+        *(f"{name}: {text}" for name, text in conditions.items()),
         MISSING,
         "Returns 1 where the model holds on all axes.",
     ]
@@ -184,7 +186,7 @@ def _curve(model: SensorModel) -> list[str]:
 def _validity(model: SensorModel) -> list[str]:
     lines = []
     for name in checked_ranges(model):
-        each, ends = "" if name in SINGLE else "[i]", f"{name.upper()}_RANGE"
+        each, ends = "" if single(name) else "[i]", range_name(name)
         test = f"all = all && {name}{each} >= {ends}[0] && {name}{each} <= {ends}[1];"
         lines.append(f"    for (int i = 0; i < K; i++) {test}" if each else f"    {test}")
     inside = "isfinite(x[i])"

@@ -22,10 +22,11 @@ from ...core.estimate import Array
 from ...core.key import Kind
 from ...core.remarks import Remark
 from ...core.units import divide
-from ...sensors.model.compensate import check_unique
-from ...sensors.model.equation import Columns, curve, needed
+from ...sensors.model.compensate import channel_range, check_unique
+from ...sensors.model.equation import curve, needed
 from ...sensors.model.nonlinearity import endless_slope, rising_branch
-from ...sensors.model.sensor_model import APPLY_ORDER, MATRIX_ORDER, SensorModel, equation
+from ...sensors.model.sensitivity import Sensitivity, parameter_unit, quantity_of
+from ...sensors.model.sensor_model import APPLY_ORDER, MATRIX_ORDER, SensorModel, formulas
 from ...sensors.model.serial import model_checksum
 
 LONGEST = 200  # characters of a text from the model
@@ -40,6 +41,7 @@ CONDITIONS = {
 }
 MISSING = "Where a reading is missing, or no input gives it, x is NaN; the other axes may be NaN with it."
 RANGES = {"temperature": "degC", "pressure": "Pa"}
+SEVERAL = {"temperature", "temperature_rate", "specific_force"}  # conditions that are an array of one reading
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,9 +69,9 @@ def order(model: SensorModel) -> str:
 
 def refusal(model: SensorModel) -> str:
     """Return why no code can invert a model, the same reason as that of `sensors.model.compensate`; else nothing."""
-    here: Columns = {}
+    here = {one.channel: np.array([[one.reference]]) for one in model.sensitivities}
     if model.matrix.shape[0] > 1:
-        here = {"temperature": model.terms["reference_temperature"][np.newaxis]}
+        here["temperature"] = model.terms["reference_temperature"][np.newaxis]
     try:
         check_unique(model, here)
     except DataError as error:
@@ -83,12 +85,14 @@ def head(model: SensorModel) -> list[str]:
     parts = (("maker", item.maker), ("part", item.part), ("serial", item.serial))
     named = [f"{word} {plain(text)}" for word, text in parts if text]
     lines = [f"Sensor: {', '.join(named) or 'unnamed'} ({model.kind}, axes in this order: {order(model)})"]
-    lines.append(f"Checksum of model.json: {model_checksum(model)}")
+    lines += [f"Condition: {plain(model.condition)}"] if model.condition else []
+    alone = " with this condition alone" if model.condition else ""
+    lines.append(f"Checksum of model.json{alone}: {model_checksum(model)}")
     if model.source:
         lines.append(f"Source: {plain(model.source)}")
     if not model.judged:
         lines.append("This model was not checked on hold-out recordings.")
-    lines += ["Equation, forward:", *(f"  {row}" for row in equation(model)[:3])]
+    lines += ["Equation, forward:", *(f"  {row}" for row in formulas(model))]
     lines += [f"Steps: {'; '.join(APPLY_ORDER)}.", *_left_out(model)]
     return [part for line in lines for part in _wrapped(line)]
 
@@ -109,6 +113,11 @@ def _left_out(model: SensorModel) -> list[str]:
             )
     if model.matrix.shape[0] > 1 and model.temperature_range is None:
         lines.append("No temperature range is stated: whether M(T) can be inverted was looked at for T_ref alone.")
+    lines += [
+        f"No range of {one.channel} is stated: whether M can be inverted was looked at for its reference alone."
+        for one in model.sensitivities
+        if one.scale_factor is not None and channel_range(model, one) is None
+    ]
     lines.append("With uncertainties, on whole recordings: inertialcal compensate MODEL DATA -o OUT --uncertainty")
     return lines
 
@@ -140,12 +149,39 @@ def constants(model: SensorModel) -> list[Constant]:
     }
     unused = set() if thermal(model) else {"reference_temperature"}
     found += [Constant(n.upper(), terms[n], c) for n, c in comments.items() if n in terms and n not in unused]
+    found += [
+        Constant(quantity_of(part, one.channel).upper(), array, f"[{parameter_unit(part, unit, one.unit)}]")
+        for one in model.sensitivities
+        for part, array in one.parts.items()
+    ]
     return found + _branch(model) + _conditions(model)
 
 
 def thermal(model: SensorModel) -> bool:
     """Return whether the code needs T - T_ref."""
-    return model.bias_temperature is not None or model.matrix.shape[0] > 1
+    with_channel = any(one.bias_temperature is not None for one in model.sensitivities)
+    return model.bias_temperature is not None or model.matrix.shape[0] > 1 or with_channel
+
+
+def arguments(model: SensorModel) -> dict[str, str]:
+    """Return the conditions that the code takes, in order, with what each is."""
+    found = {name: text for name, text in CONDITIONS.items() if name in needed(model)}
+    return found | {_argument(one): f"{one.channel} [{one.unit}]" for one in model.sensitivities
+                    if one.channel not in CONDITIONS}  # fmt: skip
+
+
+def single(name: str) -> bool:
+    """Return whether a condition is one number for all sensors."""
+    return name not in SEVERAL
+
+
+def _argument(one: Sensitivity) -> str:
+    """Return the name of a channel in the code, where it may be no word of the language."""
+    return one.channel if one.channel in CONDITIONS else f"channel_{one.channel}"
+
+
+def _away(one: Sensitivity) -> str:
+    return f"({_argument(one)} - CHANNEL_{one.channel.upper()}_REFERENCE)"
 
 
 def newton(model: SensorModel) -> bool:
@@ -180,15 +216,24 @@ def _conditions(model: SensorModel) -> list[Constant]:
     found = []
     if model.bias_pressure is not None:
         found.append(Constant("REFERENCE_PRESSURE", np.array(model.reference_pressure, dtype=float), "p_ref [Pa]"))
-    for name in checked_ranges(model):
-        ends = np.array(getattr(model, f"{name}_range"), dtype=float)
-        found.append(Constant(f"{name.upper()}_RANGE", ends, f"that the model holds for [{RANGES[name]}]"))
+    for one in model.sensitivities:
+        named = Constant(f"CHANNEL_{one.channel.upper()}_REFERENCE", np.array(float(one.reference)), f"[{one.unit}]")
+        found.append(named)
+    for name, (ends, unit) in checked_ranges(model).items():
+        found.append(Constant(range_name(name), np.array(ends, dtype=float), f"that the model holds for [{unit}]"))
     return found
 
 
-def checked_ranges(model: SensorModel) -> list[str]:
-    """Return the conditions that the code takes and that the model has a validity range of."""
-    return [name for name in RANGES if name in needed(model) and getattr(model, f"{name}_range") is not None]
+def checked_ranges(model: SensorModel) -> dict[str, tuple[tuple[float, float], str]]:
+    """Return the conditions that the code takes and that the model has a validity range of, with it and its unit."""
+    own = {name: (getattr(model, f"{name}_range"), unit) for name, unit in RANGES.items() if name in needed(model)}
+    own |= {_argument(one): (one.range, one.unit) for one in model.sensitivities if one.channel not in CONDITIONS}
+    return {name: (ends, unit) for name, (ends, unit) in own.items() if ends is not None}
+
+
+def range_name(argument: str) -> str:
+    """Return the name of the range of a condition in the code."""
+    return f"{argument.upper()}_RANGE"
 
 
 def offset_terms(model: SensorModel) -> list[str]:
@@ -205,7 +250,21 @@ def offset_terms(model: SensorModel) -> list[str]:
         terms.append("BIAS_TEMPERATURE_RATE{i} * temperature_rate{i}")
     if model.bias_hysteresis is not None:
         terms.append("BIAS_HYSTERESIS{i} * {sign}(temperature_rate{i})")
-    return [*terms, "{force}"] if model.g_sensitivity is not None else terms
+    terms += ["{force}"] if model.g_sensitivity is not None else []
+    for one in model.sensitivities:
+        for part in [part for part in ("bias", "bias_temperature") if part in one.parts]:
+            own = f"{quantity_of(part, one.channel).upper()}{{i}} * {_away(one)}"
+            terms.append(own if part == "bias" else f"{own} * away{{i}}")
+    return terms
+
+
+def diagonal_terms(model: SensorModel) -> list[str]:
+    """Return what channels add to the diagonal of M, as templates of summands."""
+    return [
+        f"{quantity_of('scale_factor', one.channel).upper()}{{i}} * {_away(one)}"
+        for one in model.sensitivities
+        if one.scale_factor is not None
+    ]
 
 
 def _polynomial(count: int) -> str:

@@ -9,21 +9,22 @@ from __future__ import annotations
 import numpy as np
 
 from ...core.estimate import Array
-from ...sensors.model.equation import needed
 from ...sensors.model.sensor_model import SensorModel
 from .apply_parts import (
-    CONDITIONS,
     MISSING,
     Constant,
+    arguments,
     checked_ranges,
     code_cannot_hold,
     constants,
+    diagonal_terms,
     head,
     matrix_at,
     newton,
     offset_terms,
     order,
     plain,
+    range_name,
     refusal,
     thermal,
 )
@@ -108,8 +109,8 @@ def _number(value: float) -> str:
 
 
 def _function(model: SensorModel) -> list[str]:
-    arguments = [name for name in CONDITIONS if name in needed(model)]
-    lines = [f"def compensate({', '.join(['v', *arguments])}):", *_docstring(model, arguments)]
+    conditions = arguments(model)
+    lines = [f"def compensate({', '.join(['v', *conditions])}):", *_docstring(model, conditions)]
     lines.append("    r = np.asarray(v, dtype=float) / S0")
     if thermal(model):
         lines.append("    away = temperature - REFERENCE_TEMPERATURE")
@@ -121,15 +122,16 @@ def _function(model: SensorModel) -> list[str]:
     elif not model.linear:
         lines.append(CLOSED)
     matrix = matrix_at(model, "", "away[:, np.newaxis]")
+    matrix += "".join(f" + np.diag({term.format(i='')})" for term in diagonal_terms(model))
     return [*lines, f"    x = np.linalg.solve({matrix}, u)", *_validity(model), "    return x, holds"]
 
 
-def _docstring(model: SensorModel, arguments: list[str]) -> list[str]:
+def _docstring(model: SensorModel, conditions: dict[str, str]) -> list[str]:
     return [
         f'    """Return the true inputs [{model.unit}], and for each whether the model holds there.',
         "",
         f"    v: output of each sensor [{plain(model.output_unit)}], in the order {order(model)}",
-        *(f"    {name}: {CONDITIONS[name]}" for name in arguments),
+        *(f"    {name}: {text}" for name, text in conditions.items()),
         f"    {MISSING}",
         '    """',
     ]
@@ -141,7 +143,7 @@ def _validity(model: SensorModel) -> list[str]:
     else:
         lines = ["    holds = (INPUT_RANGE[:, 0] <= x) & (x <= INPUT_RANGE[:, 1])"]
     for name in checked_ranges(model):
-        ends = f"{name.upper()}_RANGE"
+        ends = range_name(name)
         lines.append(f"    holds &= np.all(({ends}[0] <= {name}) & ({name} <= {ends}[1]))")
     return lines
 

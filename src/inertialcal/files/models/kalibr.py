@@ -28,6 +28,8 @@ from ...core.key import Kind
 from ...core.remarks import Remark
 from ...core.units import factor, same_dimension
 from ...sensors.model.sensor_model import INPUT_UNIT, SensorModel
+from ...sensors.noise.terms import terms_of
+from ...sensors.noise.to_filters import SensorNoise, sensor_noise
 from ..budget import YAML, check_count
 from .model_format import ImportedModels, ModelFormat, ModelText
 from .triad import Triad, filled, ideal, invertible, lost, model_of, numbers, triad
@@ -37,8 +39,13 @@ KEYS = ("accelerometers:", "gyroscopes:", "accelerometer_noise_density:")  # one
 DEEPEST = 12  # maps and lists within each other
 LARGEST_SKEW = 1e-6  # off which a matrix is no rotation
 NO_BIAS = "Kalibr's file has no bias: 0 is used"
-HEAD = "# Written by inertialcal. Readings in m/s^2 and rad/s; noise: inertialcal allan FILE --for kalibr\n"
-HOLDS = {"accelerometer": frozenset({"scale_factor"}), "gyro": frozenset({"g_sensitivity", "scale_factor"})}
+HEAD = "# Written by inertialcal. Readings in m/s^2 and rad/s"
+NO_NOISE = "; noise: inertialcal allan FILE --for kalibr"
+WORDS: dict[Kind, str] = {"accelerometer": "accelerometer", "gyro": "gyroscope"}  # of the noise in the file
+HOLDS = {
+    "accelerometer": frozenset({"scale_factor", "noise"}),
+    "gyro": frozenset({"g_sensitivity", "scale_factor", "noise"}),
+}
 
 
 def parse_yaml(text: str, where: str = "") -> object:
@@ -171,6 +178,7 @@ def dump(models: Mapping[Kind, SensorModel]) -> str:
     whole[:3, :3] = to_imu
     own: dict[str, object] = {
         "T_i_b": whole.tolist(),
+        **_densities(models),
         "accelerometers": {"M": lower_a.tolist()},
         "gyroscopes": {
             "A": (force @ to_gyro.T).tolist(),
@@ -181,7 +189,39 @@ def dump(models: Mapping[Kind, SensorModel]) -> str:
         "time_offset": 0.0,
     }
     content = yaml.safe_dump({"imu0": own}, sort_keys=False, default_flow_style=None, width=1000)
-    return f"{HEAD}{content}"
+    head = HEAD if _densities(models) else HEAD + NO_NOISE
+    return f"{head}\n{content}"
+
+
+def _densities(models: Mapping[Kind, SensorModel]) -> dict[str, float]:
+    """Return the noise that the file holds: of each sensor that white noise and what drives the bias are known of."""
+    found: dict[str, float] = {}
+    for kind, word in WORDS.items():
+        one = _noise(models.get(kind))
+        for name, values in (("noise_density", one.white), ("random_walk", one.drive)) if one else ():
+            if np.all(np.isfinite(values)):
+                found[f"{word}_{name}"] = max(values)
+    return found
+
+
+def _noise(model: SensorModel | None) -> SensorNoise | None:
+    if model is None or model.noise is None:
+        return None
+    return sensor_noise(model.kind, [terms_of(model.noise, model.kind, axis) for axis in model.axes])
+
+
+def _noise_lost(model: SensorModel) -> list[Remark]:
+    """Return what of the noise of a model the file cannot hold."""
+    one = _noise(model)
+    if one is None:
+        return []
+    words = list(one.left)
+    words += [f"{model.kind}: differences between axes: the largest value is written"] if max(
+        len(set(one.white)), len(set(one.drive))) > 1 else []  # fmt: skip
+    missing = [name for name, values in (("white noise", one.white), ("noise that drives the bias", one.drive))
+               if not np.all(np.isfinite(values))]  # fmt: skip
+    words += [f"{model.kind}: no {name} of every axis: not written" for name in missing]
+    return [Remark("not_held", "info", f"noise, {text}") for text in words]
 
 
 def _parted(matrix: Array) -> tuple[Array, Array]:
@@ -223,6 +263,7 @@ def cannot_hold(models: Mapping[Kind, SensorModel]) -> tuple[Remark, ...]:
             alike = same_dimension(model.output_unit, model.unit)
             do = "Convert them" if alike else f"Divide the outputs by scale_factor: {scale}"
             gone.append(Remark("other_raw_unit", "warning", what, do=do))
+    gone += [remark for model in models.values() for remark in _noise_lost(model)]
     return (*gone, *filled(models, NAME))
 
 

@@ -1,4 +1,4 @@
-"""A model with the file that it lies in, ours or one of others.
+"""Models with the file that they lie in, ours or one of others.
 
 A file that holds both sensors is named with ``#gyro`` or ``#accelerometer`` behind it.
 """
@@ -14,6 +14,7 @@ from typing import get_args
 from ...core.errors import DataError, UsageError
 from ...core.key import Kind
 from ...core.remarks import Remark
+from ...sensors.model.model_set import ModelSet
 from ...sensors.model.sensor_model import SensorModel
 from ..source import load
 from ..write.atomic import atomic_write
@@ -23,13 +24,25 @@ from .model_format import ImportedModels, ModelText
 
 @dataclass(frozen=True, eq=False)
 class ModelFile:
-    """A file with a model, as it lies there."""
+    """A file with the models of a sensor, one a condition, as it lies there."""
 
     path: str  # As given
     data: bytes  # Whole content
-    model: SensorModel  # What it says; where the file has a checksum, it fits
+    models: ModelSet  # What it says; where the file has a checksum, it fits
     format: str = "inertialcal"  # Title of its format: ``"inertialcal"``, ``"Kalibr"``
     remarks: tuple[Remark, ...] = ()  # What the file holds and the model does not
+    condition: str | None = None  # Whose model is wanted
+
+    @property
+    def model(self) -> SensorModel:
+        """Model of the condition that is wanted, or the only one.
+
+        Raises
+        ------
+        UsageError
+            ``condition_needed``, ``no_such_condition``.
+        """
+        return self.models.only(self.condition, self.path)
 
     @property
     def sha256(self) -> str:
@@ -37,11 +50,20 @@ class ModelFile:
         return hashlib.sha256(self.data).hexdigest()
 
 
-def load_model_file(path: str | os.PathLike[str]) -> ModelFile:
-    """Return a model with the bytes of its file.
+def load_model_file(path: str | os.PathLike[str], condition: str | None = None) -> ModelFile:
+    """Return models with the bytes of their file.
+
+    Parameters
+    ----------
+    path : path
+        Of the file.
+    condition : str, optional
+        Whose model is wanted, where the file holds several.
 
     Raises
     ------
+    UsageError
+        ``no_such_condition``.
     DataError
         ``missing_file``, ``empty_file``; ``which_sensor`` for a file that holds two; as the reader of the format:
         ``checksum`` for a ``model.json`` that was changed by hand.
@@ -54,9 +76,14 @@ def load_model_file(path: str | os.PathLike[str]) -> ModelFile:
     except UnicodeDecodeError:
         raise DataError("no model: not UTF-8 text", where=name, code="not_json") from None
     found, imported = read_models(text)
-    if found.one_sensor:
-        return ModelFile(name, loaded.data, next(iter(imported.models.values())), found.title, imported.remarks)
-    return ModelFile(given, loaded.data, _chosen(imported, name, kind), found.title, imported.remarks)
+    models = imported.by_condition
+    if models is None:
+        models = ModelSet((_chosen(imported, name, kind),))
+    else:
+        given = name
+    if condition is not None:
+        models.only(condition, given)
+    return ModelFile(given, loaded.data, models, found.title, imported.remarks, condition)
 
 
 def _chosen(imported: ImportedModels, name: str, kind: Kind | None) -> SensorModel:
@@ -130,8 +157,11 @@ def export(
     if to not in FORMATS:
         raise UsageError(f"--to {to!r}: no such format", do=f"Formats: {', '.join(FORMATS)}", code="unsupported_format")
     sources = (source, *others)
+    chosen = FORMATS[to]
+    kept = chosen.verbatim and source.format == chosen.title and source.condition is None
     for one in sources:
-        if not (one.model.judged or unjudged):
+        models_of = one.models.values() if kept else (one.model,)
+        if not (unjudged or all(model.judged for model in models_of)):
             raise DataError(
                 "the model was not checked on hold-out recordings",
                 where=one.path,
@@ -139,18 +169,16 @@ def export(
                 do='Mark tests with use = "hold_out" and run again, or add --unjudged',
                 code="unjudged",
             )
-    chosen = FORMATS[to]
     unknown = (
         [] if chosen.title == ModelFile.format else [remark for one in sources for remark in _unknown(one, nominal)]
     )
     if chosen.one_sensor and len(sources) > 1:
         raise UsageError(f"--to {to} holds one sensor a file", do="Export them one by one", code="one_sensor")
-    models: dict[Kind, SensorModel] = {one.model.kind: one.model for one in sources}
-    if len(models) < len(sources):
-        raise UsageError(f"two models of a {source.model.kind}", do="Give one of each", code="one_of_each")
-    kept = chosen.verbatim and source.format == chosen.title
+    if len({one.models.kind for one in sources}) < len(sources):
+        raise UsageError(f"two models of a {source.models.kind}", do="Give one of each", code="one_of_each")
+    models: dict[Kind, SensorModel] = {} if kept else {one.models.kind: one.model for one in sources}
     data = source.data if kept else chosen.dump(models).encode()
-    gone = chosen.cannot_hold(models)
+    gone = () if kept else chosen.cannot_hold(models)
     with atomic_write(target, [sensor_named(one.path)[0] for one in sources]) as aside:
         aside.write_bytes(data)
     before = tuple(remark for one in sources for remark in one.remarks)

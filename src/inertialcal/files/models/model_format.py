@@ -12,6 +12,7 @@ from ...core.key import Kind
 from ...core.remarks import Remark
 
 if TYPE_CHECKING:
+    from ...sensors.model.model_set import ModelSet
     from ...sensors.model.sensor_model import SensorModel
 
     Models = Mapping[Kind, SensorModel]
@@ -40,6 +41,7 @@ class ImportedModels:
 
     models: Models  # Kind of sensor -> model
     remarks: tuple[Remark, ...] = ()  # What the file holds and a model does not
+    by_condition: ModelSet | None = None  # Instead: of one sensor, a model a condition
 
 
 @dataclass(frozen=True, kw_only=True)

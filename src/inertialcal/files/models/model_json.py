@@ -1,4 +1,4 @@
-"""``model.json``: a sensor model on disk, with a checksum over what it says."""
+"""``model.json``: the models of a sensor on disk, one a condition, with a checksum over what they say."""
 
 from __future__ import annotations
 
@@ -8,15 +8,16 @@ from typing import NoReturn
 
 from ...core.errors import DataError, InertialcalError
 from ...core.schema.checksum import CHECKSUM, check_unchanged, checksum
+from ...sensors.model.model_set import ModelSet
 from ...sensors.model.sensor_model import SensorModel
-from ...sensors.model.serial import SCHEMA_VERSION, from_dict, to_dict
+from ...sensors.model.serial import FIRST, SCHEMA_VERSION, from_dict, to_dict
 from ..source import load
 from ..write.atomic import atomic_write
 from .model_format import ImportedModels, ModelFormat, ModelText, of_one
 
 
-def write_model(path: str | os.PathLike[str], model: SensorModel) -> None:
-    """Write a model; the file is complete or not there.
+def write_model(path: str | os.PathLike[str], model: SensorModel | ModelSet) -> None:
+    """Write models; the file is complete or not there.
 
     Raises
     ------
@@ -24,17 +25,22 @@ def write_model(path: str | os.PathLike[str], model: SensorModel) -> None:
         If it cannot be written.
     """
     with atomic_write(path) as aside:
-        aside.write_text(dump_model(model), encoding="utf-8", newline="\n")
+        aside.write_text(dump_models(model), encoding="utf-8", newline="\n")
 
 
 def dump_model(model: SensorModel) -> str:
-    """Return the text of ``model.json``: the same model gives the same bytes."""
-    content = to_dict(model)
+    """Return the text of a ``model.json`` with one model: the same model gives the same bytes."""
+    return dump_models(model)
+
+
+def dump_models(models: SensorModel | ModelSet) -> str:
+    """Return the text of ``model.json``: the same models give the same bytes."""
+    content = to_dict(models)
     return json.dumps({**content, CHECKSUM: checksum(content)}, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-def read_model(path: str | os.PathLike[str]) -> SensorModel:
-    """Read a model.
+def read_models(path: str | os.PathLike[str]) -> ModelSet:
+    """Read models.
 
     Raises
     ------
@@ -47,11 +53,16 @@ def read_model(path: str | os.PathLike[str]) -> SensorModel:
     except UnicodeDecodeError:
         what = "cannot read the model: not UTF-8 text"
         raise DataError(what, where=str(path), do="Check the path", code="missing_file") from None
-    return parse_model(text, str(path))
+    return parse_models(text, str(path))
 
 
-def parse_model(text: str, where: str = "") -> SensorModel:
-    """Return the model of the text of a ``model.json``; Raises as `read_model`."""
+def read_model(path: str | os.PathLike[str], condition: str | None = None) -> SensorModel:
+    """Read the model of a condition; Raises as `read_models` and `ModelSet.only`."""
+    return read_models(path).only(condition)
+
+
+def parse_models(text: str, where: str = "") -> ModelSet:
+    """Return the models of the text of a ``model.json``; Raises as `read_models`."""
     try:
         content = json.loads(text, parse_constant=_refuse_constant)
     except (ValueError, RecursionError) as error:
@@ -59,7 +70,7 @@ def parse_model(text: str, where: str = "") -> SensorModel:
     if not isinstance(content, dict):
         raise DataError("no model: the file does not hold a JSON object", where=where, code="schema")
     try:
-        if content.get("schema_version") == SCHEMA_VERSION:
+        if content.get("schema_version") in {FIRST, SCHEMA_VERSION}:
             check_unchanged(content, do="Use the model as written by `run`, or run the campaign again")
         return from_dict(content)
     except InertialcalError as error:
@@ -72,9 +83,8 @@ def _refuse_constant(name: str) -> NoReturn:
 
 
 def read(given: ModelText) -> ImportedModels:
-    """Return the model of a text that is ours; Raises as `read_model`."""
-    model = parse_model(given.text, given.where)
-    return ImportedModels({model.kind: model})
+    """Return the models of a text that is ours; Raises as `read_models`."""
+    return ImportedModels({}, by_condition=parse_models(given.text, given.where))
 
 
 FORMAT = ModelFormat(

@@ -36,6 +36,7 @@ TERMS = {
     "second_order": "second-order term",
     "third_order": "third-order term",
 }
+PARTS_LOST = {"bias": "the bias", "bias_temperature": "the bias over temperature", "scale_factor": "the scale factor"}
 RANGES = ("input_range", "temperature_range", "pressure_range")
 
 
@@ -114,6 +115,8 @@ def lost(model: SensorModel, name: str, holds: frozenset[str]) -> tuple[Remark, 
     gone = [words for field, words in TERMS.items() if field not in holds and np.any(model.terms.get(field, 0.0))]
     if len(model.matrix) > 1 and np.any(model.matrix[1:]):
         gone.append("matrix over temperature")
+    gone += [f"change of {PARTS_LOST[part]} with {one.channel.replace('_', ' ')}" for one in model.sensitivities
+             for part, array in one.parts.items() if np.any(array)]  # fmt: skip
     found = [
         Remark("not_held", "warning", f"{model.kind}: {name} cannot hold: {words}", do="It is left out")
         for words in gone
@@ -121,6 +124,8 @@ def lost(model: SensorModel, name: str, holds: frozenset[str]) -> tuple[Remark, 
     quiet = ["nominal scale factor apart from its error"] if "scale_factor" not in holds else []
     quiet += ["uncertainties"] if model.estimate is not None else []
     quiet += ["ranges that the model holds for"] if any(getattr(model, one) is not None for one in RANGES) else []
+    quiet += ["condition that the model is for"] if model.condition else []
+    quiet += ["noise"] if model.noise is not None and "noise" not in holds else []
     quiet += ["item and origin of the figures"] if model.item.serial or model.provenance else []
     if quiet:
         found.append(Remark("not_held", "info", f"{model.kind}: {name} cannot hold: {', '.join(quiet)}"))

@@ -12,16 +12,19 @@ import numpy as np
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.key import AXES
-from ...core.recording import Recording
+from ...core.recording import SECOND, Recording
 from ...core.remarks import Remark
 from ...core.times import read_elapsed, read_instant
 from ...core.units import convert, factor, kind, si_unit
+from ...core.unknowns import joined
 from ...files.text.table import Table
-from ..protocol import Source
+from ..corrections import between, corrected
+from ..protocol import Correction, Source
 from .dwells.disturbances import is_reading, stamped
 from .dwells.quiet import Window
-from .dwells.recordings import FlipRecording
+from .dwells.recordings import FlipRecording, readings_from
 from .entry import FlipEntry, Means, Position
+from .plan import Plan
 from .readings import HalfWidths, Readings
 
 
@@ -138,6 +141,25 @@ def turned_head(source: Source) -> FlipRecording:
     begin = None if entry.clock is None else entry.clock.mission_start
     origin = None if begin is None else read_instant(begin)
     return FlipRecording(recording, windows_of(entry.positions or (), recording, source.name, origin), source.name)
+
+
+def corrected_heads(plan: Plan, turned: Sequence[FlipRecording], corrections: Sequence[Correction]) -> Readings:
+    """Return the dwells of recordings after what earlier tests found, and what is not known of it in each dwell.
+
+    Raises
+    ------
+    DataError
+        As the corrections, and `readings_from`.
+    """
+    made = corrected(corrections, [(one.name, one.recording) for one in turned])[0]
+    readings = readings_from(plan, [replace(one, recording=r) for one, r in zip(turned, made, strict=True)])
+    cut: list[tuple[str, Recording] | None] = [None] * len(readings)
+    for one, quiet in zip(turned, readings.quiet, strict=True):
+        for k in np.flatnonzero(quiet.dwells):
+            start, stop = (int(one.time_ns[0] + round(float(at) * SECOND)) for at in quiet.spans[k])
+            cut[k] = one.name, between(one.recording, start, stop)
+    parts = corrected(corrections, [one for one in cut if one is not None])[1]
+    return replace(readings, taken_off=joined(parts, [1] * len(parts)))
 
 
 def windows_of(

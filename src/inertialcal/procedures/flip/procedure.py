@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from ...files.info.survey import Survey
     from ..entries import Entry, EntryKey, SaidSensor, SaidTest
     from ..given import Described, GivenFile
+    from ..model_terms import ModelTerms
     from ..suggestions import Claim, Draft, FolderFile, Suggestion
     from .readings import Readings
     from .reduction import Result
@@ -30,7 +31,7 @@ QUANTITIES = dict.fromkeys(
     (
         "bias", "ambient_acceleration", "model_bias_error", "control_error", "reading", "bias_shift", "corrected_bias",
         "bias_next_record", "model_bias_error_next_record",
-        "model_bias_error_change", "model_bias_error_reduction",
+        "model_bias_error_change", "model_bias_error_reduction", "other_model_bias_error", "predicted_bias",
     ),
     Quantity(READING),
 )  # fmt: skip
@@ -50,7 +51,8 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
     plan_type, influences = Plan, INFLUENCES
     said_type = Turned
     figures, compared = FIGURES, COMPARED
-    set_against = True
+    gives = ("bias",)
+    set_against = corrects = takes_corrections = True
     chosen_by = "Choose by positions"
     inputs = InputSpec(("accelerometer",), table="means", ground_model="bias_kept", windows="refused", as_wide=True)
 
@@ -68,13 +70,14 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
 
     def inputs_for(self, plan: Plan, corrections: Sequence[Correction] = ()) -> InputSpec:
         """Return the inputs: with ``corrected`` less the bias of a ground model."""
-        return replace(self.inputs, ground_model="applied") if plan.corrected else self.inputs
+        taken = super().inputs_for(plan, corrections)
+        return replace(taken, ground_model="applied") if plan.corrected else taken
 
     def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
         """Return the dwells, of reduced means or of recordings."""
         from ...core.errors import DataError
         from .dwells.recordings import readings_from
-        from .inputs import readings_of_means_tables, turned_head
+        from .inputs import corrected_heads, readings_of_means_tables, turned_head
 
         tables = [one for one in sources if one.is_table]
         if tables and len(tables) < len(sources):
@@ -83,7 +86,8 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
             raise DataError(what, do="Make two tests of them", code="wrong_value")
         if tables:
             return readings_of_means_tables(tables)
-        return readings_from(plan, [turned_head(one) for one in sources])
+        turned = [turned_head(one) for one in sources]
+        return corrected_heads(plan, turned, corrections) if corrections else readings_from(plan, turned)
 
     def agreement(self, plan: Plan, readings: Readings) -> Sequence[Remark]:
         """Return dwells and flips that disagree with the others."""
@@ -127,6 +131,20 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
 
         left = result.plan.corrected and key.quantity == "bias"
         return key._replace(quantity=MODEL_BIAS) if left else key
+
+    def correction(self, test: str, result: Result) -> Correction | None:
+        """Return the bias of the axes across the turn, to be taken off."""
+        from ..corrections import BiasCorrection
+        from .terms import bias_of
+
+        found = bias_of(result)
+        return None if found is None else BiasCorrection(test, found)
+
+    def terms(self, result: Result, tests: Sequence[Tested[Plan, Readings, Result]]) -> ModelTerms | None:
+        """Return the bias of the axes across the turn."""
+        from .terms import model_terms
+
+        return model_terms(result, tests)
 
     def against(self, test: Tested[Plan, Readings, Result], other: Tested[Any, Any, Any]) -> Sequence[Row]:
         """Return the differences of two tests of one head, as after one ground model and another."""

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
-from ...core.key import AXES
+from ...core.key import AXES, Origin
 from ...core.remarks import Remark
+from ...core.unknowns import Unknowns
 
 Labels = NDArray[Any]
 
@@ -118,6 +119,8 @@ class Readings:
         Changes within recordings that no figure survives.
     misplaced : tuple of Remark
         Windows in the wrong place or at the wrong position, by the turns that the recordings show.
+    taken_off : mapping of Origin to Unknowns
+        What is not known of the corrections that the readings had before.
     """
 
     angle: Array
@@ -134,6 +137,7 @@ class Readings:
     predicted: Mapping[str, Array] = field(default_factory=dict[str, Array])
     disagreements: tuple[Remark, ...] = ()
     misplaced: tuple[Remark, ...] = ()
+    taken_off: Mapping[Origin, Unknowns] = field(default_factory=dict[Origin, Unknowns])
 
     def __len__(self) -> int:
         """Return the number of dwells."""

@@ -6,7 +6,19 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, cast
 
-from ..protocol import READING, RELATIVE, Command, Correction, Facts, InputSpec, Procedure, Quantity, Role, Source
+from ..protocol import (
+    READING,
+    RELATIVE,
+    Command,
+    Correction,
+    Facts,
+    InputSpec,
+    Procedure,
+    Quantity,
+    Role,
+    Source,
+    Tested,
+)
 from .figures import FIGURES
 from .plan import INFLUENCES, Plan, SaidMass
 
@@ -17,6 +29,7 @@ if TYPE_CHECKING:
     from ...core.show.rows import Sentence
     from ..entries import Entry, EntryKey, SaidSensor, SaidTest
     from ..given import Described, GivenFile
+    from ..model_terms import ModelTerms
     from .entry import MassEntry
     from .readings import Readings
     from .reduction import Result
@@ -25,6 +38,10 @@ QUANTITIES = {
     "scale_factor": Quantity(("other",)),
     "high_g_difference": Quantity(RELATIVE, shown="%"),
     "null_response": Quantity(READING),
+    "scale_factor_error": Quantity(RELATIVE, shown="%"),
+    "response_amplitude": Quantity(("other",)),
+    "quadrature_amplitude": Quantity(("other",)),
+    "tilt_amplitude": Quantity(("angle",)),
 }
 
 
@@ -44,6 +61,8 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
     )
     plan_type, said_type, influences = Plan, SaidMass, INFLUENCES
     kind_of_test = "mass attraction"
+    gives = ("scale_factor",)
+    takes_corrections = True
     figures = FIGURES
     inputs = InputSpec(
         ("accelerometer",),
@@ -78,7 +97,7 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
         moved, lines = [], []
         for source in sources:
             if not source.is_table:
-                moved.append(moved_mass(source))
+                moved.append(moved_mass(source, corrections))
                 continue
             columns = cast("MassEntry", source.entry).lines
             assert columns is not None  # noqa: S101 - as the file was checked
@@ -101,6 +120,12 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
         from .reduction import reduce
 
         return reduce(plan, readings)
+
+    def terms(self, result: Result, tests: Sequence[Tested[Plan, Readings, Result]]) -> ModelTerms | None:
+        """Return the scale factor of the axis along the mass."""
+        from .reduction import model_terms
+
+        return model_terms(result, tests)
 
     def finding(self, rows: Sequence[WrittenRow]) -> Sentence:
         """Return the scale factor, its difference from that at high g, and the largest null response as a sentence."""

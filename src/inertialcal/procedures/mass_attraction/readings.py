@@ -8,7 +8,7 @@ readings, is a gap: nothing is closed up, because that would shift the phase of 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import cast
 
@@ -23,7 +23,8 @@ from ...core.times import read_elapsed, read_instant
 from ...core.units import factor, parse_quantity
 from ...files.text.table import Table
 from ...physics.motion.schedule import Schedule
-from ..protocol import Source
+from ..corrections import corrected
+from ..protocol import Correction, Source
 from .entry import Lines, MassEntry
 from .plan import Plan
 from .schedule_csv import read_schedule
@@ -102,8 +103,10 @@ class SourceMassRecording:
     moved: bool = True  # False for a null run
 
 
-def moved_mass(source: Source) -> SourceMassRecording:
-    """Return a recording of a campaign as ``readings_from`` takes it.
+def moved_mass(source: Source, corrections: Sequence[Correction] = ()) -> SourceMassRecording:
+    """Return a recording of a campaign as ``readings_from`` takes it, after corrections.
+
+    What is not known of them changes no response: a constant does not follow the mass.
 
     Raises
     ------
@@ -119,7 +122,8 @@ def moved_mass(source: Source) -> SourceMassRecording:
         what = f"recordings.{name}: clock.averaging is {averaging:g} s, the gate of the chain {gate:g} s"
         why = "the scale factor would be wrong by their ratio"
         raise DataError(what, entry.file, why, "Correct the wrong one", "gate_disagrees")
-    _, body = source.recordings()[0]
+    named = source.recordings()[0]
+    body = corrected(corrections, [named])[0][0] if corrections else named[1]
     axis = next(one for one in facts.axes if one in (entry.channels or {}))
     rate = np.asarray(body.channel(axis).data, dtype=np.float64) * (facts.pulse_scale_factor or 1.0)
     kept = tuple(body.channel(one) for one in (TILT, TEMPERATURE) if one in body.names)

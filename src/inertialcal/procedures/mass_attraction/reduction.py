@@ -18,19 +18,26 @@ References
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+
+import numpy as np
 
 from ...core.curve import Curve
 from ...core.errors import DataError
 from ...core.estimate import Estimate
+from ...core.key import Key
 from ...core.remarks import Remark, gather
 from ...core.results import Row
 from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.tables import Block, html, text
 from ...physics.motion.schedule import Schedule, repeated
+from ...sensors.model.sensor_model import Provenance
+from ..model_terms import ModelTerms
+from ..protocol import Tested
 from .drift import drift_remarks
-from .joining import Joined, estimate_of, joined, quiet_runs
+from .joining import ERROR, Joined, estimate_of, joined, quiet_runs
 from .plan import INFLUENCES, HighG, Plan, SourceMass
 from .published import published_lines
 from .readings import Line, Readings, Run, SourceMassRecording, readings_from, run_of_rows
@@ -156,3 +163,25 @@ def reduce(plan: Plan, readings: Readings) -> Result:
         ]
     )
     return replace(result, remarks=remarks)
+
+
+def model_terms(result: Result, tests: Sequence[Tested[Plan, Readings, Result]]) -> ModelTerms | None:
+    """Return the scale factor error as a term of the model, for inputs as small as the mass applies.
+
+    None where it was not estimated, or no scale factor is stated to relate it to. A constant that was taken off before
+    does not follow the mass: nothing of its uncertainty is in it.
+    """
+    key, nominal = Key(ERROR, result.plan.axis), result.plan.nominal
+    if result.estimate is None or not nominal:
+        return None
+    applied = max(one.applied for one in result.responses if one.moved)
+    origin = Provenance(", ".join(one.id for one in tests), tuple(name for one in tests for name in one.recordings))
+    return ModelTerms(
+        result.estimate.select([key]),
+        (key,),
+        (result.plan.axis,),
+        {key: origin},
+        scale_factor=nominal,
+        output_unit="count/s",
+        input_range=np.array([(-applied, applied)]),
+    )

@@ -30,6 +30,7 @@ from .fit.accelerometer import NOT_DETERMINED
 from .fit.at_rest import earth_in_g
 from .fit.gyro import FittedGyro, problem_of
 from .fit.linear_sensor import LinearSensor
+from .fit.over_temperature import at_reference
 from .fit.prior import PRIORS
 from .fit.rotations import errors
 from .readings import local_gravity
@@ -74,6 +75,8 @@ def loops_of(
     fit = fitted.acc if kind == "accelerometer" else fitted.gyro
     if fit is None:
         return ()
+    if fitted.acc.sensor.temperature is not None:
+        held = [at_reference(fitted.acc.sensor, one) for one in held]
     own = {one.name: one for one in judges_of(fitted, fitted.readings, kind)}
     by_name: dict[str, list[Judge]] = {}
     for one in (one for readings in held for one in judges_of(fitted, readings, kind)):

@@ -6,24 +6,27 @@ differ (phone logs): then gyros are interpolated to those of the accelerometers 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import cast
 
 import numpy as np
 
-from ...core.errors import DataError
+from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
-from ...core.key import AXES, Kind
+from ...core.key import AXES, Kind, Origin
 from ...core.labelled import LabelledPart
 from ...core.recording import SECOND, Channel, Recording, Times
 from ...core.remarks import Remark
 from ...core.show.rounding import number
 from ...core.units import kind
+from ...core.unknowns import Unknowns
+from ...core.unknowns import joined as unknowns_joined
 from ...signals.time.interpolation import interpolated
 from ...signals.time.samples import samples_of
-from ..protocol import Source
+from ..corrections import between, corrected
+from ..protocol import Correction, Source
 from .entry import PositionsEntry, Rests
 from .orientations import FACES, direction_of, parse_directions, runs_of, sections_of, turn_of
 from .plan import Plan
@@ -50,14 +53,17 @@ class Part:
         return self.source.facts.kind
 
 
-def readings_of(plan: Plan, sources: Sequence[Source]) -> Readings:
+def readings_of(plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
     """Return the readings of the recordings of a test.
 
     Raises
     ------
     DataError
         If a recording cannot be read; ``no_accelerometers``; ``clocks_differ``.
+    PlanError
+        ``plans_differ`` if a correction leaves the bias at another temperature than the plan refers to.
     """
+    _check_references(plan, corrections)
     tables = [one for one in sources if one.is_table]
     if tables and len(tables) < len(sources):
         what = f"test {sources[0].test!r} reads tables of rests and recordings"
@@ -65,13 +71,46 @@ def readings_of(plan: Plan, sources: Sequence[Source]) -> Readings:
     if tables:
         return _read_tables(tables)
     parts = [Part(one, recording) for one in sources for _, recording in one.recordings()]
+    whole = parts
+    if corrections:
+        made = corrected(corrections, [(one.source.name, one.recording) for one in parts])[0]
+        parts = [replace(one, recording=recording) for one, recording in zip(parts, made, strict=True)]
     pairs = _paired(parts, sources[0].test)
     both = [_joined(pair) for pair in pairs]
     joined, gyros = [one for one, _ in both], [own for _, own in both]
     sections = [_sections(pair, one) for pair, one in zip(pairs, joined, strict=True)]
     faces = any(_entry(one).orientations == [FACES] for one in sources)
     saturated = [any(_saturated(one) for one in pair if one.kind == "gyro") for pair in pairs]
-    return _oriented(readings_from(plan, joined, sections, faces, saturated, gyros), pairs)
+    readings = _oriented(readings_from(plan, joined, sections, faces, saturated, gyros), pairs)
+    return _with_unknowns(readings, corrections, _paired(whole, sources[0].test)) if corrections else readings
+
+
+def _check_references(plan: Plan, corrections: Sequence[Correction]) -> None:
+    """Refuse terms over temperature about another temperature than that at which a correction leaves the bias."""
+    for one in corrections:
+        other = one.reference_temperature
+        if plan.temperature_order and other is not None and other != plan.reference_temperature:
+            what = f"reference_temperature = {plan.reference_temperature:g} degC, that of {one.test} is {other:g} degC"
+            why = f"after = {one.test!r} leaves the bias at {other:g} degC; the terms of both tests are added"
+            do = f'Set reference_temperature = "{other:g} degC"'
+            raise PlanError(what, why=why, do=do, code="plans_differ")
+
+
+def _with_unknowns(readings: Readings, corrections: Sequence[Correction], pairs: Sequence[Sequence[Part]]) -> Readings:
+    """Return readings with what is not known of corrections, position by position; ``pairs`` before any."""
+    found: dict[Kind, Mapping[Origin, Unknowns]] = {}
+    start, stop = cast("Times", readings.start_ns), cast("Times", readings.stop_ns)
+    for at, one in enumerate(pairs[0]):
+        units = {channel.unit for channel in one.recording.channels if channel.name in AXES}
+        own = [correction for correction in corrections if correction.unit in units]
+        cut = [
+            (pairs[number][at].source.name, between(pairs[number][at].recording, int(start[k]), int(stop[k])))
+            for k, number in enumerate(readings.recordings)
+        ]
+        off = corrected(own, cut)[1]
+        if one.kind is not None and own:
+            found[one.kind] = unknowns_joined(off, [1] * len(off))
+    return replace(readings, taken_off=found)
 
 
 def _saturated(part: Part) -> bool:

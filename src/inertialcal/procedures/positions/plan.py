@@ -9,6 +9,7 @@ from typing import Literal
 from ...core.influence import Influence, Standards
 from ...core.settings import fact, setting
 
+HIGHEST_ORDER = 3  # in temperature
 # Influences that a test of positions is subject to, and what each would change.
 INFLUENCES = {
     "gravity.value": "scale factors of the accelerometers in proportion, and g-sensitivity",
@@ -16,6 +17,7 @@ INFLUENCES = {
     "fixture.repeatability": "cross-axis entries: each laying is slightly off that of its face",
     "fixture.mounting": "misalignments: all positions and turns share one tilt against the nominal axes",
     "turn.angle": "scale factors of the gyros: each turn is slightly off its nominal angle",
+    "thermometer.temperature": "terms over temperature: all temperatures are off alike",
     "clock.rate": "scale factors of the gyros in proportion: time is part of an angle",
 }
 
@@ -80,6 +82,13 @@ class Plan:
         "Prior standard uncertainty of each bias of the accelerometers about 0; none by default.", None,
         unit="m/s^2", example="0.5 m/s^2", above=0.0, most=1e3,
     )  # fmt: skip
+    temperature_order: int = setting(
+        "Order in temperature of matrix and bias of the accelerometers; each recording is one temperature, with all "
+        "positions. 0: the temperature is left aside.", 0, least=0, most=HIGHEST_ORDER, example="1",
+    )  # fmt: skip
+    reference_temperature: float = setting(
+        "Powers are those of the temperature less this.", 20.0, unit="degC", example="20 degC"
+    )
     standards: Standards = fact("Uncertainties of the standards.", "standards", dict[str, Influence])
 
     @property

@@ -20,7 +20,7 @@ from ..protocol import (
     Tested,
 )
 from .figures import FIGURES
-from .plan import INFLUENCES, FileSettings, Plan, Wanted
+from .plan import HIGHEST_ORDER, INFLUENCES, FileSettings, Plan, Wanted
 
 if TYPE_CHECKING:
     from ...core.errors import Problem
@@ -43,6 +43,11 @@ QUANTITIES = {
     "bias_next_record": Quantity(READING),
     "scale_factor": Quantity(("other",)),
     "scale_factor_error": Quantity(RELATIVE, shown="%"),
+    "misalignment": Quantity(("angle",)),
+    "direction_cosine": Quantity(RELATIVE),
+    **{f"bias_temperature_{j}": Quantity(("other",)) for j in range(1, HIGHEST_ORDER + 1)},
+    **{f"scale_factor_error_temperature_{j}": Quantity(("other",)) for j in range(1, HIGHEST_ORDER + 1)},
+    **{f"cross_axis_sensitivity_temperature_{j}": Quantity(("other",)) for j in range(1, HIGHEST_ORDER + 1)},
     "cross_axis_sensitivity": Quantity(RELATIVE, shown="%"),
     "g_sensitivity": Quantity(("other",), shown="({unit})/g"),  # of readings in counts it stays in counts
     "scatter_position": Quantity(READING),
@@ -73,7 +78,8 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
     plan_type, said_type, planner_type, influences = Plan, FileSettings, Wanted, INFLUENCES
     figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
-    makes_model = model_of_each = True
+    gives = ("scale_factor", "misalignment", "bias", "g_sensitivity", "sensitivity")
+    takes_corrections = True
     inputs = InputSpec(("accelerometer", "gyro"), table="rests", several_sensors=True, raw=True)
 
     def split_label(self, given: str) -> tuple[str, str]:
@@ -124,7 +130,7 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
         """Return static intervals and the rotations between them."""
         from .inputs import readings_of
 
-        return readings_of(plan, sources)
+        return readings_of(plan, sources, corrections)
 
     def agreement(self, plan: Plan, readings: Readings) -> Sequence[Remark]:
         """Return recordings, or parts of them, that disagree with gravity."""
@@ -174,6 +180,7 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
         from ..model_terms import ModelTerms
 
         found = result.models.get(result.sensor)
+        over = result.acc.sensor.temperature if result.sensor == "accelerometer" else None
         if result.estimate is None or found is None or found.estimate is None:
             return None
         without = [one for one in found.parameters if one.name in found.not_estimated]
@@ -190,6 +197,8 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
             found.scale_factor,
             None if found.output_unit == found.unit else found.output_unit,
             found.input_range,
+            reference_temperature=None if over is None else over.reference,
+            temperature_range=None if over is None else over.range,
         )
 
     def held_out(
@@ -205,7 +214,7 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
         from .closed_loop import loops_of
 
         remounted = any(one.occasion.remounted(other.occasion) for one in fitted for other in held)
-        loops = loops_of(result, [one.result.readings for one in held], result.sensor or "accelerometer", remounted)
+        loops = loops_of(result, [one.readings for one in held], result.sensor or "accelerometer", remounted)
         if loops:
             return HeldOut(loops)
         what = "what is held out has fewer than two positions: nothing is judged by them"

@@ -19,9 +19,10 @@ from numpy.typing import NDArray
 from ...core.constants import STANDARD_GRAVITY
 from ...core.errors import Problem
 from ...core.estimate import Array
-from ...core.key import AXES
+from ...core.key import AXES, Kind, Origin
 from ...core.recording import Times
 from ...core.remarks import Remark
+from ...core.unknowns import Unknowns
 from ...physics.earth import normal_gravity
 from .plan import Plan
 
@@ -87,6 +88,8 @@ class Readings:
     where: tuple[str, ...] = ()  # Place of each interval, for messages
     left_out: tuple[int, ...] = ()  # Numbers, among all that were found, of intervals without enough readings
     recordings: tuple[int, ...] = ()  # Number of the recording that each interval lies in; empty: one
+    # Of each kind of sensor: what earlier tests found, that was taken off, a dwell a position
+    taken_off: Mapping[Kind, Mapping[Origin, Unknowns]] = field(default_factory=dict[Kind, Mapping[Origin, Unknowns]])
     spans_ns: tuple[tuple[int, int], ...] = ()  # First and last stamp of each recording [ns]
     remarks: tuple[Remark, ...] = field(default=())  # What reading them brought up
 
@@ -131,6 +134,9 @@ class Readings:
             where=self.where[part],
             left_out=(),
             recordings=self.recordings[part],
+            taken_off={
+                kind: {origin: one.take(rows) for origin, one in off.items()} for kind, off in self.taken_off.items()
+            },
         )
 
 

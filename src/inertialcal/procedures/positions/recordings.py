@@ -419,7 +419,7 @@ def _joined(one: Readings, other: Readings) -> Readings:
         temperature=_both(one.temperature, other.temperature),
         left_out=(*one.left_out, *(k + shift + len(one.left_out) for k in other.left_out)),
         spans_ns=(*one.spans_ns, *other.spans_ns),
-        recordings=(*one.recordings, *(k + len(set(one.recordings)) for k in other.recordings)),
+        recordings=(*one.recordings, *(k + len(one.spans_ns or set(one.recordings)) for k in other.recordings)),
         where=(*one.where, *other.where),
         remarks=gather([*one.remarks, *other.remarks]),
     )

@@ -35,12 +35,14 @@ from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.rounding import items
 from ...core.show.tables import Block, html, text
 from ...sensors.model.sensor_model import SensorModel
+from ..corrections import TakenOff
 from .checks import check_units, judged_scale, remarks_of, start_of
 from .fit.accelerometer import FEWEST, Fitted, among, fit_known, fit_unknown
 from .fit.at_rest import apart, at_rest, joined
 from .fit.gyro import FittedGyro, fit_gyro, problem_of
-from .fit.linear_sensor import rounded_scale, with_ideal
+from .fit.linear_sensor import after_corrections, rounded_scale, with_ideal
 from .fit.next_record import FEW, NO_TIME, UNJUDGED, NextRecord, rests_of, slow_noise_of
+from .fit.over_temperature import at_reference, check_over_temperature, over_temperature
 from .fit.prior import Judgement, check_prior, fit_prior
 from .orientations import check_names, missing_faces
 from .plan import INFLUENCES, Plan
@@ -79,7 +81,7 @@ class Result:
     """What the test gives."""
 
     plan: Plan  # As given
-    readings: Readings  # As given
+    readings: Readings  # As given; at the reference temperature where that takes part
     acc: Fitted  # Accelerometers, and how each position agrees
     gyro: FittedGyro | None  # Gyros, and how each rotation agrees; None where there are none
     estimates: Mapping[str, Estimate]  # ``"accelerometer"``, ``"gyro"`` -> what is estimated, SI
@@ -141,15 +143,14 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     near, middle = _start(readings.acc.mean, g)
     ideal = by_axis(plan.acc_scale_factor, 1.0) if si or plan.acc_scale_factor else near
     zero = by_axis(plan.acc_zero, 0.0) if si or plan.acc_zero else middle
-    direction, prior = readings.direction, None
-    named = np.asarray(np.isfinite(np.nan if direction is None else direction).all(axis=-1), dtype=np.bool_)
-    if direction is not None and np.sum(named) >= FEWEST:
-        fitted = among(fit_known(plan, readings.acc.take(named), direction[named], ideal, zero), named)
-    else:
-        check_prior(plan, si)
-        fitted = fit_unknown(plan, readings.acc, ideal, zero)
-        if plan.priors:
-            fitted, prior = fit_prior(plan, readings.acc, ideal, zero, fitted)
+    over, warm = None, list[Remark]()
+    if plan.temperature_order:
+        check_over_temperature(plan)
+        over, warm = over_temperature(plan, readings, lambda part: _accelerometers(plan, part, ideal, zero)[0])
+        readings = at_reference(over, readings)
+    fitted, prior = _accelerometers(plan, readings, ideal, zero)
+    if over is not None:
+        fitted = replace(fitted, sensor=over)
     sensor = fitted.sensor
     final = ideal if si or plan.acc_scale_factor else rounded_scale(sensor, np.ones(3, dtype=bool))
     acc = replace(fitted, sensor=with_ideal(sensor, final, by_axis(plan.acc_zero, 0.0)))
@@ -173,11 +174,37 @@ def reduce(plan: Plan, readings: Readings) -> Result:
         alone = with_ideal(prior.without.sensor, final, by_axis(plan.acc_zero, 0.0))
         prior = replace(prior, without=replace(prior.without, sensor=alone))
     bare = Result(plan, readings, acc, gyro, estimates, models, (), prior=prior)
-    remarks = gather([*readings.remarks, *missing_faces(readings), *found, *remarks_of(bare)])
+    remarks = gather([*readings.remarks, *missing_faces(readings), *warm, *found, *remarks_of(bare)])
     onward: dict[str, NextRecord | Reason] = {"accelerometer": _next_accelerometers(readings, fitted, acc)}
     if gyro is not None:
         onward["gyro"] = _next_gyros(readings, gyro)
     return replace(bare, remarks=remarks, next_record=onward)
+
+
+def _accelerometers(plan: Plan, readings: Readings, ideal: Array, zero: Array) -> tuple[Fitted, Judgement | None]:
+    """Return the accelerometers of positions at one temperature, and how a stated prior agrees."""
+    direction, prior = readings.direction, None
+    named = np.asarray(np.isfinite(np.nan if direction is None else direction).all(axis=-1), dtype=np.bool_)
+    if direction is not None and np.sum(named) >= FEWEST:
+        fitted = among(fit_known(plan, readings.acc.take(named), direction[named], ideal, zero), named)
+    else:
+        check_prior(plan, readings.acc.unit == "m/s^2")
+        fitted = fit_unknown(plan, readings.acc, ideal, zero)
+        if plan.priors:
+            fitted, prior = fit_prior(plan, readings.acc, ideal, zero, fitted)
+    off = readings.taken_off.get("accelerometer", {})
+    if prior is not None:
+        prior = replace(prior, without=_after_corrections(prior.without, off))
+    return _after_corrections(fitted, off), prior
+
+
+def _after_corrections(fitted: Fitted, taken_off: TakenOff) -> Fitted:
+    """Return a fit with what is not known of corrections among its sources."""
+    gain = fitted.per_reading
+    if gain is None or not taken_off:
+        return fitted
+    more = after_corrections(taken_off, gain / fitted.sensor.ideal)
+    return replace(fitted, sensor=replace(fitted.sensor, sources=(*fitted.sensor.sources, *more)))
 
 
 def _next_accelerometers(readings: Readings, fitted: Fitted, final: Fitted) -> NextRecord | Reason:

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from scipy import linalg
 
 from ...core.curve import Column, Curve
 from ...core.estimate import Array, Component, Estimate
@@ -98,6 +99,8 @@ def _prior_rows(result: Result) -> list[Row]:
 def _sensor_rows(result: Result, kind: Kind, sensor: LinearSensor, unit: str, estimate: Estimate | None) -> list[Row]:
     count = len(sensor.values)
     wanted = list(zip((*MATRIX, *BIAS, *G_SENSITIVITY)[:count], units_of(kind, count), strict=True))
+    if sensor.temperature is not None:
+        wanted += list(zip(sensor.temperature.keys, sensor.temperature.units, strict=True))
     if unit != UNIT[kind]:
         wanted = [(name, f"{unit}/({UNIT[kind]})") for name in SCALE] + wanted
     why = reasons(sensor)
@@ -136,6 +139,8 @@ def missing(result: Result) -> list[str]:
     if result.acc.known:
         wanted += ["fixture.mounting"]
         wanted += ["fixture.orientation"] if result.acc.laid is None else []  # else found from the readings
+    if result.acc.sensor.temperature is not None:
+        wanted.append("thermometer.temperature")
     if readings.turns:
         wanted += ["turn.angle", "fixture.orientation", "fixture.mounting"]
     if readings.rotations and readings.gyro is not None:
@@ -205,6 +210,11 @@ def estimate(sensor: LinearSensor, kind: Kind, output_unit: str) -> Estimate | N
     values, derivative = quantities(sensor)
     names = [*MATRIX, *BIAS, *G_SENSITIVITY][: len(values)]
     units = list(units_of(kind, len(values)))
+    own, sources = sensor.temperature, sensor.sources
+    if own is not None:
+        values, sources = np.concatenate([values, own.values.ravel()]), own.sources
+        derivative = linalg.block_diag(derivative, np.eye(own.values.size))
+        names, units = [*names, *own.keys], [*units, *own.units]
     if output_unit != UNIT[kind]:
         rows = np.zeros((3, len(values)))
         rows[np.arange(3), 4 * np.arange(3)] = sensor.ideal
@@ -213,11 +223,11 @@ def estimate(sensor: LinearSensor, kind: Kind, output_unit: str) -> Estimate | N
         names, units = [*SCALE, *names], [f"{output_unit}/({UNIT[kind]})"] * 3 + units
     why = reasons(sensor)
     determined = [k for k, name in enumerate(names) if not why.get(name)]
-    if not determined or not sensor.sources:
+    if not determined or not sources:
         return None
     by_numbers = derivative[determined]
     components = []
-    for one in sensor.sources:
+    for one in sources:
         whole = by_numbers @ one.covariance @ by_numbers.T
         size = np.diag(np.abs(by_numbers) @ np.abs(one.covariance) @ np.abs(by_numbers).T)
         moved = np.diag(whole) > ROUNDING * size  # else by rounding alone
@@ -228,8 +238,9 @@ def estimate(sensor: LinearSensor, kind: Kind, output_unit: str) -> Estimate | N
         least: Array | float = (
             float(dof) if not dof.ndim else np.array([dof[row].min(initial=np.inf) for row in matters])
         )
-        stated = None if one.influence is None else one.influence.stated
-        distribution = "t" if one.influence is None else one.influence.distribution
+        known = one.off or one.influence
+        stated = None if known is None else known.stated
+        distribution = "t" if known is None else known.distribution
         kind_of: Literal["A", "B"] = "B" if one.kind == "B" else "A"
         changes = None if one.changes is None else one.changes @ by_numbers.T
         components.append(
@@ -243,6 +254,9 @@ def reasons(sensor: LinearSensor) -> Mapping[Key, Reason]:
     """Return why a quantity is not estimated, by its key."""
     names = (*MATRIX, *BIAS, *G_SENSITIVITY)
     found = {names[k]: reason for k, reason in sensor.reasons.items()}
+    if sensor.temperature is not None:
+        keys = sensor.temperature.keys
+        found |= {key: sensor.reasons[i % 12] for i, key in enumerate(keys) if i % 12 in sensor.reasons}
     for axis in AXES:
         reason = found.get(Key("scale_factor_error", axis))
         if reason:
@@ -271,6 +285,10 @@ def model(sensor: LinearSensor, kind: Kind, output_unit: str, input_range: Array
     why = {str(key): reason.text for key, reason in reasons(raw).items() if key not in SCALE}
     judged = {key for key, reason in reasons(raw).items() if reason.code != NOTHING_LEFT.code}
     names, numbers = (*MATRIX, *BIAS, *G_SENSITIVITY), quantities(raw)[0]
+    own = sensor.temperature
+    over: dict[str, Any] = {}
+    if own is not None:
+        over = {"reference_temperature": np.full(3, own.reference), "temperature_range": own.range}
     values = {str(key): float(one) for key, one in zip(names, numbers, strict=False) if key not in {*kept, *judged}}
     return model_from(
         found.select(kept),
@@ -281,6 +299,7 @@ def model(sensor: LinearSensor, kind: Kind, output_unit: str, input_range: Array
         input_range=input_range,
         not_estimated=why,
         values=values,
+        **over,
     )
 
 

@@ -56,6 +56,7 @@ QUANTITIES = {
     "scatter_run": Quantity(READING),
     "scatter_recording": Quantity(READING),
     "residual_bias": Quantity(READING),
+    "resolution": Quantity(READING),
 }
 
 
@@ -73,7 +74,8 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
     plan_type, influences = Plan, INFLUENCES
     figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
-    makes_model = takes_corrections = True
+    gives = ("scale_factor", "misalignment", "asymmetry", "bias")
+    takes_corrections = True
     chosen_by = "Choose by windows, or give rows.group"
     said_type = Columns
     inputs = InputSpec(("gyro",), (Role("applied", "", "rad/s", by_axis=False),), table="rows")
@@ -84,23 +86,19 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
 
         return [described(given)]
 
-    def inputs_for(self, plan: Plan, corrections: Sequence[Correction] = ()) -> InputSpec:
-        """Return what is taken: before a correction, temperatures by the body axis whose sensor feels them."""
-        return replace(self.inputs, by_body=bool(corrections))
-
     def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
         """Return the dwells of tables and of recordings, after what earlier tests found was taken off."""
+        from ..corrections import corrected
         from .recordings import readings_from, together, turned_recordings
         from .tables import readings_of_table
 
         parts = [readings_of_table(plan, one) for one in sources if one.is_table]
         turned = turned_recordings(plan, [one for one in sources if not one.is_table])
-        for correction in corrections:
-            recordings, unknowns = correction.apply([(one.name, one.recording) for one in turned])
-            turned = [
-                replace(one, recording=recording, taken_off={**one.taken_off, **unknown})
-                for one, recording, unknown in zip(turned, recordings, unknowns, strict=True)
-            ]
+        recordings, unknowns = corrected(corrections, [(one.name, one.recording) for one in turned])
+        turned = [
+            replace(one, recording=recording, taken_off=unknown)
+            for one, recording, unknown in zip(turned, recordings, unknowns, strict=True)
+        ]
         return together([*parts, readings_from(plan, turned)] if turned else parts)
 
     def agreement(self, plan: Plan, readings: Readings) -> Sequence[Remark]:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, cast
 
 from ...core.key import AXES
-from ..protocol import Command, Correction, Facts, InputSpec, Procedure, Reduced, Source
+from ..protocol import Command, Correction, Facts, InputSpec, Procedure, Quantity, Reduced, Source, Tested
 from .figures import FIGURES
 from .plan import INFLUENCES, Drive, Plan
 
@@ -17,8 +17,12 @@ if TYPE_CHECKING:
     from ...core.show.rows import Sentence
     from ..entries import EntryKey
     from ..given import Described, GivenFile
+    from ..model_terms import ModelTerms
     from .entry import SineEntry
     from .reduction import Readings, Result
+
+
+QUANTITIES = dict.fromkeys(("amplitude", "quadrature", "phase", "scale_factor", "noise_density"), Quantity())
 
 
 class Sine(Procedure[Plan, "Readings", "Result"]):
@@ -37,6 +41,8 @@ class Sine(Procedure[Plan, "Readings", "Result"]):
     figures = FIGURES
     uses = frozenset({"fit", "report_only"})
     counts_dwells = False
+    gives = ("scale_factor",)
+    takes_corrections = True
     inputs = InputSpec(("accelerometer", "gyro"), missing=True, bare=True, raw=True)
 
     def described(self, given: GivenFile) -> Sequence[Described]:
@@ -44,6 +50,10 @@ class Sine(Procedure[Plan, "Readings", "Result"]):
         from .given import described
 
         return [described(given, self.inputs)]
+
+    def quantities(self) -> Mapping[str, Quantity]:
+        """Return the figures that it can give; their units are those of the file."""
+        return QUANTITIES
 
     def plan_fields(self, facts: Facts) -> dict[str, Any]:
         """Return nothing: all of it is set."""
@@ -58,6 +68,7 @@ class Sine(Procedure[Plan, "Readings", "Result"]):
             ``no_drive`` if the drive of a recording is not given; as ``inputs``.
         """
         from ...core.errors import DataError
+        from ..corrections import corrected
         from ..mass_attraction.schedule_csv import read_schedule
         from .inputs import driven_by_schedule, driven_by_sine
         from .reduction import Readings
@@ -69,7 +80,9 @@ class Sine(Procedure[Plan, "Readings", "Result"]):
                 what = f"recordings.{source.name}: {'no drive' if drive is None else 'a period and a schedule'}"
                 do = 'Give plan = { period = "PERIOD s" }, or drive = { schedule = "FILE" } of the recording'
                 raise DataError(what, source.file, do=do, code="no_drive")
-            for _, recording in source.recordings():
+            named = source.recordings()
+            recordings = corrected(corrections, named)[0] if corrections else [one for _, one in named]
+            for recording in recordings:
                 remarks += list(recording.remarks)
                 for channel in (recording.channel(axis) for axis in AXES if axis in recording.names):
                     if drive is None:
@@ -91,6 +104,12 @@ class Sine(Procedure[Plan, "Readings", "Result"]):
         from .reduction import reduce
 
         return reduce(plan, readings)
+
+    def terms(self, result: Result, tests: Sequence[Tested[Plan, Readings, Result]]) -> ModelTerms | None:
+        """Return the scale factors of axes whose drive is known in size."""
+        from .terms import model_terms
+
+        return model_terms(result, tests)
 
     def truths(self, result: Result) -> Sequence[Row]:
         """Return the rows: there is no joint estimate."""

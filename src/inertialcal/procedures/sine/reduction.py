@@ -148,6 +148,20 @@ class SineResult:
         ]
         return (*(self._known_phase() if known else self._free_phase()), noise, *checked)
 
+    @property
+    def scale_factor(self) -> tuple[float, float, float, float] | None:
+        """Of a channel whose applied amplitude is known: value, u by noise, u by what is applied, degrees of freedom.
+
+        None where the response cannot be told from noise.
+        """
+        applied, fit, part = self.driven.applied, self.fit, self.driven.response
+        if not applied or not fit.design.drive.phase_known:
+            return None
+        value, u = float(fit.in_phase[0]) / part / applied, float(fit.u_in_phase[0]) / part / abs(applied)
+        if abs(value) < FLOOR * u:
+            return None
+        return value, u, abs(value) * (self.driven.u_applied or 0.0), self._dof
+
     def _known_phase(self) -> Iterator[Row]:
         fit, dof, part = self.fit, self._dof, self.driven.response
         key, value, u = Key("amplitude", self._axis), float(fit.in_phase[0]) / part, float(fit.u_in_phase[0]) / part

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from ...core.show.rows import Sentence
     from ...files.info.survey import Survey
     from ..given import Described, GivenFile
+    from ..model_terms import ModelTerms
     from ..protocol import Reduced
     from ..suggestions import Claim, Draft, FolderFile, Suggestion
     from .readings import Readings
@@ -58,6 +59,8 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
     )
     plan_type, said_type, shown_type, influences = Plan, Samples, Filters, INFLUENCES
     figures = FIGURES
+    gives = ("noise",)
+    takes_corrections = True
     inputs = InputSpec(
         ("gyro", "accelerometer"), missing=True, bare=True, ground_model="bias_kept", windows="records", screening="own"
     )
@@ -74,6 +77,7 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
 
     def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
         """Return the records at rest, a record a recording or a window."""
+        from ..corrections import corrected
         from .axis_noise import check
         from .readings import AtRest
         from .recordings import readings_from
@@ -82,7 +86,9 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
         for source in sources:
             added = next((one.quantity for axis, one in (source.entry.channels or {}).items() if axis in AXES), None)
             shown = "" if added else source.facts.unit
-            for label, one in source.recordings():
+            named = source.recordings()
+            recordings = corrected(corrections, named)[0] if corrections else [one for _, one in named]
+            for (label, _), one in zip(named, recordings, strict=True):
                 channels = {axis: axis for axis in AXES if axis in one.names}
                 samples: Any = added or "rate"
                 found.append(AtRest(one, channels, samples, label, shown, source.screening, source.facts.cut_off))
@@ -101,6 +107,12 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
         from .reduction import reduce
 
         return reduce(plan, readings)
+
+    def terms(self, result: Result, tests: Sequence[Tested[Plan, Readings, Result]]) -> ModelTerms | None:
+        """Return the noise of each axis."""
+        from .terms import model_terms
+
+        return model_terms(result, tests)
 
     def remarks(self, facts: Facts) -> Sequence[Remark]:
         """Say where body axes are mixtures of the sensor's: their noise is one, too."""

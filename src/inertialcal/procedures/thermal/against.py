@@ -5,6 +5,11 @@ tests: the mean of five turn-ons in air and the mean of five in vacuum each have
 freedom of their own. Runs with one label in both tests (pumped down without a new power-up) are one power-up: then
 both laws are taken together, and what they share cancels.
 
+How the difference goes with temperature is told as a step of order 1, ``p (1 + e (T - T_ref))``: the line of least
+squares through the difference of the two laws at `POINTS` temperatures of the range that both went through, evenly
+spread. ``p`` and ``p e`` are linear in the coefficients of both laws: their covariance is of the same kind as that of a
+difference at one temperature. ``e`` is their ratio, to first order. What the line does not follow is told beside.
+
 What one power-up can differ from the mean offset by is told beside, ``..._run_to_run``: the root sum of squares of the
 scatters of both.
 
@@ -16,7 +21,8 @@ anew in between (``statistics.difference``).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -29,12 +35,13 @@ from ...core.estimate import Array, Component, Estimate
 from ...core.influence import Influence, Occasion
 from ...core.key import AXES, Key, Origin, Reason
 from ...core.results import Row, not_estimated
+from ...core.units import factor
 from ...statistics.clustered import clustered_contrasts
 from ...statistics.difference import changes_left
-from ...statistics.intervals import chi_square_interval
+from ...statistics.intervals import chi_square_interval, t_interval
 from ...statistics.least_squares import fit
 from .fit.law import Law
-from .fit.quantities import ORDER, SOURCES, at_degrees, earth_along
+from .fit.quantities import ORDER, SOURCES, at_degrees, earth_along, power_unit
 from .fit.sensor import OfSensor
 from .rows import ONE_RUN, SAME, estimate_row
 
@@ -44,6 +51,8 @@ if TYPE_CHECKING:
 THERMOMETER, REFERENCE, EARTH = "thermometer.temperature", "converter.reference", "earth rate: "
 WORDS = {THERMOMETER: "thermometer", REFERENCE: "converter reference"}  # as budgets call them
 SHIFT, VACUUM = "bias_shift", "vacuum_offset"
+STEPS = {SHIFT: "bias_shift_step", VACUUM: "vacuum_step"}  # the line through the difference over temperature
+POINTS = 21  # of the range that both tests went through, that the line is laid through
 
 
 def quantity_of(condition: str) -> str:
@@ -95,14 +104,68 @@ def _of_axis(
     outside = Reason("outside", f"outside what both tests went through, {low:.4g} to {high:.4g} degC")
     yield from (not_estimated(own, unit, outside) for own in wanted if own not in inside)
     keys = list(inside)
-    estimate, known = _difference(result, other, axis, np.array(list(inside.values())), keys, occasions)
+    places = np.array(list(inside.values()))
+    estimate, known = _difference(result, other, axis, places, np.eye(len(places)), keys, occasions)
     limits = Reason("limits", f"this test less {name}{_unsaid(result, other, occasions)}")
     for own, is_known in zip(keys, known, strict=True):
         if is_known and estimate is not None:
             yield replace(estimate_row(estimate, own, limits), shared=estimate.shared(own))
         else:
             yield not_estimated(own, unit, ONE_RUN)
+    yield from _step(result, other, axis, quantity, limits, occasions)
     yield _run_to_run(result, other, Key(f"{quantity}_run_to_run", axis))
+
+
+def _step(
+    result: Result,
+    other: Result,
+    axis: str,
+    quantity: str,
+    limits: Reason,
+    occasions: tuple[Occasion, Occasion],
+) -> Iterator[Row]:
+    """Rows of the line through the difference over temperature: step at the reference, its slope, their ratio."""
+    laws = [one.sensors[axis].law for one in (result, other)]
+    low, high = max(one.domain[0] for one in laws), min(one.domain[1] for one in laws)
+    reference, unit = result.plan.reference_temperature, result.readings.unit
+    keys = [Key(STEPS[quantity], axis), Key(f"{STEPS[quantity]}_temperature", axis)]
+    relative = Key(f"{STEPS[quantity]}_relative_temperature", axis)
+    units = [unit, power_unit(unit, "degC", 1)]
+    if not low <= reference <= high or low == high:
+        outside = Reason(
+            "outside", f"both tests went through {low:.4g} to {high:.4g} degC, reference {reference:.4g} degC"
+        )
+        yield from (not_estimated(key, its, outside) for key, its in zip(keys, units, strict=True))
+        return
+    places = np.linspace(low, high, POINTS)
+    line = np.column_stack([np.ones(POINTS), places - reference])
+    weights = np.linalg.pinv(line)
+    estimate, known = _difference(result, other, axis, places, weights, keys, occasions, units)
+    if estimate is None or not all(known):
+        yield from (not_estimated(key, its, ONE_RUN) for key, its in zip(keys, units, strict=True))
+        return
+    apart = laws[0].basis(places) @ laws[0].coefficients - laws[1].basis(places) @ laws[1].coefficients
+    bend = float(np.max(np.abs(apart - line @ (weights @ apart))))
+    shown = result.plan.unit or unit
+    size = bend * (factor(unit, shown) if shown != unit else 1.0)
+    told = f"{limits.text}; line over {low:.4g} to {high:.4g} degC, the laws leave it by up to {size:.2g} {shown}"
+    for key in keys:
+        yield replace(estimate_row(estimate, key, Reason("limits", told)), shared=estimate.shared(key))
+    yield _relative(estimate, keys, relative)
+
+
+def _relative(estimate: Estimate, keys: list[Key], key: Key) -> Row:
+    """Row of the slope over the step, to first order; none where the step may be nothing."""
+    step, slope = (float(one) for one in estimate.values)
+    covariance, dof = estimate.covariance, float(np.min(estimate.dof))
+    own = t_interval(step, math.sqrt(float(covariance[0, 0])), dof)
+    if own.lo is None or own.hi is None or own.lo <= 0.0 <= own.hi:
+        return not_estimated(key, "1/degC", Reason("no_step", "the step may be nothing: its slope has no ratio to it"))
+    ratio = slope / step
+    gradient = np.array([-ratio, 1.0]) / step
+    u = math.sqrt(max(float(gradient @ covariance @ gradient), 0.0))
+    reason = Reason("limits", f"{keys[1]} over {keys[0]}, to first order")
+    return Row(key, ratio, u, "1/degC", dof if math.isfinite(dof) else None, t_interval(ratio, u, dof), reason=reason)
 
 
 def _difference(
@@ -110,27 +173,50 @@ def _difference(
     other: Result,
     axis: str,
     places: Array,
+    weights: Array,
     keys: list[Key],
     occasions: tuple[Occasion, Occasion],
+    units: Sequence[str] = (),
 ) -> tuple[Estimate | None, list[bool]]:
-    """Return the differences at temperatures that have an uncertainty, and which those are."""
+    """Return combinations of the differences at temperatures that have an uncertainty, and which those are.
+
+    Parameters
+    ----------
+    result, other : Result
+        This test, and the one that it is set against.
+    axis : str
+        Of the sensor.
+    places : ndarray, shape (g,)
+        Temperatures [degC].
+    weights : ndarray, shape (m, g)
+        Of the differences there in each combination.
+    keys : list of Key
+        Of the m combinations.
+    occasions : (Occasion, Occasion)
+        What drew the errors of standards in each.
+    units : sequence of str, optional
+        Of the combinations; that of the readings by default.
+    """
     laws = [one.sensors[axis].law for one in (result, other)]
-    rows = [law.basis(places) if len(places) else np.zeros((0, law.order + 1)) for law in laws]
+    rows = [weights @ law.basis(places) if len(places) else np.zeros((0, law.order + 1)) for law in laws]
     values = rows[0] @ laws[0].coefficients - rows[1] @ laws[1].coefficients
     scatter, known = _scatter(result, other, laws, rows)
     if not known.any():
         return None, list(known)
     names = tuple(key for key, keep in zip(keys, known, strict=True) if keep)
     unit = result.readings.unit
+    given = tuple(units) or (unit,) * len(keys)
+    whole = weights.sum(axis=1)  # of what is the same at each temperature
     mine, its = (
-        _changes(one, law, row, axis, known) for one, law, row in zip((result, other), laws, rows, strict=True)
+        _changes(one, law, row, whole, axis, known) for one, law, row in zip((result, other), laws, rows, strict=True)
     )
-    order = (laws[0].changed(places) - laws[1].changed(places))[known]
+    order = (weights @ (laws[0].changed(places) - laws[1].changed(places)))[known]
     chosen = [Component(ORDER, "A", np.outer(order, order))] if order.any() else []
     components = [*scatter, *chosen, *_type_b(mine, its, _shared(result, other, mine, occasions))]
     if unit == "rad/s":
-        values = values - (earth_along(result.plan)[0] - earth_along(other.plan)[0])[AXES.index(axis)]
-    return Estimate(names, values[known], (unit,) * len(names), tuple(components)), list(known)
+        values = values - whole * (earth_along(result.plan)[0] - earth_along(other.plan)[0])[AXES.index(axis)]
+    own = tuple(one for one, keep in zip(given, known, strict=True) if keep)
+    return Estimate(names, values[known], own, tuple(components)), list(known)
 
 
 def _scatter(
@@ -169,8 +255,8 @@ def _symmetric(covariance: Array) -> Array:
 Changes = dict[str, tuple[Influence, Array]]  # by source: what it rests on, and what it changes, shape (s, k)
 
 
-def _changes(result: Result, law: Law, rows: Array, axis: str, known: NDArray[np.bool_]) -> Changes:
-    """Return what one standard uncertainty of each source changes in the biases of one test."""
+def _changes(result: Result, law: Law, rows: Array, whole: Array, axis: str, known: NDArray[np.bool_]) -> Changes:
+    """Return what one standard uncertainty of each source changes in combinations of the biases of one test."""
     found = {}
     thermometer, reference = (result.plan.standards.get(name) for name in (THERMOMETER, REFERENCE))
     if thermometer is not None:
@@ -181,7 +267,7 @@ def _changes(result: Result, law: Law, rows: Array, axis: str, known: NDArray[np
         for source, one in earth_along(result.plan)[1].items():
             along = -one.patterns[:, [AXES.index(axis)]]
             if np.any(along):
-                found[EARTH + source] = one.influence, np.repeat(along, int(known.sum()), axis=1)
+                found[EARTH + source] = one.influence, along * whole[None, known]
     return found
 
 

@@ -2,8 +2,15 @@
 
 The temperature is that of the sensor's own channel, in both tests: an error of the thermometer is in both alike, and
 drops out; so does one of the converter's reference, in proportion. What is left of the uncertainty is the scatter of
-the thermal test and what is not known of the rate of the earth in its chamber. It is carried as unknowns of the
-recording, at the mean temperature of it.
+the thermal test, the choice of the order, and what is not known of the rate of the earth in its chamber. It is carried
+as unknowns of the recording, at the mean temperature of it.
+
+An accelerometer at rest reads gravity along its axis, which no thermal test tells from the bias: of its law only the
+change from the reference temperature is taken off, and its bias is left, as at that temperature. What the scale factor
+does over temperature is in that change by as much as the axis was along gravity in the thermal test.
+
+The unknowns are those of the coefficients of the law, in one order whatever the recordings: applied twice, to parts of
+a recording, they are the same ones.
 """
 
 from __future__ import annotations
@@ -15,26 +22,25 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...core.errors import DataError
-from ...core.estimate import Array, Component, Estimate, placed_changes
+from ...core.estimate import Array, Component, Estimate
 from ...core.influence import Influence
 from ...core.key import AXES, At, Key, Origin
 from ...core.recording import Recording
 from ...core.remarks import Remark
 from ...core.unknowns import Unknowns
-from ...sensors.model.sensor_model import Provenance
 from ...sensors.thermal import powers_of
+from ..corrections import factor
 from .fit.law import Law
-from .fit.quantities import Asked, earth_along, estimate, power_unit
+from .fit.quantities import ORDER, Asked, earth_along, estimate, power_unit
 from .recordings import TEMPERATURE
 
 if TYPE_CHECKING:
-    from ..model_terms import ModelTerms
     from .reduction import Result
 
 CANCELLED = ("converter.reference",)  # in the readings and in what is taken off alike
 PATH = "sensor.hysteresis"
-TINY = 1e-24  # of the largest eigenvalue of a covariance: no unknown of its own
 DWELL = "dwell"  # place of a value: number of a recording
+TAKEN = "bias_taken_off"
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +49,16 @@ class ThermalCorrection:
 
     test: str  # Its name
     result: Result  # Of it
+
+    @property
+    def unit(self) -> str:
+        """Of the readings."""
+        return self.result.readings.unit
+
+    @property
+    def reference_temperature(self) -> float | None:
+        """Of accelerometers, whose bias at it is left [degC]; of gyros nothing is left."""
+        return self.result.plan.reference_temperature if self.unit == "m/s^2" else None
 
     @property
     def range(self) -> tuple[float, float]:
@@ -58,7 +74,7 @@ class ThermalCorrection:
         Parameters
         ----------
         recordings : sequence of (str, Recording)
-            Each with its name: channels named by axis [rad/s], and their temperatures [degC].
+            Each with its name: channels named by axis [SI], and their temperatures [degC].
 
         Raises
         ------
@@ -71,42 +87,11 @@ class ThermalCorrection:
             recording, level = _without(one, name, self)
             corrected.append(recording)
             levels.append(level)
-        unknown = _unknowns(self, levels)
+        unknown = unknowns(self, levels)
         taken_off: list[Mapping[Origin, Unknowns]] = [
             {origin: one.take(np.array([i])) for origin, one in unknown.items()} for i in range(len(corrected))
         ]
         return corrected, taken_off
-
-    def with_terms(self, terms: ModelTerms) -> ModelTerms:
-        """Return terms of readings without the bias, with the bias: at the reference temperature, and over it.
-
-        The readings were corrected by the same polynomial, so its errors are in both with opposite signs: at the
-        temperature of those readings they cancel in the sum. They are carried as the unknowns of the thermal test.
-        """
-        whole = replace(
-            terms,
-            reference_temperature=self.result.plan.reference_temperature,
-            temperature_range=self.range,
-            provenance={
-                key: self._before(one) if key.quantity == "bias" else one for key, one in terms.provenance.items()
-            },
-        )
-        if terms.estimate is None or terms.referenced:
-            return whole
-        found = law_of(self)
-        more = tuple(key for key in found if key.power and key.axis in terms.axes)
-        return replace(
-            whole,
-            estimate=_with_law(terms, terms.estimate, found, more),
-            parameters=(*terms.parameters, *more),
-            provenance={**whole.provenance, **dict.fromkeys(more, self._before(Provenance()))},
-        )
-
-    def _before(self, later: Provenance) -> Provenance:
-        """Return where a term comes from that this test found before a later one."""
-        own = tuple(sweep.name for sweep in self.result.readings.sweeps)
-        tests = [name for name in (self.test, later.test) if name]
-        return Provenance(", ".join(tests), (*own, *later.recordings))
 
 
 def _without(recording: Recording, name: str, bias: ThermalCorrection) -> tuple[Recording, dict[str, float]]:
@@ -126,8 +111,8 @@ def _without(recording: Recording, name: str, bias: ThermalCorrection) -> tuple[
         outside = max(outside, int(np.count_nonzero(np.isfinite(warmth) & ~inside)))
         level[channel.name] = float(np.mean(warmth[inside]))
         off = np.where(inside, law.basis(np.where(inside, warmth, law.domain[0])) @ law.coefficients, np.nan)
-        earth = _earth(bias.result)[AXES.index(channel.name)]
-        channels.append(replace(channel, data=np.asarray(channel.data, dtype=float) - (off - earth)))
+        kept = _earth(bias.result)[AXES.index(channel.name)] + float(_level(bias.result, law) @ law.coefficients)
+        channels.append(replace(channel, data=np.asarray(channel.data, dtype=float) - (off - kept)))
     remarks = recording.remarks
     if outside:
         what = f"{bias.test} knows no bias at the temperature of the sample: left out"
@@ -138,6 +123,12 @@ def _without(recording: Recording, name: str, bias: ThermalCorrection) -> tuple[
 def _earth(result: Result) -> Array:
     """Return the earth rate along the axes; nothing for accelerometers, shape (3,)."""
     return earth_along(result.plan)[0] if result.readings.unit == "rad/s" else np.zeros(len(AXES))
+
+
+def _level(result: Result, law: Law) -> Array:
+    """Return the row of what is not taken off, shape (order + 1,): of accelerometers what they read at T_ref."""
+    rows = powers_of(law.order, law.domain, result.plan.reference_temperature)[0]
+    return np.asarray(rows if result.readings.unit == "m/s^2" else np.zeros(law.order + 1))
 
 
 def _law(bias: ThermalCorrection, axis: str, place: str) -> Law:
@@ -164,29 +155,63 @@ def _nowhere(domain: tuple[float, float], warmth: Array, axis: str, place: str, 
     return DataError(what, place, do="Leave out after, or ramp further", code="outside")
 
 
-def _unknowns(bias: ThermalCorrection, levels: Sequence[Mapping[str, float]]) -> dict[Origin, Unknowns]:
-    """Return what is not known of the bias that was taken off, a dwell a recording, by origin."""
-    result, n, unit = bias.result, len(levels), bias.result.readings.unit
+def unknowns(bias: ThermalCorrection, levels: Sequence[Mapping[str, float]] = ()) -> dict[Origin, Unknowns]:
+    """Return what is not known of the bias taken off, a dwell for the temperatures of each level, by origin."""
+    result, n = bias.result, len(levels)
     standards = {name: one for name, one in result.plan.standards.items() if name not in CANCELLED}
-    standards.setdefault(PATH, Influence(0.0, unit))  # one path alone was seen: the thermal test remarks it
+    standards.setdefault(PATH, Influence(0.0, result.readings.unit))  # one path was seen: the thermal test remarks it
     plan = replace(result.plan, standards=standards)
     laws = {axis: one.law for axis, one in result.sensors.items()}
-    asked = {}
-    for axis, law in laws.items():
-        warmth = [level.get(axis, law.domain[0]) for level in levels]
-        powers = powers_of(law.order, law.domain, result.plan.reference_temperature)
-        keys = [Key("bias", axis, at=At(DWELL, i, "")) for i in range(n)] + law_keys(axis, law.order)
-        units = (unit,) * len(keys)
-        asked[axis] = [Asked(tuple(keys), units, np.vstack([law.basis(warmth), powers]), by_temperature=False)]
-    found = estimate(plan, laws, asked, unit)
+    asked = {
+        axis: _asked(result, axis, law, [level.get(axis, law.domain[0]) for level in levels])
+        for axis, law in laws.items()
+    }
+    found = estimate(plan, laws, {axis: [one] for axis, one in asked.items()}, result.readings.unit)
     if found is None:
         return {}
-    every = [_taken_off(found, one, n, bias.test) for one in found.components if np.any(one.u)]
+    every = [_taken_off(found, one, _changes(found, one, laws, asked), n, bias.test)
+             for one in found.components if np.any(one.u)]  # fmt: skip
     return {one.origin: one for one in every}
 
 
+def _asked(result: Result, axis: str, law: Law, warmth: Sequence[float]) -> Asked:
+    """Return the bias taken off at each temperature, then the coefficients of the law."""
+    unit = result.readings.unit
+    keys = [Key(TAKEN, axis, at=At(DWELL, i, "")) for i in range(len(warmth))] + law_keys(axis, law.order)
+    units = [unit] * len(warmth) + [power_unit(unit, "degC", j) for j in range(law.order + 1)]
+
+    def rows(one: Law) -> Array:
+        powers = powers_of(one.order, one.domain, result.plan.reference_temperature)
+        return np.vstack([one.basis(warmth) - _level(result, one), powers[: law.order + 1]])
+
+    own = rows(law)
+    more = None if law.higher is None else rows(law.higher) @ law.higher.coefficients - own @ law.coefficients
+    return Asked(tuple(keys), tuple(units), own, by_temperature=False, changes=more)
+
+
+def _changes(found: Estimate, component: Component, laws: Mapping[str, Law], asked: Mapping[str, Asked]) -> Array:
+    """Return the changes of all values by each unknown of a source, shape (s, names): those of coefficients of laws."""
+    if component.changes is not None:
+        return component.changes
+    blocks = []
+    for axis, law in laws.items():
+        rows, more = dict(zip(asked[axis].keys, asked[axis].rows, strict=True)), asked[axis].changes
+        steps = (
+            np.zeros((1, law.order + 1))
+            if component.origin == ORDER
+            else factor(law.contrasts(np.eye(law.order + 1))[0])
+        )
+        own = [rows.get(key, np.zeros(law.order + 1)) for key in found.keys]
+        block = steps @ np.array(own).T
+        if component.origin == ORDER and more is not None:
+            other = dict(zip(asked[axis].keys, more, strict=True))
+            block = np.array([[other.get(key, 0.0) for key in found.keys]])
+        blocks.append(block)
+    return np.vstack(blocks)
+
+
 def law_of(bias: ThermalCorrection) -> dict[Key, tuple[float, str]]:
-    """Return value and unit of each coefficient of the bias over temperature, SI."""
+    """Return value and unit of each coefficient of the bias that is taken off, SI."""
     found = {}
     unit = bias.result.readings.unit
     earth = _earth(bias.result)
@@ -195,7 +220,8 @@ def law_of(bias: ThermalCorrection) -> dict[Key, tuple[float, str]]:
         values = powers @ one.law.coefficients
         values[0] -= earth[AXES.index(axis)]
         for key, value in zip(law_keys(axis, one.law.order), values, strict=True):
-            found[key] = float(value), power_unit(unit, "degC", key.power)
+            if key.power or unit != "m/s^2":  # of an accelerometer the level holds gravity
+                found[key] = float(value), power_unit(unit, "degC", key.power)
     return found
 
 
@@ -204,14 +230,8 @@ def law_keys(axis: str, order: int) -> list[Key]:
     return [Key("bias", axis), *(Key("bias_temperature", axis, power=j) for j in range(1, order + 1))]
 
 
-def _taken_off(found: Estimate, component: Component, n: int, test: str) -> Unknowns:
+def _taken_off(found: Estimate, component: Component, changes: Array, n: int, test: str) -> Unknowns:
     """Return a source as independent unknowns."""
-    changes = component.changes  # (s, names)
-    if changes is None:
-        sizes, vectors = np.linalg.eigh(_scaled(component))
-        keep = sizes > TINY * sizes[-1]
-        scale = np.maximum(component.u, np.finfo(float).tiny)
-        changes = (vectors[:, keep] * np.sqrt(sizes[keep])).T * scale
     dof = np.broadcast_to(np.asarray(component.dof, dtype=float), len(found.names))
     patterns, of_sensor = np.zeros((len(changes), n, 3)), np.full(3, np.inf)
     for i, key in enumerate(found.keys):
@@ -219,51 +239,11 @@ def _taken_off(found: Estimate, component: Component, n: int, test: str) -> Unkn
             patterns[:, int(key.at.value), AXES.index(key.axis)] = changes[:, i]
             of_sensor[AXES.index(key.axis)] = dof[i]
     law = [i for i, key in enumerate(found.keys) if key.at is None]
+    for i in law if n == 0 else ():  # of the coefficients alone
+        at = AXES.index(found.keys[i].axis)
+        of_sensor[at] = min(of_sensor[at], dof[i])
     keys = tuple(found.keys[i] for i in law)
     kind, shape = component.kind, component.distribution
     origin = component.origin._replace(test=test)
     return Unknowns(origin, kind, patterns, keys, changes[:, law], of_sensor, shape, component.stated,
                     component.unknowns)  # fmt: skip
-
-
-def _scaled(component: Component) -> Array:
-    """Return the correlations, whose entries are of one size: of powers of temperature the variances are not."""
-    u = np.where(component.u > 0.0, component.u, 1.0)
-    return np.asarray(component.covariance / np.outer(u, u))
-
-
-def _with_law(
-    terms: ModelTerms, estimate: Estimate, law: Mapping[Key, tuple[float, str]], more: tuple[Key, ...]
-) -> Estimate:
-    """Return the estimate with the law added to its bias, and with the coefficients that it lacks."""
-    keys = (*estimate.keys, *more)
-    at_reference = {key: value for key, (value, _) in law.items()}
-    values = [v + at_reference.get(key, 0.0) for key, v in zip(estimate.keys, estimate.values, strict=True)]
-    values += [at_reference[key] for key in more]
-    units = (*estimate.units, *(law[key][1] for key in more))
-    kept = [_wider(one, len(more)) for one in estimate.components if one.origin not in terms.taken_off]
-    off = [_joint(one, keys, terms.changes[origin]) for origin, one in terms.taken_off.items()]
-    return Estimate(keys, np.array(values), units, (*kept, *off))
-
-
-def _wider(component: Component, more: int) -> Component:
-    k = len(component.covariance)
-    covariance = np.zeros((k + more, k + more))
-    covariance[:k, :k] = component.covariance
-    dof = np.full(k + more, np.inf)
-    dof[:k] = component.dof
-    return replace(component, covariance=covariance, dof=dof, changes=placed_changes(component, 0, len(covariance)))
-
-
-def _joint(off: Unknowns, keys: tuple[Key, ...], changes: Mapping[Key, Array]) -> Component:
-    size = len(off.law)
-    own = {key: off.law[:, i] for i, key in enumerate(off.keys)}
-    rows = [
-        (changes[key] if key in changes and len(changes[key]) else np.zeros(size)) + own.get(key, np.zeros(size))
-        for key in keys
-    ]
-    whole = np.array(rows)
-    covariance = whole @ whole.T
-    dof = np.array([off.dof["xyz".index(key.axis[0])] for key in keys])
-    return Component(off.origin, off.kind, 0.5 * (covariance + covariance.T), dof, off.distribution, off.stated,
-                     whole.T, off.unknowns)  # fmt: skip

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from ..entries import latitude_needed, reading_units
 from ..protocol import (
     READING,
+    RELATIVE,
     Command,
     Correction,
     Exclusion,
@@ -20,7 +21,7 @@ from ..protocol import (
     Tested,
 )
 from .figures import FIGURES
-from .plan import INFLUENCES, Plan, Thermometer
+from .plan import INFLUENCES, LARGEST_ORDER, Plan, Thermometer
 
 if TYPE_CHECKING:
     from ...core.errors import Problem
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from ...files.info.survey import Survey
     from ...sensors.model.sensor_model import SensorModel
     from ..entries import SaidTest
-    from ..model_terms import HeldOut
+    from ..model_terms import HeldOut, ModelTerms
     from ..suggestions import Suggestion
     from .recordings import Readings
     from .reduction import Result
@@ -43,6 +44,9 @@ QUANTITIES = {
     "path_difference": Quantity(READING),
     "hysteresis": Quantity(READING),
     "vacuum_offset": Quantity(READING),
+    "vacuum_step": Quantity(READING),
+    "vacuum_step_temperature": Quantity(("other",)),
+    "vacuum_step_relative_temperature": Quantity(("other",), shown="%/degC"),
     "scatter_run": Quantity(READING),
     "scatter_recording": Quantity(READING),
     "warm_up_change": Quantity(READING),
@@ -51,6 +55,22 @@ QUANTITIES = {
     "thermal_lag": Quantity(("time",)),
     "reference_voltage": Quantity(("voltage",)),
     "temperature_reference_voltage": Quantity(("voltage",)),
+    "reference_voltage_temperature_1": Quantity(("other",)),
+    "temperature_reference_voltage_temperature_1": Quantity(("other",)),
+    **{f"bias_temperature_{power}": Quantity(("other",)) for power in range(1, LARGEST_ORDER + 1)},
+    "vacuum_offset_run_to_run": Quantity(READING),
+    "bias_shift": Quantity(READING),
+    "bias_shift_run_to_run": Quantity(READING),
+    "residual_bias": Quantity(READING),
+    "scatter_sample": Quantity(READING),
+    "thermometer_slope": Quantity(("other",)),
+    "thermometer_voltage": Quantity(("voltage",)),
+    "temperature_error": Quantity(("temperature",)),
+    "temperature_error_of_range": Quantity(RELATIVE, shown="%"),
+    "thermometer_nonlinearity": Quantity(("temperature",)),
+    "thermometer_lag": Quantity(("time",)),
+    "temperature_lowest": Quantity(("temperature",)),
+    "temperature_highest": Quantity(("temperature",)),
 }
 
 
@@ -68,11 +88,17 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
     plan_type, influences = Plan, INFLUENCES
     figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
-    corrects = set_against = True
+    gives = ("bias", "hysteresis")
+    corrects = set_against = judged_alone = True
+    no_corrections = "it finds the bias itself, at all its temperatures: what was taken off would be found again"
     counts_dwells = False
     inputs = InputSpec(
         ("gyro", "accelerometer"),
-        (Role("temperature", "temperature", "degC", required=True), Role("pressure", "pressure", "Pa", by_axis=False)),
+        (
+            Role("temperature", "temperature", "degC", required=True),
+            Role("pressure", "pressure", "Pa", by_axis=False),
+            Role("reference_temperature", "temperature", "degC", by_axis=False),
+        ),
         voltages=True,
         by_body=True,
         still=True,
@@ -107,6 +133,12 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
 
         return ThermalCorrection(test, result)
 
+    def terms(self, result: Result, tests: Sequence[Tested[Plan, Readings, Result]]) -> ModelTerms | None:
+        """Return the bias over temperature, hysteresis, and the scatter between power-ups."""
+        from .terms import model_terms
+
+        return model_terms(result, tests)
+
     def held_out(
         self,
         result: Result,
@@ -119,7 +151,8 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
         from .held_out.closed_loop import held_out, loops, overlays, residual_rows
 
         (own,), (other,) = fitted, held
-        residuals = held_out(result, other.result, own.occasion.remounted(other.occasion))
+        judged = model if result.readings.unit == "rad/s" else None  # of accelerometers the level holds gravity
+        residuals = held_out(result, other.result, own.occasion.remounted(other.occasion), judged)
         first, second = (result, None) if own.against is None else (own.against.result, result)
         rows = residual_rows(residuals, other.result.readings.unit, own.id)
         return HeldOut(loops(residuals, other.result.readings.unit), tuple(rows), overlays(other.result, first, second))

@@ -18,7 +18,7 @@ from ...core.key import AXES
 from ...core.recording import SECOND, Recording
 from ...core.remarks import Remark
 
-TEMPERATURE, PRESSURE = "temperature", "pressure"
+TEMPERATURE, PRESSURE, REFERENCE = "temperature", "pressure", "reference_temperature"
 WARM = (TEMPERATURE, *(f"{TEMPERATURE}_{axis}" for axis in AXES))
 REFERENCES = ("reference_voltage", "temperature_reference_voltage")  # channels of reference voltages, with their axis
 FASTEST = 1.0  # [degC/s]: temperature-cycling chambers reach a quarter of it
@@ -73,8 +73,9 @@ def _sweep(one: ThermalRecording, label: str, power_up: int) -> Sweep:
     if _is_timed(recording) and recording.time_ns is not None:
         time = (recording.time_ns - power_up).astype(np.float64) / SECOND
     pressure = _floats(recording, PRESSURE) if PRESSURE in recording.names else None
+    beside = _floats(recording, REFERENCE) if REFERENCE in recording.names else None
     kept = {name: by_axis for name, by_axis in references.items() if by_axis}
-    return Sweep(one.name or _place(one), label, _place(one), time, temperature, outputs, kept, pressure)
+    return Sweep(one.name or _place(one), label, _place(one), time, temperature, outputs, kept, pressure, beside)
 
 
 def _temperature(recording: Recording, axis: str) -> Array | None:
@@ -165,6 +166,7 @@ class Sweep:
     # shape (n,): name of a reference voltage -> axis -> its volts [V]
     references: Mapping[str, Mapping[str, Array]] = field(default_factory=dict[str, Mapping[str, Array]])
     pressure: Array | None = None  # shape (n,): [Pa]
+    reference: Array | None = None  # shape (n,): of a reference thermometer beside the sensors [degC]
 
     def __len__(self) -> int:
         return len(next(iter(self.outputs.values()))) if self.outputs else 0

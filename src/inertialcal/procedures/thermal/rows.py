@@ -26,6 +26,7 @@ from .fit.paths import PathEffect
 from .fit.quantities import at_degrees, power_unit
 from .fit.sensor import OfSensor
 from .plan import INFLUENCES, Plan
+from .thermometer import thermometer_rows
 
 if TYPE_CHECKING:
     from .reduction import Result
@@ -53,6 +54,7 @@ def rows(result: Result) -> list[Row]:
         found += _scatter_rows(result, axis, one)
         found += _start_up_rows(result, axis, one)
         found += _reference_rows(result, axis)
+        found += thermometer_rows(result.plan, result.readings, axis)
         found += published_rows(result.plan, one.series, one.start_up.cut, result.readings.unit)
     return found
 

@@ -26,6 +26,7 @@ REQUIRED = {
     },
 }
 SENSORS = {"acc": ("accelerometer", "m/s^2"), "gyro": ("gyro", "rad/s")}  # kind, and unit of the channels
+TEMPERATURE = "temperature"  # channel and column
 
 
 def recording_name(number: int) -> str:
@@ -58,17 +59,22 @@ def campaign_text(bench: Bench, rig: str, count: int) -> str:
         standards["turn.angle"] = bench.angle
         standards["fixture.orientation"] = bench.orientation
         standards["fixture.mounting"] = bench.mounting
+    plan: Content = {}
+    if bench.temperatures:
+        standards["thermometer.temperature"] = bench.thermometer
+        plan = {"temperature_order": 1, "reference_temperature": f"{bench.reference_temperature:g} degC"}
     units = {"accelerometer": "m/s2", "gyro": "deg/s"}
     numbers = range(1, count + 1)
     uses = {"fit": list(numbers)}
-    if bench.records > 1 and bench.copies == 1:
-        uses = {"fit": list(numbers[:-1]), "hold_out": [count]}
+    if bench.apart:
+        uses = {"fit": list(numbers[: -bench.apart]), "hold_out": list(numbers[-bench.apart :])}
     tests = [
         {
             "id": "imu" if use == "fit" else "imu_held_out",
             "procedure": "positions",
             "recordings": [f"{sensor}{number}" for number in own for sensor in SENSORS],
             "use": use,
+            **({"plan": plan} if plan else {}),
         }
         for use, own in uses.items()
     ]
@@ -92,10 +98,13 @@ def campaign_text(bench: Bench, rig: str, count: int) -> str:
 def _entry(bench: Bench, number: int, sensor: str) -> Content:
     """Return the entry of the channels of one sensor in a record."""
     interval = f"{bench.pace / bench.sample_rate:g} s"
+    channels = channel_entries({axis: f"{sensor}_{axis}" for axis in AXES}, SENSORS[sensor][1])
+    if bench.temperatures:
+        channels |= channel_entries({TEMPERATURE: TEMPERATURE}, "degC")
     entry: Content = {
         "sensor": sensor,
         "file": recording_file(number),
         "clock": {"column": "unix_s", "stamp": "end", "interval": interval, "averaging": interval},
-        "channels": channel_entries({axis: f"{sensor}_{axis}" for axis in AXES}, SENSORS[sensor][1]),
+        "channels": channels,
     }
     return entry | ({"sections": protocol_file(number)} if bench.variant == "ferraris" else {})

@@ -22,7 +22,7 @@ from ..parts.campaign import drawn_error, drawn_errors
 from ..protocol import Rig, on_bench
 from ..twin import Extra, Fault, TrueValue, Twin
 from . import TITLE
-from .campaign import campaign_text, protocol_file, recording_file
+from .campaign import TEMPERATURE, campaign_text, protocol_file, recording_file
 from .motion import FACES, Motion, Part, labelled_parts, moved, sequence
 from .setup import RIG_NAMES, Bench, Unit
 
@@ -32,6 +32,7 @@ BEGIN = 1_272_467_400  # 2010-04-28 15:10:00 UTC [s]
 APART = 3_600  # from record to record [s]
 UNITS = {"acc": "m/s^2", "gyro": "rad/s"}
 SENSOR_AXES = tuple((sensor, axis) for sensor in UNITS for axis in AXES)
+THERMOMETER_NOISE = 0.02  # of a sample [degC]
 CHANNELS = tuple(f"{sensor}_{axis}" for sensor, axis in SENSOR_AXES)
 
 
@@ -68,8 +69,10 @@ def build(bench: Bench, seed: int) -> Twin:
     seed : int
         Of all draws.
     """
-    of_unit, of_bench, of_records = np.random.default_rng(seed).spawn(3)
+    of_unit, of_bench, of_records, of_heat = np.random.default_rng(seed).spawn(4)
     unit = draw_unit(bench, of_unit)
+    if bench.temperatures:
+        unit = _over_temperature(bench, unit, of_heat)
     gravity = bench.gravity + drawn_error(bench.gravity_error, of_bench)
     pace = bench.pace * (1.0 + drawn_error(bench.clock, of_bench))
     drawn: dict[str, float | list[float]] = {"gravity": gravity, "clock": pace}
@@ -79,7 +82,14 @@ def build(bench: Bench, seed: int) -> Twin:
         drawn["mounting"] = mounting.tolist()
         faces = drawn_faces(bench, of_bench)
         drawn["faces"] = faces.ravel().tolist()
-    records = [held(bench, unit, gravity, pace, number, of_records, mounting, faces) for number in range(bench.records)]
+    offset = drawn_error(bench.thermometer, of_heat) if bench.temperatures else 0.0
+    records = [
+        held(bench, _unit_in(bench, unit, number), gravity, pace, number, of_records, mounting, faces)
+        for number in range(bench.laid)
+    ]
+    if bench.temperatures:
+        drawn["thermometer"] = offset
+        records = [_read_by(one, T + offset, of_heat) for one, T in zip(records, bench.temperatures, strict=True)]
     lots = [one.recording for one in records for _ in range(bench.copies)]
     files = {recording_file(number): recording for number, recording in enumerate(lots, 1)}
     text = campaign_text(bench, RIG_NAMES[bench.variant], len(lots))
@@ -89,6 +99,8 @@ def build(bench: Bench, seed: int) -> Twin:
         protocols = {protocol_file(number): Extra(one, labelled_csv(one)) for number, one in enumerate(named, 1)}
     standards = {"gravity.value": bench.gravity_error, "clock.rate": bench.clock}
     off = {"gravity.value": bench.gravity - gravity, "clock.rate": pace / bench.pace - 1.0}
+    if bench.temperatures:
+        standards["thermometer.temperature"], off["thermometer.temperature"] = bench.thermometer, offset
     truth = tuple(one for true in true_values(bench, unit) for one in _of_tests(bench, true, records))
     return Twin(text, files, truth, drawn, protocols, drawn_errors(standards, off))
 
@@ -97,8 +109,8 @@ def _of_tests(bench: Bench, true: TrueValue, records: Sequence[Held]) -> list[Tr
     """Return the bias of the gyros in each test, that of a next record as the test held out has it, and all others."""
     if (true.sensor, true.quantity) != ("gyro", "bias"):
         return [true]
-    k, apart = AXES.index(true.axis), bench.records > 1 and bench.copies == 1
-    tests = {"imu": records[:-1], "imu_held_out": records[-1:]} if apart else {"imu": records}
+    k, apart = AXES.index(true.axis), bench.apart
+    tests = {"imu": records[:-apart], "imu_held_out": records[-apart:]} if apart else {"imu": records}
     found = [
         replace(true, value=true.value + float(np.mean([one.shift[k] for one in own])), test=test)
         for test, own in tests.items()
@@ -128,6 +140,28 @@ def draw_unit(bench: Bench, rng: np.random.Generator) -> Unit:
         bench.gyro_bias * rng.normal(size=3),
         bench.g_sensitivity * rng.normal(size=(3, 3)),
     )
+
+
+def _over_temperature(bench: Bench, unit: Unit, rng: np.random.Generator) -> Unit:
+    """Return a unit whose accelerometers change with temperature."""
+    matrix = bench.matrix_slope * rng.normal(size=(3, 3))
+    return replace(unit, acc_matrix_slope=matrix, acc_bias_slope=bench.bias_slope * rng.normal(size=3))
+
+
+def _unit_in(bench: Bench, unit: Unit, number: int) -> Unit:
+    """Return the unit as it is at the temperature of a record, counted from 0."""
+    if not bench.temperatures:
+        return unit
+    away = bench.temperatures[number] - bench.reference_temperature
+    matrix = unit.acc_matrix + away * unit.acc_matrix_slope
+    return replace(unit, acc_matrix=matrix, acc_bias=unit.acc_bias + away * unit.acc_bias_slope)
+
+
+def _read_by(one: Held, level: float, rng: np.random.Generator) -> Held:
+    """Return a record with the channel of a thermometer that reads a level [degC]."""
+    data = np.round(level + THERMOMETER_NOISE * rng.normal(size=len(one.recording)), 3)
+    channel = Channel(TEMPERATURE, data, "degC", "campaign")
+    return replace(one, recording=replace(one.recording, channels=(*one.recording.channels, channel)))
 
 
 def held(
@@ -234,6 +268,15 @@ def true_values(bench: Bench, unit: Unit) -> tuple[TrueValue, ...]:
             ),
             *(TrueValue("bias", a, float(bias[i]), bias_unit, "", kind) for i, a in enumerate(AXES)),
         ]
+    if bench.temperatures:
+        slope = unit.acc_matrix_slope
+        for i, a in enumerate(AXES):
+            own_bias = float(unit.acc_bias_slope[i])
+            found.append(TrueValue("bias_temperature", a, own_bias, "m/s^2/degC", "", "accelerometer", 1))
+            for j, other in enumerate(AXES):
+                quantity = "scale_factor_error_temperature" if i == j else "cross_axis_sensitivity_temperature"
+                axes = a if i == j else a + other
+                found.append(TrueValue(quantity, axes, float(slope[i, j]), "1/degC", "", "accelerometer", 1))
     g = unit.g_sensitivity
     return (
         *found,

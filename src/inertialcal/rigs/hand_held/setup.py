@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+import numpy as np
+
 from ...core.estimate import Array
 from ...core.influence import Influence
 from ...core.key import AXES
@@ -24,6 +26,9 @@ class Unit:
     acc_bias: Array
     gyro_bias: Array
     g_sensitivity: Array  # (3, 3) [(rad/s)/(m/s2)]
+    # by a degree: (3, 3) [1/degC], (3,) [m/s2/degC]
+    acc_matrix_slope: Array = field(default_factory=lambda: np.zeros((3, 3)))
+    acc_bias_slope: Array = field(default_factory=lambda: np.zeros(3))
 
 
 @dataclass(frozen=True)
@@ -34,7 +39,10 @@ class Bench:
     variant: Literal["tumble", "ferraris"] = "tumble"
     positions: int = 26  # positions of a tumble
     rounds: int = 2  # times that each face is laid and each turn made, there and back
-    records: int = 2  # recordings; the last of several is held out
+    records: int = 2  # recordings, where no temperatures are given
+    held_out: int = 1  # of several recordings, the last ones
+    # one recording at each, with a thermometer on the unit [degC]; empty: one temperature, and no thermometer
+    temperatures: tuple[float, ...] = ()
     # first position; minimum of the others; minimum turn [s]; up to half as long again
     first: float = 20.0
     dwell: float = 5.0
@@ -57,16 +65,21 @@ class Bench:
     acc_bias: float = 0.2
     gyro_bias: float = 0.01
     g_sensitivity: float = 1.5e-4
+    # of changes over temperature [1/degC], [m/s2/degC]; temperature that the unit is stated at [degC]
+    matrix_slope: float = 1e-4
+    bias_slope: float = 2e-3
+    reference_temperature: float = 20.0
     # site [rad]; as stated [m/s2]
     latitude: float = 0.8
     gravity: float = 9.807
     # uncertainty of local gravity, a known turn, one face at each use, all faces and turns in common, the
-    # logger's clock
+    # logger's clock, the thermometer
     gravity_error: Influence = field(default=Influence(3e-4, "m/s^2", certificate="gravity map"))
     angle: Influence = field(default=Influence(2e-3, "rad", certificate="square block"))
     orientation: Influence = field(default=Influence(2e-3, "rad", certificate="square block"))
     mounting: Influence = field(default=Influence(1e-3, "rad", certificate="square block"))
     clock: Influence = field(default=Influence(2e-5, "1", certificate="data sheet of the logger"))
+    thermometer: Influence = field(default=Influence(0.2, "degC", certificate="data sheet of the thermometer"))
     wiring: tuple[str, str, str] = AXES  # gyro that each gyro channel holds
     sign: tuple[int, int, int] = (1, 1, 1)  # sign of each of these channels
     flat: bool = False  # whether all positions have the z axis level
@@ -78,3 +91,13 @@ class Bench:
     said: Mapping[str, str] = field(default_factory=dict)
     pace: float = 1.0  # stamp interval over sample interval
     copies: int = 1  # copies of each record in the campaign
+
+    @property
+    def laid(self) -> int:
+        """Recordings made."""
+        return len(self.temperatures) or self.records
+
+    @property
+    def apart(self) -> int:
+        """Recordings held out."""
+        return self.held_out if self.laid > 1 and self.copies == 1 else 0

@@ -23,6 +23,12 @@ from .setup import (
 )
 
 NAMES = {AIR: "thermal_ambient", VACUUM: "thermal_vacuum", "rate_table": "rate", "noise": "noise"}  # tests for the fit
+IN = {AIR: "air", VACUUM: "vacuum"}  # names of the conditions
+MODELS = {AIR: "model", VACUUM: "model_vacuum"}  # as results name them
+CONDITIONS: dict[str, Content] = {
+    AIR: {"pressure": ["80 kPa", "120 kPa"]},
+    VACUUM: {"pressure": ["0 Pa", "0.053 Pa"], "text": "the bias is constant below 4e-4 Torr"},
+}
 CHECK, FROM_REST = "rate_check", "rate_from_rest"
 REFERENCE_DEGC = 20.0  # of the powers of temperature
 AT_DEGC = (-20.0, 0.0, 20.0, 60.0)  # where the bias is also reported
@@ -68,8 +74,10 @@ def campaign_text(bench: Bench) -> str:
             "site": {"latitude": Noted(f"{bench.latitude_deg:g} deg", "geodetic")},
             "standards": Noted(standard_tables(bench.standards), above=EACH_ERROR),
             "sensors": {"suite": suite_table(AVERAGED, thermometer=thermometer)},
+            "conditions": {IN[where]: one for where, one in CONDITIONS.items()},
             "recordings": recordings,
             "tests": tests,
+            **_model(bench),
             "requirements": list(_requirements(bench)),
         }
     )
@@ -129,7 +137,7 @@ def _thermal_tests(bench: Bench) -> Iterator[Noted]:
     for where in bench.chambers:
         names = [recording_name(where, number) for number in range(1, bench.chamber_runs + 1)]
         fit, held = names[: bench.chamber_fit_runs], names[bench.chamber_fit_runs :]
-        settings: Content = {"condition": where, "mounting": "chamber"}
+        settings: Content = {"condition": IN[where], "mounting": "chamber"}
         against = {"against": NAMES[AIR]} if where == VACUUM and AIR in bench.chambers else {}
         early: Content = {}
         late: Content = {}
@@ -149,7 +157,8 @@ def _rate_table_tests(bench: Bench) -> Iterator[Noted]:
     fitted = len(AXES) * bench.table_fit_runs
     fit, held = names[:fitted], names[fitted:]
     stands = attitude(bench.tilt_deg, bench.u_tilt_deg, bench.azimuth_deg, bench.u_azimuth_deg)
-    after = {"after": [NAMES[AIR]]} if "thermal" in bench.parts and AIR in bench.chambers else {}
+    settings: Content = {"condition": IN[AIR]}
+    after = settings | ({"after": [NAMES[AIR]]} if "thermal" in bench.parts and AIR in bench.chambers else {})
     plan: Content = {"attitude": stands}
     yield _test(
         NAMES["rate_table"], "rate_table", "fit", fit, "The model is fitted on these power-ups", **after, plan=plan
@@ -160,11 +169,25 @@ def _rate_table_tests(bench: Bench) -> Iterator[Noted]:
     if bench.zero_reference:
         about = "All power-ups, less the reading at rest"
         plan = plan | {"zero_reference": True}
-        yield _test(FROM_REST, "rate_table", "report_only", names, about, plan=plan)
+        yield _test(FROM_REST, "rate_table", "report_only", names, about, **settings, plan=plan)
 
 
 def _noise_tests(bench: Bench) -> Iterator[Noted]:
-    yield _test(NAMES["noise"], "static_noise", "fit", list(_static_entries(bench)), "Noise of the unit at rest")
+    about = "Noise of the unit at rest"
+    yield _test(NAMES["noise"], "static_noise", "fit", list(_static_entries(bench)), about, condition=IN[AIR])
+
+
+def _model(bench: Bench) -> Content:
+    """Return which tests the terms of the model in air and in vacuum come from; empty where all of them do."""
+    found: dict[str, dict[str, list[str]]] = {}
+    for where in bench.chambers if "thermal" in bench.parts else ():
+        found[IN[where]] = {"bias": [NAMES[where]]}
+    if IN[VACUUM] in found:
+        others = {"rate_table": ("scale_factor", "misalignment", "asymmetry"), "noise": ("noise",)}
+        taken = {kind: [NAMES[part]] for part, kinds in others.items() if part in bench.parts for kind in kinds}
+        found[IN[VACUUM]] = found.get(IN[VACUUM], {}) | taken
+    about = "The bias is that of the chamber. On the rate table there is air alone; its terms are taken in vacuum too."
+    return {"model": Noted({"by_condition": found}, above=about)} if found else {}
 
 
 def _requirements(bench: Bench) -> Iterator[Content]:

@@ -4,7 +4,8 @@ Sizes and signs follow the published flight unit [1]_. The unit is drawn about i
 What the engineer does not know of his bench is drawn once for the whole campaign.
 
 True values: the bias is a mean over many power-ups, settled, midway between warming and cooling, without the earth's
-rate, at the true temperature. The bias on the rate table is what remains there once the bias in air is subtracted.
+rate, at the true temperature. The bias on the rate table is what remains there once the bias in air is subtracted: its
+installation, which is not in the models.
 
 References
 ----------
@@ -24,7 +25,7 @@ from ..parts.gyro_bench import World, draw_world, table_errors
 from ..protocol import Rig, on_bench
 from ..twin import Drawn, Fault, TrueValue, Twin
 from . import TITLE
-from .campaign import AT_DEGC, NAMES, REFERENCE_DEGC, campaign_text, recording_file
+from .campaign import AT_DEGC, MODELS, NAMES, REFERENCE_DEGC, campaign_text, recording_file
 from .recordings import chamber_recording, static_recording, table_recordings
 from .setup import AIR, AVERAGING, VACUUM, Bench
 from .unit import Unit, draw_unit, polynomial_bias, reference_volts
@@ -138,15 +139,16 @@ def true_values(unit: Unit, parts: tuple[str, ...]) -> tuple[TrueValue, ...]:
 
 
 def _model(unit: Unit) -> Iterator[TrueValue]:
-    """Yield the bias over temperature of the model: in air, with what the installation on the rate table adds."""
-    bias = polynomial_bias(unit, AIR, MODEL_DEGC)
-    for i, axis in enumerate(AXES):
-        powers = np.polynomial.Polynomial.fit(MODEL_DEGC - REFERENCE_DEGC, bias[:, i], 3).convert()
-        constant, *others = powers.coef
-        yield TrueValue("bias", axis, float(constant + unit.installation[i]), "rad/s", "model")
-        for j, value in enumerate(others, 1):
-            name = "rad/s/degC" if j == 1 else f"rad/s/degC^{j}"
-            yield TrueValue("bias_temperature", axis, float(value), name, "model", power=j)
+    """Yield the bias over temperature of the models in air and in vacuum: that of the chamber."""
+    for where, model in MODELS.items():
+        bias = polynomial_bias(unit, where, MODEL_DEGC)
+        for i, axis in enumerate(AXES):
+            powers = np.polynomial.Polynomial.fit(MODEL_DEGC - REFERENCE_DEGC, bias[:, i], 3).convert()
+            constant, *others = powers.coef
+            yield TrueValue("bias", axis, float(constant), "rad/s", model)
+            for j, value in enumerate(others, 1):
+                name = "rad/s/degC" if j == 1 else f"rad/s/degC^{j}"
+                yield TrueValue("bias_temperature", axis, float(value), name, model, power=j)
 
 
 def _thermal(unit: Unit) -> Iterator[TrueValue]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -11,8 +12,9 @@ from ...core.errors import DataError
 from ...core.estimate import Array, Estimate
 from ...core.key import Kind
 from ...core.units import factor
+from .sensitivity import PARTS, PRESSURE, ChannelReference, Sensitivity, quantity_of
 from .sensor_model import SensorModel
-from .terms import FORCE_AXES, PER_AXIS, orders, parameter_keys, with_values
+from .terms import FORCE_AXES, PER_AXIS, SHAPES, Parameter, orders, parameter_keys, with_values
 
 NOT_ESTIMATED = "no test gives it: taken as 0"
 
@@ -23,6 +25,7 @@ def model_from(
     axes: tuple[str, ...],
     scale_factor: Array | float = 1.0,
     output_unit: str | None = None,
+    references: Mapping[str, ChannelReference] | None = None,
     **rest: Any,
 ) -> SensorModel:
     """Return the model whose parameters an estimate holds.
@@ -36,9 +39,12 @@ def model_from(
         Names as ``terms.parameters`` gives them; units of the right dimension, converted here.
     kind, axes, scale_factor, output_unit
         As `SensorModel`; output and input unit are the same by default, with a scale factor of 1.
+    references : mapping of str to ChannelReference, optional
+        Channels that the estimate may have sensitivities to, by name: what these refer to. That of ``pressure`` is the
+        reference pressure and the pressure range of the model, too, where ``rest`` gives none.
     **rest
-        Further fields of `SensorModel`: ranges, references, item, provenance, reasons in ``not_estimated``; ``values``
-        of parameters that have no uncertainty, by their names, in the units of the model.
+        Further fields of `SensorModel`: condition, noise, ranges, references, item, provenance, reasons in
+        ``not_estimated``; ``values`` of parameters that have no uncertainty, by their names, in the units of the model.
 
     Raises
     ------
@@ -49,7 +55,10 @@ def model_from(
     fields = {"kind": kind, "axes": axes, "scale_factor": scale_factor, "output_unit": output_unit or unit, **rest}
     reasons = fields.pop("not_estimated", {})
     without = fields.pop("values", {})
-    blank = SensorModel(**(fields | _blank_terms(estimate, axes)))
+    refer = references or {}
+    if PRESSURE in refer:
+        fields = {"reference_pressure": refer[PRESSURE].value, "pressure_range": refer[PRESSURE].range} | fields
+    blank = SensorModel(**(fields | _blank_terms(estimate, axes, refer)))
     known = {one.name: one for one in blank.parameters}
     strangers = [name for name in estimate.names if name not in known]
     if strangers:
@@ -61,9 +70,16 @@ def model_from(
     held = in_units(estimate, tuple(known[name].unit for name in estimate.names))
     changes = {known[name]: float(value) for name, value in zip(held.names, held.values, strict=True)}
     changes |= {known[name]: value for name, value in without.items() if name in known and name not in held.names}
-    arrays = with_values(blank.terms, changes)
     missing = {name: reasons.get(name, NOT_ESTIMATED) for name in known if name not in held.names}
-    return SensorModel(**(fields | arrays | {"estimate": held, "not_estimated": missing}))
+    return replace(with_parameters(blank, changes), estimate=held, not_estimated=missing)
+
+
+def with_parameters(model: SensorModel, changes: Mapping[Parameter, float]) -> SensorModel:
+    """Return a model with some parameters set and without their estimate; the others keep their values."""
+    arrays = with_values(model.terms, changes)
+    terms: dict[str, Any] = {name: array for name, array in arrays.items() if name in SHAPES}
+    sensitivities = tuple(one.with_terms(arrays) for one in model.sensitivities)
+    return replace(model, estimate=None, sensitivities=sensitivities, **terms)
 
 
 def in_units(estimate: Estimate, units: tuple[str, ...]) -> Estimate:
@@ -85,12 +101,14 @@ def in_units(estimate: Estimate, units: tuple[str, ...]) -> Estimate:
     return Estimate(estimate.keys, estimate.values * factors, units, components)
 
 
-def _blank_terms(estimate: Estimate, axes: tuple[str, ...]) -> dict[str, Array]:
+def _blank_terms(
+    estimate: Estimate, axes: tuple[str, ...], references: Mapping[str, ChannelReference]
+) -> dict[str, Any]:
     """Terms that the names ask for, without effect: M = I, zeros, time constants of 1 s."""
     k, order = len(axes), orders(parameter_keys(estimate.names, axes))
     matrix = np.zeros((order["matrix"] + 1, k, k))
     matrix[0] = np.eye(k)
-    terms = {"matrix": matrix, "bias": np.zeros(k)}
+    terms: dict[str, Any] = {"matrix": matrix, "bias": np.zeros(k)}
     if order["bias_temperature"]:
         terms["bias_temperature"] = np.zeros((order["bias_temperature"], k))
     if order["bias_warm_up"]:
@@ -101,4 +119,11 @@ def _blank_terms(estimate: Estimate, axes: tuple[str, ...]) -> dict[str, Array]:
             terms[field] = np.zeros(k)
     if any(key.quantity == "g_sensitivity" for key in parameter_keys(estimate.names, axes)):
         terms["g_sensitivity"] = np.zeros((k, len(FORCE_AXES)))
-    return terms
+    sensitivities = []
+    for channel, one in references.items():
+        wanted = {part: np.zeros(k) for part in PARTS if not (channel == PRESSURE and part == "bias")
+                  and any(f"{quantity_of(part, channel)}_{axis}" in estimate.names for axis in axes)}  # fmt: skip
+        if wanted:
+            between = None if channel == PRESSURE else one.range
+            sensitivities.append(Sensitivity(channel, one.unit, one.value, range=between, **wanted))
+    return terms | {"sensitivities": tuple(sensitivities)}

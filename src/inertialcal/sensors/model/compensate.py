@@ -29,6 +29,7 @@ from ...core.remarks import Remark
 from ...core.unit.magnitudes import LARGEST
 from .equation import Columns, Conditions, condition_columns, curve, inverted, matrix_at, mixed, offset, rows
 from .nonlinearity import LOWEST_SLOPE, endless_slope, inverse, rising_branch, smallest_slope
+from .sensitivity import PRESSURE, Sensitivity
 from .sensor_model import SensorModel
 
 CHUNK = 16_384  # rows that stay in the cache from step to step
@@ -103,8 +104,9 @@ def outside(
     Returns
     -------
     tuple of Remark
-        ``no_inverse``, ``outside_input_range``, ``outside_temperature_range``, ``outside_pressure_range``; only
-        those with a count above zero.
+        ``no_inverse``, ``outside_input_range``, ``outside_temperature_range``, ``outside_pressure_range``,
+        ``outside_channel_range`` of each channel that the model has a sensitivity to; only those with a count above
+        zero.
     """
     x = rows(model, compensated, "compensated")
     r = rows(model, readings, "readings")
@@ -118,14 +120,16 @@ def outside(
         over = np.any((x < model.input_range[:, 0]) | (x > model.input_range[:, 1]), axis=1)
         ends = ", ".join(f"{a} {lo:g} to {hi:g}" for a, (lo, hi) in zip(model.axes, model.input_range, strict=True))
         remarks.append(_remark("outside_input_range", f"beyond the input range ({ends} {model.unit})", over))
-    for name, between, unit in (
-        ("temperature", model.temperature_range, "degC"),
-        ("pressure", model.pressure_range, "Pa"),
-    ):
+    ranges = [
+        ("outside_temperature_range", "temperature", model.temperature_range, "degC"),
+        ("outside_pressure_range", PRESSURE, model.pressure_range, "Pa"),
+        *(("outside_channel_range", one.channel, one.range, one.unit) for one in model.sensitivities),
+    ]
+    for code, name, between, unit in ranges:
         if between is not None and name in columns:
             beyond = np.any((columns[name] < between[0]) | (columns[name] > between[1]), axis=1)
             text = f"beyond the {name} range ({between[0]:g} to {between[1]:g} {unit})"
-            remarks.append(_remark(f"outside_{name}_range", text, np.broadcast_to(beyond, len(x))))
+            remarks.append(_remark(code, text, np.broadcast_to(beyond, len(x))))
     return tuple(remark for remark in remarks if remark.count)
 
 
@@ -140,7 +144,8 @@ def _remark(code: str, text: str, where: NDArray[Any], do: str = "The model extr
 def _compiled(model: SensorModel, columns: Columns, readings: Array, out: Array) -> bool:
     """Fill ``out`` by compiled loops over the rows of three sensors, which threads share.
 
-    Return False where M is singular at a temperature of the data: the plain path says so.
+    Return False where M is singular at a temperature of the data, which the plain path says, or changes from row to
+    row with another channel.
     """
     from .. import _kernels  # noqa: PLC0415 - importing numba takes longer than a short recording
 
@@ -148,6 +153,9 @@ def _compiled(model: SensorModel, columns: Columns, readings: Array, out: Array)
     branch = rising_branch(bent)
     curves = np.column_stack([bent.asymmetry, bent.second, bent.third, branch, endless_slope(bent, branch)])
     changing = model.matrix.shape[0] > 1 and len(columns["temperature"]) > 1
+    scaled = [one.channel for one in model.sensitivities if one.scale_factor is not None]
+    if scaled and (changing or any(len(columns[name]) > 1 for name in scaled)):
+        return False
     matrices = model.matrix.copy() if changing else np.ascontiguousarray(inverted(matrix_at(model, columns)))
 
     def fill(piece: tuple[slice, dict[str, Array]]) -> bool:
@@ -243,14 +251,26 @@ def check_unique(model: SensorModel, columns: Columns) -> None:
 
 
 def _matrices(model: SensorModel, columns: Columns) -> Array:
-    if model.matrix.shape[0] == 1:
-        return model.matrix
-    ends = model.temperature_range or _extremes(columns["temperature"], np.asarray(model.reference_temperature))
-    return matrix_at(model, {"temperature": np.linspace(*ends, NODES)[:, np.newaxis]})
+    """M at temperatures over the range, and at both ends of the range of each channel that changes the scale factor."""
+    places: dict[str, Array] = {}
+    if model.matrix.shape[0] > 1:
+        ends = model.temperature_range or _extremes(columns["temperature"], np.asarray(model.reference_temperature))
+        places["temperature"] = np.linspace(*ends, NODES)
+    for one in model.sensitivities:
+        if one.scale_factor is not None:
+            between = channel_range(model, one) or _extremes(columns[one.channel], np.array([one.reference]))
+            places[one.channel] = np.array(between)
+    grid = np.meshgrid(*places.values(), indexing="ij")
+    return matrix_at(model, {name: nodes.reshape(-1, 1) for name, nodes in zip(places, grid, strict=True)})
+
+
+def channel_range(model: SensorModel, one: Sensitivity) -> tuple[float, float] | None:
+    """Range of a channel that a sensitivity holds for; that of the model for pressure without one of its own."""
+    return one.range or (model.pressure_range if one.channel == PRESSURE else None)
 
 
 def _extremes(temperature: Array, reference: Array) -> tuple[float, float]:
-    """Lowest and highest finite temperature; those of the reference where none is finite."""
+    """Lowest and highest finite temperature (or other condition); those of the reference where none is finite."""
     if temperature.size:
         lowest, highest = float(temperature.min()), float(temperature.max())
         if np.isfinite(lowest) and np.isfinite(highest):

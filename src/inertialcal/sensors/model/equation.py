@@ -14,6 +14,7 @@ import numpy as np
 from ...core.errors import DataError
 from ...core.estimate import Array
 from .nonlinearity import Curve
+from .sensitivity import quantity_of
 from .sensor_model import SensorModel
 
 PER_SENSOR = {"temperature", "temperature_rate"}  # conditions that may differ from sensor to sensor
@@ -45,6 +46,8 @@ class Conditions(TypedDict, total=False):
         dT/dt, positive when warming [degC/s].
     specific_force : ndarray, shape (3,) or (n, 3)
         f along the body axes x, y, z [m/s2].
+    channels : mapping of str to (float or ndarray, shape (n,))
+        Channels that the model has sensitivities to, by name, each in the unit that its `Sensitivity` says.
     """
 
     temperature: Array | float
@@ -52,6 +55,7 @@ class Conditions(TypedDict, total=False):
     time: Array | float
     temperature_rate: Array | float
     specific_force: Array
+    channels: Mapping[str, Array | float]
 
 
 def predict(model: SensorModel, applied: Array, **conditions: Unpack[Conditions]) -> Array:
@@ -107,7 +111,7 @@ def condition_columns(model: SensorModel, n: int, conditions: Conditions) -> dic
     DataError
         ``missing_condition``, or a shape that does not fit n rows.
     """
-    given: Mapping[str, object] = conditions
+    given = by_name(conditions)
     columns = {}
     for name, term in needed(model).items():
         value = given.get(name)
@@ -122,12 +126,23 @@ def condition_columns(model: SensorModel, n: int, conditions: Conditions) -> dic
     return columns
 
 
+def by_name(conditions: Conditions) -> dict[str, object]:
+    """Return all conditions by name, other channels with them."""
+    own = {name: value for name, value in conditions.items() if name != "channels"}
+    return {**conditions.get("channels", {}), **own}
+
+
 def needed(model: SensorModel) -> dict[str, str]:
     """Conditions that the terms of a model need, each with the first term that needs it."""
     found = {"temperature": "matrix (in temperature)"} if model.matrix.shape[0] > 1 else {}
     for term, name in NEEDS.items():
         if getattr(model, term) is not None:
             found.setdefault(name, term)
+    for one in model.sensitivities:
+        for part in one.parts:
+            found.setdefault(one.channel, quantity_of(part, one.channel))
+            if part == "bias_temperature":
+                found.setdefault("temperature", quantity_of(part, one.channel))
     return found
 
 
@@ -144,13 +159,16 @@ def _column(value: Array, n: int, name: str, k: int) -> Array:
 
 
 def matrix_at(model: SensorModel, columns: Columns) -> Array:
-    """M at the temperatures, shape (1 or n, k, k); each row of M at the temperature of its sensor."""
-    if model.matrix.shape[0] == 1:
-        return model.matrix
-    away = away_from_reference(model, columns)[:, :, np.newaxis]
-    total: Array = np.zeros((len(away), 1, 1)) + model.matrix[-1]
-    for coefficient in model.matrix[-2::-1]:
-        total = total * away + coefficient
+    """M at the conditions, shape (1 or n, k, k); each row of M at the temperature of its sensor."""
+    total: Array = model.matrix[-1:]
+    if model.matrix.shape[0] > 1:
+        away = away_from_reference(model, columns)[:, :, np.newaxis]
+        for coefficient in model.matrix[-2::-1]:
+            total = total * away + coefficient
+    for one in model.sensitivities:
+        if one.scale_factor is not None:
+            change = (columns[one.channel] - one.reference) * one.scale_factor
+            total = total + change[:, :, np.newaxis] * np.eye(len(model.axes))
     return total
 
 
@@ -173,6 +191,17 @@ def offset(model: SensorModel, columns: Columns) -> Array:
         total = total + model.bias_hysteresis * np.sign(columns["temperature_rate"])
     if model.g_sensitivity is not None:
         total = total + mixed(model.g_sensitivity[np.newaxis], columns["specific_force"])
+    return _by_channels(model, columns, total)
+
+
+def _by_channels(model: SensorModel, columns: Columns, total: Array) -> Array:
+    """Return a bias with its changes with other channels added."""
+    for one in model.sensitivities:
+        away = columns[one.channel] - one.reference
+        if one.bias is not None:
+            total = total + one.bias * away
+        if one.bias_temperature is not None:
+            total = total + one.bias_temperature * away * away_from_reference(model, columns)
     return total
 
 

@@ -23,6 +23,7 @@ from ..chain.conversion import convert
 from ..chain.converter import Chain
 from .compensate import compensate, outside
 from .equation import Conditions
+from .sensitivity import PRESSURE
 from .sensor_model import SensorModel, check_item, to_readings
 
 QUANTITY = {"rad/s": "gyro", "m/s^2": "acc"}
@@ -86,8 +87,8 @@ def compensate_recording(
     Parameters
     ----------
     columns : mapping of str to str
-        What it is -> name of the column: each axis, and ``"temperature"`` or ``"temperature_x"``, ... where the
-        model needs it.
+        What it is -> name of the column: each axis, and ``"temperature"`` or ``"temperature_x"``, ...,
+        ``"pressure"`` and other channels by their names where the model needs them.
     **conditions
         See ``equation.Conditions``; what is not in a column.
 
@@ -108,6 +109,14 @@ def compensate_recording(
     temperature = _temperature(model, recording, columns)
     if temperature is not None:
         conditions["temperature"] = temperature
+    if "pressure" in columns:
+        conditions["pressure"] = _in_unit(recording.channel(columns["pressure"]), "Pa")
+    others = {
+        one.channel: _in_unit(recording.channel(columns[one.channel]), one.unit)
+        for one in model.sensitivities
+        if one.channel in columns and one.channel != PRESSURE
+    }
+    conditions["channels"] = {**conditions.get("channels", {}), **others}
     x = compensate(model, readings, **conditions)
     made = {}
     for i, channel in enumerate(channels):
@@ -135,16 +144,26 @@ def to_input_unit(model: SensorModel, channels: list[Channel]) -> Array:
     """
     readings = np.empty((len(channels[0].data), len(channels)))
     for i, channel in enumerate(channels):
-        if not channel.unit:
-            raise DataError(f"column {channel.name!r} has no unit", do=f"Give it, like {model.unit}", code="no_unit")
-        check_item(model, unit=channel.unit)
-        if same_dimension(channel.unit, model.unit):
-            readings[:, i] = to_unit(channel.data, channel.unit, model.unit)
+        unit = _unit(channel, model.unit)
+        check_item(model, unit=unit)
+        if same_dimension(unit, model.unit):
+            readings[:, i] = to_unit(channel.data, unit, model.unit)
         else:
             output = np.zeros((len(channel.data), len(model.axes)))
-            output[:, i] = to_unit(channel.data, channel.unit, model.output_unit)
+            output[:, i] = to_unit(channel.data, unit, model.output_unit)
             readings[:, i] = to_readings(model, output)[:, i]
     return readings
+
+
+def _unit(channel: Channel, like: str) -> str:
+    """Return the unit of a channel; Raises ``no_unit`` where it has none."""
+    if not channel.unit:
+        raise DataError(f"column {channel.name!r} has no unit", do=f"Give it, like {like}", code="no_unit")
+    return channel.unit
+
+
+def _in_unit(channel: Channel, unit: str) -> Array:
+    return to_unit(channel.data, _unit(channel, unit), unit)
 
 
 def _temperature(model: SensorModel, recording: Recording, columns: Mapping[str, str]) -> Array | None:

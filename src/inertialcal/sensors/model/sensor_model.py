@@ -5,8 +5,8 @@ Forward, elementwise per sensor::
     u = M(T) x                                                 x: true input, angular rate or acceleration
     r = v / S0 = K0(T, p, t) + u + K1'/2 |u| + K2 u^2 + K3 u^3 + G f + noise
     K0 = bias + sum_j b_j (T - T_ref)^j + b_p (p - p_ref) + sum_m A_m exp(-t / tau_m)
-              + b_r dT/dt + b_h sign(dT/dt) + run-to-run (random)
-    M(T) = sum_j M_j (T - T_ref)^j
+              + b_r dT/dt + b_h sign(dT/dt) + sum_c (b_c + b_cT (T - T_ref)) d_c + run-to-run (random)
+    M(T) = sum_j M_j (T - T_ref)^j + sum_c diag(s_c) d_c
 
 Conventions, which hold wherever a model is used:
 
@@ -19,6 +19,7 @@ Conventions, which hold wherever a model is used:
 - x of a gyro is the rate against inertial space: it contains earth rate.
 - f is the specific force along the body axes x, y, z [m/s2], whatever axes the model has.
 - t is the time since power-up [s]; temperatures are in degC, pressures in Pa; T may differ per sensor.
+- d_c = channel - reference, of each other channel c that bias or scale factor change with (`Sensitivity`).
 
 References
 ----------
@@ -40,6 +41,7 @@ from ...core.key import Kind
 from ...core.show.rounding import number, with_uncertainty
 from ...core.show.tables import Block, Details, Table, clean, html, text
 from ...core.units import convert, divide, factor, normalise, same_dimension
+from .sensitivity import Sensitivity
 from .terms import (
     SHAPES,
     Parameter,
@@ -47,6 +49,7 @@ from .terms import (
     check_estimate,
     check_needs,
     check_ranges,
+    check_sensitivities,
     parameters,
     read_only_term,
     values,
@@ -76,6 +79,11 @@ SENTENCES = {
     "scale_factor_asymmetry": "{axis} scale factor, excess of positive over negative input",
     "second_order": "{axis} sensor, term in u^2",
     "third_order": "{axis} sensor, term in u^3",
+}
+SENSITIVITIES = {  # part of a sensitivity -> sentence
+    "bias": "{axis} bias, change with {channel}",
+    "bias_temperature": "{axis} bias, change with {channel} and T - T_ref together",
+    "scale_factor": "{axis} scale factor, change with {channel}",
 }
 
 
@@ -114,6 +122,7 @@ class SensorModel:
     matrix: Array  # shape (q, k, k): m_0, M_1, ... [1/degC^j].
     bias: Array  # shape (k,): k0 at the reference conditions [input unit]
     item: Item = field(default_factory=Item)  # Which unit
+    condition: str = ""  # Of the campaign, that the model is for; empty where none is told apart
     bias_temperature: Array | None = None  # shape (q, k): b_1, b_2, ... [input unit/degC^j].
     bias_pressure: Array | None = None  # shape (k,): b_p [input unit/Pa]
     bias_warm_up: Array | None = None  # shape (m, k): a_m [input unit]
@@ -126,6 +135,7 @@ class SensorModel:
     second_order: Array | None = None  # shape (k,): k2 [1/input unit]
     third_order: Array | None = None  # shape (k,): K3 [1/input unit^2]
     g_sensitivity: Array | None = None  # shape (k, 3): g [input unit/(m/s2)]
+    sensitivities: tuple[Sensitivity, ...] = ()  # Change of bias and scale factor with other channels
     reference_temperature: Array | None = None  # shape (k,): t_ref [degC]; needed with terms in temperature
     reference_pressure: float | None = None  # p_ref [Pa]; needed with ``bias_pressure``
     # shape (k, 2): lowest and highest input along each axis that the model holds for [input unit]; both zero for
@@ -135,6 +145,8 @@ class SensorModel:
     pressure_range: tuple[float, float] | None = None  # The same for pressure [Pa]
     # Values and covariance of the parameters, names as ``terms.parameters`` gives them
     estimate: Estimate | None = None
+    # Noise terms by axis, SI, as the noise test names them; they take no part in compensation
+    noise: Estimate | None = None
     not_estimated: Mapping[str, str] = field(default_factory=dict)  # Parameter -> why it has no uncertainty
     provenance: Mapping[str, Provenance] = field(default_factory=dict)  # Parameter -> where it comes from
     judged: bool = False  # Whether the closed loop has passed on recordings held out
@@ -155,9 +167,11 @@ class SensorModel:
             value = getattr(self, name)
             if value is not None:
                 object.__setattr__(self, name, read_only_term(name, value, len(self.axes)))
+        check_sensitivities(self.sensitivities, len(self.axes))
         terms = self.terms
-        check_needs(terms, self.reference_pressure)
-        check_ranges(self.axes, terms, {"temperature": self.temperature_range, "pressure": self.pressure_range})
+        check_needs(terms, self.reference_pressure, self.sensitivities)
+        ranges = {"temperature": self.temperature_range, "pressure": self.pressure_range}
+        check_ranges(self.axes, terms, ranges | {one.channel: one.range for one in self.sensitivities if one.range})
         if self.estimate is not None:
             check_estimate(self.parameters, terms, self.estimate)
 
@@ -168,13 +182,14 @@ class SensorModel:
 
     @property
     def terms(self) -> dict[str, Array]:
-        """Terms that are present, by name."""
-        return {name: getattr(self, name) for name in SHAPES if getattr(self, name) is not None}
+        """Terms that are present, by name; those of sensitivities by the name of their quantity."""
+        own = {name: getattr(self, name) for name in SHAPES if getattr(self, name) is not None}
+        return own | {name: array for one in self.sensitivities for name, array in one.terms.items()}
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """Every number of the equation that a test can give, with name and unit."""
-        return parameters(self.axes, self.unit, self.terms)
+        return parameters(self.axes, self.unit, self.terms, self.sensitivities)
 
     def parts(self) -> tuple[Block, ...]:
         """Return what is shown: whose it is, equation, matrix, a row a parameter, where it holds."""
@@ -279,7 +294,7 @@ def show(model: SensorModel) -> str:
     """Return a model as text: what it belongs to, its equation, its parameters in words, where it holds."""
     parts = [*_head(model), "", "Equation (forward)", *(f"  {row}" for row in equation(model)), ""]
     parts += [f"Matrix M ({MATRIX_ORDER})", *_matrix(model), ""]
-    parts += _table(lines(model)) + _run_to_run(model)
+    parts += _table(lines(model)) + _run_to_run(model) + _noise(model)
     parts += ["", "Compensation: " + "; ".join(APPLY_ORDER)]
     return "\n".join(clean(part) for part in [*parts, *_validity(model)])
 
@@ -295,7 +310,8 @@ def _parts(model: SensorModel) -> tuple[Block, ...]:
     bare = sum(row.u is None for row in lines(model))
     missing = (f"{bare} of {len(rows)} parameters have no uncertainty",) if bare else ()
     said = [*_head(model), *(f"  {row}" for row in equation(model))]
-    ends = [*missing, *(row.strip() for row in _run_to_run(model)), *_validity(model)]
+    more = (*_run_to_run(model), *_noise(model))
+    ends = [*missing, *(row.strip() for row in more), *_validity(model)]
     return (*said, matrix, table, words, *ends)
 
 
@@ -313,8 +329,12 @@ def _table(rows: tuple[Line, ...]) -> list[str]:
 
 
 def equation(model: SensorModel) -> list[str]:
+    """Return the equation with only the terms that the model has, and what its symbols stand for."""
+    return [*formulas(model), *_symbols(model)]
+
+
+def formulas(model: SensorModel) -> list[str]:
     """Return the equation with only the terms that the model has."""
-    in_temperature = model.matrix.shape[0] > 1
     terms = ["K0", "u"]
     terms += ["K1'/2 |u|"] if model.scale_factor_asymmetry is not None else []
     terms += ["K2 u^2"] if model.second_order is not None else []
@@ -326,9 +346,23 @@ def equation(model: SensorModel) -> list[str]:
     offset += [f"A_{m + 1} exp(-t / tau_{m + 1})" for m in range(len(_rows(model.warm_up_time)))]
     offset += ["b_r dT/dt"] if model.bias_temperature_rate is not None else []
     offset += ["b_h sign(dT/dt)"] if model.bias_hysteresis is not None else []
-    matrix = " + ".join(["M_0", *(f"M_{j} {_power(j)}" for j in range(1, model.matrix.shape[0]))])
-    rows = ["u = M(T) x,  M(T) = " + matrix if in_temperature else "u = M x"]
-    return [*rows, f"v = S0 * {{ {' + '.join(terms)} }} + noise", f"K0 = {' + '.join(offset)}", *_symbols(model)]
+    for one in model.sensitivities:
+        name = one.channel
+        offset += [f"b_{name} d_{name}"] if one.bias is not None else []
+        offset += [f"b_{name}_T d_{name} (T - T_ref)"] if one.bias_temperature is not None else []
+    rows = [_matrix_formula(model), f"v = S0 * {{ {' + '.join(terms)} }} + noise", f"K0 = {' + '.join(offset)}"]
+    return rows + [f"d_{one.channel} = {one.channel} - {one.reference:g} {one.unit}" for one in model.sensitivities]
+
+
+def _matrix_formula(model: SensorModel) -> str:
+    scaled = [one.channel for one in model.sensitivities if one.scale_factor is not None]
+    of = (["T"] if model.matrix.shape[0] > 1 else []) + scaled
+    if not of:
+        return "u = M x"
+    terms = ["M_0", *(f"M_{j} {_power(j)}" for j in range(1, model.matrix.shape[0]))]
+    terms += [f"diag(s_{name}) d_{name}" for name in scaled]
+    matrix = f"M({', '.join(of)})"
+    return f"u = {matrix} x,  {matrix} = {' + '.join(terms)}"
 
 
 def _power(j: int) -> str:
@@ -364,7 +398,8 @@ def _head(model: SensorModel) -> list[str]:
     serial = f", serial {model.item.serial}" if model.item.serial else ""
     judged = "judged on held-out recordings" if model.judged else "not judged on held-out recordings"
     source = [f"Source: {model.source}"] if model.source else []
-    return [f"{item}{serial}: {model.kind}, axes {', '.join(model.axes)}; {judged}", *source]
+    condition = f"; condition {model.condition}" if model.condition else ""
+    return [f"{item}{serial}: {model.kind}, axes {', '.join(model.axes)}{condition}; {judged}", *source]
 
 
 def _matrix(model: SensorModel) -> list[str]:
@@ -385,9 +420,12 @@ def _sentence(model: SensorModel, one: Parameter) -> str:
         unit = FIELD_UNIT[model.kind]
         bias = float(convert(model.bias[one.index[0]], model.unit, unit))
         place = " and T_ref" if model.bias_temperature is not None else ""
+        place = " and reference conditions" if model.sensitivities else place
         return f"{one.axis} sensor reads {number(bias, PERCENT_DIGITS)} {unit} at no input{place}"
     if one.field == "g_sensitivity":
         return f"{model.axes[one.index[0]]} sensor's reading of force along {one.axis[-1]}"
+    if one.channel:
+        return SENSITIVITIES[one.part].format(axis=one.axis, channel=one.channel.replace("_", " "))
     return SENTENCES[one.field].format(axis=one.axis, j=one.index[0] + 1, power=_power(one.index[0] + 1))
 
 
@@ -420,6 +458,17 @@ def _run_to_run(model: SensorModel) -> list[str]:
     return [f"  bias from power-up to power-up, standard deviation: {text} {FIELD_UNIT[model.kind]}"]
 
 
+def _noise(model: SensorModel) -> list[str]:
+    """Return each kind of noise, all axes on a line."""
+    if model.noise is None:
+        return []
+    found: dict[str, list[str]] = {}
+    for key, value, u, unit in zip(model.noise.keys, model.noise.values, model.noise.u, model.noise.units, strict=True):
+        text = f"{key.axis} {with_uncertainty(float(value), float(u))} {'' if unit == '1' else unit}"
+        found.setdefault(key.name.replace("_", " "), []).append(text.strip())
+    return [f"  noise, {name}: {', '.join(texts)}" for name, texts in found.items()]
+
+
 def _validity(model: SensorModel) -> list[str]:
     rows = []
     if model.input_range is not None:
@@ -431,6 +480,8 @@ def _validity(model: SensorModel) -> list[str]:
         rows.append("temperatures {:g} to {:g} degC".format(*model.temperature_range))
     if model.pressure_range is not None:
         rows.append("pressures {:g} to {:g} Pa".format(*model.pressure_range))
+    rows += [f"{one.channel} {one.range[0]:g} to {one.range[1]:g} {one.unit}" for one in model.sensitivities
+             if one.range is not None]  # fmt: skip
     return ["Holds for: " + ("; ".join(rows) if rows else "no range stated")]
 
 

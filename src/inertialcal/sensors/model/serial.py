@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,19 +18,23 @@ import numpy as np
 from ...core.errors import DataError
 from ...core.estimate import Array, Component, Estimate
 from ...core.influence import Occasion, Selection, influence_fields, influence_read
-from ...core.key import Origin
+from ...core.key import Key, Origin
 from ...core.results import finite
 from ...core.schema.checksum import checksum
 from ...core.schema.content import check_content
-from ...core.schema.model import Model as ModelContent
+from ...core.schema.model import Model as OneModel
+from ...core.schema.model import Models as ModelContent
+from .model_set import ModelSet
+from .sensitivity import PARTS, Sensitivity
 from .sensor_model import APPLY_ORDER, MATRIX_ORDER, Item, Provenance, SensorModel
 from .terms import SHAPES, parameter_keys
 
 FORMAT = "inertialcal model"
-SCHEMA_VERSION = 1
-WORDS: dict[str, Any] = {
+SCHEMA_VERSION = 2
+FIRST = 1  # version of files that hold one model, without condition, sensitivities and noise
+OLD_WORDS: dict[str, Any] = {
     "format": FORMAT,
-    "schema_version": SCHEMA_VERSION,
+    "schema_version": FIRST,
     "direction": "forward: from the true input x to the output v",
     "equation": [
         "u = M(T) x",
@@ -43,22 +48,47 @@ WORDS: dict[str, Any] = {
     "matrix_order": MATRIX_ORDER,
     "apply_order": list(APPLY_ORDER),
 }
+WORDS: dict[str, Any] = OLD_WORDS | {
+    "schema_version": SCHEMA_VERSION,
+    "equation": [
+        *OLD_WORDS["equation"],
+        "for each sensitivity, with d = channel - reference: K0 += bias d + bias_temperature d (T - T_ref),"
+        " M_ii += scale_factor d",
+    ],
+    "models_by": "condition that the readings were made in; an empty name where none is told apart",
+}
 PLAIN = ("output_unit", "reference_pressure", "judged", "source")
 
 
-def to_dict(model: SensorModel) -> dict[str, Any]:
+def to_dict(models: ModelSet | SensorModel) -> dict[str, Any]:
+    """Return models as plain values: words that fix the meaning of the numbers, and a model a condition."""
+    every = models if isinstance(models, ModelSet) else ModelSet((models,))
+    return {**WORDS, "models": {condition: _to_dict(one) for condition, one in every.items()}}
+
+
+def _to_dict(model: SensorModel) -> dict[str, Any]:
     """Return the model as plain values: text, numbers, lists, and null for what is absent."""
     return {
-        **WORDS,
         "kind": model.kind,
         "axes": list(model.axes),
         "unit": model.unit,
         "item": {"maker": model.item.maker, "part": model.item.part, "serial": model.item.serial},
         **{name: getattr(model, name) for name in PLAIN},
         "terms": {name: _list(getattr(model, name)) for name in SHAPES},
+        "sensitivities": [
+            {
+                "channel": one.channel,
+                "unit": one.unit,
+                "reference": float(one.reference),
+                **{part: _list(getattr(one, part)) for part in PARTS},
+                "range": _list(one.range),
+            }
+            for one in model.sensitivities
+        ],
         "temperature_range": _list(model.temperature_range),
         "pressure_range": _list(model.pressure_range),
         "estimate": None if model.estimate is None else _estimate_to_dict(model.estimate),
+        "noise": None if model.noise is None else _noise_to_dict(model.noise),
         "not_estimated": dict(model.not_estimated),
         "provenance": {
             name: {"test": one.test, "recordings": list(one.recordings), "source": one.source}
@@ -74,12 +104,12 @@ def to_dict(model: SensorModel) -> dict[str, Any]:
 
 
 def model_checksum(model: SensorModel) -> str:
-    """Return the checksum that ``model.json`` carries of a model, as ``sha256:...``."""
+    """Return the checksum that a ``model.json`` with this model alone carries, as ``sha256:...``."""
     return checksum(to_dict(model))
 
 
-def from_dict(content: Mapping[str, Any]) -> SensorModel:
-    """Return the model of plain values.
+def from_dict(content: Mapping[str, Any]) -> ModelSet:
+    """Return the models of plain values.
 
     Raises
     ------
@@ -90,16 +120,17 @@ def from_dict(content: Mapping[str, Any]) -> SensorModel:
     if content.get("format") != FORMAT:
         raise DataError("not a model: wrong or missing key format", do=f"Need {FORMAT!r}", code="schema")
     version = content.get("schema_version")
-    if version != SCHEMA_VERSION:
+    if version not in {FIRST, SCHEMA_VERSION}:
         what = f"schema version {version!r} is not known"
-        do = f"This version reads {SCHEMA_VERSION}: use the version of inertialcal that wrote the file"
+        do = f"This version reads {FIRST} and {SCHEMA_VERSION}: use the version of inertialcal that wrote the file"
         raise DataError(what, do=do, code="schema_version")
-    for key, words in WORDS.items():
+    for key, words in (OLD_WORDS if version == FIRST else WORDS).items():
         if content.get(key) != words:
             raise DataError(f"{key} reads {content.get(key)!r}, need {words!r}", code="schema")
-    check_content(ModelContent, content, do="Take the file as it was written")
+    check_content(OneModel if version == FIRST else ModelContent, content, do="Take the file as it was written")
+    by_condition = {"": content} if version == FIRST else content["models"]
     try:
-        return _model(content)
+        return ModelSet(tuple(_model(one, condition) for condition, one in by_condition.items()))
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise DataError(
             f"not a model: {type(error).__name__} {error}",
@@ -109,7 +140,7 @@ def from_dict(content: Mapping[str, Any]) -> SensorModel:
         ) from None
 
 
-def _model(content: Mapping[str, Any]) -> SensorModel:
+def _model(content: Mapping[str, Any], condition: str) -> SensorModel:
     terms = content["terms"]
     unknown = sorted(set(terms) - set(SHAPES))
     if unknown:
@@ -117,15 +148,21 @@ def _model(content: Mapping[str, Any]) -> SensorModel:
     arrays: dict[str, Any] = {
         name: None if terms[name] is None else np.array(terms[name], dtype=float) for name in SHAPES
     }
+    sensitivities = tuple(_sensitivity(one) for one in content.get("sensitivities", ()))
+    channels = [one.channel for one in sensitivities]
+    noise = content.get("noise")
     model = SensorModel(
         kind=content["kind"],
         axes=tuple(content["axes"]),
         item=Item(**content["item"]),
+        condition=condition,
         **{name: content[name] for name in PLAIN},
         **arrays,
+        sensitivities=sensitivities,
         temperature_range=_pair(content["temperature_range"]),
         pressure_range=_pair(content["pressure_range"]),
-        estimate=None if content["estimate"] is None else _estimate(content["estimate"], content["axes"]),
+        estimate=None if content["estimate"] is None else _estimate(content["estimate"], content["axes"], channels),
+        noise=None if noise is None else _noise(noise),
         not_estimated=dict(content["not_estimated"]),
         provenance={
             name: Provenance(one["test"], tuple(one["recordings"]), one["source"])
@@ -136,6 +173,13 @@ def _model(content: Mapping[str, Any]) -> SensorModel:
     if content["unit"] != model.unit:
         raise DataError(f"unit {content['unit']!r} for a {model.kind}, need {model.unit!r}", code="schema")
     return model
+
+
+def _sensitivity(content: Mapping[str, Any]) -> Sensitivity:
+    parts = {part: None if content[part] is None else np.array(content[part], dtype=float) for part in PARTS}
+    return Sensitivity(
+        content["channel"], content["unit"], float(content["reference"]), **parts, range=_pair(content["range"])
+    )
 
 
 def _shared(content: Mapping[str, Any]) -> dict[str, Any]:
@@ -152,6 +196,17 @@ def _shared(content: Mapping[str, Any]) -> dict[str, Any]:
             for one in content["selections"]
         ),
     }
+
+
+def _noise_to_dict(noise: Estimate) -> dict[str, Any]:
+    """Return noise terms with what each is of: its name is no parameter's, so the key stands beside it."""
+    keys = [{"quantity": key.quantity, "axis": key.axis, "power": key.power} for key in noise.keys]
+    return _estimate_to_dict(noise) | {"keys": keys}
+
+
+def _noise(content: Mapping[str, Any]) -> Estimate:
+    keys = tuple(Key(one["quantity"], one["axis"], power=one["power"]) for one in content["keys"])
+    return replace(_estimate(content, ()), given=keys)
 
 
 def _estimate_to_dict(estimate: Estimate) -> dict[str, Any]:
@@ -177,7 +232,7 @@ def _estimate_to_dict(estimate: Estimate) -> dict[str, Any]:
     }
 
 
-def _estimate(content: Mapping[str, Any], axes: Sequence[str]) -> Estimate:
+def _estimate(content: Mapping[str, Any], axes: Sequence[str], channels: Sequence[str] = ()) -> Estimate:
     components = tuple(
         Component(
             Origin(**one["origin"]) if one.get("origin") else one["source"],
@@ -193,7 +248,7 @@ def _estimate(content: Mapping[str, Any], axes: Sequence[str]) -> Estimate:
         for one in content["components"]
     )
     values = np.array(content["values"], dtype=float)
-    known = {str(key): key for key in parameter_keys(content["names"], axes)}
+    known = {str(key): key for key in parameter_keys(content["names"], axes, channels)} if axes else {}
     return Estimate(
         tuple(known.get(name, name) for name in content["names"]), values, tuple(content["units"]), components
     )

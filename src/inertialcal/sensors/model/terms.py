@@ -17,9 +17,9 @@ from ...core.estimate import Array, Estimate
 from ...core.key import Key
 from ...core.unit.magnitudes import CODE, LARGEST, is_possible
 from ...core.units import normalise
+from .sensitivity import HIGHEST, PARTS, Sensitivity, parameter_unit, quantity_of
 
 FORCE_AXES = ("x", "y", "z")
-HIGHEST = 12  # power of temperature, or number of exponentials, that a name in a file can have
 
 # Shapes of the terms: k sensors, q powers of temperature, m warm-up exponentials, f force axes.
 SHAPES: dict[str, tuple[str, ...]] = {
@@ -69,8 +69,10 @@ class Parameter:
 
     key: Key
     unit: str  # SI, and degC
-    field: str  # attribute of the model that holds it
+    field: str  # term that holds it: attribute of the model, or quantity of a sensitivity
     index: tuple[int, ...]  # where in that array
+    channel: str = ""  # of a sensitivity: to what
+    part: str = ""  # of a sensitivity: which of its arrays
 
     @property
     def name(self) -> str:
@@ -83,7 +85,9 @@ class Parameter:
         return self.key.axis
 
 
-def parameters(axes: Sequence[str], unit: str, arrays: Mapping[str, Array]) -> tuple[Parameter, ...]:
+def parameters(
+    axes: Sequence[str], unit: str, arrays: Mapping[str, Array], sensitivities: Iterable[Sensitivity] = ()
+) -> tuple[Parameter, ...]:
     """Return the parameters of the terms that are present."""
     found: list[Parameter] = []
     found += _matrix(axes, arrays["matrix"])
@@ -103,6 +107,10 @@ def parameters(axes: Sequence[str], unit: str, arrays: Mapping[str, Array]) -> t
             _parameter(Key("g_sensitivity", a + f), "({U})/(m/s^2)", unit, "g_sensitivity", (i, j))
             for i, a, j, f in pairs
         ]
+    for one in sensitivities:
+        for part in one.parts:
+            name, per_channel = quantity_of(part, one.channel), parameter_unit(part, unit, one.unit)
+            found += [Parameter(Key(name, a), per_channel, name, (i,), one.channel, part) for i, a in enumerate(axes)]
     return tuple(found)
 
 
@@ -161,10 +169,20 @@ def with_values(arrays: Mapping[str, Array], changes: Mapping[Parameter, float])
     return new
 
 
-def parameter_keys(names: Iterable[str], axes: Sequence[str]) -> list[Key]:
-    """Return the keys of the names that are parameters of a model with these axes, of any order up to `HIGHEST`."""
+def parameter_keys(names: Iterable[str], axes: Sequence[str], channels: Iterable[str] = ()) -> list[Key]:
+    """Return the keys of the names that are parameters of a model with these axes, of any order up to `HIGHEST`.
+
+    Parameters
+    ----------
+    channels : iterable of str
+        Names of the channels that the model has sensitivities to.
+    """
     blank = {name: np.zeros((HIGHEST, *(len(axes) for side in shape[1:]))) for name, shape in SHAPES.items()}
     known = {one.name: one.key for one in parameters(axes, "rad/s", blank)}  # in whatever unit
+    for channel in channels:
+        for part in PARTS:
+            keys = [Key(quantity_of(part, channel), axis) for axis in axes]
+            known |= {str(key): key for key in keys}
     return [known[name] for name in names if name in known]
 
 
@@ -217,15 +235,49 @@ def read_only_term(name: str, value: object, sensors: int) -> Array:
     if not fits:
         need = ", ".join(str(sizes.get(letter, letter)) for letter in letters)
         raise DataError(f"{name}: shape {array.shape}, need ({need})")
-    if not np.all(np.isfinite(array)):
-        raise DataError(f"{name}: not finite", do="Leave out a term that is not known")
-    if not np.all(np.abs(array) <= LARGEST):
-        raise DataError(f"{name}: larger than {LARGEST:g}", do="Correct the unit or the exponent", code=CODE)
+    check_size(name, array)
     array.setflags(write=False)
     return array
 
 
-def check_needs(terms: Mapping[str, Array], reference_pressure: float | None) -> None:
+def check_sensitivities(sensitivities: Sequence[Sensitivity], sensors: int) -> None:
+    """Refuse sensitivities of another shape, of which two are to one channel, or whose names another term has.
+
+    Raises
+    ------
+    DataError
+        As said.
+    """
+    names = [*SHAPES, *(name for one in sensitivities for name in one.terms)]
+    channels = [one.channel for one in sensitivities]
+    for listed, what in ((channels, "sensitivities"), (names, "terms")):
+        twice = sorted({name for name in listed if listed.count(name) > 1})
+        if twice:
+            raise DataError(f"two {what} of one name: {', '.join(twice)}", do="Give the channel another name")
+    for one in sensitivities:
+        for name, array in one.terms.items():
+            if array.shape != (sensors,):
+                raise DataError(f"{name}: shape {array.shape}, need ({sensors},)")
+            check_size(name, array)
+
+
+def check_size(name: str, array: Array) -> None:
+    """Refuse a term with a number that is not finite, or larger than anything is.
+
+    Raises
+    ------
+    DataError
+        As said.
+    """
+    if not np.all(np.isfinite(array)):
+        raise DataError(f"{name}: not finite", do="Leave out a term that is not known")
+    if not np.all(np.abs(array) <= LARGEST):
+        raise DataError(f"{name}: larger than {LARGEST:g}", do="Correct the unit or the exponent", code=CODE)
+
+
+def check_needs(
+    terms: Mapping[str, Array], reference_pressure: float | None, sensitivities: Sequence[Sensitivity] = ()
+) -> None:
     """Refuse a term without what it needs.
 
     Raises
@@ -236,6 +288,7 @@ def check_needs(terms: Mapping[str, Array], reference_pressure: float | None) ->
     if not all(one and is_possible(one) for one in terms["scale_factor"].tolist()):
         raise DataError(f"scale_factor {terms['scale_factor'].tolist()}: zero", do="Give the ideal scale factor")
     in_temperature = "bias_temperature" in terms or terms["matrix"].shape[0] > 1
+    in_temperature |= any(one.bias_temperature is not None for one in sensitivities)
     if in_temperature and "reference_temperature" not in terms:
         raise DataError("terms in temperature without reference_temperature", do="Give T_ref [degC]")
     if "bias_pressure" in terms and reference_pressure is None:

@@ -124,6 +124,9 @@ def reading_by(model: SensorModel, one: Parameter, at: Point) -> Array:
         moved += _warm_up_time(model, one.index, at)
         return moved
     sensor = one.index[-2] if one.field in {"matrix", "g_sensitivity"} else one.index[-1]
+    if one.channel:
+        moved[:, sensor] = _sensitivity(model, one, at)
+        return moved
     moved[:, sensor] = DERIVATIVES[one.field](model, one.index, at)
     return moved
 
@@ -155,6 +158,16 @@ def _warm_up(model: SensorModel, index: Index, at: Point) -> Array:
 def _pressure(model: SensorModel, _: Index, at: Point) -> Array:
     assert model.reference_pressure is not None  # noqa: S101 - for the type checker
     return at.columns["pressure"][:, 0] - model.reference_pressure
+
+
+def _sensitivity(model: SensorModel, one: Parameter, at: Point) -> Array:
+    """Return dr/dtheta of one sensor, of a part of its sensitivity to a channel."""
+    sensor = one.index[0]
+    reference = next(other.reference for other in model.sensitivities if other.channel == one.channel)
+    away = at.columns[one.channel][:, 0] - reference
+    if one.part == "scale_factor":
+        return np.asarray(at.slope[:, sensor] * away * at.x[:, sensor])
+    return away * at.away[:, sensor] if one.part == "bias_temperature" else away
 
 
 DERIVATIVES: dict[str, Callable[[SensorModel, Index, Point], Array | float]] = {

@@ -49,9 +49,9 @@ from numpy.typing import NDArray
 from scipy import special
 
 from ...core.errors import DataError
-from ...core.estimate import Array
-from ...core.key import Kind
-from ...core.units import factor, multiply, power
+from ...core.estimate import Array, Estimate
+from ...core.key import Key, Kind
+from ...core.units import factor, multiply, power, si_unit
 from ...signals.allan.gaps import check_averaging
 
 SHORT = 15.0  # averaging over correlation time from which samples two apart are independent (exp(-15))
@@ -285,6 +285,18 @@ def quantity_name(term: str, parameter: str, kind: Kind | None) -> str:
     if term == "rate_ramp" and kind == "accelerometer":
         return "acceleration_ramp"
     return term
+
+
+def terms_of(noise: Estimate, kind: Kind, axis: str) -> tuple[Term, ...]:
+    """Return the noise terms of an axis that an estimate holds whole, in SI."""
+    held = {key: float(value) * factor(unit, si_unit(unit)) for key, value, unit in
+            zip(noise.keys, noise.values, noise.units, strict=True)}  # fmt: skip
+    found = []
+    for name, term in TERMS.items():
+        keys = [Key(quantity_name(name, parameter, kind), axis) for parameter in term.parameters]
+        if all(key in held for key in keys):
+            found.append(term(*(held[key] for key in keys)))
+    return tuple(found)
 
 
 @dataclass(frozen=True)

@@ -34,6 +34,9 @@ from .response import by_response, exchanged_response
 MOST = 400_000  # samples that are looked at; a longer record is averaged down to so many
 NOISE_AGREES = 0.08  # of the logarithm of a factor of noise, besides its scatter
 STARTED = 35.0  # [rad/s^2], 2,000 deg/s^2: a table may start so fast, and one sample to the next is a jump then
+NEAR = 4  # samples, within which a condition jumps
+JUMPS = 8.0  # times what it changes by from sample to sample
+STEP = 0.05  # of its range
 TURNED_WITHIN = 0.045  # [s]: nobody lays an accelerometer on another side so fast; slower samples may miss the turn
 
 SAME = 1e-6  # relative
@@ -50,6 +53,7 @@ def changes(
     at_rest: bool = True,
     stored: Sequence[NDArray[Any]] = (),
     scale: float = 1.0,
+    conditions: Sequence[Array] = (),
 ) -> tuple[Change, ...]:
     """Return where unit, sign, scale or axes of a record change, in order of time.
 
@@ -74,6 +78,9 @@ def changes(
         sign or a unit changes about the zero of what was written.
     scale : float
         SI units in the unit of the channels.
+    conditions : sequence of ndarray, shape (n,)
+        Pressure, supply and the like, in any unit. Biases change with them, and noise with the air: where one of them
+        jumps, no change of scale is concluded (one of unit is).
 
     Returns
     -------
@@ -105,7 +112,22 @@ def changes(
         ratio = _scale(x, y)
         if ratio is not None and np.isfinite(y).all():
             found = _found(_as_stored(record, y), names, factors, given, motion / ratio)
-    return tuple(replace(one, index=int(rows[one.index]) * size) for one in found)
+    found = [replace(one, index=int(rows[one.index]) * size) for one in found]
+    return tuple(
+        one for one in found if one.code != "scale_changed" or not any(_steps(c, one.index) for c in conditions)
+    )
+
+
+def _steps(condition: Array, at: int) -> bool:
+    """Return whether a condition jumps near a sample, far more than from one sample to the next before and after."""
+    values = condition[max(at - FEWEST, 0) : at + FEWEST]
+    sizes = np.abs(np.diff(values[np.isfinite(values)]))
+    middle = min(at, FEWEST)
+    near = sizes[max(middle - NEAR, 0) : middle + NEAR]
+    sides = [float(np.median(side)) for side in (sizes[:middle], sizes[middle:]) if len(side)]
+    return len(near) > 0 and float(near.max()) > max(
+        JUMPS * max(sides), STEP * float(np.ptp(condition[np.isfinite(condition)]))
+    )
 
 
 @dataclass(frozen=True, eq=False)

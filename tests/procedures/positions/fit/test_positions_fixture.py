@@ -151,6 +151,21 @@ def test_one_position_that_does_not_repeat_is_left_out() -> None:
     assert np.flatnonzero(result.acc.outliers).tolist() == [9]
 
 
+@pytest.mark.parametrize("stated", ["orientation", "repeatability"])
+def test_errors_of_the_faces_are_stated_of_the_positions_that_are_kept(stated: str) -> None:
+    """One bad laying of a face changes the figures by little, and the face error that is stated stays in their u."""
+    readings = laid(0.1 * DEGREE * np.random.default_rng(3).standard_normal((6, 3)), 3)
+    mean = readings.acc.mean.copy()
+    mean[9] += [0.0, 0.0, 0.3]
+    own = plan(**{stated: 0.1 * DEGREE})
+    spoiled = reduce(own, replace(readings, acc=replace(readings.acc, mean=mean)))
+    assert np.flatnonzero(spoiled.acc.outliers).tolist() == [9]
+    clean = figures(reduce(own, readings))
+    for name, (value, u) in figures(spoiled).items():
+        assert value == pytest.approx(clean[name][0], abs=u), name
+        assert u == pytest.approx(clean[name][1], rel=0.3), name
+
+
 def test_what_a_tilt_does_to_misalignment_it_does_to_the_bias_by_its_cosine() -> None:
     """Both faces of an axis tilted by s + d and s - d: misalignment is off by d, the bias by - g s d."""
     s, d = 0.5 * DEGREE, 0.3 * DEGREE

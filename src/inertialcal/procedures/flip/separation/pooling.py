@@ -21,9 +21,10 @@ import numpy as np
 from scipy import special
 
 from ....core.estimate import Array, Component, Estimate, joined_dof
-from ....core.key import Key, Origin, Reason
+from ....core.key import AXES, Key, Origin, Reason
 from ....core.remarks import Remark
 from ....statistics.decision import holm
+from ...corrections import components as after_corrections
 from ..plan import Plan
 from ..readings import Readings
 from .equations import AMBIENT, BIAS, CONTROL, RATES, WARM, Separated, separate
@@ -81,7 +82,7 @@ class Flip:
         estimate = Estimate(keys, values, units(keys), tuple(parts))
         later = {}
         for key, (u, dof) in onward.items():
-            others = [one for one in estimate.select([key]).components if one.kind != "A"]
+            others = [one for one in estimate.select([key]).components if not _is_noise(one)]
             squares = [np.array([u**2]), *(np.diagonal(one.covariance) for one in others)]
             known = joined_dof(squares, [dof, *(one.dof for one in others)])
             later[key] = (float(np.sqrt(np.sum(squares))), float(known[0]))
@@ -112,6 +113,7 @@ def flips_of(plan: Plan, readings: Readings) -> tuple[Flip, ...]:
         noise, reason = noise_components(plan, readings, one)
         if noise and not reason:
             parts = [*noise, *components(plan, patterns(plan, readings, one), one)]
+            parts += after_corrections(readings.taken_off, one.keys, gain_of(one))
             flips.append(Flip.of(label, one.values, parts, (one,), next_record(plan, readings, one)))
         else:
             why = reason or Reason("not_read", "nothing was read")
@@ -131,7 +133,21 @@ def pooled(plan: Plan, readings: Readings, flips: Sequence[Flip]) -> Flip:
     every = [patterns(plan, readings, one) for one in separated]
     common = {name: np.mean([one[name] for one in every], axis=0) for name in every[0]}
     parts = [between, *_in_common(plan, readings, used), *components(plan, common, separated[0])]
+    gain = np.mean([gain_of(one) for one in separated], axis=0)
+    parts += after_corrections(readings.taken_off, separated[0].keys, gain)
     return Flip.of("", values.mean(axis=0), parts, separated, _onward(plan, readings, used))
+
+
+def gain_of(one: Separated) -> Array:
+    """Return the values of a flip per mean reading of x, y and z in each dwell, shape (p, n, 3)."""
+    size = next(iter(one.weights.values())).shape
+    nothing = np.zeros(size)
+    return np.stack([one.weights.get(axis, nothing) for axis in AXES], axis=-1)
+
+
+def _is_noise(component: Component) -> bool:
+    """Whether it is the noise of the readings; what is not known of a correction is common to all flips."""
+    return component.kind == "A" and not component.origin.test
 
 
 def _onward(plan: Plan, readings: Readings, used: Sequence[Flip]) -> dict[Key, tuple[float, float]]:
@@ -170,7 +186,7 @@ def _in_common(plan: Plan, readings: Readings, used: Sequence[Flip]) -> list[Com
         if reason or not noise:
             return []
         shared += noise
-    noises = [one for flip in used if flip.estimate for one in flip.estimate.components if one.kind == "A"]
+    noises = [one for flip in used if flip.estimate for one in flip.estimate.components if _is_noise(one)]
     single = np.sum([one.covariance for one in noises], axis=0)
     whole = np.sum([one.covariance for one in shared], axis=0)
     more = _positive(whole - (single - len(used) * whole) / (len(used) * (len(used) - 1)), whole)
@@ -230,8 +246,8 @@ def _against_noise(key: Key, flips: Sequence[Flip]) -> tuple[float, float] | Non
     estimates = [one.estimate.select([key]) for one in flips if one.estimate is not None]
     if len(estimates) < len(flips):
         return None
-    noise = [sum(float(c.covariance[0, 0]) for c in one.components if c.kind == "A") for one in estimates]
-    dof = [min(float(np.min(c.dof)) for c in one.components if c.kind == "A") for one in estimates]
+    noise = [sum(float(c.covariance[0, 0]) for c in one.components if _is_noise(c)) for one in estimates]
+    dof = [min(float(np.min(c.dof)) for c in one.components if _is_noise(c)) for one in estimates]
     values = np.array([float(one.values[0]) for one in estimates])
     weights = 1.0 / np.array(noise)
     square = float(np.sum(weights * (values - np.average(values, weights=weights)) ** 2))

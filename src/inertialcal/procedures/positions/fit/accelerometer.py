@@ -35,7 +35,7 @@ from ....core.key import AXES, Reason
 from ....statistics.two_levels import TwoLevels, fit_two_levels
 from ..plan import Plan
 from ..readings import Triad, local_gravity
-from .fixture import BETWEEN, INSIDE, Laid, derivatives, fit_agreeing, judged, scatter_interval, tilts_of
+from .fixture import BETWEEN, INSIDE, Laid, chosen, derivatives, fit_agreeing, judged, scatter_interval, tilts_of
 from .fixture import sources_of as fixture_sources
 from .linear_sensor import (
     BIAS,
@@ -92,6 +92,8 @@ class Fitted:
     wandering: Wandering | None = (
         None  # How a bias that wanders from rest to rest is seen; None where nothing is judged
     )
+    # shape (12, m, 3): the numbers per mean reading of each position; None where nothing is judged
+    per_reading: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +138,7 @@ def fit_known(plan: Plan, triad: Triad, direction: Array, ideal: Array, zero: Ar
         return finished(sensor, observed, ~everyone, (y - design @ values).reshape(m, 3), None, known=True)
     laid, outliers = fit_agreeing(r, inside, g, tilts, observed.kept, plan.outlier_risk)
     kept = ~outliers
-    sensor = sensor_of(plan, laid.values, fixture_sources(laid, tilts), observed.determined, ideal, zero)
+    sensor = sensor_of(plan, laid.values, fixture_sources(laid, chosen(tilts, kept)), observed.determined, ideal, zero)
     stretch = np.ones(m)
     stretch[kept] = laid.stretch
     away = r - g * (tilts.direction * stretch[:, None]) @ sensor.matrix.T - sensor.offset
@@ -150,8 +152,32 @@ def fit_known(plan: Plan, triad: Triad, direction: Array, ideal: Array, zero: Ar
     return replace(
         fitted, between=scatter, between_dof=dof, between_interval=limits, chi_square=found.chi_square,
         chi_square_known=noise, free=found.free, laid=laid,
-        wandering=_wandering(laid, back, np.flatnonzero(kept)),
+        wandering=_wandering(laid, back, np.flatnonzero(kept)), per_reading=_placed(back @ found.gain, kept),
     )  # fmt: skip
+
+
+def _placed(gain: Array, kept: Flags) -> Array:
+    """Return numbers per reading of all positions, shape (12, m, 3), from those per reading of the kept ones."""
+    whole = np.zeros((len(gain), len(kept), 3))
+    whole[:, kept] = gain.reshape(len(gain), -1, 3)
+    return whole
+
+
+def of_lengths(back: Array, gain: Array, jacobian: Array, kept: Flags) -> Array:
+    """Return the numbers per mean reading, shape (12, m, 3), where lengths are fitted.
+
+    A reading lengthens by its part along the specific force.
+
+    Parameters
+    ----------
+    back, gain : ndarray, shapes (12, p), (p, n)
+        The numbers by the coefficients, and these by the lengths of the kept positions.
+    jacobian : ndarray, shape (n, 9)
+        Derivatives of these lengths by the scaled parameters; the last three are those by a bias.
+    kept : ndarray of bool, shape (m,)
+        Positions that were fitted.
+    """
+    return _placed(((back @ gain)[:, :, None] * jacobian[:, 6:]).reshape(len(back), -1), kept)
 
 
 def _wandering(laid: Laid, back: Array, kept: NDArray[np.int64]) -> Wandering | None:
@@ -205,8 +231,9 @@ def fit_unknown(plan: Plan, triad: Triad, ideal: Array, zero: Array) -> Fitted:
     values, to_values = forward(theta, g)
     determined = determined_forward(observed.determined)
     noise = variances(theta, u, inside, g)
-    sources = wandering = None
+    sources = wandering = per_reading = None
     if found is not None:
+        per_reading = of_lengths(to_values @ observed.kept, found.gain, jacobian[kept], kept)
         back = (to_values @ observed.kept)[9:]
         seen = Wander(found.projector, found.residuals, found.between**2, np.flatnonzero(kept), jacobian[kept, 6:])
         inside_part = propagated(back, found.parts[INSIDE])
@@ -216,7 +243,8 @@ def fit_unknown(plan: Plan, triad: Triad, ideal: Array, zero: Array) -> Fitted:
             *_undetermined(observed, to_values, g),
         ]
     sensor = sensor_of(plan, values, sources, determined, ideal, zero, of_frame=True)
-    return replace(finished(sensor, observed, outliers, e[:, None], found, known=False), wandering=wandering)
+    fitted = finished(sensor, observed, outliers, e[:, None], found, known=False)
+    return replace(fitted, wandering=wandering, per_reading=per_reading)
 
 
 def sphere(r: Array, inside: Array, g: float) -> tuple[Array, float, float]:
@@ -250,7 +278,11 @@ def among(fitted: Fitted, named: Flags) -> Fitted:
     own = fitted.wandering
     if own is not None:
         own = replace(own, seen=replace(own.seen, place=np.flatnonzero(named)[own.seen.place]))
-    return replace(fitted, residuals=residuals, deletion=deletion, outliers=outliers, wandering=own)
+    gain = fitted.per_reading
+    if gain is not None:
+        gain = np.zeros((len(gain), len(named), 3))
+        gain[:, named] = fitted.per_reading
+    return replace(fitted, residuals=residuals, deletion=deletion, outliers=outliers, wandering=own, per_reading=gain)
 
 
 def _observe(jacobian: Array, scatter: float, g: float) -> Observability:

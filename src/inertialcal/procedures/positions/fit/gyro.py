@@ -18,7 +18,17 @@ from ..plan import Plan
 from ..readings import Readings, Rotation, local_gravity
 from .accelerometer import NOT_DETERMINED, UNKNOWN, Fitted, mounting_source
 from .at_rest import AtRest, Carried, apart, at_rest, earth_in_g, sources_of
-from .linear_sensor import BIAS, G_SENSITIVITY, MATRIX, TAKES_PART, LinearSensor, Source, level_sources, propagated
+from .linear_sensor import (
+    BIAS,
+    G_SENSITIVITY,
+    MATRIX,
+    TAKES_PART,
+    LinearSensor,
+    Source,
+    after_corrections,
+    level_sources,
+    propagated,
+)
 from .next_record import rests_of
 from .rotations import BETWEEN, Packed, Problem, Rotated, angles, ends_of, packed, solve
 
@@ -141,6 +151,7 @@ def _sensor(
     if rotated is not None:
         by_rest[:9] = forward @ rotated.by_rest
     found += sources_of(plan, rest, by_rest)
+    found += _after_corrections(readings, rest, by_rest, ideal)
     if unknown is not None and rest.g_sensitivity is not None:
         covariance = np.zeros((21, 21))
         covariance[9:, 9:] = unknown.covariance
@@ -163,6 +174,20 @@ def _sensor(
         found.append(mounting_source(values, plan.standards["fixture.mounting"].u, plan))
     reasons = _reasons(rest, rotated, acc, bool(readings.transitions), moved > TAKES_PART * UNKNOWN)
     return LinearSensor(values, tuple(found), reasons, ideal, zero, NAMES)
+
+
+def _after_corrections(readings: Readings, rest: AtRest, by_rest: Array, ideal: Array) -> list[Source]:
+    """Return what is not known of corrections: a constant is the bias, at rest and while the unit turns."""
+    off = readings.taken_off.get("gyro", {})
+    if rest.fits is None or not off:
+        return []
+    kept = np.flatnonzero(~rest.outliers)
+    gain = np.zeros((21, len(readings), 3))
+    for k, fit in enumerate(rest.fits):
+        at = np.array([k, 3 + 3 * k, 4 + 3 * k, 5 + 3 * k])[: len(fit.coefficients)]
+        gain[:, kept, k] = by_rest[:, at] @ fit.gain / ideal[k]
+    turning = np.vstack([-by_rest[:9, :3] / ideal, np.zeros((12, 3))])
+    return after_corrections(off, gain, turning)
 
 
 def _directions_by(acc: Fitted, force: Array) -> Array:

@@ -16,7 +16,9 @@ from scipy import linalg
 from ....core.estimate import Array, joined_dof
 from ....core.influence import Influence
 from ....core.key import AXES, Key, Origin, Reason
+from ....core.unknowns import Unknowns
 from ....statistics.two_levels import TwoLevels
+from ...corrections import TakenOff, dof_of, moved
 
 PAIRS = tuple(a + b for a in AXES for b in AXES)
 MATRIX = tuple(Key("scale_factor_error", p[0]) if p[0] == p[1] else Key("misalignment", p) for p in PAIRS)
@@ -42,11 +44,31 @@ class Source:
     level: str = ""
     changes: Array | None = None
     unknowns: tuple[str, ...] = ()  # Which each of them is, where there are several
+    off: Unknowns | None = None  # What an earlier test found, that was taken off the readings
 
     @property
     def origin(self) -> Origin:
         """Where it comes from."""
+        if self.off is not None:
+            return self.off.origin
         return Origin(self.name, level=self.level) if self.influence is None else self.influence.origin(self.name)
+
+
+@dataclass(frozen=True, eq=False)
+class OverTemperature:
+    """How the numbers of a sensor change with temperature: coefficients of powers of T - T_ref, from the first on."""
+
+    reference: float  # T_ref [degC]
+    range: tuple[float, float]  # Temperatures that it was seen at [degC]
+    values: Array  # shape (p, 12): of the plain entries of A and b, by power
+    sources: tuple[Source, ...]  # Of the numbers at T_ref and of all powers together, 12 (p + 1) of them
+    keys: tuple[Key, ...]  # shape (12 p,): their names
+    units: tuple[str, ...]  # and units
+
+    def scaled(self, rows: Array) -> OverTemperature:
+        """Return the same with every number times a factor, shape (12,)."""
+        each = np.tile(rows, len(self.values) + 1)
+        return replace(self, values=self.values * rows, sources=tuple(_scaled(one, each) for one in self.sources))
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +81,7 @@ class LinearSensor:
     ideal: Array  # shape (3,): scale factor [unit of the readings/input unit]
     zero: Array  # shape (3,): reading for no input [unit of the readings]
     named: tuple[Key, ...] = field(default=(*MATRIX, *BIAS))
+    temperature: OverTemperature | None = None  # Then the numbers are those at its reference temperature
 
     @property
     def matrix(self) -> Array:
@@ -98,15 +121,39 @@ def with_ideal(sensor: LinearSensor, ideal: Array, zero: Array) -> LinearSensor:
     rows = np.concatenate([np.repeat(ratio, 3), ratio, np.repeat(ratio, 3)])[: len(sensor.values)]
     values = sensor.values * rows
     values[9:12] += (sensor.zero - zero) / ideal
-    sources = tuple(
-        replace(
-            one,
-            covariance=one.covariance * np.outer(rows, rows),
-            changes=None if one.changes is None else one.changes * rows,
-        )
-        for one in sensor.sources
-    )
-    return replace(sensor, values=values, sources=sources, ideal=ideal, zero=zero)
+    sources = tuple(_scaled(one, rows) for one in sensor.sources)
+    own = None if sensor.temperature is None else sensor.temperature.scaled(rows)
+    return replace(sensor, values=values, sources=sources, ideal=ideal, zero=zero, temperature=own)
+
+
+def _scaled(source: Source, rows: Array) -> Source:
+    changes = None if source.changes is None else source.changes * rows
+    return replace(source, covariance=source.covariance * np.outer(rows, rows), changes=changes)
+
+
+def after_corrections(taken_off: TakenOff, per_reading: Array, per_level: Array | None = None) -> list[Source]:
+    """Return the sources that corrections are, by the numbers per mean reading.
+
+    Parameters
+    ----------
+    taken_off : mapping of Origin to Unknowns
+        Of m positions.
+    per_reading : ndarray, shape (q, m, 3)
+        Numbers per mean reading of x, y and z in each position [per input unit].
+    per_level : ndarray, shape (q, 3), optional
+        Numbers per reading of x, y and z while the unit turns; it follows the mean over the positions.
+    """
+    gain = per_reading
+    if per_level is not None:
+        gain = per_reading + per_level[:, None, :] / per_reading.shape[1]
+    found = []
+    for off in taken_off.values():
+        changes = moved(off, gain)
+        if np.any(changes):
+            whole = changes.T @ changes
+            covariance, dof = 0.5 * (whole + whole.T), dof_of(off, gain)
+            found.append(Source(str(off.origin), off.kind, covariance, dof, None, "", changes, off.unknowns, off))
+    return found
 
 
 def rounded_scale(sensor: LinearSensor, determined: NDArray[np.bool_]) -> Array:

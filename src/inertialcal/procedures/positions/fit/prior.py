@@ -47,6 +47,7 @@ from .accelerometer import (
     lengths,
     nominal,
     normalised,
+    of_lengths,
     sensor_of,
     sources_of,
     sphere,
@@ -155,7 +156,9 @@ def fit_prior(plan: Plan, triad: Triad, ideal: Array, zero: Array, without: Fitt
     sensor = sensor_of(plan, values, sources, determined_forward(observed.determined), ideal, zero, of_frame=True)
     worth = max(1, round(found.information * float(np.mean(noise + found.between**2)) ** 2))
     fitted = finished(sensor, observed, without.outliers, away[:, None], replace(found, free=worth), known=False)
-    fitted = replace(fitted, wandering=without.wandering)  # the positions alone show how a bias wanders
+    gain = of_lengths(to_values @ observed.kept, found.gain[:, : len(r)], lengths(theta, r, g)[1], kept)
+    # The positions alone show how a bias wanders
+    fitted = replace(fitted, wandering=without.wandering, per_reading=gain)
     chi_square, free, farthest = conflict(theta, r, inside, g, stated, found.between)
     p_value = float(special.chdtrc(free, chi_square)) if free else 1.0
     return fitted, Judgement(without, stated, p_value, farthest, left_out(r, inside, g, stated, found.between))

@@ -290,7 +290,7 @@ def _taken_off(keys: tuple[Key, ...], parts: list[Part], lines: list[Line]) -> l
     found = []
     known = {origin: off for one in lines for origin, off in one.readings.taken_off.items()}
     for origin, off in known.items():
-        changes = np.vstack([taken_off_change(part[2], one, origin) for part, one in zip(parts, lines, strict=True)])
+        changes = np.vstack([_taken_off_change(part[2], one, origin) for part, one in zip(parts, lines, strict=True)])
         covariance = changes @ changes.T
         dof = np.array([off.dof[AXES.index(key.axis[0])] for key in keys])
         covariance = 0.5 * (covariance + covariance.T)
@@ -300,17 +300,7 @@ def _taken_off(keys: tuple[Key, ...], parts: list[Part], lines: list[Line]) -> l
     return found
 
 
-def taken_off_changes(lines: Mapping[str, Line], origin: Origin) -> dict[Key, Array]:
-    """Return the change of every quantity for each unknown of what was taken off before, by key, shape (s,)."""
-    found: dict[Key, Array] = {}
-    for one in lines.values():
-        if one.covariance is not None:
-            keys, _, jacobian, _ = _quantities(one)
-            found |= dict(zip(keys, taken_off_change(jacobian, one, origin), strict=True))
-    return found
-
-
-def taken_off_change(jacobian: Array, one: Line, origin: Origin) -> Array:
+def _taken_off_change(jacobian: Array, one: Line, origin: Origin) -> Array:
     """Change of quantities of a sensor for each unknown of what was taken off before, shape (names, s).
 
     Parameters

@@ -20,7 +20,7 @@ from ...model_terms import HeldOut, ModelTerms
 from ...protocol import Tested
 from ..exclusions import exclusions
 from ..fit.earth_input import with_earth
-from ..fit.quantities import CURVATURES, taken_off_changes
+from ..fit.quantities import CURVATURES
 from ..plan import Plan
 from ..readings import Readings
 from ..recordings import together
@@ -175,7 +175,6 @@ def model_terms(result: Result, tests: Sequence[Turned]) -> ModelTerms:
         if (key.quantity in TERM or key in curved) and set(key.axis) <= set(axes)
         and not (key.quantity == "bias" and referenced)
     )  # fmt: skip
-    taken_off = {source: one for line in result.lines.values() for source, one in line.readings.taken_off.items()}
     return ModelTerms(
         estimate,
         keys,
@@ -186,8 +185,6 @@ def model_terms(result: Result, tests: Sequence[Turned]) -> ModelTerms:
         input_range=_input_range(result, axes),
         bias_run_to_run=_run_to_run(result, axes),
         referenced=referenced,
-        taken_off=taken_off,
-        changes={source: taken_off_changes(result.lines, source) for source in taken_off},
     )
 
 

@@ -11,6 +11,9 @@ in the residual it counts as uncertainty, in the gain that much is allowed. Erro
 (thermometer, attitude, converter) cancel and are not judged; where both state that the body was laid anew in between,
 what is not known of its attitude counts as uncertainty, once for each. The polynomial is known on temperatures that it
 was fitted to: cells beyond are left out.
+
+Where a model is judged, P is the bias over temperature that it holds, whichever tests that comes from: what it has more
+than the polynomial of the test is taken off as well, and its own (Type A) uncertainty is allowed.
 """
 
 from __future__ import annotations
@@ -26,6 +29,7 @@ from ....core.errors import DataError
 from ....core.estimate import Array
 from ....core.key import AXES, Key, Reason
 from ....core.results import Row, not_estimated
+from ....sensors.model.sensor_model import SensorModel
 from ....statistics.closed_loop import AxisLoop
 from ....statistics.intervals import t_interval
 from ..fit.cells import Cells
@@ -34,6 +38,7 @@ from ..fit.quantities import earth_along
 from ..reduction import Result
 
 RESIDUAL = "residual_bias"
+SAME = 1e-6  # of a bias: the model holds the polynomial itself
 ONE_RUN = Reason("one_run", "the fit rests on one power-up: how another one differs was not observed")
 
 
@@ -55,7 +60,9 @@ class AxisResidual:
     dof: float  # Degrees of freedom of both
 
 
-def held_out(fitted: Result, held: Result, remounted: bool = False) -> tuple[AxisResidual, ...]:
+def held_out(
+    fitted: Result, held: Result, remounted: bool = False, model: SensorModel | None = None
+) -> tuple[AxisResidual, ...]:
     """Return what the polynomials of one test leave of another, axis by axis.
 
     Parameters
@@ -64,6 +71,8 @@ def held_out(fitted: Result, held: Result, remounted: bool = False) -> tuple[Axi
         Of both tests.
     remounted : bool
         The body was laid anew in between.
+    model : SensorModel, optional
+        That is judged; by default the polynomials of the fitted test.
 
     Raises
     ------
@@ -74,10 +83,15 @@ def held_out(fitted: Result, held: Result, remounted: bool = False) -> tuple[Axi
     laid = _attitude_variance(fitted, held) if remounted else np.zeros(3)
     return tuple(
         _axis_residual(
-            axis, fitted.sensors[axis].law, one.law.cells, *(float(x[AXES.index(axis)]) for x in (earth, laid))
+            axis,
+            fitted.sensors[axis].law,
+            one.law.cells,
+            float(earth[AXES.index(axis)]),
+            float(laid[AXES.index(axis)]),
+            model,
         )
         for axis, one in held.sensors.items()
-        if axis in fitted.sensors
+        if axis in fitted.sensors and (model is None or axis in model.axes)
     )
 
 
@@ -92,7 +106,9 @@ def _attitude_variance(*results: Result) -> Array:
     return total
 
 
-def _axis_residual(axis: str, law: Law, cells: Cells, earth: float, laid: float = 0.0) -> AxisResidual:
+def _axis_residual(
+    axis: str, law: Law, cells: Cells, earth: float, laid: float = 0.0, model: SensorModel | None = None
+) -> AxisResidual:
     low, high = law.domain
     inside = (cells.temperature >= low) & (cells.temperature <= high)
     if not inside.any():
@@ -101,6 +117,8 @@ def _axis_residual(axis: str, law: Law, cells: Cells, earth: float, laid: float 
     weight, runs = cells.weight[inside], cells.run[inside]
     rows = law.basis(cells.temperature[inside])
     off, error = rows @ law.coefficients - earth, cells.reading[inside] - rows @ law.coefficients
+    more, own = _more(model, axis, cells.temperature[inside], off)
+    off, error = off + more, error - more
     labels = np.unique(runs)
     mean = np.array([_mean(rows, weight, runs == one) for one in labels]).mean(axis=0)
     leaned = np.array([_mean(rows * off[:, None], weight, runs == one) for one in labels]).mean(axis=0)
@@ -120,9 +138,31 @@ def _axis_residual(axis: str, law: Law, cells: Cells, earth: float, laid: float 
         float(np.sqrt(spread / m + both[0, 0] + laid)),
         gain,
         float(2.0 * np.sqrt(spread_gain / m + both[1, 1] + laid * float(np.average(off, weights=weight)) ** 2)),
-        float(np.average(np.diag(fit_rows), weights=weight)) + laid,
+        float(np.average(np.diag(fit_rows) if own is None else own, weights=weight)) + laid,
         float(min(freedom, dof.min())) if freedom > 0.0 else 0.0,
     )
+
+
+def _more(model: SensorModel | None, axis: str, warmth: Array, off: Array) -> tuple[Array, Array | None]:
+    """Return what a model has more of a bias than was taken off, and its Type A variance where that is something."""
+    if model is None:
+        return np.zeros(len(warmth)), None
+    at = model.axes.index(axis)
+    powers = [] if model.bias_temperature is None else list(model.bias_temperature[:, at])
+    reference = 0.0 if model.reference_temperature is None else float(model.reference_temperature[at])
+    columns = np.vander(warmth - reference, 1 + len(powers), increasing=True)
+    more = columns @ np.array([model.bias[at], *powers]) - off
+    if np.all(np.abs(more) <= SAME * np.max(np.abs(off))):
+        return np.zeros(len(warmth)), None
+    variance = np.zeros(len(warmth))
+    keys = [Key("bias", axis), *(Key("bias_temperature", axis, power=j + 1) for j in range(len(powers)))]
+    if model.estimate is not None:
+        known = [j for j, key in enumerate(keys) if key in model.estimate.keys]
+        chosen = model.estimate.select([keys[j] for j in known])
+        for one in chosen.components:
+            if one.kind == "A":
+                variance += np.einsum("ij,jk,ik->i", columns[:, known], one.covariance, columns[:, known])
+    return more, variance
 
 
 def _mean(values: Array, weight: Array, chosen: Array) -> Array:

@@ -1,0 +1,67 @@
+"""What a data sheet says of a sensor, as a first campaign.toml has it: facts, and limits to be judged."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ...core.campaign_text import Noted
+from ...procedures import all_quantities
+from ...sensors.catalogue import Figure, PublishedSensor
+
+LIMITS = ("at most", "less than", "plus or minus")  # relations that a requirement on both sides, or above, can say
+
+
+def requirements(sensor: PublishedSensor) -> list[Noted]:
+    """Return a requirement for each figure that a test can judge; comments above the first name the others."""
+    judged = [one for one in sensor.figures if _judged(one)]
+    others = [one for one in sensor.figures if not _judged(one)]
+    unjudged = [f"Of the data sheet, but judged by no test here: {others[0].said}"] if others else []
+    unjudged += [f"  {one.said}" for one in others[1:]]
+    return [
+        Noted(_requirement(number, one, sensor), above="\n".join(unjudged) if number == 1 else "")
+        for number, one in enumerate(judged, 1)
+    ]
+
+
+def _judged(one: Figure) -> bool:
+    return one.relation in LIMITS and one.judged_by in all_quantities()
+
+
+def _requirement(number: int, one: Figure, sensor: PublishedSensor) -> dict[str, object]:
+    side = "upper" if all_quantities()[one.judged_by].size else "limit"
+    text = f"{one.said} ({sensor.source})"
+    return {"id": f"D{number}", "text": text, "quantity": one.judged_by, side: f"{one.value:g} {one.unit}"}
+
+
+def with_facts(tables: Mapping[str, object], sensor: PublishedSensor) -> dict[str, object]:
+    """Return the tables of sensors with what is published of those of its kind: range, cut-off, ideal scale factor."""
+    return {name: _with_facts(table, sensor) for name, table in tables.items()}
+
+
+def _with_facts(table: object, sensor: PublishedSensor) -> object:
+    if isinstance(table, Noted):
+        return Noted(_with_facts(table.value, sensor), table.note, table.above, table.example)
+    if not isinstance(table, Mapping) or _plain(table.get("kind")) != sensor.kind:
+        return table
+    figures = {one.quantity: one for one in sensor.figures}
+    made: dict[str, object] = dict(table)
+    span, output, cut_off = (figures.get(name) for name in ("input_range", "full_scale_output", "bandwidth"))
+    if span is not None and span.relation == "plus or minus":
+        made["range"] = Noted([f"-{span.value:g} {span.unit}", f"{span.value:g} {span.unit}"], "of the data sheet")
+        if output is not None and _example(table.get("chain")):
+            made["chain"] = {
+                "kind": "none",
+                "scale_factor": f"{output.value / span.value:g} {output.unit}/({span.unit})",
+            }
+    if cut_off is not None and cut_off.relation == "equals":
+        made["cut_off"] = Noted(f"{cut_off.value:g} {cut_off.unit}", "of the data sheet")
+    return made
+
+
+def _plain(value: object) -> object:
+    return value.value if isinstance(value, Noted) else value
+
+
+def _example(value: object) -> bool:
+    """Whether nothing is said but an example."""
+    return value is None or (isinstance(value, Noted) and value.example)

@@ -1,0 +1,241 @@
+"""Two tables of a rate-sensor suite, from the results of a campaign: its summary, and its output for flight.
+
+They hold what Tables 14 and 15 of [1]_ hold, one of each for every condition, every figure with its standard
+uncertainty and in the unit that follows from its equation: volts for the polynomial B, m1, m2, m3 (it must be divided
+by the scale factor before it is a rate), percent for M. Where the thesis's M has the sign of the correction and the
+turned axis in its row, M here is the error: positive where a sensor reads too much, a column a sensor. A figure that
+the campaign does not have in a condition is not estimated, with the reason. A test without a condition holds in each.
+
+References
+----------
+.. [1] V. V. Badescu, NPS thesis, September 2011, Tables 14 and 15.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Generic
+
+from ..key import Key, Method
+from ..results import WrittenRow, case_of, key_of
+from ..units import parse_quantity
+from .rows import R, reason_code
+
+ORDER = {"fit": 0, "report_only": 1, "hold_out": 2}
+REFERENCED = "referenced"  # reason of a bias where the reading at rest was subtracted
+FIELDS = ("value", "u", "dof", "interval", "status", "reason", "test")  # of a row, that a table has
+NOTHING = "no test of the campaign gives it"
+NO_ROW = {
+    "value": None, "u": None, "dof": None, "interval": None, "unit": "", "status": "not_estimated", "reason": None,
+    "test": "",
+}  # fmt: skip
+NO_THERMOMETER = {"code": "no_thermometer", "text": "the chain of the campaign has no temperature channel"}
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """A line of a table: which rows it holds."""
+
+    group: str
+    name: str  # As the table has it
+    quantity: str
+    power: int = 0
+    unit: str = ""  # In which it is written, where it is another way to write that of the row
+    beside: str = ""  # Another quantity that its test must give
+    held_out: bool = False  # Of a test that is held out, first
+    referenced: bool | None = None  # Of a test whose readings at rest were subtracted, or were not
+    stated: str = ""  # Key of ``chain.thermometer`` that says it where no test does
+
+
+SUMMARY = (
+    Wanted("Start-up", "change in warm-up", "warm_up_change"),
+    Wanted("Start-up", "time constant", "warm_up_time_constant"),
+    Wanted("Start-up", "time until settled", "warm_up_time"),
+    Wanted("Voltages", "reference", "reference_voltage"),
+    Wanted("Voltages", "thermometer reference", "temperature_reference_voltage"),
+    Wanted("Voltages", "thermometer nominal", "thermometer_voltage", 0, "V", stated="voltage"),
+    Wanted("Repeatability", "bias run to run", "scatter_run", beside="hysteresis"),
+    Wanted("Repeatability", "residual settled", "residual_bias", beside="hysteresis", held_out=True),
+    Wanted("Thermal ramp", "hysteresis", "hysteresis"),
+    Wanted("Thermal ramp", "vacuum offset", "vacuum_offset"),
+    Wanted("Rate", "resolution direct", "resolution", referenced=False),
+    Wanted("Rate", "resolution less rest", "resolution", referenced=True),
+    Wanted("Rate", "scale factor", "scale_factor"),
+    Wanted("Rate", "scale factor error", "scale_factor_error"),
+    Wanted("Noise", "angle random walk", "angle_random_walk"),
+    Wanted("Noise", "bias instability", "bias_instability"),
+    Wanted("Noise", "rate random walk", "rate_random_walk"),
+    Wanted("Noise", "rate ramp", "rate_ramp"),
+)
+OUTPUT = (
+    Wanted("Rate", "B", "bias_voltage", 0, "V"),
+    Wanted("Rate", "m1", "bias_voltage", 1, "V/V"),
+    Wanted("Rate", "m2", "bias_voltage", 2, "V/V^2"),
+    Wanted("Rate", "m3", "bias_voltage", 3, "V/V^3"),
+    Wanted("Rate", "b_cons", "bias", beside="scale_factor"),
+)
+THERMOMETER = (
+    Wanted("Temperature", "T_ref", "", 0, "degC", stated="temperature"),
+    Wanted("Temperature", "V_nominal", "thermometer_voltage", 0, "V", stated="voltage"),
+    Wanted("Temperature", "slope", "thermometer_slope", 0, "V/degC", stated="slope"),
+)
+STATED = {"code": "stated", "text": "stated in campaign.toml, without uncertainty"}
+
+
+@dataclass(frozen=True)
+class Line(Generic[R]):
+    """A figure a sensor."""
+
+    group: str
+    name: str
+    unit: str
+    rows: Mapping[str, R | Mapping[str, Any]]  # Axis -> row of results, or fields of one where there is none
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether no axis has a value."""
+        return all(row["value"] is None for row in self.rows.values())
+
+    @property
+    def tests(self) -> list[str]:
+        """Tests that its values come from."""
+        return list(
+            dict.fromkeys(row["test"] for row in self.rows.values() if row["test"] and row["value"] is not None)
+        )
+
+
+@dataclass(frozen=True)
+class OutputTable(Generic[R]):
+    """One table of one condition."""
+
+    title: str
+    condition: str  # Of the campaign; empty where it names none
+    lines: tuple[Line[R], ...]
+    axes: tuple[str, ...]
+
+    @property
+    def reasons(self) -> list[tuple[str, list[str]]]:
+        """Why figures are not estimated, and the names of those figures, with the axes if it is not all of them."""
+        found: dict[str, dict[str, list[str]]] = {}
+        for line in self.lines:
+            for axis in self.axes:
+                row = line.rows[axis]
+                if row["status"] == "not_estimated" and row["reason"] is not None:
+                    found.setdefault(row["reason"]["text"], {}).setdefault(line.name, []).append(axis)
+        every = len(self.axes)
+        return [
+            (text, [name if len(axes) == every else f"{name} ({' '.join(axes)})" for name, axes in names.items()])
+            for text, names in found.items()
+        ]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it as ``--json`` prints it: a row a figure."""
+        rows = [
+            {"group": line.group, "name": line.name, "axis": axis, "unit": line.unit}
+            | {name: line.rows[axis][name] for name in FIELDS}
+            for line in self.lines
+            for axis in self.axes
+        ]
+        return {"title": self.title, "condition": self.condition, "rows": rows}
+
+
+def output_tables(
+    sensors: Mapping[str, Any], sequence: Sequence[Mapping[str, Any]], results: Sequence[R]
+) -> list[OutputTable[R]]:
+    """Return the summary and the output of a suite, condition by condition.
+
+    Parameters
+    ----------
+    sensors : mapping
+        ``sensors`` of ``results.json``.
+    sequence, results : sequence of mapping
+        Its ``sequence`` and ``results``.
+
+    Returns
+    -------
+    list of OutputTable
+        None where the campaign has no gyro.
+    """
+    sensor = next((one for one in sensors.values() if one["kind"] == "gyro"), None)
+    if sensor is None:
+        return []
+    steps = {step["test"]: step for step in sequence}
+    rows = [row for row in results if row["test"] in steps and _is_result(row)]
+    suite = _Suite(tuple(sensor["axes"]), (sensor.get("chain") or {}).get("thermometer") or {}, steps, rows)
+    tables = []
+    for condition in list(dict.fromkeys(step["condition"] for step in sequence if step["condition"])) or [""]:
+        summary = [suite.line(one, condition) for one in SUMMARY]
+        output = [suite.line(one, condition) for one in OUTPUT]
+        output += [suite.matrix(axis, condition) for axis in suite.axes]
+        output += [suite.line(one, condition) for one in THERMOMETER]
+        tables.append(OutputTable("Summary (thesis Table 14)", condition, tuple(summary), suite.axes))
+        tables.append(OutputTable("Output (thesis Table 15)", condition, tuple(output), suite.axes))
+    return tables
+
+
+def _is_result(row: WrittenRow) -> bool:
+    case = case_of(row)
+    return case.at is None and case.method is Method.RESULT and (
+        case.member is None or case.member.kind == "requirement"
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Suite(Generic[R]):
+    """Where the figures are found."""
+
+    axes: tuple[str, ...]
+    thermometer: Mapping[str, Any]  # Of the chain
+    steps: Mapping[str, Mapping[str, Any]]  # Test -> its entry in ``sequence``
+    rows: Sequence[R]
+
+    def line(self, one: Wanted, condition: str) -> Line[R]:
+        found = {axis: self._row(one, axis, condition) for axis in self.axes}
+        unit = one.unit or next((row["unit"] for row in found.values() if row["unit"]), "")
+        return Line(one.group, one.name, unit, found)
+
+    def matrix(self, moved: str, condition: str) -> Line[R]:
+        """Return what each sensor reads of the motion along one axis, less its own in full."""
+        own, other = Wanted("", "", "scale_factor_error"), Wanted("", "", "cross_axis_sensitivity")
+        found = {
+            axis: self._row(own, axis, condition) if axis == moved else self._row(other, axis + moved, condition)
+            for axis in self.axes
+        }
+        return Line("Rate", f"M from {moved}", "%", found)
+
+    def _row(self, one: Wanted, axis: str, condition: str) -> R | Mapping[str, Any]:
+        """Return the row of an axis: of the test that comes first and has an estimate."""
+        given = {row["test"] for row in self.rows if row["quantity"] == one.beside}
+        rest = {row["test"] for row in self.rows if row["quantity"] == "bias" and reason_code(row) == REFERENCED}
+        key = Key(one.quantity, axis, power=one.power)
+        every = [
+            row
+            for row in self.rows
+            if key_of(row)._replace(sensor="") == key
+            and (not one.beside or row["test"] in given)
+            and (one.referenced is None or (row["test"] in rest) == one.referenced)
+        ]
+
+        def place(row: R) -> tuple[bool, bool, int]:
+            step = self.steps[row["test"]]
+            use = ORDER[step["use"]]
+            return row["status"] == "not_estimated", not step["condition"], -use if one.held_out else use
+
+        there = sorted((row for row in every if self.steps[row["test"]]["condition"] in (condition, "")), key=place)
+        estimated = [row for row in there if row["status"] != "not_estimated"]
+        if estimated or (there and not one.stated):
+            return [*estimated, *there][0]
+        if one.stated:
+            return self._stated(one, axis)
+        elsewhere = {self.steps[row["test"]]["condition"]: None for row in every if row["status"] != "not_estimated"}
+        text = f"tests give it only in condition {', '.join(elsewhere)}" if elsewhere else NOTHING
+        return NO_ROW | {"reason": {"code": "no_test", "text": text}}
+
+    def _stated(self, one: Wanted, axis: str) -> Mapping[str, Any]:
+        """Return a constant of the temperature channel as the campaign states it."""
+        given = self.thermometer.get(one.stated)
+        text = given.get(axis) if isinstance(given, Mapping) else given
+        if text is None:
+            return NO_ROW | {"reason": NO_THERMOMETER}
+        return NO_ROW | {"value": parse_quantity(str(text)).to(one.unit), "stated": str(text), "reason": STATED}

@@ -1,0 +1,193 @@
+"""Readings after earlier tests: what these found is taken off, and what is not known of it goes on into the figures.
+
+A correction is taken off sample by sample. Its unknowns are common to all recordings of a test, and to every other test
+that it was taken off (equal origins): they are no scatter, and more readings do not average them. A figure that is
+linear in mean readings changes with them by its gain. The uncertainty of the correction so enters once, by these
+unknowns, and what a constant does not change (a difference of readings, a scale factor) does not follow it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..core.errors import DataError
+from ..core.estimate import Array, Component, Estimate
+from ..core.key import AXES, Key, Origin
+from ..core.recording import SECOND, Recording
+from ..core.remarks import Remark
+from ..core.unknowns import Unknowns
+from .protocol import Correction
+
+TakenOff = Mapping[Origin, Unknowns]  # by origin, a dwell a recording
+NEGLIGIBLE = 0.01  # part of a change, below which a sensor does not count in degrees of freedom
+TINY = 1e-24  # of the largest eigenvalue of a covariance: no unknown of its own
+
+
+def corrected(
+    corrections: Sequence[Correction], named: Sequence[tuple[str, Recording]]
+) -> tuple[list[Recording], list[TakenOff]]:
+    """Return recordings after corrections, and the unknowns of what was taken off each.
+
+    Parameters
+    ----------
+    corrections : sequence of Correction
+        Each is taken off the recordings in its unit.
+    named : sequence of (str, Recording)
+        Each with its name: channels named by axis [SI], and what the corrections depend on.
+
+    Raises
+    ------
+    DataError
+        ``another_sensor`` if no recording is of the sensor of a correction; as the corrections say.
+    """
+    recordings: list[Recording] = [one for _, one in named]
+    taken_off: list[dict[Origin, Unknowns]] = [{} for _ in named]
+    for correction in corrections:
+        own = [k for k, one in enumerate(recordings) if _unit(one) == correction.unit]
+        if not own:
+            units = ", ".join(dict.fromkeys(_unit(one) for one in recordings))
+            what = f"after = {correction.test!r}, which found something in {correction.unit}; readings are in {units}"
+            raise DataError(what, recordings[0].source.path, do="Leave out after", code="another_sensor")
+        made, unknowns = correction.apply([(named[k][0], recordings[k]) for k in own])
+        for k, recording, unknown in zip(own, made, unknowns, strict=True):
+            recordings[k] = recording
+            taken_off[k] |= unknown
+    return recordings, list(taken_off)
+
+
+def _unit(recording: Recording) -> str:
+    return next((one.unit or "" for one in recording.channels if one.name in AXES), "")
+
+
+def between(recording: Recording, start: int, stop: int) -> Recording:
+    """Return the samples of a recording from one stamp to another, both included [ns]; without stamps, since its start.
+
+    Parameters
+    ----------
+    recording : Recording
+        With stamps, or a sample interval.
+    start, stop : int
+        [ns]
+    """
+    times = recording.time_ns
+    if times is None:
+        times = np.round(np.arange(len(recording)) * (recording.sample_interval or 1.0) * SECOND).astype(np.int64)
+    keep = (times >= start) & (times <= stop)
+    channels = tuple(replace(one, data=one.data[keep]) for one in recording.channels)
+    return replace(recording, channels=channels, time_ns=times[keep])
+
+
+def components(taken_off: TakenOff, keys: Sequence[Key], gain: Array) -> list[Component]:
+    """Return what the unknowns of corrections change in figures that are linear in mean readings.
+
+    Parameters
+    ----------
+    taken_off : mapping of Origin to Unknowns
+        Of n dwells.
+    keys : sequence of Key
+        Of the figures.
+    gain : ndarray, shape (k, n, 3)
+        Figures per mean reading of x, y and z in each dwell.
+    """
+    found = []
+    for origin, off in taken_off.items():
+        changes = moved(off, gain)
+        if np.any(changes):
+            covariance = changes.T @ changes
+            covariance = 0.5 * (covariance + covariance.T)
+            dof = dof_of(off, gain)
+            found.append(Component(origin, off.kind, covariance, dof, off.distribution, off.stated, changes,
+                                   off.unknowns))  # fmt: skip
+    return found
+
+
+def moved(off: Unknowns, gain: Array) -> Array:
+    """Return what each unknown changes in figures of a gain (k, n, 3) per mean reading, shape (s, k)."""
+    return np.asarray(-np.einsum("sna,kna->sk", off.changes, gain))
+
+
+def dof_of(off: Unknowns, gain: Array) -> Array:
+    """Return the degrees of freedom of each figure, shape (k,): the fewest of the sensors that it rests on."""
+    parts = np.sqrt(np.sum(np.einsum("sna,kna->ska", off.changes, gain) ** 2, axis=0))  # (k, 3)
+    used = (parts > 0.0) & (parts >= NEGLIGIBLE * parts.max(axis=1, keepdims=True))
+    return np.asarray(np.where(used, off.dof, np.inf).min(axis=1, initial=np.inf))
+
+
+def found_by(estimate: Estimate, test: str) -> Estimate:
+    """Return an estimate whose sources are unknowns of the test that found it, as other tests know them after it."""
+    parts = []
+    for one in estimate.components:
+        origin = one.origin if one.origin.test else one.origin._replace(test=test)
+        changes = factor(one.covariance) if one.changes is None else one.changes
+        parts.append(replace(one, given=origin, changes=changes))
+    return replace(estimate, components=tuple(parts))
+
+
+def factor(covariance: Array) -> Array:
+    """Return independent unknowns with this covariance, shape (s, n): ``changes.T @ changes`` is the covariance."""
+    scale = np.sqrt(np.diag(covariance))
+    size = np.where(scale > 0.0, scale, 1.0)
+    sizes, vectors = np.linalg.eigh(covariance / np.outer(size, size))
+    keep = sizes > TINY * sizes[-1]
+    return np.asarray((vectors[:, keep] * np.sqrt(sizes[keep])).T * size)
+
+
+@dataclass(frozen=True, eq=False)
+class BiasCorrection:
+    """A constant bias that a test found, to be taken off.
+
+    Parameters
+    ----------
+    test : str
+        Its name.
+    estimate : Estimate
+        Bias of each axis that has one, SI.
+    """
+
+    test: str
+    estimate: Estimate
+
+    @property
+    def unit(self) -> str:
+        """Of the readings."""
+        return self.estimate.units[0]
+
+    @property
+    def reference_temperature(self) -> None:
+        """None: the whole bias is taken off."""
+        return
+
+    def apply(
+        self, recordings: Sequence[tuple[str, Recording]]
+    ) -> tuple[list[Recording], list[Mapping[Origin, Unknowns]]]:
+        """Return recordings with the bias taken off the axes that have one; the others are remarked."""
+        bias = {key.axis: float(value) for key, value in zip(self.estimate.keys, self.estimate.values, strict=True)}
+        made = []
+        for name, one in recordings:
+            channels = tuple(
+                replace(c, data=np.asarray(c.data, dtype=np.float64) - bias[c.name]) if c.name in bias else c
+                for c in one.channels
+            )
+            lacking = [c.name for c in one.channels if c.name in AXES and c.name not in bias]
+            what = f"{self.test} found no bias of {', '.join(lacking)}: nothing is taken off"
+            more = (Remark("no_bias", "warning", what, one.source.path or name),) if lacking else ()
+            made.append(replace(one, channels=channels, remarks=(*one.remarks, *more)))
+        unknowns = self._unknowns()
+        return made, [unknowns for _ in made]
+
+    def _unknowns(self) -> dict[Origin, Unknowns]:
+        found, keys = {}, self.estimate.keys
+        for one in found_by(self.estimate, self.test).components:
+            law, origin = one.changes, one.origin
+            if law is None or not np.any(one.u):
+                continue
+            changes, dof = np.zeros((len(law), 1, 3)), np.full(3, np.inf)
+            for i, key in enumerate(keys):
+                changes[:, 0, AXES.index(key.axis)] = law[:, i]
+                dof[AXES.index(key.axis)] = np.broadcast_to(one.dof, len(keys))[i]
+            found[origin] = Unknowns(origin, one.kind, changes, keys, law, dof, one.distribution, one.stated,
+                                     one.unknowns)  # fmt: skip
+        return found

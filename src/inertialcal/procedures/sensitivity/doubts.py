@@ -1,0 +1,140 @@
+"""What speaks against a sensitivity: few power-ups, readings that depend on the way to a level, drift, curvature."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import special
+
+from ...core.estimate import Array
+from ...core.remarks import Remark
+from ...core.units import factor
+from .design import TOGETHER, Column, within
+from .fit import SensorFit
+from .plan import SUPPLY, Plan
+from .readings import Readings
+
+FEW = 5  # power-ups, below which their scatter is badly known
+SURE = 1e-4  # chance of a doubt where there is none
+MOVED = 2.0  # standard uncertainties, by which a drift that is left out moves a term
+SAME = 0.05  # of the range of a condition: no step
+RESOLUTION = "supply_meter.resolution"
+
+
+def remarks_on_power_ups(readings: Readings) -> list[Remark]:
+    """Return a remark on too few power-ups."""
+    count = len(readings.power_ups)
+    if count >= FEW:
+        return []
+    if count < 2:
+        what = "one power-up: nothing tells whether a sensitivity repeats; figures rest on the scatter between levels"
+        return [Remark("few_runs", "warning", what, do="Record the same levels in 2 power-ups or more")]
+    what = f"{count} power-ups: the scatter between them is badly known, intervals are wide"
+    return [Remark("few_runs", "info", what, do=f"Record {FEW} or more for a narrower interval")]
+
+
+def doubts(plan: Plan, readings: Readings, fit: SensorFit) -> list[Remark]:
+    """Return remarks on what the fit of one sensor does not allow for."""
+    if fit.own is None:
+        return []
+    found: list[Remark] = []
+    design, time = fit.design, readings.time[fit.design.chosen]
+    timed = bool(np.all(np.isfinite(time)))
+    for one in (column for column in fit.columns if not column.warm and not column.scale and column.key in fit.keys):
+        steps = _steps(one.values, design.runs, np.lexsort((time, design.runs)))
+        if timed:
+            found += _drifts(plan, fit, one, time)
+            found += _added(plan, readings, fit, np.sign(steps), one.condition, "path_dependent")
+        found += _added(plan, readings, fit, one.values**2, one.condition, "curved")
+        found += _settles(plan, readings, fit, one.condition, steps)
+        if readings.scatter[one.condition] == 0.0 and not (one.condition == SUPPLY and RESOLUTION in plan.standards):
+            what = f"{one.condition} repeats the same value at each level: set, not measured, or coarser than its noise"
+            do = "Record what was measured, or state its error (standards.supply_meter.resolution)"
+            found.append(Remark("set_values", "info", what, do=do, subject=one.condition))
+    return found
+
+
+def _spoken(plan: Plan, value: float, readings: Readings) -> str:
+    unit = plan.unit or readings.unit
+    return f"{value * factor(readings.unit, unit):.2g} {unit}"
+
+
+def _steps(values: Array, runs: NDArray[np.str_], ordered: NDArray[np.intp]) -> Array:
+    """Return by how much a condition changed before each level of its power-up; 0 for the first."""
+    steps = np.zeros(len(values))
+    same = runs[ordered][1:] == runs[ordered][:-1]
+    steps[ordered[1:]] = np.where(same, np.diff(values[ordered]), 0.0)
+    steps[np.abs(steps) < SAME * np.ptp(values)] = 0.0
+    return steps
+
+
+def _settles(plan: Plan, readings: Readings, fit: SensorFit, name: str, steps: Array) -> list[Remark]:
+    """Return a remark where readings still follow a change in the second half of a level."""
+    axis = fit.design.axis
+    late = readings.settling[axis][fit.design.chosen] * np.sign(steps)
+    late = late[(steps != 0.0) & np.isfinite(late)]
+    if len(late) < 3 or not late.std() > 0.0:
+        return []
+    t = float(late.mean() / (late.std(ddof=1) / np.sqrt(len(late))))
+    if 2.0 * float(special.stdtr(len(late) - 1, -abs(t))) > SURE:
+        return []
+    change = _spoken(plan, float(late.mean()), readings)
+    what = f"{axis} still settles after changes of {name}: {change} from the first half of a level to the second"
+    do = 'Leave the beginning out: --settle "60 s"'
+    return [Remark("not_settled", "warning", what, do=do, axis=axis, subject=name)]
+
+
+def _drifts(plan: Plan, fit: SensorFit, own: Column, time: Array) -> list[Remark]:
+    """Return a remark where a drift with time that is left out moves a term."""
+    design = fit.design
+    assert fit.own is not None  # noqa: S101 - the caller looked
+    columns = within(np.column_stack([*(one.values for one in fit.columns), time]), design.runs)
+    sizes = np.linalg.norm(columns, axis=0)
+    if not np.all(sizes > 0.0) or plan.drift:
+        return []
+    unit = columns / sizes
+    do = "Take the levels up and down again, record after the warm-up, or fit the drift: --drift 1"
+    if float(unit[:, fit.columns.index(own)] @ unit[:, -1]) ** 2 > TOGETHER:
+        what = f"{own.condition} changes with time: a drift is taken for a sensitivity of {design.axis}"
+        return [Remark("one_order", "warning", what, do=do, axis=design.axis, subject=own.condition)]
+    solve, spare = np.linalg.pinv(unit), fit.own.spare - 1.0
+    coefficients = solve @ fit.own.local
+    left = fit.own.local - unit @ coefficients
+    u = float(np.sqrt(left @ left / max(spare, 1.0) * (solve @ solve.T)[-1, -1]))
+    at = fit.columns.index(own)
+    shift = abs(coefficients[at] / sizes[at]) / float(np.sqrt(fit.own.covariance[1 + at, 1 + at]))
+    sure = spare >= 1.0 and u > 0.0 and 2.0 * float(special.stdtr(spare, -abs(coefficients[-1] / u))) < SURE
+    if not sure or shift < MOVED:
+        return []
+    what = f"{design.axis} drifts, which moves its sensitivity to {own.condition} by {shift:.1f} standard uncertainties"
+    return [Remark("one_order", "warning", what, do=do, axis=design.axis, subject=own.condition)]
+
+
+WHAT = {
+    "path_dependent": ("{} reads otherwise on the way up and down of {}", 'Wait longer, or leave out: --settle "60 s"'),
+    "curved": ("the bias of {} is curved over {}", "Take a narrower range"),
+}
+
+
+def _added(plan: Plan, readings: Readings, fit: SensorFit, column: Array, name: str, code: str) -> list[Remark]:
+    """Return a remark where one more column explains more than chance."""
+    own, design = fit.own, fit.design
+    assert own is not None  # noqa: S101 - the caller looked
+    columns = within(np.column_stack([one.values for one in fit.columns]), design.runs)
+    unit = columns / np.linalg.norm(columns, axis=0)
+    left = within(column, design.runs)
+    left = left - unit @ np.linalg.lstsq(unit, left, rcond=None)[0]
+    size, spare = float(left @ left), own.spare - 1.0
+    if size < (1.0 - TOGETHER) * float(column @ column) * SAME or spare < 1.0:
+        return []
+    part = float(left @ own.local) ** 2 / size
+    rest = (float(own.local @ own.local) - part) / spare
+    if rest <= 0.0 or 2.0 * float(special.stdtr(spare, -np.sqrt(part / rest))) > SURE:
+        return []
+    effect = _spoken(plan, abs(float(left @ own.local)) / size * float(np.ptp(column)), readings)
+    text, do = WHAT[code]
+    what = f"{text.format(design.axis, name)}, by {effect} over its range"
+    return [Remark(code, "warning", what, do=do, axis=design.axis, subject=name)]
+
+
+__all__ = ["doubts", "remarks_on_power_ups"]

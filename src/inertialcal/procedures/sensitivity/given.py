@@ -1,0 +1,99 @@
+"""What a file given to the command is: channels by role, and any other channel that ``--to`` names."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from ...core.errors import UsageError
+from ...core.key import AXES
+from ...core.units import normalise
+from ..given import Described, GivenFile
+from ..given import described as described_channels
+from ..protocol import InputSpec
+from .plan import APPLIED, PUMP, SUPPLY, WARM_UP
+
+INPUTS = ("applied", "table")  # that the name of a column with the true input begins with
+NO_UNIT = {PUMP: "1"}  # on or off
+FOLLOWS = 0.9  # correlation of an axis with it
+
+
+def split_label(given: str) -> tuple[str, str]:
+    """Return the power-up that a caller names a file by, and the file: ``"A=level1.csv"``."""
+    label, equals, path = given.partition("=")
+    if not equals or not label or Path(given).exists() or "/" in label:
+        return "", given
+    return label.strip(), path
+
+
+def described(given: GivenFile, spec: InputSpec) -> Described:
+    """Return a recording of channels; conditions without a role by the column that has their name, or is given.
+
+    Raises
+    ------
+    UsageError
+        If that is not clear, or a unit is missing.
+    """
+    roles = {role.name for role in spec.roles}
+    asked = given.plan.get("to") or [SUPPLY]
+    names = [asked] if isinstance(asked, str) else [str(one) for one in asked]
+    columns = dict(given.said.columns)
+    others = {name: columns.pop(name, name) for name in names if name not in (*roles, WARM_UP)}
+    if SUPPLY in names and SUPPLY not in columns:
+        named = [one.name for one in given.recording.channels if one.name.lower().startswith(SUPPLY)]
+        columns |= {SUPPLY: named[0]} if len(named) == 1 else {}
+    applied = _applied(given)
+    columns |= {APPLIED: applied} if applied else {}
+    if not applied:  # no other column is taken for it
+        spec = replace(spec, roles=tuple(role for role in spec.roles if role.name != APPLIED))
+    found = described_channels(replace(given, said=replace(given.said, columns=columns)), spec)
+    conditions = {}
+    for name, column in others.items():
+        if column not in given.recording.names:
+            do = f"Add: {given.add('column', f'{name}=COLUMN')}; it has {', '.join(given.recording.names)}"
+            raise UsageError(f"{given.name}: no column {column!r} for {name}", do=do, code="no_column")
+        unit = given.recording.channel(column).unit or given.said.units.get(name) or NO_UNIT.get(name)
+        if unit is None:
+            do = f"Add: {given.add('unit', f'{column}=V')}"
+            raise UsageError(f"{given.name}: unit missing: {column!r}", do=do, code="no_unit")
+        conditions[name] = {"column": column, "unit": normalise(unit)}
+    entry = found.entry | ({"conditions": conditions} if conditions else {})
+    entry |= {"run": given.label} if given.label else {}
+    entry |= {"axis": _turned(given, found, applied)} if applied else {}
+    return replace(found, entry=entry, columns={**found.columns, **others})
+
+
+def _applied(given: GivenFile) -> str | None:
+    """Return the column of the true input: as said, else the one whose name begins so."""
+    said = given.own.get(APPLIED) or given.said.columns.get(APPLIED)
+    named = [one.name for one in given.recording.channels if one.name.lower().startswith(INPUTS)]
+    return str(said) if said else named[0] if len(named) == 1 else None
+
+
+def _turned(given: GivenFile, found: Described, applied: str) -> str:
+    """Return the axis along the true input: as said, the only one, or the one that follows it.
+
+    Raises
+    ------
+    UsageError
+        ``no_axis`` where none clearly does.
+    """
+    axes = {axis: name for axis, name in found.columns.items() if axis in AXES}
+    if (said := given.own.get("axis")) or len(axes) == 1:
+        return str(said or next(iter(axes)))
+    true = np.asarray(given.recording.channel(applied).data, dtype=float)
+    following = []
+    for axis, name in axes.items():
+        values = np.asarray(given.recording.channel(name).data, dtype=float)
+        use = np.isfinite(true) & np.isfinite(values)
+        if use.any() and np.ptp(true[use]) > 0.0 and np.ptp(values[use]) > 0.0:
+            following += [axis] if abs(float(np.corrcoef(true[use], values[use])[0, 1])) > FOLLOWS else []
+    if len(following) != 1:
+        what = f"{given.name}: cannot tell which axis is along {applied!r}"
+        raise UsageError(what, do=f"Add: {given.add('axis', 'x')}", code="no_axis")
+    return following[0]
+
+
+__all__ = ["described", "split_label"]

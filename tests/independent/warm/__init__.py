@@ -1,0 +1,1 @@
+"""Simulators of units at several temperatures."""

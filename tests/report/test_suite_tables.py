@@ -1,0 +1,96 @@
+"""The two tables of a suite: which test each figure comes from, in which condition, and what is not estimated."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from inertialcal.core.show.output_tables import OutputTable, output_tables
+from written_rows import fields
+
+STEPS = [
+    {"test": "air", "use": "fit", "condition": "air"},
+    {"test": "air_check", "use": "hold_out", "condition": "air"},
+    {"test": "vacuum", "use": "fit", "condition": "vacuum"},
+    {"test": "table", "use": "fit", "condition": "air"},
+    {"test": "at_rest", "use": "report_only", "condition": "air"},
+    {"test": "still", "use": "fit", "condition": ""},
+]
+CHAIN = {"thermometer": {"slope": "26.4 mV/degC", "voltage": {"x": "-0.5042 V"}, "temperature": {"x": "25.7 degC"}}}
+SENSOR = {"kind": "gyro", "axes": ["x", "y"], "chain": CHAIN}
+
+
+def row(test: str, quantity: str, axis: str, value: float | None, unit: str, power: int = 0) -> dict[str, Any]:
+    own = {"test": test, "quantity": quantity, "axis": axis, "power": power, "value": value, "unit": unit}
+    more: dict[str, Any] = {
+        "u": 0.1,
+        "dof": None,
+        "status": "estimated",
+        "reason": None,
+        "interval": None,
+        "sensor": "",
+    }
+    if value is None:
+        more |= {"u": None, "status": "not_estimated", "reason": {"code": "referenced", "text": "subtracted"}}
+    return fields("") | own | more
+
+
+ROWS = [
+    row("air", "hysteresis", "x", 1.0, "deg/s"), row("air", "scatter_run", "x", 2.0, "deg/s"),
+    row("air_check", "hysteresis", "x", 9.0, "deg/s"), row("air_check", "residual_bias", "x", 3.0, "deg/s"),
+    row("air", "bias_voltage", "x", 4.0, "1/V", power=2), row("vacuum", "hysteresis", "x", 5.0, "deg/s"),
+    row("table", "scatter_run", "x", 8.0, "deg/s"), row("table", "scale_factor", "x", 0.5, "V/(deg/s)"),
+    row("table", "scale_factor_error", "x", 0.6, "%"), row("table", "cross_axis_sensitivity", "yx", 0.7, "%"),
+    row("table", "bias", "x", 0.01, "deg/s"), row("table", "resolution", "x", 1.5, "deg/s"),
+    row("at_rest", "bias", "x", None, "deg/s"), row("at_rest", "resolution", "x", 0.1, "deg/s"),
+    row("at_rest", "residual_bias", "x", 7.0, "deg/s"), row("still", "angle_random_walk", "x", 0.2, "deg/sqrt(h)"),
+]  # fmt: skip
+TABLES = output_tables({"suite": SENSOR}, STEPS, ROWS)
+
+
+def value(table: OutputTable[Any], name: str, axis: str = "x") -> Any:
+    (line,) = [one for one in table.lines if one.name == name]
+    found = line.rows[axis]
+    return found["value"] if found["value"] is not None else found["reason"]["text"]
+
+
+def test_each_figure_is_that_of_its_test_and_condition() -> None:
+    air, air_output, vacuum, vacuum_output = TABLES
+    assert [one.condition for one in (air, air_output, vacuum, vacuum_output)] == ["air", "air", "vacuum", "vacuum"]
+    figures = {
+        "hysteresis": 1.0, "bias run to run": 2.0, "residual settled": 3.0, "scale factor": 0.5,
+        "resolution direct": 1.5, "resolution less rest": 0.1, "angle random walk": 0.2,
+    }  # fmt: skip
+    assert {name: value(air, name) for name in figures} == figures
+    assert value(vacuum, "hysteresis") == 5.0
+    assert value(vacuum, "angle random walk") == 0.2
+    assert value(vacuum, "scale factor") == "tests give it only in condition air"
+    assert value(air, "vacuum offset") == value(air, "hysteresis", "y") == "no test of the campaign gives it"
+
+
+def test_output_has_the_units_of_the_equation_and_a_column_a_sensor() -> None:
+    output = TABLES[1]
+    units = {line.name: line.unit for line in output.lines}
+    assert [units[name] for name in ("B", "m1", "m2", "m3", "b_cons")] == ["V", "V/V", "V/V^2", "V/V^3", "deg/s"]
+    assert (value(output, "m2"), value(output, "b_cons")) == (4.0, 0.01)
+    assert (value(output, "M from x"), value(output, "M from x", "y")) == (0.6, 0.7)
+    assert [value(output, name) for name in ("T_ref", "V_nominal", "slope")] == [25.7, -0.5042, 0.0264]
+    assert value(output, "T_ref", "y") == "the chain of the campaign has no temperature channel"
+    rows = output.to_dict()["rows"]
+    assert len(rows) == len(output.lines) * 2
+    assert {"name": "M from x", "axis": "y", "value": 0.7, "test": "table"}.items() <= rows[11].items()
+
+
+def test_a_campaign_without_a_gyro_has_none() -> None:
+    assert output_tables({"head": SENSOR | {"kind": "accelerometer"}}, [], []) == []
+
+
+def test_a_calibrated_thermometer_takes_the_place_of_what_is_stated() -> None:
+    assert value(TABLES[0], "thermometer nominal") == -0.5042
+    found = row("air", "thermometer_voltage", "x", -0.51, "V"), row("air", "thermometer_slope", "x", 0.027, "V/degC")
+    summary, output, *_ = output_tables({"suite": SENSOR}, STEPS, [*ROWS, *found])
+    assert value(summary, "thermometer nominal") == value(output, "V_nominal") == -0.51
+    assert (value(output, "slope"), value(output, "slope", "y")) == (0.027, 0.0264)
+    said = "stated in campaign.toml, without uncertainty"
+    assert dict(output.reasons)[said] == ["T_ref (x)", "slope (y)"]
+    once = row("air", "thermometer_voltage", "x", None, "V")
+    assert value(output_tables({"suite": SENSOR}, STEPS, [*ROWS, once])[1], "V_nominal") == -0.5042
