@@ -162,7 +162,7 @@ SAME = 'recordings = ["one"]\n'
         (SAME, SAME + 'groups = ["1"]\n', ""),
         ('limit = "5 %"', 'limit = "-5 %"', "must be above zero"),
         ('limit = "5 %"', 'limit = "5 V"', "rate_error cannot be compared with '5 V'"),
-        ('quantity = "rate_error"', 'quantity = "rate_eror"', "Did you mean rate_error?"),
+        ('quantity = "rate_error"', 'quantity = "rate_eror"', "Did you mean rate_error"),
         ("[[requirements]]", '[model]\nterms = { scale_factor = ["frist"] }\n[[requirements]]', "'frist' is no test"),
         ("zero_reference = true", 'zero_reference = true, attitude = { tilt = "1 deg" }', "needs site.latitude"),
         ('unit = "deg/s"\nrange', 'unit = "deg/s"\nmounting = [[1,0,0],[0,1,0],[0,0,1]]\nrange', "mounting"),

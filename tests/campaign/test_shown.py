@@ -158,7 +158,15 @@ def test_a_terminal_and_a_notebook_show_the_same(name: str, shown: Mapping[str, 
 
 
 def test_every_public_function_that_returns_an_object_is_covered() -> None:
-    assert set(ic.__all__) - {"load_model", "max_memory", "write", "compensate", "plot", "programme_1969"} <= set(NAMES)
+    assert set(ic.__all__) - {
+        "load_model",
+        "load_models",
+        "max_memory",
+        "write",
+        "compensate",
+        "plot",
+        "programme_1969",
+    } <= set(NAMES)
 
 
 def test_figures_are_those_of_the_results(shown: Mapping[str, Any]) -> None:

@@ -122,7 +122,8 @@ def model_for(
         ``wrong_condition`` for pressures outside the range of the model's condition.
     """
     every = models if isinstance(models, ModelSet) else ModelSet((models,))
-    pressure = _pressure(recording, columns or {})
+    ranged = any(one.pressure_range is not None for one in every.values())
+    pressure = _pressure(recording, columns or {}) if ranged else None
     known = np.empty(0) if pressure is None else pressure[np.isfinite(pressure)]
     fitting = [name for name, one in every.items() if len(known) and not _outside(one, known).any()]
     fitting = [name for name in fitting if every[name].pressure_range is not None]

@@ -80,7 +80,7 @@ def _settles(plan: Plan, readings: Readings, fit: SensorFit, name: str, steps: A
         return []
     change = _spoken(plan, float(late.mean()), readings)
     what = f"{axis} still settles after changes of {name}: {change} from the first half of a level to the second"
-    do = 'Leave the beginning out: --settle "60 s"'
+    do = "Leave the beginning of each level out (settle), or record each level for longer"
     return [Remark("not_settled", "warning", what, do=do, axis=axis, subject=name)]
 
 
@@ -111,7 +111,10 @@ def _drifts(plan: Plan, fit: SensorFit, own: Column, time: Array) -> list[Remark
 
 
 WHAT = {
-    "path_dependent": ("{} reads otherwise on the way up and down of {}", 'Wait longer, or leave out: --settle "60 s"'),
+    "path_dependent": (
+        "{} reads otherwise on the way up and down of {}",
+        "Wait longer at each level, or leave its beginning out (settle)",
+    ),
     "curved": ("the bias of {} is curved over {}", "Take a narrower range"),
 }
 

@@ -118,9 +118,9 @@ def changes(
     )
 
 
-def _steps(condition: Array, at: int) -> bool:
+def _steps(levels: Array, at: int) -> bool:
     """Return whether a condition jumps near a sample, far more than from one sample to the next before and after."""
-    values = condition[max(at - FEWEST, 0) : at + FEWEST]
+    values = levels[max(at - FEWEST, 0) : at + FEWEST]
     sizes = np.abs(np.diff(values[np.isfinite(values)]))
     middle = min(at, FEWEST)
     near = sizes[max(middle - NEAR, 0) : middle + NEAR]
