@@ -229,7 +229,7 @@ def test_a_campaign_without_model_loop_or_requirement_says_so(campaign: Callable
     text = " ".join((folder / "out" / "report.html").read_text().split())
     assert "not stated" in text
     assert "so this report gives no verdict" in text
-    assert "The closed loop was not run: <bdi>no model</bdi>" in text
+    assert "The closed loop was not run: <bdi>no model: no test for a fit gives a term of it</bdi>" in text
     assert "No model is delivered" in text
     assert "No requirements stated" in text
     assert not (folder / "out" / "model.json").exists()

@@ -4,17 +4,23 @@ from __future__ import annotations
 
 from typing import Any
 
+from inertialcal.cli.shown.summary import tables_text
 from inertialcal.core.show.output_tables import OutputTable, output_tables
 from written_rows import fields
 
+
+def step(test: str, use: str, condition: str, sensor: str = "suite", **terms: list[str]) -> dict[str, Any]:
+    """Return a test; terms are the kinds that the model of a condition takes from it."""
+    return {"test": test, "use": use, "condition": condition, "sensors": [sensor], "terms": terms}
+
+
 STEPS = [
-    {"test": "air", "use": "fit", "condition": "air"},
-    {"test": "air_check", "use": "hold_out", "condition": "air"},
-    {"test": "vacuum", "use": "fit", "condition": "vacuum"},
-    {"test": "table", "use": "fit", "condition": "air"},
-    {"test": "at_rest", "use": "report_only", "condition": "air"},
-    {"test": "still", "use": "fit", "condition": ""},
-]
+    step("air", "fit", "air", air=["bias"]), step("air_check", "hold_out", "air"),
+    step("vacuum", "fit", "vacuum", vacuum=["bias"]),
+    step("table", "fit", "air", air=["scale_factor", "misalignment"]), step("at_rest", "report_only", "air"),
+    step("still", "fit", ""),
+]  # fmt: skip
+DECIDED = [*STEPS[:3], step("table", "fit", "air", air=["scale_factor"], vacuum=["scale_factor"]), *STEPS[4:]]
 CHAIN = {"thermometer": {"slope": "26.4 mV/degC", "voltage": {"x": "-0.5042 V"}, "temperature": {"x": "25.7 degC"}}}
 SENSOR = {"kind": "gyro", "axes": ["x", "y"], "chain": CHAIN}
 
@@ -78,6 +84,48 @@ def test_output_has_the_units_of_the_equation_and_a_column_a_sensor() -> None:
     rows = output.to_dict()["rows"]
     assert len(rows) == len(output.lines) * 2
     assert {"name": "M from x", "axis": "y", "value": 0.7, "test": "table"}.items() <= rows[11].items()
+
+
+def test_what_a_condition_takes_from_another_one_is_there_and_marked() -> None:
+    """The model in vacuum takes the scale factor made in air; misalignment and bias of the table it does not take."""
+    air, _, vacuum, output = output_tables({"suite": SENSOR}, DECIDED, ROWS)
+    lines = {line.name: line for line in (*vacuum.lines, *output.lines)}
+    assert value(vacuum, "scale factor") == 0.5
+    assert (value(vacuum, "scale factor error"), value(output, "M from x")) == (0.6, 0.6)
+    assert lines["scale factor"].taken == lines["M from x"].taken == {"table": "air"}
+    assert value(output, "M from x", "y") == "tests give it only in condition air"
+    assert value(output, "b_cons") == "tests give it only in condition air"
+    assert lines["hysteresis"].taken == {}
+    assert all(not line.taken for line in air.lines)
+    found = [row for row in vacuum.to_dict()["rows"] if row["taken_from"]]
+    assert {(row["name"], row["taken_from"]) for row in found} == {
+        ("scale factor", "air"), ("scale factor error", "air"),
+    }  # fmt: skip
+    assert "taken from air" in tables_text([vacuum])
+
+
+def test_a_condition_with_a_test_of_its_own_takes_none() -> None:
+    own = step("table_vacuum", "fit", "vacuum", vacuum=["scale_factor"])
+    rows = [*ROWS, row("table_vacuum", "scale_factor", "x", 0.51, "V/(deg/s)")]
+    *_, vacuum, _ = output_tables({"suite": SENSOR}, [*DECIDED, own], rows)
+    assert value(vacuum, "scale factor") == 0.51
+
+
+def test_sensitivity_to_the_supply_and_a_time_of_all_axes_are_there() -> None:
+    steps = [*STEPS, step("supply", "fit", "vacuum", vacuum=["sensitivity", "warm_up"])]
+    rows = [row("supply", "bias_supply", "x", 0.017, "deg/s/V"), row("supply", "warm_up_time", "", 200.0, "s", 1)]
+    *_, vacuum, _ = output_tables({"suite": SENSOR}, steps, [*ROWS, *rows])
+    assert value(vacuum, "bias by supply") == 0.017
+    assert value(vacuum, "joint time constant") == value(vacuum, "joint time constant", "y") == 200.0
+
+
+def test_other_sensors_have_no_part_in_it() -> None:
+    steps = [*STEPS, step("faces", "fit", "upright", sensor="head")]
+    rows = [row("faces", quantity, "x", 9.0, "m/s2") for quantity in ("bias", "scale_factor")]
+    both = row("table", "bias", "x", 9.0, "m/s2") | {"sensor": "accelerometer"}
+    tables = output_tables({"head": SENSOR | {"kind": "accelerometer"}, "suite": SENSOR}, steps, [both, *rows, *ROWS])
+    assert [one.condition for one in tables] == ["air", "air", "vacuum", "vacuum"]
+    assert value(tables[1], "b_cons") == 0.01
 
 
 def test_a_campaign_without_a_gyro_has_none() -> None:

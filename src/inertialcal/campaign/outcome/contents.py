@@ -27,8 +27,9 @@ from ...procedures.display import (
 )
 from ...procedures.protocol import BudgetFigure, budget_figures
 from ..engine.engine import Prepared, ReducedTest, sensor_of
+from ..file.conditions import chosen_tests, conditions_of
 from ..file.load import Campaign
-from ..file.schema import Site
+from ..file.schema import CampaignFile, Site
 from ..file.sensors import Sensor
 from ..inputs.sources import Origin
 from ..models.content import closed_loop_content, named_models, parameter_rows
@@ -102,7 +103,7 @@ def results_content(
         "standards": standards_rows(campaign, tested),
         "influences": {name: influence_fields(one) for name, one in sorted(campaign.standards.items())},
         "occasions": _occasions(campaign, tested, modelled),
-        "sequence": sequence_rows(prepared, unused),
+        "sequence": sequence_rows(campaign.file, prepared, unused),
         "exclusions": exclusion_rows(unused),
         "results": [row.to_dict() for row in rows],
         "covariances": [c for one in tested for kind in one.parts if (c := _covariance(one, kind)) is not None],
@@ -312,26 +313,38 @@ def curves_content(
     return found
 
 
-def sequence_rows(prepared: Sequence[Prepared], exclusions: Sequence[LeftOut]) -> list[dict[str, Any]]:
+def sequence_rows(
+    file: CampaignFile, prepared: Sequence[Prepared], exclusions: Sequence[LeftOut]
+) -> list[dict[str, Any]]:
     """Return one row a test, in the order run.
 
     Parameters
     ----------
+    file : CampaignFile
+        What the campaign says.
     prepared : sequence of Prepared
         Every test.
     exclusions : sequence of LeftOut
         Of all tests; a dwell that several sensors leave out counts once.
     """
-    return [_step(one, exclusions) for one in prepared]
+    return [_step(file, one, exclusions) for one in prepared]
 
 
-def _step(one: Prepared, exclusions: Sequence[LeftOut]) -> dict[str, Any]:
+def _step(file: CampaignFile, one: Prepared, exclusions: Sequence[LeftOut]) -> dict[str, Any]:
     test = one.test
     out = {left.what.place for left in exclusions if left.test == test.id and left.what.dwell}
     windows = [[instant_text(start), instant_text(stop)] for start, stop in test.windows or []]
+    sensors = list(dict.fromkeys(file.recordings[name].sensor for name in test.recordings))
+    terms: dict[str, list[str]] = {}
+    for sensor in sensors:
+        for condition in conditions_of(file, sensor):
+            for kind, tests in chosen_tests(file, sensor, condition).items():
+                if test.id in {each.id for each in tests} and kind not in terms.setdefault(condition, []):
+                    terms[condition].append(kind)
+    terms = {condition: kinds for condition, kinds in terms.items() if kinds}
     return {
         "test": test.id, "procedure": test.procedure, "use": test.use, "condition": test.condition,
-        "source": test.source, "against": test.against, "after": list(test.after),
+        "sensors": sensors, "terms": terms, "source": test.source, "against": test.against, "after": list(test.after),
         "groups": test.groups, "windows": windows or None,
         "recordings": [_recording(origin) for origin in one.origins],
         "dwells": len(one.readings) if procedure_of(test.procedure).counts_dwells else None,

@@ -278,7 +278,8 @@ def tables_text(tables: Sequence[OutputTable[WrittenRow]]) -> str:
             if line.group != group:
                 group = line.group
                 cells.append([f"  {group}", *("" for _ in one.axes), ""])
-            cells.append([f"    {line.name}", *(_output_cell(line.rows[axis]) for axis in one.axes), line.unit])
+            taken = f"  taken from {', '.join(dict.fromkeys(line.taken.values()))}" if line.taken else ""
+            cells.append([f"    {line.name}", *(_output_cell(line.rows[axis]) for axis in one.axes), line.unit + taken])
         title = f"{one.title}, condition {one.condition}" if one.condition else one.title
         told = [wrapped(f"  {', '.join(names)}: {text}", "    ") for text, names in one.reasons]
         right = range(1, len(one.axes) + 1)

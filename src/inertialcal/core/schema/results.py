@@ -145,6 +145,10 @@ class Step(Part):
     procedure: str
     use: Literal["fit", "hold_out", "report_only"]
     condition: str
+    sensors: list[str] = Field(description="Names of the sensors that it reads.")
+    terms: dict[str, list[str]] = Field(
+        description="By the condition of a model: the kinds of its terms that come from this test."
+    )
     source: str
     against: str | None
     after: list[str]

@@ -3,8 +3,10 @@
 They hold what Tables 14 and 15 of [1]_ hold, one of each for every condition, every figure with its standard
 uncertainty and in the unit that follows from its equation: volts for the polynomial B, m1, m2, m3 (it must be divided
 by the scale factor before it is a rate), percent for M. Where the thesis's M has the sign of the correction and the
-turned axis in its row, M here is the error: positive where a sensor reads too much, a column a sensor. A figure that
-the campaign does not have in a condition is not estimated, with the reason. A test without a condition holds in each.
+turned axis in its row, M here is the error: positive where a sensor reads too much, a column a sensor. Where the
+model of a condition takes terms from a test in another one, as ``[model.by_condition]`` decides, the table has the
+figures of that test too, marked with its condition. Any other figure that the campaign does not have in a condition is
+not estimated, with the reason. A test without a condition holds in each.
 
 References
 ----------
@@ -46,34 +48,41 @@ class Wanted:
     held_out: bool = False  # Of a test that is held out, first
     referenced: bool | None = None  # Of a test whose readings at rest were subtracted, or were not
     stated: str = ""  # Key of ``chain.thermometer`` that says it where no test does
+    kind: str = ""  # Of the terms of a model: what a condition takes from another one by decision
 
 
 SUMMARY = (
     Wanted("Start-up", "change in warm-up", "warm_up_change"),
     Wanted("Start-up", "time constant", "warm_up_time_constant"),
     Wanted("Start-up", "time until settled", "warm_up_time"),
+    Wanted("Start-up", "joint warm-up", "bias_warm_up", 1, kind="warm_up"),
+    Wanted("Start-up", "joint time constant", "warm_up_time", 1, kind="warm_up"),
     Wanted("Voltages", "reference", "reference_voltage"),
     Wanted("Voltages", "thermometer reference", "temperature_reference_voltage"),
     Wanted("Voltages", "thermometer nominal", "thermometer_voltage", 0, "V", stated="voltage"),
+    Wanted("Voltages", "bias by supply", "bias_supply", kind="sensitivity"),
+    Wanted("Voltages", "bias by supply and temperature", "bias_supply_temperature", kind="sensitivity"),
+    Wanted("Voltages", "scale factor by supply", "scale_factor_error_supply", kind="sensitivity"),
+    Wanted("Voltages", "bias by reference", "bias_reference", kind="sensitivity"),
     Wanted("Repeatability", "bias run to run", "scatter_run", beside="hysteresis"),
     Wanted("Repeatability", "residual settled", "residual_bias", beside="hysteresis", held_out=True),
     Wanted("Thermal ramp", "hysteresis", "hysteresis"),
     Wanted("Thermal ramp", "vacuum offset", "vacuum_offset"),
     Wanted("Rate", "resolution direct", "resolution", referenced=False),
     Wanted("Rate", "resolution less rest", "resolution", referenced=True),
-    Wanted("Rate", "scale factor", "scale_factor"),
-    Wanted("Rate", "scale factor error", "scale_factor_error"),
-    Wanted("Noise", "angle random walk", "angle_random_walk"),
-    Wanted("Noise", "bias instability", "bias_instability"),
-    Wanted("Noise", "rate random walk", "rate_random_walk"),
-    Wanted("Noise", "rate ramp", "rate_ramp"),
+    Wanted("Rate", "scale factor", "scale_factor", kind="scale_factor"),
+    Wanted("Rate", "scale factor error", "scale_factor_error", kind="scale_factor"),
+    Wanted("Noise", "angle random walk", "angle_random_walk", kind="noise"),
+    Wanted("Noise", "bias instability", "bias_instability", kind="noise"),
+    Wanted("Noise", "rate random walk", "rate_random_walk", kind="noise"),
+    Wanted("Noise", "rate ramp", "rate_ramp", kind="noise"),
 )
 OUTPUT = (
-    Wanted("Rate", "B", "bias_voltage", 0, "V"),
-    Wanted("Rate", "m1", "bias_voltage", 1, "V/V"),
-    Wanted("Rate", "m2", "bias_voltage", 2, "V/V^2"),
-    Wanted("Rate", "m3", "bias_voltage", 3, "V/V^3"),
-    Wanted("Rate", "b_cons", "bias", beside="scale_factor"),
+    Wanted("Rate", "B", "bias_voltage", 0, "V", kind="bias"),
+    Wanted("Rate", "m1", "bias_voltage", 1, "V/V", kind="bias"),
+    Wanted("Rate", "m2", "bias_voltage", 2, "V/V^2", kind="bias"),
+    Wanted("Rate", "m3", "bias_voltage", 3, "V/V^3", kind="bias"),
+    Wanted("Rate", "b_cons", "bias", beside="scale_factor", kind="bias"),
 )
 THERMOMETER = (
     Wanted("Temperature", "T_ref", "", 0, "degC", stated="temperature"),
@@ -91,6 +100,7 @@ class Line(Generic[R]):
     name: str
     unit: str
     rows: Mapping[str, R | Mapping[str, Any]]  # Axis -> row of results, or fields of one where there is none
+    taken: Mapping[str, str]  # Test -> its condition, where the table is of another one
 
     @property
     def is_empty(self) -> bool:
@@ -134,6 +144,7 @@ class OutputTable(Generic[R]):
         rows = [
             {"group": line.group, "name": line.name, "axis": axis, "unit": line.unit}
             | {name: line.rows[axis][name] for name in FIELDS}
+            | {"taken_from": line.taken.get(line.rows[axis]["test"], "")}
             for line in self.lines
             for axis in self.axes
         ]
@@ -157,14 +168,14 @@ def output_tables(
     list of OutputTable
         None where the campaign has no gyro.
     """
-    sensor = next((one for one in sensors.values() if one["kind"] == "gyro"), None)
-    if sensor is None:
+    name = next((name for name, one in sensors.items() if one["kind"] == "gyro"), None)
+    if name is None:
         return []
-    steps = {step["test"]: step for step in sequence}
-    rows = [row for row in results if row["test"] in steps and _is_result(row)]
+    sensor, steps = sensors[name], {step["test"]: step for step in sequence if name in step["sensors"]}
+    rows = [row for row in results if row["test"] in steps and row["sensor"] in ("", "gyro") and _is_result(row)]
     suite = _Suite(tuple(sensor["axes"]), (sensor.get("chain") or {}).get("thermometer") or {}, steps, rows)
     tables = []
-    for condition in list(dict.fromkeys(step["condition"] for step in sequence if step["condition"])) or [""]:
+    for condition in list(dict.fromkeys(step["condition"] for step in steps.values() if step["condition"])) or [""]:
         summary = [suite.line(one, condition) for one in SUMMARY]
         output = [suite.line(one, condition) for one in OUTPUT]
         output += [suite.matrix(axis, condition) for axis in suite.axes]
@@ -193,16 +204,22 @@ class _Suite(Generic[R]):
     def line(self, one: Wanted, condition: str) -> Line[R]:
         found = {axis: self._row(one, axis, condition) for axis in self.axes}
         unit = one.unit or next((row["unit"] for row in found.values() if row["unit"]), "")
-        return Line(one.group, one.name, unit, found)
+        return Line(one.group, one.name, unit, found, self._taken(found, condition))
 
     def matrix(self, moved: str, condition: str) -> Line[R]:
         """Return what each sensor reads of the motion along one axis, less its own in full."""
-        own, other = Wanted("", "", "scale_factor_error"), Wanted("", "", "cross_axis_sensitivity")
+        own = Wanted("", "", "scale_factor_error", kind="scale_factor")
+        other = Wanted("", "", "cross_axis_sensitivity", kind="misalignment")
         found = {
             axis: self._row(own, axis, condition) if axis == moved else self._row(other, axis + moved, condition)
             for axis in self.axes
         }
-        return Line("Rate", f"M from {moved}", "%", found)
+        return Line("Rate", f"M from {moved}", "%", found, self._taken(found, condition))
+
+    def _taken(self, found: Mapping[str, R | Mapping[str, Any]], condition: str) -> dict[str, str]:
+        """Return the condition of each test that is of another one, and whose figures are there by decision."""
+        stated = {row["test"]: str(self.steps[row["test"]]["condition"]) for row in found.values() if row["test"]}
+        return {test: own for test, own in stated.items() if own not in (condition, "")}
 
     def _row(self, one: Wanted, axis: str, condition: str) -> R | Mapping[str, Any]:
         """Return the row of an axis: of the test that comes first and has an estimate."""
@@ -212,7 +229,7 @@ class _Suite(Generic[R]):
         every = [
             row
             for row in self.rows
-            if key_of(row)._replace(sensor="") == key
+            if key_of(row)._replace(sensor="") in (key, key._replace(axis=""))
             and (not one.beside or row["test"] in given)
             and (one.referenced is None or (row["test"] in rest) == one.referenced)
         ]
@@ -222,7 +239,8 @@ class _Suite(Generic[R]):
             use = ORDER[step["use"]]
             return row["status"] == "not_estimated", not step["condition"], -use if one.held_out else use
 
-        there = sorted((row for row in every if self.steps[row["test"]]["condition"] in (condition, "")), key=place)
+        tests = self._tests(one.kind, condition)
+        there = sorted((row for row in every if row["test"] in tests), key=place)
         estimated = [row for row in there if row["status"] != "not_estimated"]
         if estimated or (there and not one.stated):
             return [*estimated, *there][0]
@@ -231,6 +249,12 @@ class _Suite(Generic[R]):
         elsewhere = {self.steps[row["test"]]["condition"]: None for row in every if row["status"] != "not_estimated"}
         text = f"tests give it only in condition {', '.join(elsewhere)}" if elsewhere else NOTHING
         return NO_ROW | {"reason": {"code": "no_test", "text": text}}
+
+    def _tests(self, kind: str, condition: str) -> set[str]:
+        """Return the tests of a condition; those of others that its model takes this kind from by decision, instead."""
+        made_of = {test for test, step in self.steps.items() if kind in step["terms"].get(condition, [])}
+        own = {test for test, step in self.steps.items() if step["condition"] in (condition, "")}
+        return own if made_of & own or not made_of else made_of
 
     def _stated(self, one: Wanted, axis: str) -> Mapping[str, Any]:
         """Return a constant of the temperature channel as the campaign states it."""
