@@ -37,7 +37,8 @@ def row(test: str, quantity: str, axis: str, value: float | None, unit: str, pow
     }
     if value is None:
         more |= {"u": None, "status": "not_estimated", "reason": {"code": "referenced", "text": "subtracted"}}
-    return fields("") | own | more
+    found: dict[str, Any] = fields("") | own | more
+    return found
 
 
 ROWS = [
@@ -101,7 +102,8 @@ def test_what_a_condition_takes_from_another_one_is_there_and_marked() -> None:
     assert {(row["name"], row["taken_from"]) for row in found} == {
         ("scale factor", "air"), ("scale factor error", "air"),
     }  # fmt: skip
-    assert "taken from air" in tables_text([vacuum])
+    shown: list[OutputTable[Any]] = [vacuum]
+    assert "taken from air" in tables_text(shown)
 
 
 def test_a_condition_with_a_test_of_its_own_takes_none() -> None:

@@ -144,9 +144,10 @@ def _pictures(results: Mapping[str, Any]) -> dict[str, Any]:
     budgets = {one.picture.test: one for one in found if one.spec.place == "budgets"}
     budgets = {sections.MODEL: budgets[sections.MODEL]} if sections.MODEL in budgets else budgets
     judged = {one["test"] for one in results["verdicts"]}
-    steps = sorted(results["sequence"], key=lambda step: (step["test"] not in judged, USES.index(step["use"])))
+    place = {step["test"]: (step["test"] not in judged, USES.index(step["use"])) for step in results["sequence"]}
     first = [one for one in found if one.spec.first and one is not top]
-    others = [one for step in steps for one in of_tests.get(step["test"], []) if one not in first]
+    of_all = [one for step in results["sequence"] for one in of_tests.get(step["test"], []) if one not in first]
+    others = sorted(of_all, key=lambda one: (place[one.picture.test], one.spec.rank))
     wanted = [top, partner, *first, matrix, *budgets.values(), *others]
     drawn = [one for one in wanted if one is not None][:MOST_FIGURES]
     return {"top": top, "partner": partner, "tests": of_tests, "budgets": budgets, "matrix": matrix, "drawn": drawn}

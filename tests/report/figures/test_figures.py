@@ -23,6 +23,8 @@ from test_figure_noise import allan as noise_allan
 from test_figure_noise import allan_terms as noise_terms
 from test_figure_noise import spectrum as noise_spectrum
 from test_figure_positions import CURVES as POSITIONS_CURVES
+from test_figure_sensitivity import CURVES as SENSITIVITY_CURVES
+from test_figure_sensitivity import ROWS as SENSITIVITY_ROWS
 from test_figure_sine import curves_of as sine_curves
 from test_figure_source_mass import planned
 from test_figure_thermal import CURVES as THERMAL_CURVES
@@ -181,10 +183,12 @@ def results() -> dict[str, Any]:
     return {
         "curves": [input_output(), errors(), linearity(), *trace(), compensated(), compensated("y"), flip_dwells("y"),
                    flip_quiet("y"),
-                   *copy.deepcopy([*THERMAL_CURVES, *MASS_CURVES, *POSITIONS_CURVES, *planned().results["curves"]]),
+                   *copy.deepcopy([*THERMAL_CURVES, *MASS_CURVES, *POSITIONS_CURVES, *SENSITIVITY_CURVES,
+                                 *planned().results["curves"]]),
                    noise_allan("z"), noise_terms("z"), noise_spectrum("z"), *sine_curves("z")],
         "sequence": SEQUENCE + THERMAL_SEQUENCE, "verdicts": VERDICTS,
-        "results": [*ROWS, *BESIDE, *THERMAL_ROWS, *MASS_ROWS, *copy.deepcopy(planned().results["results"])],
+        "results": [*ROWS, *BESIDE, *THERMAL_ROWS, *MASS_ROWS, *SENSITIVITY_ROWS,
+                    *copy.deepcopy(planned().results["results"])],
         "budgets": SHARES, "closed_loop": LOOP,
     }  # fmt: skip
 
@@ -508,7 +512,10 @@ def poisoned(text: str) -> dict[str, Any]:
                 c["values"] = [text] * len(c["values"])
             elif c["unit"]:
                 c["unit"] = text
-    content["results"] = [*ROWS, *(one | {"test": text, "unit": text} for one in [*BESIDE, *THERMAL_ROWS])]
+    content["results"] = [
+        *ROWS,
+        *(one | {"test": text, "unit": text} for one in [*BESIDE, *THERMAL_ROWS, *SENSITIVITY_ROWS]),
+    ]
     content["sequence"] = [{"test": text, "against": text}]
     content["verdicts"] = [one | {"test": text, "requirement": text} for one in VERDICTS]
     content["budgets"] = [one | {"source": text, "quantity": text} for one in SHARES]

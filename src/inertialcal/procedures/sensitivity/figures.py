@@ -10,7 +10,7 @@ FIGURES = (
     FigureSpec(
         "sensitivity",
         DRAWN + "sensitivity",
-        "Bias of {axis} against each condition, other terms taken off; the fit with its 95 % band.",
+        "Bias against {note}, other terms taken off; the fit with its 95 % band.",
         curves={"sensitivity": "sensitivity {axis} {of}", "sensitivity_levels": "levels {axis} {of}"},
         order=320,
         top=60,
@@ -18,7 +18,7 @@ FIGURES = (
     FigureSpec(
         "sensitivity_residuals",
         DRAWN + "residuals",
-        "What the fit leaves of each level of {axis}, by power-up.",
+        "What the fit leaves of each level, by power-up.",
         curves={"sensitivity_residuals": "residuals {axis}"},
         order=325,
         rank=1,
@@ -26,7 +26,7 @@ FIGURES = (
     FigureSpec(
         "sensitivity_warm_up",
         DRAWN + "warm_up",
-        "Warm-up of {axis}: power-ups less their settled levels, with the joint fit.",
+        "Warm-up: power-ups less their settled levels, with the joint fit.",
         curves={"warm_up_joint": "warm-up {axis} {of}"},
         order=318,
         top=55,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from ...core.key import NO_REASON, Key, Reason
 from ...core.results import Interval, Row, WrittenRow, not_estimated
 from ...core.show.rows import Cited, Quoted, Sentence, estimated, largest, quantity_name
+from ...core.show.wording import words
 from ...statistics.intervals import t_interval, t_quantile
 from .plan import OF_LEVELS, RESIDUALS
 from .warm_up import warm_up_rows
@@ -63,8 +64,9 @@ def _row(result: Result, key: Key, *, alone: bool) -> Row:
         return Row(key, value, u, unit, freedom, interval, reason=ALONE if alone else NO_REASON, shared=shared)
     limit = max(-interval.lo, interval.hi)
     least = (t_quantile(dof, 0.5 * (1.0 + P)) + t_quantile(dof, POWER)) * u
-    text = (f"not seen: {value:.3g} +- {u:.2g} {unit}; one of {least:.3g} {unit} would be seen in {POWER:.0%} of such "
-            f"tests{'; one power-up' if alone else ''}")  # fmt: skip
+    share, left, seen = (f"{one / limit:.2f}" for one in (value, u, least))
+    text = (f"not seen: the estimate is {share} ± {left} of the limit; {seen} times the limit would be seen in "
+            f"{100.0 * POWER:.0f} % of such tests{'; one power-up' if alone else ''}")  # fmt: skip
     return Row(key, limit, None, unit, freedom, Interval(-limit, limit, P), "upper_limit", Reason("not_seen", text))
 
 
@@ -75,7 +77,15 @@ def finding(rows: Sequence[WrittenRow]) -> Sentence:
     for quantity in dict.fromkeys(str(row["quantity"]) for row in terms):
         row = largest(estimated(terms, quantity))
         if row is not None:
-            said = (*said, "; " if said else "", quantity_name(row), " ", Cited(row), " on ", Quoted(row["axis"]))
+            said = (
+                *said,
+                "; " if said else "",
+                words(quantity_name(row)),
+                " ",
+                Cited(row),
+                " on ",
+                Quoted(row["axis"]),
+            )
     limits = sum(row["status"] == "upper_limit" for row in terms)
     missing = sum(row["status"] == "not_estimated" for row in terms)
     counts = [f"{limits} not seen, with an upper limit"] if limits else []

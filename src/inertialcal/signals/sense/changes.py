@@ -126,7 +126,7 @@ def _steps(levels: Array, at: int) -> bool:
     near = sizes[max(middle - NEAR, 0) : middle + NEAR]
     sides = [float(np.median(side)) for side in (sizes[:middle], sizes[middle:]) if len(side)]
     return len(near) > 0 and float(near.max()) > max(
-        JUMPS * max(sides), STEP * float(np.ptp(condition[np.isfinite(condition)]))
+        JUMPS * max(sides), STEP * float(np.ptp(levels[np.isfinite(levels)]))
     )
 
 

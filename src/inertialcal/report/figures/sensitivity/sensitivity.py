@@ -9,63 +9,74 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ....core.show.rounding import with_uncertainty
-from ..drawing.data import Curve, curves, distinct, numbers, unit, words
+from ....core.show.rows import Quoted
+from ....core.show.wording import words as wording
+from ..drawing.data import Curve, curves, distinct, finite, numbers, unit, words
 from ..drawing.picture import Picture
 from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, with_unit
+from .panels import HEIGHT, places, plot_power_ups
 
 NAME, LEVELS = "sensitivity", "sensitivity_levels"
 SHOWS = "Bias against a condition: levels of each power-up, other terms taken off, with the fit and its 95 % band"
-HEIGHT = 2.2  # of a panel [in]
-MARKS = "osD^v<>ph*"
-NAMED = 6  # power-ups that a legend names
+DECADES = 1e3  # largest over smallest value from which a condition gets decades
+Pair = tuple[Curve, Curve]  # law and levels of a sensor
 
 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
-    """Return a picture a sensor and condition."""
+    """Return a picture a test and condition, with a panel a sensor."""
     levels = {(one["test"], one["axis"], one.get("of", "")): one for one in curves(results, LEVELS)}
-    found = []
+    found: dict[tuple[str, str], list[Pair]] = {}
     for law in curves(results, NAME):
         points = levels.get((law["test"], law["axis"], law.get("of", "")))
         if points is not None:
-            found.append(_picture(law, points, results.get("results", [])))
-    return found
+            found.setdefault((law["test"], str(law.get("of", ""))), []).append((law, points))
+    return [_picture(test, name, pairs, results.get("results", [])) for (test, name), pairs in found.items()]
 
 
-def _picture(law: Curve, points: Curve, rows: Sequence[Mapping[str, Any]]) -> Picture:
+def _picture(test: str, name: str, pairs: Sequence[Pair], rows: Sequence[Mapping[str, Any]]) -> Picture:
     def paint(axes: Sequence[Axes], title: str) -> None:
-        draw(axes, law, points, title)
+        draw(axes, name, pairs, title)
 
-    return Picture(NAME, law["test"], law["axis"], finding(law, rows), SHOWS, (HEIGHT,), paint, data=(law, points))
+    data = tuple(one for pair in pairs for one in pair)
+    return Picture(
+        NAME, test, "", finding(test, name, pairs, rows), SHOWS, (HEIGHT,) * len(pairs), paint, data=data,
+        note=(Quoted(wording(name)),),
+    )  # fmt: skip
 
 
-def finding(law: Curve, rows: Sequence[Mapping[str, Any]]) -> str:
-    """Return the finding: the first term of the condition, or that it was not seen."""
-    name = str(law.get("of", ""))
-    axis = plain(law["axis"], 12)
-    own = [row for row in rows if row["test"] == law["test"] and row["axis"] == law["axis"]
-           and row["quantity"] == f"bias_{name}" and row["value"] is not None]  # fmt: skip
-    if not own:
-        return f"{axis}: bias against {plain(name)}"
-    row = own[0]
+def finding(test: str, name: str, pairs: Sequence[Pair], rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return the finding: the first term of the condition of each sensor, or that it was not seen."""
+    axes = [law["axis"] for law, _ in pairs]
+    own: dict[str, Mapping[str, Any]] = {}
+    for row in rows:
+        if row["test"] == test and row["quantity"] == f"bias_{name}" and row["axis"] in axes:
+            own.setdefault(row["axis"], row)
+    said = [f"{plain(axis, 12)} {_figure(row)}" for axis, row in own.items() if row["value"] is not None]
+    if not said:
+        return f"{', '.join(plain(axis, 12) for axis in axes)}: bias against {plain(wording(name))}"
+    return f"Bias by {plain(wording(name))}: {', '.join(said)} {plain(next(iter(own.values()))['unit'])}"
+
+
+def _figure(row: Mapping[str, Any]) -> str:
     if row["status"] == "upper_limit":
-        return f"{axis}: no effect of {plain(name)} seen; below {row['value']:.2g} {plain(row['unit'])}"
-    return f"{axis}: {with_uncertainty(row['value'], row['u'])} {plain(row['unit'])} with {plain(name)}"
+        return f"below {row['value']:.2g}"
+    return with_uncertainty(row["value"], row["u"])
 
 
-def draw(axes: Sequence[Axes], law: Curve, points: Curve, title: str = "") -> None:
-    """Draw levels and fit."""
-    (ax,) = axes
-    at, bias, lo, hi = (numbers(law, name) for name in ("condition", "bias", "lo", "hi"))
-    ax.fill_between(at, lo, hi, color=COLOURS["blue"], alpha=0.2, linewidth=0.0, zorder=1)
-    ax.plot(at, bias, color=COLOURS["blue"], linewidth=1.2, label="fit, 95 % band", zorder=2)
-    condition, reading, runs = numbers(points, "condition"), numbers(points, "reading"), words(points, "run")
-    every = distinct(runs)
-    for i, run in enumerate(every):
-        mine = np.array([one == run for one in runs])
-        label = plain(run, 16) if len(every) <= NAMED else ("levels of a power-up" if i == 0 else None)
-        ax.plot(condition[mine], reading[mine], MARKS[i % len(MARKS)], color=COLOURS["vermilion"], markersize=3.5,
-                markerfacecolor="none", label=label, zorder=3)  # fmt: skip
-    set_title(ax, title)
-    set_labels(ax, with_unit(plain(law.get("of", "condition")), unit(law, "condition")),
-               with_unit(f"{plain(law['axis'], 12)} bias", unit(law, "bias")))  # fmt: skip
-    set_legend(ax)
+def draw(axes: Sequence[Axes], name: str, pairs: Sequence[Pair], title: str = "") -> None:
+    """Draw levels and fit of each sensor on a panel of its own."""
+    runs = distinct(run for _, points in pairs for run in words(points, "run"))
+    for ax, (law, points) in zip(axes, pairs, strict=True):
+        at, bias, lo, hi = (numbers(law, column) for column in ("condition", "bias", "lo", "hi"))
+        ax.fill_between(at, lo, hi, color=COLOURS["blue"], alpha=0.2, linewidth=0.0, zorder=1)
+        ax.plot(at, bias, color=COLOURS["blue"], linewidth=1.2, label="fit, 95 % band", zorder=2)
+        x, y = numbers(points, "condition"), numbers(points, "reading")
+        at_runs = zip(runs, places(words(points, "run"), runs), strict=True)
+        plot_power_ups(ax, {run: np.stack([x[mine], y[mine]]) for run, mine in at_runs}, "levels of a power-up")
+        seen = finite(x)
+        if len(seen) and seen.min() > 0.0 and seen.max() > DECADES * seen.min():
+            ax.set_xscale("log")
+        set_labels(ax, y=with_unit(f"{plain(law['axis'], 12)} bias", unit(law, "bias")))
+    set_title(axes[0], title)
+    set_labels(axes[-1], with_unit(plain(wording(name)), unit(pairs[0][0], "condition")))
+    set_legend(axes[-1])
