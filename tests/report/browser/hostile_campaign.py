@@ -26,8 +26,9 @@ Keys = tuple[str | int, ...]
 
 # Texts that are read as something else: a grammar.
 NOT_FREE = {"Requirement.where"}
-# Texts that stand in place of another table: a model in a file, instead of `ground`.
-INSTEAD = {"Chain.model"}
+# Texts that stand in place of others: a model in a file, instead of `ground`; stated conditions, instead of those that
+# tests name freely.
+INSTEAD = {"Chain.model", "Condition.text"}
 FILES = {
     "RecordingEntry.file": ".parquet",
     "RecordingEntry.sections": ".json",
@@ -42,6 +43,7 @@ AXES = ("x", "y", "z")
 STOOD = 300  # s, a head at each position
 ANGLES = ("0 deg", "180 deg")
 FACES = ("x+", "x-", "y+", "y-", "z+", "z-")
+STEPPED = (0.0, 1.0) * 4  # V, of another channel
 LAID = 200  # samples, a unit on each face, twice
 MOVED = repeated((0.1, 0.4), (7e-7, 2e-7), cycles=40, dwell=100.0, move=20.0, drive="abab")
 
@@ -58,6 +60,7 @@ def document() -> dict[str, Any]:
             "rate_table": {"rate": {"u": "0.05 %"}, "mounting": {"half_width": "0.1 deg", "dof": 12.0}},
             "converter": {"reference": {"expanded": "0.2 %", "k": 2.0}},
         },
+        "conditions": {"air": {}},
         "sensors": {
             "suite": {
                 "kind": "gyro",
@@ -95,6 +98,12 @@ def document() -> dict[str, Any]:
                 "channels": {"x": {"unit": "deg/s"}},
                 "clock": {},
                 "schedule": {"unit": "deg/s"},
+            },
+            "stepped": {
+                "sensor": "suite",
+                "channels": {"x": {"unit": "deg/s"}},
+                "clock": {},
+                "conditions": {"field": {"unit": "V"}},
             },
             "means": {"sensor": "head", "means": {"unit": "ug", "angles": {}, "half_widths": {"0.95": ""}}},
             "turned": {
@@ -140,6 +149,13 @@ def document() -> dict[str, Any]:
             {"id": "held", "procedure": "rate_table", "recordings": ["steps"], "use": "hold_out", "plan": plan},
             {"id": "flips", "procedure": "flip", "recordings": ["means"], "plan": {"axis": "x"}, "use": "report_only"},
             {"id": "flip", "procedure": "flip", "recordings": ["turned"], "plan": {"axis": "x"}, "use": "report_only"},
+            {
+                "id": "stepped",
+                "procedure": "sensitivity",
+                "recordings": ["stepped"],
+                "use": "report_only",
+                "plan": {"to": ["field"]},
+            },
             {
                 "id": "runs",
                 "procedure": "mass_attraction",
@@ -212,6 +228,10 @@ def filled(give: Give) -> dict[str, Any]:
     made["tests"][0]["groups"] = [one.strip(" \t") for one in made["tests"][0]["groups"]]  # as cells are
     made["requirements"][0]["condition"] = made["tests"][0]["condition"]
     del made["requirements"][2]["condition"]  # R1 is about the first test, R2 about none, R3 about all
+    del made["conditions"]
+    stepped = give("RecordingEntry.conditions field").strip()
+    made["recordings"]["stepped"]["conditions"] = {stepped: made["recordings"]["stepped"]["conditions"]["field"]}
+    made["tests"][4]["plan"]["to"] = [stepped]
     for name in ("table", "means", "lines", "rested"):
         del made["recordings"][name]["run"]  # a table has a column of runs, or of flips, instead
     for name in made["recordings"].keys() - {"laid"}:
@@ -255,6 +275,7 @@ def write(folder: Path, made: dict[str, Any], runs: tuple[str, ...]) -> Path:
     time = np.arange(len(rates) * DWELL) + 0.5
     reading = 1.01 * np.repeat(rates, DWELL) + 0.02 + np.random.default_rng(2).normal(0.0, 0.002, len(time))
     _save(folder / steps["file"], {steps["clock"]["column"]: time, steps["channels"]["x"]["column"]: reading})
+    _save(folder / made["recordings"]["stepped"]["file"], _stepped(made["recordings"]["stepped"]))
     _save(folder / made["recordings"]["means"]["file"], _means(made["recordings"]["means"]["means"], runs))
     _save(folder / made["recordings"]["turned"]["file"], _turned(made["recordings"]["turned"]))
     _save(folder / made["recordings"]["lines"]["file"], _lines(made["recordings"]["lines"]["lines"], runs))
@@ -273,6 +294,17 @@ def write(folder: Path, made: dict[str, Any], runs: tuple[str, ...]) -> Path:
     (folder / laid["sections"]).parent.mkdir(parents=True, exist_ok=True)
     (folder / laid["sections"]).write_text(json.dumps(_sections()), encoding="utf-8")
     return folder
+
+
+def _stepped(stepped: dict[str, Any]) -> dict[str, Any]:
+    (field,) = stepped["conditions"].values()
+    levels = np.repeat(STEPPED, STOOD)
+    reading = 0.1 + 0.02 * levels + np.random.default_rng(9).normal(0.0, 0.002, len(levels))
+    return {
+        stepped["clock"]["column"]: np.arange(len(levels)) + 0.5,
+        stepped["channels"]["x"]["column"]: reading,
+        field["column"]: levels,
+    }
 
 
 def _means(means: dict[str, Any], flips: tuple[str, ...]) -> dict[str, Any]:

@@ -12,13 +12,15 @@ from ....core.show.rounding import with_uncertainty
 from ....core.show.rows import Quoted
 from ....core.show.wording import words as wording
 from ..drawing.data import Curve, curves, distinct, finite, numbers, unit, words
+from ..drawing.metrics import shortened
 from ..drawing.picture import Picture
-from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, with_unit
+from ..drawing.style import COLOURS, TEXT, plain, set_labels, set_legend, set_title, with_unit
 from .panels import HEIGHT, places, plot_power_ups
 
 NAME, LEVELS = "sensitivity", "sensitivity_levels"
 SHOWS = "Bias against a condition: levels of each power-up, other terms taken off, with the fit and its 95 % band"
 DECADES = 1e3  # largest over smallest value from which a condition gets decades
+LONGEST = 150.0  # width of the name of a condition: one line with its unit [pt]
 Pair = tuple[Curve, Curve]  # law and levels of a sensor
 
 
@@ -78,5 +80,6 @@ def draw(axes: Sequence[Axes], name: str, pairs: Sequence[Pair], title: str = ""
             ax.set_xscale("log")
         set_labels(ax, y=with_unit(f"{plain(law['axis'], 12)} bias", unit(law, "bias")))
     set_title(axes[0], title)
-    set_labels(axes[-1], with_unit(plain(wording(name)), unit(pairs[0][0], "condition")))
+    shown = shortened(plain(wording(name)), TEXT, LONGEST)
+    set_labels(axes[-1], with_unit(shown, unit(pairs[0][0], "condition")))
     set_legend(axes[-1])
