@@ -42,6 +42,7 @@ FILTERS: dict[str, Callable[..., Any]] = {
     "sentence": findings.html,
     "bare": numbers.clean,
     "quoted": Text,
+    "breakable": lambda name: Markup(str(Text(name).__html__()).replace("_", "_<wbr>")),  # noqa: S704 - escaped
     "words": wording.words,
     "case_words": case_words,
     "named": lambda row: Text(quantity_name(row)),
@@ -144,11 +145,16 @@ def _pictures(results: Mapping[str, Any]) -> dict[str, Any]:
     budgets = {one.picture.test: one for one in found if one.spec.place == "budgets"}
     budgets = {sections.MODEL: budgets[sections.MODEL]} if sections.MODEL in budgets else budgets
     judged = {one["test"] for one in results["verdicts"]}
-    place = {step["test"]: (step["test"] not in judged, USES.index(step["use"])) for step in results["sequence"]}
     first = [one for one in found if one.spec.first and one is not top]
-    of_all = [one for step in results["sequence"] for one in of_tests.get(step["test"], []) if one not in first]
-    others = sorted(of_all, key=lambda one: (place[one.picture.test], one.spec.rank))
-    wanted = [top, partner, *first, matrix, *budgets.values(), *others]
+    others: list[tuple[bool, int, int, Drawing]] = []
+    for step in results["sequence"]:
+        kinds: dict[str, int] = {}  # of figures of the test, in the order in which they stand there
+        for one in of_tests.get(step["test"], []):
+            if one not in first:
+                kind = kinds.setdefault(one.spec.name, len(kinds))
+                others.append((step["test"] not in judged, USES.index(step["use"]), kind, one))
+    others.sort(key=lambda found: found[:3])
+    wanted = [top, partner, *first, matrix, *budgets.values(), *(one for *_, one in others)]
     drawn = [one for one in wanted if one is not None][:MOST_FIGURES]
     return {"top": top, "partner": partner, "tests": of_tests, "budgets": budgets, "matrix": matrix, "drawn": drawn}
 

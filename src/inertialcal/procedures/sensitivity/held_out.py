@@ -67,10 +67,9 @@ def held_out(result: Result, fitted: Tests, held: Tests) -> HeldOut:
         unseen = [one for one in held if tuple(one.plan.to) == to]
         own = result if tuple(result.plan.to) == to else _result_of([one for one in fitted if tuple(one.plan.to) == to])
         if own is not None:
-            there = {one.axis for one in loops}
             found = _loops(own, unseen)
             what = " and ".join(to).replace("_", "-")
-            loops += [replace(one, axis=f"{one.axis}, {what}" if one.axis in there else one.axis) for one in found]
+            loops += [replace(one, axis=f"{one.axis}, {what}") for one in found]
     return HeldOut(tuple(loops))
 
 
