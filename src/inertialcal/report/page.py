@@ -171,16 +171,23 @@ def _blocks(page: dict[str, Any], room: Room) -> Iterator[tuple[str, Markup]]:
         yield "noise", _block("noise", tests=record_length.by_test(page["reaches"]))
     for name, _, rows in page["judged"]:
         yield name, _block("verdicts", rows=rows)
-    for name, _, rows in page["budgets"]:
-        yield name, _block("budget", rows=rows, totals=page["totals"], by_key=sections.by_key, find=findings)
+    yield from _budgets(page, True)
     yield "exclusions", _block("exclusions", rows=page["lists"]["exclusions"])
     for section in page["sections"]:
         if section.step is not None:
             yield f"recordings-{section.anchor}", _block("recordings", step=section.step)
     yield from _drawn(others, room)
+    yield from _budgets(page, False)
     for one in page["pictures"]["drawn"]:
         if room.left > NO_ROOM:
             yield f"data-{one.key}", _block("data", key=one.key, tables=one.data())
+
+
+def _budgets(page: dict[str, Any], of_model: bool) -> Iterator[tuple[str, Markup]]:
+    """Yield the tables of the budgets of the first model, or of all others, which are long."""
+    for name, key, rows in page["budgets"]:
+        if (key[0] == sections.MODEL) == of_model:
+            yield name, _block("budget", rows=rows, totals=page["totals"], by_key=sections.by_key, find=findings)
 
 
 def _of_section(section: sections.Section, page: dict[str, Any]) -> Iterator[tuple[str, Markup]]:
