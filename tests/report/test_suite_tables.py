@@ -118,7 +118,7 @@ def test_sensitivity_to_the_supply_and_a_time_of_all_axes_are_there() -> None:
     rows = [row("supply", "bias_supply", "x", 0.017, "deg/s/V"), row("supply", "warm_up_time", "", 200.0, "s", 1)]
     *_, vacuum, _ = output_tables({"suite": SENSOR}, steps, [*ROWS, *rows])
     assert value(vacuum, "bias by supply") == 0.017
-    assert value(vacuum, "joint time constant") == value(vacuum, "joint time constant", "y") == 200.0
+    assert value(vacuum, "time constant 1") == value(vacuum, "time constant 1", "y") == 200.0
 
 
 def test_other_sensors_have_no_part_in_it() -> None:

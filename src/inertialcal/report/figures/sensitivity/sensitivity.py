@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from ....core.show.rounding import with_uncertainty
 from ....core.show.rows import Quoted
 from ....core.show.wording import words as wording
-from ..drawing.data import Curve, curves, distinct, finite, numbers, unit, words
+from ..drawing.data import Curve, curves, distinct, numbers, unit, words
 from ..drawing.metrics import shortened
 from ..drawing.picture import Picture
 from ..drawing.style import COLOURS, TEXT, plain, set_labels, set_legend, set_title, with_unit
@@ -19,7 +19,6 @@ from .panels import HEIGHT, places, plot_power_ups
 
 NAME, LEVELS = "sensitivity", "sensitivity_levels"
 SHOWS = "Bias against a condition: levels of each power-up, other terms taken off, with the fit and its 95 % band"
-DECADES = 1e3  # largest over smallest value from which a condition gets decades
 LONGEST = 150.0  # width of the name of a condition: one line with its unit [pt]
 Pair = tuple[Curve, Curve]  # law and levels of a sensor
 
@@ -75,9 +74,6 @@ def draw(axes: Sequence[Axes], name: str, pairs: Sequence[Pair], title: str = ""
         x, y = numbers(points, "condition"), numbers(points, "reading")
         at_runs = zip(runs, places(words(points, "run"), runs), strict=True)
         plot_power_ups(ax, {run: np.stack([x[mine], y[mine]]) for run, mine in at_runs}, "levels of a power-up")
-        seen = finite(x)
-        if len(seen) and seen.min() > 0.0 and seen.max() > DECADES * seen.min():
-            ax.set_xscale("log")
         set_labels(ax, y=with_unit(f"{plain(law['axis'], 12)} bias", unit(law, "bias")))
     set_title(axes[0], title)
     shown = shortened(plain(wording(name)), TEXT, LONGEST)

@@ -40,23 +40,19 @@ def _picture(test: str, own: Sequence[Curve], rows: Sequence[Mapping[str, Any]])
 
 
 def finding(test: str, axes: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
-    """Return the finding: amplitudes and times, or that there is no warm-up."""
+    """Return the finding: largest amplitude and times, or that there is no warm-up."""
     mine = [row for row in rows if row["test"] == test and row["value"] is not None]
     amplitudes = [row for row in mine if row["quantity"] == "bias_warm_up" and row["axis"] in axes]
     times = [row for row in mine if row["quantity"] == "warm_up_time" and row["u"]]
     if not amplitudes:
         return f"{', '.join(plain(axis, 12) for axis in axes)}: warm-up not estimated"
-    shown, shown_unit = ", ".join(map(_amplitude, amplitudes)), plain(amplitudes[0]["unit"])
-    if all(row["status"] == "upper_limit" for row in amplitudes):
-        return f"No warm-up seen: {shown} {shown_unit}"
+    largest = max(amplitudes, key=lambda row: (row["status"] != "upper_limit", abs(row["value"])))
+    axis, of = plain(largest["axis"], 12), plain(largest["unit"])
+    if largest["status"] == "upper_limit":
+        return f"No warm-up seen: below {largest['value']:.2g} {of} on {axis}"
     after = " and ".join(f"{with_uncertainty(row['value'], row['u'])} {plain(row['unit'])}" for row in times)
-    return f"Bias at power-up: {shown} {shown_unit}" + (f"; time constant {after}" if after else "")
-
-
-def _amplitude(row: Mapping[str, Any]) -> str:
-    below = row["status"] == "upper_limit"
-    size = f"below {row['value']:.2g}" if below else with_uncertainty(row["value"], row["u"])
-    return f"{plain(row['axis'], 12)} {size}"
+    size = with_uncertainty(largest["value"], largest["u"])
+    return f"Bias at power-up: {size} {of} on {axis}" + (f"; time constant {after}" if after else "")
 
 
 def draw(axes: Sequence[Axes], own: Sequence[Curve], title: str = "") -> None:
