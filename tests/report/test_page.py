@@ -20,7 +20,7 @@ from inertialcal.files.binary.curves import read_curves
 from inertialcal.report.page import LARGEST, environment, report_html
 
 LIMIT = 2_000_000  # bytes, from the issue
-VOID = {"meta", "link", "br", "img", "input", "hr"}
+VOID = {"meta", "link", "br", "img", "input", "hr", "wbr"}
 STATIC = {"pre", "svg", "script", "style", "title", "code"}  # code, CSV, figures: each has its own test
 DIGIT = re.compile(r"\d")
 
