@@ -41,6 +41,7 @@ class Line:
     law: tuple[float, float] = (LEVEL, SLOPE)
     test: str = "thermal"
     unit: str = "rad/s"
+    reference_temperature: float | None = None
 
     def apply(
         self, recordings: Sequence[tuple[str, Recording]]
