@@ -70,10 +70,10 @@ def test_a_rig_is_simulated_run_and_scored(capsys: pytest.CaptureFixture[str], t
     assert call(capsys, "simulate", "sams_tsh", "-o", folder, "--seed", "1")[0] == 0
     status, out, _ = call(capsys, "run", folder)
     assert status == 0
-    assert "closed loop: not run (no model is made of a flip)" in out
+    assert "closed loop: not run (no test is held out)" in out
     status, out, _ = call(capsys, "score", folder)
     assert status == 0
-    assert "of 6 stated 95 % intervals hold the truth" in out
+    assert "of 8 stated 95 % intervals hold the truth" in out
     assert "1 not estimated" in out  # bias along the turn
 
 
@@ -90,5 +90,5 @@ def test_the_demonstrations_run(capsys: pytest.CaptureFixture[str], tmp_path: Pa
     assert "INCONCLUSIVE" in out
     status, out, _ = call(capsys, "demo", "sams_tsh", "-o", str(tmp_path / "demo"))
     assert status == 0
-    assert "the results and the simulated truth" in out
+    assert "the model and the simulated truth" in out
     assert "stated 95 % intervals hold the truth" in out

@@ -103,7 +103,7 @@ def test_a_rig_of_another_package_is_simulated_run_and_scored(tmp_path: Path) ->
     assert [(row["quantity"], row["n"]) for row in many["results"]] == [("angle_random_walk", 2)]
     assert json.loads((tmp_path / "demo-toy" / ".truth" / "truth.json").read_text("utf-8"))["seed"] == 1996
     assert json.loads((tmp_path / "twin_short" / ".truth" / "truth.json").read_text("utf-8"))["fault"] == "short"
-    assert "six_faces, toy." in " ".join(said[-2].split())
+    assert "climate, toy." in " ".join(said[-2].split())
 
 
 def test_the_package_of_a_rig_is_named_without_loading_it(tmp_path: Path) -> None:

@@ -45,8 +45,8 @@ def campaign_of(found: Reduced, folder: Path) -> Path:
 
 
 def same_figures(found: Reduced, folder: Path) -> None:
-    """`run` must give what the files alone gave, to the last bit."""
-    rows = run(folder, write=False).results["results"]
+    """`run` must give what the files alone gave, to the last bit; its model is its own."""
+    rows = [row for row in run(folder, write=False).results["results"] if row["test"] != "model"]
     assert json.loads(json.dumps(rows)) == [json.loads(json.dumps(row.to_dict())) for row in found.rows]
 
 

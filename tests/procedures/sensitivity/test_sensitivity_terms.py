@@ -102,7 +102,7 @@ def test_what_is_not_there_has_an_upper_limit_and_says_what_would_be_seen() -> N
     assert found.status == "upper_limit"
     assert found.interval is not None
     assert found.value == found.interval.hi
-    assert "90%" in found.reason.text
+    assert "90 %" in found.reason.text
     assert result.estimate is not None
     assert Key("bias_supply", "x") in result.estimate.keys
 

@@ -22,7 +22,13 @@ if TYPE_CHECKING:
     from .reduction import Readings, Result
 
 
-QUANTITIES = dict.fromkeys(("amplitude", "quadrature", "phase", "scale_factor", "noise_density"), Quantity())
+QUANTITIES = {  # Amplitudes are in the unit of the file, whichever that is
+    "amplitude": Quantity(),
+    "quadrature": Quantity(),
+    "phase": Quantity(("angle",)),
+    "scale_factor": Quantity(("other", "dimensionless")),
+    "noise_density": Quantity(("other",)),
+}
 
 
 class Sine(Procedure[Plan, "Readings", "Result"]):
