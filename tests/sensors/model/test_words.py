@@ -149,3 +149,11 @@ def test_a_model_over_supply_in_words() -> None:
         assert "condition vacuum" in text
         assert "supply 4.85 to 5.15 V" in text
         assert "noise, angle random walk: x 0.000150 ± 0.000010 rad/sqrt(s)" in text
+
+
+def test_many_recordings_behind_a_parameter_are_counted() -> None:
+    names = tuple(f"run_{number}" for number in range(1, 16))
+    made = random_model(1, estimated=True)
+    assert made.estimate is not None
+    model = replace(made, provenance={name: Provenance("rate", names) for name in made.estimate.names})
+    assert {row.origin for row in lines(model)} == {"from rate on 15 recordings"}

@@ -67,6 +67,7 @@ APPLY_ORDER = (
 
 FIELD_UNIT = {"gyro": "deg/s", "accelerometer": "ug"}  # in which people think of a bias
 RANGE_UNIT = {"gyro": "deg/s", "accelerometer": "g"}  # and of a range or scale factor
+NAMED = 3  # recordings behind a parameter; more are counted
 PERCENT_DIGITS = 4
 
 SENTENCES = {
@@ -446,7 +447,9 @@ def _origin(model: SensorModel, name: str) -> str:
     one = model.provenance.get(name)
     if one is None:
         return ""
-    recordings = f" on {', '.join(one.recordings)}" if one.recordings else ""
+    several = len(one.recordings) > NAMED
+    named = f"{len(one.recordings)} recordings" if several else ", ".join(one.recordings)
+    recordings = f" on {named}" if named else ""
     return f"from {one.test}{recordings}" if one.test else one.source
 
 
