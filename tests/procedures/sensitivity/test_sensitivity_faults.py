@@ -22,6 +22,7 @@ from independent.climate import Unit, Visits
 from inertialcal.core.errors import DataError
 from inertialcal.core.influence import Influence
 from inertialcal.procedures.sensitivity.readings import ConditionRecording, readings_from
+from inertialcal.procedures.sensitivity.terms import terms
 
 NAMES = ("bias_supply", "bias_supply_temperature")
 QUICK = Visits(runs=3, dwell=200.0)
@@ -45,6 +46,29 @@ def test_a_supply_that_follows_the_temperature_is_refused() -> None:
     result = reduced(climate.supplied(1, visits=replace(QUICK, coupled=True)))
     assert {row(result, f"{name} {axis}").status for name in NAMES for axis in "xy"} == {"not_estimated"}
     assert row(result, "bias_supply x").reason.code == "conditions_together"
+
+
+def test_a_square_of_the_temperature_that_a_product_with_the_supply_follows_is_refused() -> None:
+    """The supply follows the temperature, so that their product is its square: its coefficient is of both."""
+    case = climate.supplied(1, visits=replace(QUICK, coupled=True))
+    result = reduced(case, replace(SUPPLY, to=["supply", "temperature"]))
+    refused = {one.quantity: one.reason.code for one in result.rows() if one.axis == "x" and one.reason}
+    assert refused["bias_temperature_1"] == refused["bias_temperature_2"] == "conditions_together"
+    linear = reduced(case, replace(SUPPLY, to=["supply", "temperature"], interactions=False))
+    assert row(linear, "bias_temperature_2 x").status == "estimated"
+
+
+def test_a_power_up_without_the_condition_is_told_and_does_not_count() -> None:
+    def lacking(one: ConditionRecording) -> ConditionRecording:
+        return one if one.run or one.name != "run_1" else with_supply(one, lambda volts: volts * np.nan)
+
+    case = climate.supplied(1, visits=replace(QUICK, runs=2))
+    result = reduced(case, spoil=lambda one: lacking(replace(one, name="run_1") if one.name == next(iter(case.tables))
+                                                     else one))  # fmt: skip
+    told = {one.code: one.what for one in result.remarks}
+    assert told["missing_condition"] == "power-up run_1 has no supply: its levels do not count"
+    assert told["few_runs"].startswith("one power-up")
+    assert terms(result, ()) is None, "one power-up tells no scatter between power-ups"
 
 
 def test_conditions_that_mostly_move_together_are_told() -> None:

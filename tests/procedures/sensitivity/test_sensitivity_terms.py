@@ -84,6 +84,7 @@ def test_a_stated_term_is_taken_off_and_has_its_source() -> None:
     assert found.value == pytest.approx(np.radians(0.02))
     assert found.u == pytest.approx(np.radians(1e-3))
     assert found.reason.code == "stated"
+    assert [one.axis for one in result.curves() if one.of == "supply" and one.name == "sensitivity"] == ["y"]
     assert "data sheet" in found.reason.text
     assert row(result, "bias_supply y").reason.code == ""
     other = row(result, "bias_supply_temperature x")

@@ -88,12 +88,16 @@ class Common:
         return Fate(not missing, missing=missing)
 
     def identical(self, one: Row, other: Row) -> bool:
-        """Whether two figures are one: the same number out of the same readings."""
+        """Whether two figures are one: the same number out of the same readings.
+
+        A model says what went into it as a whole: two of other conditions that take a term from one test have it in
+        common, whatever else went into each.
+        """
         if self.first.sha256 == self.second.sha256 and one.test == other.test:
             return True
         mine, its = self.first.selected(one), self.second.selected(other)
-        same = bool(mine) and sorted(mine) == sorted(its)
-        return same and all(
+        taken = one.test == other.test and bool(set(mine) & set(its))
+        return (taken or (bool(mine) and sorted(mine) == sorted(its))) and all(
             _equal(*pair) for pair in ((one.value, other.value), (one.u, other.u), (one.dof, other.dof))
         )
 

@@ -102,7 +102,11 @@ def _problem(kind: Any, entry: Any, at: Callable[..., str], above: tuple[str, ..
         return Problem(f"{name}: {entry['input']!r} is not a table", where, do=do, code="wrong_value")
     *tables, last = (part for part in entry["loc"] if isinstance(part, str))
     for part in tables:
-        kind = next(one.table for one in settings_of(kind) if one.name == part)
+        table = next(one.table for one in settings_of(kind) if one.name == part)
+        if table is None:  # A setting of free names: what is wrong is one of its values
+            last = part
+            break
+        kind = table
     known = {one.name: one for one in settings_of(kind)}
     if entry["type"] == "extra_forbidden":
         near = get_close_matches(last, known, n=1)

@@ -39,6 +39,8 @@ def _against(result: Result, fit: SensorFit, axis: str, name: str) -> list[Curve
     readings, chosen = result.readings, fit.design.chosen
     plain = [i for i, one in enumerate(fit.columns) if one.condition == name and not one.scale
              and (name == TEMPERATURE or not one.warm)]  # fmt: skip
+    if not plain:
+        return []  # Its plain terms are stated: only changes of them were fitted
     values = readings.conditions[name][axis][chosen]
     reference, unit = result.references[name], readings.units[name]
     terms = np.column_stack([fit.columns[i].values for i in plain]) @ own.coefficients[[1 + i for i in plain]]
@@ -48,7 +50,7 @@ def _against(result: Result, fit: SensorFit, axis: str, name: str) -> list[Curve
         "run": Column(fit.design.runs.tolist()),
     }
     at = np.linspace(values.min(), values.max(), POINTS)
-    powers = range(1, len(plain) + 1)
+    powers = [max(one.key.power, 1) if (one := fit.columns[i]).key else 1 for i in plain]
     design = np.column_stack([(at - reference) ** j for j in powers])
     index = [1 + i for i in plain]
     covariance = own.covariance[np.ix_(index, index)]

@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import DataError
+from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
 from ...core.key import AXES, Key, Reason
 from ...core.remarks import Remark
@@ -89,13 +89,23 @@ def references_of(plan: Plan, readings: Readings) -> dict[str, float]:
         middle = 0.5 * (float(levels.min()) + float(levels.max()))
         found[name] = plan.reference_temperature if name == TEMPERATURE else _round(middle, float(np.ptp(levels)))
         if name in plan.references:
-            found[name] = parse_quantity(plan.references[name]).to(readings.units[name])
+            found[name] = _stated_reference(name, plan.references[name], readings.units[name])
             ratio = abs(middle / found[name]) if found[name] and name != TEMPERATURE else 1.0
             if not 1.0 / NEAR <= ratio <= NEAR:
                 raise _wrong_unit(name, middle, readings.units[name], f"{plan.references[name]} is its reference")
         elif name == SUPPLY and not SUPPLIES[0] <= abs(middle) <= SUPPLIES[1]:
             raise _wrong_unit(name, middle, "V", "no supply of a sensor")
     return found
+
+
+def _stated_reference(name: str, said: str, unit: str) -> float:
+    """Return a reference in the unit of its channel."""
+    try:
+        return parse_quantity(said).to(unit)
+    except DataError as error:
+        (problem,) = error.problems
+        what = f"reference of {name} = {said!r}: {problem.what}"
+        raise PlanError(what, why=problem.why, do=problem.do, code=problem.code) from None
 
 
 def _round(middle: float, span: float) -> float:
@@ -146,8 +156,8 @@ def design_of(
     along, across = _applied(readings, axis, own.get(APPLIED), chosen, _earth(plan))
     y = readings.values[axis][chosen] - along
     moving = {name: own[name][chosen] - references[name] for name in wanted}
-    refused, remarks = _refused(plan, readings, axis, moving, warm, runs, applied=bool(along.any()))
     order = _order(plan, warm, runs) if like is None else like.order
+    refused, remarks = _refused(plan, readings, axis, moving, warm, runs, order, applied=bool(along.any()))
     h = np.zeros(len(runs)) if warm is None else warm - plan.reference_temperature
     columns = [_warm_column(plan, readings, axis, j, h) for j in range(1, order + 1)]
     changes = order > 0
@@ -271,7 +281,7 @@ def _of_scale(
 
 def _refused(
     plan: Plan, readings: Readings, axis: str, moving: Mapping[str, Array], warm: Array | None, runs: NDArray[np.str_],
-    *, applied: bool,
+    order: int, *, applied: bool,
 ) -> tuple[dict[Key, tuple[str, Reason]], list[Remark]]:  # fmt: skip
     """Return terms that the conditions themselves rule out: they did not change, or moved together."""
     base = {**moving, **({} if warm is None else {TEMPERATURE: warm})}
@@ -280,7 +290,9 @@ def _refused(
     asked = [name for name in plan.to if name in base or name == TEMPERATURE]
 
     def refuse(name: str, code: str, text: str) -> None:
-        for key in term_keys(plan, axis, name, applied=applied):
+        # Where the temperature follows a condition, their product follows its square
+        powers = min(order, 2) if code == "conditions_together" and plan.interactions else 1
+        for key in term_keys(plan, axis, name, powers, applied=applied):
             refused.setdefault(key, (_unit_of(readings, key, name), Reason(code, text)))
         remarks.append(Remark(code, "warning", text, do=TO_DO[code], axis=axis, subject=name))
 

@@ -21,16 +21,25 @@ SAME = 0.05  # of the range of a condition: no step
 RESOLUTION = "supply_meter.resolution"
 
 
-def remarks_on_power_ups(readings: Readings) -> list[Remark]:
-    """Return a remark on too few power-ups."""
-    count = len(readings.power_ups)
-    if count >= FEW:
-        return []
-    if count < 2:
+def remarks_on_power_ups(plan: Plan, readings: Readings) -> list[Remark]:
+    """Return remarks on power-ups without a condition that was asked for, and on too few others."""
+    found: list[Remark] = []
+    whole = set(readings.power_ups)
+    for name in (one for one in plan.to if one in readings.conditions):
+        known = np.any([np.isfinite(levels) for levels in readings.conditions[name].values()], axis=0)
+        lacking = [run for run in readings.power_ups if not known[readings.run == run].any()]
+        whole -= set(lacking)
+        for run in lacking:
+            what = f"power-up {run} has no {name}: its levels do not count"
+            do = "Record it with the readings, or leave the power-up out"
+            found.append(Remark("missing_condition", "warning", what, do=do, subject=f"{name} {run}"))
+    if len(whole) >= FEW:
+        return found
+    if len(whole) < 2:
         what = "one power-up: nothing tells whether a sensitivity repeats; figures rest on the scatter between levels"
-        return [Remark("few_runs", "warning", what, do="Record the same levels in 2 power-ups or more")]
-    what = f"{count} power-ups: the scatter between them is badly known, intervals are wide"
-    return [Remark("few_runs", "info", what, do=f"Record {FEW} or more for a narrower interval")]
+        return [*found, Remark("few_runs", "warning", what, do="Record the same levels in 2 power-ups or more")]
+    what = f"{len(whole)} power-ups: the scatter between them is badly known, intervals are wide"
+    return [*found, Remark("few_runs", "info", what, do=f"Record {FEW} or more for a narrower interval")]
 
 
 def doubts(plan: Plan, readings: Readings, fit: SensorFit) -> list[Remark]:

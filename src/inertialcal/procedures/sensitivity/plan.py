@@ -82,13 +82,13 @@ class Plan:
         "Nominal value of a condition, where its term is zero; the middle of its levels where not given.",
         dict[str, str], example='supply="5 V"', option="reference",
     )  # fmt: skip
-    settle: float = setting("Left out after each change of a condition.", 0.0, unit="s", example="60 s")
+    settle: float = setting("Left out after each change of a condition.", 0.0, unit="s", least=0, example="60 s")
     block: float | None = setting(
         "Length of the means; longer than the noise is correlated. A mean a level where not given.",
-        None, unit="s", example="60 s",
+        None, unit="s", above=0, example="60 s",
     )  # fmt: skip
     power_up_delay: float = setting(
-        "Time from power-up to the first sample of a power-up, for warm_up.", 0.0, unit="s", example="2 s"
+        "Time from power-up to the first sample of a power-up, for warm_up.", 0.0, unit="s", least=0, example="2 s"
     )
     stated: Mapping[str, object] = setting(
         "Sensitivity that is known otherwise and taken off: its value, standard uncertainty and source.",

@@ -188,8 +188,11 @@ class Sensitivity(Procedure[Plan, "Readings", "Result"]):
             yield Problem(what, test.at("recordings", name), do='Say axis = "x"', code="missing_key")
 
     def check(self, test: SaidTest) -> Iterator[Problem]:
-        """Yield an attitude without a latitude."""
+        """Yield an attitude without a latitude, and references and stated terms of nothing that is asked for."""
+        from .said import problems
+
         yield from latitude_needed(test)
+        yield from problems(test)
 
 
 PROCEDURE = Sensitivity()

@@ -81,7 +81,7 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     references = references_of(plan, readings)
     linear = readings.axes if set(plan.to) != {WARM_UP} else ()
     sensors = {axis: fitted(plan, readings, design_of(plan, readings, axis, references)) for axis in linear}
-    remarks = [*readings.remarks, *(remarks_on_power_ups(readings) if linear else ())]
+    remarks = [*readings.remarks, *(remarks_on_power_ups(plan, readings) if linear else ())]
     for fit in sensors.values():
         remarks += [*fit.design.remarks, *doubts(plan, readings, fit)]
     estimates = [one for fit in sensors.values() if (one := _estimate(plan, readings, fit)) is not None]

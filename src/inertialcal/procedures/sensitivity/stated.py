@@ -6,7 +6,7 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ...core.errors import PlanError
+from ...core.errors import DataError, PlanError
 from ...core.key import Key
 from ...core.units import parse_quantity
 from .design import Column, Design
@@ -40,17 +40,25 @@ def stated_terms(plan: Plan, design: Design) -> tuple[Stated, ...]:
         name = next((name for name in names if name in plan.stated), None)
         if name is None or one.key is None:
             continue
-        said = _table(name, plan.stated[name])
+        said = stated_table(name, plan.stated[name])
         try:
             value, u = (parse_quantity(said[part]).to(one.unit) for part in ("value", "u"))
-        except ValueError as error:
-            raise PlanError(f"stated.{name}: {error}", code="wrong_value") from None
+        except DataError as error:
+            one_problem = error.problems[0]
+            what = f"stated.{name}: {one_problem.what}"
+            raise PlanError(what, why=one_problem.why, do=one_problem.do, code=one_problem.code) from None
         found.append(Stated(one.key, value, u, said["source"], one))
     return tuple(found)
 
 
-def _table(name: str, said: object) -> Mapping[str, str]:
-    """Return what is said of a term, from a table or its text."""
+def stated_table(name: str, said: object) -> Mapping[str, str]:
+    """Return what is said of a term, from a table or its text.
+
+    Raises
+    ------
+    PlanError
+        ``wrong_value``, ``not_toml``.
+    """
     if isinstance(said, str):
         try:
             said = tomllib.loads(f"said = {said}")["said"]

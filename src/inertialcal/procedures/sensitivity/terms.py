@@ -28,7 +28,8 @@ def terms(result: Result, tests: Sequence[Tested[Plan, Readings, Result]]) -> Mo
     the model leaves. A stated one has its source.
     """
     readings, estimate = result.readings, result.estimate
-    if estimate is None or len(readings.power_ups) < 2:
+    power_ups = max((fit.runs for fit in result.sensors.values()), default=len(readings.power_ups))
+    if estimate is None or power_ups < 2:
         return None
     keys = tuple(key for key in estimate.keys if kind_of(key) in GIVEN and key.quantity != START_TEMPERATURE)
     names = tuple(dict.fromkeys(name for one in tests for name in one.recordings))
