@@ -68,6 +68,22 @@ def test_an_occasion_says_what_drew_an_error() -> None:
     assert one.joined(one._replace(day="2026-11-21")) == one._replace(day="")
 
 
+def test_a_term_that_two_conditions_take_from_one_test_is_one_figure() -> None:
+    """The model of vacuum has the scale factor that the table gave in air; the readings behind its bias are its own."""
+
+    def side(own: str, bias: float) -> Compared:
+        rows = (Row(Key("scale_factor_error", "x"), 0.01, 2e-4, "1", 4.0, test="rate_x"),
+                Row(Key("bias", "x"), bias, 1e-3, "rad/s", 4.0, test=f"thermal_{own}"))  # fmt: skip
+        selections = {"": (Selection(("table",)), Selection((own,)))}
+        return Compared(f"{own}.json", own, rows, "", frozenset(), {}, selections=selections)
+
+    first, second = side("air", 0.1), side("vacuum", 0.2)
+    common = common_of(first, second)
+    assert [common.identical(*pair) for pair in zip(first.rows, second.rows, strict=True)] == [True, False]
+    other = replace(second, selections={"": (Selection(("another table",)), Selection(("vacuum",)))})
+    assert not common_of(first, other).identical(first.rows[0], other.rows[0])
+
+
 def test_readings_overlap_where_they_can() -> None:
     one = Selection(("a", "b"), ("1",))
     assert one.overlap(Selection(("b", "c"))) == {"b"}

@@ -161,5 +161,7 @@ def test_orbit_of_each_condition(folder: Path, capsys: pytest.CaptureFixture[str
     assert shown.count("0.062690 ± 0.000084 deg/s") == 2
     assert max(map(len, shown.splitlines())) <= 110
     assert typed(capsys, "show", "both.json", "--tables")[0] == 2
+    status, content = typed(capsys, "show", "both.json", "--orbit", "560")
+    assert (status, content["errors"][0]["what"].startswith("--orbit '560': ")) == (3, True)
     assert typed(capsys, "show", "both.json", "--orbit", "560 s")[0] == 3
     assert typed(capsys, "show", "both.json", "--orbit", "-5 km")[0] == 3

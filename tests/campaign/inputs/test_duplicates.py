@@ -105,6 +105,19 @@ def test_a_stretch_of_the_fit_in_the_hold_out_is_refused(fit_and_held_out: Path)
         check(fit_and_held_out)
 
 
+def test_columns_are_named_with_or_without_the_unit_in_brackets(fit_and_held_out: Path) -> None:
+    (fit_and_held_out / "b.csv").write_text(recording(2))
+    full = run(fit_and_held_out, write=False).results["results"]
+    file = fit_and_held_out / "campaign.toml"
+    file.write_text(file.read_text().replace(' [deg/s]"', '"'))
+    assert run(fit_and_held_out, write=False).results["results"] == full
+    rows = (fit_and_held_out / "a.csv").read_text().splitlines()
+    rows[50] = rows[50].rpartition(",")[0] + ",nan"
+    (fit_and_held_out / "a.csv").write_text("\n".join(rows) + "\n")
+    with pytest.raises(DataError, match="literal 'NaN' in required column"):
+        check(fit_and_held_out)
+
+
 def test_each_copy_is_named_once_with_the_first() -> None:
     x, y = (np.random.default_rng(seed).normal(size=2000) for seed in (1, 2))
     held = {"a": x, "b": x, "other": y, "c": x, "d": x}

@@ -27,6 +27,7 @@ from ...core.units import convert, factor, kind, parse_quantity, si_unit
 from ...files import read, read_table
 from ...files.budget import ANALYSIS, AS_WIDE, claim_recording
 from ...files.source import load as load_file
+from ...files.text.headers import full_name
 from ...files.text.table import Table
 from ...procedures.protocol import Exclusion, Facts, InputSpec
 from ...procedures.recorded import CLOCK, recorded_rows
@@ -275,11 +276,19 @@ class Ready:
 
     @cached_property
     def raw(self) -> Recording:
-        """As the store has it."""
+        """As the store has it, columns called as the campaign calls them: with or without the unit in brackets."""
         channels = self.entry.channels or {}
         axes = [channels[axis].column for axis in channels if axis in AXES]
-        recording = self.store.recording(self.entry, [] if self.spec.missing else axes)
+        required = [] if self.spec.missing else axes
+        recording = self.store.recording(self.entry, required)
         if isinstance(self.store, Folder):
+            said = {one.column for one in channels.values()}
+            called = {full: name for name in said if (full := full_name(recording.names, name)) not in (None, name)}
+            if set(required) & set(called.values()):  # Only under its full name is a reading known to be required
+                recording = self.store.recording(self.entry, [str(full_name(recording.names, one) or one)
+                                                              for one in required])  # fmt: skip
+            named = tuple(replace(one, name=called.get(one.name, one.name)) for one in recording.channels)
+            recording = replace(recording, channels=named) if called else recording
             claim_recording(recording, AS_WIDE if self.spec.as_wide else ANALYSIS)
         return recording
 

@@ -20,6 +20,7 @@ from ...core.recording import MARK, Channel, Recording
 from ...core.remarks import Remark
 from ...core.results import Row, finite
 from ...core.units import convert, factor
+from ...files.text.headers import full_name
 from ...sensors.model.equation import Conditions, by_name, needed
 from ...sensors.model.model_set import ModelSet
 from ...sensors.model.on_recordings import compensate_recording, to_input_unit
@@ -28,7 +29,7 @@ from ...sensors.model.serial import model_checksum
 from ...sensors.model.terms import values
 from ...sensors.model.uncertainty import compensated_uncertainty, without_uncertainty
 from ...statistics.intervals import t_interval
-from .inputs import CONDITIONS, FORCES, UNCERTAINTY, Taken, full_name, taken
+from .inputs import CONDITIONS, FORCES, UNCERTAINTY, Taken, taken
 
 
 def compensate(
@@ -150,7 +151,9 @@ def _pressure(recording: Recording, columns: Mapping[str, str]) -> Array | None:
     """Return pressures [Pa] of the column named for it, or of the only one whose header says so; None without one."""
     named = columns.get("pressure")
     names = [one.name for one in recording.channels if one.quantity == "pressure" and one.unit]
-    column = (full_name(recording, named) or recording.channel(named).name) if named else names[0] if names else None
+    column = names[0] if names else None
+    if named:
+        column = full_name(recording.names, named) or recording.channel(named).name
     return None if column is None or (not named and len(names) > 1) else _in_unit(recording, column, "Pa")
 
 

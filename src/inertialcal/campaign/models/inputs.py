@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from ...core.errors import DataError
 from ...core.recording import Recording
 from ...core.units import parse_quantity, same_dimension
-from ...files.text.headers import bare_name
+from ...files.text.headers import full_name
 from ...sensors.chain.converter import Chain
 from ...sensors.model.on_recordings import CONDITIONS as CHANNELS
 from ...sensors.model.on_recordings import QUANTITY
@@ -65,10 +65,12 @@ def taken(
             do=f"It takes: {', '.join(model.axes)}, and {', '.join(sorted(known - set(model.axes)))}",
             code="wrong_column",
         )
-    named = {what: full_name(recording, name) or recording.channel(name).name for what, name in named.items()}
+    named = {what: full_name(recording.names, name) or recording.channel(name).name for what, name in named.items()}
     found = {axis: named[axis] if axis in named else _column_of(model, recording, axis) for axis in model.axes}
-    found |= {name: column for name in channels if name not in CONDITIONS and (column := full_name(recording, name))}
-    column = full_name(recording, temperature) if isinstance(temperature, str) else None
+    found |= {
+        name: column for name in channels if name not in CONDITIONS and (column := full_name(recording.names, name))
+    }
+    column = full_name(recording.names, temperature) if isinstance(temperature, str) else None
     if column is not None:
         return Taken({**found, "temperature": column, **named})
     return Taken(found | named, None if temperature is None else _fixed_temperature(recording, temperature))
@@ -91,17 +93,12 @@ def chain_columns(chain: Chain, recording: Recording, columns: Mapping[str, str]
             f"{', '.join(strangers)}: the chain has no such input", do=f"It takes: {', '.join(words)}",
             code="wrong_column",
         )  # fmt: skip
-    named = {what: full_name(recording, name) or recording.channel(name).name for what, name in (columns or {}).items()}
-    found = {word: name for word in words if (name := named.get(word) or full_name(recording, word)) is not None}
+    named = {
+        what: full_name(recording.names, name) or recording.channel(name).name for what, name in (columns or {}).items()
+    }
+    found = {word: name for word in words if (name := named.get(word) or full_name(recording.names, word)) is not None}
     counted = all(axis in found and recording.channel(found[axis]).unit in {None, "count"} for axis in chain.axes)
     return found if counted else {}
-
-
-def full_name(recording: Recording, name: str) -> str | None:
-    """Return the column of a name given with or without the unit in brackets; None where there is not one."""
-    exact = [known for known in recording.names if known == name]
-    found = exact or [known for known in recording.names if bare_name(known) == name]
-    return found[0] if len(found) == 1 else None
 
 
 def _column_of(model: SensorModel, recording: Recording, axis: str) -> str:

@@ -79,6 +79,19 @@ def show(
     return _show_model(model, condition, edited, output, chosen, as_json, quiet)
 
 
+def _of_option(option: str, said: str, unit: str) -> float:
+    """Return what an option says, in a unit; the refusal names the option."""
+    from ...core.errors import DataError
+    from ...core.units import parse_quantity
+
+    try:
+        return parse_quantity(said).to(unit)
+    except DataError as error:
+        (problem,) = error.problems
+        what = f"{option} {said!r}: {problem.what}"
+        raise DataError(what, why=problem.why, do=problem.do, code=problem.code) from None
+
+
 def _show_suite(
     path: Path,
     condition: str | None,
@@ -93,7 +106,6 @@ def _show_suite(
     from ...campaign.outcome.orbit_dwells import dwells_near, site_latitude
     from ...campaign.outcome.results_file import find_results
     from ...core.show.output_tables import output_tables
-    from ...core.units import parse_quantity
     from ...sensors.orbit_check import orbit_check
     from ..shown.model_text import orbit_dict, orbit_text
     from ..shown.summary import tables_text
@@ -112,7 +124,7 @@ def _show_suite(
         content["tables"] = [one.to_dict() for one in made]
         blocks.append(tables_text(made) or "no gyro in this campaign")
     if orbit is not None:
-        altitude, time = parse_quantity(orbit).to("m"), parse_quantity(averaging).to("s")
+        altitude, time = _of_option("--orbit", orbit, "m"), _of_option("--averaging", averaging, "s")
         found = find_model(path, condition)
         models = found.models.values() if condition is None else [found.model]
         run = None if results is None else results.content

@@ -8,6 +8,7 @@ quantity (``gyro_g``) is none. What a name does not say stays unsaid.
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ...core import units
@@ -177,6 +178,13 @@ def bare_name(name: str) -> str:
     """Return the name without a unit in brackets."""
     at = _opening(name)
     return name.strip() if at is None else name.strip()[:at].strip(" _,/")
+
+
+def full_name(names: Sequence[str], name: str) -> str | None:
+    """Return the column of a name given with or without the unit in brackets; None where there is not one."""
+    exact = [known for known in names if known == name]
+    found = exact or [known for known in names if bare_name(known) == name]
+    return found[0] if len(found) == 1 else None
 
 
 def normal_unit(text: str, quantity: str) -> str:
