@@ -51,6 +51,17 @@ def test_the_supply_is_found_by_its_name(runs: list[str]) -> None:
     assert found.rows[0].unit == "deg/s/V"
 
 
+def test_a_condition_is_found_without_the_unit_in_its_header_and_is_not_the_supply(tmp_path: Path) -> None:
+    files = [write(tmp_path / f"run{i}.csv", VOLTS, i, 0.01 * i) for i in (1, 2, 3)]
+    for file in files:
+        file.write_text(file.read_text().replace("supply [V]", "reference [V]"))
+    found = ic.sensitivity([str(file) for file in files], to="reference")
+    assert value(found, "bias_reference") == pytest.approx(SLOPE, rel=0.05)
+    assert "supply" not in found.write_campaign(tmp_path / "as_campaign").read_text()
+    with pytest.raises(UsageError, match="is what the sensor reads, and no condition"):
+        ic.sensitivity([str(file) for file in files], to="gyro_x")
+
+
 def test_any_channel_is_a_condition_by_its_name(runs: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     words = ["sensitivity", *runs, "--to", "board", "--column", "board=board_raw", "--unit", "board_raw=mV"]
     rows = call_json(capsys, *words)["results"]

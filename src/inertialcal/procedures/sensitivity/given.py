@@ -10,6 +10,7 @@ import numpy as np
 from ...core.errors import UsageError
 from ...core.key import AXES
 from ...core.units import normalise
+from ...files.text.headers import full_name
 from ..given import Described, GivenFile
 from ..given import described as described_channels
 from ..protocol import InputSpec
@@ -46,14 +47,19 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
         columns |= {SUPPLY: named[0]} if len(named) == 1 else {}
     applied = _applied(given)
     columns |= {APPLIED: applied} if applied else {}
-    if not applied:  # no other column is taken for it
-        spec = replace(spec, roles=tuple(role for role in spec.roles if role.name != APPLIED))
+    others = {name: full_name(given.recording.names, column) or column for name, column in others.items()}
+    # No other column is taken for the true input, nor one that was asked for by its name for the supply
+    dropped = {*(() if applied else (APPLIED,)), *((SUPPLY,) if others and SUPPLY not in (*names, *columns) else ())}
+    spec = replace(spec, roles=tuple(role for role in spec.roles if role.name not in dropped))
     found = described_channels(replace(given, said=replace(given.said, columns=columns)), spec)
     conditions = {}
     for name, column in others.items():
         if column not in given.recording.names:
             do = f"Add: {given.add('column', f'{name}=COLUMN')}; it has {', '.join(given.recording.names)}"
             raise UsageError(f"{given.name}: no column {column!r} for {name}", do=do, code="no_column")
+        if column in {found.columns.get(axis) for axis in AXES}:
+            what = f"{given.name}: {column!r} is what the sensor reads, and no condition"
+            raise UsageError(what, do="Name another column", code="no_column")
         unit = given.recording.channel(column).unit or given.said.units.get(name) or NO_UNIT.get(name)
         if unit is None:
             do = f"Add: {given.add('unit', f'{column}=V')}"
