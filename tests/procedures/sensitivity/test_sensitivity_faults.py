@@ -122,6 +122,13 @@ def test_a_reference_says_that_a_unit_is_wrong() -> None:
         reduced(climate.supplied(1, visits=QUICK), replace(SUPPLY, references={"supply": "5 mV"}))
 
 
+def test_a_settle_longer_than_every_level_is_refused() -> None:
+    """The first level of a power-up follows no change: alone it tells nothing."""
+    with pytest.raises(DataError, match="no level after a change is longer than settle") as refused:
+        reduced(climate.supplied(1, visits=QUICK), replace(SUPPLY, settle=1e5))
+    assert refused.value.problems[0].code == "nothing_left"
+
+
 def test_readings_that_follow_a_step_late_are_told_and_settle_mends_it() -> None:
     case = climate.supplied(1, visits=replace(QUICK, dwell=400.0))
     late = reduced(case, spoil=with_transient)

@@ -223,9 +223,12 @@ def readings_from(plan: Plan, found: Sequence[ConditionRecording], unit: str) ->
     taken_off: list[TakenOff] = []
     remarks = [remark for one in ordered for remark in one.recording.remarks]
     transients = 0
+    followed: list[bool] = []  # A recording with changes: whether a level after one of them is left
     for one in ordered:
         tolerances = {name: ALIKE * ranges[name] for name in cut_by if name in one.conditions}
         stretches = _levels(one, tolerances, plan)
+        whole = _levels(one, tolerances, replace(plan, settle=0.0, block=None))
+        followed += [any(start >= whole[0][1] for start, _ in stretches)] if len(whole) > 1 else []
         transients += len(one.recording) - sum(stop - start for start, stop in stretches)
         parts = [_part(one.recording, stretch) for stretch in stretches]
         if one.corrections and parts:
@@ -234,9 +237,11 @@ def readings_from(plan: Plan, found: Sequence[ConditionRecording], unit: str) ->
             remarks += [remark for part in parts for remark in part.remarks if remark not in remarks]
         first = starts[one.run or one.name]
         rows += [_level(one, axes, names, *both, first) for both in zip(stretches, parts, strict=True)]
-    if not rows:
+    if not rows or (followed and not any(followed)):
         do = "Shorten settle, or record each level for longer"
-        raise DataError(f"no level is longer than settle = {plan.settle:g} s", do=do, code="nothing_left")
+        raise DataError(
+            f"no level after a change is longer than settle = {plan.settle:g} s", do=do, code="nothing_left"
+        )
     units = {name: one.units[name] for one in reversed(ordered) for name in one.units}
     values, noise, settling = (
         {axis: np.array([one.values[axis][i] for one in rows]) for axis in axes} for i in range(3)
