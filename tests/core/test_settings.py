@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import tomllib
 from dataclasses import dataclass
 from typing import Literal
 
 import pytest
 
 from inertialcal.core.settings import fact, setting, settings_of
+from inertialcal.procedures.flip import plan as flip
+from inertialcal.procedures.sensitivity import plan as sensitivity
 
 
 @dataclass(frozen=True)
@@ -48,3 +51,13 @@ def test_a_setting_without_default_is_needed() -> None:
     assert tilt.default is None
     with pytest.raises(TypeError):
         Inner()
+
+
+def test_lists_and_named_values_are_written_as_toml_takes_them() -> None:
+    for kind in (sensitivity.Plan, flip.Plan):
+        for one in settings_of(kind):
+            if one.example and one.table is None:
+                assert one.name in tomllib.loads(one.written)
+    found = {one.name: one.written for one in settings_of(sensitivity.Plan)}
+    assert found["to"] == 'to = ["supply"]'
+    assert found["references"] == 'references = { supply = "5 V" }'

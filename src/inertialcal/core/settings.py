@@ -77,6 +77,12 @@ class Setting:
     @property
     def written(self) -> str:
         """Example as a line of TOML: ``cube = "5.08 cm"``."""
+        if self.pairs and self.example and not self.example.startswith("{"):
+            key, _, value = self.example.partition("=")
+            return f"{self.name} = {{ {key} = {value} }}"
+        if self.many and self.example and self.table is None and not self.example.startswith("["):
+            quoted = self.number is not None or self.example.startswith('"')
+            return f"{self.name} = [{self.example}]" if quoted else f'{self.name} = ["{self.example}"]'
         bare = self.many or self.flag or self.number is not None or self.table is not None
         return f"{self.name} = {self.example}" if bare else f'{self.name} = "{self.example}"'
 

@@ -128,7 +128,9 @@ def _limit(one: Requirement, known: Known, text: str, where: str) -> Iterator[Pr
     what = f"requirement {one.id!r}: {one.quantity} cannot be compared with {text!r}"
     needed, shown = _of(one, known).kinds, _of(one, known).shown_by_kind.values()
     if needed and kind(unit) not in needed:
-        yield Problem(what, where, do=f"Give a limit of kind {' or '.join(needed)}", code="wrong_value")
+        kinds = [one for one in needed if one != "other"]
+        do = f"Give a limit of kind {' or '.join(kinds)}" if kinds else "Give a limit in the unit that its row has"
+        yield Problem(what, where, do=do, code="wrong_value")
     if shown and not any(same_dimension(unit, other) for other in shown):
         yield Problem(what, where, do=f"Give a limit in {' or '.join(shown)}", code="wrong_value")
 
