@@ -175,3 +175,21 @@ def test_figures_are_drawn(runs: list[str], tmp_path: Path, figure: str, capsys:
     words = ["sensitivity", *runs, "--to", "supply", "--figure", figure, "-o", str(path), "--quiet"]
     assert call(capsys, *words)[0] == 0
     assert path.read_text(encoding="utf-8").startswith("<?xml")
+
+
+@pytest.mark.parametrize(
+    ("more", "match"),
+    [
+        ({"references": {"suply": "5 V"}}, "Did you mean supply"),
+        ({"references": {"temperature": "20 degC"}}, "its reference is reference_temperature"),
+        ({"references": {"supply": "nan V"}}, r"references\.supply"),
+        ({"stated": {"bias_suply": "{}"}}, "Did you mean bias_supply"),
+        (
+            {"stated": {"bias_supply_x": '{ value = "0 deg/s/V", u = "-1 deg/s/V", source = "s" }'}},
+            "should not be below 0",
+        ),
+    ],
+)
+def test_what_would_do_nothing_is_refused_by_its_name(runs: list[str], more: dict[str, Any], match: str) -> None:
+    with pytest.raises(UsageError, match=match):
+        ic.sensitivity(runs, to="supply", **more)

@@ -29,7 +29,7 @@ def problems(test: SaidTest) -> Iterator[Problem]:
     terms = _terms(to, conditions)
     for name, said in _table(test, "stated").items():
         path = test.at("tests", test.number, "plan", "stated", name)
-        if not {name, *(name.removesuffix(f"_{axis}") for axis in AXES)} & set(terms):
+        if name not in {*terms, *(f"{term}_{axis}" for term in terms for axis in AXES)}:
             yield _unknown(f"stated.{name}", name, terms, path)
             continue
         try:
