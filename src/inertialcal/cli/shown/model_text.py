@@ -14,9 +14,14 @@ from ...core.show.rows import names_of, reason_text
 from ...core.units import factor
 from ...sensors.flight import Step
 from ...sensors.model.sensor_model import SensorModel, show
-from ...sensors.orbit_check import DwellCheck, OrbitCheck
+from ...sensors.orbit_check import DwellCheck, OrbitCheck, band_holds
 from .output import clean, table, wrapped
 from .summary import remarks_text
+
+TOO_NARROW = (
+    "fewer runs lie in the stated band than 95 % intervals let expect: what is not counted, below, moves the readings "
+    "by more than u says"
+)
 
 
 def model_text(model: SensorModel, rows: Sequence[Mapping[str, Any]]) -> str:
@@ -69,18 +74,20 @@ def orbit_text(check: OrbitCheck, condition: str, dwells: Sequence[DwellCheck] =
     cells = [
         [
             f"  {one.axis}", "less rest" if one.zero_reference else "direct",
-            settled_number(one.u * factor("rad/s", unit), 3),
+            *(settled_number(size * factor("rad/s", unit), 3) if math.isfinite(size) else "not known"
+              for size in (one.u, one.half)),
             _seen(one.orbit_seen, one.orbit_ratio),
             _seen(one.earth_seen, one.earth_ratio),
         ]
         for one in check.checks
     ]  # fmt: skip
-    heads = ["  axis", "reading", f"u [{unit}]", "orbit (rate / 1.96 u)", "earth (rate / 1.96 u)"]
+    heads = ["  axis", "reading", f"u [{unit}]", "95 % ±", "orbit (rate / ±)", "earth (rate / ±)"]
     lines = [
         *([clean(f"Model of condition {condition}")] if condition else []),
-        f"Circular orbit at {number(check.altitude / 1e3)} km: {with_uncertainty(float(rate), float(u))} {unit}; "
-        f"earth {said} {unit}{where}; mean over {number(check.averaging)} s",
-        table(cells, heads, right=(2,)),
+        f"Circular orbit at {number(check.altitude / 1e3)} km: {with_uncertainty(float(rate), float(u))} {unit}",
+        f"Earth: {said} {unit}{where}",
+        f"Mean over {number(check.averaging)} s:",
+        table(cells, heads, right=(2, 3)),
         "A rate is seen if the 95 % interval of a compensated reading does not hold zero, at the model's reference",
         f"conditions, settled and weightless; the earth's counts {reads}.",
         *_dwells(dwells, unit),
@@ -99,24 +106,27 @@ def _dwells(dwells: Sequence[DwellCheck], unit: str) -> list[str]:
         [
             f"  {one.axis}", str(one.dwells),
             settled(one.error * k, None if one.u is None else one.u * k) if one.dwells else "no dwell",
-            f"± {settled_number(one.band * k, 3)}", f"{one.inside} of {one.runs}",
+            f"± {settled_number(one.band * k, 3)}" if math.isfinite(one.band) else "not known",
+            f"{one.inside} of {one.runs}" if math.isfinite(one.band) else "-",
         ]
         for one in dwells
     ]  # fmt: skip
-    heads = ["  axis", "dwells", f"mean error [{unit}]", f"stated band [{unit}]", "power-ups inside"]
+    heads = ["  axis", "dwells", f"mean error [{unit}]", f"stated band [{unit}]", "runs inside"]
     title = "Recorded: dwells held out near the orbit's rate (within a factor of 1.5), compensated less table and earth"
-    return [title, table(cells, heads, right=(1, 2, 3))]
+    shown = [title, table(cells, heads, right=(1, 2, 3))]
+    return shown if band_holds(dwells) else [*shown, wrapped(f"warning: {TOO_NARROW}", "    ")]
 
 
 def _seen(seen: bool, ratio: float) -> str:
-    return f"{'seen' if seen else 'not seen'} ({settled_number(ratio, 3)})" if math.isfinite(ratio) else "u not known"
+    return f"{'seen' if seen else 'not seen'} ({settled_number(ratio, 3)})" if math.isfinite(ratio) else "not known"
 
 
 def orbit_dict(check: OrbitCheck, condition: str, dwells: Sequence[DwellCheck] = ()) -> dict[str, Any]:
     """Return the same as ``--json`` prints it [rad/s]."""
     axes = [
         {
-            "axis": one.axis, "zero_reference": one.zero_reference, "u": one.u, "orbit_ratio": finite(one.orbit_ratio),
+            "axis": one.axis, "zero_reference": one.zero_reference, "u": finite(one.u), "dof": finite(one.dof),
+            "half_interval": finite(one.half), "orbit_ratio": finite(one.orbit_ratio),
             "orbit_seen": one.orbit_seen, "earth_ratio": finite(one.earth_ratio), "earth_seen": one.earth_seen,
         }
         for one in check.checks
@@ -126,7 +136,8 @@ def orbit_dict(check: OrbitCheck, condition: str, dwells: Sequence[DwellCheck] =
         "u_rate": float(check.rate.u[0]), "earth_rate": float(check.earth.values[0]),
         "u_earth_rate": float(check.earth.u[0]), "latitude": check.latitude, "unit": "rad/s",
         "averaging": check.averaging, "axes": axes, "not_counted": list(check.not_counted),
-        "dwells": [asdict(one) | {"error": finite(one.error)} for one in dwells],
+        "dwells": [asdict(one) | {"error": finite(one.error), "band": finite(one.band)} for one in dwells],
+        "band_holds": band_holds(dwells),
     }  # fmt: skip
 
 

@@ -20,7 +20,7 @@ from typing import Unpack
 import numpy as np
 
 from ...core.errors import DataError
-from ...core.estimate import Array
+from ...core.estimate import Array, Estimate
 from .compensate import compensate, empty_impossible, pieces
 from .equation import Columns, Conditions, away_from_reference, condition_columns, curve, inverted, matrix_at, mixed
 from .sensor_model import SensorModel
@@ -49,18 +49,12 @@ def compensated_uncertainty(model: SensorModel, readings: Array, **conditions: U
     DataError
         ``no_covariance`` if the model carries none; and as ``compensate``.
     """
-    if model.estimate is None:
-        raise DataError(
-            "the model carries no covariance",
-            why="the uncertainty of a compensated reading comes from it",
-            do="Use a model that a campaign has estimated",
-            code="no_covariance",
-        )
+    estimate = estimate_of(model)
     x = compensate(model, readings, **conditions)
     columns = condition_columns(model, len(x), conditions)
     by_name = {one.name: one for one in model.parameters}
-    held = [by_name[name] for name in model.estimate.names]
-    covariance = model.estimate.covariance
+    held = [by_name[name] for name in estimate.names]
+    covariance = estimate.covariance
     out = np.empty(x.shape)
     for part, here in pieces(columns, len(x)):
         with np.errstate(over="ignore", invalid="ignore"):  # a polynomial far away from its data
@@ -73,6 +67,24 @@ def compensated_uncertainty(model: SensorModel, readings: Array, **conditions: U
             out[part] = np.sqrt(np.maximum(variance, 0.0))
         empty_impossible(out[part])
     return out
+
+
+def estimate_of(model: SensorModel) -> Estimate:
+    """Return the parameters with their covariance.
+
+    Raises
+    ------
+    DataError
+        ``no_covariance`` if the model carries none.
+    """
+    if model.estimate is None:
+        raise DataError(
+            "the model carries no covariance",
+            why="the uncertainty of a compensated reading comes from it",
+            do="Use a model that a campaign has estimated",
+            code="no_covariance",
+        )
+    return model.estimate
 
 
 def without_uncertainty(model: SensorModel) -> tuple[str, ...]:
