@@ -113,6 +113,22 @@ def test_a_condition_with_a_test_of_its_own_takes_none() -> None:
     assert value(vacuum, "scale factor") == 0.51
 
 
+def test_figures_are_those_of_the_test_that_the_model_takes_them_from() -> None:
+    """A test that is reported only gives what no other does, though it comes first; one of the model is preferred."""
+    first = step("first", "fit", "air")
+    rows = [row("first", name, "x", 99.0, unit) for name, unit in (("scale_factor_error", "%"), ("bias", "deg/s"))]
+    air, output, *_ = output_tables({"suite": SENSOR}, [first, *STEPS], [*rows, *ROWS])
+    assert (value(air, "scale factor error"), value(output, "M from x")) == (0.6, 0.6)
+
+
+def test_readings_in_units_of_the_rate_have_b_cons_and_run_to_run_too() -> None:
+    """Without volts there is no scale factor in V/(deg/s); without a thermal test the rate table says run to run."""
+    rows = [one for one in ROWS if one["quantity"] not in ("scale_factor", "hysteresis", "residual_bias")]
+    rows = [one for one in rows if (one["test"], one["quantity"]) != ("air", "scatter_run")]
+    air, output, *_ = output_tables({"suite": SENSOR}, STEPS, rows)
+    assert (value(output, "b_cons"), value(air, "bias run to run")) == (0.01, 8.0)
+
+
 def test_sensitivity_to_the_supply_and_a_time_of_all_axes_are_there() -> None:
     steps = [*STEPS, step("supply", "fit", "vacuum", vacuum=["sensitivity", "warm_up"])]
     rows = [row("supply", "bias_supply", "x", 0.017, "deg/s/V"), row("supply", "warm_up_time", "", 200.0, "s", 1)]

@@ -81,7 +81,7 @@ def _in_doubt(rows: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _not_estimated(rows: Sequence[Mapping[str, Any]]) -> str:
-    return "\n".join(f"  {line}" for line in not_estimated(rows))
+    return "\n".join(wrapped(f"  {line}", "    ") for line in not_estimated(rows))
 
 
 def _side_by_side(rows: Sequence[Mapping[str, Any]], compared: Compared, test: str, other: str) -> str:

@@ -44,7 +44,7 @@ class Wanted:
     quantity: str
     power: int = 0
     unit: str = ""  # In which it is written, where it is another way to write that of the row
-    beside: str = ""  # Another quantity that its test must give
+    beside: tuple[str, ...] = ()  # Another quantity that its test must give; of the first of these, where several do
     held_out: bool = False  # Of a test that is held out, first
     referenced: bool | None = None  # Of a test whose readings at rest were subtracted, or were not
     stated: str = ""  # Key of ``chain.thermometer`` that says it where no test does
@@ -66,8 +66,8 @@ SUMMARY = (
     Wanted("Voltages", "bias by supply and temperature", "bias_supply_temperature", kind="sensitivity"),
     Wanted("Voltages", "scale factor by supply", "scale_factor_error_supply", kind="sensitivity"),
     Wanted("Voltages", "bias by reference", "bias_reference", kind="sensitivity"),
-    Wanted("Repeatability", "bias run to run", "scatter_run", beside="hysteresis"),
-    Wanted("Repeatability", "residual settled", "residual_bias", beside="hysteresis", held_out=True),
+    Wanted("Repeatability", "bias run to run", "scatter_run", beside=("hysteresis", "scale_factor_error")),
+    Wanted("Repeatability", "residual settled", "residual_bias", beside=("hysteresis",), held_out=True),
     Wanted("Thermal ramp", "hysteresis", "hysteresis"),
     Wanted("Thermal ramp", "vacuum offset", "vacuum_offset"),
     Wanted("Rate", "resolution direct", "resolution", referenced=False),
@@ -84,7 +84,7 @@ OUTPUT = (
     Wanted("Rate", "m1", "bias_voltage", 1, "V/V", kind="bias"),
     Wanted("Rate", "m2", "bias_voltage", 2, "V/V^2", kind="bias"),
     Wanted("Rate", "m3", "bias_voltage", 3, "V/V^3", kind="bias"),
-    Wanted("Rate", "b_cons", "bias", beside="scale_factor", kind="bias"),
+    Wanted("Rate", "b_cons", "bias", beside=("scale_factor_error",), kind="bias"),
 )
 THERMOMETER = (
     Wanted("Temperature", "T_ref", "", 0, "degC", stated="temperature"),
@@ -224,24 +224,29 @@ class _Suite(Generic[R]):
         return {test: own for test, own in stated.items() if own not in (condition, "")}
 
     def _row(self, one: Wanted, axis: str, condition: str) -> R | Mapping[str, Any]:
-        """Return the row of an axis: of the test that comes first and has an estimate."""
-        given = {row["test"] for row in self.rows if row["quantity"] == one.beside}
+        """Return the row of an axis: of a test with an estimate; first one that the model takes it from."""
+        given = [{row["test"] for row in self.rows if row["quantity"] == quantity} for quantity in one.beside]
         rest = {row["test"] for row in self.rows if row["quantity"] == "bias" and reason_code(row) == REFERENCED}
         key = Key(one.quantity, axis, power=one.power)
         every = [
             row
             for row in self.rows
             if key_of(row)._replace(sensor="") in (key, key._replace(axis=""))
-            and (not one.beside or row["test"] in given)
+            and (not given or any(row["test"] in tests for tests in given))
             and (one.referenced is None or (row["test"] in rest) == one.referenced)
         ]
 
-        def place(row: R) -> tuple[bool, bool, int]:
-            step = self.steps[row["test"]]
-            use = ORDER[step["use"]]
-            return row["status"] == "not_estimated", not step["condition"], -use if one.held_out else use
+        made_of = self._made_of(one.kind, condition)
 
-        tests = self._tests(one.kind, condition)
+        def place(row: R) -> tuple[bool, bool, bool, int, int]:
+            step = self.steps[row["test"]]
+            use, beside = ORDER[step["use"]], next((i for i, tests in enumerate(given) if row["test"] in tests), 0)
+            return (
+                row["status"] == "not_estimated", row["test"] not in made_of, not step["condition"], beside,
+                -use if one.held_out else use,
+            )  # fmt: skip
+
+        tests = self._tests(made_of, condition)
         there = sorted((row for row in every if row["test"] in tests), key=place)
         estimated = [row for row in there if row["status"] != "not_estimated"]
         if estimated or (there and not one.stated):
@@ -252,9 +257,12 @@ class _Suite(Generic[R]):
         text = f"tests give it only in condition {', '.join(elsewhere)}" if elsewhere else NOTHING
         return NO_ROW | {"reason": {"code": "no_test", "text": text}}
 
-    def _tests(self, kind: str, condition: str) -> set[str]:
-        """Return the tests of a condition; those of others that its model takes this kind from by decision, instead."""
-        made_of = {test for test, step in self.steps.items() if kind in step["terms"].get(condition, [])}
+    def _made_of(self, kind: str, condition: str) -> set[str]:
+        """Return the tests that the model of a condition takes a kind of term from."""
+        return {test for test, step in self.steps.items() if kind in step["terms"].get(condition, [])}
+
+    def _tests(self, made_of: set[str], condition: str) -> set[str]:
+        """Return the tests of a condition; those of others that its model takes a term from by decision, instead."""
         own = {test for test, step in self.steps.items() if step["condition"] in (condition, "")}
         return own if made_of & own or not made_of else made_of
 

@@ -77,15 +77,9 @@ def finding(rows: Sequence[WrittenRow]) -> Sentence:
     for quantity in dict.fromkeys(str(row["quantity"]) for row in terms):
         row = largest(estimated(terms, quantity))
         if row is not None:
-            said = (
-                *said,
-                "; " if said else "",
-                words(quantity_name(row)),
-                " ",
-                Cited(row),
-                " on ",
-                Quoted(row["axis"]),
-            )
+            name = words(quantity_name(row))
+            axis = (" on ", Quoted(row["axis"])) if row["axis"] else ()
+            said = (*said, *(("; ",) if said else ()), f"{name if said else name.capitalize()}: ", Cited(row), *axis)
     limits = sum(row["status"] == "upper_limit" for row in terms)
     missing = sum(row["status"] == "not_estimated" for row in terms)
     counts = [f"{limits} not seen, with an upper limit"] if limits else []

@@ -386,9 +386,9 @@ def _symbols(model: SensorModel) -> list[str]:
     return rows
 
 
-def _per_axis(model: SensorModel, figures: Array) -> str:
+def _per_axis(model: SensorModel, figures: Array, digits: int = 6) -> str:
     """One figure where all sensors have the same, else one a sensor."""
-    texts = [number(figure) for figure in figures]
+    texts = [number(figure, digits) for figure in figures]
     if len(set(texts)) == 1:
         return texts[0]
     return ", ".join(f"{axis} {text}" for axis, text in zip(model.axes, texts, strict=True))
@@ -412,7 +412,8 @@ def _matrix(model: SensorModel) -> list[str]:
 
 def _sentence(model: SensorModel, one: Parameter) -> str:
     value = float(values([one], model.terms)[0])
-    if one.name in model.not_estimated and value == 0.0:
+    over_temperature = one.field == "matrix" and one.index[0]
+    if one.name in model.not_estimated and value == 0.0 and not over_temperature:
         words = {"scale_factor_error": "scale factor"}.get(one.key.quantity, one.key.quantity.replace("_", " "))
         return f"{one.axis} {words}: not estimated"
     if one.field == "matrix":
@@ -435,7 +436,8 @@ def _matrix_sentence(model: SensorModel, one: Parameter) -> str:
     sensor, moves = model.axes[row], model.axes[column]
     entry = 100.0 * float(model.matrix[one.index])
     if power:
-        return f"{sensor} sensor and {moves} motion, term in {_power(power)}"
+        lacking = ": not estimated" if one.name in model.not_estimated and entry == 0.0 else ""
+        return f"{sensor} sensor and {moves} motion, term in {_power(power)}{lacking}"
     if row != column:
         return f"{sensor} sensor reads {number(entry, PERCENT_DIGITS)} % of {moves} motion"
     excess = entry - 100.0
@@ -457,7 +459,7 @@ def _run_to_run(model: SensorModel) -> list[str]:
     if model.bias_run_to_run is None:
         return []
     sizes = convert(model.bias_run_to_run, model.unit, FIELD_UNIT[model.kind])
-    text = _per_axis(model, sizes)
+    text = _per_axis(model, sizes, PERCENT_DIGITS)
     return [f"  bias from power-up to power-up, standard deviation: {text} {FIELD_UNIT[model.kind]}"]
 
 
