@@ -99,7 +99,7 @@ def test_a_condition_has_a_picture_and_each_sensor_a_panel() -> None:
     laws = [of(one, axis) for axis in "xy" for one in (law(), levels(), law("pressure", "Pa"), levels("pressure"))]
     first, second = figures()["sensitivity"].pictures({"curves": laws})
     assert (len(first.heights), len(second.heights), first.note, second.note) == (2, 2, ("supply",), ("pressure",))
-    assert len(first.data) == 4
+    assert (first.axis, second.axis, len(first.data)) == ("supply", "pressure", 4)
     warm_ups = [of(power_up(run), axis) for axis in "xy" for run in "12"]
     assert [ax.get_ylabel() for ax in drawn("sensitivity_warm_up", {"curves": warm_ups})] == ["x [deg/s]", "y [deg/s]"]
     assert len(drawn("sensitivity_residuals", {"curves": [of(residuals(), axis) for axis in "xyz"]})) == 3

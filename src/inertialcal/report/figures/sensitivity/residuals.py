@@ -67,8 +67,10 @@ def draw(axes: Sequence[Axes], own: Sequence[Curve], title: str = "") -> None:
 def _name_power_ups(ax: Axes, middle: np.ndarray[Any, Any], runs: Sequence[str]) -> None:
     """Name power-ups under their levels; number them where there is no room for names, and not all if they are many."""
     names = [plain(run, 40) for run in runs]
-    widest = max(width(name, TEXT - 1.0) for name in names) + GAP
-    named = widest * len(names) <= ROOM
+    widths = np.array([width(name, TEXT - 1.0) for name in names]) + GAP
+    widest = float(widths.max())
+    apart = np.diff(middle) * ROOM / np.ptp(ax.get_xlim())
+    named = widest * len(names) <= ROOM and bool(np.all(apart >= 0.5 * (widths[1:] + widths[:-1])))
     if not named:
         names = [f"{i}" for i in range(1, len(runs) + 1)]
         widest = width(names[-1], TEXT - 1.0) + GAP

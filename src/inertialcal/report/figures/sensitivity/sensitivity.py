@@ -24,7 +24,7 @@ Pair = tuple[Curve, Curve]  # law and levels of a sensor
 
 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
-    """Return a picture a test and condition, with a panel a sensor."""
+    """Return a picture a test and condition, which is the axis that it is asked for by; with a panel a sensor."""
     levels = {(one["test"], one["axis"], one.get("of", "")): one for one in curves(results, LEVELS)}
     found: dict[tuple[str, str], list[Pair]] = {}
     for law in curves(results, NAME):
@@ -40,7 +40,7 @@ def _picture(test: str, name: str, pairs: Sequence[Pair], rows: Sequence[Mapping
 
     data = tuple(one for pair in pairs for one in pair)
     return Picture(
-        NAME, test, "", finding(test, name, pairs, rows), SHOWS, (HEIGHT,) * len(pairs), paint, data=data,
+        NAME, test, name, finding(test, name, pairs, rows), SHOWS, (HEIGHT,) * len(pairs), paint, data=data,
         note=(Quoted(wording(name)),),
     )  # fmt: skip
 
