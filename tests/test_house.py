@@ -216,6 +216,20 @@ def test_the_report_names_no_procedure_but_the_folders_of_their_figures(path: Pa
     assert not [one for one in names_of_procedures(path) if calls not in one]
 
 
+def test_sensitivity_changed_three_existing_files() -> None:
+    """A procedure is added in folders of its own: the rest has its name, its standards and its signature, once each."""
+    own = ("procedures/sensitivity/", "report/figures/sensitivity/", "rigs/")
+    said = re.compile(r'^BUILT_IN = .*"sensitivity"|"(?:supply_meter|pressure_gauge)|^def sensitivity\(', re.MULTILINE)
+    found = set()
+    for path in [*PACKAGE.rglob("*.py"), *PACKAGE.rglob("*.pyi")]:
+        place = path.relative_to(PACKAGE).as_posix()
+        imported = [] if path.suffix == ".pyi" else [name for _, name in names(path).imported]
+        uses = any(name.startswith("inertialcal.procedures.sensitivity") for name in imported)
+        if not place.startswith(own) and (uses or said.search(path.read_text(encoding="utf-8"))):
+            found.add(place)
+    assert found == {"procedures/__init__.py", "core/schema/standards.py", "campaign/calls/nouns.pyi"}
+
+
 @pytest.mark.parametrize("line", ["from ..procedures.flip import plan", "kind == 'flip'", "what = 'no flip here'"])
 def test_the_search_for_procedures_finds_them(tmp_path: Path, line: str, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "campaign" / "wrong.py"

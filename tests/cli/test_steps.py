@@ -126,6 +126,21 @@ def test_other_headers_are_named_and_a_missing_test_is_said(
     assert "no_built_in_test" in {remark["code"] for remark in json.loads(out)["remarks"]}
 
 
+def test_headers_of_the_suites_recorder_are_found_and_means_keep_their_decimals(
+    counts: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Recordings of the suite are means of 200 codes; each digit of what is subtracted is there."""
+    head = HEAD
+    for kind, short in (("reference", "ref"), ("temperature", "temp"), ("validity", "bit")):
+        for axis in AXES:
+            head = head.replace(f"{kind}_{axis}", f"{axis}_{short}")
+    Path("means.csv").write_text(f"{head}\n{ROW.replace('2412', '2412.125').replace('2047', '2047.5')}\n")
+    status, out, _ = typed(capsys, "compensate", "flight_unit", "means.csv", "--steps")
+    lines = {line[2:].split("   ")[0].strip(): line.split() for line in out.splitlines()}
+    assert (status, lines["rate - reference"][-4:-1]) == (0, ["364.625", "-152.000", "144.000"])
+    assert lines["temperature - reference"][-4] == "-345.500"
+
+
 @pytest.mark.parametrize(
     ("words", "status", "said"),
     [

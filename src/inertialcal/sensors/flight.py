@@ -30,6 +30,7 @@ from ..core.units import factor
 from .chain.converter import Chain
 
 VOLTS, DEGREES, RATES = 7, 4, 7  # decimals
+MEANS = 6  # decimals of counts that are means, at most
 
 
 @dataclass(frozen=True)
@@ -104,21 +105,22 @@ def steps(equation: FlightEquation, chain: Chain, codes: ArrayLike, reference: A
     step(constants, "slope", thermometer.slope, "V/degC", 4)
     s_f = step(constants, "S_f", np.asarray(chain.scale_factor) * factor("V/(rad/s)", "V/(deg/s)"), "V/(deg/s)", 1)
 
-    counted = "Codes"
-    rate = step(counted, "rate", codes, "count", 0)
-    ref = step(counted, "reference", reference, "count", 0)
-    warm = step(counted, "temperature", temperature, "count", 0)
+    counted, given = "Codes", [one for one in (codes, reference, temperature, temperature_reference) if one is not None]
+    places = max(_decimals(one) for one in given)
+    rate = step(counted, "rate", codes, "count", places)
+    ref = step(counted, "reference", reference, "count", places)
+    warm = step(counted, "temperature", temperature, "count", places)
     own = ref
     if temperature_reference is not None:
-        own = step(counted, "its reference", temperature_reference, "count", 0)
+        own = step(counted, "its reference", temperature_reference, "count", places)
 
     rates = "Indicated rate"
-    away = step(rates, "rate - reference", rate - ref, "count", 0)
+    away = step(rates, "rate - reference", rate - ref, "count", places)
     volts = step(rates, f"V = that * {_lsb(chain)}", away * chain.step, "V", VOLTS)
     indicated = step(rates, "I = V / S_f", volts / s_f, "deg/s", RATES)
 
     warmth = "Temperature"
-    away = step(warmth, "temperature - reference", warm - own, "count", 0)
+    away = step(warmth, "temperature - reference", warm - own, "count", places)
     v_t = step(warmth, f"V_T = that * {_lsb(chain)}", away * chain.step, "V", VOLTS)
     step(warmth, "T = (V_T - V_nominal) / slope + T_ref", thermometer.degrees(v_t), "degC", DEGREES)
 
@@ -141,6 +143,12 @@ def steps(equation: FlightEquation, chain: Chain, codes: ArrayLike, reference: A
     errors = step(last, "b_in_run + M I + b_cons", in_run + m_i + b_cons, "deg/s", RATES)
     step(last, "rate = I - that", indicated - errors, "deg/s", RATES)
     return tuple(found)
+
+
+def _decimals(codes: ArrayLike) -> int:
+    """Return how many decimals codes have: none, unless they are means."""
+    values = np.asarray(codes, dtype=float)
+    return next((n for n in range(MEANS) if np.all(np.abs(values - np.round(values, n)) < 0.5 * 10.0**-MEANS)), MEANS)
 
 
 def _lsb(chain: Chain) -> str:

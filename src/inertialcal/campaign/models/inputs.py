@@ -22,6 +22,12 @@ from ...sensors.model.terms import FORCE_AXES
 CONDITIONS = {"temperature": "degC", "temperature_rate": "degC/s", "pressure": "Pa", "time": "s"}
 FORCES = tuple(f"force_{axis}" for axis in FORCE_AXES)
 UNCERTAINTY = "u_"  # before the name of a column that holds standard uncertainties
+RECORDED = {
+    "reference": "ref",
+    "temperature": "temp",
+    "validity": "bit",
+    "temperature_reference": "temp_ref",
+}  # ``x_ref``
 
 
 @dataclass(frozen=True)
@@ -79,7 +85,8 @@ def taken(
 def chain_columns(chain: Chain, recording: Recording, columns: Mapping[str, str] | None = None) -> dict[str, str]:
     """Return the columns of counts by what they are: axes, ``reference_x``, ``temperature_x``, ``validity_x``, ...
 
-    Those that are named, and those whose header is the word; empty where the axes are in other units than counts.
+    Those that are named, and those whose header is the word, or the recorder's (``x_ref``); empty where the axes are in
+    other units than counts.
 
     Raises
     ------
@@ -96,7 +103,13 @@ def chain_columns(chain: Chain, recording: Recording, columns: Mapping[str, str]
     named = {
         what: full_name(recording.names, name) or recording.channel(name).name for what, name in (columns or {}).items()
     }
-    found = {word: name for word in words if (name := named.get(word) or full_name(recording.names, word)) is not None}
+    recorded = {f"{what}_{axis}": f"{axis}_{short}" for what, short in RECORDED.items() for axis in chain.axes}
+    found: dict[str, str] = {}
+    for word in words:
+        headers = (full_name(recording.names, one) for one in (word, recorded.get(word)) if one is not None)
+        name = named.get(word) or next((one for one in headers if one is not None), None)
+        if name is not None:
+            found[word] = name
     counted = all(axis in found and recording.channel(found[axis]).unit in {None, "count"} for axis in chain.axes)
     return found if counted else {}
 
