@@ -184,9 +184,12 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
     def judge(
         self, asked: Asked, tests: Sequence[Tested[Plan, Readings, Result]]
     ) -> tuple[list[Verdict], list[Row]] | None:
-        """Return the verdicts on the bias over a range; other figures are judged by the general rule."""
+        """Return the verdicts on figures over a range of temperatures; others are judged by the general rule."""
         from .over_temperature import judge_bias
+        from .thermometer import ERROR, ERROR_OF_RANGE, judge_error
 
+        if asked.quantity in (ERROR, ERROR_OF_RANGE):
+            return list(judge_error(asked, tests)), []
         over = asked.quantity == "bias" and asked.where
         return (list(judge_bias(asked, tests)), []) if over else None
 
