@@ -98,8 +98,8 @@ def verdicts(bench: Bench, **limits: str) -> dict[float, str]:
     """Return the verdicts on the error in degC, by temperature."""
     readings, plan = thermal(bench, 1)
     result = SimpleNamespace(plan=plan, readings=readings, sensors={"x": None})
-    ends = (limits.get(name) for name in ("limit", "lower", "upper"))
-    asked = Asked("R", "temperature_error", None, "expected", *ends, "", Rule())
+    limit, lower, upper = (limits.get(name) for name in ("limit", "lower", "upper"))
+    asked = Asked("R", "temperature_error", None, "expected", limit, lower, upper, "", Rule())
     tested: Any = SimpleNamespace(id="warm", result=result)
     return {float(one.at or 0.0): one.verdict for one in judge_error(asked, [tested])}
 

@@ -31,7 +31,7 @@ def _requirement(number: int, one: Figure, sensor: PublishedSensor) -> dict[str,
     side = "upper" if all_quantities()[one.judged_by].size else "limit"
     text = f"{one.said} ({one.source or sensor.source})"
     found = {"id": f"D{number}", "text": text, "quantity": one.judged_by, side: f"{one.value:g} {one.unit}"}
-    return {**found, "where": one.where} if one.where else found
+    return {**found, **({"where": one.where} if one.where else {})}
 
 
 def with_facts(tables: Mapping[str, object], sensor: PublishedSensor) -> dict[str, object]:
