@@ -36,7 +36,7 @@ def test_limits_of_the_data_sheet_become_requirements(tmp_path: Path, name: str)
 def test_a_sensor_of_another_kind_is_remarked(tmp_path: Path) -> None:
     (tmp_path / "rates.csv").write_text(ROWS)
     _, _, remarks = start(tmp_path, "QA-2000")
-    assert any("no recording here is of one" in one.what for one in remarks)
+    assert any(one.what == "QA-2000 is an accelerometer: no recording here is of one" for one in remarks)
 
 
 def test_an_unknown_sensor_is_refused_before_anything_is_written(tmp_path: Path) -> None:
@@ -47,7 +47,23 @@ def test_an_unknown_sensor_is_refused_before_anything_is_written(tmp_path: Path)
 
 
 @pytest.mark.parametrize("name", CATALOGUE)
-def test_every_requirement_is_on_what_a_test_gives(name: str) -> None:
+def test_every_figure_is_a_requirement_with_its_source_or_named_as_none(tmp_path: Path, name: str) -> None:
+    (tmp_path / "rates.csv").write_text(ROWS)
+    path, _, _ = start(tmp_path, name)
+    text = path.read_text().replace("  # FILL IN", "")
+    path.write_text(text)
+    asked = load(tmp_path).file.requirements  # refuses a quantity that nothing gives, and a limit in a wrong unit
     sensor = published_sensor(name)
     assert all(not one.judged_by or one.judged_by in all_quantities() for one in sensor.figures)
-    assert len(requirements(sensor)) == sum(bool(one.judged_by) for one in sensor.figures)
+    assert len(asked) == sum(bool(one.judged_by) for one in sensor.figures)
+    for one in sensor.figures:
+        source = one.source or sensor.source
+        texts = [own.text for own in asked if own.quantity == one.judged_by]
+        assert texts == [f"{one.said} ({source})"] if one.judged_by else f"#   {one.said}" in text
+
+
+def test_the_suite_has_the_data_sheet_of_its_sensors_and_what_the_satellite_asks() -> None:
+    asked = {one["quantity"]: one for one in requirements(published_sensor("flight_unit"))}
+    assert asked["temperature_error_of_range"]["limit"] == "2 %"
+    assert {one["quantity"] for one in requirements(published_sensor("QRS11"))} < set(asked)
+    assert str(asked["bias"]["text"]).endswith("Appendix A)")

@@ -42,10 +42,18 @@ def test_regular_saves() -> None:
     assert all(row.member == Member("recording", "one") for row in rows.values())
 
 
+def test_stamps_are_off_by_their_last_decimal_and_not_by_their_steps() -> None:
+    """Saves every two whole seconds are stamps of a second; those of 25 Hz are stamps of 10 ms."""
+    for interval, resolution in ((2.0, 1.0), (10.0, 1.0), (0.04, 0.01), (60.0, 60.0)):
+        u = found(interval * np.arange(float(N)))["longest_gap"].u
+        assert u == pytest.approx(resolution / np.sqrt(6.0))
+
+
 def test_skipped_and_late_saves_do_not_move_the_interval() -> None:
     rows = found(saves(skipped=(100, 300, 301), late=1.0))
     assert rows["save_interval"].value == pytest.approx(INTERVAL)
     assert rows["skipped_saves"].value == pytest.approx(3 / N)
+    assert rows["skipped_saves"].reason.text == f"3 of {N} saves due"
     assert rows["late_saves"].value == pytest.approx(3 / (N - 4))  # of N - 3 saves: two steps with room, one late
     assert rows["longest_gap"].value == pytest.approx(3 * INTERVAL)
 

@@ -21,6 +21,8 @@ from inertialcal.rigs import RIGS
 from inertialcal.rigs.hand_held.rig import CHANNELS, Bench, build
 from inertialcal.rigs.protocol import Rig
 from inertialcal.rigs.six_faces.rig import FAULTS, RIG
+from inertialcal.rigs.six_faces_over_temperature.rig import FAULTS as FAULTS_WARM
+from inertialcal.rigs.six_faces_over_temperature.rig import RIG as WARM
 from inertialcal.rigs.twin import Twin
 
 pytestmark = pytest.mark.usefixtures("undrawn")
@@ -31,7 +33,6 @@ IDEAL = replace(
     acc_bias=0.0, gyro_bias=0.0, g_sensitivity=0.0, angle=Influence(0.0, "rad"), orientation=Influence(0.0, "rad"),
     repeatability=0.0,    gravity_error=Influence(0.0, "m/s^2"), clock=Influence(0.0), mounting=Influence(0.01, "rad"),
 )  # fmt: skip
-WARM = replace(SHORT, temperatures=(-20.0, 20.0, 60.0, 40.0, 0.0, 50.0, -10.0, 30.0), held_out=3)
 OVER_TEMPERATURE = ("bias_temperature", "scale_factor_error_temperature", "cross_axis_sensitivity_temperature")
 DIRECTION = {f"{axis}{sign}1": float(f"{sign}1") * row for axis, row in zip("xyz", np.eye(3), strict=True)
              for sign in "+-"}  # fmt: skip
@@ -85,6 +86,16 @@ def test_mistakes_show(fault: str) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("fault", FAULTS_WARM)
+def test_mistakes_show_over_temperature(fault: str) -> None:
+    assert FAULTS_WARM[fault].shows in codes(WARM.twin(1, fault))
+
+
+def test_a_chamber_that_was_never_switched_on_is_refused() -> None:
+    assert codes(WARM.twin(1, "one_temperature")) == {"too_few_temperatures"}
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("fault", FAULTS)
 def test_mistakes_show_whatever_the_seed(fault: str) -> None:
     assert all(FAULTS[fault].shows in codes(RIG.twin(seed, fault)) for seed in range(2, 6))
@@ -108,10 +119,9 @@ def test_from_files_to_a_score(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) 
             assert row["value"] == pytest.approx(factor.get(row["unit"], 1.0) * other.value, abs=1e-4 * row["u"])
 
 
-def test_several_temperatures_from_files_to_a_score(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_several_temperatures_from_files_to_a_score(tmp_path: Path) -> None:
     """Readings held out at other temperatures are compensated to the scatter of positions and faces."""
-    monkeypatch.setitem(RIGS, "warm", Rig("warm", "", lambda seed, changes: build(WARM, seed)))
-    simulate("warm", tmp_path / "d", 1)
+    simulate(WARM.name, tmp_path / "d", 1)
     outcome = run(tmp_path / "d")
     assert {one["verdict"] for one in outcome.results["verdicts"]} == {"PASS"}
     assert not outcome.results["remarks"]
@@ -134,9 +144,8 @@ def test_temperatures_change_nothing_else() -> None:
 
 
 @pytest.mark.slow
-def test_intervals_over_temperature_hold_the_truth(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(RIGS, "warm", Rig("warm", "", lambda seed, changes: build(WARM, seed)))
-    assert not [one for one in score_rig("warm", 60, 1) if one.verdict == "FAIL"]
+def test_intervals_over_temperature_hold_the_truth() -> None:
+    assert not [one for one in score_rig(WARM.name, 60, 1) if one.verdict == "FAIL"]
 
 
 @pytest.mark.slow

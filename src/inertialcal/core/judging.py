@@ -237,6 +237,8 @@ class Asked:
     def limits(self, unit: str, size: bool = False) -> tuple[float | None, float | None]:
         """Return the limits in a unit; a limit on either side is one above for a size, which is never negative.
 
+        Of temperatures they are differences: no figure is judged that is a temperature itself.
+
         Raises
         ------
         DataError
@@ -245,8 +247,8 @@ class Asked:
         if self.limit is not None:
             far = abs(parse_quantity(self.limit).to(unit, difference=True))
             return (None if size else -far), far
-        lower = None if self.lower is None else parse_quantity(self.lower).to(unit)
-        upper = None if self.upper is None else parse_quantity(self.upper).to(unit)
+        ends = (self.lower, self.upper)
+        lower, upper = (None if one is None else parse_quantity(one).to(unit, difference=True) for one in ends)
         return lower, upper
 
 

@@ -9,8 +9,9 @@ All figures are of the recording as it was saved, whatever windows a test takes 
     longest_gap   = longest step
     built_in_test = samples at or above the lowest good voltage / samples
 
-Assumed: stamps err by less than their spacing (the greatest common divisor of all steps, taken as the width of a
-rectangular distribution) and by the jitter that their steps show. ``clock.rate`` is one unknown for all recordings: it
+Assumed: stamps err by less than a unit of the last decimal that their steps have (at most 1 s; 60 s where all are whole
+minutes), taken as the width of a rectangular distribution, and by the jitter that their steps show. Regular saves every
+2 s are stamps of whole seconds, not of every other one. ``clock.rate`` is one unknown for all recordings: it
 stretches every time alike. Without it times hold by the clock of the recording, which the reason says. Where stamps
 come in bursts nobody can tell a skipped save from a late packet: neither is estimated, the interval is the mean step.
 Counts have no uncertainty: they are compared with their limits as they are.
@@ -46,6 +47,7 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         BUILT_IN_TEST: Quantity(RELATIVE, size=True, unit="1", shown="%"),
     }
 )
+RESOLUTIONS = (60 * SECOND, *(10**power for power in range(9, -1, -1)))  # that clocks print stamps with [ns]
 CLOCK = "clock.rate"  # standard behind all times
 COUNTED = frozenset({LATE_SAVES, SKIPPED_SAVES, BUILT_IN_TEST})  # figures that are exact
 NO_TIME = Reason("no_time", "the recording has no time")
@@ -75,7 +77,7 @@ def recorded_rows(
     rows = [*_of_time(recording, clock, member)]
     if lowest is not None:
         rows += [
-            Row(Key(BUILT_IN_TEST, axis), float(np.mean(volts >= lowest)), None, "1", member=member)
+            _counted(Key(BUILT_IN_TEST, axis), int(np.sum(volts >= lowest)), len(volts), "samples", member)
             for axis, volts in tested.items()
             if len(volts)
         ]
@@ -111,8 +113,12 @@ def _of_time(recording: Recording, clock: Influence | None, member: Member) -> l
     ]
     if axis.pattern == "bursts":
         return [*rows, *(_without(one, "1", BURSTS, member) for one in (LATE_SAVES, SKIPPED_SAVES))]
-    shares = {LATE_SAVES: late / steps, SKIPPED_SAVES: axis.lost / (axis.n + axis.lost)}
-    return [*rows, *(Row(Key(one), share, None, "1", member=member) for one, share in shares.items())]
+    rows.append(_counted(Key(LATE_SAVES), late, steps, "steps", member))
+    return [*rows, _counted(Key(SKIPPED_SAVES), axis.lost, axis.n + axis.lost, "saves due", member)]
+
+
+def _counted(key: Key, count: int, whole: int, what: str, member: Member) -> Row:
+    return Row(key, count / whole, None, "1", member=member, reason=Reason("counted", f"{count} of {whole} {what}"))
 
 
 def _without(quantity: str, unit: str, reason: Reason, member: Member) -> Row:
@@ -122,5 +128,6 @@ def _without(quantity: str, unit: str, reason: Reason, member: Member) -> Row:
 def _u_of_step(recording: Recording, axis: TimeAxis) -> float:
     """Return the standard uncertainty of the time from one stamp to another: of both ends [s]."""
     assert recording.time_ns is not None  # noqa: S101 - whoever analysed it
-    spacing = float(np.gcd.reduce(np.abs(np.diff(recording.time_ns)))) / SECOND
-    return math.hypot(spacing / math.sqrt(6.0), axis.jitter_rms)
+    common = int(np.gcd.reduce(np.abs(np.diff(recording.time_ns))))
+    resolution = next(one for one in RESOLUTIONS if common % one == 0) / SECOND
+    return math.hypot(resolution / math.sqrt(6.0), axis.jitter_rms)

@@ -20,6 +20,7 @@ BUILT_IN = (
     "mesa",
     "hand_held",
     "six_faces",
+    "six_faces_over_temperature",
     "climate",
 )
 DEMONSTRATED = "npsat1"  # where none is named

@@ -52,11 +52,13 @@ class Figure:
     unit: str  # As ``core.units`` prints it
     note: str = ""  # Conditions
     judged_by: str = ""  # Quantity of the results that says it; empty where no test does
+    where: str = ""  # Range that the limit holds over, as a requirement has it
+    source: str = ""  # Where that is not the one of its sensor
 
     @property
     def said(self) -> str:
         """What is printed, in words."""
-        words = f"{self.quantity} {self.relation} {self.value:g} {self.unit}"
+        words = f"{self.quantity} {self.relation} {self.value:g} {self.unit.removesuffix('1')}".rstrip()
         return f"{words}, {self.note}" if self.note else words
 
 
@@ -98,7 +100,15 @@ QRS11_FIGURES = (
         "scale_factor_error_temperature_1",
     ),
     Figure("bias", "at most", 0.131, "deg/s", "at 22 degC", "bias"),
-    Figure("bias_over_temperature", "at most", 0.117, "deg/s", "deviation from 22 degC"),
+    Figure(
+        "bias_over_temperature",
+        "at most",
+        0.117,
+        "deg/s",
+        "deviation from 22 degC",
+        "bias_over_temperature",
+        "temperature >= -40 degC and temperature <= 80 degC",
+    ),
     Figure("g_sensitivity", "at most", 0.02, "deg/s/g", "typical", "g_sensitivity"),
     Figure("turn_on_time", "less than", 1.0, "s", "typical"),
     Figure("bandwidth", "more than", 60.0, "Hz", "90 deg phase"),
@@ -129,6 +139,15 @@ MESA_FIGURES = (
     Figure("scale_factor_stability", "equals", 0.01758, "%"),
     Figure("scale_factor_stability_limit", "at most", 0.1, "%", "4 h"),
     Figure("sample_time", "equals", 100.0, "s"),
+)
+
+# What the satellite asks of the suite, in the text of the thesis
+FLIGHT_FIGURES = (
+    Figure("rate_accuracy", "at most", 5.0, "%", "", "rate_error", "abs(rate) >= 0.1 deg/s"),
+    Figure("temperature_accuracy", "at most", 2.0, "%", "taken as part of the range", "temperature_error_of_range"),
+    Figure("built_in_test_good", "at least", 2.4, "V", "validity_minimum of the chain; its share is built_in_test"),
+    Figure("built_in_test_bad", "at most", 0.8, "V"),
+    Figure("save_interval", "equals", 2.0, "s"),
 )
 
 # Table 15 of the thesis, rows x, y, z as printed.
@@ -192,7 +211,10 @@ def flight_unit() -> PublishedSensor:
         for name, (matrix, volts) in states.items()
     }
     item, source = Item("Systron Donner", "3 x QRS11-00005-565", "flight"), f"{BADESCU}, Table 15"
-    return PublishedSensor(item, "gyro", XYZ, source, (), {"flight": chain}, models, equations)
+    sheet = qrs11()
+    figures = tuple(replace(one, source=BADESCU) for one in FLIGHT_FIGURES)
+    figures += tuple(replace(one, source=sheet.source) for one in sheet.figures)
+    return PublishedSensor(item, "gyro", XYZ, source, figures, {"flight": chain}, models, equations)
 
 
 def _source(state: str) -> str:

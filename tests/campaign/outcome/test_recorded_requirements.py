@@ -45,6 +45,7 @@ def test_a_test_is_judged_by_its_worst_recording(tmp_path: Path) -> None:
     low = next(row for row in rows if row["axis"] == "x" and row["member"]["label"] == "x_run1")
     saves = next(one for one in results["sequence"] if one["test"] == "fit")["recordings"][0]["rows"]
     assert low["value"] == pytest.approx(100.0 * (1.0 - TEST_LOW / saves))
+    assert found["tested", "fit", "x"]["reason"] == f"recording x_run1: {saves - TEST_LOW} of {saves} samples, counted"
     assert {row["test"] for row in rows} == {"fit"}
 
 
@@ -57,5 +58,8 @@ def test_a_quantity_that_nothing_gives_is_refused_with_its_line(tmp_path: Path) 
         check(folder)
     (problem,) = refused.value.problems
     assert problem.code == "unknown_quantity"
+    given = problem.do.removeprefix("The tests here give: ").split(", ")
+    assert {"rate_error", "misalignment", "save_interval"} < set(given)
+    assert "hysteresis" not in given  # of a thermal test, which this campaign has not
     line = text.splitlines().index('quantity = "g_rms"') + 1
     assert problem.where == f"campaign.toml:{line}"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from thermal_sweeps import plan, readings
 
@@ -79,13 +81,28 @@ def test_without_uncertainty_it_is_inconclusive() -> None:
     assert set(statuses(one, "temperature >= 0 degC and temperature <= 50 degC", 1.0)) == {"INCONCLUSIVE"}
 
 
-def test_the_band_holds_the_truth_everywhere_at_once() -> None:
+def test_a_change_is_judged_from_the_reference_temperature() -> None:
+    """An offset of any size is in the bias and not in its change; the change is zero where it begins."""
+    one = sensor(offset=5.0)
+    condition = parse_condition("temperature >= -20 degC and temperature <= 60 degC")
+    places = list(judged_over(plan(), one.law, "x", "rad/s", condition, -0.05, 0.05, change=True))
+    assert {place.status for place in places} == {"PASS"}
+    assert all(abs(place.at - 20.0) > 1.0 for place in places)
+    assert places[0].value == pytest.approx(-0.04, abs=2e-3)
+    assert "PASS" not in statuses(one, "temperature >= -20 degC", 0.05)
+    beyond = replace(plan(), reference_temperature=90.0)
+    (reason,) = {one.reason for one in judged_over(beyond, one.law, "x", "rad/s", condition, -1.0, 1.0, change=True)}
+    assert reason == "the reference temperature, 90 degC, is outside the range of the ramps"
+
+
+@pytest.mark.parametrize("change", [False, True])
+def test_the_band_holds_the_truth_everywhere_at_once(change: bool) -> None:
     held = 0
     n = 120
     condition = parse_condition("temperature >= -20 degC and temperature <= 60 degC")
     for seed in range(1, n + 1):
         one = sensor(seed)
-        places = list(judged_over(plan(), one.law, "x", "rad/s", condition, -1.0, 1.0))
+        places = list(judged_over(plan(), one.law, "x", "rad/s", condition, -1.0, 1.0, change=change))
         inside = [place.interval is not None and contains(place.interval, 1e-3 * (place.at - 20.0)) for place in places]
         held += all(inside)
     assert binomial_interval(held, n)[1] > 0.95  # never too narrow; it may be wider than it need be

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,10 +12,11 @@ import pytest
 from independent.warm.thermometer import HIGH, LOW, Bench, swept
 from inertialcal.core.errors import DataError
 from inertialcal.core.influence import Influence
+from inertialcal.core.judging import Asked, Rule
 from inertialcal.core.results import Row
 from inertialcal.procedures.thermal.plan import Plan, Thermometer
 from inertialcal.procedures.thermal.recordings import Readings, Sweep
-from inertialcal.procedures.thermal.thermometer import thermometer_rows
+from inertialcal.procedures.thermal.thermometer import judge_error, thermometer_rows
 from inertialcal.statistics.intervals import covers
 
 CAMPAIGNS, FEW = 60, 12
@@ -22,14 +25,19 @@ NOMINAL = Thermometer(0.0264, -0.5, 25.0)
 STATED = {"thermometer.temperature": Influence(0.2, "degC", standard="thermometer", quantity="temperature")}
 
 
-def rows(bench: Bench, seed: int, stated: bool = True) -> dict[str, Row]:
+def thermal(bench: Bench, seed: int, stated: bool = True) -> tuple[Readings, Plan]:
     sweeps = [
         Sweep(f"sweep {k}", f"run {k}", "file.csv", one.time, {"x": one.channel}, {"x": np.zeros(len(one.time))},
               reference=one.reference)
         for k, one in enumerate(swept(bench, seed))
     ]  # fmt: skip
     plan = Plan(thermometers={"x": NOMINAL}, standards=STATED if stated else {})
-    return {row.quantity: row for row in thermometer_rows(plan, Readings(tuple(sweeps)), "x")}
+    return Readings(tuple(sweeps)), plan
+
+
+def rows(bench: Bench, seed: int, stated: bool = True) -> dict[str, Row]:
+    readings, plan = thermal(bench, seed, stated)
+    return {row.quantity: row for row in thermometer_rows(plan, readings, "x")}
 
 
 def truth(bench: Bench) -> dict[str, float]:
@@ -74,6 +82,37 @@ def test_a_bent_channel_shows_in_the_cubic() -> None:
     assert straight.interval is not None
     assert abs(float(straight.value or 0.0)) < 0.05
     assert abs(float(bent["thermometer_nonlinearity"].value or 0.0)) > 0.3
+
+
+def test_the_error_of_a_bent_channel_is_that_of_the_worst_temperature() -> None:
+    """At both ends the cubic takes off what the slope adds: the worst temperature is between."""
+    bench = replace(BENCH, offset=0.0, slope=0.95, cubic=3.5e-5, u_reference=0.0)
+    away = np.linspace(LOW, HIGH, 801) - 0.5 * (LOW + HIGH)
+    error = (bench.slope - 1.0) * away + bench.cubic * away**3
+    found = rows(bench, 1)["temperature_error"]
+    assert abs(float(found.value or 0.0)) == pytest.approx(np.abs(error).max(), abs=0.1)
+    assert abs(error[-1]) < 0.8 * np.abs(error).max()
+
+
+def verdicts(bench: Bench, **limits: str) -> dict[float, str]:
+    """Return the verdicts on the error in degC, by temperature."""
+    readings, plan = thermal(bench, 1)
+    result = SimpleNamespace(plan=plan, readings=readings, sensors={"x": None})
+    limit, lower, upper = (limits.get(name) for name in ("limit", "lower", "upper"))
+    asked = Asked("R", "temperature_error", None, "expected", limit, lower, upper, "", Rule())
+    tested: Any = SimpleNamespace(id="warm", result=result)
+    return {float(one.at or 0.0): one.verdict for one in judge_error(asked, [tested])}
+
+
+def test_a_requirement_holds_at_every_temperature() -> None:
+    bench = replace(BENCH, offset=0.0, slope=1.02, u_reference=0.0)  # 0.8 degC too low at -20 degC, too high at 60 degC
+    assert set(verdicts(bench, limit="1.6 degC").values()) == {"PASS"}
+    assert set(verdicts(bench, limit="0.2 degC").values()) == {"FAIL"}
+    found = verdicts(bench, lower="-0.3 degC", upper="2 degC")
+    assert found[min(found)] == "FAIL"
+    assert found[max(found)] == "PASS"
+    in_kelvin = verdicts(bench, lower="-0.3 K", upper="2 K")  # differences, not temperatures above absolute zero
+    assert in_kelvin == found
 
 
 def test_one_rate_and_one_power_up_are_named() -> None:

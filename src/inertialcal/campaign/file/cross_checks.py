@@ -81,7 +81,7 @@ def requirement_checks(file: CampaignFile, at: At) -> Iterator[Problem]:
             text = getattr(one, key)
             if text is not None:
                 yield from _limit(one, known, text, at("requirements", number, key))
-        yield from _spelling(one, known, at("requirements", number, "quantity"))
+        yield from _spelling(one, known, _given(file), at("requirements", number, "quantity"))
         yield from _where(one, known, at("requirements", number, "where"))
 
 
@@ -135,11 +135,11 @@ def _limit(one: Requirement, known: Known, text: str, where: str) -> Iterator[Pr
         yield Problem(what, where, do=f"Give a limit in {' or '.join(shown)}", code="wrong_value")
 
 
-def _spelling(one: Requirement, known: Known, where: str) -> Iterator[Problem]:
+def _spelling(one: Requirement, known: Known, given: set[str], where: str) -> Iterator[Problem]:
     """Find a quantity that no procedure gives, tested or not; one that no test of this campaign gives is OPEN."""
     if one.quantity not in known:
-        near = get_close_matches(one.quantity, known, n=3, cutoff=0.6)
-        do = f"Did you mean {' or '.join(near)}?" if near else f"There are: {', '.join(sorted(known))}"
+        near = get_close_matches(one.quantity.lower(), known, n=3, cutoff=0.6)
+        do = f"Did you mean {' or '.join(near)}?" if near else f"The tests here give: {', '.join(sorted(given))}"
         what = f"requirement {one.id!r}: no procedure gives a quantity {one.quantity!r}"
         yield Problem(what, where, "it would stay OPEN for ever", do, "unknown_quantity")
     if one.where and not _of(one, known).over:
@@ -153,6 +153,17 @@ def _quantities(file: CampaignFile) -> Known:
     names = procedure_names()
     own = [procedure_of(one.procedure).quantities_of(one.plan) for one in file.tests if one.procedure in names]
     return ChainMap({}, *map(dict, own), dict(all_quantities()))
+
+
+def _given(file: CampaignFile) -> set[str]:
+    """Return the quantities that the tests of this campaign and their recordings can give."""
+    from ...procedures.recorded import QUANTITIES as RECORDED  # noqa: PLC0415 - numpy starts slowly
+
+    names = procedure_names()
+    tests = [one for one in file.tests if one.procedure in names]
+    own = [{**procedure_of(one.procedure).quantities(), **procedure_of(one.procedure).quantities_of(one.plan)}
+           for one in tests]  # fmt: skip
+    return set(RECORDED).union(*own)
 
 
 def _of(one: Requirement, known: Known) -> Quantity:

@@ -186,7 +186,7 @@ def _of_recording(asked: Asked, row: Row) -> Verdict:
     if row.quantity in COUNTED:
         inside = (lower is None or row.value >= lower) and (upper is None or row.value <= upper)
         exact = Interval(row.value, row.value)
-        return Verdict(*head, exact, lower, upper, "PASS" if inside else "FAIL", f"{place}; counted")
+        return Verdict(*head, exact, lower, upper, "PASS" if inside else "FAIL", f"{place}: {row.reason.text}, counted")
     dof = np.inf if row.dof is None else row.dof
     found = decide(row.value, row.u, dof, lower, upper, rule=asked.rule.within(row.unit, lower, upper))
     reason = "; ".join(text for text in (place, found.reason, row.reason.text) if text)

@@ -11,16 +11,16 @@ from ...sensors.catalogue import Figure, PublishedSensor
 LIMITS = ("at most", "less than", "plus or minus")  # relations that a requirement on both sides, or above, can say
 
 
-def requirements(sensor: PublishedSensor) -> list[Noted]:
-    """Return a requirement for each figure that a test can judge; comments above the first name the others."""
+def requirements(sensor: PublishedSensor) -> list[dict[str, object]]:
+    """Return a requirement for each figure that a test can judge."""
     judged = [one for one in sensor.figures if _judged(one)]
-    others = [one for one in sensor.figures if not _judged(one)]
-    unjudged = [f"Of the data sheet, but judged by no test here: {others[0].said}"] if others else []
-    unjudged += [f"  {one.said}" for one in others[1:]]
-    return [
-        Noted(_requirement(number, one, sensor), above="\n".join(unjudged) if number == 1 else "")
-        for number, one in enumerate(judged, 1)
-    ]
+    return [_requirement(number, one, sensor) for number, one in enumerate(judged, 1)]
+
+
+def unjudged(sensor: PublishedSensor) -> str:
+    """Return lines that name the other figures; empty where there are none."""
+    others = [f"  {one.said}" for one in sensor.figures if not _judged(one)]
+    return "\n".join([f"Published ({sensor.source}), but no limit that a test here judges:", *others]) if others else ""
 
 
 def _judged(one: Figure) -> bool:
@@ -29,8 +29,9 @@ def _judged(one: Figure) -> bool:
 
 def _requirement(number: int, one: Figure, sensor: PublishedSensor) -> dict[str, object]:
     side = "upper" if all_quantities()[one.judged_by].size else "limit"
-    text = f"{one.said} ({sensor.source})"
-    return {"id": f"D{number}", "text": text, "quantity": one.judged_by, side: f"{one.value:g} {one.unit}"}
+    text = f"{one.said} ({one.source or sensor.source})"
+    found = {"id": f"D{number}", "text": text, "quantity": one.judged_by, side: f"{one.value:g} {one.unit}"}
+    return {**found, **({"where": one.where} if one.where else {})}
 
 
 def with_facts(tables: Mapping[str, object], sensor: PublishedSensor) -> dict[str, object]:

@@ -18,7 +18,7 @@ from ...files.write.atomic import atomic_write
 from ...procedures import procedure_names, procedure_of
 from ...procedures.suggestions import RELATIVE, Claim, FolderFile, fill_in
 from ...sensors.catalogue import PublishedSensor, published_sensor
-from .data_sheet import requirements, with_facts
+from .data_sheet import requirements, unjudged, with_facts
 
 ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".parquet", ".csv.gz", ".txt.gz", ".mat", ".h5", ".hdf5", ".npz")
 MOST = 200  # files
@@ -62,7 +62,8 @@ def start(folder: str | Path, sensor: str = "") -> tuple[Path, list[int], tuple[
         raise PlanError(what, do=do, code="nothing_found")
     text = starter_text(root.resolve().name, found, published)
     if published is not None and f'kind = "{published.kind}"' not in text:
-        what = f"{published.item.part} is a {published.kind}: no recording here is of one"
+        article = "an" if published.kind == "accelerometer" else "a"
+        what = f"{published.item.part} is {article} {published.kind}: no recording here is of one"
         remarks.append(Remark("not_taken", "warning", what, do="Add its recordings"))
     with atomic_write(path, new=True) as aside:
         aside.write_text(text, encoding="utf-8")
@@ -167,11 +168,9 @@ def starter_text(name: str, found: Found, published: PublishedSensor | None = No
         for part in parts:
             parts[part] |= getattr(draft, part)
     if published is not None:
-        document["item"] = {
-            "maker": published.item.maker or fill_in(""),
-            "part": published.item.part,
-            "serial": fill_in(""),
-        }
+        item = published.item
+        said = {"maker": item.maker or fill_in(""), "part": item.part, "serial": fill_in("")}
+        document["item"] = Noted(said, above=unjudged(published))
         parts["sensors"] = with_facts(parts["sensors"], published)
     document |= parts
     if parts["standards"]:

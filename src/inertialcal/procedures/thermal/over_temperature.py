@@ -1,5 +1,8 @@
 """A requirement on the bias over temperature: judged at temperatures of the range, with a band that holds for all.
 
+``bias`` is that at each temperature, ``bias_over_temperature`` the same less that at the reference temperature: zero
+there, and not judged there. A data sheet's "deviation from 22 degC" is this, with that reference temperature.
+
 The range is what the condition takes in, between the temperatures that it names; an end that it leaves open is that of
 the ramps. Outside of the ramps nothing is known: INCONCLUSIVE there, so that a range wider than the ramps never passes.
 The band is the narrower of two that hold 95 % for all places together: Sidak's for the places that are judged, and
@@ -23,12 +26,14 @@ from ...statistics.guard_band import INTERVAL
 from ...statistics.intervals import band_factor
 from ..protocol import Tested
 from .fit.law import Law
-from .fit.quantities import bias_at
+from .fit.quantities import bias_at, change_at
 from .plan import Plan
 from .recordings import Readings
 from .reduction import Result
 
 PLACES = 13  # temperatures over a range
+CHANGE = "bias_over_temperature"
+APART = 0.01  # [degC] from the reference temperature, where a change from there is judged
 
 
 @dataclass(frozen=True)
@@ -54,7 +59,8 @@ def judge_bias(asked: Asked, tests: Sequence[Tested[Plan, Readings, Result]]) ->
             continue
         for axis, sensor in one.result.sensors.items():
             if asked.axis in (None, axis):
-                judged = judged_over(one.result.plan, sensor.law, axis, unit, asked.condition, lower, upper, asked.rule)
+                judged = judged_over(one.result.plan, sensor.law, axis, unit, asked.condition, lower, upper, asked.rule,
+                                     change=asked.quantity == CHANGE)  # fmt: skip
                 for place in judged:
                     yield Verdict(
                         asked.id, one.id, axis, place.at, "expected", place.value, place.u, unit,
@@ -71,6 +77,7 @@ def judged_over(
     lower: float | None,
     upper: float | None,
     rule: Rule = INTERVAL,
+    change: bool = False,
 ) -> Iterator[Place]:
     """Yield the verdicts at the temperatures that a condition takes in.
 
@@ -84,18 +91,27 @@ def judged_over(
         Limits [unit].
     rule : Rule
         By which each place is decided.
+    change : bool
+        Whether the change from the reference temperature is judged, in place of the bias.
     """
-    at = temperatures_of(condition, law.domain)
+    at, reference = temperatures_of(condition, law.domain), plan.reference_temperature
+    if change:
+        at = at[np.abs(at - reference) > APART]
     inside = (at >= law.domain[0]) & (at <= law.domain[1])
     low, high = law.domain
     for one in at[~inside]:
         reason = f"outside the range of the ramps, {low:.4g} to {high:.4g} degC"
         yield Place(float(one), None, None, None, "INCONCLUSIVE", reason)
     known = at[inside]
-    found = bias_at(plan, law, axis, unit, known) if len(known) else None
+    reason = "the bias has no uncertainty there"
+    if change and not low <= reference <= high:
+        reason = f"the reference temperature, {reference:g} degC, is outside the range of the ramps"
+        found = None
+    else:
+        found = (change_at if change else bias_at)(plan, law, axis, unit, known) if len(known) else None
     for i, one in enumerate(known):
         if found is None:
-            yield Place(float(one), None, None, None, "INCONCLUSIVE", "the bias has no uncertainty there")
+            yield Place(float(one), None, None, None, "INCONCLUSIVE", reason)
             continue
         value, u, dof = float(found.values[i]), float(found.u[i]), float(found.dof[i])
         verdict = decide(value, u, dof, lower, upper, _p(len(known), law.order + 1, dof), rule)

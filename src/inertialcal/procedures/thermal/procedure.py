@@ -41,6 +41,7 @@ RULES = ("warm_up", "turn_over", "one_path", "sparse")
 LATITUDE = "site.latitude"
 QUANTITIES = {
     "bias": Quantity(READING, over="temperature"),
+    "bias_over_temperature": Quantity(READING, over="temperature"),
     "path_difference": Quantity(READING),
     "hysteresis": Quantity(READING),
     "vacuum_offset": Quantity(READING),
@@ -184,10 +185,13 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
     def judge(
         self, asked: Asked, tests: Sequence[Tested[Plan, Readings, Result]]
     ) -> tuple[list[Verdict], list[Row]] | None:
-        """Return the verdicts on the bias over a range; other figures are judged by the general rule."""
-        from .over_temperature import judge_bias
+        """Return the verdicts on figures over a range of temperatures; others are judged by the general rule."""
+        from .over_temperature import CHANGE, judge_bias
+        from .thermometer import ERROR, ERROR_OF_RANGE, judge_error
 
-        over = asked.quantity == "bias" and asked.where
+        if asked.quantity in (ERROR, ERROR_OF_RANGE):
+            return list(judge_error(asked, tests)), []
+        over = asked.quantity == CHANGE or (asked.quantity == "bias" and asked.where)
         return (list(judge_bias(asked, tests)), []) if over else None
 
     def needs(self, influence: str, result: Result) -> bool:

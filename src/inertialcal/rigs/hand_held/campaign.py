@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...core.campaign_text import toml_text
 from ...core.key import AXES
 from ..parts.campaign import Content, campaign_head, channel_entries, standard_tables
-from .setup import Bench
+from .setup import RIG_NAMES, Bench
 
 TITLES = {"hand_held": "Positions of a simulated IMU", "six_faces": "Six faces and three turns of a simulated IMU"}
 ABOUT = {
@@ -44,16 +44,9 @@ def protocol_file(number: int) -> str:
     return f"protocols/{recording_name(number)}.csv"
 
 
-def campaign_text(bench: Bench, rig: str, count: int) -> str:
-    """Return the text of campaign.toml, with the marks for the seed and for the seal of the truth.
-
-    Parameters
-    ----------
-    rig : str
-        Its name.
-    count : int
-        Recordings.
-    """
+def campaign_text(bench: Bench, count: int) -> str:
+    """Return the text of campaign.toml of so many recordings, with the marks for the seed and for the seal."""
+    rig = RIG_NAMES[bench.variant]
     standards = {"gravity.value": bench.gravity_error, "clock.rate": bench.clock}
     if bench.variant == "ferraris":
         standards["turn.angle"] = bench.angle
@@ -80,7 +73,7 @@ def campaign_text(bench: Bench, rig: str, count: int) -> str:
     ]
     return toml_text(
         {
-            **campaign_head(rig, "simulated IMU", TITLES[rig], ABOUT[rig]),
+            **campaign_head(bench.rig, "simulated IMU", TITLES[rig], ABOUT[rig]),
             "site": {"gravity": f"{bench.gravity:g} m/s2", "latitude": f"{bench.latitude:g} rad"},
             "standards": standard_tables(standards, {"1": "ppm"}),
             "sensors": {

@@ -24,7 +24,7 @@ from ..twin import Extra, Fault, TrueValue, Twin
 from . import TITLE
 from .campaign import TEMPERATURE, campaign_text, protocol_file, recording_file
 from .motion import FACES, Motion, Part, labelled_parts, moved, sequence
-from .setup import RIG_NAMES, Bench, Unit
+from .setup import Bench, Unit
 
 __all__ = ["FAULTS", "RIG", "Bench", "Held", "Unit", "build", "draw_unit", "drawn_faces", "held"]
 
@@ -92,7 +92,7 @@ def build(bench: Bench, seed: int) -> Twin:
         records = [_read_by(one, T + offset, of_heat) for one, T in zip(records, bench.temperatures, strict=True)]
     lots = [one.recording for one in records for _ in range(bench.copies)]
     files = {recording_file(number): recording for number, recording in enumerate(lots, 1)}
-    text = campaign_text(bench, RIG_NAMES[bench.variant], len(lots))
+    text = campaign_text(bench, len(lots))
     protocols = {}
     if bench.variant == "ferraris":
         named = [labelled_parts(one.parts) for one in records for _ in range(bench.copies)]

@@ -93,6 +93,12 @@ class Bench:
     copies: int = 1  # copies of each record in the campaign
 
     @property
+    def rig(self) -> str:
+        """Name of the rig whose bench it is."""
+        warm = "_over_temperature" if self.variant == "ferraris" and self.temperatures else ""
+        return f"{RIG_NAMES[self.variant]}{warm}"
+
+    @property
     def laid(self) -> int:
         """Recordings made."""
         return len(self.temperatures) or self.records

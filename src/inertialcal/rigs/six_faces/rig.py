@@ -3,8 +3,7 @@
 On each face twice, then turned once about each axis, and, laid anew, back: two records, of which the second is held
 out. Beside each lies the protocol of its faces and turns. Each face is off by its own error, the same whenever the unit
 is laid on it or turned about its axis, in both records; each laying by a further one; all alike by that of the
-mounting. With ``temperatures`` on its bench there is a record at each, a thermometer on the unit, and accelerometers
-whose matrix and bias change in proportion.
+mounting.
 """
 
 from __future__ import annotations

@@ -168,7 +168,7 @@ def _temperatures(readings: Readings) -> Array:
     found = readings.temperature
     if found is None or not np.isfinite(found).all():
         at = 0 if found is None else int(np.argmax(~np.isfinite(found)))
-        do = "Name the channel temperature of each recording, or set temperature_order = 0"
+        do = "Name the channel temperature of each recording, with its unit (as in --unit temperature=degC)"
         raise DataError(f"{readings.place(at)}: no temperature", "", "terms over temperature need it", do,
                         "no_temperature")  # fmt: skip
     return found

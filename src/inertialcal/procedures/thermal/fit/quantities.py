@@ -120,10 +120,21 @@ def _over_volts(law: Law, axis: str, unit: str, channel: Thermometer, volts_per_
 
 def bias_at(plan: Plan, law: Law, axis: str, unit: str, temperatures: Array) -> Estimate | None:
     """Return the bias at temperatures inside the range of a law, in order; None where it has no uncertainty."""
-    keys = tuple(Key("bias", axis, at=At("place", i, "")) for i in range(len(temperatures)))
-    asked = Asked(keys, (unit,) * len(temperatures), law.basis(temperatures), changes=law.changed(temperatures))
+    return _at("bias", plan, law, axis, unit, law.basis(temperatures), law.changed(temperatures))
+
+
+def change_at(plan: Plan, law: Law, axis: str, unit: str, temperatures: Array) -> Estimate | None:
+    """Return the bias at temperatures inside the range of a law less that at the reference temperature, likewise."""
+    reference = plan.reference_temperature
+    rows = law.basis(temperatures) - law.basis([reference])
+    return _at("bias_over_temperature", plan, law, axis, unit, rows, law.changed(temperatures) - law.changed(reference))
+
+
+def _at(quantity: str, plan: Plan, law: Law, axis: str, unit: str, rows: Array, changes: Array) -> Estimate | None:
+    keys = tuple(Key(quantity, axis, at=At("place", i, "")) for i in range(len(rows)))
+    asked = Asked(keys, (unit,) * len(rows), rows, changes=changes)
     found = estimate(plan, {axis: law}, {axis: [asked]}, unit)
-    return found if found is not None and len(found.names) == len(temperatures) else None
+    return found if found is not None and len(found.names) == len(rows) else None
 
 
 @dataclass(frozen=True, eq=False)
