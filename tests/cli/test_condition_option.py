@@ -69,7 +69,7 @@ def test_pressure_of_the_data_says_which_model(
     ("model", "data", "condition", "status", "code", "said"),
     [
         ("both.json", "unsaid.csv", "", 2, "condition_needed", "--condition air"),
-        ("both.json", "mixed.csv", "", 2, "condition_needed", "--condition vacuum"),
+        ("both.json", "mixed.csv", "", 3, "wrong_condition", "Cut out"),
         ("both.json", "vacuum.csv", "air", 3, "wrong_condition", "--condition vacuum"),
         ("both.json", "mixed.csv", "air", 3, "wrong_condition", "No condition"),
         ("air.json", "vacuum.csv", "", 3, "wrong_condition", "no other model"),
@@ -91,7 +91,50 @@ def test_the_wrong_condition_is_refused(
     (error,) = content["errors"]
     assert (got, error["code"], said in error["do"]) == (status, code, True), error
     if code == "wrong_condition":
-        assert error["what"].startswith(f"{1 if data == 'mixed.csv' else 2} of 2 row(s)")
+        counted = "1 of 2" if condition else "1 in air, 1 in vacuum"
+        assert (counted if data == "mixed.csv" else "2 of 2 row(s)") in error["what"]
+
+
+VACUUM_GAUGES = {
+    "unit.csv": ("pressure", "1e-8"),
+    "two.csv": ("gauge_1_pressure [hPa],gauge_2_pressure [Pa]", "1013,1e-6"),
+    "named.csv": ("pressure [Pa],chamber_pressure [hPa]", "1e-6,1013"),
+    "some.csv": ("pressure [Pa]", ""),
+}
+
+
+@pytest.mark.parametrize(
+    ("data", "words", "status", "code"),
+    [
+        ("unit.csv", (), 3, "no_unit"),
+        ("unit.csv", ("--unit", "pressure=Torr"), 3, "wrong_condition"),
+        ("two.csv", (), 3, "wrong_column"),
+        ("two.csv", ("--column", "pressure=gauge_2_pressure"), 3, "wrong_condition"),
+        ("named.csv", (), 3, "wrong_condition"),
+        ("some.csv", (), 0, "condition_not_checked"),
+    ],
+)
+def test_a_pressure_is_never_overlooked(
+    folder: Path, capsys: pytest.CaptureFixture[str], data: str, words: tuple[str, ...], status: int, code: str
+) -> None:
+    """The sensor is in vacuum, and the model of air is asked for."""
+    head, cells = VACUUM_GAUGES[data]
+    Path(data).write_text(f"t_s,gyro_x_dps,gyro_y_dps,gyro_z_dps,{head}\n0,1,2,3,{cells}\n1,1,2,3,{cells}\n")
+    got, content = typed(capsys, "compensate", "both.json", data, "-o", "o.csv", "--condition", "air", *words)
+    found = {one["code"] for one in (*content["errors"], *content["remarks"])}
+    assert (got, code in found) == (status, True), content
+
+
+def test_models_of_two_conditions_are_not_compared_in_silence(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write_model("vacuum.json", of("vacuum", VACUUM))
+    status, content = typed(capsys, "compare", "air.json", "vacuum.json")
+    (said,) = [one["what"] for one in content["remarks"] if one["code"] == "conditions_differ"]
+    assert (status, "in air" in said, "in vacuum" in said) == (0, True, True)
+    for name in ("one", "other"):
+        (out := Path(name, "out")).mkdir(parents=True)
+        write_model(out / "model.json", ModelSet((of("air", AIR), of("vacuum", VACUUM))))
+    status, content = typed(capsys, "compare", "one", "other", "--condition", "vacuum")
+    assert (status, {row["condition"] for row in content["results"]}) == (0, {"vacuum"})
 
 
 def test_what_the_data_do_not_say_may_be_said(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

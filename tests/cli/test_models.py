@@ -81,7 +81,7 @@ def test_show_prints_equation_matrix_in_words_and_all_digits(call: Call) -> None
     assert "misalignment_zx" in out
     assert "u = M x" in out
     assert repr(1.298e-2 / (1.0 - 0.506e-2)) in out  # misalignment = M_zx / M_zz, every digit
-    assert "not judged on held-out recordings" in out
+    assert "not confirmed by held-out recordings" in out
     assert "temperatures -21 to 66 degC" in out
     _, out, _ = call("show", "judged.json")
     assert "judged on held-out recordings" in out

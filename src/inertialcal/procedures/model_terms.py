@@ -179,9 +179,8 @@ def _check_once(one: ModelTerms, other: ModelTerms) -> None:
         mine, its = (", ".join(part.tests) for part in (one, other))
         terms = " and ".join(kinds).replace("_", " ")
         what = f"tests {mine} and {its} both give {terms} of one sensor in one condition ({twice[0]})"
-        do = (
-            f'Decide in [model]: terms = {{ {kinds[0]} = ["{one.tests[0]}"] }}; or give one of them use = "report_only"'
-        )
+        named = ", ".join(f'"{test}"' for test in one.tests)
+        do = f'Decide in [model]: terms = {{ {kinds[0]} = [{named}] }}; or give one of them use = "report_only"'
         raise PlanError(what, why="a model has each term once", do=do, code="terms_twice")
 
 

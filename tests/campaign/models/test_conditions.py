@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import tomllib
+from pathlib import Path
 
+import numpy as np
 import pytest
 
+from independent import conditions
 from inertialcal.campaign.calls.call import campaign_of
 from inertialcal.campaign.engine.run import Whole, reduce_campaign
 from inertialcal.campaign.file.conditions import chosen_tests, conditions_of
 from inertialcal.campaign.file.cross_checks import cross_checks
+from inertialcal.campaign.file.load import load
 from inertialcal.campaign.file.schema import CampaignFile
 from inertialcal.campaign.inputs.sources import Memory
 from inertialcal.campaign.models.build import model_files
@@ -41,6 +45,20 @@ def test_each_condition_has_a_model_and_decisions_bring_terms_of_another(twin: T
     }  # fmt: skip
     assert [test.id for test in vacuum["bias"]] == ["thermal_vacuum"]
     assert [test.id for test in vacuum["scale_factor"]] == ["rate"]
+
+
+def test_terms_named_for_every_condition_leave_each_its_own_tests(twin: Twin) -> None:
+    """Else the polynomial of air would be the bias of the model in vacuum."""
+    start, stop = twin.campaign.index("[model.by_condition]"), twin.campaign.index("[[requirements]]")
+    terms = '[model]\nterms = { bias = ["thermal_ambient"], scale_factor = ["rate"], hysteresis = [] }\n'
+    file = file_of(twin.campaign[:start] + terms + twin.campaign[stop:])
+    air, vacuum = (
+        {kind: [test.id for test in tests] for kind, tests in chosen_tests(file, "suite", one).items()}
+        for one in ("air", "vacuum")
+    )
+    assert (air["bias"], vacuum["bias"]) == (["thermal_ambient"], ["thermal_vacuum"])
+    assert (air["scale_factor"], vacuum["scale_factor"]) == (["rate"], ["rate"])  # no table was turned in vacuum
+    assert not {"hysteresis"} & {*air, *vacuum}
 
 
 @pytest.mark.parametrize(
@@ -131,3 +149,30 @@ def test_a_pressure_outside_the_condition_is_an_error_and_gives_no_model(twin: T
     assert whole.modelled is not None
     assert [one.condition for one in whole.modelled.every] == ["air"]
     assert whole.verdict in ("FAIL", "INCONCLUSIVE")
+
+
+@pytest.mark.slow
+def test_readings_held_out_judge_the_bias_that_the_model_holds(tmp_path: Path) -> None:
+    """The model of air has the constant of the rate table: what it leaves over temperature is told, not the polynomial.
+
+    A recording that crosses into another condition is warned of, and power-ups of one sensor judge no other's.
+    """
+    case = conditions.suite(1, programme=conditions.Programme(runs=3, held_out=1))
+    text = case.texts["campaign.toml"].replace('bias = ["thermal_air"]', 'bias = ["rate"]')
+    entry = text.index("[recordings.vacuum4]")
+    text = text[:entry] + text[entry:].replace('sensor = "gyros"', 'sensor = "spare"', 1)
+    spare = '[sensors.spare]\nkind = "gyro"\naxes = ["x", "y", "z"]\nunit = "deg/s"\n\n'
+    text = text.replace("[sensors.gyros]", f"{spare}[sensors.gyros]")
+    pressure = case.tables["air1.csv"].columns["pressure [Pa]"]
+    pressure[: len(pressure) // 3] = 1e-3
+    case.texts["campaign.toml"] = text
+    case.write(tmp_path)
+    whole = reduce_campaign(load(tmp_path))
+    assert whole.modelled is not None
+    (air,) = (one for one in whole.modelled.every if one.condition == "air")
+    loops = {one.test: one.loop for one in air.residuals if one.loop.axis == "x"}
+    assert np.degrees(loops["held_air"].compensated) > 0.02  # 1.6e-3 deg/s/degC over 80 degC, of which no term is left
+    assert {one.test for made in whole.modelled.every for one in made.residuals} == {"held_air"}
+    assert not whole.modelled.residuals
+    said = [one for test in whole.tested for one in test.remarks if one.code == "partly_outside_condition"]
+    assert [(one.recording, one.count) for one in said] == [("air1", len(pressure) // 3)]

@@ -234,7 +234,7 @@ def test_what_code_cannot_do_is_said(text: Callable[[SensorModel], str]) -> None
     assert "no code can remove it" in said
     assert "0.125" in said
     assert "inertialcal compensate MODEL DATA -o OUT --uncertainty" in said
-    assert "not checked on hold-out recordings" in said
+    assert "Hold-out recordings have not confirmed" in said
     assert "row = the sensor that reads, column = the axis that moves" in said
 
 

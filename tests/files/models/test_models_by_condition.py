@@ -113,7 +113,7 @@ def test_the_model_of_a_condition_is_handed_out(tmp_path: Path) -> None:
 def test_every_model_of_a_file_must_have_been_judged(tmp_path: Path) -> None:
     one = pair()
     write_model(tmp_path / "model.json", ModelSet((one["air"], replace(one["vacuum"], judged=False))))
-    with pytest.raises(DataError, match="not checked on hold-out"):
+    with pytest.raises(DataError, match="have not confirmed"):
         export(load_model_file(tmp_path / "model.json"), "json", tmp_path / "out.json")
     export(load_model_file(tmp_path / "model.json", "air"), "json", tmp_path / "out.json")
 

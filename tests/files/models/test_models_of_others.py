@@ -374,7 +374,7 @@ def test_export_from_their_format_to_another(tmp_path: Path) -> None:
     with pytest.raises(DataError, match="holds models of: accelerometer, gyro") as caught:
         load_model_file(tmp_path / "cal.json")
     assert caught.value.problems[0].code == "which_sensor"
-    with pytest.raises(DataError, match="not checked"):
+    with pytest.raises(DataError, match="have not confirmed"):
         export(both[0], "imucal", tmp_path / "x.json")
     with pytest.raises(UsageError, match="two models of a gyro"):
         export(both[0], "imucal", tmp_path / "x.json", unjudged=True, others=both[:1])

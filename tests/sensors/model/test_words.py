@@ -81,7 +81,7 @@ def test_equation_has_only_the_terms_of_the_model() -> None:
 def test_show_says_whose_it_is_and_where_it_holds() -> None:
     text = show(flight_unit().models["corrected"])
     for part in (
-        "Systron Donner 3 x QRS11-00005-565, serial flight: gyro, axes x, y, z; not judged on held-out recordings",
+        "Systron Donner 3 x QRS11-00005-565, serial flight: gyro, axes x, y, z; not confirmed by held-out recordings",
         "Source: Badescu, NPS thesis, 2011, Table 15, corrected",
         "S0 = 0.5 V/(deg/s)",
         "T_ref = x 25.7, y 25.4, z 25.3 degC",

@@ -111,6 +111,11 @@ def compare(
     kind, sides, gone = load_both(first, second, condition)
     found = [_compared(kind, one, other, stated, rule, shared) for one, other in sides]
     remarks = list(dict.fromkeys(remark for one in found for remark in one.remarks))
+    for one, other in sides:
+        if one.condition != other.condition:
+            first_in, second_in = (side.condition or "no stated condition" for side in (one, other))
+            what = f"the first is the model in {first_in}, the second that in {second_in}"
+            remarks.append(Remark("conditions_differ", "warning", f"{what}: their figures may well differ"))
     if gone:
         what = f"only one of the two has a model for {', '.join(gone)}: not compared"
         remarks.append(Remark("condition_not_in_both", "warning", what, count=len(gone)))

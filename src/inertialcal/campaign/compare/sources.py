@@ -45,6 +45,7 @@ class Compared:
     # SHA-256 -> path of each recording that went in, as far as ``provenance.json`` lies beside
     recordings: Mapping[str, str]
     sensor: str = ""  # What a model senses: ``"accelerometer"``, ``"gyro"``; empty for results
+    condition: str = ""  # Of a model
     influences: Mapping[str, Influence] = field(default_factory=dict)  # By name, as stated
     # By test, of a model under no name: what drew the errors of standards, and what went in
     occasions: Mapping[str, Occasion] = field(default_factory=dict)
@@ -84,7 +85,9 @@ class Compared:
 def load_both(
     first: str | os.PathLike[str], second: str | os.PathLike[str], condition: str | None = None
 ) -> tuple[Kind, tuple[tuple[Compared, Compared], ...], tuple[str, ...]]:
-    """Return both sides, each a file or the folder of a campaign: models if one is a model file, else results.
+    """Return both sides, each a file or the folder of a campaign.
+
+    They are models if one is a model file, or if a condition is given for the folders of two campaigns; else results.
 
     Parameters
     ----------
@@ -111,7 +114,8 @@ def load_both(
         ``schema`` for a file that is neither; and as ``find_model``.
     """
     kinds = [_kind_of(Path(path)) for path in (first, second)]
-    kind: Kind = "models" if "models" in kinds else "results"
+    of_models = condition is not None and kinds == ["both", "both"]
+    kind: Kind = "models" if "models" in kinds or of_models else "results"
     for path, own in zip((first, second), kinds, strict=True):
         if own not in {kind, "both"}:
             raise DataError(
@@ -168,6 +172,7 @@ def _model(source: ModelFile, condition: str | None, said: bool) -> Compared:
         frozenset(_source(one) for one in components if one.kind == "B" and one.u.any()),
         _recordings(Path(source.path)),
         model.kind,
+        model.condition,
         model.influences,
         {"": model.occasion},
         {"": model.selections},
@@ -238,7 +243,7 @@ def _results(given: Path) -> Compared:
             code="schema",
         ) from None
     return Compared(
-        str(path), sha256, rows, serial, type_b, _recordings(path), "", influences, occasions, selections, parts
+        str(path), sha256, rows, serial, type_b, _recordings(path), "", "", influences, occasions, selections, parts
     )  # fmt: skip
 
 

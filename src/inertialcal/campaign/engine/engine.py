@@ -9,6 +9,8 @@ from dataclasses import dataclass, field, replace
 from itertools import combinations, product
 from typing import Any
 
+import numpy as np
+
 from ...core.curve import Curve
 from ...core.errors import DataError, InertialcalError, PlanError, Problem
 from ...core.influence import Occasion, Selection, Standards, zero_remarks
@@ -201,20 +203,32 @@ def prepare_test(
 
 
 def _outside_condition(file: CampaignFile, test: Test, sources: Sequence[Ready]) -> Iterator[Remark]:
-    """Yield an error for each recording whose pressure says that it was made in another condition."""
+    """Yield an error for each recording that its pressure places in another condition; a warning of a part of one."""
     own = file.conditions.get(test.condition)
     if own is None or own.pressure is None:
         return
     low, high = own.pressure
     for one in sources:
-        level = one.pressure
-        if level is not None and not low <= level <= high:
+        pressures = one.pressures
+        if not len(pressures):
+            continue
+        level, beyond = float(np.median(pressures)), (pressures < low) | (pressures > high)
+        if not low <= level <= high:
             inside = (name for name, other in file.conditions.items()
                       if other.pressure is not None and other.pressure[0] <= level <= other.pressure[1])  # fmt: skip
             found = " or ".join(inside)
             what = f"recording {one.name}: pressure {level:.4g} Pa, {test.condition} is {low:.4g} to {high:.4g} Pa"
             do = f"Give the test condition = {found!r}" if found else "Give it another condition"
             yield Remark("outside_condition", "error", what, one.file, do=do, recording=one.name)
+        elif beyond.any():
+            at = float(pressures[np.argmax(beyond)])
+            what = (
+                f"recording {one.name}: part of it, such as {at:.4g} Pa, lies outside {test.condition}, {low:.4g} to "
+                f"{high:.4g} Pa, and counts as {test.condition}"
+            )
+            do = "Cut that out: windows of the test, or start and stop of the recording's clock"
+            count = int(np.count_nonzero(beyond))
+            yield Remark("partly_outside_condition", "warning", what, one.file, count, do, recording=one.name)
 
 
 def occasion_of(file: CampaignFile, test: Test, sources: Sequence[Ready]) -> Occasion:

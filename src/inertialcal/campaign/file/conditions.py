@@ -41,9 +41,10 @@ def in_condition(file: CampaignFile, test: Test, sensor: str, condition: str) ->
 def chosen_tests(file: CampaignFile, sensor: str, condition: str) -> dict[TermKind, list[Test]]:
     """Return the tests that each kind of term of a model comes from.
 
-    Where ``[model]`` decides, those that it names: of the condition, or others if it names none of the condition. Else
-    all tests of the condition; a hysteresis only where it is named, for compensation then needs the way of the
-    temperature. What a test took off its readings before belongs to its bias.
+    Where ``[model] by_condition`` decides, those that it names. Where ``terms`` does, those of them that are of the
+    condition; if none is, all tests of the condition, and only without any those of others. Else all tests of the
+    condition; a hysteresis only where it is named, for compensation then needs the way of the temperature. What a test
+    took off its readings before belongs to its bias.
     """
     every = [test for test in file.tests if gives(test) and on_sensor(file, test, sensor)]
     own = [test for test in every if in_condition(file, test, sensor, condition)]
@@ -55,10 +56,11 @@ def chosen_tests(file: CampaignFile, sensor: str, condition: str) -> dict[TermKi
             chosen = [test for test in able if test.id in named]
         else:
             named = _named(file.model.terms, kind)
-            wanted = [test for test in able if named is not None and test.id in named]
+            wanted = [test for test in able if named and test.id in named]
             others = named and not any(test.id in named for test in every)  # it decides on another sensor
             undecided = (named is None or others) and kind not in BY_DECISION
-            chosen = [test for test in (able if undecided else wanted) if test in own] or wanted
+            mine = [test for test in able if test in own and (undecided or wanted)]
+            chosen = [test for test in wanted if test in own] or mine or wanted
         if chosen:
             found[kind] = chosen
     if "bias" in found:

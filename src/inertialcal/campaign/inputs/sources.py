@@ -371,15 +371,15 @@ class Ready:
         return recorded_rows(self.name, self.raw, tested, lowest, self.facts.standards.get(CLOCK))
 
     @property
-    def pressure(self) -> float | None:
-        """Median of its pressure channel over what the test takes [Pa]; None where it has none."""
+    def pressures(self) -> Array:
+        """What its pressure channel says over what the test takes [Pa]; empty where it has none."""
         one = None if self.is_table else (self.entry.channels or {}).get("pressure")
         if one is None:
-            return None
+            return np.empty(0)
         data = np.asarray(self.raw.channel(one.column).data, dtype=float)
         chosen = in_windows(self.raw, self.of_test.windows)
         known = data[np.isfinite(data) & (True if chosen is None else chosen)]
-        return float(convert(float(np.median(known)), one.unit, "Pa")) if len(known) else None
+        return convert(known, one.unit, "Pa")
 
     @property
     def content(self) -> Content:

@@ -15,10 +15,11 @@ from typing import Any
 import numpy as np
 
 from ...core.errors import InertialcalError, PlanError
+from ...core.estimate import Estimate
 from ...core.influence import Occasion, influence_of
 from ...core.remarks import Remark
 from ...files.models.model_json import dump_models
-from ...procedures import procedure_of
+from ...procedures import procedure_names, procedure_of
 from ...procedures.model_terms import HeldOut, ModelTerms, TermKind, joined_terms, kind_of
 from ...procedures.protocol import Procedure, Tested
 from ...sensors.model.assemble import model_from
@@ -149,8 +150,9 @@ def _build(
     file, sensor = campaign.file, campaign.file.sensors[name]
     behind = [test for test in file.tests if any(test in tests for tests in chosen.values())]
     procedures = dict.fromkeys(test.procedure for test in behind)
-    held = [test for test in file.tests if test.use == "hold_out" and test.procedure in procedures
-            and on_sensor(file, test, name) and in_condition(file, test, name, condition)]  # fmt: skip
+    own = [test for test in file.tests if on_sensor(file, test, name) and in_condition(file, test, name, condition)]
+    judging = {one for one in procedure_names() if one in procedures or procedure_of(one).judged_alone}
+    held = [test for test in own if test.use == "hold_out" and test.procedure in judging]
     if any(errors.get(test.id) for test in (*behind, *held)):
         return None
     parts = [part for one in procedures for part in _parts(campaign, one, chosen, reduced, sensor.kind)]
@@ -160,25 +162,30 @@ def _build(
     matrix = [part for part in parts if any(kind_of(key) == "scale_factor" for key in part.terms.parameters)]
     parts = [*matrix, *(part for part in parts if part not in matrix)]
     for one in procedures:
-        own = [test for test in (*behind, *held) if test.procedure == one]
-        _check_alike(procedure_of(one), own, reduced)
+        _check_alike(procedure_of(one), [test for test in (*behind, *held) if test.procedure == one], reduced)
     model = _model(campaign, sensor, condition, parts, reduced)
     made = JudgedModel(name, condition, model, remarks=tuple(_of_others(file, name, condition, parts)))
     loops: list[AxisLoop] = []
     residuals: list[ResidualLoop] = []
     remarks, curves = list(made.remarks), list(made.curves)
-    for one in procedures:
+    for one in dict.fromkeys(test.procedure for test in (*behind, *held)):
         procedure = procedure_of(one)
         unseen = [reduced[test.id] for test in held if test.procedure == one]
         mine = [part for part in parts if part.procedure is procedure]
-        if not unseen or not mine:
-            continue
         fitted = [reduced[id] for id in dict.fromkeys(test.id for part in mine for test in part.tests)]
         if procedure.judged_alone:
-            for each in unseen:
-                found = procedure.held_out(mine[0].result, fitted[:1], [each], model) or NOTHING
+            # The model is judged, also where its bias is that of another procedure: a test of the condition then tells
+            # how power-ups scatter. Accelerometers at rest read gravity too: their bias is not judged so
+            has_bias = any(kind_of(key) == "bias" for part in parts for key in part.terms.parameters)
+            others = [test for test in own if test.use == "fit" and test.procedure == one]
+            fitted = fitted or [reduced[test.id] for test in others if has_bias and sensor.kind == "gyro"]
+            for each in unseen if fitted else ():
+                result = mine[0].result if mine else fitted[0].result
+                found = procedure.held_out(result, fitted[:1], [each], model) or NOTHING
                 residuals += [ResidualLoop(each.id, fitted[0].id, loop) for loop in found.loops]
                 remarks += found.remarks
+            continue
+        if not unseen or not mine:
             continue
         local = _before_corrections(campaign, sensor, condition, parts, mine, held, reduced)
         found = procedure.held_out(mine[0].result, fitted, unseen, local) or NOTHING
@@ -293,7 +300,7 @@ def _model(campaign: Campaign, sensor: Sensor, condition: str, parts: Sequence[P
         source="" if sensor.mounting is None else f"readings in body axes, after mounting {sensor.mounting}",
         item=Item(item.maker, item.part, item.serial),
         input_range=None if terms.input_range is None else terms.input_range[at],
-        bias_run_to_run=None if terms.bias_run_to_run is None else terms.bias_run_to_run,
+        bias_run_to_run=None if terms.bias_run_to_run is None else terms.bias_run_to_run[at],
         not_estimated=terms.not_estimated,
         values=terms.values,
         references=terms.references,
@@ -304,10 +311,16 @@ def _model(campaign: Campaign, sensor: Sensor, condition: str, parts: Sequence[P
         selections=tuple(reduced[one].selection for one in (*ids, *before)),
         temperature_range=temperature,
         condition=condition,
-        noise=terms.noise,
+        noise=_noise_of(terms.noise, axes),
         **({} if own.pressure is None or "pressure" in terms.references else {"pressure_range": tuple(own.pressure)}),
         **({} if terms.reference_temperature is None else {"reference_temperature": terms.reference_temperature}),
     )
+
+
+def _noise_of(noise: Estimate | None, axes: Sequence[str]) -> Estimate | None:
+    """Return the noise terms of the axes that the model has."""
+    keys = () if noise is None else tuple(key for key in noise.keys if key.axis in axes)
+    return None if noise is None or not keys else noise.select(keys)
 
 
 def _of_axes(given: Any, at: Sequence[int]) -> Any:

@@ -31,6 +31,8 @@ from ...sensors.model.uncertainty import compensated_uncertainty, without_uncert
 from ...statistics.intervals import t_interval
 from .inputs import CONDITIONS, FORCES, UNCERTAINTY, Taken, taken
 
+CUT = "Cut out the rows of one condition: inertialcal convert DATA OUT --from --to"
+
 
 def compensate(
     model: SensorModel | ModelSet,
@@ -98,7 +100,8 @@ def compensate(
             raise DataError(replace(problem, what=f"column {name!r}: {problem.what}")) from None
     conditions = _conditions(model, recording, chosen)
     done = compensate_recording(model, recording, axes, **conditions)
-    remarks = (*done.remarks, *emptied(recording, done, axes, conditions), *_about(model, chosen))
+    unchecked = _unchecked(model, recording, columns or {})
+    remarks = (*done.remarks, *emptied(recording, done, axes, conditions), *unchecked, *_about(model, chosen))
     by = model_checksum(model).removeprefix("sha256:")[:MARK]
     done = replace(done, remarks=remarks, compensated_by=by)
     return _with_uncertainty(model, recording, done, axes, conditions) if uncertainty else done
@@ -113,14 +116,15 @@ def model_for(
     """Return the model of the condition that a recording was made in.
 
     It is the one that is named; else the only one; else the one whose range of pressure holds every pressure of the
-    recording. Pressure is the column named for it, or the only one whose header says so.
+    recording. Pressure is the column named for it, that of the name ``pressure``, or the only one whose header says so.
 
     Raises
     ------
     UsageError
         ``condition_needed`` where there are several and the pressure does not say; ``no_such_condition``.
     DataError
-        ``wrong_condition`` for pressures outside the range of the model's condition.
+        ``wrong_condition`` for pressures outside the range of the model's condition, or of every model; ``no_unit`` for
+        a pressure without one; ``wrong_column`` where several columns can be the pressure.
     """
     every = models if isinstance(models, ModelSet) else ModelSet((models,))
     ranged = any(one.pressure_range is not None for one in every.values())
@@ -130,12 +134,30 @@ def model_for(
     fitting = [name for name in fitting if every[name].pressure_range is not None]
     if condition is None and len(every) > 1 and len(fitting) == 1:
         return every[fitting[0]]
+    if (
+        condition is None
+        and len(every) > 1
+        and len(known)
+        and all(_outside(one, known).any() for one in every.values())
+    ):
+        inside = {name: int(np.count_nonzero(~_outside(one, known))) for name, one in every.items()}
+        counts = ", ".join(f"{count} in {name}" for name, count in inside.items())
+        raise DataError(
+            f"no model holds for all pressures, {known.min():.4g} to {known.max():.4g} Pa: of {len(known)} row(s) lie "
+            f"{counts}",
+            recording.source.path,
+            why="bias and its change with temperature differ between conditions",
+            do=CUT if any(inside.values()) else "Test the sensor at these pressures",
+            code="wrong_condition",
+        )
     model = every.only(condition, recording.source.path)
     beyond = _outside(model, known) if model.condition else np.zeros(0, dtype=bool)
     if beyond.any() and model.pressure_range is not None:
         lo, hi = model.pressure_range
         count, at = int(np.count_nonzero(beyond)), float(known[np.argmax(beyond)])
-        fits = f"These data fit: --condition {fitting[0]}" if len(fitting) == 1 else "No condition of the model fits"
+        fits = (
+            f"These data fit: --condition {fitting[0]}" if len(fitting) == 1 else f"No condition fits all rows. {CUT}"
+        )
         raise DataError(
             f"{count} of {len(recording)} row(s) were not made in condition {model.condition!r}: pressure {at:.4g} Pa, "
             f"the model holds for {lo:.4g} to {hi:.4g} Pa",
@@ -148,13 +170,32 @@ def model_for(
 
 
 def _pressure(recording: Recording, columns: Mapping[str, str]) -> Array | None:
-    """Return pressures [Pa] of the column named for it, or of the only one whose header says so; None without one."""
-    named = columns.get("pressure")
+    """Return pressures [Pa] of the column named for it, of that name, or of the only one; None without one."""
+    named = columns.get("pressure", "pressure")
+    column = full_name(recording.names, named)
     names = [one.name for one in recording.channels if one.quantity == "pressure" and one.unit]
-    column = names[0] if names else None
-    if named:
-        column = full_name(recording.names, named) or recording.channel(named).name
-    return None if column is None or (not named and len(names) > 1) else _in_unit(recording, column, "Pa")
+    if column is None and "pressure" in columns:
+        column = recording.channel(named).name
+    if column is None and len(names) > 1:
+        raise DataError(
+            f"{len(names)} columns ({', '.join(names)}) can be the pressure",
+            recording.source.path,
+            why="it says which model holds",
+            do="Say it: --column pressure=NAME",
+            code="wrong_column",
+        )
+    column = column or next(iter(names), None)
+    return None if column is None else _in_unit(recording, column, "Pa")
+
+
+def _unchecked(model: SensorModel, recording: Recording, columns: Mapping[str, str]) -> list[Remark]:
+    """Return the remark that counts the rows whose pressure, and so whose condition, is not known."""
+    if not model.condition or model.pressure_range is None:
+        return []
+    pressure = _pressure(recording, columns)
+    rows = len(recording) if pressure is None else int(np.count_nonzero(~np.isfinite(pressure)))
+    what = f"pressure not known: that the readings were made in {model.condition} was not checked"
+    return [Remark("condition_not_checked", "info", what, recording.source.path, rows)] if rows else []
 
 
 def _outside(model: SensorModel, pressure: Array) -> NDArray[np.bool_]:
@@ -244,18 +285,24 @@ def _in_unit(recording: Recording, name: str, unit: str) -> Array:
     values = recording.array([name])[:, 0]
     if unit == "degC/s":
         return values * factor(channel.unit, unit, difference=True)
-    return convert(values, channel.unit, unit)
+    try:
+        return convert(values, channel.unit, unit)
+    except DataError as error:
+        what = f"column {name!r}: {error.problems[0].what}"
+        raise DataError(replace(error.problems[0], what=what, where=recording.source.path)) from None
 
 
 def _temperature(chosen: Taken, recording: Recording, term: str) -> float:
     if chosen.temperature is not None:
         return chosen.temperature
     known = [channel.name for channel in recording.channels if channel.quantity == "temperature"]
+    names = "COLUMN" if not known else shlex.quote(known[0]) if len(known) == 1 else "COLUMN"
     raise DataError(
         "the model needs the temperature of the sensor",
         where=recording.source.path,
         why=f"it has the term {term}",
-        do=f'Say it: --temperature {shlex.quote(known[0]) if known else "COLUMN"}, or --temperature "NUMBER degC"',
+        do=f'Say it: --temperature {names}, or --temperature "NUMBER degC"'
+        + (f"; of each axis: --column temperature_x=COLUMN. Columns: {', '.join(known)}" if len(known) > 1 else ""),
         code="no_temperature",
     )
 
@@ -277,10 +324,10 @@ def _about(model: SensorModel, chosen: Taken) -> list[Remark]:
     """Remarks on the model: not judged, or without a term in what was given."""
     remarks = []
     if not model.judged:
-        what = "the model was not judged on recordings held out: how well it does on other data is not known"
+        what = "recordings held out have not confirmed the model: how well it does on other data is not known"
         remarks.append(Remark("unjudged_model", "info", what))
     given = set(chosen.columns) - set(model.axes) | ({"temperature"} if chosen.temperature is not None else set())
-    needs = set(needed(model))
+    needs = {*needed(model), *(() if model.pressure_range is None else ("pressure",))}
     own = {f"temperature_{axis}": "temperature" for axis in model.axes} | dict.fromkeys(FORCES, "specific_force")
     unused = sorted(name for name in given if own.get(name, name) not in needs)
     if unused:

@@ -15,6 +15,7 @@ from ...procedures.protocol import Tested
 from ...sensors.model.sensor_model import SensorModel
 from ...statistics.closed_loop import AxisLoop, overall
 from ..engine.engine import computable, placed
+from ..file.conditions import on_sensor
 from ..file.load import Campaign
 
 NOT_RUN = "not run"
@@ -85,7 +86,7 @@ class Residual:
 def hold_out_residuals(campaign: Campaign, reduced: Mapping[str, Tested[Any, Any, Any]]) -> dict[str, Residual]:
     """Return what is left on readings held out of tests that are judged one by one, by test.
 
-    Each is set against the first test for a fit of its procedure in the same condition.
+    Each is set against the first test for a fit of its procedure, on the same sensor and in the same condition.
 
     Raises
     ------
@@ -97,10 +98,17 @@ def hold_out_residuals(campaign: Campaign, reduced: Mapping[str, Tested[Any, Any
         procedure = procedure_of(test.procedure)
         if test.use != "hold_out" or not procedure.judged_alone:
             continue
-        same = (
-            one for one in campaign.file.tests if one.procedure == test.procedure and one.condition == test.condition
+        sensor = campaign.file.recordings[test.recordings[0]].sensor
+        fitted = next(
+            (
+                one
+                for one in campaign.file.tests
+                if one.use == "fit"
+                and (one.procedure, one.condition) == (test.procedure, test.condition)
+                and on_sensor(campaign.file, one, sensor)
+            ),
+            None,
         )
-        fitted = next((one for one in same if one.use == "fit"), None)
         if fitted is None:
             continue
         own = reduced[fitted.id]

@@ -91,7 +91,7 @@ def head(model: SensorModel) -> list[str]:
     if model.source:
         lines.append(f"Source: {plain(model.source)}")
     if not model.judged:
-        lines.append("This model was not checked on hold-out recordings.")
+        lines.append("Hold-out recordings have not confirmed this model.")
     lines += ["Equation, forward:", *(f"  {row}" for row in formulas(model))]
     lines += [f"Steps: {'; '.join(APPLY_ORDER)}.", *_left_out(model)]
     return [part for line in lines for part in _wrapped(line)]

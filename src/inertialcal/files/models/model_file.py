@@ -161,12 +161,14 @@ def export(
     kept = chosen.verbatim and source.format == chosen.title and source.condition is None
     for one in sources:
         models_of = one.models.values() if kept else (one.model,)
-        if not (unjudged or all(model.judged for model in models_of)):
+        open_ones = [model for model in models_of if not (unjudged or model.judged)]
+        if open_ones:
+            of = " and ".join(f"in {model.condition}" for model in open_ones if model.condition)
             raise DataError(
-                "the model was not checked on hold-out recordings",
+                f"hold-out recordings have not confirmed the model{f' {of}' if of else ''}",
                 where=one.path,
-                why="its error on data that it was not fitted to is unknown",
-                do='Mark tests with use = "hold_out" and run again, or add --unjudged',
+                why="none were held out, or the closed loop on them is INCONCLUSIVE: its error on other data is unknown",
+                do='Hold out (more) tests, use = "hold_out", and run again; or add --unjudged',
                 code="unjudged",
             )
     unknown = (

@@ -397,7 +397,7 @@ def _per_axis(model: SensorModel, figures: Array, digits: int = 6) -> str:
 def _head(model: SensorModel) -> list[str]:
     item = " ".join(text for text in (model.item.maker, model.item.part) if text) or "unnamed sensor"
     serial = f", serial {model.item.serial}" if model.item.serial else ""
-    judged = "judged on held-out recordings" if model.judged else "not judged on held-out recordings"
+    judged = "judged on held-out recordings" if model.judged else "not confirmed by held-out recordings"
     source = [f"Source: {model.source}"] if model.source else []
     condition = f"; condition {model.condition}" if model.condition else ""
     return [f"{item}{serial}: {model.kind}, axes {', '.join(model.axes)}{condition}; {judged}", *source]
