@@ -2,7 +2,8 @@
 
 What is read, with ``t`` since power-up and T the thermometer::
 
-    y = settled bias of the power-up + slope (T - start) + bend (T - 20)^2 + sum_j (a_j (1 + scatter) + b_j (start - 20)) exp(-t / tau_j)
+    y = settled bias of the power-up + slope (T - start) + bend (T - 20)^2
+        + sum_j (a_j (1 + scatter) + b_j (start - 20)) exp(-t / tau_j)
         + walk + noise
 
 Self-heating moves T by ``heating (1 - exp(-t / heating_time))``. Samples are written out one by one; nothing is shared

@@ -2,14 +2,16 @@
 
 ::
 
-    y = level of its power-up + sum_j (w_j + v_j (T_start - T_ref)) exp(-t / tau_j) + sum_k c_k (T^k - T_start^k) + noise
+    y = level of its power-up + sum_j (w_j + v_j (T_start - T_ref)) exp(-t / tau_j)
+        + sum_k c_k (T^k - T_start^k) + noise
 
 ``t`` is the time since power-up. The times ``tau_j`` are common to all axes and power-ups, as the sensor equation has
 them; amplitudes ``w_j`` are those of an axis. ``v_j`` is there where four power-ups or more start from temperatures
-that differ: not where they show it, since a term that is told only where it looks large is too large where it is told.
-``c_k`` is there where a temperature was recorded and moves, unless a thermal model has been taken off before; with as
-many powers as there are starting temperatures, up to three, since the bias of a unit that heats itself changes by the
-slope that its law has there. Least squares over means of stretches that lengthen with time, each with the weight of its
+that lie apart, whichever of them is left out: not where they show it, since a term that is told only where it looks
+large is too large where it is told. ``c_k`` is there where a temperature was recorded and moves, unless a thermal model
+has been taken off before; with as many powers as there are starting temperatures, up to three, since a unit that heats
+itself changes its bias by the slope that its law has there.
+Least squares over means of stretches that lengthen with time, each with the weight of its
 samples; the ``tau_j`` are found by a search over their logarithms.
 
 What is assumed: power-ups are independent; the noise within one may be of any colour. What the uncertainty means: how
@@ -188,7 +190,7 @@ def warm_up_model(power_ups: PowerUps, reference_temperature: float | None = Non
     away = means.start - middle if known and middle is not None else np.zeros(means.runs)
     one = _Problem(means, np.zeros(means.runs))
     p_value, limits = _tested(one)
-    depends = means.runs >= DEPENDS and _distinct(means.start) > 1
+    depends = _carried(means.start) > 1
     used = _Problem(means, away) if depends else one
     if depends:
         p_value = min(1.0, 2.0 * min(p_value, _tested(used, slope=True)[0]))
@@ -215,15 +217,18 @@ def warm_up_model(power_ups: PowerUps, reference_temperature: float | None = Non
     return replace(found, remarks=tuple(_remarks(found, used, solved)))
 
 
-def _distinct(starts: Array) -> int:
-    """Return how many starting temperatures lie apart; 0 where one is not known."""
-    if not np.isfinite(starts).all():
-        return 0
-    count, last = 0, -math.inf
-    for one in np.sort(starts):
-        if one - last > WITHIN:
-            count, last = count + 1, float(one)
-    return count
+def _carried(starts: Array) -> int:
+    """Return how many starting temperatures lie apart whichever power-up is left out; 1 where one is not known."""
+    if len(starts) < DEPENDS or not np.isfinite(starts).all():
+        return 1
+    counts = []
+    for r in range(len(starts)):
+        count, last = 0, -math.inf
+        for one in np.sort(np.delete(starts, r)):
+            if one - last > WITHIN:
+                count, last = count + 1, float(one)
+        counts.append(count)
+    return min(counts)
 
 
 def stretches_of(power_ups: PowerUps, powers: int | None = None) -> Stretches:
@@ -276,8 +281,7 @@ def stretches_of(power_ups: PowerUps, powers: int | None = None) -> Stretches:
     first = np.searchsorted(run, run)  # of the power-up of each
     start = np.array(starts)
     if powers is None:
-        carried = _distinct(start) if len(start) >= DEPENDS else 1
-        powers = min(max(carried, 1), MOST_POWERS) if moved else 0
+        powers = min(_carried(start), MOST_POWERS) if moved else 0
     exponents = np.arange(1, powers + 1)
     temperature = warm[:, :, None] ** exponents - warm[first][:, :, None] ** exponents
     return Stretches(time, width, weight, y, temperature, run.astype(np.intp), start, moved, min(lengths))
@@ -622,10 +626,10 @@ def _remarks(found: WarmUpModel, problem: _Problem, solved: _Solved) -> Iterator
         yield Remark("few_runs", "warning", what, do=f"Repeat until there are {FEW_RUNS} power-ups or more")
     if power_ups.temperature is None and not power_ups.thermal_model:
         what = "no temperature was recorded: what it does to the bias after power-up counts as warm-up"
-        yield Remark("no_temperature", "warning", what, do="Record the temperature, or take a thermal model off first")
+        yield Remark("no_temperature", "warning", what, do="Record the temperature")
     if means.moves:
         what = f"the temperature moves by up to {means.moves:.3g} degC after power-up"
-        do = "Take the bias over temperature off the readings first, or hold the temperature"
+        do = "Hold the temperature, or start from several temperatures"
         severity: Severity = "warning" if found.reason.code == "temperature_moves" else "info"
         yield Remark("temperature_moves", severity, what, do=do)
     if found.reason.code == SHORT.code:
