@@ -31,7 +31,8 @@ class Strength(IntEnum):
     RESERVE = 0  # only where no other can do with it
     POSSIBLE = 1  # as far as channels and motion tell
     LIKELY = 2  # its motion or temperature is made for it
-    SURE = 3  # its columns, or its format, say so
+    STEPPED = 3  # so is a channel that nobody moves otherwise
+    SURE = 4  # its columns, or its format, say so
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,7 @@ class Suggestion:
     strength: Strength  # ``SURE``: whatever units and time the file leaves open
     complete: bool = False  # nothing needs to be said of its units and time
     in_campaign: bool = False  # also where the file lies in the folder of a campaign
+    options: str = ""  # to be typed after the file
 
 
 @dataclass(frozen=True)

@@ -106,6 +106,31 @@ def test_a_swing_of_the_temperature_leads_to_thermal(tmp_path: Path) -> None:
     assert led("alone.csv", -40.0, **{"pressure [Pa]": RNG.normal(0.0, 9.0, N)}) is None
 
 
+def test_steps_of_a_supply_or_a_pressure_lead_to_sensitivity(tmp_path: Path) -> None:
+    """A thermal test whose chamber is pumped out once has two levels, and is none."""
+
+    def led(name: str, column: str, levels: list[float], noise: float) -> str | None:
+        values = np.repeat(levels, N // len(levels))
+        n = len(values)
+        columns = {"t_s": np.arange(n) * 10.0, column: values * (1.0 + noise * RNG.standard_normal(n))}
+        columns |= {"temperature [degC]": np.linspace(20.0, 60.0, n), "gyro_x [deg/s]": RNG.normal(0.0, 1e-3, n)}
+        commands = ["info", "thermal", "sensitivity"]
+        return survey(write(tmp_path / name, **columns), commands=commands).next
+
+    path = tmp_path / "supply.csv"
+    supply = [5.0, 4.85, 5.15, 5.0]
+    assert led("supply.csv", "supply [V]", supply, 1e-4) == f"inertialcal sensitivity {path} --to supply"
+    path = tmp_path / "pump.csv"
+    decades = [1e5, 1e3, 10.0, 0.1]
+    assert led("pump.csv", "pressure [Pa]", decades, 0.02) == f"inertialcal sensitivity {path} --to pressure"
+    for column, levels, noise in (
+        ("pressure [Pa]", [1e5, 0.1], 0.02),
+        ("supply [V]", [5.0, 5.0], 1e-4),
+        ("supply [V]", supply, 0.1),
+    ):
+        assert led("none.csv", column, levels, noise) == f"inertialcal thermal {tmp_path / 'none.csv'}"
+
+
 def test_numbers_beyond_all_squares_are_shown_without_a_word_of_rest(file: Path) -> None:
     columns = rest()
     columns["gyro_x"][5] = 1e300

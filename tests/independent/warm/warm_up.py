@@ -2,7 +2,8 @@
 
 What is read, with ``t`` since power-up and T the thermometer::
 
-    y = settled bias of the power-up + slope (T - start) + sum_j (a_j (1 + scatter) + b_j (start - 20)) exp(-t / tau_j)
+    y = settled bias of the power-up + slope (T - start) + bend (T - 20)^2
+        + sum_j (a_j (1 + scatter) + b_j (start - 20)) exp(-t / tau_j)
         + walk + noise
 
 Self-heating moves T by ``heating (1 - exp(-t / heating_time))``. Samples are written out one by one; nothing is shared
@@ -33,6 +34,7 @@ class Chamber:
     turn_on: float = 0.005
     scatter: float = 0.0  # of the amplitude from power-up to power-up, relative
     slope: float = 0.0  # bias over temperature [deg/s/degC]
+    bend: float = 0.0  # the same, of its square [deg/s/degC^2]
     heating: float = 0.0  # degC
     heating_time: float = 600.0
     thermometer: float = 0.02  # noise of a sample [degC]
@@ -54,7 +56,7 @@ def power_ups(seed: int, truth: Chamber) -> tuple[Array, Array, Array, Array]:
         factor = (0.1 if r in truth.warm_restarts else 1.0) * (1.0 + truth.scatter * rng.standard_normal())
         columns = []
         for axis, amplitudes in enumerate(truth.amplitudes):
-            y = rng.normal(0.0, truth.turn_on) + truth.slope * (T - start) + np.zeros_like(t)
+            y = rng.normal(0.0, truth.turn_on) + truth.slope * (T - start) + truth.bend * (T - 20.0) ** 2
             for j, (a, tau) in enumerate(zip(amplitudes, truth.times, strict=True)):
                 size = a * factor + (truth.by_start * (start - 20.0) if j == 0 else 0.0)
                 own = truth.own_times[axis] if truth.own_times and j == 0 else tau

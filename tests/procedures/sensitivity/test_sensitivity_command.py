@@ -163,6 +163,13 @@ def test_accelerometers_are_taken_too(tmp_path: Path) -> None:
     assert found.rows[0].unit == "mg/V"
 
 
+def test_the_only_reference_voltage_is_found(runs: list[str]) -> None:
+    for name in runs:
+        path = Path(name)
+        path.write_text(path.read_text().replace("supply [V]", "reference_voltage [V]"))
+    assert value(ic.sensitivity(runs, to="reference"), "bias_reference") == pytest.approx(SLOPE, rel=0.05)
+
+
 def test_the_end_of_the_time_is_stop(runs: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     status, _, said = call(capsys, "sensitivity", runs[0], "--to", "supply", "--stop", "1970-01-02T00:00:00Z")
     assert status == 3

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -21,11 +22,23 @@ from independent import climate
 from independent.climate import Unit, Visits
 from inertialcal.core.errors import DataError
 from inertialcal.core.influence import Influence
+from inertialcal.core.remarks import Remark
+from inertialcal.procedures.sensitivity.plan import Plan
 from inertialcal.procedures.sensitivity.readings import ConditionRecording, readings_from
 from inertialcal.procedures.sensitivity.terms import terms
 
 NAMES = ("bias_supply", "bias_supply_temperature")
 QUICK = Visits(runs=3, dwell=200.0)
+
+
+def remarks_in_air(highest: float) -> Sequence[Remark]:
+    """Return the remarks of a test of pressure that begins in the air."""
+
+    def pressed(one: ConditionRecording) -> ConditionRecording:
+        pressure = {axis: highest * values / 5.15 for axis, values in one.conditions["supply"].items()}
+        return replace(one, conditions={"pressure": pressure}, units={"pressure": "Pa"})
+
+    return reduced(climate.supplied(1, visits=QUICK), Plan(to=["pressure"], unit="deg/s"), pressed).remarks
 
 
 def test_a_condition_that_another_one_follows_is_refused_by_name() -> None:
@@ -40,6 +53,56 @@ def test_a_condition_that_another_one_follows_is_refused_by_name() -> None:
     assert found.reason.code == "conditions_together"
     assert "temperature" in found.reason.text
     assert result.estimate is None
+
+
+def test_glitches_of_a_condition_hide_no_level() -> None:
+    """Two samples of a supply at 0 V: the range that tells levels apart is not theirs."""
+
+    def dropped(one: ConditionRecording) -> ConditionRecording:
+        volts = one.conditions["supply"]["x"].copy()
+        volts[[40, 140]] = 0.0
+        return replace(one, conditions={**one.conditions, "supply": dict.fromkeys("xy", volts)})
+
+    case = climate.supplied(1, visits=QUICK)
+    clean, result = reduced(case), reduced(case, spoil=dropped)
+    assert [one.count for one in result.remarks if one.code == "glitches"] == [2] * 3
+    assert "glitches" not in codes(clean)
+    found, sure = row(result, "bias_supply x"), row(clean, "bias_supply x")
+    assert found.value == pytest.approx(sure.value, abs=sure.u)
+    assert found.u == pytest.approx(sure.u, rel=1.0)
+
+
+def test_a_power_up_in_another_unit_is_named() -> None:
+    """Torr that is said to be pascals: in one power-up beside the others, and in all by the pressure of the air."""
+
+    def torr(one: ConditionRecording) -> ConditionRecording:
+        pressure = {axis: values / 133.322 for axis, values in one.conditions["supply"].items()}
+        return replace(one, conditions={**one.conditions, "supply": pressure})
+
+    def one_torr(one: ConditionRecording) -> ConditionRecording:
+        return torr(one) if one.name == "run2.csv" else one
+
+    case = climate.supplied(1, visits=replace(QUICK, volts=(90.0, 120.0, 90.0)))
+    named = [one.subject for one in reduced(case, spoil=one_torr).remarks if one.code == "unit_differs"]
+    assert named == ["supply run2.csv"]
+    assert "unit_differs" not in codes(reduced(case))
+    air = remarks_in_air(101_325.0 / 133.322)
+    assert [one.subject for one in air if one.code == "unit_differs"] == ["pressure"]
+    assert not [one for one in remarks_in_air(101_325.0) if one.code == "unit_differs"]
+
+
+def test_what_is_missing_is_said_by_its_power_up() -> None:
+    def cold(one: ConditionRecording) -> ConditionRecording:
+        kept = {name: values for name, values in one.conditions.items() if name != "temperature"}
+        return replace(one, conditions=kept) if one.name == "run2.csv" else one
+
+    found = row(reduced(climate.supplied(1, visits=QUICK), spoil=cold), "bias_supply_temperature x")
+    assert found.reason.text == "no temperature was recorded in power-up run2.csv"
+
+
+def test_noise_that_hides_the_steps_is_said() -> None:
+    case = climate.supplied(1, unit=Unit(meter=0.3), visits=QUICK)
+    assert "as far as its noise of 0.3" in row(reduced(case), "bias_supply x").reason.text
 
 
 def test_a_supply_that_follows_the_temperature_is_refused() -> None:

@@ -106,11 +106,32 @@ def test_one_exponential_where_there_is_one_and_two_where_there_are_two() -> Non
     assert len(found_in(1, TWO).times) == 2
 
 
-def test_the_amplitude_depends_on_the_starting_temperature_where_power_ups_show_it() -> None:
-    found = found_in(1, BY_START)
-    assert found.slopes is not None
-    assert codes(found) == {"warm_up_by_start"}
-    assert found_in(1, replace(PLAIN, starts=SPREAD)).slopes is None
+def test_the_amplitude_is_told_by_starting_temperature_where_power_ups_start_apart() -> None:
+    """Whatever it looks like: a term that is told only where it looks large is too large where it is told."""
+    for truth in (BY_START, replace(PLAIN, starts=SPREAD)):
+        found = found_in(1, truth)
+        assert found.slopes is not None
+        assert codes(found) == {"warm_up_by_start"}
+    for near in ((18.0, 20.0, 22.0, 24.0, 26.0), (0.0, 20.0, 40.0)):  # alike, or too few
+        assert found_in(1, replace(PLAIN, starts=near)).slopes is None
+
+
+def test_amplitudes_for_a_start_that_no_power_up_is_near_are_remarked() -> None:
+    t, y, run, T = power_ups(1, BY_START)
+    for place, severity in ((-25.0, "info"), (80.0, "warning")):
+        found = warm_up_model(PowerUps(("x", "y", "z"), "deg/s", t, y, run, T), place)
+        assert [one.severity for one in found.remarks if one.code == "warm_up_by_start"] == [severity]
+
+
+def test_a_bias_that_bends_over_temperature_is_no_warm_up() -> None:
+    """Without noise: what the law does to a unit that heats itself depends on where it starts."""
+    bent = replace(BY_START, noise=0.0, thermometer=0.0, heating=5.0, slope=2e-4, bend=2e-5)
+    found = found_in(1, bent)
+    assert found.estimate is not None
+    true = true_values(bent)
+    for name, value in zip(found.estimate.names, found.estimate.values, strict=True):
+        assert value == pytest.approx(true[name], rel=2e-3), name
+    assert found.by_temperature[:2, 0] == pytest.approx([2e-4 - 40.0 * 2e-5, 2e-5], rel=1e-2)
 
 
 def test_without_a_warm_up_there_is_an_upper_limit() -> None:
@@ -130,7 +151,7 @@ def test_self_heating_is_no_warm_up() -> None:
     assert blind.estimate is not None
     assert "no_temperature" in codes(blind)
     known = found_in(1, SELF_HEATED, thermal_model=True)  # whose effect was not taken off here
-    assert known.by_temperature is None
+    assert not len(known.by_temperature)
 
 
 def test_a_warm_up_that_outlasts_the_record_is_not_given() -> None:
@@ -199,9 +220,11 @@ def test_intervals_hold_the_truth() -> None:
         TWO,
         BY_START,
         replace(PLAIN, slope=2e-3, heating=3.0, starts=SPREAD),
+        replace(BY_START, bend=5e-5, heating=5.0, walk=1e-5),
+        replace(BY_START, scatter=0.1),
         replace(PLAIN, times=(900.0,)),
     ],
-    ids=["plain", "scatter", "walk", "three", "two_times", "by_start", "heated", "half_the_record"],
+    ids=["plain", "scatter", "walk", "three", "two_times", "by_start", "heated", "bent", "sizes", "half_the_record"],
 )
 def test_intervals_hold_the_truth_of_many(truth: Chamber) -> None:
     n = 60

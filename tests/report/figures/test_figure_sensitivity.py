@@ -59,10 +59,18 @@ def row(quantity: str, value: float, u: float | None, unit: str, power: int = 0,
     } | more  # fmt: skip
 
 
-CURVES = [law(), levels(), residuals(), power_up("1"), power_up("2")]
+def by_pressure() -> dict[str, Any]:
+    return curve(
+        "pressure_levels", pressure=column([0.1, 10.0, 1e5], "Pa"), change=column([0.0, 0.02, 0.3], "deg/s"),
+        lo=column([0.0, 0.01, 0.2], "deg/s"), hi=column([0.0, 0.03, 0.4], "deg/s"),
+    )  # fmt: skip
+
+
+CURVES = [law(), levels(), residuals(), power_up("1"), power_up("2"), by_pressure()]
 ROWS = [
     row("bias_supply", 1.0, 0.1, "deg/s/V"), row("bias_warm_up", 0.3, 0.02, "deg/s", 1),
     row("warm_up_time", 120.0, 7.0, "s", 1, axis=""),
+    row("bias_change", 0.02, 0.005, "deg/s"), row("bias_change", 0.3, 0.05, "deg/s"),
 ]  # fmt: skip
 RESULTS: dict[str, Any] = {"curves": CURVES, "results": ROWS}
 
@@ -127,8 +135,18 @@ def test_titles_say_what_was_found_or_not_seen() -> None:
     less = [one | {"status": "upper_limit", "u": None} for one in ROWS]
     assert finding("sensitivity", RESULTS | {"results": less}) == "Bias by supply: x below 1 deg/s/V"
     assert finding("sensitivity_warm_up", RESULTS | {"results": less}) == "No warm-up seen: below 0.3 deg/s on x"
+    assert finding("sensitivity_pressure") == "Largest change from the lowest pressure: x 0.300 ± 0.050 deg/s"
+    assert finding("sensitivity_pressure", RESULTS | {"results": []}) == "x: bias by level of pressure"
     assert finding("sensitivity", RESULTS | {"results": []}) == "x: bias against supply"
     assert finding("sensitivity_warm_up", RESULTS | {"results": []}) == "x: warm-up not estimated"
+
+
+def test_levels_of_pressure_are_drawn_over_decades_with_their_intervals() -> None:
+    (ax,) = drawn("sensitivity_pressure")
+    assert ax.get_xscale() == "log"
+    (drawn_at,) = ax.containers
+    assert np.asarray(drawn_at.lines[0].get_ydata()).tolist() == [0.0, 0.02, 0.3]  # type: ignore[attr-defined]
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("pressure [Pa]", "x change [deg/s]")
 
 
 def test_power_ups_are_drawn_with_their_fit() -> None:

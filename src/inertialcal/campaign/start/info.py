@@ -65,20 +65,24 @@ def next_command(recording: Recording, survey: Survey, commands: Collection[str]
     every = [one for name in procedure_names() if (one := procedure_of(name).suggests(recording, survey)) is not None]
     found = sorted((one for one in every if home is None or one.in_campaign), key=lambda one: -one.strength)
     path = shlex.quote(recording.source.path)
-    if (noun := _first([one for one in found if one.strength == Strength.SURE], commands)) is not None:
-        return f"inertialcal {noun} {path}"
+    if (words := _first([one for one in found if one.strength == Strength.SURE], path, commands)) is not None:
+        return words
     options = _missing_options(recording, survey.hints, survey.remarks)
     if any(one.complete for one in every):
         return folder
     if options and home is None:
         return f"inertialcal info {path} {' '.join(options)}" if "info" in commands else None
-    noun = None if options else _first(found, commands)  # a campaign says its units itself
-    return folder if noun is None else f"inertialcal {noun} {path}"
+    words = None if options else _first(found, path, commands)  # a campaign says its units itself
+    return folder if words is None else words
 
 
-def _first(suggestions: Sequence[Suggestion], commands: Collection[str]) -> str | None:
-    """Return the first noun that the tool has."""
-    return next((word for one in suggestions for word in one.commands if word in commands), None)
+def _first(suggestions: Sequence[Suggestion], path: str, commands: Collection[str]) -> str | None:
+    """Return the first command whose noun the tool has."""
+    return next(
+        (f"inertialcal {word} {path} {one.options}".rstrip() for one in suggestions for word in one.commands
+         if word in commands),
+        None,
+    )  # fmt: skip
 
 
 def _missing_options(recording: Recording, hints: Sequence[Hint], remarks: Sequence[Remark]) -> list[str]:

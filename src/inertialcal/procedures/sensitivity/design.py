@@ -172,10 +172,18 @@ def design_of(
     for name in (*moving, *(one for one in (TEMPERATURE,) if one in plan.to)):
         for key in term_keys(plan, axis, name, applied=bool(along.any())):
             if key not in there:
-                what = "no temperature was recorded" if warm is None else "the temperature stays within power-ups"
+                what = "the temperature stays within power-ups" if warm is not None else _without(own, chosen, readings)
                 refused[key] = (_unit_of(readings, key, name), Reason("not_varied", what))
     kept = _told_apart(columns, runs, refused, axis)
     return Design(axis, chosen, y, runs, tuple(kept), refused, order, tuple(remarks))
+
+
+def _without(own: Mapping[str, Array], chosen: NDArray[np.bool_], readings: Readings) -> str:
+    """Say that the temperature is not known, and of which power-ups where it is known of others."""
+    known = np.isfinite(own[TEMPERATURE]) if TEMPERATURE in own else np.zeros(len(readings), dtype=bool)
+    lacking = [run for run in readings.power_ups if np.any(chosen & ~known & (readings.run == run))]
+    some = np.any(chosen & known)
+    return f"no temperature was recorded in power-up {', '.join(lacking)}" if some else "no temperature was recorded"
 
 
 def _applied(
@@ -304,7 +312,9 @@ def _refused(
         whole, inside = float(np.ptp(values)), _spread(values, runs)
         least = max(RANGES.get(name, 0.0), readings.scatter.get(name, 0.0))
         if whole <= least:
-            refuse(name, "not_varied", f"{name} stayed within {whole:.3g} {unit} in all recordings")
+            noise = readings.scatter.get(name, 0.0)
+            hidden = f", as far as its noise of {noise:.2g} {unit} a sample tells" if noise > whole else ""
+            refuse(name, "not_varied", f"{name} stayed within {whole:.3g} {unit} in all recordings{hidden}")
         elif inside < STILL * whole:
             what = f"{name} changes from power-up to power-up only, and each has an intercept of its own"
             refuse(name, "between_power_ups", what)

@@ -9,15 +9,17 @@ from scipy import special
 from ...core.estimate import Array
 from ...core.remarks import Remark
 from ...core.units import factor
-from .design import TOGETHER, Column, within
+from .design import NEAR, TOGETHER, Column, within
 from .fit import SensorFit
-from .plan import SUPPLY, Plan
-from .readings import Readings
+from .plan import PRESSURE, PUMP, SUPPLY, TEMPERATURE, Plan
+from .readings import Readings, ends
 
 FEW = 5  # power-ups, below which their scatter is badly known
 SURE = 1e-4  # chance of a doubt where there is none
 MOVED = 2.0  # standard uncertainties, by which a drift that is left out moves a term
 SAME = 0.05  # of the range of a condition: no step
+ALIKE = 1.5  # ratio of two factors that are one, their noise left aside
+IN_TORR = (680.0, 830.0)  # pressure of the air, 90 to 110 kPa [Torr]
 RESOLUTION = "supply_meter.resolution"
 
 
@@ -33,6 +35,7 @@ def remarks_on_power_ups(plan: Plan, readings: Readings) -> list[Remark]:
             what = f"power-up {run} has no {name}: its levels do not count"
             do = "Record it with the readings, or leave the power-up out"
             found.append(Remark("missing_condition", "warning", what, do=do, subject=f"{name} {run}"))
+        found += _units(name, readings)
     if len(whole) >= FEW:
         return found
     if len(whole) < 2:
@@ -40,6 +43,31 @@ def remarks_on_power_ups(plan: Plan, readings: Readings) -> list[Remark]:
         return [*found, Remark("few_runs", "warning", what, do="Record the same levels in 2 power-ups or more")]
     what = f"{len(whole)} power-ups: the scatter between them is badly known, intervals are wide"
     return [*found, Remark("few_runs", "info", what, do=f"Record {FEW} or more for a narrower interval")]
+
+
+def _units(name: str, readings: Readings) -> list[Remark]:
+    """Return remarks on power-ups whose condition is that of the others times a factor, and on air in Torr."""
+    if name == TEMPERATURE:
+        return []
+    columns: dict[str, list[Array]] = {}
+    for one in readings.recorded:
+        columns.setdefault(one.run or one.name, []).extend(one.conditions.get(name, {}).values())
+    limits = {run: own for run, some in columns.items() if (own := ends(some))[0] > 0.0}
+    if not limits:
+        return []
+    usual = np.median(np.array(list(limits.values())), axis=0)
+    found = []
+    for run, own in limits.items():
+        low, high = np.array(own) / usual
+        if not 1.0 / NEAR < high < NEAR and 1.0 / ALIKE < low / high < ALIKE:
+            what = f"{name} of power-up {run} is {high:.3g} times that of the others, lowest and highest alike"
+            do = "Check the unit of its column"
+            found.append(Remark("unit_differs", "warning", what, do=do, subject=f"{name} {run}"))
+    if name == PRESSURE and IN_TORR[0] < usual[1] < IN_TORR[1]:
+        what = f"the highest pressure is {usual[1]:.3g} Pa: air has so many Torr, and about 100 000 Pa"
+        do = f"Check the unit of its column: --unit {PRESSURE}=Torr"
+        found.append(Remark("unit_differs", "warning", what, do=do, subject=name))
+    return found
 
 
 def doubts(plan: Plan, readings: Readings, fit: SensorFit) -> list[Remark]:
@@ -56,9 +84,11 @@ def doubts(plan: Plan, readings: Readings, fit: SensorFit) -> list[Remark]:
             found += _added(plan, readings, fit, np.sign(steps), one.condition, "path_dependent")
         found += _added(plan, readings, fit, one.values**2, one.condition, "curved")
         found += _settles(plan, readings, fit, one.condition, steps)
-        if readings.scatter[one.condition] == 0.0 and not (one.condition == SUPPLY and RESOLUTION in plan.standards):
+        stated = one.condition == SUPPLY and RESOLUTION in plan.standards
+        if readings.scatter[one.condition] == 0.0 and one.condition != PUMP and not stated:
             what = f"{one.condition} repeats the same value at each level: set, not measured, or coarser than its noise"
-            do = "Record what was measured, or state its error (standards.supply_meter.resolution)"
+            do = "Record what was measured"
+            do += f", or state its error (standards.{RESOLUTION})" if one.condition == SUPPLY else ""
             found.append(Remark("set_values", "info", what, do=do, subject=one.condition))
     return found
 
@@ -143,7 +173,7 @@ def _added(plan: Plan, readings: Readings, fit: SensorFit, column: Array, name: 
     rest = (float(own.local @ own.local) - part) / spare
     if rest <= 0.0 or 2.0 * float(special.stdtr(spare, -np.sqrt(part / rest))) > SURE:
         return []
-    effect = _spoken(plan, abs(float(left @ own.local)) / size * float(np.ptp(column)), readings)
+    effect = _spoken(plan, abs(float(left @ own.local)) / size * float(np.ptp(left)), readings)
     text, do = WHAT[code]
     what = f"{text.format(design.axis, name)}, by {effect} over its range"
     return [Remark(code, "warning", what, do=do, axis=design.axis, subject=name)]

@@ -16,6 +16,14 @@ FIGURES = (
         top=60,
     ),
     FigureSpec(
+        "sensitivity_pressure",
+        DRAWN + "pressure_levels",
+        "Bias at levels of pressure less that of the lowest, with 95 % intervals.",
+        curves={"pressure_levels": "pressure {axis}"},
+        order=322,
+        top=58,
+    ),
+    FigureSpec(
         "sensitivity_residuals",
         DRAWN + "residuals",
         "What the fit leaves of each level, by power-up.",

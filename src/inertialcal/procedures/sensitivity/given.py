@@ -1,4 +1,4 @@
-"""What a file given to the command is: channels by role, and any other channel that ``--to`` names."""
+"""What a file is: channels by role, any other channel that ``--to`` names; whether conditions were stepped in it."""
 
 from __future__ import annotations
 
@@ -8,17 +8,26 @@ from pathlib import Path
 import numpy as np
 
 from ...core.errors import UsageError
+from ...core.estimate import Array
 from ...core.key import AXES
-from ...core.units import normalise
+from ...core.recording import Recording
+from ...core.units import kind, normalise
+from ...files.info.survey import Survey
 from ...files.text.headers import full_name
 from ..given import Described, GivenFile
 from ..given import described as described_channels
 from ..protocol import InputSpec
-from .plan import APPLIED, PUMP, SUPPLY, WARM_UP
+from ..suggestions import Strength, Suggestion
+from .plan import APPLIED, PRESSURE, PUMP, REFERENCE, SUPPLY, WARM_UP
+from .readings import stays
 
 INPUTS = ("applied", "table")  # that the name of a column with the true input begins with
 NO_UNIT = {PUMP: "1"}  # on or off
 FOLLOWS = 0.9  # correlation of an axis with it
+KINDS = {"voltage": SUPPLY, "pressure": PRESSURE}
+LEVELS = (3, 200)  # that are steps: a pump-down has two, a ramp or a noise many
+SHORTEST = 5  # samples of a level
+MOST = 0.8  # of the samples, that stand at levels
 
 
 def split_label(given: str) -> tuple[str, str]:
@@ -43,8 +52,9 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     columns = dict(given.said.columns)
     others = {name: columns.pop(name, name) for name in names if name not in (*roles, WARM_UP)}
     if SUPPLY in names and SUPPLY not in columns:
-        named = [one.name for one in given.recording.channels if one.name.lower().startswith(SUPPLY)]
-        columns |= {SUPPLY: named[0]} if len(named) == 1 else {}
+        columns |= _only(given, SUPPLY)
+    if REFERENCE in names and REFERENCE not in given.said.columns:
+        others |= _only(given, REFERENCE)
     applied = _applied(given)
     columns |= {APPLIED: applied} if applied else {}
     others = {name: full_name(given.recording.names, column) or column for name, column in others.items()}
@@ -69,6 +79,12 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     entry |= {"run": given.label} if given.label else {}
     entry |= {"axis": _turned(given, found, applied)} if applied else {}
     return replace(found, entry=entry, columns={**found.columns, **others})
+
+
+def _only(given: GivenFile, stem: str) -> dict[str, str]:
+    """Return the column whose name begins so, where there is one alone."""
+    found = [one.name for one in given.recording.channels if one.name.lower().startswith(stem)]
+    return {stem: found[0]} if len(found) == 1 else {}
 
 
 def _applied(given: GivenFile) -> str | None:
@@ -102,4 +118,28 @@ def _turned(given: GivenFile, found: Described, applied: str) -> str:
     return following[0]
 
 
-__all__ = ["described", "split_label"]
+def suggests(recording: Recording, survey: Survey) -> Suggestion | None:
+    """Return ``sensitivity`` where sensors with a unit were read while a supply or a pressure was stepped."""
+    if not any(one.axis and one.quantity in ("gyro", "acc") and one.unit not in (None, "count")
+               for one in recording.channels):  # fmt: skip
+        return None
+    for one in recording.channels:
+        name = KINDS.get(kind(one.unit) if one.unit else "")
+        if name is None or one.axis:
+            continue
+        values = np.asarray(one.data, dtype=np.float64)
+        if _stepped(values[np.isfinite(values)], decades=name == PRESSURE):
+            return Suggestion(("sensitivity",), Strength.STEPPED, options=f"--to {name}")
+    return None
+
+
+def _stepped(values: Array, *, decades: bool) -> bool:
+    """Tell whether values stand at levels; the noise of a gauge goes with its decades."""
+    if not len(values):
+        return False
+    found = stays(np.log10(values) if decades and values.min() > 0.0 else values)
+    long = found[found >= SHORTEST]
+    return LEVELS[0] <= len(long) <= LEVELS[1] and int(long.sum()) >= MOST * len(values)
+
+
+__all__ = ["described", "split_label", "suggests"]

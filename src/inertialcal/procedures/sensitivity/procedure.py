@@ -37,12 +37,15 @@ from .plan import (
 
 if TYPE_CHECKING:
     from ...core.errors import Problem
+    from ...core.recording import Recording
     from ...core.results import WrittenRow
     from ...core.show.rows import Sentence
+    from ...files.info.survey import Survey
     from ...sensors.model.sensor_model import SensorModel
     from ..entries import Entry, EntryKey, SaidTest
     from ..given import Described, GivenFile
     from ..model_terms import HeldOut, ModelTerms
+    from ..suggestions import Suggestion
     from .readings import Readings
     from .reduction import Result
 
@@ -88,6 +91,12 @@ class Sensitivity(Procedure[Plan, "Readings", "Result"]):
         voltages=True,
         by_body=True,
     )
+
+    def suggests(self, recording: Recording, survey: Survey) -> Suggestion | None:
+        """Return the command to type next."""
+        from .given import suggests
+
+        return suggests(recording, survey)
 
     def split_label(self, given: str) -> tuple[str, str]:
         """Return the power-up that a file is named by, and the file: ``"A=level1.csv"``."""

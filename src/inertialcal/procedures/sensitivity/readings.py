@@ -30,6 +30,7 @@ from ..protocol import Correction, Source
 from .entry import SensitivityEntry, conditions_of
 from .plan import APPLIED, PRESSURE, REFERENCE, SUPPLY, TEMPERATURE, WARM_UP, Plan
 
+OUTLYING = 0.005  # of the samples at either end of a condition that say nothing of its range
 ALIKE = 0.05  # of the range of a condition: a level
 STEPPED = 12.0  # deviations of its noise, over which a condition changed
 KEPT, TRUNCATED = 0.9, 0.789  # part of the steps, without the largest, and the deviation that is left of normal ones
@@ -209,7 +210,8 @@ def readings_from(plan: Plan, found: Sequence[ConditionRecording], unit: str) ->
         ``nothing_left`` where no level is longer than ``settle``; ``no_time`` where that cannot be told.
     """
     names = tuple(dict.fromkeys(name for one in found for name in one.conditions))
-    ranges = {name: _range([c for one in found for c in one.conditions.get(name, {}).values()]) for name in names}
+    limits = {name: ends([c for one in found for c in one.conditions.get(name, {}).values()]) for name in names}
+    ranges = {name: float(np.nan_to_num(high - low)) for name, (low, high) in limits.items()}
     scatter = {name: max((_noise(c) for one in found for c in one.conditions.get(name, {}).values()), default=0.0)
                for name in names}  # fmt: skip
     cut_by = [name for name in names if name in {*plan.to, APPLIED, TEMPERATURE}
@@ -222,6 +224,7 @@ def readings_from(plan: Plan, found: Sequence[ConditionRecording], unit: str) ->
     rows: list[_Level] = []
     taken_off: list[TakenOff] = []
     remarks = [remark for one in ordered for remark in one.recording.remarks]
+    remarks += [remark for one in ordered for name in cut_by for remark in _glitches(one, name, *limits[name])]
     transients = 0
     followed: list[bool] = []  # A recording with changes: whether a level after one of them is left
     for one in ordered:
@@ -269,10 +272,29 @@ class _Level:
     conditions: Mapping[str, Mapping[str, float]]
 
 
-def _range(columns: Sequence[Array]) -> float:
-    every = [one[np.isfinite(one)] for one in columns]
-    ends = [(float(one.min()), float(one.max())) for one in every if len(one)]
-    return max(high for _, high in ends) - min(low for low, _ in ends) if ends else 0.0
+def ends(columns: Sequence[Array]) -> tuple[float, float]:
+    """Return lowest and highest value of columns but for glitches; not a number where nothing was recorded.
+
+    Glitches are the few samples that lie further from the others than these from each other.
+    """
+    every = np.concatenate([np.zeros(0), *columns])
+    every = every[np.isfinite(every)]
+    if not len(every):
+        return math.nan, math.nan
+    low, high = np.quantile(every, (OUTLYING, 1.0 - OUTLYING), method="closest_observation")
+    kept = every[(every >= 2.0 * low - high) & (every <= 2.0 * high - low)] if high > low else every
+    return float(kept.min()), float(kept.max())
+
+
+def _glitches(one: ConditionRecording, name: str, low: float, high: float) -> list[Remark]:
+    """Return a remark on samples of a condition outside of what it was."""
+    columns = {id(column): column for column in one.conditions.get(name, {}).values()}.values()
+    count = sum(int(np.count_nonzero((column < low) | (column > high))) for column in columns)
+    if not count:
+        return []
+    what = f"{name}: {count} samples lie further from the others than these from each other: taken for no level"
+    do = "Look at the logger and the wiring of this channel"
+    return [Remark("glitches", "warning", what, one.recording.source.path, count, do, subject=name)]
 
 
 def _noise(column: Array) -> float:
@@ -312,6 +334,17 @@ def _levels(one: ConditionRecording, tolerances: Mapping[str, float], plan: Plan
         parts = max(1, (stop - start) // length)
         found += [(start + k * length, start + (k + 1) * length if k + 1 < parts else stop) for k in range(parts)]
     return found
+
+
+def stays(column: Array) -> NDArray[np.int64]:
+    """Return how many samples long a condition stands at each of its levels; none where its noise hides them."""
+    low, high = ends([column])
+    if not high - low > STEPPED * _noise(column):
+        return np.zeros(0, dtype=np.int64)
+    tolerance = ALIKE * (high - low)
+    size = _window(column, tolerance, len(column))
+    edges = _changes(_window_means(column, size)[:, None] / tolerance, size, len(column))
+    return np.diff(np.array(edges, dtype=np.int64))
 
 
 def _window(column: Array, tolerance: float, n: int) -> int:

@@ -75,7 +75,7 @@ def warm_up_loops(found: WarmUpModel, held: Sequence[PowerUps]) -> list[AxisLoop
     estimate, stretches = found.estimate, []
     for one in held:
         try:
-            stretches.append(stretches_of(one))
+            stretches.append(stretches_of(one, powers=len(found.by_temperature)))
         except DataError:
             continue  # too short to be compared
     if estimate is None or not stretches:
@@ -98,13 +98,13 @@ def _compared(found: WarmUpModel, held: Stretches, a: int, axis: str) -> Iterato
     """Yield mean squares of each power-up without and with the model, of the model's uncertainty, and the samples."""
     estimate = found.estimate
     assert estimate is not None  # noqa: S101 - the caller looked
-    effect = found.by_temperature[a] if found.by_temperature is not None else 0.0
+    readings = held.readings[:, a] - found.of_temperature(held, a)
     for r in range(held.runs):
         own = held.run == r
         t, weight = held.time[own], held.weight[own]
         start = float(held.start[r]) if math.isfinite(held.start[r]) else None
         away = 0.0 if start is None or found.reference_temperature is None else start - found.reference_temperature
-        y = held.readings[own, a] - effect * held.temperature[own, a]
+        y = readings[own]
         columns = np.zeros((len(t), len(estimate.keys)))
         for i, key in enumerate(estimate.keys):
             j = key.power - 1
@@ -175,14 +175,14 @@ def _held_out_rows(found: WarmUpModel) -> Iterator[Row]:
 def _of_axis(found: WarmUpModel, axis: int) -> Iterator[Curve]:
     means, name, unit = found.stretches, found.power_ups.axes[axis], found.power_ups.unit
     labels = found.power_ups.labels or tuple(str(r + 1) for r in range(means.runs))
-    effect = found.by_temperature[axis] if found.by_temperature is not None else 0.0
+    readings = means.readings[:, axis] - found.of_temperature(means, axis)
     for r in range(means.runs):
         own = means.run == r
         start = float(means.start[r])
         level = found.levels[r, axis]
         columns = {
             "time": Column(means.time[own], "s"),
-            "reading": Column(means.readings[own, axis] - level - effect * means.temperature[own, axis], unit),
+            "reading": Column(readings[own] - level, unit),
             "model": Column(found.at(means.time[own], axis, start if math.isfinite(start) else None), unit),
         }
         yield Curve("warm_up_joint", name, columns, of=labels[r], picture=True)

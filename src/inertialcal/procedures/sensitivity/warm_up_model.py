@@ -2,12 +2,16 @@
 
 ::
 
-    y = level of its power-up + sum_j (w_j + v_j (T_start - T_ref)) exp(-t / tau_j) + c (T - T_start) + noise
+    y = level of its power-up + sum_j (w_j + v_j (T_start - T_ref)) exp(-t / tau_j)
+        + sum_k c_k (T^k - T_start^k) + noise
 
 ``t`` is the time since power-up. The times ``tau_j`` are common to all axes and power-ups, as the sensor equation has
-them; amplitudes ``w_j`` are those of an axis. ``v_j`` is there where the power-ups show that the amplitude depends on
-the temperature that they start from. ``c`` is there where a temperature was recorded and moves, unless a thermal model
-has been taken off before. Least squares over means of stretches that lengthen with time, each with the weight of its
+them; amplitudes ``w_j`` are those of an axis. ``v_j`` is there where four power-ups or more start from temperatures
+that lie apart, whichever of them is left out: not where they show it, since a term that is told only where it looks
+large is too large where it is told. ``c_k`` is there where a temperature was recorded and moves, unless a thermal model
+has been taken off before; with as many powers as there are starting temperatures, up to three, since a unit that heats
+itself changes its bias by the slope that its law has there.
+Least squares over means of stretches that lengthen with time, each with the weight of its
 samples; the ``tau_j`` are found by a search over their logarithms.
 
 What is assumed: power-ups are independent; the noise within one may be of any colour. What the uncertainty means: how
@@ -66,7 +70,8 @@ FALSE_ALARM = 0.05  # of the test for a warm-up
 SHAPES = (0.03, 0.2)  # of the length of the record: times that the test looks with
 MOVES = 2.0  # scatter of a temperature over its noise, above which it moves
 DEPENDS = 4  # power-ups that show how the amplitude depends on the starting temperature
-WITHIN = 1.0  # range of starting temperatures that shows nothing [degC]
+WITHIN = 10.0  # starting temperatures that lie no further apart are one [degC]
+MOST_POWERS = 3  # of the temperature
 FIRST = 300.0  # first minutes after a power-up, of which residuals are told [s]
 FEW_RUNS = 5  # with fewer, an interval is honest but wide
 SEEN = 6.0  # deviation of an amplitude over its noise, above which a power-up is named
@@ -101,7 +106,7 @@ class Stretches:
     width: Array  # shape (s,): from its first sample to its last [s]
     weight: Array  # shape (s,): samples
     readings: Array  # shape (s, k)
-    temperature: Array  # shape (s, k): less that of the start of the power-up [degC]; zero where it does not move
+    temperature: Array  # shape (s, k, p): its powers less those of the start [degC^p]; p = 0 where it does not move
     run: Indices  # shape (s,): 0 to R - 1
     start: Array  # shape (R,): temperature at power-up [degC]; NaN where not known
     moves: float  # Largest range of the temperature of a power-up [degC]; 0 where it rests or is not known
@@ -131,9 +136,9 @@ class WarmUpModel:
     reference_temperature: float | None  # Of the dependence on the starting temperature [degC]
     times: tuple[float, ...]  # tau_j, ascending [s]; those of the best fit where nothing is given
     amplitudes: Array  # shape (m, k): w_j
-    slopes: Array | None  # shape (m, k): v_j; None where the power-ups do not show it
+    slopes: Array | None  # shape (m, k): v_j; None where the power-ups start alike
     levels: Array  # shape (R, k): settled readings
-    by_temperature: Array | None  # shape (k,): c; None where it is not fitted
+    by_temperature: Array  # shape (p, k): c_k; p = 0 where it is not fitted
     p_value: float  # Of no warm-up
     reason: Reason  # Why nothing is given; none where it is
     limits: Array  # shape (k,): largest amplitude that is compatible with the readings; NaN where not known
@@ -147,6 +152,10 @@ class WarmUpModel:
         return () if self.estimate is None else tuple(
             key for key in self.estimate.keys if key.quantity in {"bias_warm_up", "warm_up_time"}
         )  # fmt: skip
+
+    def of_temperature(self, means: Stretches, axis: int) -> Array:
+        """Return what the temperature does to an axis, shape (s,) [unit of the readings]."""
+        return np.asarray(means.temperature[:, axis] @ self.by_temperature[:, axis])
 
     def at(self, time: Array, axis: int, start: float | None = None) -> Array:
         """Return the warm-up of an axis at times since power-up, for a starting temperature [unit of the readings]."""
@@ -181,17 +190,12 @@ def warm_up_model(power_ups: PowerUps, reference_temperature: float | None = Non
     away = means.start - middle if known and middle is not None else np.zeros(means.runs)
     one = _Problem(means, np.zeros(means.runs))
     p_value, limits = _tested(one)
-    wanted = known and means.runs >= DEPENDS and float(np.ptp(means.start)) > WITHIN
-    whole = _Problem(means, away) if wanted else one
-    if wanted:
-        p_value = min(1.0, 2.0 * min(p_value, _tested(whole, slope=True)[0]))
-    count, costs = _chosen(whole if wanted else one)
-    solved = whole.solved(count)
-    depends = wanted and solved.depends < FALSE_ALARM
-    if wanted and not depends:
-        count, costs = _chosen(one)
-        solved = one.solved(count)
-    used = whole if depends else one
+    depends = _carried(means.start) > 1
+    used = _Problem(means, away) if depends else one
+    if depends:
+        p_value = min(1.0, 2.0 * min(p_value, _tested(used, slope=True)[0]))
+    count, costs = _chosen(used)
+    solved = used.solved(count)
     reason = _why_not(means, solved, p_value, used)
     estimate = _estimate(power_ups, solved, depends) if not reason else None
     held = tuple(_held_out(used, costs, power_ups, first)) if means.runs > 1 else ()
@@ -201,9 +205,9 @@ def warm_up_model(power_ups: PowerUps, reference_temperature: float | None = Non
         middle,
         solved.times,
         solved.amplitudes,
-        solved.slopes if depends else None,
+        solved.slopes,
         solved.levels,
-        solved.by_temperature if means.moves else None,
+        solved.by_temperature,
         p_value,
         reason,
         limits,
@@ -213,8 +217,27 @@ def warm_up_model(power_ups: PowerUps, reference_temperature: float | None = Non
     return replace(found, remarks=tuple(_remarks(found, used, solved)))
 
 
-def stretches_of(power_ups: PowerUps) -> Stretches:
+def _carried(starts: Array) -> int:
+    """Return how many starting temperatures lie apart whichever power-up is left out; 1 where one is not known."""
+    if len(starts) < DEPENDS or not np.isfinite(starts).all():
+        return 1
+    counts = []
+    for r in range(len(starts)):
+        count, last = 0, -math.inf
+        for one in np.sort(np.delete(starts, r)):
+            if one - last > WITHIN:
+                count, last = count + 1, float(one)
+        counts.append(count)
+    return min(counts)
+
+
+def stretches_of(power_ups: PowerUps, powers: int | None = None) -> Stretches:
     """Return the means over stretches that lengthen with the time since power-up.
+
+    Parameters
+    ----------
+    powers : int, optional
+        Of the temperature; as many as the starting temperatures carry by default, none where it rests.
 
     Raises
     ------
@@ -248,7 +271,6 @@ def stretches_of(power_ups: PowerUps) -> Stretches:
         if power_ups.temperature is not None and np.isfinite(power_ups.temperature[own]).all():
             warm = means(power_ups.temperature[own])
             start = float(warm[0].mean())
-            warm = warm - warm[0]
         last = np.append(cut[1:], len(t)) - 1
         parts.append((means(t), t[last] - t[cut], size, y, warm, np.full(len(cut), r, dtype=float)))
         starts.append(start)
@@ -256,10 +278,13 @@ def stretches_of(power_ups: PowerUps) -> Stretches:
         lengths.append(float(t[-1]))
     time, width, weight, y, warm, run = (np.concatenate(column) for column in zip(*parts, strict=True))
     moved = 0.0 if power_ups.thermal_model else max(moves)
-    return Stretches(
-        time, width, weight, y, warm if moved else np.zeros_like(warm), run.astype(np.intp), np.array(starts), moved,
-        min(lengths),
-    )  # fmt: skip
+    first = np.searchsorted(run, run)  # of the power-up of each
+    start = np.array(starts)
+    if powers is None:
+        powers = min(_carried(start), MOST_POWERS) if moved else 0
+    exponents = np.arange(1, powers + 1)
+    temperature = warm[:, :, None] ** exponents - warm[first][:, :, None] ** exponents
+    return Stretches(time, width, weight, y, temperature, run.astype(np.intp), start, moved, min(lengths))
 
 
 def _cuts(time: Array) -> Indices:
@@ -287,12 +312,11 @@ class _Solved:
     times: tuple[float, ...]
     amplitudes: Array  # (m, k)
     slopes: Array | None  # (m, k)
-    by_temperature: Array | None  # (k,)
+    by_temperature: Array  # (p, k)
     levels: Array  # (R, k)
     covariance: Array | None  # of times, then of each axis its amplitudes and slopes; None with one power-up
     dof: Array
     values: Array
-    depends: float  # p value of no dependence on the starting temperature
 
 
 class _Problem:
@@ -301,7 +325,7 @@ class _Problem:
     def __init__(self, means: Stretches, away: Array) -> None:
         self.means, self.away = means, away
         self.runs, self.axes = means.runs, means.readings.shape[1]
-        self.sloped = bool(np.any(away))
+        self.sloped, self.powers = bool(np.any(away)), means.temperature.shape[2]
         lowest, highest = (math.log(share * means.length) for share in SEARCHED)
         self.grid = np.exp(np.linspace(lowest, highest, GRID))
         self.root = np.sqrt(means.weight)
@@ -328,9 +352,9 @@ class _Problem:
         return np.asarray((columns - (sums / total[:, None])[means.run]) * self.root[:, None])
 
     def temperature(self, axis: int) -> Array:
-        """Column of the temperature of an axis, shape (s, 0 or 1)."""
-        whole = self.within(self.means.temperature[:, [axis]])
-        return whole if self.means.moves else whole[:, :0]
+        """Columns of the temperature of an axis, shape (s, p)."""
+        warm = self.means.temperature[:, axis]
+        return self.within(warm) if warm.shape[1] else warm
 
     def _noise(self) -> Array:
         """Scatter of a sample of each axis, from neighbouring stretches."""
@@ -387,7 +411,7 @@ class _Problem:
         for a, b in enumerate(coefficients):
             amplitude = b[:m] + (self.away[run] * b[m : 2 * m] if self.sloped else 0.0)
             curve[:, a] = shapes @ amplitude * self.scale[a]
-            warm[:, a] = self.means.temperature[own, a] * (b[-1] if self.means.moves else 0.0) * self.scale[a]
+            warm[:, a] = self.means.temperature[own, a] @ b[len(b) - self.powers :] * self.scale[a]
         return curve, warm
 
     def design(self, axis: int, times: Array) -> Array:
@@ -442,21 +466,18 @@ class _Problem:
             whole[rows, m + a * q : m + (a + 1) * q] = X / self.scale[a]
         per_axis = np.array(solutions)  # (k, q)
         values = np.concatenate([times, per_axis.ravel()])
-        covariance, dof, depends = None, np.zeros(len(values)), 1.0
+        covariance, dof = None, np.zeros(len(values))
         if self.runs > 1:
             residual = np.concatenate([(self.y[:, a] - X @ b) / self.scale[a]
                                        for a, (X, b) in enumerate(zip(blocks, solutions, strict=True))])  # fmt: skip
             covariance, dof = _sandwich(whole, residual, np.tile(self.means.run, k))
-            if self.sloped and covariance is not None:
-                at = np.array([m + a * q + m + j for a in range(k) for j in range(m)])
-                depends = _smallest_p(values[at], np.sqrt(np.diag(covariance)[at]), dof[at])
         means = self.means
         curve = np.zeros_like(means.readings)
         shapes = self.shapes(times)
         for a, b in enumerate(solutions):
             amplitude = b[:m] + (np.outer(self.away, b[m : 2 * m])[means.run] if self.sloped else 0.0)
             curve[:, a] = np.sum(shapes * amplitude, axis=1)
-            curve[:, a] += means.temperature[:, a] * (b[-1] if means.moves else 0.0)
+            curve[:, a] += means.temperature[:, a] @ b[len(b) - self.powers :]
         total = np.bincount(means.run, means.weight)
         levels = np.column_stack([
             np.bincount(means.run, means.weight * (means.readings - curve)[:, a]) / total for a in range(k)
@@ -465,12 +486,11 @@ class _Problem:
             tuple(times.tolist()),
             per_axis[:, :m].T,
             per_axis[:, m : 2 * m].T if self.sloped else None,
-            per_axis[:, -1] if means.moves else None,
+            per_axis[:, q - self.powers :].T,
             levels,
             covariance,
             dof,
             values,
-            depends,
         )
 
 
@@ -551,7 +571,7 @@ def _why_not(means: Stretches, solved: _Solved, p_value: float, problem: _Proble
 def _tested_bare(problem: _Problem) -> float:
     """P value of no warm-up if the temperature had no effect."""
     means = problem.means
-    return _tested(_Problem(replace(means, moves=0.0), np.zeros(means.runs)))[0]
+    return _tested(_Problem(replace(means, temperature=means.temperature[:, :, :0]), np.zeros(means.runs)))[0]
 
 
 def _estimate(power_ups: PowerUps, solved: _Solved, depends: bool) -> Estimate | None:
@@ -606,10 +626,10 @@ def _remarks(found: WarmUpModel, problem: _Problem, solved: _Solved) -> Iterator
         yield Remark("few_runs", "warning", what, do=f"Repeat until there are {FEW_RUNS} power-ups or more")
     if power_ups.temperature is None and not power_ups.thermal_model:
         what = "no temperature was recorded: what it does to the bias after power-up counts as warm-up"
-        yield Remark("no_temperature", "warning", what, do="Record the temperature, or take a thermal model off first")
+        yield Remark("no_temperature", "warning", what, do="Record the temperature")
     if means.moves:
         what = f"the temperature moves by up to {means.moves:.3g} degC after power-up"
-        do = "Take the bias over temperature off the readings first, or hold the temperature"
+        do = "Hold the temperature, or start from several temperatures"
         severity: Severity = "warning" if found.reason.code == "temperature_moves" else "info"
         yield Remark("temperature_moves", severity, what, do=do)
     if found.reason.code == SHORT.code:
@@ -618,12 +638,23 @@ def _remarks(found: WarmUpModel, problem: _Problem, solved: _Solved) -> Iterator
     if found.estimate is None:
         return
     if found.slopes is not None:
-        what = f"the warm-up depends on the starting temperature: given for {found.reference_temperature:.4g} degC"
-        yield Remark("warm_up_by_start", "info", what)
+        yield _by_start(found)
     yield from _alone(found, problem)
     if _axes_differ(problem, len(found.times)):
         what = "the axes warm up with different times: one time for all leaves more of power-ups held out"
         yield Remark("axes_differ", "warning", what, do="Fit the axes apart (axes = [...])")
+
+
+def _by_start(found: WarmUpModel) -> Remark:
+    """Return for which start the amplitudes are; a warning where none of the power-ups is near it."""
+    start, place = found.stretches.start, found.reference_temperature
+    assert place is not None  # noqa: S101 - amplitudes by starting temperature are about one
+    lowest, highest = float(start.min()), float(start.max())
+    what = f"amplitudes are for a start at {place:.4g} degC; power-ups start at {lowest:.4g} to {highest:.4g} degC"
+    if lowest - WITHIN <= place <= highest + WITHIN:
+        return Remark("warm_up_by_start", "info", what)
+    do = f"State a start among them: --reference-temperature '{0.5 * (lowest + highest):.3g} degC'"
+    return Remark("warm_up_by_start", "warning", f"{what}: they are extrapolated", do=do)
 
 
 def _alone(found: WarmUpModel, problem: _Problem) -> Iterator[Remark]:
@@ -637,8 +668,7 @@ def _alone(found: WarmUpModel, problem: _Problem) -> Iterator[Remark]:
             whole = np.zeros(len(means.time))
             whole[own] = found.at(means.time[own], a, start)
             model = problem.within(whole[:, None])[own, 0] / problem.scale[a]
-            effect = found.by_temperature[a] if found.by_temperature is not None else 0.0
-            y = problem.within((means.readings[:, a] - effect * means.temperature[:, a])[:, None])[own, 0]
+            y = problem.within((means.readings[:, a] - found.of_temperature(means, a))[:, None])[own, 0]
             along, size = along + float(model @ y) / problem.scale[a], size + float(model @ model)
         if size > 0.0 and along / size < ALONE and (1.0 - along / size) * math.sqrt(size) > SEEN:
             label = found.power_ups.labels[r] if found.power_ups.labels else str(r + 1)
