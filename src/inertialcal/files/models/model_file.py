@@ -167,7 +167,7 @@ def export(
             raise DataError(
                 f"hold-out recordings have not confirmed the model{f' {of}' if of else ''}",
                 where=one.path,
-                why="none were held out, or the closed loop on them is INCONCLUSIVE: its error on other data is unknown",
+                why="none were held out, or their closed loop is INCONCLUSIVE: its error on other data is unknown",
                 do='Hold out (more) tests, use = "hold_out", and run again; or add --unjudged',
                 code="unjudged",
             )
