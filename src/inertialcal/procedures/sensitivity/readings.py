@@ -343,8 +343,8 @@ def stays(column: Array) -> NDArray[np.int64]:
         return np.zeros(0, dtype=np.int64)
     tolerance = ALIKE * (high - low)
     size = _window(column, tolerance, len(column))
-    edges = _changes(_window_means(column, size)[:, None] / tolerance, size, len(column))
-    return np.diff(np.array(edges, dtype=np.int64))
+    edges = np.array(_changes(_window_means(column, size)[:, None] / tolerance, size, len(column)), dtype=np.int64)
+    return edges[1:] - edges[:-1]
 
 
 def _window(column: Array, tolerance: float, n: int) -> int:

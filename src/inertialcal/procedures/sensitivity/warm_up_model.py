@@ -279,12 +279,12 @@ def stretches_of(power_ups: PowerUps, powers: int | None = None) -> Stretches:
     time, width, weight, y, warm, run = (np.concatenate(column) for column in zip(*parts, strict=True))
     moved = 0.0 if power_ups.thermal_model else max(moves)
     first = np.searchsorted(run, run)  # of the power-up of each
-    start = np.array(starts)
+    began = np.array(starts)
     if powers is None:
-        powers = min(_carried(start), MOST_POWERS) if moved else 0
+        powers = min(_carried(began), MOST_POWERS) if moved else 0
     exponents = np.arange(1, powers + 1)
     temperature = warm[:, :, None] ** exponents - warm[first][:, :, None] ** exponents
-    return Stretches(time, width, weight, y, temperature, run.astype(np.intp), start, moved, min(lengths))
+    return Stretches(time, width, weight, y, temperature, run.astype(np.intp), began, moved, min(lengths))
 
 
 def _cuts(time: Array) -> Indices:
