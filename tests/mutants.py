@@ -723,8 +723,8 @@ MUTANTS = (
     ),
     Mutant(
         "warm_up_model.py",
-        "depends = means.runs >= DEPENDS",
-        "depends = means.runs < DEPENDS",
+        "depends = _carried(means.start) > 1",
+        "depends = _carried(means.start) <= 1",
         "test_warm_up_model",
     ),
     Mutant("warm_up_model.py", "gain = costs[1] - costs[2]", "gain = costs[2] - costs[1]", "test_warm_up_model"),
