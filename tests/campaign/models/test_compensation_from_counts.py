@@ -82,24 +82,28 @@ def test_columns_may_be_named() -> None:
 def test_a_temperature_that_is_in_degrees_already() -> None:
     ref, warm = (np.array(CODES[name], dtype=float) for name in ("reference", "temperature"))
     degrees = Channel("warm", ((warm - ref) * LSB + 0.5) / 0.0264 + 25.0, "degC", "header", "", "temperature")
-    counts = recorded()
-    mixed = replace(counts, channels=(*(one for one in counts.channels if one.name != "temperature"), degrees))
+    counts = without(recorded(), "temperature")
+    mixed = replace(counts, channels=(*counts.channels, degrees))
     np.testing.assert_allclose(rates(compensate(model(), mixed, temperature="warm")), by_hand(), rtol=1e-12)
 
 
-def test_whole_numbers_without_a_unit_count_as_counts_and_it_is_said() -> None:
+def without(recording: Recording, name: str) -> Recording:
+    return replace(recording, channels=tuple(one for one in recording.channels if one.name != name))
+
+
+def test_counts_without_a_unit_are_taken_for_counts_and_it_is_said() -> None:
     done = compensate(model(), recorded(None))
     np.testing.assert_allclose(rates(done), by_hand(), rtol=1e-12)
     (said,) = [one for one in done.remarks if one.code == "taken_for_counts"]
     assert said.count == 2
+    compensate(model(), recorded(None, 1.0 + 1e-9))  # means, beside the reference that is subtracted
     with pytest.raises(DataError) as caught:  # rates of which nobody said the unit
-        compensate(model(), recorded(None, 0.01))
+        compensate(model(), without(recorded(None, 0.01), "reference"))
     assert caught.value.problems[0].code in {"wrong_column", "no_unit"}
 
 
 def test_the_reference_that_the_chain_subtracts_is_not_forgotten() -> None:
-    whole = recorded("V", LSB)
-    bare = replace(whole, channels=tuple(one for one in whole.channels if one.name != "reference"))
+    bare = without(recorded("V", LSB), "reference")
     with pytest.raises(DataError) as caught:
         compensate(model(), bare)
     assert caught.value.problems[0].code == "missing_reference"
