@@ -23,4 +23,4 @@ FAULTS: dict[str, Fault] = {
 }
 BENCH = Bench(variant="ferraris", temperatures=TEMPERATURES, held_out=3, dwell=2.5, first=5.0, sample_rate=50.0)
 
-RIG = Rig("six_faces_over_temperature", TITLE, on_bench(build, BENCH), FAULTS)
+RIG = Rig("six_faces_over_temperature", TITLE, on_bench(build, BENCH), FAULTS, tests=("positions", "faces"))

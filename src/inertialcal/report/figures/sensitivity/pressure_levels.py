@@ -11,10 +11,12 @@ from matplotlib.axes import Axes
 from ....core.show.rounding import with_uncertainty
 from ..drawing.data import Curve, curves, distinct, numbers, unit
 from ..drawing.picture import Picture
+from ..drawing.scales import log_axis
 from ..drawing.style import COLOURS, plain, set_labels, set_title, with_unit
 from .panels import HEIGHT
 
 NAME, CURVE = "sensitivity_pressure", "pressure_levels"
+ROOM = 2.0  # factor that is left free on both sides of the pressures
 SHOWS = "Change of the bias at each level of pressure from the lowest, with its 95 % interval"
 
 
@@ -56,7 +58,7 @@ def draw(axes: Sequence[Axes], own: Sequence[Curve], title: str = "") -> None:
         bars = np.maximum(np.stack([change - lo, hi - change]), 0.0)
         ax.errorbar(pressure, change, bars, fmt="o", color=COLOURS["blue"], markersize=3.5, capsize=2.5, linewidth=1.0)
         ax.axhline(0.0, color=COLOURS["quiet"], linewidth=0.6, zorder=1)
-        ax.set_xscale("log")
+        log_axis(ax, "x", pressure, ROOM)
         set_labels(ax, y=with_unit(f"{plain(one['axis'], 12)} change", unit(one, "change")))
     set_title(axes[0], title)
     set_labels(axes[-1], with_unit("pressure", unit(own[0], "pressure")))
