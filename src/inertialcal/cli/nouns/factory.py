@@ -28,6 +28,11 @@ OUTPUT = {
 HOLD_OUT = Annotated[
     list[Path] | None, typer.Option("--hold-out", help="File that the model is judged on; repeatable.")
 ]
+FORMAT = Annotated[
+    str | None,
+    typer.Option("--for", help="Format of the models, printed or written with -o: px4, ardupilot, any of export.",
+                 show_default=False),
+]  # fmt: skip
 
 
 def command_of(procedure: Procedure[Any, Any, Any], declared: Command) -> Callable[..., int]:
@@ -44,6 +49,8 @@ def command_of(procedure: Procedure[Any, Any, Any], declared: Command) -> Callab
     parameters |= {name: option_of(one) for name, one in ordered.items()} | OUTPUT
     if "hold_out" in procedure.uses:
         parameters["hold_out"] = (HOLD_OUT, None)
+    if procedure.makes_model:
+        parameters["for_format"] = (FORMAT, None)
     return with_options(command, parameters)
 
 
