@@ -12,7 +12,7 @@ import typer
 from ...core.settings import Setting, grouped_settings
 from ...procedures.given import Said
 from ...procedures.protocol import Command, Procedure
-from ..options import Json, Quiet
+from ..options import Json, Quiet, with_options
 
 Files = Annotated[list[Path], typer.Argument(help="Recordings, or tables of readings.", show_default=False)]
 OUTPUT = {
@@ -52,19 +52,6 @@ def command_of(procedure: Procedure[Any, Any, Any], declared: Command) -> Callab
     if procedure.makes_model:
         parameters["for_format"] = (FORMAT, None)
     return with_options(command, parameters)
-
-
-def with_options(command: Callable[..., int], parameters: dict[str, tuple[Any, Any]]) -> Callable[..., int]:
-    """Return a function that takes anything with the signature that the parser makes options of."""
-    keyword = inspect.Parameter.KEYWORD_ONLY
-    command.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
-        [
-            inspect.Parameter(name, keyword, default=default, annotation=kind)
-            for name, (kind, default) in parameters.items()
-        ]
-    )
-    command.__annotations__ = {name: kind for name, (kind, _) in parameters.items()}
-    return command
 
 
 def option_of(one: Setting) -> tuple[Any, Any]:

@@ -8,8 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ..nouns.factory import with_options
-from ..options import Json, Quiet, Units, pairs
+from ..options import Json, Quiet, Units, pairs, with_options
 from ..shown.output import json_out
 from .models import Condition, Model
 
