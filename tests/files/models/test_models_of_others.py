@@ -101,7 +101,10 @@ def test_their_text_read_and_written_says_the_same(name: str) -> None:
     text = module.dump(models)
     first = imported(text, "gyro", "gyro")
     kept = {kind: model for kind, model in first.models.items() if name != "imu-tk" or kind == "gyro"}
-    words, again = (re.sub(r"[][,]", " ", one).split() for one in (text, module.dump(kept)))
+    texts = (
+        re.sub(r"^# Bias.*$", "", one, flags=re.MULTILINE) for one in (text, module.dump(kept))
+    )  # Kalibr: to people
+    words, again = (re.sub(r"[][,]", " ", one).split() for one in texts)
     assert len(words) == len(again)
     for one, other in zip(words, again, strict=True):
         assert one == other or float(other) == pytest.approx(float(one), rel=1e-11, abs=1e-15)

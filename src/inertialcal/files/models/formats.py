@@ -17,6 +17,9 @@ BUILT_IN = {  # name -> module
     "kalibr-model": "kalibr",
     "imu-tk": "imu_tk",
     "realsense": "realsense",
+    "px4": "autopilots.px4",
+    "ardupilot": "autopilots.ardupilot",
+    "ros": "ros",
     "c": "apply_c",
     "python": "apply_python",
 }

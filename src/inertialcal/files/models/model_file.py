@@ -147,16 +147,33 @@ def export(
 
     Raises
     ------
-    UsageError
-        ``unsupported_format``; ``one_sensor``, ``one_of_each``.
-    DataError
-        ``unjudged``; ``scale_factor_unknown``; ``overwrites_input``; as the ``dump`` of the format.
+    UsageError, DataError
+        As `content`; ``overwrites_input``.
     StoreError
         ``not_written``.
     """
+    sources = (source, *others)
+    data, remarks = content(sources, to, unjudged, nominal)
+    with atomic_write(target, [sensor_named(one.path)[0] for one in sources]) as aside:
+        aside.write_bytes(data)
+    return Exported(hashlib.sha256(data).hexdigest(), remarks)
+
+
+def content(
+    sources: Sequence[ModelFile], to: str, unjudged: bool = False, nominal: bool = False
+) -> tuple[bytes, tuple[Remark, ...]]:
+    """Return the file that `export` writes, and the remarks on it.
+
+    Raises
+    ------
+    UsageError
+        ``unsupported_format``; ``one_sensor``, ``one_of_each``.
+    DataError
+        ``unjudged``; ``scale_factor_unknown``; as the ``dump`` of the format.
+    """
+    source = sources[0]
     if to not in FORMATS:
         raise UsageError(f"--to {to!r}: no such format", do=f"Formats: {', '.join(FORMATS)}", code="unsupported_format")
-    sources = (source, *others)
     chosen = FORMATS[to]
     kept = chosen.verbatim and source.format == chosen.title and source.condition is None
     for one in sources:
@@ -172,7 +189,14 @@ def export(
                 code="unjudged",
             )
     unknown = (
-        [] if chosen.title == ModelFile.format else [remark for one in sources for remark in _unknown(one, nominal)]
+        []
+        if chosen.title == ModelFile.format
+        else [
+            remark
+            for one in sources
+            if one.models.kind not in chosen.scale_optional
+            for remark in _unknown(one, nominal)
+        ]
     )
     if chosen.one_sensor and len(sources) > 1:
         raise UsageError(f"--to {to} holds one sensor a file", do="Export them one by one", code="one_sensor")
@@ -181,10 +205,8 @@ def export(
     models: dict[Kind, SensorModel] = {} if kept else {one.models.kind: one.model for one in sources}
     data = source.data if kept else chosen.dump(models).encode()
     gone = () if kept else chosen.cannot_hold(models)
-    with atomic_write(target, [sensor_named(one.path)[0] for one in sources]) as aside:
-        aside.write_bytes(data)
     before = tuple(remark for one in sources for remark in one.remarks)
-    return Exported(hashlib.sha256(data).hexdigest(), (*before, *gone, *unknown))
+    return data, (*before, *gone, *unknown)
 
 
 def _unknown(source: ModelFile, nominal: bool) -> list[Remark]:

@@ -54,6 +54,8 @@ class ModelFormat:
     cannot_hold: Callable[[Models], tuple[Remark, ...]]  # What the format leaves out of these models, or fills in
     one_sensor: bool = False  # Whether a file holds one sensor only
     verbatim: bool = False  # Whether a file in this format is handed on byte by byte
+    # Sensors whose scale factor stays out of a file where it is not known, so that no nominal one is handed out
+    scale_optional: frozenset[Kind] = frozenset()
     # Models of a text; it gives None for a text in another format. None where the format is written only.
     read: Callable[[ModelText], ImportedModels | None] | None = None
 
