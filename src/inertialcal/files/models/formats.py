@@ -19,6 +19,7 @@ BUILT_IN = {  # name -> module
     "realsense": "realsense",
     "c": "apply_c",
     "python": "apply_python",
+    "flight-c": "flight_c.format",
 }
 FORMATS = Registry(
     "format of models",

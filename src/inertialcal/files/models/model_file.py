@@ -9,6 +9,7 @@ import hashlib
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import get_args
 
 from ...core.errors import DataError, UsageError
@@ -17,7 +18,7 @@ from ...core.remarks import Remark
 from ...sensors.model.model_set import ModelSet
 from ...sensors.model.sensor_model import SensorModel
 from ..source import load
-from ..write.atomic import atomic_write
+from ..write.atomic import atomic_write, write_folder
 from .formats import FORMATS, read_models
 from .model_format import ImportedModels, ModelText
 
@@ -122,8 +123,9 @@ def export(
     unjudged: bool = False,
     others: Sequence[ModelFile] = (),
     nominal: bool = False,
+    arithmetic: str | None = None,
 ) -> Exported:
-    """Write a model in a format for others; the file is complete or not there.
+    """Write a model in a format for others; the file, or the folder, is complete or not there.
 
     Parameters
     ----------
@@ -132,32 +134,36 @@ def export(
     to : str
         Name of the format, one of ``formats.FORMATS``.
     target : path
-        File to write.
+        File to write; a folder, new or empty, for formats of several files.
     unjudged : bool
         Hand it out although no recording held out has judged it.
     others : sequence of ModelFile
         Model of the other sensor, for formats that hold both.
     nominal : bool
         Write the nominal scale factor of axes whose own is not known, where the format cannot mark it.
+    arithmetic : str, optional
+        For formats that compute: ``"q27"``, ``"float32"``, ``"float64"``.
 
     Returns
     -------
     Exported
-        SHA-256 of what was written; what the format cannot hold, and what the file read held beside the model.
+        SHA-256 of what was written, of a folder that of the lines "SHA-256, two spaces, name" of its files; what the format cannot hold, and what the file read held beside the model.
 
     Raises
     ------
     UsageError
-        ``unsupported_format``; ``one_sensor``, ``one_of_each``.
+        ``unsupported_format``; ``one_sensor``, ``one_of_each``; ``no_arithmetic``.
     DataError
         ``unjudged``; ``scale_factor_unknown``; ``overwrites_input``; as the ``dump`` of the format.
     StoreError
-        ``not_written``.
+        ``not_written``; ``not_writable`` of a folder.
     """
     if to not in FORMATS:
         raise UsageError(f"--to {to!r}: no such format", do=f"Formats: {', '.join(FORMATS)}", code="unsupported_format")
     sources = (source, *others)
     chosen = FORMATS[to]
+    if arithmetic is not None and chosen.folder is None:
+        raise UsageError(f"--arithmetic: --to {to} has no choice", do="Leave it out", code="no_arithmetic")
     kept = chosen.verbatim and source.format == chosen.title and source.condition is None
     for one in sources:
         models_of = one.models.values() if kept else (one.model,)
@@ -177,11 +183,17 @@ def export(
     if len({one.models.kind for one in sources}) < len(sources):
         raise UsageError(f"two models of a {source.models.kind}", do="Give one of each", code="one_of_each")
     models: dict[Kind, SensorModel] = {} if kept else {one.models.kind: one.model for one in sources}
+    before = tuple(remark for one in sources for remark in one.remarks)
+    if chosen.folder is not None:
+        files = chosen.folder(models, arithmetic)
+        write_folder(Path(target), files)
+        listing = "".join(f"{hashlib.sha256(data).hexdigest()}  {name}\n" for name, data in sorted(files.items()))
+        remarks = (*before, *chosen.cannot_hold(models), *unknown)
+        return Exported(hashlib.sha256(listing.encode()).hexdigest(), remarks)
     data = source.data if kept else chosen.dump(models).encode()
     gone = () if kept else chosen.cannot_hold(models)
     with atomic_write(target, [sensor_named(one.path)[0] for one in sources]) as aside:
         aside.write_bytes(data)
-    before = tuple(remark for one in sources for remark in one.remarks)
     return Exported(hashlib.sha256(data).hexdigest(), (*before, *gone, *unknown))
 
 

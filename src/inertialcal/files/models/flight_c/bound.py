@@ -59,6 +59,8 @@ class Bounds:
     errors: tuple[Fraction, ...]
     outputs: tuple[Span, ...]
     remainders: tuple[Fraction, ...] = ()  # of the inverse of each curve, where there is one
+    readings: tuple[Fraction, ...] = ()  # error of the reading r_j that a curve is inverted at
+    bends: tuple[Fraction, ...] = ()  # error of q_j
 
 
 def prove(ideal: Ideal, how: Arithmetic, constants: Constants) -> Bounds:
@@ -68,7 +70,11 @@ def prove(ideal: Ideal, how: Arithmetic, constants: Constants) -> Bounds:
     errors = tuple(parts.error(i).size for i in range(k))
     lowest, highest = extremes(ideal)
     outputs = tuple(Span(lo, hi).widened(e) for lo, hi, e in zip(lowest, highest, errors, strict=True))
-    return Bounds(errors, outputs, tuple(parts.remainder(j) for j in range(k)) if ideal.bends is not None else ())
+    if ideal.bends is None:
+        return Bounds(errors, outputs)
+    parts_of = [parts.of_curve(j) for j in range(k)]
+    remainders = tuple(parts.remainder(j) for j in range(k))
+    return Bounds(errors, outputs, remainders, *(tuple(one[at] for one in parts_of) for at in (0, 1)))
 
 
 def whole(values: Values) -> tuple[Integers, int]:
@@ -120,8 +126,16 @@ class _Parts:
         """Return values of s or of outputs as whole numbers, and how many bits of them are fraction."""
         raise NotImplementedError
 
-    def curve(self, j: int) -> tuple[list[list[Fraction]], Window | tuple[Fraction, Fraction]]:
+    def curve(self, j: int) -> tuple[list[list[Fraction]], tuple[Fraction, Fraction]]:
         """Powers of r on both sides, and the ends, as they are written."""
+        raise NotImplementedError
+
+    def error(self, i: int) -> Span:
+        """Error of an output."""
+        raise NotImplementedError
+
+    def of_curve(self, j: int) -> tuple[Fraction, Fraction]:
+        """Error of the reading that a curve is inverted at, and of q_j."""
         raise NotImplementedError
 
     def remainder(self, j: int) -> Fraction:
@@ -144,7 +158,7 @@ class _Fixed(_Parts):
     @property
     def fine(self) -> int:
         """Fraction bits of s."""
-        scale = int(self.constants["CHANGE_SCALE"]).bit_length() - 1
+        scale = int(self.constants["SIGNAL_SCALE"]).bit_length() - 1
         return self.coarse - scale
 
     @property
@@ -165,7 +179,7 @@ class _Fixed(_Parts):
 
     def error(self, i: int) -> Span:
         ideal, coarse = self.ideal, Fraction(1, 2**self.coarse)
-        total = Span(*[self.value("CONSTANT", i) * coarse - ideal.constant[i]] * 2)
+        total = Span(*[self.value("CONSTANT", i) / 2**self.fine - ideal.constant[i]] * 2)
         for j in range(self.k):
             off = self.value("WEIGHT", i, j) * coarse - ideal.weights[i][j]
             ends = [off * d for d in ideal.signals[j]]
@@ -180,24 +194,24 @@ class _Fixed(_Parts):
                     total = total.plus(_against(found, self.fine + mixed_bits, steps, powers))
                 if ideal.bends is not None:
                     written = Fraction(factor, 1 << mixed_bits)
-                    own = abs(written) * self.of_curve(j)
+                    own = abs(written) * self.of_curve(j)[1]
                     own += abs(written - ideal.inverse[i][j]) * largest_bend(ideal.bends[j])
                     total = total.widened(own)
             total = total.widened(Fraction(1, 2 ** (self.fine + 1)))
         return total.widened(Fraction(1, 2 ** (self.how.bits + 1)))
 
-    def of_curve(self, j: int) -> Fraction:
+    def of_curve(self, j: int) -> tuple[Fraction, Fraction]:
         ideal, step, coarse = self.ideal, Fraction(1, 2**self.fine), Fraction(1, 2**self.coarse)
         signal = max(map(abs, ideal.signals[j]))
         read = step / 2 + abs(self.value("SLOPE", j) * coarse - ideal.slope[j]) * signal
-        read += abs(self.value("READING", j) * coarse - ideal.reading[j]) + self.thermal_error(j).size
+        read += abs(self.value("READING", j) * step - ideal.reading[j]) + self.thermal_error(j).size
         shift = int(self.constants["CURVE_SHIFT"])
         read += step * Fraction(2) ** (shift - 1)
         _, ends = self.curve(j)
         e = int(self.constants["CURVE_BITS"]) - (self.fine - shift)
         rho = (max(map(abs, ends)) + read) / Fraction(2) ** e
         count = self.constants["CURVE"].shape[2]
-        return self.bend_error(j, read, sum((rho**m for m in range(count)), Fraction(0)) * step / 2)
+        return read, self.bend_error(j, read, sum((rho**m for m in range(count)), Fraction(0)) * step / 2)
 
 
 class _Floating(_Parts):
@@ -258,14 +272,18 @@ class _Floating(_Parts):
             powers = [wanted * x for x in ideal.temperatures[j].powers]
             error = _against(*whole(values), ideal.temperatures[j].steps, powers)
             return error, Span(Fraction(values.min().item()), Fraction(values.max().item()))
-        own, size = self.of_curve(j)
+        size, change = largest_bend(ideal.bends[j]), Fraction(0)
+        if ideal.temperatures is not None:
+            change = Fraction(float(np.max(np.abs(self.changes[j]))))
+        warm, own = self.thermal_error(j).size, self.of_curve(j)[1]
+        own += warm + self.half(change + size + own)
+        size += change + warm
         error = abs(written) * own + abs(written - wanted) * size
         largest = abs(written) * (size + own)
         error += self.half(largest)
         return ZERO.widened(error), ZERO.widened(largest + self.half(largest))
 
     def of_curve(self, j: int) -> tuple[Fraction, Fraction]:
-        """Error of s_j + q_j, and a bound on its true size."""
         ideal, half = self.ideal, self.half
         assert ideal.bends is not None
         off, straight = self.product(self.constants["SLOPE"][j], ideal.slope[j], ideal.signals[j])
@@ -288,9 +306,7 @@ class _Floating(_Parts):
                 at *= top
                 error = error * top + half(at + error * top)
             fine = max(fine, error)
-        bend = largest_bend(ideal.bends[j])
-        own = warm + self.bend_error(j, read, fine)
-        return own + half(change + bend + own), change + warm + bend
+        return read, self.bend_error(j, read, fine)
 
 
 def half_step(size: Fraction, how: Arithmetic) -> Fraction:
@@ -429,6 +445,9 @@ def random_codes(ideal: Ideal, constants: Constants, n: int, rng: np.random.Gene
 
     def pair(name: str, reference: str, lows: NDArray[np.int64], highs: NDArray[np.int64], referenced: bool) -> None:
         away = rng.integers(lows, highs + 1, (n, k))
+        # every other row of any size, for what shows in small numbers alone
+        away = np.where(np.arange(n)[:, np.newaxis] % 2, away, (away / 2.0 ** rng.integers(0, 12, (n, k))).astype(int))
+        away = np.clip(away, lows, highs)
         ends = rng.random((n, k))
         away = np.where(ends < 0.05, lows, np.where(ends > 0.95, highs, away))
         if referenced:

@@ -3,8 +3,8 @@
 Fixed point, with N fraction bits in the output and G guard bits; F_s = N + G fraction bits in s and in readings::
 
     h = S_n;  h = rounded(h tau, B) + S_(n-1); ...;  s = rounded(h tau, B)      S_k has F_s + k B bits, 2^B > |tau|
-    p_i = s_i + rounded(sum_j E_ij s_j, B_E)                                     E = N - I
-    x_i = rounded(C_i + sum_j W_ij d_j + p_i 2^B_d, B_d + G)                      W, C have F_s + B_d bits, 2^B_d > |d|
+    p_i = C_i + s_i + rounded(sum_j E_ij s_j, B_E)                               E = N - I
+    x_i = rounded(sum_j W_ij d_j + p_i 2^B_d, B_d + G)                            W has F_s + B_d bits, 2^B_d > |d|
 
 so that each constant is as fine as the largest number that it is multiplied with needs, and no finer. Floating point
 has no formats to choose: ``x_i = W_ii d_i + (C_i + sum_j N_ij s_j + sum_(j != i) W_ij d_j)``, where the largest part
@@ -314,12 +314,11 @@ def _with_guard(ideal: Ideal, how: Arithmetic, guard: int) -> dict[str, Constant
         shift("MIXED_BITS", mixed_bits, "of these")
         largest += [sum(abs(x) * changes[j] for j, x in enumerate(row)) for row in whole]
         changes = [changes[i] + (one >> mixed_bits) + 1 for i, one in enumerate(largest[-k:])]
-        found["CHANGE_SCALE"] = Constant("int64_t", np.asarray(2**signal_bits), "2^bits of a signal")
-        largest += [one << signal_bits for one in changes]
-    constant = table("CONSTANT", ideal.constant, fine + signal_bits, f"output at d = 0 and tau = 0 [{unit}]")
+    found["SIGNAL_SCALE"] = Constant("int64_t", np.asarray(2**signal_bits), "2^bits of a signal")
+    constant = table("CONSTANT", ideal.constant, fine, f"output at d = 0 and tau = 0 [{unit}]")
     weights = table("WEIGHT", ideal.weights, fine + signal_bits, f"output a code of each sensor [{unit}]")
     for i, row in enumerate(weights):
-        largest.append(abs(constant[i]) + sum(abs(x) for x in row) * signal + (changes[i] << signal_bits))
+        largest.append(sum(abs(x) for x in row) * signal + ((abs(constant[i]) + changes[i]) << signal_bits))
     shift("OUTPUT_BITS", signal_bits + guard, f"from there to {how.bits} fraction bits")
     if ideal.input_range is not None:
         ends = [(max(-INT32, ceil(lo * 2**how.bits)), min(INT32, floor(hi * 2**how.bits)))
@@ -342,8 +341,8 @@ def _fixed_curve(
     signal = max(abs(one) for span in ideal.signals for one in span)
     signal_bits = signal.bit_length()
     slope = table("SLOPE", ideal.slope, fine + signal_bits, f"one code [{unit}]")
-    reading = table("READING", ideal.reading, fine + signal_bits, f"reading at d = 0 and tau = 0 [{unit}]")
-    shift("READING_BITS", signal_bits, f"from there to {fine} fraction bits")
+    reading = table("READING", ideal.reading, fine, f"reading at d = 0 and tau = 0 [{unit}]")
+    shift("SLOPE_BITS", signal_bits, f"from there to {fine} fraction bits")
     ends = [[bend.reading(end) for end in (bend.lowest, bend.highest)] for bend in ideal.bends]
     inside = [[Fraction(int(x * 2**fine)) for x in row] for row in ends]  # towards zero
     table("CURVE_ENDS", inside, None, f"readings that are inverted [{unit}, times 2^{fine}]")
@@ -359,8 +358,8 @@ def _fixed_curve(
                   f"inverse of the curve, for r >= 0 and r < 0: added to r, over powers of r/2^{e}")  # fmt: skip
     found = []
     for j, one in enumerate(curve):
-        largest.append(abs(reading[j]) + abs(slope[j]) * signal)
-        largest.append((largest[-1] >> signal_bits) + 1 + changes[j])
+        largest.append(abs(slope[j]) * signal)
+        largest.append((largest[-1] >> signal_bits) + 1 + abs(reading[j]) + changes[j])
         bend = 0
         for side in one:
             size = 0

@@ -114,7 +114,7 @@ def source(stem: str, units: Sequence[Unit]) -> str:
     lines += [f" * {line}".rstrip() for unit in units for line in [*head(unit.model), ""]]
     lines += [f" * To compile: cc -std=c99 -ffp-contract=off -c {stem}.c", " */", f'#include "{stem}.h"', ""]
     if not how.fixed:
-        lines += ["#include <float.h>", "", "#if FLT_EVAL_METHOD != 0"]
+        lines += ["#include <float.h>", "", "#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)"]
         lines += ['#error "the bound holds where each operation is rounded to its own type: FLT_EVAL_METHOD 0"']
         lines += ["#endif", ""]
     lines += _helpers(stem, how, any("CURVE" in unit.design.constants for unit in units))
@@ -262,8 +262,8 @@ def _change(stem: str, upper: str, unit: Unit) -> list[str]:
         lines += powers(constants["THERMAL"].values.shape[1], "THERMAL[i]", "tau", "sum", "THERMAL_BITS")
     if "CURVE" in constants:
         if how.fixed:
-            lines += [f"const int64_t straight = ({upper}_SLOPE[i] * away[i]) + {upper}_READING[i];"]
-            lines += [f"const int64_t reading = {stem}_rounded(straight, {upper}_READING_BITS) + sum;"]
+            lines += [f"const int64_t straight = {stem}_rounded({upper}_SLOPE[i] * away[i], {upper}_SLOPE_BITS);"]
+            lines += [f"const int64_t reading = straight + {upper}_READING[i] + sum;"]
         else:
             lines += [f"const {kind} slope = {upper}_SLOPE[i] * away[i];"]
             lines += [f"const {kind} straight = slope + {upper}_READING[i];", f"const {kind} reading = straight + sum;"]
@@ -283,17 +283,17 @@ def _change(stem: str, upper: str, unit: Unit) -> list[str]:
 def _output(stem: str, upper: str, unit: Unit, changed: bool) -> list[str]:
     constants, how, k, kind = unit.design.constants, unit.how, len(unit.model.axes), unit.how.ctype
     loop = [f"for (uint32_t j = 0U; j < {k}U; j++)", "{"]
-    lines = [f"{kind} total = {upper}_CONSTANT[i];"]
+    lines = []
     if how.fixed:
-        lines += ["int64_t mixed = 0;"] if changed else []
+        lines += ["int64_t total = 0;", *(["int64_t mixed = 0;"] if changed else [])]
         lines += [*loop, f"    total += {upper}_WEIGHT[i][j] * away[j];"]
         lines += [f"    mixed += {upper}_MIXED[i][j] * change[j];"] if changed else []
-        lines += ["}"]
-        if changed:
-            lines += [f"const int64_t own = change[i] + {stem}_rounded(mixed, {upper}_MIXED_BITS);"]
-            lines += [f"total += own * {upper}_CHANGE_SCALE;"]
+        own = f"{upper}_CONSTANT[i]"
+        own += f" + change[i] + {stem}_rounded(mixed, {upper}_MIXED_BITS)" if changed else ""
+        lines += ["}", f"const int64_t own = {own};", f"total += own * {upper}_SIGNAL_SCALE;"]
         lines += [f"const int64_t value = {stem}_rounded(total, {upper}_OUTPUT_BITS);"]
     else:
+        lines += [f"{kind} total = {upper}_CONSTANT[i];"]
         if changed:
             lines += [*loop, f"    const {kind} part = {upper}_INVERSE[i][j] * change[j];", "    total = total + part;", "}"]
         lines += [*loop, f"    const {kind} part = {upper}_WEIGHT[i][j] * away[j];", "    total = total + part;", "}"]

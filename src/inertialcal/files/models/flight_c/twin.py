@@ -97,8 +97,7 @@ def corrections(constants: Constants, how: Arithmetic, inputs: Reduced) -> tuple
         return total, beyond
     ends, curve = constants["CURVE_ENDS"], constants["CURVE"]
     if how.fixed:
-        straight = constants["SLOPE"] * away + constants["READING"]
-        read = rounded(straight, int(constants["READING_BITS"])) + total
+        read = rounded(constants["SLOPE"] * away, int(constants["SLOPE_BITS"])) + constants["READING"] + total
     else:
         read = constants["SLOPE"] * away.astype(how.dtype)
         read = read + constants["READING"]
@@ -134,11 +133,12 @@ def run(constants: Constants, how: Arithmetic, codes: Codes) -> tuple[Values, ND
     columns = []
     if how.fixed:
         for i in range(k):
-            total = constants["CONSTANT"][i] + sum(constants["WEIGHT"][i, j] * inputs.away[:, j] for j in range(k))
+            own = np.full(len(flags), constants["CONSTANT"][i])
             if changed:
                 mixed = sum(constants["MIXED"][i, j] * change[:, j] for j in range(k))
-                own = change[:, i] + rounded(np.asarray(mixed), int(constants["MIXED_BITS"]))
-                total = total + own * constants["CHANGE_SCALE"]
+                own = own + change[:, i] + rounded(np.asarray(mixed), int(constants["MIXED_BITS"]))
+            total = own * constants["SIGNAL_SCALE"]
+            total = total + sum(constants["WEIGHT"][i, j] * inputs.away[:, j] for j in range(k))
             columns.append(rounded(np.asarray(total), int(constants["OUTPUT_BITS"])).astype(np.int32))
     else:
         away = inputs.away.astype(how.dtype)
