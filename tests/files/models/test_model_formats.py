@@ -69,7 +69,7 @@ def test_every_format_is_whole_and_documented(name: str) -> None:
 
 def test_formats_import_nothing_of_each_other() -> None:
     for module in BUILT_IN.values():
-        tree = ast.parse((FOLDER / f"{module}.py").read_text())
+        tree = ast.parse((FOLDER / f"{module.replace('.', '/')}.py").read_text())
         named = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.level == 1}
         assert not named & set(BUILT_IN.values()), module
 

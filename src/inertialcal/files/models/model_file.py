@@ -147,7 +147,8 @@ def export(
     Returns
     -------
     Exported
-        SHA-256 of what was written, of a folder that of the lines "SHA-256, two spaces, name" of its files; what the format cannot hold, and what the file read held beside the model.
+        SHA-256 of what was written, of a folder that of the lines ``SHA-256  name`` of its files; what the format
+        cannot hold, and what the file read held beside the model.
 
     Raises
     ------

@@ -95,7 +95,7 @@ def _against(found: Integers, bits: int, codes: NDArray[np.int64], powers: Seque
     each = codes.astype(object)
     for one in reversed(numerators):
         total = (total + one) * each
-    error = found * common - (total << bits if isinstance(total, int) else total * (1 << bits))
+    error = found * common - total * (1 << bits)
     return Span(Fraction(int(error.min()), common << bits), Fraction(int(error.max()), common << bits))
 
 
@@ -120,7 +120,7 @@ class _Parts:
         if self.ideal.temperatures is None:
             return ZERO
         found, bits = self.exactly(self.changes[j])
-        return _against(found, bits, self.ideal.temperatures[j].steps, self.ideal.temperatures[j].powers)
+        return _against(found, bits, self.ideal.warmths[j].steps, self.ideal.warmths[j].powers)
 
     def exactly(self, values: Values) -> tuple[Integers, int]:
         """Return values of s or of outputs as whole numbers, and how many bits of them are fraction."""
@@ -140,9 +140,9 @@ class _Parts:
 
     def remainder(self, j: int) -> Fraction:
         """Of the written polynomials."""
-        assert self.ideal.bends is not None
-        bend, (powers, (lowest, highest)) = self.ideal.bends[j], self.curve(j)
-        assert bend.reading(bend.lowest) <= lowest <= 0 <= highest <= bend.reading(bend.highest)
+        bend, (powers, (lowest, highest)) = self.ideal.curves[j], self.curve(j)
+        if not bend.reading(bend.lowest) <= lowest <= 0 <= highest <= bend.reading(bend.highest):
+            raise ValueError(f"ends {lowest} and {highest} of a curve lie beyond what it is inverted for")
         return max(remainder(bend, powers[side], bool(side)) for side in (0, 1))
 
     def bend_error(self, j: int, read: Fraction, fine: Fraction) -> Fraction:
@@ -189,14 +189,14 @@ class _Fixed(_Parts):
             for j in range(self.k):
                 factor = int(self.constants["MIXED"][i, j]) + ((1 << mixed_bits) if i == j else 0)
                 if ideal.temperatures is not None:
-                    powers = [ideal.inverse[i][j] * x for x in ideal.temperatures[j].powers]
-                    found, steps = self.changes[j].astype(object) * factor, ideal.temperatures[j].steps
+                    powers = [ideal.inverse[i][j] * x for x in ideal.warmths[j].powers]
+                    found, steps = self.changes[j].astype(object) * factor, ideal.warmths[j].steps
                     total = total.plus(_against(found, self.fine + mixed_bits, steps, powers))
                 if ideal.bends is not None:
                     written = Fraction(factor, 1 << mixed_bits)
-                    own = abs(written) * self.of_curve(j)[1]
-                    own += abs(written - ideal.inverse[i][j]) * largest_bend(ideal.bends[j])
-                    total = total.widened(own)
+                    bend = abs(written) * self.of_curve(j)[1]
+                    bend += abs(written - ideal.inverse[i][j]) * largest_bend(ideal.curves[j])
+                    total = total.widened(bend)
             total = total.widened(Fraction(1, 2 ** (self.fine + 1)))
         return total.widened(Fraction(1, 2 ** (self.how.bits + 1)))
 
@@ -267,12 +267,11 @@ class _Floating(_Parts):
         if written == 0 and wanted == 0:
             return ZERO, ZERO
         if ideal.bends is None:
-            assert ideal.temperatures is not None
             values = factor * self.changes[j]
-            powers = [wanted * x for x in ideal.temperatures[j].powers]
-            error = _against(*whole(values), ideal.temperatures[j].steps, powers)
+            powers = [wanted * x for x in ideal.warmths[j].powers]
+            error = _against(*whole(values), ideal.warmths[j].steps, powers)
             return error, Span(Fraction(values.min().item()), Fraction(values.max().item()))
-        size, change = largest_bend(ideal.bends[j]), Fraction(0)
+        size, change = largest_bend(ideal.curves[j]), Fraction(0)
         if ideal.temperatures is not None:
             change = Fraction(float(np.max(np.abs(self.changes[j]))))
         warm, own = self.thermal_error(j).size, self.of_curve(j)[1]
@@ -285,7 +284,6 @@ class _Floating(_Parts):
 
     def of_curve(self, j: int) -> tuple[Fraction, Fraction]:
         ideal, half = self.ideal, self.half
-        assert ideal.bends is not None
         off, straight = self.product(self.constants["SLOPE"][j], ideal.slope[j], ideal.signals[j])
         start = self.value("READING", j)
         size = straight.size + abs(start)
@@ -319,7 +317,7 @@ def half_step(size: Fraction, how: Arithmetic) -> Fraction:
     return Fraction(2) ** max(e - how.bits, least - 1)
 
 
-# ---- search ------------------------------------------------------------------------------------------------------------
+# ---- search --------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
@@ -352,7 +350,7 @@ def true_values(ideal: Ideal, i: int, away: NDArray[np.int64], tau: NDArray[np.i
         if ideal.bends is not None:
             read = change + _cut(ideal.slope[j]) * away[first, j].astype(object) + _cut(ideal.reading[j])
             lowest, highest = (_cut(Fraction(x)) for x in ends[j])  # type: ignore[index]
-            change = change + _bend(ideal.bends[j], np.clip(read, lowest, highest))
+            change = change + _bend(ideal.curves[j], np.clip(read, lowest, highest))
         total = total + ((_cut(ideal.inverse[i][j]) * change) // SCALE)[place]
     return total
 
@@ -364,13 +362,13 @@ def _cut(value: Fraction) -> int:
 def _thermal(ideal: Ideal, j: int, tau: Integers) -> Integers:
     total: Integers = np.zeros(len(tau), dtype=object)
     if ideal.temperatures is not None:
-        for power in reversed(ideal.temperatures[j].powers):
+        for power in reversed(ideal.warmths[j].powers):
             total = (total + _cut(power)) * tau
     return total
 
 
 def _bend(bend: Bend, read: Integers) -> Integers:
-    """u - r with g(u) = r by Newton's method: in floating numbers, then twice on whole ones, each doubling the digits."""
+    """Return u - r with g(u) = r by Newton's method: in floating numbers, then twice on whole ones."""
     found: Integers = np.empty(len(read), dtype=object)
     for negative in (False, True):
         mask = np.array(read < 0, dtype=bool) == negative

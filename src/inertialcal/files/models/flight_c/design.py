@@ -18,6 +18,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, floor
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,8 +32,7 @@ INT32, INT64 = 2**31 - 1, 2**62  # the second with a bit to spare for the half t
 REMAINDER = Fraction(1, 64)  # of a step of the output: what the inverse of a curve may leave
 EXACT_CODES = {"float": 2**24, "double": 2**53}  # whole numbers that a floating type holds
 
-Number = int | float | np.floating
-Values = NDArray[np.int64] | NDArray[np.float32] | NDArray[np.float64]
+Values = NDArray[Any]  # int64, float32 or float64
 Constants = Mapping[str, Values]
 
 
@@ -50,7 +50,7 @@ class Arithmetic:
         return self.ctype == "int64_t"
 
     @property
-    def dtype(self) -> type[np.generic]:
+    def dtype(self) -> Any:
         """The same in numpy."""
         return {"int64_t": np.int64, "float": np.float32, "double": np.float64}[self.ctype]
 
@@ -131,7 +131,9 @@ def design(ideal: Ideal, how: Arithmetic) -> Design:
         f"{how.name} does not hold the outputs of all codes: {float(min(lowest)):.4g} to "
         f"{float(max(highest)):.4g} {ideal.unit}",
         why="they or what they are summed from would overflow",
-        do="Give --arithmetic float32 or float64" if fits is None else f"Give --arithmetic q{fits}, the largest that fits",
+        do="Give --arithmetic float32 or float64"
+        if fits is None
+        else f"Give --arithmetic q{fits}, the largest that fits",
         code="overflow",
     )
 
@@ -154,11 +156,11 @@ def _largest_corrections(ideal: Ideal) -> list[Fraction]:
     for j in range(len(ideal.axes)):
         total = Fraction(0)
         if ideal.temperatures is not None:
-            one = ideal.temperatures[j]
+            one = ideal.warmths[j]
             size = max(abs(one.lowest - one.centre), abs(one.highest - one.centre))
             total += sum((abs(power) * size**k for k, power in enumerate(one.powers, 1)), Fraction(0))
         if ideal.bends is not None:
-            total += largest_bend(ideal.bends[j])
+            total += largest_bend(ideal.curves[j])
         found.append(total)
     return found
 
@@ -169,7 +171,7 @@ def largest_bend(bend: Bend) -> Fraction:
     return size * (abs(bend.asymmetry) / 2 + size * (abs(bend.second) + size * abs(bend.third)))
 
 
-# ---- whole numbers that every arithmetic has ---------------------------------------------------------------------------
+# ---- whole numbers that every arithmetic has -----------------------------------------------------------------------
 
 
 def _whole(ideal: Ideal) -> dict[str, Constant]:
@@ -203,7 +205,7 @@ def _powers(ideal: Ideal) -> list[list[Fraction]]:
     return [[*one.powers, *[Fraction(0)] * (size - len(one.powers))] for one in ideal.temperatures]
 
 
-# ---- floating point ----------------------------------------------------------------------------------------------------
+# ---- floating point ------------------------------------------------------------------------------------------------
 
 
 def _floating(ideal: Ideal, how: Arithmetic) -> dict[str, Constant]:
@@ -221,9 +223,11 @@ def _floating(ideal: Ideal, how: Arithmetic) -> dict[str, Constant]:
     if ideal.bends is not None:
         table("SLOPE", ideal.slope, f"one code [{unit}]")
         table("READING", ideal.reading, f"reading at d = 0 and tau = 0 [{unit}]")
-        target = REMAINDER * Fraction(2) ** (_exponent(max(map(abs, sum(extremes(ideal), [])))) - how.bits)
-        powers = inverse_powers(ideal.bends, target)
-        inside = [[_inward(bend.reading(end), how) for end in (bend.lowest, bend.highest)] for bend in ideal.bends]
+        target = REMAINDER * Fraction(2) ** (
+            _exponent(max(abs(one) for ends in extremes(ideal) for one in ends)) - how.bits
+        )
+        powers = inverse_powers(ideal.curves, target)
+        inside = [[_inward(bend.reading(end), how) for end in (bend.lowest, bend.highest)] for bend in ideal.curves]
         table("CURVE_ENDS", inside, f"readings that are inverted [{unit}]")
         table("CURVE", powers, "inverse of the curve, for r >= 0 and r < 0: added to r, over r, r^2, ...")
     if ideal.temperatures is not None or ideal.bends is not None:
@@ -260,13 +264,13 @@ def _inward(value: Fraction, how: Arithmetic) -> Fraction:
     return int(value / exponent) * exponent
 
 
-# ---- fixed point -------------------------------------------------------------------------------------------------------
+# ---- fixed point ---------------------------------------------------------------------------------------------------
 
 
 def _fixed(ideal: Ideal, how: Arithmetic) -> tuple[dict[str, Constant], int] | None:
     """Constants with as many guard bits as fit, and how many; None where no number fits."""
     lowest, highest = extremes(ideal)
-    if (max(max(highest), -min(lowest)) * 2**how.bits) + 2 > INT32:
+    if (max(*highest, *(-one for one in lowest)) * 2**how.bits) + 2 > INT32:
         return None
     for guard in GUARD:
         made = _with_guard(ideal, how, guard)
@@ -281,7 +285,9 @@ def _with_guard(ideal: Ideal, how: Arithmetic, guard: int) -> dict[str, Constant
 
     def table(name: str, values: object, bits: int | None, comment: str) -> NDArray[np.object_]:
         fractions = np.array(values, dtype=object)
-        whole = np.vectorize(lambda x: round_away(x * Fraction(2) ** (bits or 0)), otypes=[object])(fractions)
+        whole: NDArray[np.object_] = np.vectorize(
+            lambda x: round_away(x * Fraction(2) ** (bits or 0)), otypes=[object]
+        )(fractions)
         found[name] = Constant("int64_t", whole, f"{comment}, times 2^{bits}" if bits else comment)
         return whole
 
@@ -293,17 +299,7 @@ def _with_guard(ideal: Ideal, how: Arithmetic, guard: int) -> dict[str, Constant
     signal_bits = signal.bit_length()
     changes = [0] * k  # bound on |s_j + q_j|, whole
     if ideal.temperatures is not None:
-        most = max(1, *(int(np.max(np.abs(one.steps))) for one in ideal.temperatures))
-        bits, powers = most.bit_length(), _powers(ideal)
-        rows = [[power * Fraction(2) ** (m * bits) for m, power in enumerate(row, 1)] for row in powers]
-        whole = table("THERMAL", rows, fine, f"s over tau, tau^2, ... [{unit}], the power m times 2^({bits} m)")
-        shift("THERMAL_BITS", bits, "of each power of tau")
-        for j, row in enumerate(whole):
-            size = 0
-            for power in reversed(row):
-                largest.append((size + abs(power)) * most)
-                size = (largest[-1] >> bits) + 1
-            changes[j] = size
+        changes = _fixed_thermal(ideal, fine, (table, shift), largest)
     if ideal.bends is not None:
         changes = _fixed_curve(ideal, how, guard, (table, shift), changes, largest)
     if found:
@@ -327,7 +323,28 @@ def _with_guard(ideal: Ideal, how: Arithmetic, guard: int) -> dict[str, Constant
               f"that the model holds for [{unit}, times 2^{how.bits}]")  # fmt: skip
     if max(largest) >= INT64:
         return None
-    return {name: Constant(one.ctype, np.asarray(one.values, dtype=np.int64), one.comment) for name, one in found.items()}
+    return {
+        name: Constant(one.ctype, np.asarray(one.values, dtype=np.int64), one.comment) for name, one in found.items()
+    }
+
+
+def _fixed_thermal(
+    ideal: Ideal, fine: int, make: tuple[Callable[..., NDArray[np.object_]], Callable[..., None]], largest: list[int]
+) -> list[int]:
+    """Add the constants of s; return bounds on it."""
+    table, shift = make
+    most = max(1, *(int(np.max(np.abs(one.steps))) for one in ideal.warmths))
+    bits, found = most.bit_length(), []
+    rows = [[power * Fraction(2) ** (m * bits) for m, power in enumerate(row, 1)] for row in _powers(ideal)]
+    whole = table("THERMAL", rows, fine, f"s over tau, tau^2, ... [{ideal.unit}], the power m times 2^({bits} m)")
+    shift("THERMAL_BITS", bits, "of each power of tau")
+    for row in whole:
+        size = 0
+        for power in reversed(row):
+            largest.append((size + abs(power)) * most)
+            size = (largest[-1] >> bits) + 1
+        found.append(size)
+    return found
 
 
 def _fixed_curve(
@@ -335,7 +352,6 @@ def _fixed_curve(
     changes: list[int], largest: list[int],
 ) -> list[int]:  # fmt: skip
     """Add the constants of the inverse curves; return bounds on |s_j + q_j|."""
-    assert ideal.bends is not None
     table, shift = make
     fine, unit = how.bits + guard, ideal.unit
     signal = max(abs(one) for span in ideal.signals for one in span)
@@ -343,16 +359,16 @@ def _fixed_curve(
     slope = table("SLOPE", ideal.slope, fine + signal_bits, f"one code [{unit}]")
     reading = table("READING", ideal.reading, fine, f"reading at d = 0 and tau = 0 [{unit}]")
     shift("SLOPE_BITS", signal_bits, f"from there to {fine} fraction bits")
-    ends = [[bend.reading(end) for end in (bend.lowest, bend.highest)] for bend in ideal.bends]
+    ends = [[bend.reading(end) for end in (bend.lowest, bend.highest)] for bend in ideal.curves]
     inside = [[Fraction(int(x * 2**fine)) for x in row] for row in ends]  # towards zero
     table("CURVE_ENDS", inside, None, f"readings that are inverted [{unit}, times 2^{fine}]")
     top = max(Fraction(1, 2**fine), *(abs(x) for row in ends for x in row))
     e = _exponent(top)  # readings are below 2^e
-    steep = max(abs(x - 1) for bend in ideal.bends for x in _slopes(bend))
+    steep = max(abs(x - 1) for bend in ideal.curves for x in _slopes(bend))
     read_bits = min(fine - 1, max(1 - e, fine + _exponent(max(steep, Fraction(1, 2**20)))))
     shift("CURVE_SHIFT", fine - read_bits, "that a reading loses before it is raised to powers")
     shift("CURVE_BITS", read_bits + e, "of each power of it")
-    powers = inverse_powers(ideal.bends, REMAINDER / 2**how.bits)
+    powers = inverse_powers(ideal.curves, REMAINDER / 2**how.bits)
     rows = [[[x * Fraction(2) ** (e * m) for m, x in enumerate(side, 1)] for side in one] for one in powers]
     curve = table("CURVE", rows, fine,
                   f"inverse of the curve, for r >= 0 and r < 0: added to r, over powers of r/2^{e}")  # fmt: skip

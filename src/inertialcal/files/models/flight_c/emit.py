@@ -35,6 +35,13 @@ FLAG_MEANING = {
     "REFERENCE": "a reference is not plausible",
     "INPUT": "the output is beyond the range of the model",
 }
+RAISED_BY = {  # flag -> constants, of which one is there where it can be raised
+    "BIT": ("GOOD",),
+    "RAIL": ("LOWEST",),
+    "TEMPERATURE": ("TEMPERATURE_ENDS",),
+    "REFERENCE": ("REFERENCE_WINDOW", "TEMPERATURE_WINDOW"),
+    "INPUT": ("INPUT_ENDS", "CURVE"),
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +83,7 @@ def fields(unit: Unit) -> tuple[str, ...]:
     return channels({name: one.values for name, one in unit.design.constants.items()})
 
 
-# ---- header ------------------------------------------------------------------------------------------------------------
+# ---- header --------------------------------------------------------------------------------------------------------
 
 
 def header(stem: str, units: Sequence[Unit], notes: Sequence[str]) -> str:
@@ -93,7 +100,8 @@ def _declared(unit: Unit) -> list[str]:
     name, upper, k = unit.prefix, unit.prefix.upper(), len(unit.model.axes)
     scale = f" times 2^{unit.how.bits}" if unit.how.fixed else ""
     lines = ["/* Flags of a reading, one byte an axis. */"]
-    lines += [f"#define {upper}_{flag} 0x{bit:02X}U /* {FLAG_MEANING[flag]} */" for flag, bit in FLAGS.items()]
+    raised = [flag for flag in FLAGS if any(table in unit.design.constants for table in RAISED_BY[flag])]
+    lines += [f"#define {upper}_{flag} 0x{FLAGS[flag]:02X}U /* {FLAG_MEANING[flag]} */" for flag in raised]
     lines += ["", "/* Raw codes, sensors in the order " + ", ".join(map(plain, unit.model.axes)) + ". */"]
     lines += ["typedef struct", "{"]
     lines += [f"    int32_t {one}[{k}]; /* {MEANING[one]} */" for one in fields(unit)]
@@ -104,7 +112,7 @@ def _declared(unit: Unit) -> list[str]:
     return [*lines, f"uint8_t {name}_apply(const {name}_codes *codes, {name}_output *output);", ""]
 
 
-# ---- source ------------------------------------------------------------------------------------------------------------
+# ---- source --------------------------------------------------------------------------------------------------------
 
 
 def source(stem: str, units: Sequence[Unit]) -> str:
@@ -140,7 +148,7 @@ def _row(ctype: str, values: Values) -> str:
     return "{" + ", ".join(_row(ctype, one) for one in values) + "}"
 
 
-def _number(ctype: str, value: np.generic) -> str:
+def _number(ctype: str, value: float) -> str:
     if ctype == "float":
         return f"{np.float32(value)!s}f"
     if ctype == "double":
@@ -244,7 +252,7 @@ def _reduction(stem: str, upper: str, constants: Mapping[str, Constant]) -> list
 
 
 def _change(stem: str, upper: str, unit: Unit) -> list[str]:
-    """s and q of sensor i."""
+    """Return the lines for s and q of sensor i."""
     constants, how, kind = unit.design.constants, unit.how, unit.how.ctype
     zero = {"int64_t": "0", "float": "0.0f", "double": "0.0"}[kind]
     lines = [f"{kind} sum = {zero};"]
@@ -267,7 +275,10 @@ def _change(stem: str, upper: str, unit: Unit) -> list[str]:
         else:
             lines += [f"const {kind} slope = {upper}_SLOPE[i] * away[i];"]
             lines += [f"const {kind} straight = slope + {upper}_READING[i];", f"const {kind} reading = straight + sum;"]
-        lines += [f"const {kind} lowest = {upper}_CURVE_ENDS[i][0];", f"const {kind} highest = {upper}_CURVE_ENDS[i][1];"]
+        lines += [
+            f"const {kind} lowest = {upper}_CURVE_ENDS[i][0];",
+            f"const {kind} highest = {upper}_CURVE_ENDS[i][1];",
+        ]
         lines += ["if ((reading < lowest) || (reading > highest))", "{", f"    flag |= {upper}_INPUT;", "}"]
         lines += [f"const {kind} inside = {stem}_cut(reading, lowest, highest);"]
         lines += ["uint32_t side = 0U;", f"if (inside < {zero})", "{", "    side = 1U;", "}", f"{kind} bend = {zero};"]
@@ -295,7 +306,12 @@ def _output(stem: str, upper: str, unit: Unit, changed: bool) -> list[str]:
     else:
         lines += [f"{kind} total = {upper}_CONSTANT[i];"]
         if changed:
-            lines += [*loop, f"    const {kind} part = {upper}_INVERSE[i][j] * change[j];", "    total = total + part;", "}"]
+            lines += [
+                *loop,
+                f"    const {kind} part = {upper}_INVERSE[i][j] * change[j];",
+                "    total = total + part;",
+                "}",
+            ]
         lines += [*loop, f"    const {kind} part = {upper}_WEIGHT[i][j] * away[j];", "    total = total + part;", "}"]
         lines += [f"const {kind} largest = {upper}_OWN_WEIGHT[i] * away[i];", f"const {kind} value = largest + total;"]
     if "INPUT_ENDS" in constants:
@@ -306,7 +322,7 @@ def _output(stem: str, upper: str, unit: Unit, changed: bool) -> list[str]:
     return [*lines, "all |= flags[i];"]
 
 
-# ---- constants, read back ----------------------------------------------------------------------------------------------
+# ---- constants, read back ------------------------------------------------------------------------------------------
 
 _CONSTANT = re.compile(r"static const (\w+) (\w+?)((?:\[\d+\])*) =([^;]*);")
 TYPES = {"int32_t": np.int64, "int64_t": np.int64, "uint32_t": np.int64, "float": np.float32, "double": np.float64}
@@ -336,7 +352,7 @@ def read_back(text: str, prefix: str) -> Constants:
     return found
 
 
-# ---- test --------------------------------------------------------------------------------------------------------------
+# ---- test ----------------------------------------------------------------------------------------------------------
 
 
 def test_source(stem: str, units: Sequence[Unit], vectors: Sequence[Vectors]) -> str:
@@ -363,6 +379,15 @@ def test_source(stem: str, units: Sequence[Unit], vectors: Sequence[Vectors]) ->
         lines += ["        int same = 1;", f"        const uint8_t returned = {name}_apply(&{name}_given[n], &output);"]
         lines += [f"        for (int i = 0; i < {k}; i++) {{", f"            same = same && {same[0]} && {same[1]};"]
         lines += ["            same = same && output.flags[i] == expected->flags[i];"]
-        lines += ["            all = (uint8_t)(all | expected->flags[i]);", "        }", "        if (!same || returned != all) {"]
-        lines += [f'            (void)printf("{name}: vector %d fails\\n", n);', "            wrong = 1;", "        }", "    }"]
+        lines += [
+            "            all = (uint8_t)(all | expected->flags[i]);",
+            "        }",
+            "        if (!same || returned != all) {",
+        ]
+        lines += [
+            f'            (void)printf("{name}: vector %d fails\\n", n);',
+            "            wrong = 1;",
+            "        }",
+            "    }",
+        ]
     return "\n".join([*lines, "    return wrong;", "}", ""])

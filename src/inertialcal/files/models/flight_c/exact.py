@@ -112,6 +112,16 @@ class Ideal:
         return OUTPUT_UNIT[self.kind]
 
     @property
+    def warmths(self) -> tuple[Temperatures, ...]:
+        """Temperatures of each sensor; none where the model takes none."""
+        return self.temperatures or ()
+
+    @property
+    def curves(self) -> tuple[Bend, ...]:
+        """Curve of each sensor; none where all are straight."""
+        return self.bends or ()
+
+    @property
     def signals(self) -> tuple[Window, ...]:
         """Lowest and highest d of each sensor."""
         if self.has_reference:
@@ -127,14 +137,6 @@ class Ideal:
     def weights(self) -> tuple[Row, ...]:
         """W_ij = N_ij a_j."""
         return tuple(tuple(n * a for n, a in zip(row, self.slope, strict=True)) for row in self.inverse)
-
-    def change(self, j: int, tau: int) -> Fraction:
-        """s_j, exactly."""
-        assert self.temperatures is not None
-        total = Fraction(0)
-        for power in reversed(self.temperatures[j].powers):
-            total = (total + power) * tau
-        return total
 
 
 def scaled(values: Sequence[Fraction]) -> tuple[list[int], int]:
@@ -178,9 +180,7 @@ def ideal(model: SensorModel, chain: Chain) -> Ideal:
     has_reference = chain.reference == "channel"
     windows = None
     if has_reference:
-        windows = tuple(
-            _window(ends, _signal_span(limits, matrix, j, slope, spans, Fraction(1, 2))) for j in range(k)
-        )
+        windows = tuple(_window(ends, _signal_span(limits, matrix, j, slope, spans, Fraction(1, 2))) for j in range(k))
     warm = None
     if has_reference and temperatures is not None:
         warm = tuple(_window(ends, (one.lowest, one.highest)) for one in temperatures)
@@ -194,7 +194,7 @@ def ideal(model: SensorModel, chain: Chain) -> Ideal:
     return made if model.linear else _bent(made, model, matrix)
 
 
-# ---- what has no place ------------------------------------------------------------------------------------------------
+# ---- what has no place ---------------------------------------------------------------------------------------------
 
 
 def _cannot(what: str, why: str, do: str = "Export to c or python, which take them as arguments") -> DataError:
@@ -224,7 +224,8 @@ def _scale_factor(model: SensorModel, chain: Chain) -> Row:
     k = len(model.axes)
     own = tuple(_each(model.scale_factor, k))
     if model.output_unit == chain.output_unit:
-        if chain.scale_factor is not None and not np.allclose(chain.scale_factor, model.scale_factor, rtol=1e-9, atol=0):
+        both = (model.scale_factor if chain.scale_factor is None else chain.scale_factor, model.scale_factor)
+        if not np.allclose(*both, rtol=1e-9, atol=0):
             raise DataError(
                 f"scale factor of the chain {chain.scale_factor}, of the model {model.scale_factor.tolist()}",
                 why="they are the same number",
@@ -260,7 +261,7 @@ def _inverted(matrix: list[list[Fraction]]) -> tuple[Row, ...]:
     return tuple(tuple(row[k:]) for row in rows)
 
 
-# ---- temperature ------------------------------------------------------------------------------------------------------
+# ---- temperature ---------------------------------------------------------------------------------------------------
 
 
 def _offsets(
@@ -360,7 +361,7 @@ def _sum(one: list[Fraction], other: list[Fraction]) -> list[Fraction]:
     return [a + b for a, b in zip(*both, strict=True)]
 
 
-# ---- ranges -----------------------------------------------------------------------------------------------------------
+# ---- ranges --------------------------------------------------------------------------------------------------------
 
 
 def _temperature_spans(

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from math import nextafter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -78,7 +78,7 @@ def flight_files(sensors: Sequence[tuple[SensorModel, Chain]], how: Arithmetic) 
         units.append(Unit(prefix(model, how), model, function, design(function, how)))
     stem = units[0].prefix if len(units) == 1 else f"imu_{units[0].prefix.removeprefix(SHORT['gyro'] + '_')}"
     text = source(stem, units)
-    listed: dict[str, object] = {}
+    listed: dict[str, dict[str, Any]] = {}
     found: dict[str, str] = {}
     vectors = []
     for unit in units:
@@ -92,7 +92,9 @@ def flight_files(sensors: Sequence[tuple[SensorModel, Chain]], how: Arithmetic) 
         listed[unit.prefix] = _record(unit, constants, bounds, worst, chosen)
         notes = [f"{unit.prefix}: error of the outputs over all codes, for the constants of {stem}.c.",
                  "Written by inertialcal. To run: gappa FILE; it ends with 0 where all goals are shown."]  # fmt: skip
-        found |= {f"{unit.prefix}{name}.g": one for name, one in scripts(unit.ideal, how, constants, bounds, notes).items()}
+        found |= {
+            f"{unit.prefix}{name}.g": one for name, one in scripts(unit.ideal, how, constants, bounds, notes).items()
+        }
     notes = [line for unit, made in zip(units, listed.values(), strict=True) for line in _notes(unit, made)]
     record = {"arithmetic": how.name, "source": f"{stem}.c", "sensors": listed}
     found = {
@@ -113,9 +115,10 @@ def _check_read_back(unit: Unit, constants: Constants) -> None:
         raise DataError(f"{unit.prefix}: constants differ from those in the text", code="not_read_back")
 
 
-def _record(unit: Unit, constants: Constants, bounds: Bounds, worst: Sequence[Found], chosen: Chosen) -> dict[str, object]:
-    """What bound.json says of a sensor."""
-    one, per_axis = unit.ideal, {}
+def _record(unit: Unit, constants: Constants, bounds: Bounds, worst: Sequence[Found], chosen: Chosen) -> dict[str, Any]:
+    """Return what bound.json says of a sensor."""
+    one = unit.ideal
+    per_axis: dict[str, dict[str, Any]] = {}
     for i, axis in enumerate(one.axes):
         per_axis[axis] = {
             "bound": above(bounds.errors[i]),
@@ -126,7 +129,7 @@ def _record(unit: Unit, constants: Constants, bounds: Bounds, worst: Sequence[Fo
         }
         if bounds.remainders:
             per_axis[axis]["inverse_remainder"] = above(bounds.remainders[i])
-    record: dict[str, object] = {
+    record: dict[str, Any] = {
         "kind": one.kind,
         "item": {"maker": unit.model.item.maker, "part": unit.model.item.part, "serial": unit.model.item.serial},
         "condition": unit.model.condition,
@@ -152,15 +155,17 @@ def above(value: Fraction) -> float:
     return near if Fraction(near) >= value else nextafter(near, float("inf"))
 
 
-def _notes(unit: Unit, record: object) -> list[str]:
-    """Lines for the header: whose it is, how good."""
-    assert isinstance(record, dict)
+def _notes(unit: Unit, record: Mapping[str, Any]) -> list[str]:
+    """Return lines for the header: whose it is, how good."""
     item, one = unit.model.item, unit.ideal
     named = ", ".join(f"{word} {plain(text)}" for word, text in
                       (("maker", item.maker), ("part", item.part), ("serial", item.serial)) if text)  # fmt: skip
     lines = [f"{unit.prefix}: {one.kind}, {named or 'unnamed'}"]
     lines += [f"  condition: {plain(unit.model.condition)}"] if unit.model.condition else []
-    lines += [f"  model: {model_checksum(unit.model)}", f"  codes {one.lowest} to {one.highest}; others are taken at the ends"]
+    lines += [
+        f"  model: {model_checksum(unit.model)}",
+        f"  codes {one.lowest} to {one.highest}; others are taken at the ends",
+    ]
     for axis, each in record["axes"].items():
         lines.append(f"  {plain(axis)}: arithmetic within {each['bound']:.3g} {one.unit} for all codes; "
                      f"one code is {each['one_code']:.3g}")  # fmt: skip

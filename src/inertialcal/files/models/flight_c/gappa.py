@@ -127,7 +127,7 @@ class _Script:
         """s_j as it is computed and as it should be."""
         if self.ideal.temperatures is None:
             return "0", "0"
-        one = self.ideal.temperatures[j]
+        one = self.ideal.warmths[j]
         tau = self.code(f"t{j}", one.lowest - one.centre, one.highest - one.centre)
         count = self.constants["THERMAL"].shape[1]
         powers = [*one.powers, *[Fraction(0)] * (count - len(one.powers))]
@@ -139,7 +139,6 @@ class _Script:
 
     def corrected(self, j: int) -> tuple[str, str]:
         """s_j + q_j; that of q_j as a premise, and the reading that it rests on as a goal."""
-        assert self.ideal.bends is not None
         here, wanted = self.thermal(j)
         slope, start = self.written("SLOPE", j, bits=self.coarse), self.written("READING", j, bits=self.fine)
         if self.how.fixed:
@@ -149,7 +148,7 @@ class _Script:
             read = self.rounded(f"{straight} + {here}")
         true = f"{self.near(f'A{j}', self.ideal.slope[j])} * d{j} + {self.near(f'B{j}', self.ideal.reading[j])}"
         self.goal(f"{self.define(f'r{j}', read)} - {self.define(f'R{j}', f'{true} + {wanted}')}", self.of_reading(j))
-        self.premise(f"|Q{j}| <= {_above(largest_bend(self.ideal.bends[j]))}")
+        self.premise(f"|Q{j}| <= {_above(largest_bend(self.ideal.curves[j]))}")
         self.premise(f"|q{j} - Q{j}| <= {_above(self.bounds.bends[j] * SLACK)}")
         if self.how.fixed:
             self.premise(f"@FIX(q{j}, {-self.fine})")
@@ -196,7 +195,9 @@ class _Script:
         if self.changes:
             bits = int(self.constants["MIXED_BITS"])
             own, right = self.changes[i]
-            mixed = " + ".join(f"{self.written('MIXED', i, j, bits=bits)} * {self.changes[j][0]}" for j in range(self.k))
+            mixed = " + ".join(
+                f"{self.written('MIXED', i, j, bits=bits)} * {self.changes[j][0]}" for j in range(self.k)
+            )
             off = [self.near(f"E{i}{j}", ideal.inverse[i][j] - int(i == j)) for j in range(self.k)]
             parts = " + ".join(f"{one} * {self.changes[j][1]}" for j, one in enumerate(off))
             here += f" + ({own} + {self.rounded(mixed, self.fine)})"
@@ -227,6 +228,6 @@ def _above(size: Fraction) -> str:
 def _dyadic(value: Fraction) -> str:
     """Return a number whose denominator is a power of two as Gappa reads it: ``3b-5``."""
     bits = value.denominator.bit_length() - 1
-    assert value.denominator == 1 << bits
+    if value.denominator != 1 << bits:
+        raise ValueError(f"{value} has no finite binary form")
     return f"{value.numerator}b-{bits}" if bits else str(value.numerator)
-

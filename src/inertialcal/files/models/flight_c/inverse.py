@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from itertools import pairwise
 from math import comb, cos, lcm, pi
 
 from ....core.errors import DataError
@@ -57,7 +58,9 @@ def remainder(bend: Bend, powers: Sequence[Fraction], negative: bool) -> Fractio
     # u = end * z, z in 0..1; whole numbers over one denominator from here on
     over = [x * end**i for i, x in enumerate(total)]
     n = len(over) - 1
-    bernstein = [sum((Fraction(comb(i, m), comb(n, m)) * over[m] for m in range(i + 1)), Fraction(0)) for i in range(n + 1)]
+    bernstein = [
+        sum((Fraction(comb(i, m), comb(n, m)) * over[m] for m in range(i + 1)), Fraction(0)) for i in range(n + 1)
+    ]
     common = lcm(*(x.denominator for x in bernstein))
     return Fraction(_largest([x.numerator * (common // x.denominator) for x in bernstein], MOST_HALVINGS), common)
 
@@ -75,7 +78,7 @@ def _largest(coefficients: list[int], halvings: int) -> Fraction:
             continue
         left, right, current = [row[0] << n], [row[-1] << n], row
         for level in range(1, n + 1):
-            current = [a + b for a, b in zip(current, current[1:], strict=False)]
+            current = [a + b for a, b in pairwise(current)]
             left.append(current[0] << (n - level))
             right.append(current[-1] << (n - level))
         todo += [(left, depth + 1, shift + n), (right[::-1], depth + 1, shift + n)]
@@ -120,18 +123,13 @@ def inverse_powers(bends: Sequence[Bend], target: Fraction) -> list[list[list[Fr
     DataError
         ``cannot_hold`` if no degree does.
     """
-    best = None
+    best = Fraction(10**9)
     for degree in range(2, HIGHEST_DEGREE + 1):
         powers = [[interpolated(bend, negative, degree) for negative in (False, True)] for bend in bends]
-        left = max(
-            remainder(bend, powers[j][side], bool(side))
-            for j, bend in enumerate(bends)
-            for side in (0, 1)
-        )
-        best = left if best is None else min(best, left)
+        left = max(remainder(bend, powers[j][side], bool(side)) for j, bend in enumerate(bends) for side in (0, 1))
+        best = min(best, left)
         if left <= target:
             return powers
-    assert best is not None
     raise DataError(
         f"flight-c cannot hold: curves so strong; a polynomial of degree {HIGHEST_DEGREE} leaves {float(best):.2g}, "
         f"need {float(target):.2g}",

@@ -17,7 +17,8 @@ from .exact import Ideal
 from .twin import channels, run
 
 SEED = 2011
-DRAWN = (4_000, 20_000)  # codes to look through, for a constant that fewer do not show
+DRAWN = (4_000, 20_000, 80_000)  # codes to look through, for a constant that fewer do not show
+FEW = 12  # steps for which the most are drawn; more than these belong to coefficients too small to show
 PLAIN = 150  # of each kind of random codes
 LIMITS = {"CURVE_ENDS", "INPUT_ENDS"}  # outputs next to these are looked for instead
 WILD = 2**31 - 1
@@ -54,7 +55,7 @@ def choose(ideal: Ideal, how: Arithmetic, constants: Constants, worst: Mapping[s
     chosen = _joined([chosen, _rows(pool, picked)])
     left = _unseen(constants, how, chosen, list(one_step_off(constants)))
     for n in DRAWN:
-        if not left:
+        if not left or (n == DRAWN[-1] and len(left) > FEW):
             break
         pool = random_codes(ideal, constants, n, rng)
         rows, left = _noticing(constants, how, pool, left)
@@ -117,14 +118,7 @@ def _joined(parts: list[Codes]) -> Codes:
 def _ends(ideal: Ideal, constants: Constants) -> Codes:
     """Codes at the ends of each range and next to them, one channel at a time; the others in the middle."""
     k, names = len(ideal.axes), channels(constants)
-    middle = (ideal.lowest + ideal.highest) // 2
-    usual = {name: np.full(k, middle, dtype=np.int64) for name in names}
-    if ideal.temperatures is not None:
-        usual["temperature"] += np.array([one.centre for one in ideal.temperatures]) if ideal.has_reference else 0
-        if not ideal.has_reference:
-            usual["temperature"] = np.array([one.centre for one in ideal.temperatures], dtype=np.int64)
-    if ideal.good is not None:
-        usual["built_in_test"][:] = ideal.good
+    usual = _usual(ideal, names)
     rows: list[dict[str, NDArray[np.int64]]] = [usual]
 
     def put(name: str, codes: NDArray[np.int64]) -> None:
@@ -134,21 +128,40 @@ def _ends(ideal: Ideal, constants: Constants) -> Codes:
                 row[name][j] = codes[j] + step
                 rows.append(row)
 
-    for name in names:
+    for name, codes in _places(ideal, constants, usual):
+        put(name, codes)
+    return {name: np.array([row[name] for row in rows]) for name in names}
+
+
+def _usual(ideal: Ideal, names: tuple[str, ...]) -> Codes:
+    """Codes of a good reading in the middle of all ranges, shape (k,)."""
+    k, middle = len(ideal.axes), (ideal.lowest + ideal.highest) // 2
+    usual = {name: np.full(k, middle, dtype=np.int64) for name in names}
+    if ideal.temperatures is not None:
+        usual["temperature"] = np.array([one.centre for one in ideal.temperatures], dtype=np.int64)
+        usual["temperature"] += middle if ideal.has_reference else 0
+    if ideal.good is not None:
+        usual["built_in_test"][:] = ideal.good
+    return usual
+
+
+def _places(ideal: Ideal, constants: Constants, usual: Codes) -> Iterator[tuple[str, NDArray[np.int64]]]:
+    """Yield the ends of all ranges: which channel, and its codes there, shape (k,)."""
+    k = len(ideal.axes)
+    for name in usual:
         if name != "built_in_test":
-            put(name, np.full(k, ideal.lowest))
-            put(name, np.full(k, ideal.highest))
+            yield name, np.full(k, ideal.lowest)
+            yield name, np.full(k, ideal.highest)
     for name, table in (("reference", "REFERENCE_WINDOW"), ("temperature_reference", "TEMPERATURE_WINDOW")):
         if table in constants:
             for side in (0, 1):
-                put(name, constants[table][:, side].astype(np.int64))
+                yield name, constants[table][:, side].astype(np.int64)
     if "TEMPERATURE_ENDS" in constants:
         for side in (0, 1):
             ends = constants["TEMPERATURE_ENDS"][:, side].astype(np.int64)
-            put("temperature", ends + (usual["temperature_reference"] if ideal.has_reference else 0))
+            yield "temperature", ends + (usual["temperature_reference"] if ideal.has_reference else 0)
     if ideal.good is not None:
-        put("built_in_test", np.full(k, ideal.good))
-    return {name: np.array([row[name] for row in rows]) for name in names}
+        yield "built_in_test", np.full(k, ideal.good)
 
 
 def _wild(ideal: Ideal, constants: Constants, rng: np.random.Generator) -> Codes:
