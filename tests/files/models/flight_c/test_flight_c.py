@@ -151,7 +151,7 @@ def test_a_temperature_beyond_the_range_is_taken_at_its_end() -> None:
 
 
 def test_a_reference_is_plausible_where_half_the_input_range_can_still_be_read() -> None:
-    """The rule of the manual, by the model itself: at the ends of the window half of 5 deg/s meets an end of the ADC."""
+    """The rule of the manual, by the model itself: at the ends of the window half of 5 deg/s meets an end."""
     model, chain = published()
     windows = case("published", "fixed").unit.ideal.reference_window
     assert windows is not None
@@ -282,14 +282,15 @@ def test_gappa_shows_every_goal(name: str, how: str, need: Need, tmp_path: Path)
         assert done.returncode == 0, done.stderr
 
 
-def test_gappa_shows_the_published_unit_and_nothing_much_better(need: Need) -> None:
+@pytest.mark.parametrize(("factor", "shown"), [(1.0, True), pytest.param(0.7, False, marks=pytest.mark.slow)])
+def test_gappa_shows_the_published_unit_and_nothing_better(factor: float, shown: bool, need: Need) -> None:
+    """Of a goal of 1.3 times the bound 0.7 lies below the worst that was found."""
     one = case("published", "fixed")
     bounds = prove(one.unit.ideal, one.unit.how, one.constants)
     text = scripts(one.unit.ideal, one.unit.how, one.constants, bounds, ["test"])[""]
-    for factor, shown in ((1.0, True), (0.7, False)):  # 0.7 of 1.3 lies below the worst that was found
-        goals = re.sub(r"(\|x\d - X\d\| <= )(\d+)b", lambda m, f=factor: f"{m[1]}{int(int(m[2]) * f)}b", text)  # type: ignore[misc]
-        done = subprocess.run([need("gappa")], input=goals, capture_output=True, text=True, check=False, timeout=120)
-        assert (done.returncode == 0) == shown
+    goals = re.sub(r"(?<=\| <= )(\d+)(?=b)", lambda found: str(int(int(found[1]) * factor)), text)
+    done = subprocess.run([need("gappa")], input=goals, capture_output=True, text=True, check=False, timeout=200)
+    assert (done.returncode == 0) == shown
 
 
 @settings(max_examples=20)
@@ -439,7 +440,7 @@ def test_texts_of_a_model_stay_in_their_comments(need: Need, tmp_path: Path) -> 
 
 # ---- refusals ------------------------------------------------------------------------------------------------------
 
-TERMS = {
+TERMS: dict[str, tuple[dict[str, Any], str]] = {
     "bias_pressure": ({"bias_pressure": np.full(3, 1e-9), "reference_pressure": 1e5}, "pressure"),
     "bias_warm_up": ({"bias_warm_up": np.full((1, 3), 1e-3), "warm_up_time": np.array([60.0])}, "warm-up"),
     "bias_temperature_rate": ({"bias_temperature_rate": np.full(3, 1e-3)}, "dT/dt"),

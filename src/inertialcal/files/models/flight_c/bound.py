@@ -277,10 +277,10 @@ class _Floating(_Parts):
         warm, own = self.thermal_error(j).size, self.of_curve(j)[1]
         own += warm + self.half(change + size + own)
         size += change + warm
-        error = abs(written) * own + abs(written - wanted) * size
+        off = abs(written) * own + abs(written - wanted) * size
         largest = abs(written) * (size + own)
-        error += self.half(largest)
-        return ZERO.widened(error), ZERO.widened(largest + self.half(largest))
+        off += self.half(largest)
+        return ZERO.widened(off), ZERO.widened(largest + self.half(largest))
 
     def of_curve(self, j: int) -> tuple[Fraction, Fraction]:
         ideal, half = self.ideal, self.half

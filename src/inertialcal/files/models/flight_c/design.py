@@ -50,9 +50,9 @@ class Arithmetic:
         return self.ctype == "int64_t"
 
     @property
-    def dtype(self) -> Any:
+    def dtype(self) -> np.dtype[np.generic]:
         """The same in numpy."""
-        return {"int64_t": np.int64, "float": np.float32, "double": np.float64}[self.ctype]
+        return np.dtype({"int64_t": "int64", "float": "float32", "double": "float64"}[self.ctype])
 
     @property
     def output(self) -> str:

@@ -144,7 +144,7 @@ def _table(prefix: str, name: str, one: Constant) -> list[str]:
 
 def _row(ctype: str, values: Values) -> str:
     if values.ndim == 0:
-        return _number(ctype, values[()])
+        return _number(ctype, values.item())
     return "{" + ", ".join(_row(ctype, one) for one in values) + "}"
 
 
