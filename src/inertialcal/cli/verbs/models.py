@@ -331,7 +331,9 @@ def convert(
 
 def export(
     model: Model,
-    output: Output,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="File to write; of flight-c a folder.", show_default=False)
+    ],
     to: Annotated[
         str,
         typer.Option("--to", help=f"Format: {', '.join(BUILT_IN)}.", show_default=False),
@@ -346,6 +348,10 @@ def export(
     nominal: Annotated[
         bool, typer.Option("--nominal", help="Write the nominal scale factor of axes whose own is not known.")
     ] = False,
+    arithmetic: Annotated[
+        str | None,
+        typer.Option(help="Of flight-c: q27 (fixed point, 27 fraction bits), float32, float64.", show_default="q27"),
+    ] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -357,7 +363,7 @@ def export(
     sources = [found] if other is None else [found, find_model(other)]
     if other is not None and condition in sources[1].models:
         sources[1] = find_model(other, condition)
-    exported = export_model(found, to, output, unjudged, sources[1:], nominal)
+    exported = export_model(found, to, output, unjudged, sources[1:], nominal, arithmetic)
     judged = all(one.judged for one in (found.models.values() if condition is None else [found.model]))
     if as_json:
         content = {

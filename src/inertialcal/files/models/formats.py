@@ -22,6 +22,7 @@ BUILT_IN = {  # name -> module
     "ros": "ros",
     "c": "apply_c",
     "python": "apply_python",
+    "flight-c": "flight_c.format",
 }
 FORMATS = Registry(
     "format of models",
