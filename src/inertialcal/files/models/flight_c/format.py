@@ -18,7 +18,7 @@ from ..apply_parts import code_cannot_hold, plain
 from ..model_format import ModelFormat
 from .bound import Bounds, Found, prove, search
 from .design import Arithmetic, Constants, arithmetic, design
-from .emit import SHORT, Unit, Vectors, header, prefix, read_back, source, test_source
+from .emit import SHORT, Unit, Vectors, fields, header, prefix, read_back, source, test_source
 from .exact import ideal
 from .gappa import scripts
 from .twin import run
@@ -135,6 +135,7 @@ def _record(unit: Unit, constants: Constants, bounds: Bounds, worst: Sequence[Fo
         "condition": unit.model.condition,
         "model": model_checksum(unit.model),
         "unit": one.unit,
+        "fields": list(fields(unit)),
         "axes": per_axis,
         "codes": [one.lowest, one.highest],
         "vectors": len(chosen.codes["signal"]),
@@ -145,7 +146,7 @@ def _record(unit: Unit, constants: Constants, bounds: Bounds, worst: Sequence[Fo
     if one.temperatures is not None:
         record["temperature_codes"] = [[each.lowest, each.highest] for each in one.temperatures]
     if unit.how.fixed:
-        record["guard_bits"] = unit.design.guard
+        record |= {"fraction_bits": unit.how.bits, "guard_bits": unit.design.guard}
     return record
 
 
