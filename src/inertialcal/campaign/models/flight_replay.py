@@ -2,7 +2,8 @@
 
 The model is that of the lowest pressure: the one that flies. Its C is written, compiled where a compiler is there, and
 given the codes of the recordings held out in its condition, rounded to whole codes where they are means. Compensation
-in double precision gets the same codes; the two may differ by the proved bound, and by no more.
+in double precision gets the same codes; where no flag is raised the two may differ by the proved bound, and by no more.
+Readings with a flag are counted: at temperatures beyond its range the C takes the end, where compensation goes on.
 """
 
 from __future__ import annotations
@@ -48,7 +49,8 @@ class FlightReplay:
     axes: tuple[str, ...]
     unit: str
     recordings: tuple[str, ...] = ()  # That were replayed
-    rows: int = 0
+    rows: int = 0  # Readings without a flag
+    flagged: int = 0  # Others that compensation has
     compensated: Array | None = None  # Mean of what compensation gives
     flown: Array | None = None  # Mean of what the compiled C gives
     largest: Array | None = None  # Largest difference of a reading
@@ -58,10 +60,10 @@ class FlightReplay:
     def to_dict(self) -> dict[str, Any]:
         """Return it as ``--json`` says it."""
         arrays = {name: getattr(self, name) for name in ("compensated", "flown", "largest", "bound")}
-        return {
-            "condition": self.condition, "folder": str(self.folder), "unit": self.unit, "rows": self.rows,
-            "recordings": list(self.recordings), "reason": self.reason, "axes": list(self.axes),
-        } | {name: None if one is None else one.tolist() for name, one in arrays.items()}  # fmt: skip
+        plain = {name: getattr(self, name) for name in ("condition", "unit", "rows", "flagged", "reason")}
+        lists = {"axes": list(self.axes), "recordings": list(self.recordings)}
+        listed = {name: None if one is None else one.tolist() for name, one in arrays.items()}
+        return plain | lists | {"folder": str(self.folder)} | listed
 
 
 def replay_flight_c(folder: Path) -> FlightReplay | None:
@@ -103,6 +105,7 @@ def replay_flight_c(folder: Path) -> FlightReplay | None:
         return replace(begun, reason="no recording of codes is held out in this condition")
     ours: list[Array] = []
     flown: list[Array] = []
+    flagged = 0
     with tempfile.TemporaryDirectory(prefix="inertialcal_") as build:
         apply = compiled(compiler, target, name, record, Path(build))
         for recording, columns in held.values():
@@ -110,13 +113,16 @@ def replay_flight_c(folder: Path) -> FlightReplay | None:
             values = np.column_stack([convert(done.channel(axis).data, str(done.channel(axis).unit), unit)
                                       for axis in model.axes])  # fmt: skip
             good = np.isfinite(values).all(axis=1)
-            ours.append(values[good])
-            flown.append(apply(codes_of(model, recording, columns, good)))
+            made, flags = apply(codes_of(model, recording, columns, good))
+            ours.append(values[good][~flags])
+            flown.append(made[~flags])
+            flagged += int(np.count_nonzero(flags))
     one, other = np.concatenate(ours), np.concatenate(flown)
     return replace(
         begun,
         recordings=tuple(held),
         rows=len(one),
+        flagged=flagged,
         compensated=one.mean(axis=0),
         flown=other.mean(axis=0),
         largest=np.abs(one - other).max(axis=0),
@@ -167,7 +173,7 @@ def codes_of(
 
 
 def compiled(compiler: str, folder: Path, name: str, record: Mapping[str, Any], build: Path) -> Any:
-    """Return a function that applies compiled C to codes, by field, and returns its outputs in their unit.
+    """Return a function that applies compiled C to codes, by field: outputs in their unit, and whether a flag is up.
 
     Raises
     ------
@@ -188,17 +194,17 @@ def compiled(compiler: str, folder: Path, name: str, record: Mapping[str, Any], 
     function = getattr(ctypes.CDLL(str(library)), f"{name}_apply")
     function.restype = ctypes.c_uint8
 
-    def apply(codes: Mapping[str, NDArray[np.int32]]) -> Array:
+    def apply(codes: Mapping[str, NDArray[np.int32]]) -> tuple[Array, NDArray[np.bool_]]:
         whole = dict(codes)
         if "temperature_reference" in fields:
             whole.setdefault("temperature_reference", whole.get("reference", whole["signal"]))
         rows = np.ascontiguousarray(np.concatenate([whole[one] for one in fields], axis=1))
         given, output = codes_type(), output_type()
-        values = np.empty((len(rows), k), dtype=np.int32)
+        values, flags = np.empty((len(rows), k), dtype=np.int32), np.zeros(len(rows), dtype=bool)
         for i, row in enumerate(rows):
             ctypes.memmove(ctypes.byref(given), row.ctypes.data, row.nbytes)
-            function(ctypes.byref(given), ctypes.byref(output))
+            flags[i] = function(ctypes.byref(given), ctypes.byref(output)) != 0
             values[i] = output.value
-        return np.ldexp(values.astype(float), -int(record["fraction_bits"]))
+        return np.ldexp(values.astype(float), -int(record["fraction_bits"])), flags
 
     return apply

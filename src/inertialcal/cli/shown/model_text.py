@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
+import numpy as np
+
 from ...campaign.compare.compare import HEADS, JUDGED, Comparison, is_beside, is_shown, line, not_compared, rule_lines
 from ...campaign.models.flight_replay import FlightReplay
 from ...core.results import finite, key_of
@@ -65,16 +67,16 @@ def flight_text(found: FlightReplay) -> str:
     of = f" in {clean(found.condition)}" if found.condition else ""
     written = f"flight C of the model{of}, written to {clean(str(found.folder))}"
     if found.reason:
-        return f"{written}; not replayed: {found.reason}"
+        return wrapped(f"{written}; not replayed: {found.reason}")
+    on = ", ".join(clean(one) for one in found.recordings)
+    flags = f"; {found.flagged} more raise a flag" if found.flagged else ""
     heads = ["  axis", "compensate, mean", "flight C, mean", "largest difference", "proved bound", "unit"]
-    columns = zip(
-        found.axes, *(getattr(found, one) for one in ("compensated", "flown", "largest", "bound")), strict=True
-    )
+    arrays = (found.compensated, found.flown, found.largest, found.bound)
     cells = [
         [f"  {clean(axis)}", f"{one:.7f}", f"{other:.7f}", number(largest, 3), number(bound, 3), found.unit]
-        for axis, one, other, largest, bound in columns
+        for axis, one, other, largest, bound in zip(found.axes, *map(np.asarray, arrays), strict=True)
     ]
-    said = f"{written}; compiled, and replayed on {', '.join(clean(one) for one in found.recordings)} ({found.rows} readings)"
+    said = f"{written}; compiled, and replayed on {on}: {found.rows} readings{flags}"
     return f"{wrapped(said)}\n{table(cells, heads, right=range(1, 5))}"
 
 
