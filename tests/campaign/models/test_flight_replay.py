@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from inertialcal.campaign.engine.run import run
-from inertialcal.campaign.models import flight_replay
 from inertialcal.campaign.models.find import load_models
 from inertialcal.campaign.models.flight_replay import flying, replay_flight_c
 from inertialcal.campaign.twins.twin import write_twin
@@ -67,7 +66,7 @@ def test_c_gives_what_compensation_gives_within_the_proved_bound(suite: Path, ne
 
 
 def test_without_a_compiler_the_c_is_delivered_and_it_is_said(suite: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(flight_replay.shutil, "which", lambda name: None)
+    monkeypatch.setattr("shutil.which", lambda name: None)
     found = replay_flight_c(suite)
     assert found is not None
     assert "no C compiler" in flight_text(found)

@@ -112,7 +112,7 @@ def replay_flight_c(folder: Path) -> FlightReplay | None:
             done = compensate(model, recording, columns, condition=model.condition or None)
             values = np.column_stack([convert(done.channel(axis).data, str(done.channel(axis).unit), unit)
                                       for axis in model.axes])  # fmt: skip
-            good = np.isfinite(values).all(axis=1)
+            good: NDArray[np.bool_] = np.isfinite(values).all(axis=1)
             made, flags = apply(codes_of(model, recording, columns, good))
             ours.append(values[good][~flags])
             flown.append(made[~flags])
@@ -149,7 +149,7 @@ def held_out(campaign: Campaign, folder: Path, model: SensorModel) -> dict[str, 
             columns = {what: one.column for what, one in (entry.channels or {}).items() if what in words}
             sensor = campaign.file.sensors[entry.sensor]
             counted = all((entry.channels or {})[axis].unit == "count" for axis in model.axes if axis in columns)
-            if sensor.kind != model.kind or entry.rows or not counted or not set(model.axes) <= set(columns):
+            if sensor.kind != model.kind or not counted or not set(model.axes) <= set(columns):
                 continue
             recording = read(folder / entry.file)
             channels = tuple(
