@@ -112,7 +112,7 @@ def replay_flight_c(folder: Path) -> FlightReplay | None:
             done = compensate(model, recording, columns, condition=model.condition or None)
             values = np.column_stack([convert(done.channel(axis).data, str(done.channel(axis).unit), unit)
                                       for axis in model.axes])  # fmt: skip
-            good: NDArray[np.bool_] = np.isfinite(values).all(axis=1)
+            good = np.asarray(np.isfinite(values).all(axis=1))
             made, flags = apply(codes_of(model, recording, columns, good))
             ours.append(values[good][~flags])
             flown.append(made[~flags])
