@@ -169,9 +169,9 @@ def test_of_accelerometers_all_cross_terms_count_with_the_force() -> None:
         "bias of x, y, z: the model has no unc",
     ):
         assert words in text
-    unknown = " ".join(
-        filter_budget(replace(gyro(), estimate=gyro().estimate.select(KEYS[9:12])), USE, REST).not_counted
-    )  # type: ignore[union-attr]
+    estimate = gyro().estimate
+    assert estimate is not None
+    unknown = " ".join(filter_budget(replace(gyro(), estimate=estimate.select(KEYS[9:12])), USE, REST).not_counted)
     for words in ("scale factor of x, y, z: the model has no uncertainty", "misalignment of x, y, z: the model has no"):
         assert words in unknown, "what has no uncertainty is not exact"
 
