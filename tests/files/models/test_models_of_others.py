@@ -20,10 +20,10 @@ from inertialcal.core.key import Key, Kind
 from inertialcal.files.models import imu_tk, imucal, kalibr, realsense
 from inertialcal.files.models.formats import FORMATS as ALL
 from inertialcal.files.models.formats import read_models
-from inertialcal.files.models.yaml_text import parse_yaml
 from inertialcal.files.models.model_file import export, load_model_file
 from inertialcal.files.models.model_format import ImportedModels, ModelText
 from inertialcal.files.models.model_json import write_model
+from inertialcal.files.models.yaml_text import parse_yaml
 from inertialcal.sensors.model.compensate import compensate
 from inertialcal.sensors.model.equation import predict
 from inertialcal.sensors.model.sensitivity import Sensitivity
