@@ -152,7 +152,10 @@ def _grouping(columns: set[str]) -> Callable[[str], str]:
 
 
 def separate_stamps(scene: Scene, size: float) -> None:
-    """Save the gyros in a file of their own, as a phone does: one clock, stamps later by a part of the interval."""
+    """Save the gyros in a file of their own, as a phone does: one clock, stamps later by a part of the interval.
+
+    What else is read with them, such as a temperature, stands in both files.
+    """
     for place in scene.places:
         names = [name for name in place.names if scene.document["recordings"][name]["sensor"] == "gyro"]
         for name in names:
@@ -163,8 +166,9 @@ def separate_stamps(scene: Scene, size: float) -> None:
             interval = float(np.median(np.diff(stamps))) / SECOND
             late = size / 100.0 * interval + 0.02 * interval * scene.rng.standard_normal(len(stamps))
             columns = {one.column for one in place.signals if one.kind == "gyro"}
+            named = scene.document["recordings"][name].get("channels", {}).values()
             scene.recordings[file] = whole
-            _keep(scene, file, columns, True)
+            _keep(scene, file, columns | {one["column"] for one in named}, True)
             _keep(scene, place.file, columns, False)
             scene.stamp(file, stamps + np.rint(late * 1e6).astype(np.int64) * 1_000)
             old = rf'(\[recordings\.{name}\]\n(?:.*\n)*?file = ")[^"]*"'
