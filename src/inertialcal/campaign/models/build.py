@@ -330,7 +330,8 @@ def _noise_of(noise: Estimate | None, axes: Sequence[str]) -> Estimate | None:
 def _gain_recorded(campaign: Campaign, sensor: Sensor) -> bool:
     """Return whether a recording of a sensor has its gain as a channel."""
     own = [one for one in campaign.file.recordings.values() if campaign.file.sensors.get(one.sensor) is sensor]
-    return any(what.partition("_")[0] == GAIN for one in own for what in one.channels or {})
+    gains = {GAIN, *(f"{GAIN}_{axis}" for axis in sensor.axes)}
+    return any(gains & set(one.channels or {}) for one in own)
 
 
 def _of_axes(given: Any, at: Sequence[int]) -> Any:

@@ -199,7 +199,7 @@ def _vibration(
     if path is None:
         return {}
     if not sample_rate:
-        do = 'Add --sample-rate "200 Hz", that of the readings that the filter takes'
+        do = "Add --sample-rate, that of the readings that the filter takes"
         raise UsageError("--vibration needs the sample rate of the filter", do=do, code="missing")
     recording = read(path, units=dict(units))
     inputs.append({"path": recording.source.path, "sha256": recording.source.sha256})

@@ -13,7 +13,7 @@ import json
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -37,6 +37,7 @@ from .find import find_model
 FOLDER = "flight_c"  # beside ``out``
 COMPILERS = ("cc", "gcc", "clang")
 STRICT = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-Wconversion", "-pedantic", "-ffp-contract=off")
+Flown = Callable[[Mapping[str, NDArray[np.int32]]], tuple[Array, NDArray[np.bool_]]]
 BIT_FIELD = {"": "signal", "validity": "built_in_test"}  # channel of a chain -> its field of the codes
 
 
@@ -172,7 +173,7 @@ def codes_of(
     return found
 
 
-def compiled(compiler: str, folder: Path, name: str, record: Mapping[str, Any], build: Path) -> Any:
+def compiled(compiler: str, folder: Path, name: str, record: Mapping[str, Any], build: Path) -> Flown:
     """Return a function that applies compiled C to codes, by field: outputs in their unit, and whether a flag is up.
 
     Raises

@@ -87,8 +87,8 @@ def chain_columns(chain: Chain, recording: Recording, columns: Mapping[str, str]
     """Return the columns that a chain starts from, by what they are: axes, ``reference_x``, ``temperature_x``, ...
 
     Those that are named, and those whose header is the word, or the recorder's (``x_ref``); empty where the axes are
-    neither in counts nor in the output of the chain. Columns without a unit count as counts where they hold whole
-    numbers, or means beside the reference that the chain subtracts. A temperature in degC is none of them.
+    neither in counts nor in the output of the chain. Columns without a unit count as counts beside the reference that
+    the chain subtracts; where it subtracts none, if they hold whole numbers. A temperature in degC is none of them.
     """
     words = [*chain.axes, *CHANNELS, *(f"{what}_{axis}" for what in CHANNELS for axis in chain.axes)]
     named = {
@@ -105,11 +105,11 @@ def chain_columns(chain: Chain, recording: Recording, columns: Mapping[str, str]
     if not all(axis in found for axis in chain.axes):
         return {}
     every = [found[axis] for axis in chain.axes]
-    subtracted = chain.reference == "channel" and {"reference", *(f"reference_{axis}" for axis in chain.axes)} & set(
-        found
-    )
+    references = {"reference", *(f"reference_{axis}" for axis in chain.axes)} & set(found)
+    subtracted = chain.reference == "channel"
     counted = all(
-        one.unit == "count" or (one.unit is None and (subtracted or one.data.dtype.kind in "iu")) for one in every
+        one.unit == "count" or (one.unit is None and bool(references if subtracted else one.data.dtype.kind in "iu"))
+        for one in every
     )
     raw = counted or all(one.unit is not None and same_dimension(one.unit, chain.output_unit) for one in every)
     warm = [word for word, one in found.items() if one.unit is not None and same_dimension(one.unit, "degC")]

@@ -478,7 +478,7 @@ def settings_of(
     if target not in TARGETS:
         raise UsageError(f"no filter {target!r}", do=f"There are: {', '.join(TARGETS)}", code="unknown_name")
     if target in {"kalibr", "openvins", "ros"} and not sample_rate:
-        raise UsageError(f"--for {target} needs the sample rate", do='Add --sample-rate "200 Hz"', code="missing")
+        raise UsageError(f"--for {target} needs the sample rate", do="Add --sample-rate", code="missing")
     rate = sample_rate or 0.0
     both = (gyro, accelerometer)
     if target == "ros":

@@ -513,7 +513,7 @@ def test_arithmetic_that_there_is_not(text: str) -> None:
 
 def test_a_model_without_a_chain() -> None:
     with pytest.raises(DataError, match="no chain") as caught:
-        chain_of(published()[0])
+        chain_of(replace(published()[0], chain=None))
     assert caught.value.problems[0].code == "no_chain"
 
 
