@@ -3,17 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from ....core.estimate import Array
+from ..drawing.data import Curve, curves
 from ..drawing.style import COLOURS, plain
 
 HEIGHT = 1.35  # of a panel [in]
 MARKS = "osD^v<>ph*"
 NAMED = 6  # power-ups that a legend names
+
+
+def by_test(results: Mapping[str, Any], name: str) -> dict[str, list[Curve]]:
+    """Return the curves of a name, by the test that they are of."""
+    found: dict[str, list[Curve]] = {}
+    for one in curves(results, name):
+        found.setdefault(one["test"], []).append(one)
+    return found
 
 
 def plot_power_ups(ax: Axes, points: Mapping[str, Array], several: str) -> None:

@@ -9,11 +9,11 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ....core.show.rounding import with_uncertainty
-from ..drawing.data import Curve, curves, distinct, numbers, unit
+from ..drawing.data import Curve, distinct, numbers, unit
 from ..drawing.picture import Picture
 from ..drawing.scales import log_axis
 from ..drawing.style import COLOURS, plain, set_labels, set_title, with_unit
-from .panels import HEIGHT
+from .panels import HEIGHT, by_test
 
 NAME, CURVE = "sensitivity_pressure", "pressure_levels"
 ROOM = 2.0  # factor that is left free on both sides of the pressures
@@ -22,10 +22,7 @@ SHOWS = "Change of the bias at each level of pressure from the lowest, with its 
 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
     """Return a picture a test, with a panel a sensor."""
-    found: dict[str, list[Curve]] = {}
-    for one in curves(results, CURVE):
-        found.setdefault(one["test"], []).append(one)
-    return [_picture(test, own, results.get("results", [])) for test, own in found.items()]
+    return [_picture(test, own, results.get("results", [])) for test, own in by_test(results, CURVE).items()]
 
 
 def _picture(test: str, own: Sequence[Curve], rows: Sequence[Mapping[str, Any]]) -> Picture:

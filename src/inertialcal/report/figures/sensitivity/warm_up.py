@@ -10,10 +10,10 @@ from matplotlib.axes import Axes
 
 from ....core.estimate import Array
 from ....core.show.rounding import with_uncertainty
-from ..drawing.data import Curve, curves, distinct, numbers, unit
+from ..drawing.data import Curve, distinct, numbers, unit
 from ..drawing.picture import Picture
 from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, with_unit
-from .panels import HEIGHT, plot_power_ups
+from .panels import HEIGHT, by_test, plot_power_ups
 
 NAME, CURVE = "sensitivity_warm_up", "warm_up_joint"
 SHOWS = "Readings after power-up less the settled level of each power-up, with the joint fit"
@@ -22,10 +22,7 @@ SHOWN = 40  # points of a power-up
 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
     """Return a picture a test, with a panel a sensor."""
-    found: dict[str, list[Curve]] = {}
-    for one in curves(results, CURVE):
-        found.setdefault(one["test"], []).append(one)
-    return [_picture(test, own, results.get("results", [])) for test, own in found.items()]
+    return [_picture(test, own, results.get("results", [])) for test, own in by_test(results, CURVE).items()]
 
 
 def _picture(test: str, own: Sequence[Curve], rows: Sequence[Mapping[str, Any]]) -> Picture:
