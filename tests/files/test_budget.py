@@ -23,7 +23,7 @@ import inertialcal as ic
 from inertialcal.cli.commands import READ_NOTHING, Planners, Root
 from inertialcal.core.errors import DataError, PlanError, UsageError
 from inertialcal.files.budget import FREE, PER_BYTE, ceiling, parse_size
-from inertialcal.files.models.kalibr import parse_yaml
+from inertialcal.files.models.yaml_text import parse_yaml
 from typed_commands import call
 
 T = np.arange(64) * 0.01

@@ -28,9 +28,21 @@ VERBS = {
     "init": "verbs.campaigns", "check": "verbs.campaigns", "run": "verbs.campaigns", "demo": "verbs.demos",
     "show": "verbs.models", "compensate": "verbs.models", "convert": "verbs.models", "export": "verbs.models",
     "budget": "verbs.campaigns", "compare": "verbs.models", "simulate": "verbs.twins", "score": "verbs.twins",
-    "programme-1969": "verbs.programme1969",
+    "programme-1969": "verbs.programme1969", "filter": "verbs.filters",
 }  # fmt: skip
-NO_FIGURES = ("info", "init", "check", "demo", "compensate", "convert", "export", "budget", "simulate", "score")
+NO_FIGURES = (
+    "info",
+    "init",
+    "filter",
+    "check",
+    "demo",
+    "compensate",
+    "convert",
+    "export",
+    "budget",
+    "simulate",
+    "score",
+)
 READ_NOTHING = ("demo", "simulate")  # commands that read no file of a user
 Built = TyperCommand | TyperGroup
 MAX_MEMORY = "Memory that files may take: 4GiB, 500MB. 1 GiB and three times each file if not given."

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import inspect
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -67,3 +68,16 @@ def faults_beginning(ctx: typer.Context, incomplete: str) -> list[tuple[str, str
     rig = str(ctx.params.get("rig", ""))
     faults = RIGS[rig].every_fault if rig in RIGS else {}
     return [(name, fault.what) for name, fault in faults.items() if name.startswith(incomplete)]
+
+
+def with_options(command: Callable[..., int], parameters: dict[str, tuple[Any, Any]]) -> Callable[..., int]:
+    """Return a function that takes anything with the signature that the parser makes options of."""
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    command.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+        [
+            inspect.Parameter(name, keyword, default=default, annotation=kind)
+            for name, (kind, default) in parameters.items()
+        ]
+    )
+    command.__annotations__ = {name: kind for name, (kind, _) in parameters.items()}
+    return command

@@ -312,6 +312,10 @@ class Reduced(Protocol):
         """Write the models; return their paths."""
         ...
 
+    def exported(self, to: str) -> tuple[str, tuple[Remark, ...]]:
+        """Return the models in a format for others, and what it cannot hold."""
+        ...
+
     @property
     def results(self) -> Mapping[str, Any]:
         """Content of ``results.json``."""

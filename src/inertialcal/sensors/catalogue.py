@@ -205,7 +205,9 @@ def flight_unit() -> PublishedSensor:
     printed = np.array(M_PERCENT) * factor("%", "1")
     mended = np.where(np.eye(3, dtype=bool), -printed, printed.T)
     states = {CORRECTED: (mended, IDEAL_V_PER_DEG_S), AS_PRINTED: (printed, 1.0)}  # M; volts in one deg/s of b_in_run
-    models = {name: _flight_model(matrix, 1.0 / volts, _source(name)) for name, (matrix, volts) in states.items()}
+    models = {
+        name: _flight_model(chain, matrix, 1.0 / volts, _source(name)) for name, (matrix, volts) in states.items()
+    }
     equations = {
         name: FlightEquation(XYZ, np.array(B_IN_RUN), volts, np.array(B_CONS_DEG_S), matrix, _source(name))
         for name, (matrix, volts) in states.items()
@@ -221,7 +223,7 @@ def _source(state: str) -> str:
     return f"{BADESCU}, Table 15, {state.replace('_', ' ')}"
 
 
-def _flight_model(errors: np.ndarray, deg_s_per_volt: float, source: str) -> SensorModel:
+def _flight_model(chain: Chain, errors: np.ndarray, deg_s_per_volt: float, source: str) -> SensorModel:
     """M = I + errors, and K0(T) = b_in_run + b_cons in powers of T - T_ref of each axis."""
     to_rad = factor("deg/s", "rad/s")
     nominal = zip(
@@ -242,6 +244,7 @@ def _flight_model(errors: np.ndarray, deg_s_per_volt: float, source: str) -> Sen
         reference_temperature=np.array(T_REFERENCE),
         input_range=np.array([[-span, span]] * 3),
         temperature_range=TEMPERATURES,
+        chain=chain,
         source=source,
     )
     names = [one.name for one in model.parameters]

@@ -25,7 +25,8 @@ from typed_commands import call, call_json
 SMALL = Bench(positions=14, dwell=2.5, first=4.0, records=1)
 SENSORS = {"acc": "accelerometer", "gyro": "gyro"}
 CODE = ("c", "python")
-IMPORTED = tuple(name for name in FORMATS if name not in ("json", *CODE))
+PARTS = ("px4", "ardupilot", "ros")  # hold a part of a model: tests/files/models/test_autopilots.py
+IMPORTED = tuple(name for name in FORMATS if name not in ("json", *CODE, "flight-c", *PARTS))
 NO_BIAS, NO_FORCE = ("kalibr-model",), ("imu-tk", "realsense")
 EXACT = 1e-9  # relative: through text, and a matrix parted in two
 ACC, GYRO = (tuple(f"{sensor}_{axis}" for axis in "xyz") for sensor in SENSORS)

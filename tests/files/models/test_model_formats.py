@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import ast
+import hashlib
+from collections.abc import Mapping
+from dataclasses import replace
 from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from inertialcal.core.errors import DataError, UsageError
+from inertialcal.core.errors import DataError, StoreError, UsageError
+from inertialcal.core.key import Kind
 from inertialcal.core.remarks import Remark
 from inertialcal.files.models import formats
 from inertialcal.files.models.formats import BUILT_IN, FORMATS
@@ -57,8 +61,38 @@ def test_a_format_is_read_and_written_once_it_stands_in_the_registry(
     assert again.format == "Toy"
     assert [one.code for one in again.remarks] == ["toy"]
     np.testing.assert_array_equal(again.model.bias, gyro().bias)
-    with pytest.raises(UsageError, match="python, toy"):
+    with pytest.raises(UsageError, match="flight-c, toy"):
         export(again, "other", tmp_path / "out", unjudged=True)
+
+
+def test_a_format_of_several_files_writes_a_folder_or_nothing(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    def folder(models: Mapping[Kind, SensorModel], arithmetic: str | None) -> dict[str, bytes]:
+        return {"kinds": ",".join(models).encode(), "arithmetic": str(arithmetic).encode()}
+
+    monkeypatch.setitem(FORMATS, "toy", replace(toy(), folder=folder))
+    write_model(tmp_path / "model.json", gyro())
+    source = load_model_file(tmp_path / "model.json")
+    done = export(source, "toy", tmp_path / "out", unjudged=True, arithmetic="q7")
+    assert {path.name: path.read_text() for path in (tmp_path / "out").iterdir()} == {
+        "kinds": "gyro",
+        "arithmetic": "q7",
+    }
+    lines = [f"{hashlib.sha256(text).hexdigest()}  {name}\n" for name, text in
+             (("arithmetic", b"q7"), ("kinds", b"gyro"))]  # fmt: skip
+    assert done.sha256 == hashlib.sha256("".join(lines).encode()).hexdigest()
+    with pytest.raises(StoreError) as caught:  # never into a folder that holds something
+        export(source, "toy", tmp_path / "out", unjudged=True)
+    assert caught.value.problems[0].code == "not_writable"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["model.json", "out"]
+    with pytest.raises(UsageError, match="no choice"):
+        export(source, "c", tmp_path / "m.c", unjudged=True, arithmetic="q7")
+
+
+def test_flight_c_needs_a_chain(tmp_path: Path) -> None:
+    write_model(tmp_path / "model.json", gyro())
+    with pytest.raises(DataError, match="the model has no chain"):
+        export(load_model_file(tmp_path / "model.json"), "flight-c", tmp_path / "out", unjudged=True)
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize("name", FORMATS)
@@ -69,8 +103,8 @@ def test_every_format_is_whole_and_documented(name: str) -> None:
 
 def test_formats_import_nothing_of_each_other() -> None:
     for module in BUILT_IN.values():
-        tree = ast.parse((FOLDER / f"{module}.py").read_text())
-        named = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.level == 1}
+        tree = ast.parse(((FOLDER / module.replace(".", "/")).with_suffix(".py")).read_text())
+        named = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.level}
         assert not named & set(BUILT_IN.values()), module
 
 

@@ -20,10 +20,10 @@ from inertialcal.core.key import Key, Kind
 from inertialcal.files.models import imu_tk, imucal, kalibr, realsense
 from inertialcal.files.models.formats import FORMATS as ALL
 from inertialcal.files.models.formats import read_models
-from inertialcal.files.models.kalibr import parse_yaml
 from inertialcal.files.models.model_file import export, load_model_file
 from inertialcal.files.models.model_format import ImportedModels, ModelText
 from inertialcal.files.models.model_json import write_model
+from inertialcal.files.models.yaml_text import parse_yaml
 from inertialcal.sensors.model.compensate import compensate
 from inertialcal.sensors.model.equation import predict
 from inertialcal.sensors.model.sensitivity import Sensitivity
@@ -101,7 +101,10 @@ def test_their_text_read_and_written_says_the_same(name: str) -> None:
     text = module.dump(models)
     first = imported(text, "gyro", "gyro")
     kept = {kind: model for kind, model in first.models.items() if name != "imu-tk" or kind == "gyro"}
-    words, again = (re.sub(r"[][,]", " ", one).split() for one in (text, module.dump(kept)))
+    texts = (
+        re.sub(r"^# Bias.*$", "", one, flags=re.MULTILINE) for one in (text, module.dump(kept))
+    )  # Kalibr: to people
+    words, again = (re.sub(r"[][,]", " ", one).split() for one in texts)
     assert len(words) == len(again)
     for one, other in zip(words, again, strict=True):
         assert one == other or float(other) == pytest.approx(float(one), rel=1e-11, abs=1e-15)

@@ -190,19 +190,52 @@ class Reduced:
         """
         from ...files.models.model_json import dump_model  # noqa: PLC0415
 
-        target, models = Path(path), {GROUP[kind]: model for kind, model in self.models.items()}
-        if not models and self.errors:
-            why = "no model is made of recordings that disagree"
-            raise DataError([replace(one.problem, why=why) for one in self.errors])
-        if not models:
-            do = "See why each figure was not estimated"
-            raise DataError("nothing for a model was estimated", str(target), do=do, code="no_model")
+        target, models = Path(path), self._models(str(path))
         written = []
         for name, model in models.items():
             written.append(target.with_stem(f"{target.stem}_{name}") if len(models) > 1 else target)
             with atomic_write(written[-1], list(self.inputs)) as aside:
                 aside.write_text(dump_model(model), encoding="utf-8", newline="\n")
         return written
+
+    def exported(self, to: str) -> tuple[str, tuple[Remark, ...]]:
+        """Return the models in a format for others, judged or not, and what it cannot hold.
+
+        Raises
+        ------
+        UsageError
+            ``unsupported_format``; ``one_sensor`` where the format holds one, and the readings gave two.
+        DataError
+            ``no_model`` where there is none; as ``files.models.model_file.content``.
+        """
+        from ...files.models.model_file import ModelFile, content  # noqa: PLC0415
+        from ...files.models.model_json import dump_model  # noqa: PLC0415
+        from ...sensors.model.model_set import ModelSet  # noqa: PLC0415
+
+        models = self._models(to)
+        sources = [
+            ModelFile(next(iter(self.inputs), ""), dump_model(one).encode(), ModelSet((one,)))
+            for one in models.values()
+        ]
+        data, remarks = content(sources, to, unjudged=True)
+        return data.decode(), remarks
+
+    def _models(self, target: str) -> dict[str, SensorModel]:
+        """Return the models by the word of their sensor.
+
+        Raises
+        ------
+        DataError
+            ``no_model`` where there is none; the code of each error for which there is none.
+        """
+        models = {GROUP[kind]: model for kind, model in self.models.items()}
+        if not models and self.errors:
+            why = "no model is made of recordings that disagree"
+            raise DataError([replace(one.problem, why=why) for one in self.errors])
+        if not models:
+            do = "See why each figure was not estimated"
+            raise DataError("nothing for a model was estimated", target, do=do, code="no_model")
+        return models
 
     def write_campaign(self, folder: str | Path) -> Path:
         """Write what was used as a campaign: its file, and copies of the recordings.

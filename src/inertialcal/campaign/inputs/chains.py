@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ...core.errors import DataError
@@ -52,6 +54,35 @@ def build_chain(sensor: Sensor, axes: tuple[str, ...] | None = None) -> Chain:
         ),
         validity_minimum=given.validity_minimum,
     )
+
+
+def model_chain(
+    sensor: Sensor, axes: tuple[str, ...], recorded_gain: bool, output_unit: str | None, scale_factor: Array
+) -> Chain | None:
+    """Return the chain that leads to the readings of a model along some axes; None where codes alone do not.
+
+    So it is without a converter, where a model of the ground or a recorded gain comes between, where no scale factor
+    is known, and where the mounting exchanges or mixes sensors. One that turns axes turns the sign of their scale
+    factor.
+
+    Parameters
+    ----------
+    recorded_gain : bool
+        Whether the gain is a channel of the recordings.
+    output_unit, scale_factor : str or None, ndarray
+        Of the model; its scale factor is that of the chain where it takes the output of the sensor.
+    """
+    given, signs = sensor.chain, np.ones(len(axes))
+    if given.kind == "none" or given.ground is not None or given.model is not None or recorded_gain:
+        return None
+    if sensor.mounting is not None:
+        mounting = np.array(sensor.mounting)
+        if not np.array_equal(np.abs(mounting), np.eye(3)):
+            return None
+        signs = np.array([mounting["xyz".index(axis), "xyz".index(axis)] for axis in axes])
+    chain = build_chain(sensor, axes)
+    known = scale_factor if output_unit == chain.output_unit else chain.scale_factor
+    return None if known is None else replace(chain, scale_factor=signs * known, zero_at=None)
 
 
 def scale_factors(sensor: Sensor, axes: tuple[str, ...]) -> Array | None:

@@ -32,7 +32,8 @@ from ..file.cross_checks import model_name
 from ..file.load import Campaign
 from ..file.schema import CampaignFile, Condition, Test
 from ..file.sensors import Sensor
-from ..inputs.chains import body_scale_factors
+from ..inputs.chains import body_scale_factors, model_chain
+from ..inputs.channels import GAIN
 from .judged import NOT_RUN, JudgedModel, Modelled, Residual, ResidualLoop
 
 NOTHING = HeldOut()
@@ -291,12 +292,15 @@ def _model(campaign: Campaign, sensor: Sensor, condition: str, parts: Sequence[P
     before = [name for name in dict.fromkeys(name for part in parts for name in part.terms.after) if name not in ids]
     temperature = terms.temperature_range or (None if own.temperature is None else tuple(own.temperature))
     at = [terms.axes.index(axis) for axis in axes]
+    scale = _of_axes(terms.scale_factor, at) if volts is None else np.array([volts[axis] for axis in axes])
+    output_unit = terms.output_unit if volts is None else "V"
     return model_from(
         estimate,
         sensor.kind,
         axes,
-        scale_factor=_of_axes(terms.scale_factor, at) if volts is None else np.array([volts[axis] for axis in axes]),
-        output_unit=terms.output_unit if volts is None else "V",
+        scale_factor=scale,
+        output_unit=output_unit,
+        chain=model_chain(sensor, axes, _gain_recorded(campaign, sensor), output_unit, scale),
         source="" if sensor.mounting is None else f"readings in body axes, after mounting {sensor.mounting}",
         item=Item(item.maker, item.part, item.serial),
         input_range=None if terms.input_range is None else terms.input_range[at],
@@ -321,6 +325,13 @@ def _noise_of(noise: Estimate | None, axes: Sequence[str]) -> Estimate | None:
     """Return the noise terms of the axes that the model has."""
     keys = () if noise is None else tuple(key for key in noise.keys if key.axis in axes)
     return None if noise is None or not keys else noise.select(keys)
+
+
+def _gain_recorded(campaign: Campaign, sensor: Sensor) -> bool:
+    """Return whether a recording of a sensor has its gain as a channel."""
+    own = [one for one in campaign.file.recordings.values() if campaign.file.sensors.get(one.sensor) is sensor]
+    gains = {GAIN, *(f"{GAIN}_{axis}" for axis in sensor.axes)}
+    return any(gains & set(one.channels or {}) for one in own)
 
 
 def _of_axes(given: Any, at: Sequence[int]) -> Any:

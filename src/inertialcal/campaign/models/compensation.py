@@ -29,7 +29,7 @@ from ...sensors.model.serial import model_checksum
 from ...sensors.model.terms import values
 from ...sensors.model.uncertainty import compensated_uncertainty, without_uncertainty
 from ...statistics.intervals import t_interval
-from .inputs import CONDITIONS, FORCES, UNCERTAINTY, Taken, taken
+from .inputs import CONDITIONS, FORCES, UNCERTAINTY, Taken, from_chain, taken
 
 CUT = "Cut out the rows of one condition: inertialcal convert DATA OUT --from --to"
 
@@ -51,7 +51,7 @@ def compensate(
     model : SensorModel or ModelSet
         As ``load_model`` gives it, or ``load_models``: the one of the condition is applied.
     recording : Recording
-        With readings in units of input (deg/s, g, ...) or output (V, count/s).
+        With readings in units of input (deg/s, g, ...) or output (V, count/s); in counts where the model has a chain.
     columns, temperature
         As `taken`.
     serial : str, optional
@@ -80,6 +80,7 @@ def compensate(
         )
     model = model_for(model, recording, columns, condition)
     check_item(model, serial=serial)
+    recording, columns = from_chain(model, recording, columns)
     chosen = taken(model, recording, columns, temperature)
     axes = {axis: chosen.columns[axis] for axis in model.axes}
     # Refuse axes without a unit, or with one of another kind, with the file and the way out

@@ -7,16 +7,17 @@ two things is not taken.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from ...core.errors import DataError
 from ...core.recording import Recording
-from ...core.units import parse_quantity, same_dimension
+from ...core.remarks import Remark
+from ...core.units import convert, parse_quantity, same_dimension
 from ...files.text.headers import full_name
 from ...sensors.chain.converter import Chain
 from ...sensors.model.on_recordings import CONDITIONS as CHANNELS
-from ...sensors.model.on_recordings import QUANTITY
-from ...sensors.model.sensor_model import SensorModel
+from ...sensors.model.on_recordings import QUANTITY, apply_chain
+from ...sensors.model.sensor_model import RANGE_UNIT, SensorModel
 from ...sensors.model.terms import FORCE_AXES
 
 CONDITIONS = {"temperature": "degC", "temperature_rate": "degC/s", "pressure": "Pa", "time": "s"}
@@ -46,7 +47,7 @@ def taken(
     columns: Mapping[str, str] | None = None,
     temperature: str | float | None = None,
 ) -> Taken:
-    """Return which columns are used for what.
+    """Return which columns are used for what, of readings.
 
     Parameters
     ----------
@@ -83,35 +84,88 @@ def taken(
 
 
 def chain_columns(chain: Chain, recording: Recording, columns: Mapping[str, str] | None = None) -> dict[str, str]:
-    """Return the columns of counts by what they are: axes, ``reference_x``, ``temperature_x``, ``validity_x``, ...
+    """Return the columns that a chain starts from, by what they are: axes, ``reference_x``, ``temperature_x``, ...
 
-    Those that are named, and those whose header is the word, or the recorder's (``x_ref``); empty where the axes are in
-    other units than counts.
-
-    Raises
-    ------
-    DataError
-        ``wrong_column`` for a name that is not known.
+    Those that are named, and those whose header is the word, or the recorder's (``x_ref``); empty where the axes are
+    neither in counts nor in the output of the chain. Columns without a unit count as counts beside the reference that
+    the chain subtracts; where it subtracts none, if they hold whole numbers. A temperature in degC is none of them.
     """
     words = [*chain.axes, *CHANNELS, *(f"{what}_{axis}" for what in CHANNELS for axis in chain.axes)]
-    strangers = [f"{what}={name}" for what, name in (columns or {}).items() if what not in words]
-    if strangers:
-        raise DataError(
-            f"{', '.join(strangers)}: the chain has no such input", do=f"It takes: {', '.join(words)}",
-            code="wrong_column",
-        )  # fmt: skip
     named = {
-        what: full_name(recording.names, name) or recording.channel(name).name for what, name in (columns or {}).items()
-    }
+        what: full_name(recording.names, name) or recording.channel(name).name
+        for what, name in (columns or {}).items() if what in words
+    }  # fmt: skip
     recorded = {f"{what}_{axis}": f"{axis}_{short}" for what, short in RECORDED.items() for axis in chain.axes}
-    found: dict[str, str] = {}
+    found = {}
     for word in words:
         headers = (full_name(recording.names, one) for one in (word, recorded.get(word)) if one is not None)
         name = named.get(word) or next((one for one in headers if one is not None), None)
         if name is not None:
-            found[word] = name
-    counted = all(axis in found and recording.channel(found[axis]).unit in {None, "count"} for axis in chain.axes)
-    return found if counted else {}
+            found[word] = recording.channel(name)
+    if not all(axis in found for axis in chain.axes):
+        return {}
+    every = [found[axis] for axis in chain.axes]
+    references = {"reference", *(f"reference_{axis}" for axis in chain.axes)} & set(found)
+    subtracted = chain.reference == "channel"
+    counted = all(
+        one.unit == "count" or (one.unit is None and bool(references if subtracted else one.data.dtype.kind in "iu"))
+        for one in every
+    )
+    raw = counted or all(one.unit is not None and same_dimension(one.unit, chain.output_unit) for one in every)
+    warm = [word for word, one in found.items() if one.unit is not None and same_dimension(one.unit, "degC")]
+    return {word: one.name for word, one in found.items() if word not in warm} if raw else {}
+
+
+def from_chain(
+    model: SensorModel, recording: Recording, columns: Mapping[str, str] | None = None
+) -> tuple[Recording, dict[str, str]]:
+    """Return a recording of counts or volts as readings, and which column is which input of the model.
+
+    A recording in units of input, or a model without a chain, comes back as it is.
+
+    Parameters
+    ----------
+    columns : mapping of str to str, optional
+        What it is -> name of the column, as `chain_columns` and `taken` take them.
+
+    Raises
+    ------
+    DataError
+        As ``sensors.model.on_recordings.apply_chain``.
+    """
+    chain, named = model.chain, dict(columns or {})
+    found = {} if chain is None else chain_columns(chain, recording, named)
+    if chain is None or not found:
+        return recording, named
+    used, remarks = set(found.values()), recording.remarks
+    unsaid = [name for axis in chain.axes if recording.channel(name := found[axis]).unit is None]
+    if unsaid:
+        what = f"columns without a unit, taken for counts of the model's chain: {', '.join(unsaid)}"
+        remarks = (*remarks, Remark("taken_for_counts", "info", what, recording.source.path, len(unsaid)))
+    if recording.channel(found[chain.axes[0]]).unit not in {None, "count"}:
+        chain = replace(chain, step=1.0, codes=None)  # volts: one code is one volt
+        recording = replace(
+            recording,
+            channels=tuple(
+                replace(one, data=convert(one.data, str(one.unit), chain.output_unit), unit="count")
+                if one.name in used and one.unit not in {None, "count"} else one
+                for one in recording.channels
+            ),
+        )  # fmt: skip
+    tested = {"validity", *(f"validity_{axis}" for axis in chain.axes)} & set(found)
+    if chain.validity_minimum is not None and not tested:
+        chain = replace(chain, validity_minimum=None)
+        what = "no column of the built-in test: whether readings were good was not looked at"
+        remarks = (*remarks, Remark("no_built_in_test", "info", what, recording.source.path))
+    done = apply_chain(chain, replace(recording, remarks=remarks), found)
+    unit = RANGE_UNIT[model.kind]
+    shown = tuple(
+        replace(one, data=convert(one.data, chain.unit, unit).copy(), unit=unit) if one.name in chain.axes else one
+        for one in done.channels
+    )
+    inputs = {*chain.axes, *(f"temperature_{axis}" for axis in chain.axes)}
+    made = {name: name for name in done.names if name in inputs}
+    return replace(done, channels=shown), {what: name for what, name in named.items() if what not in found} | made
 
 
 def _column_of(model: SensorModel, recording: Recording, axis: str) -> str:

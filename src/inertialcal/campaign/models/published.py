@@ -1,4 +1,4 @@
-"""Published models applied to counts: through the published chain, as a whole and step by step."""
+"""Published models applied to counts, step by step."""
 
 from __future__ import annotations
 
@@ -9,49 +9,12 @@ import numpy as np
 
 from ...core.errors import DataError, UsageError
 from ...core.recording import Recording
-from ...core.remarks import Remark
-from ...core.units import convert, factor
+from ...core.units import factor
 from ...sensors.catalogue import AS_PRINTED, CORRECTED, PublishedSensor
 from ...sensors.flight import RATES, Step, steps
-from ...sensors.model.on_recordings import apply_chain
 from ...sensors.model.sensor_model import RANGE_UNIT
 from .compensation import compensate
-from .inputs import chain_columns
-
-FLIGHT = "flight"  # chain of a published sensor
-
-
-def from_counts(
-    sensor: PublishedSensor, recording: Recording, columns: Mapping[str, str] | None = None
-) -> tuple[Recording, dict[str, str]]:
-    """Return a recording of counts as readings, and which column is which input of the model.
-
-    A recording that is not in counts, or a sensor without a chain, comes back as it is.
-
-    Raises
-    ------
-    DataError
-        ``wrong_column``; and as ``sensors.model.on_recordings.apply_chain``.
-    """
-    chain = sensor.chains.get(FLIGHT)
-    found = {} if chain is None else chain_columns(chain, recording, columns)
-    if chain is None or not found:
-        return recording, dict(columns or {})
-    remarks = recording.remarks
-    tested = {"validity", *(f"validity_{axis}" for axis in chain.axes)} & set(found)
-    if chain.validity_minimum is not None and not tested:
-        chain = replace(chain, validity_minimum=None)
-        what = "no column of the built-in test: whether readings were good was not looked at"
-        remarks = (*remarks, Remark("no_built_in_test", "info", what, recording.source.path))
-    done = apply_chain(chain, replace(recording, remarks=remarks), found)
-    unit = RANGE_UNIT[sensor.kind]
-    shown = tuple(
-        replace(one, data=convert(one.data, chain.unit, unit).copy(), unit=unit) if one.name in chain.axes else one
-        for one in done.channels
-    )
-    inputs = {*chain.axes, *(f"temperature_{axis}" for axis in chain.axes)}
-    made = {name: name for name in done.names if name in inputs}
-    return replace(done, channels=shown), made
+from .inputs import chain_columns, from_chain
 
 
 def reading_steps(
@@ -81,7 +44,9 @@ def reading_steps(
     state, where = AS_PRINTED if as_printed else CORRECTED, recording.source.path
     if state not in sensor.equations:
         raise DataError("no flight equation is published of this sensor", where, code="no_steps")
-    equation, chain = sensor.equations[state], sensor.chains[FLIGHT]
+    equation, model = sensor.equations[state], sensor.models[state]
+    chain = model.chain
+    assert chain is not None  # noqa: S101 - the equation starts from counts
     found = chain_columns(chain, recording, columns)
     kinds = ("reference", "temperature")
     lacking = [axis for axis in chain.axes if axis not in found]
@@ -102,7 +67,7 @@ def reading_steps(
         time_ns=None if recording.time_ns is None else recording.time_ns[row - 1 : row],
         first_row=recording.first_row + row - 1 if recording.first_row else 0,
     )
-    readings, made = from_counts(sensor, one, columns)
+    readings, made = from_chain(model, one, columns)
     if not np.isfinite(readings.array(list(made))).all():
         left_out = [remark.what for remark in readings.remarks if remark.severity != "info"]
         raise DataError(f"row {row} is not valid", one.place(0), why="; ".join(left_out), code="not_valid")
@@ -116,7 +81,6 @@ def reading_steps(
     listed = steps(
         equation, chain, codes(""), codes("reference"), codes("temperature"), codes(own) if has_own else None
     )
-    model = sensor.models[state]
     done = compensate(model, readings, made)
     inverse = done.array(list(model.axes))[0] * factor(RANGE_UNIT[sensor.kind], listed[-1].unit)
     return (*listed, Step("by the inverse of M, not of first order", inverse, listed[-1].unit, RATES, listed[-1].group))

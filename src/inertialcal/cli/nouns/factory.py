@@ -12,7 +12,7 @@ import typer
 from ...core.settings import Setting, grouped_settings
 from ...procedures.given import Said
 from ...procedures.protocol import Command, Procedure
-from ..options import Json, Quiet
+from ..options import Json, Quiet, with_options
 
 Files = Annotated[list[Path], typer.Argument(help="Recordings, or tables of readings.", show_default=False)]
 OUTPUT = {
@@ -28,6 +28,11 @@ OUTPUT = {
 HOLD_OUT = Annotated[
     list[Path] | None, typer.Option("--hold-out", help="File that the model is judged on; repeatable.")
 ]
+FORMAT = Annotated[
+    str | None,
+    typer.Option("--for", help="Format of the models, printed or written with -o: px4, ardupilot, any of export.",
+                 show_default=False),
+]  # fmt: skip
 
 
 def command_of(procedure: Procedure[Any, Any, Any], declared: Command) -> Callable[..., int]:
@@ -44,20 +49,9 @@ def command_of(procedure: Procedure[Any, Any, Any], declared: Command) -> Callab
     parameters |= {name: option_of(one) for name, one in ordered.items()} | OUTPUT
     if "hold_out" in procedure.uses:
         parameters["hold_out"] = (HOLD_OUT, None)
+    if procedure.makes_model:
+        parameters["for_format"] = (FORMAT, None)
     return with_options(command, parameters)
-
-
-def with_options(command: Callable[..., int], parameters: dict[str, tuple[Any, Any]]) -> Callable[..., int]:
-    """Return a function that takes anything with the signature that the parser makes options of."""
-    keyword = inspect.Parameter.KEYWORD_ONLY
-    command.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
-        [
-            inspect.Parameter(name, keyword, default=default, annotation=kind)
-            for name, (kind, default) in parameters.items()
-        ]
-    )
-    command.__annotations__ = {name: kind for name, (kind, _) in parameters.items()}
-    return command
 
 
 def option_of(one: Setting) -> tuple[Any, Any]:

@@ -26,14 +26,13 @@ def run_noun(
         given.pop(name) for name in ("output", "figure", "figure_axis", "campaign", "as_json", "quiet")
     )
     files, held_out = given.pop("files"), given.pop("hold_out", None) or []
-    form = _form(procedure, output)
-    if form == "folder":
-        check_folder(output, figure)
-    elif form == "figure":
-        figures.check_figure(output, {"--figure": figure, "--figure-axis": axis})
+    to = given.pop("for_format", None)
+    form = _form(procedure, output, to)
+    _check_output(form, output, {"--figure": figure, "--figure-axis": axis}, to)
     found = call(procedure.name, files, pairs_of(settings, given), held_out=held_out, options=True, word=declared.word)
     chosen = {"figure": figure or declared.figure or None, "axis": axis}
-    written = {} if output is None else _write(form, output, found, procedure, chosen)
+    exported, gone = found.exported(to) if to else ("", ())
+    written = {} if output is None else _write(form, output, found, procedure, chosen, exported)
     if campaign is not None:
         path = str(found.write_campaign(campaign))
         written[path] = clean(f"written: {path}")
@@ -41,36 +40,68 @@ def run_noun(
         content = {
             "inputs": [{"path": path, "sha256": digest} for path, digest in found.inputs.items()],
             "results": [row.to_dict() for row in found.rows],
-            "remarks": [one.to_dict() for one in found.remarks],
+            "remarks": [one.to_dict() for one in (*found.remarks, *gone)],
             "columns": dict(found.columns),
             **procedure.content(found),
-        }
+        } | ({"models": {to: exported}} if to else {})
         json_out(declared.word, content | ({"written": list(written)} if written else {}), found.exit_status)
     elif not quiet:
         own = procedure.report(found)
-        rows, remarks = ([one.to_dict() for one in every] for every in (found.rows, found.remarks))
+        rows, remarks = ([one.to_dict() for one in every] for every in (found.rows, (*found.remarks, *gone)))
         if own is None:
             print_reduced(found.columns, rows, remarks, found=procedure.summary(found))
             if held_out:
                 print(closed_loop_text(found.results))
         else:
             print("\n".join([own, "", *remarks_text(remarks)]).rstrip())
+        if exported and output is None:
+            print(f"\n{exported.rstrip()}")
         for line in written.values():
             print(line)
     return found.exit_status
 
 
-def _form(procedure: Procedure[Any, Any, Any], output: Path | None) -> str:
-    """Return what ``-o`` asks for, by its ending: a figure, the models, or all into a folder."""
+def _form(procedure: Procedure[Any, Any, Any], output: Path | None, to: str | None) -> str:
+    """Return what ``-o`` asks for: the models in a format; by its ending a figure, the models, or all into a folder."""
+    if to:
+        return "format"
     if output is not None and not output.suffix:
         return "folder"
     return "models" if output is not None and output.suffix.lower() == ".json" and procedure.makes_model else "figure"
 
 
+def _check_output(form: str, output: Path | None, chosen: dict[str, str | None], to: str | None) -> None:
+    """Refuse what cannot be written, before anything is computed.
+
+    Raises
+    ------
+    UsageError
+        ``unsupported_format``; as `check_folder` and ``figures.check_figure``.
+    """
+    if form == "format":
+        from ...files.models.formats import FORMATS
+
+        if to not in FORMATS:
+            do = f"Formats: {', '.join(FORMATS)}"
+            raise UsageError(f"--for {to!r}: no such format", do=do, code="unsupported_format")
+    elif form == "folder" and output is not None:
+        check_folder(output, chosen["--figure"])
+    elif form == "figure":
+        figures.check_figure(output, chosen)
+
+
 def _write(
-    form: str, output: Path, found: Reduced, procedure: Procedure[Any, Any, Any], chosen: dict[str, str | None]
-) -> dict[str, str]:
+    form: str, output: Path, found: Reduced, procedure: Procedure[Any, Any, Any], chosen: dict[str, str | None],
+    exported: str = "",
+) -> dict[str, str]:  # fmt: skip
     """Write what ``-o`` asks for; return a line a path."""
+    if form == "format":
+        from ...files.write.atomic import atomic_write
+
+        with atomic_write(output, list(found.inputs)) as aside:
+            aside.write_text(exported, encoding="utf-8", newline="\n")
+        judged = all(one.judged for one in found.models.values())
+        return {str(output): clean(f"written: {output} ({'judged' if judged else 'not judged'})")}
     if form == "figure":
         return {str(output): figures.write(output, found, list(found.inputs), chosen, most=3)}
     if form == "models":

@@ -7,7 +7,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
+import numpy as np
+
 from ...campaign.compare.compare import HEADS, JUDGED, Comparison, is_beside, is_shown, line, not_compared, rule_lines
+from ...campaign.models.flight_replay import FlightReplay
 from ...core.results import finite, key_of
 from ...core.show.rounding import number, settled, settled_number, with_uncertainty
 from ...core.show.rows import names_of, reason_text
@@ -57,6 +60,24 @@ def steps_text(steps: Sequence[Step], axes: Sequence[str]) -> str:
             cells.append([one.group, *("" for _ in axes), ""])
         cells.append([f"  {one.name}", *(f"{value:.{one.decimals}f}" for value in one.values), one.unit])
     return table(cells, ["", *axes, "unit"], right=range(1, len(axes) + 1))
+
+
+def flight_text(found: FlightReplay) -> str:
+    """Return flight C beside compensation, on recordings held out."""
+    of = f" in {clean(found.condition)}" if found.condition else ""
+    written = f"flight C of the model{of}, written to {clean(str(found.folder))}"
+    if found.reason:
+        return wrapped(f"{written}; not replayed: {found.reason}")
+    on = ", ".join(clean(one) for one in found.recordings)
+    flags = f"; {found.flagged} more raise a flag" if found.flagged else ""
+    heads = ["  axis", "compensate, mean", "flight C, mean", "largest difference", "proved bound", "unit"]
+    arrays = (found.compensated, found.flown, found.largest, found.bound)
+    cells = [
+        [f"  {clean(axis)}", f"{one:.7f}", f"{other:.7f}", number(largest, 3), number(bound, 3), found.unit]
+        for axis, one, other, largest, bound in zip(found.axes, *map(np.asarray, arrays), strict=True)
+    ]
+    said = f"{written}; compiled, and replayed on {on}: {found.rows} readings{flags}"
+    return f"{wrapped(said)}\n{table(cells, heads, right=range(1, 5))}"
 
 
 def orbit_text(check: OrbitCheck, condition: str, dwells: Sequence[DwellCheck] = ()) -> str:

@@ -48,7 +48,9 @@ def _one(name: str, folder: Path, as_json: bool, quiet: bool) -> dict[str, Any]:
     """Build, run and score one example; return what ``--json`` says of it."""
     from ...campaign.engine.run import run as run_campaign
     from ...campaign.file.example import build, has_truth, title
+    from ...campaign.models.flight_replay import replay_flight_c
     from ...campaign.twins.score import score
+    from ..shown.model_text import flight_text
 
     built = build(name, folder)
     if not as_json and not quiet:
@@ -56,10 +58,13 @@ def _one(name: str, folder: Path, as_json: bool, quiet: bool) -> dict[str, Any]:
     with progress(quiet or as_json) as tell:
         outcome = run_campaign(built, tell)
     found = score(built) if has_truth(built) else None
+    flown = replay_flight_c(built)
     if not as_json and not quiet:
         print_outcome(outcome) if found is None else _print_scored(outcome, found)
+        print("" if flown is None else f"\n{flight_text(flown)}", end="\n" if flown else "")
     scored = {} if found is None else {"score": {"inside": found.inside, "estimated": found.estimated}}
-    return {"example": name} | outcome_content(outcome) | scored
+    flight = {} if flown is None else {"flight_c": flown.to_dict()}
+    return {"example": name} | outcome_content(outcome) | scored | flight
 
 
 WITH_MODEL = ("vacuum_offset", "angle_random_walk")  # shown with the model, which has no such terms

@@ -238,8 +238,8 @@ def compensate(
     from ...campaign.models.compensation import compensate as apply
     from ...campaign.models.compensation import model_for
     from ...campaign.models.find import find_model, published
-    from ...campaign.models.inputs import taken
-    from ...campaign.models.published import from_counts, reading_steps
+    from ...campaign.models.inputs import from_chain, taken
+    from ...campaign.models.published import reading_steps
     from ...files import read
     from ...files.write.recording import write
     from ...sensors.catalogue import CATALOGUE
@@ -253,17 +253,16 @@ def compensate(
     raw = read(data, units=units, sample_rate=sample_rate, time_column=time_column)
     inputs = [_input(found), {"path": raw.source.path, "sha256": raw.source.sha256}]
     listed: dict[str, Any] = {}
-    if sensor is not None:
-        if steps:
-            worked = reading_steps(sensor, raw, columns, row, as_printed)
-            listed = {"row": row, "steps": [one.to_dict(found.model.axes) for one in worked]}
-            _print_steps(found.model, raw, worked, row, quiet=as_json or quiet)
-        raw, columns = from_counts(sensor, raw, columns)
+    if sensor is not None and steps:
+        worked = reading_steps(sensor, raw, columns, row, as_printed)
+        listed = {"row": row, "steps": [one.to_dict(found.model.axes) for one in worked]}
+        _print_steps(found.model, raw, worked, row, quiet=as_json or quiet)
     if output is None:
         if as_json:
             json_out("compensate", {"inputs": inputs} | listed)
         return 0
     whose = model_for(found.models, raw, columns, condition)
+    raw, columns = from_chain(whose, raw, columns)
     done = apply(whose, raw, columns, temperature=temperature, serial=serial, uncertainty=uncertainty)
     chosen = taken(whose, raw, columns, temperature)
     remarks = [*done.remarks, *write(output, done)]
@@ -332,7 +331,9 @@ def convert(
 
 def export(
     model: Model,
-    output: Output,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="File to write; of flight-c a folder.", show_default=False)
+    ],
     to: Annotated[
         str,
         typer.Option("--to", help=f"Format: {', '.join(BUILT_IN)}.", show_default=False),
@@ -347,6 +348,10 @@ def export(
     nominal: Annotated[
         bool, typer.Option("--nominal", help="Write the nominal scale factor of axes whose own is not known.")
     ] = False,
+    arithmetic: Annotated[
+        str | None,
+        typer.Option(help="Of flight-c: q27 (fixed point, 27 fraction bits), float32, float64.", show_default="q27"),
+    ] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -358,7 +363,7 @@ def export(
     sources = [found] if other is None else [found, find_model(other)]
     if other is not None and condition in sources[1].models:
         sources[1] = find_model(other, condition)
-    exported = export_model(found, to, output, unjudged, sources[1:], nominal)
+    exported = export_model(found, to, output, unjudged, sources[1:], nominal, arithmetic)
     judged = all(one.judged for one in (found.models.values() if condition is None else [found.model]))
     if as_json:
         content = {

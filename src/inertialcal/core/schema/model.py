@@ -122,6 +122,28 @@ class Provenance(Part):
     source: str
 
 
+class Thermometer(Part):
+    """Linear temperature channel."""
+
+    slope: Numbers | Number
+    voltage: Numbers | Number
+    temperature: Numbers | Number
+
+
+class Chain(Part):
+    """From codes to readings."""
+
+    step: Number
+    codes: list[int] | None
+    output_unit: str
+    scale_factor: Numbers
+    reference: str | Number
+    zero: Numbers | Number
+    gain: Numbers | Number
+    thermometer: Thermometer | None
+    validity_minimum: Number | None
+
+
 class Model(Part):
     """One model: all of a model.json of version 1."""
 
@@ -135,6 +157,7 @@ class Model(Part):
     source: str
     terms: dict[str, Numbers | None]
     sensitivities: list[Sensitivity] = []
+    chain: Chain | None = None
     temperature_range: Pair | None
     pressure_range: Pair | None
     estimate: Estimate | None

@@ -17,8 +17,12 @@ BUILT_IN = {  # name -> module
     "kalibr-model": "kalibr",
     "imu-tk": "imu_tk",
     "realsense": "realsense",
+    "px4": "autopilots.px4",
+    "ardupilot": "autopilots.ardupilot",
+    "ros": "ros",
     "c": "apply_c",
     "python": "apply_python",
+    "flight-c": "flight_c.format",
 }
 FORMATS = Registry(
     "format of models",

@@ -16,9 +16,7 @@ References
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -30,70 +28,21 @@ from ...core.units import factor, same_dimension
 from ...sensors.model.sensor_model import INPUT_UNIT, SensorModel
 from ...sensors.noise.terms import terms_of
 from ...sensors.noise.to_filters import SensorNoise, sensor_noise
-from ..budget import YAML, check_count
 from .model_format import ImportedModels, ModelFormat, ModelText
 from .triad import Triad, filled, ideal, invertible, lost, model_of, numbers, triad
+from .yaml_text import parse_yaml
 
 NAME = "Kalibr"
 KEYS = ("accelerometers:", "gyroscopes:", "accelerometer_noise_density:")  # one of them stands in every file
-DEEPEST = 12  # maps and lists within each other
 LARGEST_SKEW = 1e-6  # off which a matrix is no rotation
 NO_BIAS = "Kalibr's file has no bias: 0 is used"
 HEAD = "# Written by inertialcal. Readings in m/s^2 and rad/s"
 NO_NOISE = "; noise: inertialcal allan FILE --for kalibr"
 WORDS: dict[Kind, str] = {"accelerometer": "accelerometer", "gyro": "gyroscope"}  # of the noise in the file
-HOLDS = {
-    "accelerometer": frozenset({"scale_factor", "noise"}),
-    "gyro": frozenset({"g_sensitivity", "scale_factor", "noise"}),
+HOLDS = {  # the bias stands in a comment, and in a remark of its own
+    "accelerometer": frozenset({"bias", "scale_factor", "noise"}),
+    "gyro": frozenset({"bias", "g_sensitivity", "scale_factor", "noise"}),
 }
-
-
-def parse_yaml(text: str, where: str = "") -> object:
-    """Return the content of a YAML file: dicts, lists, numbers, words, None.
-
-    Raises
-    ------
-    DataError
-        ``not_yaml``, with the line, for what is no YAML, and for anchors, aliases, tags, a key twice, or more than 12
-        levels: a calibration file needs none of them.
-    """
-    import yaml  # noqa: PLC0415 - starts slowly
-
-    check_count(len(text), YAML, "characters of YAML", where)
-
-    depth = 0
-    try:
-        for event in yaml.parse(text, Loader=yaml.SafeLoader):
-            if getattr(event, "anchor", None) or getattr(event, "tag", None):
-                raise _not_yaml("YAML anchors, aliases and tags are not supported", event.start_mark, where)
-            depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
-            if depth > DEEPEST:
-                raise _not_yaml(f"more than {DEEPEST} nested maps or lists", event.start_mark, where)
-        document = yaml.compose(text, Loader=yaml.SafeLoader)
-        _check_node(document, where)
-        return yaml.constructor.SafeConstructor().construct_document(document)
-    except yaml.MarkedYAMLError as error:
-        raise _not_yaml(f"not YAML: {error.problem}", error.problem_mark, where) from None
-    except (yaml.YAMLError, ValueError) as error:  # a character that YAML has not; a date that there is not
-        raise DataError(f"not YAML: {error}".splitlines()[0], where=where, code="not_yaml") from None
-
-
-def _check_node(node: Any, where: str) -> None:
-    """Refuse a key that appears twice; take 1e-5 as the number that it is for everyone but YAML 1.1."""
-    if node.id == "scalar":
-        if node.style is None and re.fullmatch(r"[-+]?[0-9]+[eE][-+]?[0-9]+", node.value):
-            node.tag = "tag:yaml.org,2002:float"
-        return
-    keys = [key.value for key, _ in node.value] if node.id == "mapping" else []
-    for i, value in enumerate(node.value):
-        if keys and keys.index(keys[i]) < i:
-            raise _not_yaml(f"key {keys[i]!r} appears twice", value[0].start_mark, where)
-        _check_node(value[1] if keys else value, where)
-
-
-def _not_yaml(what: str, mark: Any, where: str) -> DataError:
-    place = f"{where}:{mark.line + 1}" if where else f"line {mark.line + 1}"
-    return DataError(what, where=place, do="Write it as maps, lists and numbers", code="not_yaml")
 
 
 def read(given: ModelText) -> ImportedModels | None:
@@ -190,7 +139,16 @@ def dump(models: Mapping[Kind, SensorModel]) -> str:
     }
     content = yaml.safe_dump({"imu0": own}, sort_keys=False, default_flow_style=None, width=1000)
     head = HEAD if _densities(models) else HEAD + NO_NOISE
-    return f"{head}\n{content}"
+    biases = "".join(f"# {_bias(model)}\n" for model in models.values() if np.any(model.bias))
+    return f"{head}\n{biases}{content}"
+
+
+def _bias(model: SensorModel) -> str:
+    """Return the bias that the file has no place for, in words: at the reference temperatures where it changes."""
+    each = ", ".join(f"{axis} {float(value):.9g}" for axis, value in zip(model.axes, model.bias, strict=True))
+    at = model.reference_temperature if model.bias_temperature is not None else None
+    warm = "" if at is None else f" at {', '.join(f'{one:g}' for one in dict.fromkeys(at.tolist()))} degC"
+    return f"Bias of the {model.kind}, not held by Kalibr's file: {each} {model.unit}{warm}: subtract it first"
 
 
 def _densities(models: Mapping[Kind, SensorModel]) -> dict[str, float]:
@@ -256,6 +214,12 @@ def _in_si(model: SensorModel | None) -> tuple[Array, Array]:
 def cannot_hold(models: Mapping[Kind, SensorModel]) -> tuple[Remark, ...]:
     """Return what of these models the format leaves out, fills in or takes otherwise."""
     gone = [remark for kind, model in models.items() for remark in lost(model, NAME, HOLDS[kind])]
+    gone += [
+        Remark("not_held", "warning", f"{kind}: {NAME} cannot hold: bias",
+               do=f"{_bias(model)}; the file says so in a comment")
+        for kind, model in models.items()
+        if np.any(model.bias)
+    ]  # fmt: skip
     for kind, model in models.items():
         if model.output_unit != INPUT_UNIT[kind]:
             what = f"{kind}: {NAME} expects readings in {INPUT_UNIT[kind]}, not outputs in {model.output_unit}"

@@ -9,7 +9,8 @@ import hashlib
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import get_args
+from pathlib import Path
+from typing import TYPE_CHECKING, get_args
 
 from ...core.errors import DataError, UsageError
 from ...core.key import Kind
@@ -17,9 +18,12 @@ from ...core.remarks import Remark
 from ...sensors.model.model_set import ModelSet
 from ...sensors.model.sensor_model import SensorModel
 from ..source import load
-from ..write.atomic import atomic_write
+from ..write.atomic import atomic_write, write_folder
 from .formats import FORMATS, read_models
-from .model_format import ImportedModels, ModelText
+from .model_format import ImportedModels, ModelFormat, ModelText
+
+if TYPE_CHECKING:
+    from .model_format import Models
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,8 +126,9 @@ def export(
     unjudged: bool = False,
     others: Sequence[ModelFile] = (),
     nominal: bool = False,
+    arithmetic: str | None = None,
 ) -> Exported:
-    """Write a model in a format for others; the file is complete or not there.
+    """Write a model in a format for others; the file, or the folder, is complete or not there.
 
     Parameters
     ----------
@@ -132,31 +137,67 @@ def export(
     to : str
         Name of the format, one of ``formats.FORMATS``.
     target : path
-        File to write.
+        File to write; a folder, new or empty, for formats of several files.
     unjudged : bool
         Hand it out although no recording held out has judged it.
     others : sequence of ModelFile
         Model of the other sensor, for formats that hold both.
     nominal : bool
         Write the nominal scale factor of axes whose own is not known, where the format cannot mark it.
+    arithmetic : str, optional
+        For formats that compute: ``"q27"``, ``"float32"``, ``"float64"``.
 
     Returns
     -------
     Exported
-        SHA-256 of what was written; what the format cannot hold, and what the file read held beside the model.
+        SHA-256 of what was written, of a folder that of the lines ``SHA-256  name`` of its files; what the format
+        cannot hold, and what the file read held beside the model.
+
+    Raises
+    ------
+    UsageError, DataError
+        As `content`; ``no_arithmetic``; ``overwrites_input``.
+    StoreError
+        ``not_written``; ``not_writable`` of a folder.
+    """
+    sources = (source, *others)
+    chosen, models, remarks = _checked(sources, to, unjudged, nominal)
+    if arithmetic is not None and chosen.folder is None:
+        raise UsageError(f"--arithmetic: --to {to} has no choice", do="Leave it out", code="no_arithmetic")
+    if chosen.folder is not None:
+        files = chosen.folder(models, arithmetic)
+        write_folder(Path(target), files)
+        listing = "".join(f"{hashlib.sha256(data).hexdigest()}  {name}\n" for name, data in sorted(files.items()))
+        return Exported(hashlib.sha256(listing.encode()).hexdigest(), remarks)
+    data = chosen.dump(models).encode() if models else source.data
+    with atomic_write(target, [sensor_named(one.path)[0] for one in sources]) as aside:
+        aside.write_bytes(data)
+    return Exported(hashlib.sha256(data).hexdigest(), remarks)
+
+
+def content(
+    sources: Sequence[ModelFile], to: str, unjudged: bool = False, nominal: bool = False
+) -> tuple[bytes, tuple[Remark, ...]]:
+    """Return the file that `export` writes, of a folder the one that matters most, and the remarks on it.
 
     Raises
     ------
     UsageError
         ``unsupported_format``; ``one_sensor``, ``one_of_each``.
     DataError
-        ``unjudged``; ``scale_factor_unknown``; ``overwrites_input``; as the ``dump`` of the format.
-    StoreError
-        ``not_written``.
+        ``unjudged``; ``scale_factor_unknown``; as the ``dump`` of the format.
     """
+    chosen, models, remarks = _checked(sources, to, unjudged, nominal)
+    return chosen.dump(models).encode() if models else sources[0].data, remarks
+
+
+def _checked(
+    sources: Sequence[ModelFile], to: str, unjudged: bool, nominal: bool
+) -> tuple[ModelFormat, Models, tuple[Remark, ...]]:
+    """Return the format, the models that are handed out, none where the file is as it lies, and the remarks."""
+    source = sources[0]
     if to not in FORMATS:
         raise UsageError(f"--to {to!r}: no such format", do=f"Formats: {', '.join(FORMATS)}", code="unsupported_format")
-    sources = (source, *others)
     chosen = FORMATS[to]
     kept = chosen.verbatim and source.format == chosen.title and source.condition is None
     for one in sources:
@@ -172,19 +213,22 @@ def export(
                 code="unjudged",
             )
     unknown = (
-        [] if chosen.title == ModelFile.format else [remark for one in sources for remark in _unknown(one, nominal)]
+        []
+        if chosen.title == ModelFile.format
+        else [
+            remark
+            for one in sources
+            if one.models.kind not in chosen.scale_optional
+            for remark in _unknown(one, nominal)
+        ]
     )
     if chosen.one_sensor and len(sources) > 1:
         raise UsageError(f"--to {to} holds one sensor a file", do="Export them one by one", code="one_sensor")
     if len({one.models.kind for one in sources}) < len(sources):
         raise UsageError(f"two models of a {source.models.kind}", do="Give one of each", code="one_of_each")
-    models: dict[Kind, SensorModel] = {} if kept else {one.models.kind: one.model for one in sources}
-    data = source.data if kept else chosen.dump(models).encode()
-    gone = () if kept else chosen.cannot_hold(models)
-    with atomic_write(target, [sensor_named(one.path)[0] for one in sources]) as aside:
-        aside.write_bytes(data)
+    models: Models = {} if kept else {one.models.kind: one.model for one in sources}
     before = tuple(remark for one in sources for remark in one.remarks)
-    return Exported(hashlib.sha256(data).hexdigest(), (*before, *gone, *unknown))
+    return chosen, models, (*before, *(() if kept else chosen.cannot_hold(models)), *unknown)
 
 
 def _unknown(source: ModelFile, nominal: bool) -> list[Remark]:

@@ -53,7 +53,11 @@ class ModelFormat:
     dump: Callable[[Models], str]  # Text of the file that holds these models
     cannot_hold: Callable[[Models], tuple[Remark, ...]]  # What the format leaves out of these models, or fills in
     one_sensor: bool = False  # Whether a file holds one sensor only
+    # Files of the folder that it is written as, by name, in an arithmetic; None where the format is one file
+    folder: Callable[[Models, str | None], Mapping[str, bytes]] | None = None
     verbatim: bool = False  # Whether a file in this format is handed on byte by byte
+    # Sensors whose scale factor stays out of a file where it is not known, so that no nominal one is handed out
+    scale_optional: frozenset[Kind] = frozenset()
     # Models of a text; it gives None for a text in another format. None where the format is written only.
     read: Callable[[ModelText], ImportedModels | None] | None = None
 

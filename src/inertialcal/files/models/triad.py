@@ -69,7 +69,10 @@ def triad(model: SensorModel) -> Triad:
     return Triad(scale[:, np.newaxis] * model.matrix[0], scale * model.bias, force)
 
 
-def model_of(kind: Kind, scale: Array, own: Triad, output_unit: str, name: str, reason: str = "") -> SensorModel:
+def model_of(
+    kind: Kind, scale: Array, own: Triad, output_unit: str, name: str, reason: str = "",
+    over_temperature: tuple[Array, float, tuple[float, float]] | None = None,
+) -> SensorModel:  # fmt: skip
     """Return the model with a nominal scale factor that outputs of this equation have.
 
     Parameters
@@ -86,8 +89,12 @@ def model_of(kind: Kind, scale: Array, own: Triad, output_unit: str, name: str, 
         Whose format it comes from.
     reason : str
         Why the bias is not known; empty where it is.
+    over_temperature : (ndarray, float, (float, float)), optional
+        Powers of the offset in temperature, shape (q, 3) [output unit/degC^j], the temperature that they count from,
+        and the range that they hold for [degC].
     """
     force = own.force / scale[:, np.newaxis]
+    powers, centre, ends = over_temperature or (None, 0.0, None)
     model = SensorModel(
         kind=kind,
         axes=AXES,
@@ -95,6 +102,9 @@ def model_of(kind: Kind, scale: Array, own: Triad, output_unit: str, name: str, 
         output_unit=output_unit,
         matrix=own.gain / scale[:, np.newaxis],
         bias=own.offset / scale,
+        bias_temperature=None if powers is None else powers / scale,
+        reference_temperature=None if powers is None else np.full(3, centre),
+        temperature_range=ends,
         g_sensitivity=force if np.any(force) else None,
         source=f"{name} file",
     )

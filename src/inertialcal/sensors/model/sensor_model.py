@@ -41,6 +41,7 @@ from ...core.key import Kind
 from ...core.show.rounding import number, with_uncertainty
 from ...core.show.tables import Block, Details, Table, clean, html, text
 from ...core.units import convert, divide, factor, normalise, same_dimension
+from ..chain.converter import Chain
 from .sensitivity import Sensitivity
 from .terms import (
     SHAPES,
@@ -146,6 +147,7 @@ class SensorModel:
     pressure_range: tuple[float, float] | None = None  # The same for pressure [Pa]
     # Values and covariance of the parameters, names as ``terms.parameters`` gives them
     estimate: Estimate | None = None
+    chain: Chain | None = None  # From codes to readings, of the same axes; None where the model starts from readings
     # Noise terms by axis, SI, as the noise test names them; they take no part in compensation
     noise: Estimate | None = None
     not_estimated: Mapping[str, str] = field(default_factory=dict)  # Parameter -> why it has no uncertainty
@@ -175,6 +177,18 @@ class SensorModel:
         check_ranges(self.axes, terms, ranges | {one.channel: one.range for one in self.sensitivities if one.range})
         if self.estimate is not None:
             check_estimate(self.parameters, terms, self.estimate)
+        if self.chain is not None:
+            self._check_chain(self.chain)
+
+    def _check_chain(self, chain: Chain) -> None:
+        """Refuse a chain that gives other readings than the model takes."""
+        if (chain.axes, chain.unit) != (self.axes, self.unit) or chain.scale_factor is None:
+            what = f"the chain gives {', '.join(chain.axes)} in {chain.unit or 'no unit'}"
+            raise DataError(what, why=f"the model takes {', '.join(self.axes)} in {self.unit}", code="wrong_chain")
+        scaled = np.broadcast_to(chain.scale_factor, len(self.axes))
+        if chain.output_unit == self.output_unit and not np.array_equal(scaled, self.scale_factor):
+            what = f"scale factor of the chain {scaled.tolist()}, of the model {self.scale_factor.tolist()}"
+            raise DataError(what, why="readings from codes and from volts would differ", code="wrong_chain")
 
     @property
     def unit(self) -> str:
@@ -487,7 +501,27 @@ def _validity(model: SensorModel) -> list[str]:
         rows.append("pressures {:g} to {:g} Pa".format(*model.pressure_range))
     rows += [f"{one.channel} {one.range[0]:g} to {one.range[1]:g} {one.unit}" for one in model.sensitivities
              if one.range is not None]  # fmt: skip
-    return ["Holds for: " + ("; ".join(rows) if rows else "no range stated")]
+    return [*_chain(model), "Holds for: " + ("; ".join(rows) if rows else "no range stated")]
+
+
+def _chain(model: SensorModel) -> list[str]:
+    """Return what the chain of the model starts from."""
+    chain = model.chain
+    if chain is None:
+        return []
+    words = [f"one count {number(chain.step)} {chain.output_unit}"]
+    words += [f"codes {chain.codes[0]} to {chain.codes[1]}"] if chain.codes else []
+    if chain.reference == "channel":
+        words.append("less the reference channel")
+    elif chain.reference:
+        words.append(f"less {number(float(chain.reference))} {chain.output_unit}")
+    words += ["temperature from its channel"] if chain.thermometer is not None else []
+    words += (
+        [f"good while the built-in test is {number(chain.validity_minimum)} V or more"]
+        if chain.validity_minimum
+        else []
+    )
+    return ["Starts from counts: " + ", ".join(words)]
 
 
 def _rows(term: Array | None) -> Array:

@@ -24,6 +24,7 @@ from ...core.schema.checksum import checksum
 from ...core.schema.content import check_content
 from ...core.schema.model import Model as OneModel
 from ...core.schema.model import Models as ModelContent
+from ..chain.converter import Chain, Thermometer
 from .model_set import ModelSet
 from .sensitivity import PARTS, Sensitivity
 from .sensor_model import APPLY_ORDER, MATRIX_ORDER, Item, Provenance, SensorModel
@@ -85,6 +86,7 @@ def _to_dict(model: SensorModel) -> dict[str, Any]:
             }
             for one in model.sensitivities
         ],
+        "chain": None if model.chain is None else _chain_to_dict(model.chain),
         "temperature_range": _list(model.temperature_range),
         "pressure_range": _list(model.pressure_range),
         "estimate": None if model.estimate is None else _estimate_to_dict(model.estimate),
@@ -101,6 +103,54 @@ def _to_dict(model: SensorModel) -> dict[str, Any]:
             for one in model.selections
         ],
     }
+
+
+def _chain_to_dict(chain: Chain) -> dict[str, Any]:
+    """Return a chain without what the model says: its axes and its input unit."""
+    thermometer = chain.thermometer
+    return {
+        "step": float(chain.step),
+        "codes": None if chain.codes is None else list(chain.codes),
+        "output_unit": chain.output_unit,
+        "scale_factor": np.broadcast_to(np.asarray(chain.scale_factor, dtype=float), len(chain.axes)).tolist(),
+        "reference": chain.reference,
+        "zero": _list(chain.zero),
+        "gain": _list(chain.gain),
+        "thermometer": None if thermometer is None else {
+            name: _list(getattr(thermometer, name)) for name in ("slope", "voltage", "temperature")
+        },
+        "validity_minimum": chain.validity_minimum,
+    }  # fmt: skip
+
+
+def _chain(content: Mapping[str, Any] | None, axes: Sequence[str], unit: str) -> Chain | None:
+    if content is None:
+        return None
+    warm, codes = content["thermometer"], content["codes"]
+    if isinstance(content["reference"], str) and content["reference"] != "channel":
+        raise DataError(f'chain: reference {content["reference"]!r}, need "channel" or a voltage', code="schema")
+    if codes is not None and len(codes) != 2:
+        raise DataError(f"chain: codes {codes}, need the lowest and the highest", code="schema")
+    return Chain(
+        tuple(axes),
+        float(content["step"]),
+        None if codes is None else (int(codes[0]), int(codes[1])),
+        unit,
+        content["output_unit"],
+        np.array(content["scale_factor"], dtype=float),
+        content["reference"],
+        _plain(content["zero"]),
+        _plain(content["gain"]),
+        thermometer=None
+        if warm is None
+        else Thermometer(*(_plain(warm[key]) for key in ("slope", "voltage", "temperature"))),
+        validity_minimum=content["validity_minimum"],
+    )
+
+
+def _plain(value: Any) -> Array | float:
+    """Return one number for all, or an array."""
+    return np.array(value, dtype=float) if isinstance(value, list) else float(value)
 
 
 def model_checksum(model: SensorModel) -> str:
@@ -163,6 +213,7 @@ def _model(content: Mapping[str, Any], condition: str) -> SensorModel:
         pressure_range=_pair(content["pressure_range"]),
         estimate=None if content["estimate"] is None else _estimate(content["estimate"], content["axes"], channels),
         noise=None if noise is None else _noise(noise),
+        chain=_chain(content.get("chain"), content["axes"], content["unit"]),
         not_estimated=dict(content["not_estimated"]),
         provenance={
             name: Provenance(one["test"], tuple(one["recordings"]), one["source"])

@@ -32,7 +32,7 @@ from .terms import (
     sample_unit,
     shown_units,
 )
-from .to_filters import FilterBlock, to_gtsam, to_kalibr, to_kf_gins, to_px4
+from .to_filters import FilterBlock, to_gtsam, to_kalibr, to_kf_gins, to_openvins, to_px4, to_ros
 
 __all__ = [
     "TERMS",
@@ -77,5 +77,7 @@ __all__ = [
     "to_gtsam",
     "to_kalibr",
     "to_kf_gins",
+    "to_openvins",
     "to_px4",
+    "to_ros",
 ]

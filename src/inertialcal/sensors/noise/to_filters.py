@@ -1,4 +1,4 @@
-"""Noise terms into the settings of navigation filters: Kalibr, PX4 EKF2, GTSAM, KF-GINS.
+"""Noise terms into the settings of navigation filters: Kalibr, OpenVINS, PX4 EKF2, GTSAM, KF-GINS, ROS messages.
 
 The direction is one: terms found here, in SI, to the words and units of the filter. Each block tells for every value
 where it comes from, what the filter has no word for, and what was not there to be written: such a line is left out as
@@ -17,6 +17,10 @@ What each takes
 ---------------
 Kalibr [1]_
     One value for the three axes (here the largest), densities as in the coefficients N and K.
+OpenVINS [5]_
+    The four values of Kalibr, in its ``kalibr_imu_chain.yaml`` below ``imu0``. It takes them as they are.
+ROS [6]_
+    The covariance of a single message, row by row: the variance of a reading, not a density.
 PX4 EKF2 [2]_
     Standard deviations a prediction step of dt, not densities: the filter squares them and multiplies by dt^2, so
     ``EKF2_GYR_NOISE = N / sqrt(dt)`` and ``EKF2_GYR_B_NOISE = K / sqrt(dt)``. One value for the three axes. Newer
@@ -34,13 +38,15 @@ References
    params_gyro_bias.yaml, params_accel_bias.yaml, ekf2_params.c (EKF2_PREDICT_US, 10 ms).
 .. [3] GTSAM, gtsam/navigation/PreintegrationCombinedParams.h.
 .. [4] KF-GINS, dataset/kf-gins.yaml, section imunoise; src/kf-gins/gi_engine.cpp: a bias is driven by
-   ``2 sigma^2 / t_c``.
+   ``2 sigma^2 / t_c``; the start of the biases: ``initbgstd``, ``initbastd``.
+.. [5] OpenVINS (github.com/rpng/open_vins), config/*/kalibr_imu_chain.yaml.
+.. [6] ROS, sensor_msgs/Imu: "the covariance matrices are row major about x, y, z axes"; REP 145.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -59,7 +65,7 @@ PX4_RANGES = {  # least and largest value that the parameters may have [2]_
 }
 STEPS = 4096  # of an averaging time, so short that samples are as good as continuous
 Axes = Sequence[Sequence[Term]]
-Target = Literal["kalibr", "px4", "gtsam", "kf_gins"]
+Target = Literal["kalibr", "px4", "gtsam", "kf_gins", "openvins", "ros"]
 
 
 def to_kalibr(
@@ -96,6 +102,48 @@ def to_kalibr(
     lines += [f'rostopic: "{_quoted(topic)}"', f"update_rate: {_figure(sample_rate)}  # Hz"]
     held = (*_worst_only(rate, acc), *_times_not_held(rate, acc))
     return filter_block("kalibr", lines, settings, rate, acc, held)
+
+
+def to_openvins(
+    gyro: Axes, accelerometer: Axes, sample_rate: float, topic: str = "/imu0", *, horizon: float | None = None
+) -> FilterBlock:
+    """Return the lines of OpenVINS's kalibr_imu_chain.yaml that hold noise.
+
+    Parameters and Raises as `to_kalibr`.
+    """
+    block = to_kalibr(gyro, accelerometer, sample_rate, topic, horizon=horizon)
+    lines = ["%YAML:1.0", "imu0:", *(f"  {line}" for line in block.text.splitlines())]
+    return replace(block, target="openvins", text="\n".join(lines) + "\n")
+
+
+def to_ros(gyro: Sequence[float], accelerometer: Sequence[float]) -> FilterBlock:
+    """Return the covariances of sensor_msgs/Imu, as YAML.
+
+    Parameters
+    ----------
+    gyro, accelerometer : sequence of float
+        Variance of a single reading of each axis [(rad/s)^2], [(m/s^2)^2]; one stands for all, none where not known.
+
+    Raises
+    ------
+    PlanError
+        If there are not none, one or three axes.
+    """
+    wanted = (
+        ("angular_velocity_covariance", gyro, "(rad/s)^2"),
+        ("linear_acceleration_covariance", accelerometer, "(m/s^2)^2"),
+    )
+    settings, lines = [], []
+    for key, own, unit in wanted:
+        if len(own) not in {0, 1, 3}:
+            raise PlanError(f"{key}: {len(own)} axes, need one for all, or three")
+        three = tuple(own) * (3 // len(own)) if own else ()
+        matrix = tuple(float(v) for v in np.diag(three).ravel()) if three else ()
+        settings.append(Setting(key, matrix, unit, "white noise of a sample, and the bias"))
+        listed = ", ".join(_figure(v) for v in matrix)
+        lines.append(f"{key}: [{listed}]  # {unit}" if matrix else f"# {key}: not known")
+    held = ("the part of the bias: each message is taken as independent, and the bias is the same in all",)
+    return filter_block("ros", lines, settings, None, None, held)
 
 
 def to_px4(gyro: Axes, accelerometer: Axes, step: float = PX4_STEP, *, horizon: float | None = None) -> FilterBlock:
@@ -404,10 +452,11 @@ def _spelled(name: str) -> str:
 
 
 def filter_block(
-    target: Target, lines: list[str], settings: Sequence[Setting], rate: SensorNoise, acc: SensorNoise,
+    target: Target, lines: list[str], settings: Sequence[Setting], rate: SensorNoise | None, acc: SensorNoise | None,
     held: tuple[str, ...] = (), missing: tuple[str, ...] = (),
 ) -> FilterBlock:  # fmt: skip
     """Return a block of a filter, its settings without values counted as missing."""
     unknown = tuple(one.key for one in settings if not one.values)
     text = "\n".join(lines) + "\n"
-    return FilterBlock(target, text, tuple(settings), (*rate.left, *acc.left, *held), (*unknown, *missing))
+    left = [said for one in (rate, acc) if one is not None for said in one.left]
+    return FilterBlock(target, text, tuple(settings), (*left, *held), (*unknown, *missing))

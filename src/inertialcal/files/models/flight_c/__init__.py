@@ -1,0 +1,1 @@
+"""Flight C: raw codes to true inputs, with a bound on its arithmetic that is proved for all codes."""
