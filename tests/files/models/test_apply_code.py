@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import ctypes
 import io
+import re
 import subprocess
 import sys
 import tokenize
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -225,6 +227,29 @@ def test_every_digit_of_every_coefficient_stands_there() -> None:
             if name == "bias_run_to_run" or (name == "reference_temperature" and "T_ref" not in text):
                 continue
             assert all(repr(float(value)) in text for value in values.ravel()), name
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_matrix_that_nothing_changes_is_inverted_beforehand(seed: int) -> None:
+    """Each entry is the closest double of an entry of the inverse: M times it misses I by half a last digit at most."""
+    model = replace(random_model(seed, k=3), sensitivities=())
+    model = replace(model, matrix=model.matrix[:1])
+    text = c_text(model)
+    assert "solve(" not in text
+    rows = re.search(r"M_INVERSE\[3\]\[3\] = \{.*?\n(.*?)\n\};", text, re.S)
+    assert rows is not None
+    inverse = [[Fraction(float(entry)) for entry in row.strip(" {},").split(",")] for row in rows[1].splitlines()]
+    M = [[Fraction(float(entry)) for entry in row] for row in model.matrix[0]]
+    for i in range(3):
+        for j in range(3):
+            off = sum(M[i][m] * inverse[m][j] for m in range(3)) - (i == j)
+            assert abs(off) <= sum(abs(M[i][m]) * Fraction(np.spacing(float(abs(inverse[m][j])))) / 2 for m in range(3))
+
+
+def test_a_matrix_over_temperature_is_inverted_where_it_is_used() -> None:
+    model = next(one for one in MODELS.values() if one.matrix.shape[0] > 1)
+    assert "solve(m, u, x)" in c_text(model)
+    assert "M_INVERSE" not in c_text(model)
 
 
 @pytest.mark.parametrize("text", [python_text, c_text])

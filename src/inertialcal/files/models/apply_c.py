@@ -1,10 +1,13 @@
 """A model as C99 that needs math.h alone: one raw reading in, the true input out.
 
-M is stated, not its inverse: each number can be held against ``model.json``; elimination with exchange of rows at
-double precision costs no digit that the inverse would keep.
+A matrix that nothing changes is inverted beforehand, with rational numbers, and M stands beside it in a comment: each
+number can be held against ``model.json``. One that changes with temperature or another channel is inverted as it is at
+each reading, by elimination with exchange of rows.
 """
 
 from __future__ import annotations
+
+from fractions import Fraction
 
 import numpy as np
 
@@ -29,6 +32,7 @@ from .apply_parts import (
     single,
     thermal,
 )
+from .flight_c.exact import inverted
 from .model_format import ModelFormat, of_one
 
 TITLE = ["/* True input from one raw reading of a calibrated sensor; written by inertialcal.", " *"]
@@ -92,6 +96,13 @@ static void solve(double m[K][K], double u[K], double x[K]) {
 }
 """
 
+MULTIPLIED = [
+    "    for (int i = 0; i < K; i++) {",
+    "        x[i] = 0.0;",
+    "        for (int j = 0; j < K; j++) x[i] += M_INVERSE[i][j] * u[j];",
+    "    }",
+]
+
 
 def c_text(model: SensorModel) -> str:
     """Return a C99 file with ``compensate``, which applies this very model to one reading.
@@ -114,10 +125,26 @@ def c_text(model: SensorModel) -> str:
         return "\n".join([*TITLE, *comments, f" * No function: {why} */", ""])
     lines = [*TITLE, *comments, " * To compile: cc -std=c99 ... -lm */", "#include <math.h>", ""]
     lines += [f"enum {{ K = {len(model.axes)} }}; /* sensors, in the order {order(model)} */", ""]
-    lines += [line for constant in constants(model) for line in _constant(constant)]
+    beforehand = _inverted_beforehand(model)
+    for constant in constants(model):
+        lines += _inverse(constant) if beforehand and constant.name == "M_0" else _constant(constant)
     parts = [STRAIGHTENED.replace("DBL_EPSILON", repr(float(np.finfo(float).eps)))] if newton(model) else []
     parts += [SIGN] if model.bias_hysteresis is not None else []
-    return "\n".join([*lines, "", *parts, SOLVE, *_function(model), ""])
+    parts += [] if beforehand else [SOLVE]
+    return "\n".join([*lines, "", *parts, *_function(model), ""])
+
+
+def _inverted_beforehand(model: SensorModel) -> bool:
+    """Return whether no condition changes M."""
+    return model.matrix.shape[0] == 1 and not diagonal_terms(model)
+
+
+def _inverse(matrix: Constant) -> list[str]:
+    """Return M^-1 as a constant, M before it as a comment."""
+    exact = inverted([[Fraction(float(entry)) for entry in row] for row in matrix.values])
+    values = np.array([[float(entry) for entry in row] for row in exact])
+    stated = [f" *   {_numbers(row)}" for row in matrix.values]
+    return ["/* M, whose inverse is beneath:", *stated, " */", *_constant(Constant("M_INVERSE", values, matrix.comment))]
 
 
 def _constant(constant: Constant) -> list[str]:
@@ -144,7 +171,9 @@ def _function(model: SensorModel) -> list[str]:
     given = ["const double v[K]", *(_argument(name) for name in conditions), "double x[K]", "int holds[K]"]
     taken = (",\n" + " " * len("int compensate(") if conditions else ", ").join(given)
     lines = [*_comment(model, conditions), f"int compensate({taken}) {{"]
-    lines += ["    double u[K], m[K][K];", "    int all = 1;", "    for (int i = 0; i < K; i++) {"]
+    beforehand = _inverted_beforehand(model)
+    lines.append("    double u[K];" if beforehand else "    double u[K], m[K][K];")
+    lines += ["    int all = 1;", "    for (int i = 0; i < K; i++) {"]
     if thermal(model):
         lines.append("        const double away = temperature[i] - REFERENCE_TEMPERATURE[i];")
     force = " + ".join(f"G_SENSITIVITY[i][{j}] * specific_force[{j}]" for j in range(3))
@@ -153,9 +182,13 @@ def _function(model: SensorModel) -> list[str]:
     lines.append(f"        double offset = {terms[0]};")
     lines += [f"        offset += {term};" for term in terms[1:]]
     lines += ["        u[i] = v[i] / S0[i] - offset;", *_curve(model)]
-    lines.append(f"        for (int j = 0; j < K; j++) m[i][j] = {matrix_at(model, '[i][j]', 'away')};")
-    lines += [f"        m[i][i] += {term.format(i='[i]')};" for term in diagonal_terms(model)]
-    return [*lines, "    }", "    solve(m, u, x);", *_validity(model), "    return all;", "}"]
+    if beforehand:
+        lines += ["    }", *MULTIPLIED]
+    else:
+        lines.append(f"        for (int j = 0; j < K; j++) m[i][j] = {matrix_at(model, '[i][j]', 'away')};")
+        lines += [f"        m[i][i] += {term.format(i='[i]')};" for term in diagonal_terms(model)]
+        lines += ["    }", "    solve(m, u, x);"]
+    return [*lines, *_validity(model), "    return all;", "}"]
 
 
 def _argument(name: str) -> str:

@@ -164,7 +164,7 @@ def ideal(model: SensorModel, chain: Chain) -> Ideal:
     step = Fraction(chain.step)
     slope = tuple(step * one for one in per_volt)
     matrix = [[Fraction(float(x)) for x in row] for row in model.matrix[0]]
-    opposite = _inverted(matrix)
+    opposite = inverted(matrix)
     offsets, temperatures = _offsets(model, chain, per_volt, fixed, unit)
     limits = None
     if model.input_range is not None:
@@ -247,8 +247,8 @@ def _each(values: object, k: int) -> list[Fraction]:
     return [Fraction(float(one)) for one in np.broadcast_to(np.asarray(values, dtype=float), (k,))]
 
 
-def _inverted(matrix: list[list[Fraction]]) -> tuple[Row, ...]:
-    """Inverse by elimination; exact, so any pivot other than zero will do."""
+def inverted(matrix: list[list[Fraction]]) -> tuple[Row, ...]:
+    """Return the inverse of a square matrix, by elimination; exact, so any pivot other than zero will do."""
     k = len(matrix)
     rows = [[*row, *(Fraction(int(i == j)) for j in range(k))] for i, row in enumerate(matrix)]
     for i in range(k):
