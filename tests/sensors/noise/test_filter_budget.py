@@ -235,6 +235,9 @@ def test_settings_carry_the_totals(target: str) -> None:
     elif target == "gtsam":
         assert values["setGyroscopeCovariance"] == pytest.approx(tuple(budget.white**2))
     elif target == "kf-gins":
+        without = np.sqrt(budget.white**2 - size(budget, "scale factor", "white") ** 2)
+        assert values["arw"] == pytest.approx(tuple(np.degrees(without) * 60.0))
+        assert values["gsstd"] == pytest.approx((U_SCALE * 1e6,) * 3)
         assert values["gbstd"] == pytest.approx(tuple(np.degrees(budget.drive) * 3600.0 * np.sqrt(300.0)), rel=1e-6)
         assert values["initbgstd"] == pytest.approx(tuple(np.degrees(budget.start) * 3600.0))
     else:

@@ -144,7 +144,12 @@ def _inverse(matrix: Constant) -> list[str]:
     exact = inverted([[Fraction(float(entry)) for entry in row] for row in matrix.values])
     values = np.array([[float(entry) for entry in row] for row in exact])
     stated = [f" *   {_numbers(row)}" for row in matrix.values]
-    return ["/* M, whose inverse is beneath:", *stated, " */", *_constant(Constant("M_INVERSE", values, matrix.comment))]
+    return [
+        "/* M, whose inverse is beneath:",
+        *stated,
+        " */",
+        *_constant(Constant("M_INVERSE", values, matrix.comment)),
+    ]
 
 
 def _constant(constant: Constant) -> list[str]:

@@ -20,6 +20,8 @@ Cross terms of gyros are partly a common turn of their axes, an antisymmetric ma
 adds no more than its own angle to the attitude, for ``d(R a)/dt = R (w x a)``. Only what is symmetric, that the axes
 are not square to each other, accumulates, and is counted.
 
+A filter that estimates scale factors itself (KF-GINS) is told what is left of them, and the line is not in its noise.
+
 The temperature is taken to lie anywhere within the span with the same chance: a bias that is a straight line in T has
 the standard deviation ``slope span / sqrt(12)``. The mean over the span is a constant, and belongs to the start.
 
@@ -61,7 +63,7 @@ POINTS = 201  # of the temperature over its span
 Carried = Literal["white", "walk", "gauss_markov", "start"]
 Part = Literal["bias", "temperature", "matrix", "g_sensitivity"]
 PARTS: tuple[Part, ...] = ("bias", "temperature", "matrix", "g_sensitivity")
-AT_REST = "noise at rest"
+AT_REST, SCALE_FACTOR = "noise at rest", "scale factor"
 PAIRS = (  # what means nothing without the other
     ("temperature_span", "temperature_time"), ("motion", "motion_time"), ("force", "time_of_force"),
     ("rectification", "vibration"), ("folded", "sample_rate"),
@@ -141,6 +143,15 @@ class Budget:
     unit: str  # Of the readings, SI
     lines: tuple[Line, ...]
     not_counted: tuple[str, ...] = field(default=())  # What is not known, and how to say it
+    # shape (k,): standard deviation of what is left of the scale factor [1], whatever the motion; None where not known
+    scale_factor: Array | None = None
+
+    @property
+    def with_scale_factor_states(self) -> Budget:
+        """What is left for noise in a filter that estimates scale factors itself."""
+        if self.scale_factor is None:
+            return self
+        return replace(self, lines=tuple(line for line in self.lines if line.source != SCALE_FACTOR))
 
     def _of(self, carried: Carried) -> list[Line]:
         return [line for line in self.lines if line.carried == carried]
@@ -249,11 +260,12 @@ def filter_budget(model: SensorModel, use: Use, noise: Mapping[str, Sequence[Ter
         missing.append(
             f"{model.kind}: temperature: the model knows no error of its bias over temperature: state a residual"
         )
-    lines += _motion(model, use, missing)
+    own, cross = _rows(model, "matrix" in use.without)
+    lines += _motion(model, use, own, cross, missing)
     lines += _vibration(model, use, missing)
     missing += _untouched(model)
     kept = tuple(line for line in lines if np.any(line.size))
-    return Budget(model.kind, model.axes, model.unit, kept, tuple(missing))
+    return Budget(model.kind, model.axes, model.unit, kept, tuple(missing), own if np.all(own) else None)
 
 
 def _noise_lines(
@@ -360,7 +372,7 @@ def _start(model: SensorModel, use: Use, constant: Array, missing: list[str]) ->
             Line("turn-on", "start", np.asarray(turn_on), how="scatter between power-ups")]  # fmt: skip
 
 
-def _motion(model: SensorModel, use: Use, missing: list[str]) -> list[Line]:
+def _motion(model: SensorModel, use: Use, own: Array, cross: Array, missing: list[str]) -> list[Line]:
     """Return the lines that grow with the motion: scale factor, misalignment, g-sensitivity."""
     k, found = len(model.axes), []
     size = use.motion if model.kind == "gyro" else use.force
@@ -370,11 +382,10 @@ def _motion(model: SensorModel, use: Use, missing: list[str]) -> list[Line]:
     if size is None:
         missing.append(f"{model.kind}: scale factor and misalignment: give {what} of the motion, and its time")
     else:
-        own, cross = _rows(model, "matrix" in use.without)
         missing += _unheld(model, "scale factor", {axis: [f"scale_factor_error_{axis}"] for axis in model.axes})
         others = {axis: [f"misalignment_{axis}{one}" for one in model.axes if one != axis] for axis in model.axes}
         missing += _unheld(model, "misalignment", others) if len(model.axes) > 1 else []
-        for source, row in (("scale factor", own), ("misalignment", cross)):
+        for source, row in ((SCALE_FACTOR, own), ("misalignment", cross)):
             time = use.motion_time if model.kind == "gyro" else use.time_of_force
             found.append(_white(source, row * size, time, f"{said} rms"))
     if model.kind != "gyro":
@@ -484,7 +495,11 @@ def settings_of(
     if target == "ros":
         own = [() if one is None else tuple(one.message_variance(rate).tolist()) for one in both]
         return to_ros(*own)
-    first, second = ([()] if one is None else [one.walk_terms(i) for i in range(len(one.axes))] for one in both)
+    if target == "kf-gins":
+        carried = tuple(None if one is None else one.with_scale_factor_states for one in both)
+    else:
+        carried = both
+    first, second = ([()] if one is None else [one.walk_terms(i) for i in range(len(one.axes))] for one in carried)
     if target in {"kalibr", "openvins"}:
         return (to_kalibr if target == "kalibr" else to_openvins)(first, second, rate)
     if target == "gtsam":
@@ -494,7 +509,11 @@ def settings_of(
     times = [line.time for one in both if one for line in one.lines if line.carried == "gauss_markov"]
     logs = [float(np.mean(np.log(time))) for time in times if time is not None]
     time = float(np.exp(np.mean(logs))) if logs else KF_GINS_TIME
-    return _with_start(to_kf_gins(first, second, time), target, both)
+    known = (
+        None if gyro is None else gyro.scale_factor,
+        None if accelerometer is None else accelerometer.scale_factor,
+    )
+    return _with_start(to_kf_gins(first, second, time, scale_factors=known), target, both)
 
 
 def _with_start(block: FilterBlock, target: str, both: Sequence[Budget | None]) -> FilterBlock:

@@ -29,7 +29,7 @@ GTSAM [3]_
     Covariances of continuous noise, N^2 and K^2, an axis each, of PreintegrationCombinedParams.
 KF-GINS [4]_
     Gauss-Markov bias, standard deviation an axis, one correlation time for all; random walks in deg/sqrt(h) and
-    m/s/sqrt(h).
+    m/s/sqrt(h). Scale factors alike: their standard deviation is no noise, and comes from a calibration or not at all.
 
 References
 ----------
@@ -38,7 +38,8 @@ References
    params_gyro_bias.yaml, params_accel_bias.yaml, ekf2_params.c (EKF2_PREDICT_US, 10 ms).
 .. [3] GTSAM, gtsam/navigation/PreintegrationCombinedParams.h.
 .. [4] KF-GINS, dataset/kf-gins.yaml, section imunoise; src/kf-gins/gi_engine.cpp: a bias is driven by
-   ``2 sigma^2 / t_c``; the start of the biases: ``initbgstd``, ``initbastd``.
+   ``2 sigma^2 / t_c``, scale factors (``gsstd``, ``asstd``, ppm) alike; the start of the biases: ``initbgstd``,
+   ``initbastd``; of the scale factors that of imunoise unless said.
 .. [5] OpenVINS (github.com/rpng/open_vins), config/*/kalibr_imu_chain.yaml.
 .. [6] ROS, sensor_msgs/Imu: "the covariance matrices are row major about x, y, z axes"; REP 145.
 """
@@ -52,6 +53,7 @@ from typing import Literal
 import numpy as np
 
 from ...core.errors import PlanError
+from ...core.estimate import Array
 from ...core.units import factor
 from .expected import expected_variance
 from .terms import BiasInstability, GaussMarkov, RandomWalk, RateRandomWalk, Term
@@ -227,8 +229,9 @@ def to_gtsam(
 
 
 def to_kf_gins(
-    gyro: Axes, accelerometer: Axes, correlation_time: float | None = None, *, horizon: float | None = None
-) -> FilterBlock:
+    gyro: Axes, accelerometer: Axes, correlation_time: float | None = None, *, horizon: float | None = None,
+    scale_factors: tuple[Array | None, Array | None] = (None, None),
+) -> FilterBlock:  # fmt: skip
     """Return the section ``imunoise`` of a KF-GINS file.
 
     Parameters
@@ -236,6 +239,9 @@ def to_kf_gins(
     correlation_time : float, optional
         Of all biases [s]; by default the geometric mean of the Gauss-Markov terms found. The driving noise of each
         bias is kept: ``sigma = q sqrt(t_c / 2)``.
+    scale_factors : tuple of arrays, optional
+        Standard deviation of what calibration leaves of the scale factors, of each axis [1]: of the gyro, of the
+        accelerometer; None where it is not known.
     gyro, accelerometer, horizon
         As `to_kalibr`.
 
@@ -265,9 +271,15 @@ def to_kf_gins(
         listed = ", ".join(_figure(v) for v in one.values)
         line = f"  {one.key}: [{listed}]  # [{one.unit}] {one.source}"
         lines.append(line if one.values else f"  # {one.key}: not found in the record")
+    for key, left in zip(("gsstd", "asstd"), scale_factors, strict=True):
+        ppm = () if left is None else _three(tuple((1e6 * left).tolist()))
+        settings += [Setting(key, ppm, "ppm", "what calibration leaves of the scale factor")] if ppm else []
+        lines.append(f"  {key}: [{', '.join(map(_figure, ppm))}]  # [ppm] what calibration leaves of the scale factor"
+                     if ppm else f"  # {key}: not known")  # fmt: skip
     settings.append(Setting("corrtime", (time * factor("s", "h"),) if time else (), "h", "one for all biases"))
     line = f"  corrtime: {_figure(settings[-1].values[0])}  # [h]" if time else "  # corrtime: not found in the record"
-    missing = ("gsstd and asstd [ppm]: scale factors are not noise: take them from a calibration",)
+    unknown = " and ".join(key for key, left in zip(("gsstd", "asstd"), scale_factors, strict=True) if left is None)
+    missing = (f"{unknown} [ppm]: scale factors are not noise: take them from a calibration",) if unknown else ()
     return filter_block("kf_gins", [*lines, line], settings, rate, acc, _other_times(time, rate, acc), missing)
 
 
