@@ -110,11 +110,52 @@ def test_vibration_from_a_recording(capsys: pytest.CaptureFixture[str], files: P
     assert "vibration_too_slow" in {one["code"] for one in slow["remarks"]}
 
 
+def test_lines_in_a_record_are_named_and_left_out(capsys: pytest.CaptureFixture[str], files: Path) -> None:
+    """As `allan --for` does it: no filter holds a line; in a recording, and in the terms that `allan` writes."""
+    rng, t = np.random.default_rng(3), np.arange(60_000) * 0.01
+    lines = 0.02 * np.sin(2 * np.pi * 3.3 * t) + 0.02 * np.sin(2 * np.pi * 11.7 * t)
+    rest = rng.normal(0.0, 0.01, (60_000, 3)) + lines[:, np.newaxis]
+    np.savetxt(files / "lines.csv", np.column_stack([t, rest]), "%.9g", ",",
+               header="time [s],gyro_x [deg/s],gyro_y [deg/s],gyro_z [deg/s]", comments="")  # fmt: skip
+    given = ("filter", str(files / "gyro.json"))
+    content = call_json(capsys, *given, str(files / "lines.csv"), "--for", "kalibr")
+    (said,) = [one["what"] for one in content["remarks"] if one["code"] == "lines_left_out"]
+    assert "3.3, 11.7 Hz" in said
+    assert np.degrees(content["budgets"][0]["white"]) == pytest.approx([0.01 * np.sqrt(0.01)] * 3, rel=0.1)
+    written = json.loads((files / "terms.json").read_text())
+    both = [{"term": "sinusoid", "amplitude": 1e-3, "frequency": f} for f in (50.0, 75.0)]
+    written["sensors"][0]["axes"][0]["terms"] += both
+    (files / "lines.json").write_text(json.dumps(written))
+    content = call_json(capsys, *given, str(files / "lines.json"))
+    assert "gyro: lines in the record: x 50, 75 Hz" in "".join(one["what"] for one in content["remarks"])
+
+
+def test_what_a_record_cannot_separate_is_taken_as_allan_takes_it(
+    capsys: pytest.CaptureFixture[str], files: Path
+) -> None:
+    """Both commands give one setting for one record, and both let the user take another term."""
+    rng, n = np.random.default_rng(2), 20_000
+    walk = np.cumsum(rng.normal(0.0, 2e-5, (n, 3)), axis=0)
+    np.savetxt(files / "walk.csv", np.column_stack([np.arange(n) * 0.1, walk + rng.normal(0.0, 0.003, (n, 3))]),
+               "%.9g", ",", header="time [s],gyro_x [rad/s],gyro_y [rad/s],gyro_z [rad/s]", comments="")  # fmt: skip
+    for take in ((), ("--take", "gauss_markov"), ("--take", "upper_limit")):
+        own = call_json(capsys, "allan", str(files / "walk.csv"), "--for", "kalibr", *take)
+        other = call_json(capsys, "filter", str(files / "gyro.json"), str(files / "walk.csv"), "--for", "kalibr", *take)
+        wanted, found = (one["filters"]["kalibr"]["text"] for one in (own, other))
+        walks = [[line for line in text.splitlines() if "gyroscope_random_walk" in line] for text in (wanted, found)]
+        values = [float(one[0].split(":")[1].split("#")[0]) for one in walks]
+        assert values[0] == pytest.approx(values[1], rel=1e-4)
+        taken = [one for one in wanted.splitlines() if "taken" in one]
+        assert len(taken) == len([one for one in other["remarks"] if one["code"] == "terms_taken"
+                                  and "taken" in one["what"]])  # fmt: skip
+
+
 @pytest.mark.parametrize(
     ("words", "status", "said"),
     [
         ((), 3, "no noise of every axis"),
         (("terms.json", "--temperature-span", "20 K"), 2, "temperature span without temperature time"),
+        (("terms.json", "--motion", "20 deg/s", "--motion-time", "0 s"), 2, "motion time of 0"),
         (("terms.json", "--motion", "20 deg"), 2, "--motion '20 deg'"),
         (("terms.json", "--turn-on", "1 g"), 2, "--turn-on '1 g'"),
         (("terms.json", "--without", "all"), 2, "There are: bias, temperature"),

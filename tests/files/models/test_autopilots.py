@@ -176,7 +176,23 @@ def test_a_bias_that_does_not_change_is_an_offset_and_nothing_thermal(name: str)
     model = replace(sensor(2), bias_temperature=None, reference_temperature=None)
     kept = parameters(FORMATS[name].dump({"gyro": model}))
     assert not any(value for key, value in kept.items() if key.startswith(("TC_", "INS_TCAL")))
+    # the switch of ArduPilot is for both sensors: one alone writes zeros beside it, and the range of the vehicle stays
+    assert ("INS_TCAL1_ENABLE" in kept) is False
+    kept |= {"INS_TCAL1_ENABLE": 1.0, "INS_TCAL1_TMIN": 0.0, "INS_TCAL1_TMAX": 70.0, "INS_GYR1_CALTEMP": 25.0}
     assert [FIRMWARE[name](kept, 0.01, 90.0, i) for i in range(3)] == pytest.approx(0.01 - model.bias, rel=1e-6)
+
+
+def test_one_sensor_alone_does_not_switch_off_the_other_nor_move_its_range_in_silence() -> None:
+    """ArduPilot has one switch and one range for both sensors."""
+    both = {"gyro": sensor(1), "accelerometer": replace(sensor(2, "accelerometer"), bias_temperature=None)}
+    assert parameters(FORMATS["ardupilot"].dump(both))["INS_TCAL1_ENABLE"] == 1.0
+    cold = {kind: replace(one, bias_temperature=None) for kind, one in both.items()}
+    assert parameters(FORMATS["ardupilot"].dump(cold))["INS_TCAL1_ENABLE"] == 0.0
+    alone = FORMATS["ardupilot"].dump({"gyro": sensor(1)})
+    said = "INS_TCAL1_TMIN and INS_TCAL1_TMAX hold for the accelerometers of the vehicle too"
+    assert f"# {said}" in alone
+    assert said in [one.what for one in FORMATS["ardupilot"].cannot_hold({"gyro": sensor(1)})]
+    assert said not in FORMATS["ardupilot"].dump(both)
 
 
 # There and back
@@ -437,6 +453,10 @@ def test_a_constant_and_a_scale_factor_that_nobody_estimated_are_not_written(tmp
     kept = parameters((tmp_path / "out").read_text())
     assert not any("OFF" in key or "SCAL" in key or "CALTEMP" in key for key in kept)
     assert [one.code for one in done.remarks].count("left_to_vehicle") == 2
+    comments = [line for line in (tmp_path / "out").read_text().splitlines() if line.startswith("#")]
+    assert any(
+        "constant of the bias is not known" in line and "Calibrate the sensor level" in line for line in comments
+    )
     write_model(tmp_path / "gyro.json", warmed("gyro"))
     done = export(load_model_file(tmp_path / "gyro.json"), name, tmp_path / "out", unjudged=True)
     assert "left_to_vehicle" not in [one.code for one in done.remarks]

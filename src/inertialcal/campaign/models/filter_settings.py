@@ -17,14 +17,14 @@ from ...files.models.model_file import ModelFile
 from ...files.source import load
 from ...procedures import procedure_names, procedure_of
 from ...sensors.noise.filter_budget import PARTS, Budget, Use, filter_budget, settings_of, vibration_levels
-from ...sensors.noise.terms import TERMS, Term
+from ...sensors.noise.terms import TERMS, Sinusoid, Term
 from ...sensors.noise.to_filters import FilterBlock
 from ...signals.spectrum.psd import psd
 from ..calls.call import call
 
 SAID = {  # what is said of the use -> unit inside; "reading" is that of the sensor
     "temperature_span": "degC", "temperature_time": "s", "temperature": "degC", "motion": "rad/s", "motion_time": "s",
-    "force": "m/s^2", "force_time": "s", "turn_on": "reading", "residual": "reading",
+    "force": "m/s^2", "force_time": "s", "steady_force": "m/s^2", "turn_on": "reading", "residual": "reading",
     "g_sensitivity": "(rad/s)/(m/s^2)", "rectification": "reading/(m/s^2)^2", "horizon": "s", "sample_rate": "Hz",
 }  # fmt: skip
 UNIT: dict[str, str] = {"gyro": "rad/s", "accelerometer": "m/s^2"}
@@ -50,6 +50,7 @@ def filter_settings(
     said: Mapping[str, str] | None = None,
     without: Sequence[str] = (),
     units: Mapping[str, str] | None = None,
+    take: Sequence[str] = (),
 ) -> FilterSettings:
     """Return what filters must carry of the sensors of some models.
 
@@ -69,6 +70,8 @@ def filter_settings(
         Parts of the models that are not applied in use.
     units : mapping of str to str, optional
         Units of columns of the files.
+    take : sequence of str
+        Terms that are taken where the record cannot separate them from others; ``"upper_limit"`` of a random walk.
 
     Raises
     ------
@@ -87,8 +90,9 @@ def filter_settings(
         )
     inputs = [{"path": one.path, "sha256": one.sha256} for one in models]
     remarks: list[Remark] = []
-    rest, rate = _noise(noise, units or {}, inputs, remarks)
     stated = dict(said or {})
+    horizon = _value("horizon", stated["horizon"], "s") if "horizon" in stated else None
+    rest, rate = _noise(noise, units or {}, horizon, take, inputs, remarks)
     sample_rate = _value("sample_rate", stated["sample_rate"], "Hz") if "sample_rate" in stated else rate
     shaken = _vibration(vibration, units or {}, sample_rate, inputs, remarks)
     budgets = []
@@ -147,13 +151,17 @@ def _value(name: str, text: str, unit: str) -> float:
 
 
 def _noise(
-    path: str | Path | None, units: Mapping[str, str], inputs: list[dict[str, str]], remarks: list[Remark]
-) -> tuple[Noise, float | None]:
+    path: str | Path | None, units: Mapping[str, str], horizon: float | None, take: Sequence[str],
+    inputs: list[dict[str, str]], remarks: list[Remark],
+) -> tuple[Noise, float | None]:  # fmt: skip
     """Return terms at rest by kind and axis, and the sample rate of their record."""
     if path is None:
         return {}, None
     if str(path).lower().endswith(".json"):
-        return _written_terms(path, inputs)
+        written, rate = _written_terms(path, inputs)
+        remarks += [one for kind, axes in written.items() for one in _lines(kind, axes)]
+        return {kind: {axis: tuple(t for t in own if not isinstance(t, Sinusoid)) for axis, own in axes.items()}
+                for kind, axes in written.items()}, rate  # fmt: skip
     (name,) = (one for one in procedure_names() if procedure_of(one).gives == ("noise",))
     found = call(name, path, {"units": dict(units)} if units else {}, options=True)
     inputs += [{"path": one, "sha256": digest} for one, digest in found.inputs.items()]
@@ -161,11 +169,22 @@ def _noise(
     rest: Noise = {}
     for one in found.tested:
         if one.facts.kind:
-            rest[one.facts.kind] = {axis.axis: tuple(axis.terms) for axis in one.result.axes}
+            each = {axis.axis: axis.for_filters(one.facts.kind, horizon, take) for axis in one.result.axes}
+            rest[one.facts.kind] = {axis: terms for axis, (terms, _) in each.items()}
+            remarks += [Remark("terms_taken", "info", line) for _, lines in each.values() for line in lines]
+            remarks += _lines(one.facts.kind, {axis.axis: axis.terms for axis in one.result.axes})
     if not rest:
         what = "no sensor with a known unit: a filter needs rad/s and m/s^2"
         raise DataError(what, str(path), do="Give the unit: --unit gyro=deg/s --unit acc=g", code="no_unit")
     return rest, 1.0 / found.tested[0].readings.records[0].interval
+
+
+def _lines(kind: Kind, axes: Mapping[str, Sequence[Term]]) -> list[Remark]:
+    """Return what to say of lines in a record, which no filter holds."""
+    each = [(axis, [t.frequency for t in own if isinstance(t, Sinusoid)]) for axis, own in axes.items()]
+    listed = "; ".join(f"{axis} {', '.join(f'{f:.4g}' for f in found)} Hz" for axis, found in each if found)
+    what = f"{kind}: lines in the record: {listed}: no filter holds them, they are not in the budget"
+    return [Remark("lines_left_out", "warning", what, do="Remove their cause, or filter them out")] if listed else []
 
 
 def _written_terms(path: str | Path, inputs: list[dict[str, str]]) -> tuple[Noise, float | None]:

@@ -20,6 +20,7 @@ USE = {  # what is said of the use -> help, example
     "motion_time": ("Time over which the motion becomes another one", "0.5 s"),
     "force": ("Rms change of specific force along each axis", "2 m/s2"),
     "force_time": ("Time over which the force becomes another one; that of the motion if not given", "1 s"),
+    "steady_force": ("Specific force that stays: 1 g if not given, 0 in orbit", "0 m/s2"),
     "turn_on": ("Scatter of the bias between power-ups; that of the model if not given", "0.05 deg/s"),
     "residual": ("Rms bias that the polynomial over temperature leaves", "0.002 deg/s"),
     "g_sensitivity": ("Of gyros, not compensated", "0.02 deg/s/g"),
@@ -44,6 +45,10 @@ Without = Annotated[
         "--without", help="Part of the model that is not applied: bias, temperature, matrix, g_sensitivity. Repeatable."
     ),
 ]
+Take = Annotated[
+    list[str],
+    typer.Option("--take", help="Term taken where the record cannot separate terms, or upper_limit. Repeatable."),
+]
 
 
 def _filter(**given: Any) -> int:
@@ -57,7 +62,14 @@ def _filter(**given: Any) -> int:
     models += [] if given["other"] is None else [find_model(given["other"])]
     units = pairs(given["unit"], "--unit", "gyro=deg/s")
     found = filter_settings(
-        models, given["for_filter"], given["noise"], given["vibration"], said, given["without"], units
+        models,
+        given["for_filter"],
+        given["noise"],
+        given["vibration"],
+        said,
+        given["without"],
+        units,
+        given["take"],
     )
     if given["as_json"]:
         json_out("filter", filter_content(found))
@@ -76,6 +88,7 @@ filter = with_options(
     {
         "model": (Model, inspect.Parameter.empty), "noise": (Noise, None), "for_filter": (Filters, []),
         "other": (Other, None), "condition": (Condition, None), **_OPTIONS, "vibration": (Vibration, None),
-        "without": (Without, []), "unit": (Units, []), "as_json": (Json, False), "quiet": (Quiet, False),
+        "without": (Without, []), "take": (Take, []), "unit": (Units, []), "as_json": (Json, False),
+        "quiet": (Quiet, False),
     },
 )  # fmt: skip

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...core.errors import DataError, Problem
 from ...core.estimate import Array
-from ...core.key import Reason
+from ...core.key import Kind, Reason
 from ...core.remarks import Remark
 from ...core.show.rounding import freedom, number
 from ...core.units import factor
@@ -22,7 +22,8 @@ from ...sensors.noise.fitting.estimator import fit
 from ...sensors.noise.fitting.filtered import Band
 from ...sensors.noise.fitting.noise_fit import DOUBTS, NoiseFit, duration
 from ...sensors.noise.fitting.problem import run_of
-from ...sensors.noise.terms import Sinusoid, Term, sample_unit
+from ...sensors.noise.terms import GaussMarkov, RateRandomWalk, Sinusoid, Term, quantity_name, sample_unit
+from ...sensors.noise.to_filters import sensor_noise
 from ...signals.allan import Allan, allan
 from ...signals.codes import coarse_steps
 from ...signals.names import Deviation
@@ -125,6 +126,56 @@ class AxisNoise:
         """Why figures of all records together may not hold; empty where nothing speaks against them."""
         faults = [fault_of(record.run, self.axis) for record in self.records]
         return next(filter(None, [doubt_of(self.fit), *faults]), "")
+
+    def for_filters(
+        self, kind: Kind, horizon: float | None, take: Sequence[str]
+    ) -> tuple[tuple[Term, ...], tuple[str, ...]]:
+        """Return the terms that filters take, without lines, and what to say of them: see ``filters``.
+
+        Parameters
+        ----------
+        kind : {"gyro", "accelerometer"}
+            Which sensor it is an axis of.
+        horizon : float, optional
+            Averaging time at which a walk stands in for all that wanders [s].
+        take : sequence of str
+            Terms that are taken where the record cannot separate them from others; ``"upper_limit"``.
+        """
+        said: list[str] = []
+        name = f"{kind} {self.axis}"
+        white = tuple(term for term in self.terms if term.name in FAST)
+        ways = [tuple(term for term in terms if term.name not in (*FAST, Sinusoid.name)) for terms in self.alternatives]
+
+        def drive(terms: tuple[Term, ...]) -> float:
+            return float(np.nan_to_num(sensor_noise(kind, [terms], horizon).drive[0], nan=0.0))
+
+        def words(terms: tuple[Term, ...]) -> str:
+            named = [
+                "Gauss-Markov noise"
+                if isinstance(term, GaussMarkov)
+                else quantity_name(term.name, term.parameters[0], kind).replace("_", " ")
+                for term in terms
+            ]
+            return " and ".join(named) or "white noise alone"
+
+        wander = ways[0]
+        if len(ways) > 1:
+            wanted = [terms for terms in ways if any(term.name in take for term in terms)]
+            wander = wanted[0] if wanted else max(ways, key=drive)
+            why = "as wanted" if wanted else "the largest drive; --take NAME takes another"
+            alike = " or ".join(words(terms) for terms in ways)
+            said.append(f"{name}: the record does not tell which: {alike}; {words(wander)} taken, {why}")
+        missed = None if self.fit is None else self.fit.term(RateRandomWalk.name)
+        if drive(wander) == 0.0 and missed is not None and missed.upper_limit is not None and not self.slow_fault:
+            limit = f"{name}: {missed.words[0].replace('_', ' ')} not found"
+            if "upper_limit" in take:
+                wander = (*wander, RateRandomWalk(missed.upper_limit))
+                said.append(f"{limit}: its upper limit (95 %) stands in its place")
+            else:
+                said.append(
+                    f"{limit}, below {missed.upper_limit:.3g} {missed.unit} (95 %); --take upper_limit writes that"
+                )
+        return (*white, *wander), tuple(said)
 
 
 def noise_of(plan: Plan, readings: Readings, axis: str) -> AxisNoise:

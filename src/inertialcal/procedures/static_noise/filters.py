@@ -11,14 +11,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from ...core.constants import STANDARD_GRAVITY
 from ...core.errors import DataError, UsageError
-from ...core.key import Kind
-from ...sensors.noise.terms import GaussMarkov, RateRandomWalk, Sinusoid, Term, quantity_name
-from ...sensors.noise.to_filters import FilterBlock, sensor_noise, to_gtsam, to_kalibr, to_kf_gins, to_px4
-from .axis_noise import FAST, AxisNoise
+from ...sensors.noise.terms import Sinusoid, Term
+from ...sensors.noise.to_filters import FilterBlock, to_gtsam, to_kalibr, to_kf_gins, to_px4
 
 if TYPE_CHECKING:
     from ..protocol import Reduced
@@ -52,7 +48,7 @@ def filter_block(found: Reduced, target: str, horizon: float | None = None, take
     if target not in TARGETS:
         raise UsageError(f"no filter {target!r}", do=f"There are: {', '.join(TARGETS)}", code="unknown_name")
     by_kind = {
-        one.facts.kind: [_taken(axis, one.facts.kind, horizon, take) for axis in one.result.axes]
+        one.facts.kind: [axis.for_filters(one.facts.kind, horizon, take) for axis in one.result.axes]
         for one in found.tested
         if one.facts.kind
     }
@@ -79,45 +75,6 @@ def _block(
     if target == "gtsam":
         return to_gtsam(gyro, accelerometer, first.facts.gravity or STANDARD_GRAVITY.value, horizon=horizon)
     return to_kf_gins(gyro, accelerometer, horizon=horizon)
-
-
-def _taken(
-    axis: AxisNoise, kind: Kind, horizon: float | None, take: Sequence[str]
-) -> tuple[tuple[Term, ...], tuple[str, ...]]:
-    """Return the terms of an axis that filters take, and what to say of them: see the module head."""
-    said: list[str] = []
-    name = f"{kind} {axis.axis}"
-    white = tuple(term for term in axis.terms if term.name in FAST)
-    ways = [tuple(term for term in terms if term.name not in (*FAST, Sinusoid.name)) for terms in axis.alternatives]
-
-    def drive(terms: tuple[Term, ...]) -> float:
-        return float(np.nan_to_num(sensor_noise(kind, [terms], horizon).drive[0], nan=0.0))
-
-    def words(terms: tuple[Term, ...]) -> str:
-        named = [
-            "Gauss-Markov noise"
-            if isinstance(term, GaussMarkov)
-            else quantity_name(term.name, term.parameters[0], kind).replace("_", " ")
-            for term in terms
-        ]
-        return " and ".join(named) or "white noise alone"
-
-    wander = ways[0]
-    if len(ways) > 1:
-        wanted = [terms for terms in ways if any(term.name in take for term in terms)]
-        wander = wanted[0] if wanted else max(ways, key=drive)
-        why = "as wanted" if wanted else "the largest drive; --take NAME takes another"
-        alike = " or ".join(words(terms) for terms in ways)
-        said.append(f"{name}: the record does not tell which: {alike}; {words(wander)} taken, {why}")
-    missed = None if axis.fit is None else axis.fit.term(RateRandomWalk.name)
-    if drive(wander) == 0.0 and missed is not None and missed.upper_limit is not None and not axis.slow_fault:
-        limit = f"{name}: {missed.words[0].replace('_', ' ')} not found"
-        if "upper_limit" in take:
-            wander = (*wander, RateRandomWalk(missed.upper_limit))
-            said.append(f"{limit}: its upper limit (95 %) stands in its place")
-        else:
-            said.append(f"{limit}, below {missed.upper_limit:.3g} {missed.unit} (95 %); --take upper_limit writes that")
-    return (*white, *wander), tuple(said)
 
 
 def _axes(terms: Sequence[Sequence[Term]], kind: str) -> list[tuple[Term, ...]]:

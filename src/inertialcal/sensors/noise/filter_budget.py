@@ -9,6 +9,7 @@ What the calibration leaves is none of these by itself; each line of the budget 
     temperature                         sd of the error over the span            Gauss-Markov, t_c of temperature
     scale factor, misalignment          u of a row of M times the motion         white, N^2 = 2 s^2 t_c of the motion
     g-sensitivity                       u of a row of G times the force          white, N^2 = 2 s^2 t_c of the motion
+    gravity on both                     u of a row of M, or of G, times it       start of the bias
     vibration beyond half the rate      sd of what is folded back                white, N^2 = s^2 / rate
 
 An error s n(t) with the covariance s^2 exp(-t/t_c) adds, over times well beyond t_c, as much angle (velocity) as white
@@ -19,6 +20,9 @@ has walks alone is driven by ``q = s sqrt(2 / t_c)``, exact for times well below
 Cross terms of gyros are partly a common turn of their axes, an antisymmetric matrix: however far the body turns, it
 adds no more than its own angle to the attitude, for ``d(R a)/dt = R (w x a)``. Only what is symmetric, that the axes
 are not square to each other, accumulates, and is counted.
+
+Gravity does not average out of a body that stays level: what is left of scale factor and misalignment is a bias of the
+accelerometers there, what is left of g-sensitivity one of the gyros. Here a common turn of the axes counts.
 
 A filter that estimates scale factors itself (KF-GINS) is told what is left of them, and the line is not in its noise.
 
@@ -50,6 +54,7 @@ from .terms import GaussMarkov, RandomWalk, RateRandomWalk, Term, terms_of
 from .to_filters import (
     FilterBlock,
     Setting,
+    outside_px4,
     sensor_noise,
     to_gtsam,
     to_kalibr,
@@ -89,6 +94,7 @@ class Use:
     force_time: float | None = None  # Correlation time of the specific force [s]; that of the motion where None
     turn_on: float | None = None  # Scatter of the bias between power-ups [input unit]; that of the model where None
     residual: float | None = None  # Bias over temperature that the polynomial leaves, rms [input unit]
+    steady_force: float = STANDARD_GRAVITY.value  # Specific force that stays: 1 g on the ground, 0 in orbit [m/s^2]
     g_sensitivity: float | None = None  # Of gyros, not compensated [(rad/s)/(m/s^2)]
     rectification: float | None = None  # Shift of the bias by vibration [input unit/(m/s^2)^2]
     vibration: float | None = None  # Rms acceleration of the vibration [m/s^2]
@@ -102,9 +108,11 @@ class Use:
             if isinstance(value, float | int) and name != "temperature" and not (np.isfinite(value) and value >= 0.0):
                 raise PlanError(f"{name.replace('_', ' ')} of {value}", do="Give a size: zero or more")
         for one, other in PAIRS:
-            if getattr(self, one) and not getattr(self, other):
-                first, second = (name.replace("_", " ") for name in (one, other))
+            first, second = (name.replace("_", " ") for name in (one, other))
+            if getattr(self, one) and getattr(self, other) is None:
                 raise PlanError(f"{first} without {second}", do=f"Give both: {SAID.get(other, second)}")
+            if getattr(self, one) and not getattr(self, other) and other != "vibration":
+                raise PlanError(f"{second} of 0", do="Give a size that is positive")
 
     @property
     def time_of_force(self) -> float | None:
@@ -260,8 +268,9 @@ def filter_budget(model: SensorModel, use: Use, noise: Mapping[str, Sequence[Ter
         missing.append(
             f"{model.kind}: temperature: the model knows no error of its bias over temperature: state a residual"
         )
-    own, cross = _rows(model, "matrix" in use.without)
+    own, cross, whole = _rows(model, "matrix" in use.without)
     lines += _motion(model, use, own, cross, missing)
+    lines += _gravity(model, use, whole)
     lines += _vibration(model, use, missing)
     missing += _untouched(model)
     kept = tuple(line for line in lines if np.any(line.size))
@@ -317,7 +326,7 @@ def _temperature(model: SensorModel, use: Use) -> tuple[Array, Array, list[str]]
     spread, constant = np.zeros(k), np.zeros(k)
     for i, axis in enumerate(model.axes):
         away = T - (model.reference_temperature[i] if model.reference_temperature is not None else 0.0)
-        orders = 0 if model.bias_temperature is None else len(model.bias_temperature)
+        orders = _orders(model)
         powers = away[:, np.newaxis] ** np.arange(orders + 1)
         covariance = _covariance(
             model, [f"bias_{axis}", *(f"bias_temperature_{j}_{axis}" for j in range(1, orders + 1))]
@@ -335,10 +344,21 @@ def _temperature(model: SensorModel, use: Use) -> tuple[Array, Array, list[str]]
         spread += use.residual**2
     if use.temperature_span is None:
         missing.append(f"{model.kind}: temperature: give its span, and the time over which it changes")
+    ends = model.temperature_range
+    if ends is not None and _orders(model) and not ends[0] <= T.min() <= T.max() <= ends[1]:
+        missing.append(
+            f"{model.kind}: temperature: {T.min():g} to {T.max():g} degC in use goes beyond {ends[0]:g} to {ends[1]:g} "
+            "degC of the model: nothing is known of its bias there"
+        )
     missing += _unheld(model, "bias", {axis: [f"bias_{axis}"] for axis in model.axes})
     if model.estimate is None:
         missing.append(f"{model.kind}: uncertainty of the calibration: the model has none")
     return np.sqrt(np.maximum(spread, 0.0)), np.sqrt(np.maximum(constant, 0.0)), missing
+
+
+def _orders(model: SensorModel) -> int:
+    """Return how many powers of the temperature the bias has."""
+    return 0 if model.bias_temperature is None else len(model.bias_temperature)
 
 
 def _covariance(model: SensorModel, names: Sequence[str]) -> Array:
@@ -374,7 +394,7 @@ def _start(model: SensorModel, use: Use, constant: Array, missing: list[str]) ->
 
 def _motion(model: SensorModel, use: Use, own: Array, cross: Array, missing: list[str]) -> list[Line]:
     """Return the lines that grow with the motion: scale factor, misalignment, g-sensitivity."""
-    k, found = len(model.axes), []
+    found = []
     size = use.motion if model.kind == "gyro" else use.force
     what = "the rms rate" if model.kind == "gyro" else "the rms change of specific force"
     unit = "deg/s" if model.kind == "gyro" else model.unit
@@ -384,39 +404,53 @@ def _motion(model: SensorModel, use: Use, own: Array, cross: Array, missing: lis
     else:
         missing += _unheld(model, "scale factor", {axis: [f"scale_factor_error_{axis}"] for axis in model.axes})
         others = {axis: [f"misalignment_{axis}{one}" for one in model.axes if one != axis] for axis in model.axes}
-        missing += _unheld(model, "misalignment", others) if len(model.axes) > 1 else []
+        alone = [f"{model.kind}: misalignment: a model of one axis has none"]
+        missing += _unheld(model, "misalignment", others) if len(model.axes) > 1 else alone
         for source, row in ((SCALE_FACTOR, own), ("misalignment", cross)):
             time = use.motion_time if model.kind == "gyro" else use.time_of_force
             found.append(_white(source, row * size, time, f"{said} rms"))
     if model.kind != "gyro":
         return found
-    term, applied = model.g_sensitivity, "g_sensitivity" not in use.without
-    rows = np.zeros(k)
-    if use.g_sensitivity is not None:
-        rows = np.full(k, use.g_sensitivity)
-    elif term is None:
+    rows = _force_rows(model, use)
+    if rows is None:
         missing.append("gyro: g-sensitivity: the model has none: state it, such as 0.02 deg/s/g")
-        return found
-    else:
-        for i, axis in enumerate(model.axes):
-            covariance = _covariance(model, [f"g_sensitivity_{axis}{f}" for f in "xyz"])
-            rows[i] = np.sqrt(np.trace(covariance) + (0.0 if applied else float(np.sum(term[i] ** 2))))
-    if use.force is None:
+    elif use.force is None:
         missing.append("gyro: g-sensitivity: give the rms change of specific force, and its time")
-        return found
-    found.append(_white("g-sensitivity", rows * use.force, use.time_of_force, f"{use.force:.3g} m/s^2 rms"))
+    else:
+        found.append(_white("g-sensitivity", rows * use.force, use.time_of_force, f"{use.force:.3g} m/s^2 rms"))
     return found
 
 
-def _rows(model: SensorModel, without: bool) -> tuple[Array, Array]:
-    """Return the error of each sensor for a unit of rms input: along its own axis, and along the others.
+def _force_rows(model: SensorModel, use: Use) -> Array | None:
+    """Return the error of each gyro for a unit of specific force along each axis; None where nothing is known."""
+    if use.g_sensitivity is not None:
+        return np.full(len(model.axes), use.g_sensitivity)
+    if model.g_sensitivity is None:
+        return None
+    left = 0.0 if "g_sensitivity" not in use.without else np.sum(model.g_sensitivity**2, axis=1)
+    traces = [np.trace(_covariance(model, [f"g_sensitivity_{axis}{f}" for f in "xyz"])) for axis in model.axes]
+    return np.asarray(np.sqrt(np.array(traces) + left))
 
-    Of three gyros the part of the cross terms that turns all axes together is left out: see the module head.
+
+def _gravity(model: SensorModel, use: Use, whole: Array) -> list[Line]:
+    """Return the bias that a steady force makes of what is left of the matrix, or of the g-sensitivity."""
+    how = f"{use.steady_force:.3g} m/s^2 steady"
+    if model.kind != "gyro":
+        return [Line("gravity on the matrix", "start", whole * use.steady_force, how=how)]
+    rows = _force_rows(model, use)
+    return [] if rows is None else [Line("gravity on g-sensitivity", "start", rows * use.steady_force, how=how)]
+
+
+def _rows(model: SensorModel, without: bool) -> tuple[Array, Array, Array]:
+    """Return the error of each sensor for a unit of rms input: along its own axis, along the others, and along all.
+
+    Of three gyros the part of the cross terms that turns all axes together is left out of the second: see the module
+    head.
     """
     k = len(model.axes)
     M = model.matrix[0]
     together = model.kind == "gyro" and k == 3
-    own, cross = np.zeros(k), np.zeros(k)
+    own, cross, whole = np.zeros(k), np.zeros(k), np.zeros(k)
     for i, axis in enumerate(model.axes):
         own[i] = _covariance(model, [f"scale_factor_error_{axis}"])[0, 0]
         own[i] += (M[i, i] - 1.0) ** 2 if without else 0.0
@@ -425,7 +459,8 @@ def _rows(model: SensorModel, without: bool) -> tuple[Array, Array]:
             cross[i] += 0.25 * float(pair.sum()) if together else float(pair[0, 0])
             if without:
                 cross[i] += (0.5 * (M[i, j] + M[j, i]) if together else M[i, j]) ** 2
-    return np.sqrt(own), np.sqrt(np.maximum(cross, 0.0))
+            whole[i] += float(pair[0, 0]) + (M[i, j] ** 2 if without else 0.0)
+    return np.sqrt(own), np.sqrt(np.maximum(cross, 0.0)), np.sqrt(own + whole)
 
 
 def _white(source: str, size: Array, time: float | None, how: str) -> Line:
@@ -499,26 +534,69 @@ def settings_of(
         carried = tuple(None if one is None else one.with_scale_factor_states for one in both)
     else:
         carried = both
-    first, second = ([()] if one is None else [one.walk_terms(i) for i in range(len(one.axes))] for one in carried)
+    first, second = ([()] if one is None else _walks(one) for one in carried)
     if target in {"kalibr", "openvins"}:
-        return (to_kalibr if target == "kalibr" else to_openvins)(first, second, rate)
-    if target == "gtsam":
-        return to_gtsam(first, second, STANDARD_GRAVITY.value)
-    if target == "px4":
-        return _with_start(to_px4(first, second), target, both)
-    times = [line.time for one in both if one for line in one.lines if line.carried == "gauss_markov"]
-    logs = [float(np.mean(np.log(time))) for time in times if time is not None]
-    time = float(np.exp(np.mean(logs))) if logs else KF_GINS_TIME
-    known = (
-        None if gyro is None else gyro.scale_factor,
-        None if accelerometer is None else accelerometer.scale_factor,
-    )
-    return _with_start(to_kf_gins(first, second, time, scale_factors=known), target, both)
+        block = (to_kalibr if target == "kalibr" else to_openvins)(first, second, rate)
+    elif target == "gtsam":
+        block = _with_prior(to_gtsam(first, second, STANDARD_GRAVITY.value), both)
+    elif target == "px4":
+        block = _with_start(to_px4(first, second), target, both)
+    else:
+        times = [line.time[line.size > 0.0] for one in both if one for line in one.lines
+                 if line.carried == "gauss_markov" and line.time is not None]  # fmt: skip
+        logs = np.log(np.concatenate(times)) if times else np.zeros(0)
+        time = float(np.exp(np.mean(logs))) if logs.size else KF_GINS_TIME
+        known = (
+            None if gyro is None else gyro.scale_factor,
+            None if accelerometer is None else accelerometer.scale_factor,
+        )
+        block = _with_start(to_kf_gins(first, second, time, scale_factors=known), target, both)
+    said = [one for budget in both if budget for one in _stand_in(budget)]
+    if target in {"kalibr", "openvins"}:
+        said += [f"{one.kind}: bias at the start: {max(one.start):.3g} {one.unit} (largest): give it to the filter"
+                 for one in both if one and np.any(one.start)]  # fmt: skip
+    return replace(block, cannot_hold=(*block.cannot_hold, *said))
+
+
+def _walks(budget: Budget) -> list[tuple[Term, ...]]:
+    """Return what a filter with one walk an axis carries; an axis without one has that of the worst."""
+    worst = RateRandomWalk(float(np.max(budget.drive)))
+    own = [budget.walk_terms(i) for i in range(len(budget.axes))]
+    if not worst.coefficient:
+        return own
+    return [one if any(isinstance(t, RateRandomWalk) for t in one) else (*one, worst) for one in own]
+
+
+def _stand_in(budget: Budget) -> list[str]:
+    """Return what to say of axes that are given what is known of others."""
+    said = []
+    without = [axis for axis, drive in zip(budget.axes, budget.drive, strict=True) if not drive]
+    if without and len(without) < len(budget.axes):
+        said.append(f"{budget.kind}: no wandering of {', '.join(without)} is known: that of the worst axis stands in")
+    if len(budget.axes) == 1:
+        said.append(f"{budget.kind}: one axis alone, {budget.axes[0]}: it stands for all three")
+    return said
+
+
+def _with_prior(block: FilterBlock, both: tuple[Budget | None, Budget | None]) -> FilterBlock:
+    """Return a block of GTSAM with the standard deviations of the first bias, for its prior."""
+    gyro, accelerometer = both
+    known = [one for one in (accelerometer, gyro) if one is not None and np.any(one.start)]
+    values = [value for one in known for value in (one.start.tolist() * (3 // len(one.axes)))]
+    if not values:
+        return block
+    listed = ", ".join(f"{value:.6g}" for value in values)
+    text = f"bias_prior = gtsam.noiseModel.Diagonal.Sigmas(np.array([{listed}]))  # of the first bias: m/s^2, rad/s\n"
+    if len(known) == 1:
+        text = f"# of the first bias, {known[0].kind} [{known[0].unit}]: {listed}\n"
+    setting = Setting("bias_prior", tuple(values), "m/s^2, rad/s", "bias at the start")
+    missing = tuple(one.replace(" and the first covariance of the bias", "") for one in block.missing)
+    return replace(block, text=block.text + text, settings=(*block.settings, setting), missing=missing)
 
 
 def _with_start(block: FilterBlock, target: str, both: Sequence[Budget | None]) -> FilterBlock:
     """Return a block with what the filter is told of the bias at the start."""
-    settings, lines = [], []
+    settings, lines, outside = [], [], []
     for (key, unit), one in zip(STARTS[target], both, strict=True):
         if one is None or not np.any(one.start):
             continue
@@ -529,8 +607,10 @@ def _with_start(block: FilterBlock, target: str, both: Sequence[Budget | None]) 
         lines.append(
             f"param set {key} {listed}" if target == "px4" else f"{key}: [{listed}]  # [{unit}] bias at the start"
         )
+        outside += outside_px4(key, shown[0]) if target == "px4" else []
     text = block.text + "".join(f"{line}\n" for line in lines)
-    return replace(block, text=text, settings=(*block.settings, *settings))
+    held = (*block.cannot_hold, *outside)
+    return replace(block, text=text, settings=(*block.settings, *settings), cannot_hold=held)
 
 
 def vibration_levels(spectrum: Spectrum, sample_rate: float) -> tuple[float, float]:

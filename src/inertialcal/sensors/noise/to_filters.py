@@ -64,6 +64,8 @@ PX4_RANGES = {  # least and largest value that the parameters may have [2]_
     "EKF2_ACC_NOISE": (0.01, 1.0),
     "EKF2_GYR_B_NOISE": (0.0, 0.01),
     "EKF2_ACC_B_NOISE": (0.0, 0.01),
+    "EKF2_GBIAS_INIT": (0.0, 0.2),
+    "EKF2_ABIAS_INIT": (0.0, 0.5),
 }
 STEPS = 4096  # of an averaging time, so short that samples are as good as continuous
 Axes = Sequence[Sequence[Term]]
@@ -176,17 +178,21 @@ def to_px4(gyro: Axes, accelerometer: Axes, step: float = PX4_STEP, *, horizon: 
         for key, values, unit, source in wanted
     ]
     lines = [f"# for EKF2_PREDICT_US {round(step * 1e6)}: values depend on the step"]
-    outside = []
+    outside: list[str] = []
     for one in settings:
         if not one.values:
             lines.append(f"# {one.key}: not found in the record")
             continue
         lines += [f"# {one.unit}; {one.source}", f"param set {one.key} {_figure(one.values[0])}"]
-        low, high = PX4_RANGES[one.key]
-        if not low <= one.values[0] <= high:
-            outside.append(f"{one.key} {one.values[0]:.3g}: the parameter takes {low:g} to {high:g}")
+        outside += outside_px4(one.key, one.values[0])
     held = (*outside, *_worst_only(rate, acc), *_times_not_held(rate, acc))
     return filter_block("px4", lines, settings, rate, acc, held)
+
+
+def outside_px4(key: str, value: float) -> list[str]:
+    """Return what to say of a parameter that PX4 would not take; nothing where it takes it."""
+    low, high = PX4_RANGES[key]
+    return [] if low <= value <= high else [f"{key} {value:.3g}: the parameter takes {low:g} to {high:g}"]
 
 
 def to_gtsam(

@@ -41,6 +41,7 @@ from .offsets import (
     parameters,
     scales,
     unknown_left,
+    unknown_lines,
 )
 
 NAME = "ArduPilot"
@@ -67,9 +68,11 @@ def dump(models: Mapping[Kind, SensorModel]) -> str:
         lines += ["#", *(f"# {line}" for line in loss_lines(model, losses(model, NAME)))]
         if model.output_unit != model.unit:
             lines.append(f"# The driver must apply the scale factor: these correct readings in {model.unit}")
-        lines += [f"# {START}"] if kind == "gyro" else []
+        lines += [*unknown_lines(kind, model, NAME), *([f"# {START}"] if kind == "gyro" else [])]
     low, high = _ends(warm)
-    lines.append(f"INS_TCAL1_ENABLE,{1 if warm else 0}")
+    lines += [f"# {one.what}. {one.do}" for one in _shared_range(models)]
+    if warm or len(models) == len(WORD):  # the switch is for both sensors
+        lines.append(f"INS_TCAL1_ENABLE,{1 if warm else 0}")
     lines += [f"INS_TCAL1_TMIN,{figure(low)}", f"INS_TCAL1_TMAX,{figure(high)}"] if warm else []
     for kind, model in models.items():
         lines += _sensor(kind, model, warm.get(kind), (low, high))
@@ -86,13 +89,24 @@ def _ends(warm: Mapping[Kind, Offsets]) -> tuple[float, float]:
     return found[0] if found else (0.0, 0.0)
 
 
+def _shared_range(models: Mapping[Kind, SensorModel]) -> tuple[Remark, ...]:
+    """Return a remark where the range of one sensor is written alone: it is that of the other one too."""
+    if len(models) == len(WORD) or not any(map(has_temperature, models.values())):
+        return ()
+    (other,) = set(WORD) - set(models)
+    what = f"INS_TCAL1_TMIN and INS_TCAL1_TMAX hold for the {other}s of the vehicle too"
+    do = f"If these have a temperature calibration, export both in one file: --with MODEL of the {other}s"
+    return (Remark("set_on_vehicle", "warning", what, do=do),)
+
+
 def _sensor(kind: Kind, model: SensorModel, held: Offsets | None, ends: tuple[float, float]) -> list[str]:
     word, lines = WORD[kind], []
     bias, at = np.asarray(model.bias), None
-    if held is not None:
-        written = np.array([[float(np.float32(c / SCALE)) for c in row] for row in held.powers[1:]])
-        lines += [f"INS_TCAL1_{word}{power + 1}_{axis.upper()},{figure(float(written[power, i]))}"
+    powers = np.zeros((ORDER, 3)) if held is None else held.powers[1:]  # zeros: nothing of an older file stays
+    written = np.array([[float(np.float32(c / SCALE)) for c in row] for row in powers])
+    lines += [f"INS_TCAL1_{word}{power + 1}_{axis.upper()},{figure(float(written[power, i]))}"
                   for power in range(ORDER) for i, axis in enumerate(AXES)]  # fmt: skip
+    if held is not None:
         at = float(np.clip(np.mean(model.terms["reference_temperature"]), *ends))
         bias = np.array([Polynomial(column)(at - CENTRE) for column in held.powers.T])
     if known_bias(model):
@@ -161,7 +175,7 @@ def cannot_hold(models: Mapping[Kind, SensorModel]) -> tuple[Remark, ...]:
     start = (
         (Remark("set_on_vehicle", "info", START, do="Set INS_GYR_CAL to 0 to keep these"),) if "gyro" in models else ()
     )
-    return (*gone, *start, *unknown_left(models, NAME), *raw_unit(models, NAME))
+    return (*gone, *start, *_shared_range(models), *unknown_left(models, NAME), *raw_unit(models, NAME))
 
 
 FORMAT = ModelFormat(

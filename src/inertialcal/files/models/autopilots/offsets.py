@@ -93,7 +93,7 @@ def offsets(model: SensorModel, name: str, centre: float | None = None) -> Offse
         moved = one(Polynomial([at, 1.0])).coef
         powers[: len(moved), i] = moved
     kept = [0.0 if one is cubic else largest(one - cubic, ends) for one, cubic in zip(curves, cubics, strict=True)]
-    return Offsets(powers, at, ends, np.array(kept), np.array([largest(one.deriv(), ends) for one in cubics]))
+    return Offsets(powers, at, ends, np.array(kept), np.array([largest(one.deriv(), ends) for one in curves]))
 
 
 def _nearest(curve: Polynomial, ends: tuple[float, float]) -> Polynomial:
@@ -147,7 +147,9 @@ def losses(model: SensorModel, name: str) -> list[Loss]:
         if np.any(held.residual):
             orders = len(model.terms["bias_temperature"])
             what = f"bias over temperature beyond order {ORDER} (the model has {orders}; fitted anew)"
-            found.append(Loss(what, held.residual, "over the range of temperature"))
+            # the firmware multiplies by SCALE what is left
+            gain = np.array([one or 1.0 for one in scales(model)])
+            found.append(Loss(what, held.residual * gain, "over the range of temperature"))
         found.append(Loss("the temperature of each sensor (one thermometer for all)", held.slope, PER_DEGREE))
     return [one for one in (*found, *other_losses(model)) if one is not None]
 
@@ -158,13 +160,19 @@ def unknown_left(models: Mapping[Kind, SensorModel], name: str) -> tuple[Remark,
     for model in models.values():
         if not known_bias(model):
             what = f"{model.kind}: the constant of the bias is not known: it is not written"
-            do = "Calibrate the sensor level on the vehicle once these parameters are loaded"
+            do = "Calibrate the sensor level on the vehicle once these are loaded: its old offsets hold part of them"
             found.append(Remark("left_to_vehicle", "warning", what, do=do))
         missing = [axis for axis, one in zip(model.axes, scales(model), strict=True) if one is None]
         if model.kind == "accelerometer" and missing:
             what = f"accelerometer: scale factor of {', '.join(missing)} is not known: {name} keeps its own"
             found.append(Remark("left_to_vehicle", "info", what))
     return tuple(found)
+
+
+def unknown_lines(kind: Kind, model: SensorModel, name: str) -> list[str]:
+    """Return lines of comment on what is left to the vehicle, as `unknown_left` says it."""
+    return [f"# {' '.join(one.what.split())}{f'. {one.do}' if one.do else ''}"
+            for one in unknown_left({kind: model}, name)]  # fmt: skip
 
 
 def figure(value: float) -> str:

@@ -40,6 +40,7 @@ from .offsets import (
     parameters,
     scales,
     unknown_left,
+    unknown_lines,
 )
 
 NAME = "PX4"
@@ -67,6 +68,7 @@ def dump(models: Mapping[Kind, SensorModel]) -> str:
         lines += ["#", *(f"# {line}" for line in loss_lines(model, _losses(model)))]
         if model.output_unit != model.unit:
             lines.append(f"# The driver must apply the scale factor: these correct readings in {model.unit}")
+        lines += unknown_lines(kind, model, NAME)
         lines += _thermal(kind, model) if has_temperature(model) else [_line(f"TC_{LETTER[kind]}_ENABLE", 0)]
         lines += _constant(kind, model)
     return "\n".join(lines) + "\n"
