@@ -140,6 +140,7 @@ def _record(unit: Unit, constants: Constants, bounds: Bounds, worst: Sequence[Fo
         "axes": per_axis,
         "codes": [one.lowest, one.highest],
         "vectors": len(chosen.codes["signal"]),
+        "no_code_shows": list(chosen.invisible),
         "unnoticed": list(chosen.unnoticed),
     }
     windows = {"reference_window": one.reference_window, "temperature_reference_window": one.temperature_window}

@@ -3,8 +3,8 @@
 A step of a constant of sensor j shows only where the correction s_j + q_j of that sensor is another number, and that
 depends on two codes of that sensor. So all pairs of them are tried, step by step along Horner's rule and only where the
 sum still differs; each pair that is left is completed with many codes of the other sensors. Where no pair is left, no
-code shows the step: it makes no difference at all. For other constants all codes of a single sensor are tried, and of
-several sensors random ones.
+code shows the step: it makes no difference at all. For other constants all codes of a single sensor are tried; of
+several sensors random ones, and in the end each sum that an entry of M^-1 is added to with each number added.
 """
 
 from __future__ import annotations
@@ -18,13 +18,16 @@ from numpy.typing import NDArray
 from .codes import Codes, Integers, random_differences, rows, spans, with_differences
 from .design import Arithmetic, Constants, Values
 from .exact import Ideal
-from .twin import Inside, Reduced, corrections, horner, inside, outputs, reduced, run
+from .twin import Inside, Reduced, corrections, horner, inside, mixed_sum, outputs, reduced, run
 
 MOST_PAIRS = 2**24  # of codes of one sensor; where there are more, as many are drawn
 CHUNK = 2**17  # pairs at once
 TRIES = 2**14  # codes that the pairs of one chunk are completed with
 MOST_CHUNKS_TRIED = 24  # in which pairs are completed and the output stays the same; then it is given up
+MOST_DRAWN = 2**20  # random codes for a constant of the sums
+SIDE = 4096  # sums of the sensors before, and corrections of a sensor, each with each
 OF_SENSOR = ("THERMAL", "SLOPE", "READING", "CURVE", "CURVE_ENDS")  # tables with a row a sensor
+OF_SUMS = ("CONSTANT", "INVERSE", "MIXED", "WEIGHT", "OWN_WEIGHT")
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +38,16 @@ class Step:
     table: str
     at: tuple[int, ...]
     constants: Constants
+
+
+@dataclass(frozen=True, eq=False)
+class OneSide:
+    """Curve of a sensor at the pairs whose readings have one sign."""
+
+    index: Integers  # which pairs
+    near: Values
+    thermal: Values
+    sums: list[Values]  # Horner's rule: what is reached with each power, the lowest first; zero at the end
 
 
 def first_difference(
@@ -60,7 +73,8 @@ class Seeker:
         """Look for codes of every step."""
         for j in range(self.k):
             self.sensor(j, [one for one in steps if one.table in OF_SENSOR and one.at[0] == j])
-        others = [one for one in steps if one.table not in OF_SENSOR]
+        others = [one for one in steps if one.table in OF_SUMS]
+        self.unnoticed += [one.label for one in steps if one.table not in (*OF_SENSOR, *OF_SUMS)]
         if self.k == 1:
             self.sensor(0, others)
         else:
@@ -77,9 +91,9 @@ class Seeker:
             tau = None if warmth is None else warmth - int(self.constants["TEMPERATURE_CENTRE"][j])
             inputs = Reduced(away, tau, np.zeros_like(away))
             at = inside(own, self.how, inputs)
-            partial = self.partial_sums(own, at)
+            sides = [self.one_side(own, at, side) for side in (0, 1)] if "CURVE" in own else []
             for label, step in list(left.items()):
-                differs = self.differing(step, own, inputs, at, partial)
+                differs = self.differing(step, own, inputs, sides)
                 if len(differs) == 0:
                     continue
                 row = self.completed(j, step, away[differs, 0], None if warmth is None else warmth[differs, 0])
@@ -123,38 +137,32 @@ class Seeker:
             warmth = None if self.warm is None else (index // signals + int(self.warm[j, 0]))[:, np.newaxis]
             yield away, warmth
 
-    def partial_sums(self, own: Constants, at: Inside) -> list[Values]:
-        """Horner's rule of the curve: what is reached with each power, the highest last; nothing without a curve."""
-        if "CURVE" not in own:
-            return []
-        sums = [np.zeros(len(at.near), dtype=at.near.dtype)]
+    def one_side(self, own: Constants, at: Inside, side: int) -> OneSide:
+        """Evaluate the curve where readings have one sign."""
+        index = np.flatnonzero(at.side[:, 0] == side)
+        near = at.near[index, 0]
+        sums = [np.zeros_like(near)]
         for m in range(own["CURVE"].shape[2] - 1, -1, -1):
-            sums.append(self.power(own, m, sums[-1], at.near[:, 0], at.side[:, 0]))
-        return sums[::-1]
+            sums.append(horner(self.how, sums[-1], own["CURVE"][0, side, m], near, own.get("CURVE_BITS")))
+        return OneSide(index, near, at.thermal[index, 0], sums[::-1])
 
-    def power(self, own: Constants, m: int, total: Values, near: Values, side: Integers) -> Values:
-        """Return one step of Horner's rule."""
-        return horner(self.how, total, own["CURVE"][0, side, m], near, own.get("CURVE_BITS"))
-
-    def differing(
-        self, step: Step, own: Constants, inputs: Reduced, at: Inside, partial: list[Values]
-    ) -> Integers:
+    def differing(self, step: Step, own: Constants, inputs: Reduced, sides: list[OneSide]) -> Integers:
         """Rows in which the correction of the sensor is another one with a step, or its flag."""
         if step.table not in OF_SENSOR:
             return np.arange(len(inputs.away))
         changed = _of_sensor(step.constants, step.at[0])
-        if step.table == "CURVE":
-            _, side, m = step.at
-            left = np.flatnonzero(at.side[:, 0] == side)
-            total = partial[m + 1][left]
-            for power in range(m, -1, -1):
-                total = self.power(changed, power, total, at.near[left, 0], at.side[left, 0])
-                differs = total != partial[power][left]
-                left, total = left[differs], total[differs]
-            thermal = at.thermal[left, 0]
-            return left[thermal + total != thermal + partial[0][left]]
-        here, there = (corrections(one, self.how, inputs) for one in (own, changed))
-        return np.flatnonzero((here[0] != there[0])[:, 0] | (here[1] != there[1])[:, 0])
+        if step.table != "CURVE":
+            here, there = (corrections(one, self.how, inputs) for one in (own, changed))
+            return np.flatnonzero((here[0] != there[0])[:, 0] | (here[1] != there[1])[:, 0])
+        _, side, m = step.at
+        one = sides[side]
+        left, near, total = np.arange(len(one.index)), one.near, one.sums[m + 1]
+        for power in range(m, -1, -1):
+            total = horner(self.how, total, changed["CURVE"][0, side, power], near, own.get("CURVE_BITS"))
+            differs = np.flatnonzero(total != one.sums[power][left])
+            left, near, total = left[differs], near[differs], total[differs]
+        thermal = one.thermal[left]
+        return one.index[left[thermal + total != thermal + one.sums[0][left]]]
 
     def completed(self, j: int, step: Step, away: Integers, warmth: Integers | None) -> Codes | None:
         """Codes that show a step, from pairs of one sensor and random codes of the others; None where none does."""
@@ -179,21 +187,83 @@ class Seeker:
     def axes(self, steps: list[Step]) -> None:
         """Look for steps of constants of the sums of several sensors among random codes."""
         left = {one.label: one for one in steps}
-        for _ in range(MOST_PAIRS // CHUNK):
+        for _ in range(MOST_DRAWN // CHUNK):
             if not left:
                 break
-            away = random_differences(self.signal, CHUNK, self.rng)
-            warmth = None if self.warm is None else random_differences(self.warm, CHUNK, self.rng)
-            codes = with_differences(self.ideal, away, warmth)
-            inputs = reduced(self.constants, codes)
-            change, beyond = corrections(self.constants, self.how, inputs)
-            here = outputs(self.constants, self.how, inputs, change, beyond)
-            for label, step in list(left.items()):
-                row = first_difference(outputs(step.constants, self.how, inputs, change, beyond), here)
-                if row is not None:
-                    self.found.append(rows(codes, [row]))
-                    del left[label]
-        self.unnoticed += left
+            away, warmth = self.drawn(CHUNK)
+            self.shown(left, away, warmth)
+        for label, step in left.items():
+            if step.table == "INVERSE":
+                self.inverse(step)
+            else:
+                self.unnoticed.append(label)
+
+    def drawn(self, n: int) -> tuple[Integers, Integers | None]:
+        """Random differences of signals and codes of temperature, shape (n, k)."""
+        warmth = None if self.warm is None else random_differences(self.warm, n, self.rng)
+        return random_differences(self.signal, n, self.rng), warmth
+
+    def shown(self, left: dict[str, Step], away: Integers, warmth: Integers | None) -> None:
+        """Take the steps of the sums that some codes show out of a list, and keep the codes."""
+        codes = with_differences(self.ideal, away, warmth)
+        inputs = reduced(self.constants, codes)
+        change, beyond = corrections(self.constants, self.how, inputs)
+        here = outputs(self.constants, self.how, inputs, change, beyond)
+        for label, step in list(left.items()):
+            row = first_difference(outputs(step.constants, self.how, inputs, change, beyond), here)
+            if row is not None:
+                self.found.append(rows(codes, [row]))
+                del left[label]
+
+    def inverse(self, step: Step) -> None:
+        """Look for a step of N_ij in floating point: it has to show in the sum up to sensor j, whatever comes after.
+
+        That sum is tried for each pair of codes of the sensors before and codes of sensor j.
+        """
+        i, j = step.at
+        every = "CURVE" not in self.constants and j < 2  # so few that all can be tried
+        before, own = self.drawn(SIDE), self.drawn(SIDE)
+        if every:
+            before, own = (self.all_temperatures(one) for one in (0, j))
+        sums, changes = (self.changes(*one) for one in (before, own))
+        total = mixed_sum(self.constants, i, sums, j)
+        here, there = (one["INVERSE"][i, j] * changes[:, j] for one in (self.constants, step.constants))
+        pairs = [
+            np.stack([np.full(len(found), row), found])
+            for row, one in enumerate(total)
+            if len(found := np.flatnonzero(one + here != one + there))
+        ]
+        if not pairs:
+            (self.invisible if every else self.unnoticed).append(step.label)
+            return
+        first, second = np.hstack(pairs)
+        left = {step.label: step}
+        for _ in range(MOST_CHUNKS_TRIED):
+            take = self.rng.integers(0, len(first), TRIES)
+            away, warmth = self.drawn(TRIES)
+            for to, start, source in ((away, before[0], own[0]), (warmth, before[1], own[1])):
+                if to is not None and start is not None and source is not None:
+                    to[:, :j], to[:, j] = start[first[take], :j], source[second[take], j]
+            if "CURVE" not in self.constants:
+                away = random_differences(self.signal, TRIES, self.rng)
+            self.shown(left, away, warmth)
+            if not left:
+                return
+        self.unnoticed.append(step.label)
+
+    def all_temperatures(self, j: int) -> tuple[Integers, Integers | None]:
+        """Every code of temperature of one sensor, the others at the start of their range; shape (n, k)."""
+        _, count = self.number_of_pairs(j)
+        if self.warm is None:
+            return np.zeros((1, self.k), dtype=np.int64), None
+        warmth = np.tile(self.warm[:, 0], (count, 1))
+        warmth[:, j] += np.arange(count)
+        return np.zeros_like(warmth), warmth
+
+    def changes(self, away: Integers, warmth: Integers | None) -> Values:
+        """Corrections of each sensor, shape (n, k)."""
+        tau = None if warmth is None else warmth - self.constants["TEMPERATURE_CENTRE"]
+        return corrections(self.constants, self.how, Reduced(away, tau, np.zeros_like(away)))[0]
 
 
 def _of_sensor(constants: Constants, j: int) -> Constants:

@@ -144,6 +144,14 @@ def run(constants: Constants, how: Arithmetic, codes: Codes) -> tuple[Values, ND
     return outputs(constants, how, inputs, change, beyond)
 
 
+def mixed_sum(constants: Constants, i: int, change: Values, count: int) -> Values:
+    """Return C_i and the corrections of the first sensors in axis i, summed as the floating code does, shape (n,)."""
+    total: Values = np.full(len(change), constants["CONSTANT"][i], dtype=change.dtype)
+    for j in range(count):
+        total = total + constants["INVERSE"][i, j] * change[:, j]
+    return total
+
+
 def outputs(
     constants: Constants, how: Arithmetic, inputs: Reduced, change: Values, beyond: NDArray[np.int64]
 ) -> tuple[Values, NDArray[np.uint8]]:
@@ -164,9 +172,7 @@ def outputs(
     else:
         away = inputs.away.astype(how.dtype)
         for i in range(k):
-            total = np.full(len(away), constants["CONSTANT"][i], dtype=how.dtype)
-            for j in range(k if changed else 0):
-                total = total + constants["INVERSE"][i, j] * change[:, j]
+            total = mixed_sum(constants, i, change, k if changed else 0)
             for j in range(k):
                 total = total + constants["WEIGHT"][i, j] * away[:, j]
             columns.append(constants["OWN_WEIGHT"][i] * away[:, i] + total)
