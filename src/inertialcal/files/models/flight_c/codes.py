@@ -17,9 +17,9 @@ SMALLEST = 12  # halvings, at most, of what is drawn: some things show in small 
 WILD = 2**31 - 1
 
 
-def rows(codes: Mapping[str, Integers], which: object) -> Codes:
+def rows(codes: Mapping[str, Integers], which: list[int]) -> Codes:
     """Return some rows of codes."""
-    return {name: one[which] for name, one in codes.items()}  # type: ignore[index]
+    return {name: one[which] for name, one in codes.items()}
 
 
 def joined(parts: list[Codes]) -> Codes:

@@ -85,7 +85,7 @@ def _word(value: int) -> np.uint64:
 
 
 def _modulo(values: Values, how: Arithmetic, unit_bits: int) -> NDArray[np.uint64]:
-    """Outputs in units of 2^-unit_bits, cut to whole ones, modulo 2^64."""
+    """Give outputs in units of 2^-unit_bits, cut to whole ones, modulo 2^64."""
     if how.fixed:
         digits, shift = values.astype(np.int64), np.full(values.shape, unit_bits - how.bits)
     else:

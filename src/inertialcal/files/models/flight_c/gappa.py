@@ -147,7 +147,9 @@ class _Script:
             read = self.rounded(f"{self.rounded(f'{slope} * d{j}')} + {start}")
             read = self.rounded(f"{read}{_plus(here)}") if here else read
         true = f"{self.near(f'A{j}', self.ideal.slope[j])} * d{j} + {self.near(f'B{j}', self.ideal.reading[j])}"
-        self.goal(f"{self.define(f'r{j}', read)} - {self.define(f'R{j}', f'{true}{_plus(wanted)}')}", self.of_reading(j))
+        self.goal(
+            f"{self.define(f'r{j}', read)} - {self.define(f'R{j}', f'{true}{_plus(wanted)}')}", self.of_reading(j)
+        )
         self.premise(f"|Q{j}| <= {_above(largest_bend(self.ideal.curves[j]))}")
         self.premise(f"|q{j} - Q{j}| <= {_above(self.bounds.bends[j] * SLACK)}")
         if self.how.fixed:

@@ -24,9 +24,7 @@ class Found:
     codes: dict[str, list[int]]
 
 
-def search(
-    ideal: Ideal, how: Arithmetic, constants: Constants, bounds: Bounds, seed: int = SEED
-) -> tuple[Found, ...]:
+def search(ideal: Ideal, how: Arithmetic, constants: Constants, bounds: Bounds, seed: int = SEED) -> tuple[Found, ...]:
     """Return the worst error on each axis: of all codes where these can be tried, else of a directed search.
 
     Random codes first; from the worst of them on, one code after the other is changed for the worse.

@@ -50,9 +50,7 @@ class OneSide:
     sums: list[Values]  # Horner's rule: what is reached with each power, the lowest first; zero at the end
 
 
-def first_difference(
-    found: tuple[Values, NDArray[np.uint8]], here: tuple[Values, NDArray[np.uint8]]
-) -> int | None:
+def first_difference(found: tuple[Values, NDArray[np.uint8]], here: tuple[Values, NDArray[np.uint8]]) -> int | None:
     """Return the first row that is another one in outputs or flags."""
     other = np.any((found[0] != here[0]) | (found[1] != here[1]), axis=1)
     return int(other.argmax()) if other.any() else None
@@ -162,7 +160,8 @@ class Seeker:
             differs = np.flatnonzero(total != one.sums[power][left])
             left, near, total = left[differs], near[differs], total[differs]
         thermal = one.thermal[left]
-        return one.index[left[thermal + total != thermal + one.sums[0][left]]]
+        shows: Integers = one.index[left[thermal + total != thermal + one.sums[0][left]]]
+        return shows
 
     def completed(self, j: int, step: Step, away: Integers, warmth: Integers | None) -> Codes | None:
         """Codes that show a step, from pairs of one sensor and random codes of the others; None where none does."""

@@ -6,6 +6,7 @@ All values are times SCALE. Cutting a number to a whole one costs less than a un
 from __future__ import annotations
 
 from fractions import Fraction
+from math import floor
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,7 +94,7 @@ def true_values(
 
 
 def _cut(value: Fraction) -> int:
-    return value.numerator * SCALE // value.denominator
+    return int(floor(value * SCALE))
 
 
 def _thermal(ideal: Ideal, j: int, tau: NDArray[np.int64]) -> tuple[Integers, Fraction]:
@@ -129,7 +130,8 @@ def inverted(bend: Bend, read: Integers) -> tuple[Integers, Fraction]:
         exact = (digits << SCALE_BITS) >> bits
         value = exact * (first + exact * (second + exact * third // SCALE) // SCALE) // SCALE
         slopes = np.array((one + u * (2.0 * two + 3.0 * three * u)) * 2.0**SLOPE_BITS, dtype=np.int64).astype(object)
-        exact = np.clip(exact - ((value - r) << SLOPE_BITS) // slopes, *sorted((0, int(end * SCALE))))
+        lowest, highest = sorted((0, int(end * SCALE)))  # towards zero
+        exact = np.clip(exact - ((value - r) << SLOPE_BITS) // slopes, lowest, highest)
         value = exact * (first * SCALE**2 + exact * (second * SCALE + exact * third))  # g(u) times SCALE^4
         size = abs(end) + 1
         cuts = size + size**2 + size**3 + 1  # the coefficients and the end, cut

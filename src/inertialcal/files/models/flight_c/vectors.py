@@ -1,7 +1,7 @@
 """Test vectors that notice a change of any constant: ends of all ranges, random codes, and codes found on purpose.
 
-A constant that is one step off changes few outputs. Random codes show most steps; `Seeker` looks for codes that show the
-others, and tells those that no code can show.
+A constant that is one step off changes few outputs. Random codes show most steps; `Seeker` looks for codes that show
+the others, and tells those that no code can show.
 """
 
 from __future__ import annotations
@@ -82,9 +82,7 @@ def _unseen(constants: Constants, how: Arithmetic, codes: Codes, steps: list[Ste
     return _noticing(constants, how, codes, steps)[1]
 
 
-def _noticing(
-    constants: Constants, how: Arithmetic, pool: Codes, steps: list[Step]
-) -> tuple[list[int], list[Step]]:
+def _noticing(constants: Constants, how: Arithmetic, pool: Codes, steps: list[Step]) -> tuple[list[int], list[Step]]:
     """Rows that show a step, one a step, and the steps that no row shows."""
     here = run(constants, how, pool)
     noticing, left = [], []
