@@ -534,6 +534,7 @@ def test_bound_json_is_what_is_proved(folder: Path) -> None:
         row = sensor["axes"][axis]
         assert bound <= Fraction(row["bound"]) <= bound * Fraction(10**12 + 1, 10**12)
         assert row["worst_found"] <= row["bound"] <= NO_MORE * row["worst_found"]
+        assert row["gappa"] == pytest.approx(NO_MORE * row["bound"])
     assert {path.suffix for path in folder.iterdir()} == {".h", ".c", ".json", ".g"}
 
 

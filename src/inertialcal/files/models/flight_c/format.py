@@ -20,7 +20,7 @@ from .bound import Bounds, prove
 from .design import Arithmetic, Constants, arithmetic, design
 from .emit import SHORT, Unit, Vectors, fields, header, prefix, read_back, source, test_source
 from .exact import ideal
-from .gappa import scripts
+from .gappa import goals, scripts
 from .search import Found, search
 from .twin import run
 from .vectors import Chosen, choose
@@ -120,11 +120,13 @@ def _record(unit: Unit, constants: Constants, bounds: Bounds, worst: Sequence[Fo
     """Return what bound.json says of a sensor."""
     one = unit.ideal
     per_axis: dict[str, dict[str, Any]] = {}
+    shown = goals(one, bounds)
     for i, axis in enumerate(one.axes):
         per_axis[axis] = {
             "bound": above(bounds.errors[i]),
             "worst_found": worst[i].error,
             "worst_codes": {name: codes for name, codes in worst[i].codes.items() if name != "built_in_test"},
+            "gappa": above(shown[i]),
             "one_code": float(abs(one.weights[i][i])),
             "output": [float(bounds.outputs[i].low), float(bounds.outputs[i].high)],
         }

@@ -18,7 +18,7 @@ from .twin import Codes, reduced, run
 Integers = NDArray[np.object_]
 Ends = tuple[Fraction, Fraction]
 SCALE_BITS = 160
-SCALE = 2**SCALE_BITS
+SCALE = 1 << SCALE_BITS
 STEPS_OF_NEWTON = 20  # in floating numbers
 SLOPE_BITS = 52  # of a slope in whole numbers
 
@@ -94,7 +94,7 @@ def true_values(
 
 
 def _cut(value: Fraction) -> int:
-    return int(floor(value * SCALE))
+    return floor(value * SCALE)
 
 
 def _thermal(ideal: Ideal, j: int, tau: NDArray[np.int64]) -> tuple[Integers, Fraction]:
