@@ -24,7 +24,7 @@ from inertialcal.files.models.flight_c.bound import prove
 from inertialcal.files.models.flight_c.codes import random_codes, with_differences
 from inertialcal.files.models.flight_c.design import arithmetic, design, to_float
 from inertialcal.files.models.flight_c.exact import PI, Bend, ideal
-from inertialcal.files.models.flight_c.format import chain_of, flight_files
+from inertialcal.files.models.flight_c.format import above, chain_of, flight_files
 from inertialcal.files.models.flight_c.gappa import goals, scripts
 from inertialcal.files.models.flight_c.inverse import interpolated, remainder
 from inertialcal.files.models.flight_c.search import search
@@ -252,7 +252,7 @@ def test_the_bound_is_at_most_1_3_times_the_worst_found(name: str, how: str) -> 
     one = case(name, how)
     bounds = prove(one.unit.ideal, one.unit.how, one.constants)
     for bound, found in zip(bounds.errors, search(one.unit.ideal, one.unit.how, one.constants, bounds), strict=True):
-        assert found.error <= bound <= NO_MORE * found.error
+        assert found.error <= above(bound) <= NO_MORE * found.error
 
 
 @pytest.mark.slow
@@ -269,7 +269,7 @@ def test_the_bound_is_at_most_1_3_times_the_worst_found_of_any_sensor(
     constants = {word: one.values for word, one in design(function, arithmetic_).constants.items()}
     bounds = prove(function, arithmetic_, constants)
     for bound, found in zip(bounds.errors, search(function, arithmetic_, constants, bounds), strict=True):
-        assert found.error <= bound <= NO_MORE * found.error
+        assert found.error <= above(bound) <= NO_MORE * found.error
 
 
 @pytest.mark.parametrize("bent", [False, True])
