@@ -86,6 +86,32 @@ def tiny() -> tuple[SensorModel, Chain]:
     return model, chain
 
 
+def sensor(axes: int, bits: int, referenced: bool, warm: bool, bent: bool) -> tuple[SensorModel, Chain]:
+    """Return a gyro of any size: codes of so many bits, with or without reference, temperature and curve."""
+    top, full, names = 2**bits - 1, 2.5 / 30.0 * 0.95, ("x", "y", "z")[:axes]
+    meter = Thermometer(0.0264, -0.5042, 25.7) if referenced else Thermometer(0.0264, 2.0, 25.7)
+    chain = Chain(
+        names, 5.0 / top, (0, top), unit="rad/s", scale_factor=30.0, reference="channel" if referenced else 2.5,
+        thermometer=meter if warm else None,
+    )  # fmt: skip
+    cross = np.array([[0.013, 0.002, -0.004], [0.003, -0.007, 0.006], [-0.005, 0.001, 0.009]])[:axes, :axes]
+    model = SensorModel(
+        kind="gyro", axes=names, scale_factor=np.full(axes, 30.0), output_unit="V", matrix=(np.eye(axes) + cross)[None],
+        bias=np.array([0.001, -0.0021, 0.0007])[:axes], input_range=np.tile([-full, full], (axes, 1)),
+    )  # fmt: skip
+    if warm:
+        powers = np.array([[1e-5, 2e-5, -1e-5], [2e-7, 1e-7, 3e-7], [3e-9, -2e-9, 1e-9]])[:, :axes]
+        model = replace(model, bias_temperature=powers, reference_temperature=np.full(axes, 22.0),
+                        temperature_range=(-15.0, 60.0))  # fmt: skip
+    if bent:
+        model = replace(
+            model, scale_factor_asymmetry=np.array([0.001, 0.0, -0.002])[:axes],
+            second_order=np.array([2e-3, -1e-3, 5e-4])[:axes] / full,
+            third_order=np.array([-1e-3, 8e-4, 1e-3])[:axes] / full**2,
+        )  # fmt: skip
+    return model, chain
+
+
 CASES = {"published": published, "curved": curved, "fixed": fixed_reference, "pulses": pulses, "tiny": tiny}
 FIXED = {"published": "q27", "curved": "q27", "fixed": "q25", "pulses": "q26", "tiny": "q27"}
 

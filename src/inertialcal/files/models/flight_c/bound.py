@@ -2,7 +2,8 @@
 
 What a code contributes depends on that code alone: its error is found for each code, in exact rationals, and the
 extremes of the contributions add up. Roundings of sums come on top, each with half a step of the largest number that
-it can meet. Where curves bend, the inverse has the proved remainder of its polynomial.
+it can meet. Where curves bend, the inverse has the proved remainder of its polynomial. A single sensor without
+temperature has one code, and there its roundings are not free of each other: see `enumeration`.
 
 Compared with `exact.Ideal`: the true input that model and chain give for the same codes.
 """
@@ -17,16 +18,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .codes import Codes
 from .design import Arithmetic, Constants, Values, extremes, largest_bend
-from .exact import Bend, Ideal, Window, scaled
+from .enumeration import can_enumerate, worst_of_all
+from .exact import Ideal, Row, Window, scaled
 from .inverse import remainder
-from .twin import Codes, reduced, run, thermal
+from .truth import Ends, Integers, fraction_bits, whole, written_curve
+from .twin import thermal
 
-Integers = NDArray[np.object_]
 MOST_SIGNALS = 2**18  # codes of a signal that are looked at one by one; beyond, half a step is taken for each
-SCALE = 2**200  # of true values in the search
-SEED = 1969
-RANDOM, KEPT, SWEEP, ROUNDS = 4_000, 6, 200, 2  # of the search
 
 
 class Span(NamedTuple):
@@ -57,7 +57,9 @@ class Bounds:
     """Per axis: proved bound on the error, and lowest and highest output [output unit]."""
 
     errors: tuple[Fraction, ...]
+    apart: tuple[Fraction, ...]  # the same with each contribution and rounding at its worst, whatever the others
     outputs: tuple[Span, ...]
+    worst: Codes | None = None  # where the bound of a single sensor is met, of all codes
     remainders: tuple[Fraction, ...] = ()  # of the inverse of each curve, where there is one
     readings: tuple[Fraction, ...] = ()  # error of the reading r_j that a curve is inverted at
     bends: tuple[Fraction, ...] = ()  # error of q_j
@@ -67,25 +69,16 @@ def prove(ideal: Ideal, how: Arithmetic, constants: Constants) -> Bounds:
     """Return what no code can exceed."""
     parts = _Fixed(ideal, how, constants) if how.fixed else _Floating(ideal, how, constants)
     k = len(ideal.axes)
-    errors = tuple(parts.error(i).size for i in range(k))
+    apart = tuple(parts.error(i).size for i in range(k))
+    every = worst_of_all(ideal, how, constants, apart[0]) if can_enumerate(ideal) else None
+    errors, worst = (apart, None) if every is None else ((every.bound,), every.codes)
     lowest, highest = extremes(ideal)
     outputs = tuple(Span(lo, hi).widened(e) for lo, hi, e in zip(lowest, highest, errors, strict=True))
     if ideal.bends is None:
-        return Bounds(errors, outputs)
+        return Bounds(errors, apart, outputs, worst)
     parts_of = [parts.of_curve(j) for j in range(k)]
     remainders = tuple(parts.remainder(j) for j in range(k))
-    return Bounds(errors, outputs, remainders, *(tuple(one[at] for one in parts_of) for at in (0, 1)))
-
-
-def whole(values: Values) -> tuple[Integers, int]:
-    """Return floating numbers as whole numbers over 2^bits, exactly, and the bits."""
-    mantissa, exponent = np.frexp(np.asarray(values, dtype=float))
-    bits = 53 - int(exponent.min(initial=0))
-    digits = np.ldexp(mantissa, 53).astype(np.int64).astype(object)
-    shifted: Integers = digits * np.array([1 << int(e) for e in (exponent - 53 + bits).ravel()], dtype=object).reshape(
-        exponent.shape
-    )
-    return shifted, bits
+    return Bounds(errors, apart, outputs, worst, remainders, *(tuple(one[at] for one in parts_of) for at in (0, 1)))
 
 
 def _against(found: Integers, bits: int, codes: NDArray[np.int64], powers: Sequence[Fraction]) -> Span:
@@ -126,9 +119,9 @@ class _Parts:
         """Return values of s or of outputs as whole numbers, and how many bits of them are fraction."""
         raise NotImplementedError
 
-    def curve(self, j: int) -> tuple[list[list[Fraction]], tuple[Fraction, Fraction]]:
+    def curve(self, j: int) -> tuple[list[Row], Ends]:
         """Powers of r on both sides, and the ends, as they are written."""
-        raise NotImplementedError
+        return written_curve(self.how, self.constants, j)
 
     def error(self, i: int) -> Span:
         """Error of an output."""
@@ -158,8 +151,7 @@ class _Fixed(_Parts):
     @property
     def fine(self) -> int:
         """Fraction bits of s."""
-        scale = int(self.constants["SIGNAL_SCALE"]).bit_length() - 1
-        return self.coarse - scale
+        return fraction_bits(self.how, self.constants)
 
     @property
     def coarse(self) -> int:
@@ -168,14 +160,6 @@ class _Fixed(_Parts):
 
     def exactly(self, values: Values) -> tuple[Integers, int]:
         return values.astype(object), self.fine
-
-    def curve(self, j: int) -> tuple[list[list[Fraction]], tuple[Fraction, Fraction]]:
-        table, one = self.constants["CURVE"][j], Fraction(1, 2**self.fine)
-        # rho = r / 2^e has CURVE_BITS bits where r has fine - CURVE_SHIFT
-        e = int(self.constants["CURVE_BITS"]) - (self.fine - int(self.constants["CURVE_SHIFT"]))
-        powers = [[Fraction(int(x)) * one / Fraction(2) ** (e * m) for m, x in enumerate(side, 1)] for side in table]
-        lowest, highest = (Fraction(int(x)) * one for x in self.constants["CURVE_ENDS"][j])
-        return powers, (lowest, highest)
 
     def error(self, i: int) -> Span:
         ideal, coarse = self.ideal, Fraction(1, 2**self.coarse)
@@ -221,11 +205,6 @@ class _Floating(_Parts):
 
     def exactly(self, values: Values) -> tuple[Integers, int]:
         return whole(values)
-
-    def curve(self, j: int) -> tuple[list[list[Fraction]], tuple[Fraction, Fraction]]:
-        powers = [[Fraction(x.item()) for x in side] for side in self.constants["CURVE"][j]]
-        lowest, highest = (Fraction(x.item()) for x in self.constants["CURVE_ENDS"][j])
-        return powers, (lowest, highest)
 
     def product(self, factor: np.generic, ideal: Fraction, ends: Window) -> tuple[Span, Span]:
         """Error and values of a rounded product of a constant with every code."""
@@ -315,154 +294,3 @@ def half_step(size: Fraction, how: Arithmetic) -> Fraction:
     e -= 1 if size < Fraction(2) ** e else 0
     least = {24: -149, 53: -1074}[how.bits]
     return Fraction(2) ** max(e - how.bits, least - 1)
-
-
-# ---- search --------------------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, eq=False)
-class Found:
-    """Worst error that a search met on an axis, with its codes."""
-
-    error: float
-    codes: dict[str, list[int]]
-
-
-def true_values(ideal: Ideal, i: int, away: NDArray[np.int64], tau: NDArray[np.int64] | None, ends: object) -> Integers:
-    """Return the true input of axis i times SCALE, cut to whole numbers, shape (n,).
-
-    Parameters
-    ----------
-    ends : sequence of (lowest, highest), or None
-        Readings between which each curve is inverted, as the code has them.
-    """
-    n, k = away.shape
-    total: Integers = np.full(n, _cut(ideal.constant[i]), dtype=object)
-    warmth = np.zeros_like(away) if tau is None else tau
-    for j in range(k):
-        total = total + _cut(ideal.weights[i][j]) * away[:, j].astype(object)
-        if ideal.bends is None and ideal.temperatures is None:
-            continue
-        # what a sensor gives depends on its own codes alone: each pair of them once
-        key = warmth[:, j] if ideal.bends is None else warmth[:, j] + away[:, j] * 2**32
-        _, first, place = np.unique(key, return_index=True, return_inverse=True)
-        change = _thermal(ideal, j, warmth[first, j].astype(object))
-        if ideal.bends is not None:
-            read = change + _cut(ideal.slope[j]) * away[first, j].astype(object) + _cut(ideal.reading[j])
-            lowest, highest = (_cut(Fraction(x)) for x in ends[j])  # type: ignore[index]
-            change = change + _bend(ideal.curves[j], np.clip(read, lowest, highest))
-        total = total + ((_cut(ideal.inverse[i][j]) * change) // SCALE)[place]
-    return total
-
-
-def _cut(value: Fraction) -> int:
-    return value.numerator * SCALE // value.denominator
-
-
-def _thermal(ideal: Ideal, j: int, tau: Integers) -> Integers:
-    total: Integers = np.zeros(len(tau), dtype=object)
-    if ideal.temperatures is not None:
-        for power in reversed(ideal.warmths[j].powers):
-            total = (total + _cut(power)) * tau
-    return total
-
-
-def _bend(bend: Bend, read: Integers) -> Integers:
-    """Return u - r with g(u) = r by Newton's method: in floating numbers, then twice on whole ones."""
-    found: Integers = np.empty(len(read), dtype=object)
-    for negative in (False, True):
-        mask = np.array(read < 0, dtype=bool) == negative
-        r = read[mask]
-        powers = bend.powers(negative)
-        one, two, three = (float(x) for x in powers)
-        near = np.array(r / float(SCALE), dtype=float)
-        u = near / one
-        for _ in range(20):
-            u = u - (u * (one + u * (two + u * three)) - near) / (one + u * (2.0 * two + 3.0 * three * u))
-        first, second, third = (_cut(x) for x in powers)
-        exact: Integers = np.array([int(Fraction(float(x)) * SCALE) for x in u], dtype=object)
-        for _ in range(2):
-            value = exact * (first + exact * (second + exact * third // SCALE) // SCALE) // SCALE
-            slope = first + exact * (2 * second + 3 * third * exact // SCALE) // SCALE
-            exact = exact - (value - r) * SCALE // slope if len(exact) else exact
-        found[mask] = exact - r
-    return found
-
-
-def errors(ideal: Ideal, how: Arithmetic, constants: Constants, i: int, codes: Codes) -> NDArray[np.float64]:
-    """Return the errors of axis i at codes, exact to far below their last digit, shape (n,)."""
-    values, _ = run(constants, how, codes)
-    inputs = reduced(constants, codes)
-    ends = None
-    if ideal.bends is not None:
-        parts = _Fixed(ideal, how, constants) if how.fixed else _Floating(ideal, how, constants)
-        ends = [parts.curve(j)[1] for j in range(len(ideal.axes))]
-    found, bits = (values[:, i].astype(object), how.bits) if how.fixed else whole(values[:, i])
-    truth = true_values(ideal, i, inputs.away, inputs.tau, ends)
-    error = found * (SCALE >> bits) - truth if bits <= 200 else found // (1 << (bits - 200)) - truth
-    return np.array(error / float(SCALE), dtype=float) if len(error) else np.zeros(0)
-
-
-def search(ideal: Ideal, how: Arithmetic, constants: Constants, seed: int = SEED) -> tuple[Found, ...]:
-    """Return the worst error on each axis that a directed search meets.
-
-    Random codes first; from the worst of them on, one code after the other is changed for the worse.
-    """
-    rng = np.random.default_rng(seed)
-    return tuple(_worst(ideal, how, constants, i, rng) for i in range(len(ideal.axes)))
-
-
-def _worst(ideal: Ideal, how: Arithmetic, constants: Constants, i: int, rng: np.random.Generator) -> Found:
-    codes = random_codes(ideal, constants, RANDOM, rng)
-    error = np.abs(errors(ideal, how, constants, i, codes))
-    order = np.argsort(-error, kind="stable")[:KEPT]
-    best, worst = {name: one[order] for name, one in codes.items()}, error[order]
-    places = [(name, j) for name in codes if name in ("signal", "temperature") for j in range(len(ideal.axes))]
-    for _ in range(ROUNDS):
-        for name, j in places:
-            fresh = random_codes(ideal, constants, SWEEP, rng)
-            tried = {one: np.repeat(column, SWEEP, axis=0) for one, column in best.items()}
-            pairs = {"signal": ("reference",), "temperature": ("temperature_reference",)}[name]
-            for one in (name, *(other for other in pairs if other in codes)):
-                tried[one][:, j] = np.tile(fresh[one][:, j], KEPT)
-            error = np.abs(errors(ideal, how, constants, i, tried)).reshape(KEPT, SWEEP)
-            at = error.argmax(axis=1)
-            rows = np.arange(KEPT)
-            better = error[rows, at] > worst
-            for one, column in best.items():
-                column[better] = tried[one].reshape(KEPT, SWEEP, -1)[rows, at][better]
-            worst = np.where(better, error[rows, at], worst)
-    most = int(worst.argmax())
-    return Found(float(worst[most]), {name: [int(x) for x in one[most]] for name, one in best.items()})
-
-
-def random_codes(ideal: Ideal, constants: Constants, n: int, rng: np.random.Generator) -> dict[str, NDArray[np.int64]]:
-    """Return random codes of every channel, shape (n, k): spread over differences, ends of all ranges among them."""
-    k, lo, hi = len(ideal.axes), ideal.lowest, ideal.highest
-    found: dict[str, NDArray[np.int64]] = {}
-
-    def pair(name: str, reference: str, lows: NDArray[np.int64], highs: NDArray[np.int64], referenced: bool) -> None:
-        away = rng.integers(lows, highs + 1, (n, k))
-        # every other row of any size, for what shows in small numbers alone
-        away = np.where(np.arange(n)[:, np.newaxis] % 2, away, (away / 2.0 ** rng.integers(0, 12, (n, k))).astype(int))
-        away = np.clip(away, lows, highs)
-        ends = rng.random((n, k))
-        away = np.where(ends < 0.05, lows, np.where(ends > 0.95, highs, away))
-        if referenced:
-            least, most = np.maximum(lo, lo - away), np.minimum(hi, hi - away)
-            below = rng.integers(least, most + 1)
-            found[name], found[reference] = away + below, below
-        else:
-            found[name] = away
-
-    if ideal.has_reference:
-        span = np.array(ideal.signals, dtype=np.int64)
-        pair("signal", "reference", span[:, 0], span[:, 1], True)
-    else:
-        pair("signal", "", np.full(k, lo), np.full(k, hi), False)
-    if ideal.temperatures is not None:
-        span = np.array([(one.lowest, one.highest) for one in ideal.temperatures], dtype=np.int64)
-        pair("temperature", "temperature_reference", span[:, 0], span[:, 1], ideal.has_reference)
-    if ideal.good is not None:
-        found["built_in_test"] = np.full((n, k), max(ideal.good, 0), dtype=np.int64)
-    return found

@@ -16,11 +16,12 @@ from ....sensors.model.sensor_model import SensorModel
 from ....sensors.model.serial import model_checksum
 from ..apply_parts import code_cannot_hold, plain
 from ..model_format import ModelFormat
-from .bound import Bounds, Found, prove, search
+from .bound import Bounds, prove
 from .design import Arithmetic, Constants, arithmetic, design
 from .emit import SHORT, Unit, Vectors, fields, header, prefix, read_back, source, test_source
 from .exact import ideal
-from .gappa import scripts
+from .gappa import goals, scripts
+from .search import Found, search
 from .twin import run
 from .vectors import Chosen, choose
 
@@ -85,7 +86,7 @@ def flight_files(sensors: Sequence[tuple[SensorModel, Chain]], how: Arithmetic) 
         constants = read_back(text, unit.prefix)
         _check_read_back(unit, constants)
         bounds = prove(unit.ideal, how, constants)
-        worst = search(unit.ideal, how, constants)
+        worst = search(unit.ideal, how, constants, bounds)
         codes = {name: np.array([one.codes[name] for one in worst], dtype=np.int64) for name in worst[0].codes}
         chosen = choose(unit.ideal, how, constants, codes)
         vectors.append(Vectors(chosen.codes, *run(constants, how, chosen.codes)))
@@ -119,11 +120,13 @@ def _record(unit: Unit, constants: Constants, bounds: Bounds, worst: Sequence[Fo
     """Return what bound.json says of a sensor."""
     one = unit.ideal
     per_axis: dict[str, dict[str, Any]] = {}
+    shown = goals(one, bounds)
     for i, axis in enumerate(one.axes):
         per_axis[axis] = {
             "bound": above(bounds.errors[i]),
             "worst_found": worst[i].error,
             "worst_codes": {name: codes for name, codes in worst[i].codes.items() if name != "built_in_test"},
+            "gappa": above(shown[i]),
             "one_code": float(abs(one.weights[i][i])),
             "output": [float(bounds.outputs[i].low), float(bounds.outputs[i].high)],
         }
@@ -139,6 +142,7 @@ def _record(unit: Unit, constants: Constants, bounds: Bounds, worst: Sequence[Fo
         "axes": per_axis,
         "codes": [one.lowest, one.highest],
         "vectors": len(chosen.codes["signal"]),
+        "no_code_shows": list(chosen.invisible),
         "unnoticed": list(chosen.unnoticed),
     }
     windows = {"reference_window": one.reference_window, "temperature_reference_window": one.temperature_window}

@@ -25,6 +25,8 @@ from .exact import Ideal
 
 FINE = 160  # bits of the neighbours of an ideal constant
 SLACK = Fraction(13, 10)  # of the proved bound, that Gappa has to show
+APART = Fraction(21, 20)  # of the bound with every rounding at its worst
+SPLIT = 2**13  # codes that Gappa takes one by one in seconds
 
 
 def scripts(
@@ -61,9 +63,9 @@ class _Script:
                 self.changes.append(self.corrected(j))
             elif "THERMAL" in self.constants:
                 self.changes.append(self.thermal(j))
-        for i in range(self.k):
+        for i, most in enumerate(goals(self.ideal, self.bounds)):
             here, wanted = self.fixed(i) if self.how.fixed else self.floating(i)
-            self.goal(f"{self.define(f'x{i}', here)} - {self.define(f'X{i}', wanted)}", self.bounds.errors[i] * SLACK)
+            self.goal(f"{self.define(f'x{i}', here)} - {self.define(f'X{i}', wanted)}", most)
         return self
 
     def text(self, notes: Sequence[str]) -> str:
@@ -125,8 +127,6 @@ class _Script:
 
     def thermal(self, j: int) -> tuple[str, str]:
         """s_j as it is computed and as it should be."""
-        if self.ideal.temperatures is None:
-            return "0", "0"
         one = self.ideal.warmths[j]
         tau = self.code(f"t{j}", one.lowest - one.centre, one.highest - one.centre)
         count = self.constants["THERMAL"].shape[1]
@@ -139,19 +139,23 @@ class _Script:
 
     def corrected(self, j: int) -> tuple[str, str]:
         """s_j + q_j; that of q_j as a premise, and the reading that it rests on as a goal."""
-        here, wanted = self.thermal(j)
+        here, wanted = self.thermal(j) if self.ideal.temperatures is not None else ("", "")
         slope, start = self.written("SLOPE", j, bits=self.coarse), self.written("READING", j, bits=self.fine)
         if self.how.fixed:
-            read = f"{self.rounded(f'{slope} * d{j}', self.fine)} + {start} + {here}"
+            read = f"{self.rounded(f'{slope} * d{j}', self.fine)} + {start}{_plus(here)}"
         else:
-            straight = self.rounded(f"{self.rounded(f'{slope} * d{j}')} + {start}")
-            read = self.rounded(f"{straight} + {here}")
+            read = self.rounded(f"{self.rounded(f'{slope} * d{j}')} + {start}")
+            read = self.rounded(f"{read}{_plus(here)}") if here else read
         true = f"{self.near(f'A{j}', self.ideal.slope[j])} * d{j} + {self.near(f'B{j}', self.ideal.reading[j])}"
-        self.goal(f"{self.define(f'r{j}', read)} - {self.define(f'R{j}', f'{true} + {wanted}')}", self.of_reading(j))
+        self.goal(
+            f"{self.define(f'r{j}', read)} - {self.define(f'R{j}', f'{true}{_plus(wanted)}')}", self.of_reading(j)
+        )
         self.premise(f"|Q{j}| <= {_above(largest_bend(self.ideal.curves[j]))}")
         self.premise(f"|q{j} - Q{j}| <= {_above(self.bounds.bends[j] * SLACK)}")
         if self.how.fixed:
             self.premise(f"@FIX(q{j}, {-self.fine})")
+        if not here:  # a sum with 0 is exact, and Gappa comes to no end with it
+            return f"q{j}", f"Q{j}"
         total = f"{here} + q{j}"
         made = self.define(f"c{j}", total if self.how.fixed else self.rounded(total))
         return made, self.define(f"C{j}", f"{wanted} + Q{j}")
@@ -219,6 +223,21 @@ class _Script:
                 return total, f"{wanted} + {c} * {d}"
             here, wanted = self.define(f"x{i}_{n}", total), self.define(f"X{i}_{n}", f"{wanted} + {c} * {d}")
         raise AssertionError
+
+
+def _plus(term: str) -> str:
+    return f" + {term}" if term else ""
+
+
+def goals(ideal: Ideal, bounds: Bounds) -> tuple[Fraction, ...]:
+    """Return what Gappa has to show of each axis.
+
+    Of a single sensor whose every code was tried that is 1.3 times the bound where Gappa can do the same; else no more
+    than roundings that are free of each other allow, as Gappa takes them.
+    """
+    if bounds.worst is None or (ideal.bends is None and ideal.highest - ideal.lowest < SPLIT):
+        return tuple(one * SLACK for one in bounds.errors)
+    return tuple(max(one * SLACK, free * APART) for one, free in zip(bounds.errors, bounds.apart, strict=True))
 
 
 def _above(size: Fraction) -> str:

@@ -72,30 +72,40 @@ def rounded(value: NDArray[np.int64], bits: int) -> NDArray[np.int64]:
     return np.asarray(np.where(value < 0, -size, size))
 
 
+def horner(how: Arithmetic, total: Values, factor: Values, variable: Values, bits: Values | None) -> Values:
+    """Return one step of Horner's rule, (total + factor) * variable, rounded by bits in fixed point."""
+    product = (total + factor) * variable
+    return rounded(product, int(bits)) if how.fixed and bits is not None else product
+
+
 def thermal(constants: Constants, how: Arithmetic, tau: NDArray[np.int64]) -> Values:
     """Return s at codes of temperature, shape (n, k)."""
-    powers = constants["THERMAL"]
-    if how.fixed:
-        bits, total = int(constants["THERMAL_BITS"]), np.zeros_like(tau)
-        for m in range(powers.shape[1] - 1, -1, -1):
-            total = rounded((total + powers[:, m]) * tau, bits)
-        return total
-    near = tau.astype(how.dtype)
+    powers, near = constants["THERMAL"], tau.astype(how.dtype)
     change = np.zeros_like(near)
     for m in range(powers.shape[1] - 1, -1, -1):
-        change = (change + powers[:, m]) * near
+        change = horner(how, change, powers[:, m], near, constants.get("THERMAL_BITS"))
     return change
 
 
-def corrections(constants: Constants, how: Arithmetic, inputs: Reduced) -> tuple[Values, NDArray[np.int64]]:
-    """Return s + q, shape (n, k), and the flag of readings beyond the curve."""
-    away, beyond = inputs.away, np.zeros_like(inputs.flags)
-    total: Values = np.zeros(away.shape, dtype=how.dtype)
+@dataclass(frozen=True, eq=False)
+class Inside:
+    """Where a curve is evaluated; arrays of shape (n, k)."""
+
+    thermal: Values  # s
+    near: Values  # reading, cut to the ends of the curve; in fixed point with the bits that are raised to powers
+    side: NDArray[np.int64]  # 1 where it is negative
+    beyond: NDArray[np.int64]  # flag of readings that were cut
+
+
+def inside(constants: Constants, how: Arithmetic, inputs: Reduced) -> Inside:
+    """Return the readings at which curves are evaluated; zeros where there is none."""
+    away, total = inputs.away, np.zeros(inputs.away.shape, dtype=how.dtype)
     if inputs.tau is not None:
         total = thermal(constants, how, inputs.tau)
     if "CURVE" not in constants:
-        return total, beyond
-    ends, curve = constants["CURVE_ENDS"], constants["CURVE"]
+        none = np.zeros(away.shape, dtype=np.int64)
+        return Inside(total, np.zeros_like(total), none, none)
+    ends = constants["CURVE_ENDS"]
     if how.fixed:
         read = rounded(constants["SLOPE"] * away, int(constants["SLOPE_BITS"])) + constants["READING"] + total
     else:
@@ -104,17 +114,21 @@ def corrections(constants: Constants, how: Arithmetic, inputs: Reduced) -> tuple
         read = read + total
     beyond = np.where((read < ends[:, 0]) | (read > ends[:, 1]), INPUT, 0)
     read = np.clip(read, ends[:, 0], ends[:, 1])
-    side = np.where(read < 0, 1, 0)
-    own = curve[np.arange(curve.shape[0]), side]  # (n, k, m)
-    bend = np.zeros_like(read)
-    if how.fixed:
-        near, bits = rounded(read, int(constants["CURVE_SHIFT"])), int(constants["CURVE_BITS"])
-        for m in range(curve.shape[2] - 1, -1, -1):
-            bend = rounded((bend + own[:, :, m]) * near, bits)
-    else:
-        for m in range(curve.shape[2] - 1, -1, -1):
-            bend = (bend + own[:, :, m]) * read
-    return total + bend, beyond
+    near = rounded(read, int(constants["CURVE_SHIFT"])) if how.fixed else read
+    return Inside(total, near, np.where(read < 0, 1, 0), beyond)
+
+
+def corrections(constants: Constants, how: Arithmetic, inputs: Reduced) -> tuple[Values, NDArray[np.int64]]:
+    """Return s + q, shape (n, k), and the flag of readings beyond the curve."""
+    at = inside(constants, how, inputs)
+    if "CURVE" not in constants:
+        return at.thermal, at.beyond
+    curve = constants["CURVE"]
+    own = curve[np.arange(curve.shape[0]), at.side]  # (n, k, m)
+    bend = np.zeros_like(at.near)
+    for m in range(curve.shape[2] - 1, -1, -1):
+        bend = horner(how, bend, own[:, :, m], at.near, constants.get("CURVE_BITS"))
+    return at.thermal + bend, at.beyond
 
 
 def run(constants: Constants, how: Arithmetic, codes: Codes) -> tuple[Values, NDArray[np.uint8]]:
@@ -126,8 +140,23 @@ def run(constants: Constants, how: Arithmetic, codes: Codes) -> tuple[Values, ND
         Raw codes of each channel, any 32-bit number.
     """
     inputs = reduced(constants, codes)
-    changed = "THERMAL" in constants or "CURVE" in constants
     change, beyond = corrections(constants, how, inputs)
+    return outputs(constants, how, inputs, change, beyond)
+
+
+def mixed_sum(constants: Constants, i: int, change: Values, count: int) -> Values:
+    """Return C_i and the corrections of the first sensors in axis i, summed as the floating code does, shape (n,)."""
+    total: Values = np.full(len(change), constants["CONSTANT"][i], dtype=change.dtype)
+    for j in range(count):
+        total = total + constants["INVERSE"][i, j] * change[:, j]
+    return total
+
+
+def outputs(
+    constants: Constants, how: Arithmetic, inputs: Reduced, change: Values, beyond: NDArray[np.int64]
+) -> tuple[Values, NDArray[np.uint8]]:
+    """Return outputs and flags, from what `corrections` gives."""
+    changed = "THERMAL" in constants or "CURVE" in constants
     flags = inputs.flags | beyond
     k = inputs.away.shape[1]
     columns = []
@@ -143,9 +172,7 @@ def run(constants: Constants, how: Arithmetic, codes: Codes) -> tuple[Values, ND
     else:
         away = inputs.away.astype(how.dtype)
         for i in range(k):
-            total = np.full(len(away), constants["CONSTANT"][i], dtype=how.dtype)
-            for j in range(k if changed else 0):
-                total = total + constants["INVERSE"][i, j] * change[:, j]
+            total = mixed_sum(constants, i, change, k if changed else 0)
             for j in range(k):
                 total = total + constants["WEIGHT"][i, j] * away[:, j]
             columns.append(constants["OWN_WEIGHT"][i] * away[:, i] + total)
