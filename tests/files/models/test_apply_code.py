@@ -242,8 +242,9 @@ def test_a_matrix_that_nothing_changes_is_inverted_beforehand(seed: int) -> None
     M = [[Fraction(float(entry)) for entry in row] for row in model.matrix[0]]
     for i in range(3):
         for j in range(3):
-            off = sum(M[i][m] * inverse[m][j] for m in range(3)) - (i == j)
-            assert abs(off) <= sum(abs(M[i][m]) * Fraction(np.spacing(float(abs(inverse[m][j])))) / 2 for m in range(3))
+            halves = [Fraction(float(np.spacing(abs(float(inverse[m][j]))))) / 2 for m in range(3)]
+            off = sum((M[i][m] * inverse[m][j] for m in range(3)), Fraction(-int(i == j)))
+            assert abs(off) <= sum((abs(M[i][m]) * halves[m] for m in range(3)), Fraction(0))
 
 
 def test_a_matrix_over_temperature_is_inverted_where_it_is_used() -> None:

@@ -184,7 +184,9 @@ def test_a_bias_that_does_not_change_is_an_offset_and_nothing_thermal(name: str)
 
 def test_one_sensor_alone_does_not_switch_off_the_other_nor_move_its_range_in_silence() -> None:
     """ArduPilot has one switch and one range for both sensors."""
-    both = {"gyro": sensor(1), "accelerometer": replace(sensor(2, "accelerometer"), bias_temperature=None)}
+    both: dict[Kind, SensorModel] = {
+        "gyro": sensor(1), "accelerometer": replace(sensor(2, "accelerometer"), bias_temperature=None)
+    }  # fmt: skip
     assert parameters(FORMATS["ardupilot"].dump(both))["INS_TCAL1_ENABLE"] == 1.0
     cold = {kind: replace(one, bias_temperature=None) for kind, one in both.items()}
     assert parameters(FORMATS["ardupilot"].dump(cold))["INS_TCAL1_ENABLE"] == 0.0

@@ -19,6 +19,7 @@ from inertialcal.sensors.model.assemble import model_from
 from inertialcal.sensors.model.sensor_model import INPUT_UNIT, SensorModel
 from inertialcal.sensors.noise import GaussMarkov, RandomWalk, RateRandomWalk
 from inertialcal.sensors.noise.filter_budget import Budget, Use, filter_budget, settings_of
+from inertialcal.sensors.noise.terms import Term
 
 Array = NDArray[np.float64]
 GRAVITY, DEG = 9.80665, np.pi / 180.0
@@ -141,7 +142,11 @@ def one_axis() -> SensorModel:
 def test_axes_without_gauss_markov_noise_do_not_count_in_its_time(kind: Kind) -> None:
     """Of one axis of 3600 s and two walks the time is an hour, and each keeps what drives it."""
     model = gyros(1e-9) if kind == "gyro" else accelerometers()
-    mixed = {"x": (RandomWalk(N), GaussMarkov(1e-3, 3600.0)), "y": REST["y"], "z": REST["z"]}
+    mixed: dict[str, tuple[Term, ...]] = {
+        "x": (RandomWalk(N), GaussMarkov(1e-3, 3600.0)),
+        "y": REST["y"],
+        "z": REST["z"],
+    }
     budget = filter_budget(model, Use(), mixed)
     pair = (budget, None) if kind == "gyro" else (None, budget)
     values = {one.key: one.values for one in settings_of("kf-gins", *pair).settings}
@@ -149,7 +154,11 @@ def test_axes_without_gauss_markov_noise_do_not_count_in_its_time(kind: Kind) ->
 
 
 def test_an_axis_without_wandering_has_that_of_the_worst_and_it_is_said() -> None:
-    rest = {"x": REST["x"], "y": (RandomWalk(N),), "z": (RandomWalk(N), RateRandomWalk(2.0 * K))}
+    rest: dict[str, tuple[Term, ...]] = {
+        "x": REST["x"],
+        "y": (RandomWalk(N),),
+        "z": (RandomWalk(N), RateRandomWalk(2.0 * K)),
+    }
     budget = filter_budget(gyros(1e-9), Use(), rest)
     for target in ("kalibr", "px4", "gtsam", "kf-gins", "openvins"):
         block = settings_of(target, budget, None, 100.0)
