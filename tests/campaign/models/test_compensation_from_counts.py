@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,9 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from inertialcal.campaign.models.compensation import compensate
-from inertialcal.core.errors import DataError
+from inertialcal.core.errors import DataError, InertialcalError
 from inertialcal.core.recording import Channel, Recording, Source
 from inertialcal.core.units import factor
+from inertialcal.files import read
 from inertialcal.sensors.chain.converter import Chain, Thermometer
 from inertialcal.sensors.model.sensor_model import SensorModel
 from inertialcal.sensors.model.serial import from_dict, to_dict
@@ -112,6 +114,70 @@ def test_the_reference_that_the_chain_subtracts_is_not_forgotten() -> None:
     np.testing.assert_allclose(
         rates(fixed)[:, 0], np.linalg.solve(MATRIX, (read - BIAS).T)[0], atol=0.2
     )  # temperature of the channel, not of 25 degC
+
+
+@pytest.mark.parametrize("word", ["reference", "temperature", "x"])
+def test_volts_beside_counts_are_refused(word: str) -> None:
+    """Neither may be taken for the other: a code of 2047 is no 2047 V."""
+    volts, counts = recorded("V", LSB), recorded()
+    for one, other in ((volts, counts), (counts, volts)):
+        mixed = replace(without(one, word), channels=(*without(one, word).channels, other.channel(word)))
+        with pytest.raises(DataError) as caught:
+            compensate(model(), mixed)
+        assert caught.value.problems[0].code in {"wrong_unit", "wrong_column"}
+    unsaid = replace(volts.channel(word), unit=None)
+    with pytest.raises(DataError):
+        compensate(model(), replace(volts, channels=(*without(volts, word).channels, unsaid)))
+
+
+@pytest.mark.parametrize(("unit", "scale"), [("V", 1.0), ("mV", 1e3)])
+def test_a_built_in_test_in_volts_is_looked_at(unit: str, scale: float, tmp_path: Path) -> None:
+    """From a file, whose header names a status: its unit is kept."""
+    columns = {word: np.array(codes) * LSB for word, codes in CODES.items()} | {
+        "validity": np.array([3.0, 2.3988, 3.0])
+    }
+    head = ",".join(["time [s]", *(f"{word} [V]" for word in CODES), f"validity [{unit}]"])
+    columns["validity"] = columns["validity"] * scale
+    table = np.column_stack([np.arange(3) * 0.1, *columns.values()])
+    np.savetxt(tmp_path / "in.csv", table, "%.17g", ",", header=head, comments="")
+    done = compensate(model(validity_minimum=2.4), read(tmp_path / "in.csv"))
+    assert np.isnan(rates(done)).any(axis=1).tolist() == [False, True, False]
+    np.testing.assert_allclose(rates(done)[[0, 2]], by_hand()[[0, 2]], rtol=1e-9)
+
+
+def test_counts_for_a_model_without_a_chain_and_counts_of_one_axis() -> None:
+    with pytest.raises(DataError) as caught:
+        compensate(replace(model(), chain=None), recorded())
+    assert caught.value.problems[0].code == "no_chain"
+    with pytest.raises(DataError, match="y: none"):
+        compensate(model(), without(recorded(), "y"))
+
+
+def test_a_reference_of_the_temperature_alone_is_not_forgotten() -> None:
+    """Where the signal has a fixed one: the model says that it was there, and asks for it."""
+    own = replace(model().chain.thermometer, own_reference=True)  # type: ignore[union-attr, type-var]
+    one = model(reference=2047 * LSB, thermometer=own)
+    assert from_dict(to_dict(one)).only().chain.thermometer.own_reference  # type: ignore[union-attr]
+    bare = without(recorded(), "reference")
+    with pytest.raises(DataError) as caught:
+        compensate(one, bare)
+    assert caught.value.problems[0].code == "missing_temperature_reference"
+    whole = replace(
+        bare, channels=(*bare.channels, replace(recorded().channel("reference"), name="temperature_reference"))
+    )
+    ref, warm = (np.array(CODES[name], dtype=float) for name in ("reference", "temperature"))
+    t = ((warm - ref) * LSB + 0.5) / 0.0264 + 25.0
+    done = np.column_stack([(np.array(CODES[axis]) - 2047) * LSB / GAIN / S0 for axis in "xy"])
+    expected = np.linalg.solve(MATRIX, (done - BIAS - np.outer(t - 25.0, SLOPE)).T).T
+    np.testing.assert_allclose(rates(compensate(one, whole)), expected, rtol=1e-9)
+
+
+def test_a_thermometer_of_another_number_of_sensors_is_refused() -> None:
+    content = to_dict(model())
+    (held,) = content["models"].values()
+    held["chain"]["thermometer"]["slope"] = [0.02, 0.02, 0.02]
+    with pytest.raises(InertialcalError, match="thermometer slope"):
+        from_dict(content)
 
 
 def test_readings_in_units_pass_by_the_chain() -> None:

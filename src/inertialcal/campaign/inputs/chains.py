@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Set
 from dataclasses import replace
 
 import numpy as np
@@ -57,7 +58,7 @@ def build_chain(sensor: Sensor, axes: tuple[str, ...] | None = None) -> Chain:
 
 
 def model_chain(
-    sensor: Sensor, axes: tuple[str, ...], recorded_gain: bool, output_unit: str | None, scale_factor: Array
+    sensor: Sensor, axes: tuple[str, ...], recorded: Set[str], output_unit: str | None, scale_factor: Array
 ) -> Chain | None:
     """Return the chain that leads to the readings of a model along some axes; None where codes alone do not.
 
@@ -67,13 +68,13 @@ def model_chain(
 
     Parameters
     ----------
-    recorded_gain : bool
-        Whether the gain is a channel of the recordings.
+    recorded : set of str
+        What the recordings have besides the signals: ``gain``, ``temperature_reference``.
     output_unit, scale_factor : str or None, ndarray
         Of the model; its scale factor is that of the chain where it takes the output of the sensor.
     """
     given, signs = sensor.chain, np.ones(len(axes))
-    if given.kind == "none" or given.ground is not None or given.model is not None or recorded_gain:
+    if given.kind == "none" or given.ground is not None or given.model is not None or "gain" in recorded:
         return None
     if sensor.mounting is not None:
         mounting = np.array(sensor.mounting)
@@ -82,7 +83,10 @@ def model_chain(
         signs = np.array([mounting["xyz".index(axis), "xyz".index(axis)] for axis in axes])
     chain = build_chain(sensor, axes)
     known = scale_factor if output_unit == chain.output_unit else chain.scale_factor
-    return None if known is None else replace(chain, scale_factor=signs * known, zero_at=None)
+    warm = chain.thermometer
+    if warm is not None and "temperature_reference" in recorded:
+        warm = replace(warm, own_reference=True)
+    return None if known is None else replace(chain, scale_factor=signs * known, zero_at=None, thermometer=warm)
 
 
 def scale_factors(sensor: Sensor, axes: tuple[str, ...]) -> Array | None:

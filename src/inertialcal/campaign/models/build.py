@@ -300,7 +300,7 @@ def _model(campaign: Campaign, sensor: Sensor, condition: str, parts: Sequence[P
         axes,
         scale_factor=scale,
         output_unit=output_unit,
-        chain=model_chain(sensor, axes, _gain_recorded(campaign, sensor), output_unit, scale),
+        chain=model_chain(sensor, axes, _recorded(campaign, sensor), output_unit, scale),
         source="" if sensor.mounting is None else f"readings in body axes, after mounting {sensor.mounting}",
         item=Item(item.maker, item.part, item.serial),
         input_range=None if terms.input_range is None else terms.input_range[at],
@@ -327,11 +327,13 @@ def _noise_of(noise: Estimate | None, axes: Sequence[str]) -> Estimate | None:
     return None if noise is None or not keys else noise.select(keys)
 
 
-def _gain_recorded(campaign: Campaign, sensor: Sensor) -> bool:
-    """Return whether a recording of a sensor has its gain as a channel."""
+def _recorded(campaign: Campaign, sensor: Sensor) -> set[str]:
+    """Return which of gain and reference of the temperature recordings of a sensor have as channels."""
     own = [one for one in campaign.file.recordings.values() if campaign.file.sensors.get(one.sensor) is sensor]
-    gains = {GAIN, *(f"{GAIN}_{axis}" for axis in sensor.axes)}
-    return any(gains & set(one.channels or {}) for one in own)
+    return {
+        what for what in (GAIN, "temperature_reference") for one in own
+        if {what, *(f"{what}_{axis}" for axis in sensor.axes)} & set(one.channels or {})
+    }  # fmt: skip
 
 
 def _of_axes(given: Any, at: Sequence[int]) -> Any:

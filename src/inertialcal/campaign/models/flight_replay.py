@@ -93,8 +93,9 @@ def replay_flight_c(folder: Path) -> FlightReplay | None:
     if model is None:
         return None
     target = folder / FOLDER
-    shutil.rmtree(target, ignore_errors=True)
-    export(replace(found, condition=model.condition or None), "flight-c", target)
+    with tempfile.TemporaryDirectory(prefix="inertialcal_") as fresh:  # whatever else stands in the folder stays
+        export(replace(found, condition=model.condition or None), "flight-c", Path(fresh) / FOLDER)
+        shutil.copytree(Path(fresh) / FOLDER, target, dirs_exist_ok=True)
     ((name, record),) = json.loads((target / "bound.json").read_text(encoding="utf-8"))["sensors"].items()
     unit = record["unit"]
     begun = FlightReplay(model.condition, target, model.axes, unit)

@@ -6,11 +6,11 @@ two things is not taken.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from ...core.errors import DataError
-from ...core.recording import Recording
+from ...core.recording import Channel, Recording
 from ...core.remarks import Remark
 from ...core.units import convert, parse_quantity, same_dimension
 from ...files.text.headers import full_name
@@ -135,9 +135,12 @@ def from_chain(
     """
     chain, named = model.chain, dict(columns or {})
     found = {} if chain is None else chain_columns(chain, recording, named)
+    if not found:
+        _check_raw(model, recording, named)
     if chain is None or not found:
         return recording, named
     used, remarks = set(found.values()), recording.remarks
+    _one_kind(recording, [recording.channel(name) for name in found.values()], found[chain.axes[0]])
     unsaid = [name for axis in chain.axes if recording.channel(name := found[axis]).unit is None]
     if unsaid:
         what = f"columns without a unit, taken for counts of the model's chain: {', '.join(unsaid)}"
@@ -166,6 +169,54 @@ def from_chain(
     inputs = {*chain.axes, *(f"temperature_{axis}" for axis in chain.axes)}
     made = {name: name for name in done.names if name in inputs}
     return replace(done, channels=shown), {what: name for what, name in named.items() if what not in found} | made
+
+
+def _check_raw(model: SensorModel, recording: Recording, named: Mapping[str, str]) -> None:
+    """Refuse codes that the model does not start from, and codes of some axes only.
+
+    Raises
+    ------
+    DataError
+        ``no_chain``, ``wrong_column``.
+    """
+    columns = {axis: full_name(recording.names, named.get(axis, axis)) for axis in model.axes}
+    raw = [axis for axis, name in columns.items() if name and recording.channel(name).unit == "count"]
+    if not raw or model.output_unit == "count":
+        return
+    where = recording.source.path
+    if model.chain is None:
+        raise DataError(
+            f"the readings are in counts, and the model starts from {model.unit}: it has no chain", where,
+            do="Make the model from a campaign that states its chain, or convert the readings", code="no_chain",
+        )  # fmt: skip
+    others = [axis for axis in model.axes if axis not in raw]
+    raise DataError(
+        f"{', '.join(raw)}: counts; {', '.join(others)}: none", where,
+        why="the model takes all axes together, in the same unit",
+        do=f"Name the column of each axis: --column {others[0]}=NAME. The file has: {', '.join(recording.names)}",
+        code="wrong_column",
+    )  # fmt: skip
+
+
+def _one_kind(recording: Recording, used: Sequence[Channel], signal: str) -> None:
+    """Refuse columns in volts and columns in counts beside each other.
+
+    Raises
+    ------
+    DataError
+        ``wrong_unit``.
+    """
+    counted = recording.channel(signal).unit in {None, "count"}
+    kinds = {None, "count"} if counted else {one.unit for one in used if one.unit not in {None, "count"}}
+    wrong = [f"{one.name} [{one.unit or 'no unit'}]" for one in used if one.unit not in kinds]
+    if wrong:
+        unit = recording.channel(signal).unit or "count"
+        raise DataError(
+            f"{', '.join(wrong)} beside {signal} [{unit}]", recording.source.path,
+            why="what the chain takes together is all in counts, or all in volts",
+            do="Convert them, or say the unit of those that have none: --unit NAME=V",
+            code="wrong_unit",
+        )  # fmt: skip
 
 
 def _column_of(model: SensorModel, recording: Recording, axis: str) -> str:

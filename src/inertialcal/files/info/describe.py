@@ -29,6 +29,7 @@ GROUPS = {
     "time": "time",
 }
 OF_AXES = ("gyro", "acc", "magnetometer")  # quantities of which a matrix of three columns is x, y, z
+TESTED = ("voltage", "count")  # kinds of unit that a built-in test may be recorded in
 COUNTED_FROM = 3  # rows from which 0, 1, 2, ... is a count of rows
 
 
@@ -108,7 +109,8 @@ def _from_header(column: Column, path: str, remarks: list[Remark]) -> Described:
         what = f"{said.unknown!r} in the header of {column.name!r} is not a suitable unit: ignored"
         remarks.append(Remark("unknown_unit", "info", what, where=path, subject=column.name))
     quantity = "index" if _counts_rows(column, said.quantity) else said.quantity
-    unit = None if quantity in ("index", "status") else said.unit
+    kept = quantity != "index" and (quantity != "status" or said.unit is None or units.kind(said.unit) in TESTED)
+    unit = said.unit if kept else None
     axis = said.axis or (column.axis if quantity in OF_AXES else "")
     return Described(column, axis, quantity, unit, "header" if unit else "")
 

@@ -148,7 +148,8 @@ def write_folder(target: Path, files: Mapping[str, bytes]) -> None:
                 interruption.note(target)
                 sync(target.parent)
     except OSError as error:
-        raise StoreError(f"cannot write {target}: {error.strerror}", code="not_writable") from None
+        do = "Name a folder that is new or empty" if target.exists() else "Name another place"
+        raise StoreError(f"cannot write {target}: {error.strerror}", do=do, code="not_writable") from None
 
 
 # ---- folders of unfinished work -------------------------------------------------------------------------------------

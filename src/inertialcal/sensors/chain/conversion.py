@@ -93,6 +93,8 @@ def convert(
     above = volts.get("reference", np.asarray(0.0 if chain.reference == "channel" else chain.reference))
     degrees = None
     if chain.thermometer is not None and "temperature" in volts:
+        if chain.thermometer.own_reference and "temperature_reference" not in volts:
+            raise missing_channel(chain, "temperature_reference", "the temperature was read against its own reference")
         degrees = chain.thermometer.degrees(volts["temperature"] - volts.get("temperature_reference", above))
     over_time = None if gain is None else nonzero("gain", wide("gain", gain, k, len(signal)), k)
     amplified = chain.gain if over_time is None else over_time

@@ -24,7 +24,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -41,6 +41,9 @@ class Thermometer:
     slope: Array | float  # shape (k,): [V/degC]
     voltage: Array | float  # shape (k,): V_0, what it gives above the reference at ``temperature`` [V]
     temperature: Array | float  # shape (k,): T_0 [degC]
+    own_reference: bool = field(
+        default=False, kw_only=True
+    )  # Whether it was read against a reference voltage recorded for it alone
 
     def __post_init__(self) -> None:
         if np.any(np.asarray(self.slope) == 0.0):
@@ -87,6 +90,10 @@ class Chain:
         if self.codes is not None and not self.codes[0] < self.codes[1]:
             raise PlanError(f"codes {self.codes}: the first must be the smaller")
         nonzero("gain", self.gain, len(self.axes))
+        for name in ("slope", "voltage", "temperature") if self.thermometer is not None else ():
+            shape = np.shape(getattr(self.thermometer, name))
+            if shape not in {(), (len(self.axes),)}:
+                raise PlanError(f"thermometer {name}: shape {shape}, need one number, or one of {len(self.axes)}")
         if self.scale_factor is not None:
             nonzero("scale_factor", self.scale_factor, len(self.axes))
         if np.ndim(self.zero) > 2 or (np.ndim(self.zero) and np.shape(self.zero)[-1] != len(self.axes)):

@@ -118,7 +118,7 @@ def _chain_to_dict(chain: Chain) -> dict[str, Any]:
         "gain": _list(chain.gain),
         "thermometer": None if thermometer is None else {
             name: _list(getattr(thermometer, name)) for name in ("slope", "voltage", "temperature")
-        },
+        } | ({"own_reference": True} if thermometer.own_reference else {}),
         "validity_minimum": chain.validity_minimum,
     }  # fmt: skip
 
@@ -143,7 +143,10 @@ def _chain(content: Mapping[str, Any] | None, axes: Sequence[str], unit: str) ->
         _plain(content["gain"]),
         thermometer=None
         if warm is None
-        else Thermometer(*(_plain(warm[key]) for key in ("slope", "voltage", "temperature"))),
+        else Thermometer(
+            *(_plain(warm[key]) for key in ("slope", "voltage", "temperature")),
+            own_reference=warm.get("own_reference") is True,
+        ),
         validity_minimum=content["validity_minimum"],
     )
 

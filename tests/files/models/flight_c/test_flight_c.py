@@ -23,6 +23,7 @@ from inertialcal.core.errors import DataError, UsageError
 from inertialcal.files.models.flight_c.bound import prove
 from inertialcal.files.models.flight_c.codes import random_codes, with_differences
 from inertialcal.files.models.flight_c.design import arithmetic, design, to_float
+from inertialcal.files.models.flight_c.emit import prefix
 from inertialcal.files.models.flight_c.exact import PI, Bend, ideal
 from inertialcal.files.models.flight_c.format import above, chain_of, flight_files
 from inertialcal.files.models.flight_c.gappa import goals, scripts
@@ -434,7 +435,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def verdict(folder: Path, cc: str, work: Path, change: Callable[[str], str] = str) -> int:
     """Exit status of the emitted test with a changed source; 0 where no vector notices."""
-    name = "gyro_flight_q27"
+    name = prefix(published()[0], arithmetic("q27"))
     text = (folder / f"{name}.c").read_text()
     changed = change(text)
     assert (changed == text) == (change is str)
@@ -531,7 +532,7 @@ def test_what_no_code_shows_is_shown_by_none_of_all_codes(how: str, bent: bool, 
 
 def test_bound_json_is_what_is_proved(folder: Path) -> None:
     content = json.loads((folder / "bound.json").read_text())
-    sensor = content["sensors"]["gyro_flight_q27"]
+    sensor = content["sensors"][prefix(published()[0], arithmetic("q27"))]
     one = case("published", "fixed")
     bounds = prove(one.unit.ideal, one.unit.how, one.constants).errors
     for axis, bound in zip("xyz", bounds, strict=True):
@@ -545,16 +546,17 @@ def test_bound_json_is_what_is_proved(folder: Path) -> None:
 def test_gyros_and_accelerometers_in_one_file_and_two_exports_in_one_program(need: Need, tmp_path: Path) -> None:
     head, _ = fixed_reference()
     _, chain = fixed_reference()
-    other = replace(published()[0], item=Item(serial="B 7"), condition="vacuum")
+    other = replace(published()[0], item=Item(serial="b7"), condition="vacuum")
     how = arithmetic("q24")
     texts = flight_files([published(), (head, chain)], how) | flight_files([(other, published()[1])], how)
     names = [name for name in texts if name.endswith(".c")]
     for name, data in texts.items():
         (tmp_path / name).write_bytes(data)
     stems = sorted(name[:-2] for name in names if not name.endswith("_test.c"))
-    assert stems == ["gyro_b_7_vacuum_q24", "imu_flight_q24"]
+    first, second, third = (prefix(one, how) for one in (published()[0], head, other))
+    assert stems == [third, first.replace("gyro", "imu")]
     includes = "".join(f'#include "{stem}.h"\n' for stem in stems)
-    body = "gyro_flight_q24_output a; acc_head_2_q24_output b; gyro_b_7_vacuum_q24_output c;"
+    body = f"{first}_output a; {second}_output b; {third}_output c;"
     body += " (void)sizeof a; (void)sizeof b; (void)sizeof c;"
     (tmp_path / "main.c").write_text(f"{includes}int main(void) {{ {body} return 0; }}\n")
     sources = [str(tmp_path / f"{stem}.c") for stem in stems]
@@ -666,3 +668,35 @@ def test_reduced_codes() -> None:
     assert found.away.tolist() == [[12, 12, 12]]
     assert found.tau is not None
     assert found.tau.tolist() == [[-413 + 482, -413 + 465, -413 + 476]]
+
+
+# Names, and what the chain says
+
+
+def test_two_sensors_never_have_one_name() -> None:
+    """Without a serial number, or with one whose letters C cannot have, a checksum stands in its place."""
+    model, _ = published()
+    how = arithmetic("q27")
+    bare = replace(model, item=replace(model.item, serial=""))
+    named = [replace(model, item=replace(model.item, serial=serial)) for serial in ("A-1", "a_1", "a1", "A1")]
+    found = [prefix(one, how) for one in (bare, replace(bare, bias=bare.bias + 1e-6), *named)]
+    assert len(set(found)) == len(found)
+    assert all(re.fullmatch(r"[a-z][a-z0-9_]{0,24}", one) for one in found)
+    assert prefix(replace(model, item=replace(model.item, serial="7")), how).startswith("gyro_7_")
+
+
+def test_the_lowest_good_code_is_that_of_compensate() -> None:
+    """2.4 V at 1.2 mV a code is code 2000, although neither number is a double."""
+    model, chain = published()
+    for step, minimum in ((0.0012, 2.4), (5.0 / 4095, 2.4), (0.001, 2.0), (0.0003, 2.1)):
+        found = ideal(model, replace(chain, step=step, validity_minimum=minimum))
+        codes = np.arange(10_000)
+        assert found.good == codes[step * codes >= minimum][0]
+
+
+def test_a_reference_of_the_temperature_beside_a_fixed_one_is_refused() -> None:
+    model, chain = fixed_reference()
+    assert chain.thermometer is not None
+    own = replace(chain, thermometer=replace(chain.thermometer, own_reference=True))
+    with pytest.raises(DataError, match="reference of the temperature channel"):
+        ideal(model, own)

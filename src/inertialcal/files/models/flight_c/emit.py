@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ....core.errors import DataError
 from ....sensors.model.sensor_model import SensorModel
+from ....sensors.model.serial import model_checksum
 from ..apply_parts import head, plain
 from .design import Arithmetic, Constant, Constants, Design, Values
 from .exact import Ideal
@@ -69,10 +70,16 @@ class Vectors:
 
 
 def prefix(model: SensorModel, how: Arithmetic) -> str:
-    """Return the start of all names of a sensor: kind, serial number, condition, arithmetic; 25 letters at most."""
+    """Return the start of all names of a sensor: kind, serial number, condition, arithmetic; 25 letters at most.
+
+    Where there is no serial number, or letters of it had to be changed, a checksum stands in place of it, so that two
+    sensors do not have one name.
+    """
     parts = [SHORT[model.kind], model.item.serial, model.condition, how.name]
     found = "_".join(word for word in (re.sub(r"[^a-z0-9]+", "_", part.lower()).strip("_") for part in parts) if word)
-    if len(found) <= LONGEST_PREFIX and all(ord(letter) < 128 for part in parts for letter in part):
+    if not model.item.serial:
+        return "_".join((SHORT[model.kind], model_checksum(model)[-6:], how.name))
+    if len(found) <= LONGEST_PREFIX and re.fullmatch(r"[a-z0-9]+", model.item.serial):
         return found
     mark = hashlib.sha256("\0".join(parts).encode("utf-8", "surrogatepass")).hexdigest()[:6]
     return "_".join((SHORT[model.kind], mark, how.name))

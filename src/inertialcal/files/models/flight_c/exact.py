@@ -185,6 +185,8 @@ def ideal(model: SensorModel, chain: Chain) -> Ideal:
     if has_reference and temperatures is not None:
         warm = tuple(_window(ends, (one.lowest, one.highest)) for one in temperatures)
     good = None if chain.validity_minimum is None else ceil(Fraction(chain.validity_minimum) / step)
+    if good is not None and chain.validity_minimum is not None and chain.step * (good - 1) >= chain.validity_minimum:
+        good -= 1  # a limit that is a code: as the volts of that code, rounded, have it
     made = Ideal(
         kind=model.kind, axes=model.axes, lowest=ends[0], highest=ends[1], has_ends=chain.codes is not None,
         has_reference=has_reference, origin=origin, slope=slope, reading=reading, inverse=opposite,
@@ -209,6 +211,9 @@ def _check(model: SensorModel, chain: Chain) -> None:
         held.append("matrix over temperature")
     if held:
         raise _cannot(", ".join(held), "it starts from codes of signal, reference, temperature and built-in test alone")
+    if chain.reference != "channel" and chain.thermometer is not None and chain.thermometer.own_reference:
+        why = "a measured reference of the temperature stands beside that of the signal, and this one is fixed"
+        raise _cannot("the reference of the temperature channel", why, "Export to c, and convert the temperature first")
     if chain.zero_at:
         raise _cannot("gains over time", "one gain stands in the code", "Give a chain with the gain of the flight")
     if chain.axes != model.axes:
