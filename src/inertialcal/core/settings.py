@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Collection, Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass, replace
+from functools import cache
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
@@ -118,6 +119,7 @@ def fact(help: str, origin: Literal["sensor", "site", "standards", "command"], d
     return field(default=default, metadata=kept)
 
 
+@cache
 def settings_of(plan: type[object]) -> tuple[Setting, ...]:
     """Return the settings of a Plan that a user may give, in its order."""
     hints = get_type_hints(plan, vars(sys.modules[plan.__module__]))

@@ -85,11 +85,12 @@ def coarse_steps(values: Array, name: str) -> tuple[Remark, ...]:
     ----------
     B. Widrow, I. Kollar and M.-C. Liu, IEEE Trans. Instrum. Meas. 45 (1996) 353: statistical theory of quantization.
     """
-    difference = np.diff(values[np.isfinite(values)])
-    sizes = np.abs(difference[difference != 0.0])
-    if not len(sizes):
+    good = np.isfinite(values)
+    sizes = np.abs(np.diff(values if good.all() else values[good]))
+    step = float(np.min(sizes, where=sizes > 0.0, initial=np.inf))
+    if not np.isfinite(step):
         return ()
-    step, read = float(sizes.min()), float(np.mean(difference**2)) / 2.0
+    read = float(np.mean(np.square(sizes))) / 2.0
     before = read - step**2 / 12.0
     if read >= step**2 * (1.0 / COARSE**2 + 1.0 / 12.0):
         return ()
