@@ -36,7 +36,7 @@ def fill_first(time_ns: NDArray[np.int64], length: int, first: NDArray[np.int64]
 def count_marks(words: NDArray[np.uint64], room: int, marks: NDArray[np.uint64]) -> int:
     """Mark a place of 2^room for each word, by a hash of it; return how many are marked.
 
-    Equal words have one place, so that there are as many different words at least. ``marks``: a bit a place, 0 at first.
+    Equal words have one place, so that as many words differ at least. ``marks``: a bit a place, 0 at first.
     """
     found = 0
     shift = np.uint64(64 - room)

@@ -12,6 +12,7 @@ from inertialcal.core.estimate import Array
 from inertialcal.signals.allan import Deviation, allan
 from inertialcal.signals.allan.deviations import KINDS, variances
 from inertialcal.signals.allan.prefix import give_back, phase_of
+from inertialcal.signals.allan.total import Total, total_deviations
 
 from ..comparison import Work, line
 
@@ -64,3 +65,43 @@ for kind, (name, goals) in GOALS.items():
         line(f"{kind}, kernel, {size:.0e} samples", peer=f"allantools.{name}", goal=least)(
             partial(kernel, kind, name, size)
         )
+
+
+def total(kind: Total, peer: str, n: int, longest: int) -> Work:
+    x = noise(n)
+    factors = 2 ** np.arange(longest.bit_length())
+
+    def own() -> Array:
+        return total_deviations(x, factors, kind)
+
+    def theirs() -> Array:
+        taus = factors.astype(np.float64)
+        deviations: Array = getattr(allantools, peer)(x, rate=1.0, data_type="freq", taus=taus)[1]
+        return deviations
+
+    np.testing.assert_allclose(own(), theirs(), rtol=AGREES)
+    return Work(own, theirs, moved=x.nbytes)
+
+
+# allantools takes weeks for the other two at 1e6 samples: their ratios are of short records, where theirs are the least
+TOTALS: dict[Total, tuple[str, int, int]] = {
+    "total": ("totdev", 1_000_000, 2**18),
+    "modified_total": ("mtotdev", 1_000, 2**8),
+    "hadamard_total": ("htotdev", 1_000, 2**8),
+}
+for which, (name, size, longest) in TOTALS.items():
+    line(f"{which}, octaves, {size:.0e} samples", peer=f"allantools.{name}", goal=20.0)(
+        partial(total, which, name, size, longest)
+    )
+
+
+def total_of_long_record(kind: Total) -> Work:
+    x, factors = noise(1_000_000), 2 ** np.arange(19)
+    total_deviations(x[:4000], factors[:10], kind)
+    return Work(lambda: total_deviations(x, factors, kind), 60.0, moved=x.nbytes)
+
+
+for which in ("modified_total", "hadamard_total"):
+    line(f"{which}, octaves, 1e+06 samples", peer="allowed (allantools: weeks)", goal=1.0)(
+        partial(total_of_long_record, which)
+    )
