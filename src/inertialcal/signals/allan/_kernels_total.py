@@ -126,7 +126,7 @@ def _slope(g: Array, i: int, m: int) -> float:
     """Slope that is taken off the stretch that starts at i: between the means of its halves."""
     half, rest = 3 * m // 2, 3 * m - 3 * m // 2
     early, late = (g[i + half] - g[i]) / half, (g[i + 3 * m] - g[i + rest]) / half
-    return (late - early) / rest
+    return float((late - early) / rest)
 
 
 @compiled

@@ -100,8 +100,9 @@ def still_stretches(x: Array, ticks: Array | None, plan: Detection) -> Found:
     at = np.flatnonzero(outlier)
     y[at] = 0.5 * (y[at - 1] + y[at + 1])
     # first good sample after each long gap, with 0 and n
-    gaps = [] if ticks is None else np.flatnonzero(np.diff(ticks) > plan.longest_gap) + 1
-    walls = np.concatenate(([0], gaps, [len(y)])).astype(np.int64)
+    walls = np.array([0, len(y)])
+    if ticks is not None:
+        walls = np.concatenate(([0], np.flatnonzero(np.diff(ticks) > plan.longest_gap) + 1, [len(y)]))
     total = running_sum(y)
     start, stop, widening = _level_pieces(y, total, noise, plan, quantile, walls)
     start, stop = _long(*settled_ends(y, total, noise, start, stop, walls), plan.shortest)

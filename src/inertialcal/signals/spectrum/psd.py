@@ -172,7 +172,7 @@ def _averaged(values: Array, starts: list[Indices], tapers: Tapers, interval: fl
                     found += turned.sum(axis=0) if len(turned) > 1 else turned[0]
             return found
 
-        squares = sum(each_of(power, shares, count * len(every) * length))
+        squares = np.sum(each_of(power, shares, count * len(every) * length), axis=0)
         total[:, axis] = squares[0::2] + squares[1::2]
     total *= 2.0 * interval / (count * len(every))
     return total
