@@ -83,11 +83,11 @@ def batches(*arrays: NDArray[Any], size: int | None = None, whole: int = 1) -> I
     """
     n = len(arrays[0])
     step = max(whole, (size or SIZE) // whole * whole)
-    kept = [one for one in arrays if is_stored(one)]
+    stored = [one for one in arrays if is_stored(one)]
     for first in range(0, n, step):
         stop = min(first + step, n)
         yield first, stop
-        for one in kept:
+        for one in stored:
             release(one[first:stop])
 
 
@@ -124,11 +124,23 @@ def changed(x: NDArray[Any], part: Callable[[NDArray[Any]], NDArray[Any]], dtype
     return made(len(x), dtype, lambda first, stop: part(x[first:stop]), x)
 
 
-def extremes(x: NDArray[Any]) -> tuple[float, float]:
-    """Return the least and the largest number of an array, shape (n,), NaN left out; NaN where there is no other."""
-    ends = [(np.fmin.reduce(x[first:stop]), np.fmax.reduce(x[first:stop])) for first, stop in batches(x)]
-    low, high = zip(*ends, strict=True)
-    return float(np.fmin.reduce(low)), float(np.fmax.reduce(high))
+def extremes(x: NDArray[Any], infinite: bool = True) -> tuple[float, float]:
+    """Return the least and the largest number of an array, shape (n,), NaN left out; NaN where there is no other.
+
+    ``infinite`` says whether infinite ones count.
+    """
+    low = high = np.nan
+    for first, stop in batches(x):
+        part = x[first:stop] if infinite else x[first:stop][np.isfinite(x[first:stop])]
+        if len(part):
+            low = np.fmin(low, float(np.fmin.reduce(part)))
+            high = np.fmax(high, float(np.fmax.reduce(part)))
+    return float(low), float(high)
+
+
+def mean(x: NDArray[Any]) -> float:
+    """Return the mean of an array, shape (n,), as float64."""
+    return sum(float(np.sum(x[first:stop], dtype=np.float64)) for first, stop in batches(x)) / len(x)
 
 
 def every(x: NDArray[Any], holds: Callable[[NDArray[Any]], Any]) -> bool:
@@ -165,4 +177,33 @@ def taken(x: NDArray[Any], at: NDArray[np.int64]) -> NDArray[Any]:
         if b > a:
             out[a:b] = x[at[a:b]]
             release(x[first : first + SIZE])
+    return out
+
+
+def zeros(n: int, dtype: DTypeLike) -> NDArray[Any]:
+    """Return an array of zeros, shape (n,), in memory or stored as `empty` decides."""
+    return np.zeros(n, dtype=dtype) if n * np.dtype(dtype).itemsize <= HELD else empty(n, dtype)  # a new file is zeros
+
+
+def finite(x: NDArray[Any]) -> NDArray[np.bool_]:
+    """Return which samples are finite, shape (n,)."""
+    return changed(x, np.isfinite, bool)
+
+
+def count(x: NDArray[Any], holds: Callable[[NDArray[Any]], NDArray[np.bool_]]) -> int:
+    """Return of how many samples something holds."""
+    return sum(int(np.count_nonzero(holds(x[first:stop]))) for first, stop in batches(x))
+
+
+def kept(x: NDArray[Any], flags: NDArray[np.bool_]) -> NDArray[Any]:
+    """Return the samples that are flagged, shape (k,); the array itself where all are."""
+    many = count(flags, lambda part: part)
+    if many == len(x):
+        return x
+    out, at = empty(many, x.dtype), 0
+    for first, stop in batches(x, flags):
+        part = x[first:stop][flags[first:stop]]
+        out[at : at + len(part)] = part
+        release(out[at : at + len(part)])
+        at += len(part)
     return out

@@ -292,7 +292,7 @@ def call(
     said = _made(Said, parts["said"])
     items = [given] if isinstance(given, str | Path | Recording | np.ndarray) else list(given)
     labelled = [procedure.split_label(str(one)) if isinstance(one, str | Path) else ("", one) for one in items]
-    names, files = files_of([one for _, one in labelled], said, procedure.inputs.as_wide)
+    names, files = files_of([one for _, one in labelled], said, procedure.inputs)
     labels = dict(zip(names, (label for label, _ in labelled), strict=True))
     held = [str(one) for one in held_out]
     given_files: list[GivenFile] = []

@@ -17,10 +17,11 @@ from ...core.recording import Channel, Recording
 from ...core.unit.magnitudes import check_sample_rate
 from ...core.units import kind, normalise
 from ...files import read, read_table
-from ...files.budget import ANALYSIS, AS_WIDE, claim_recording
+from ...files.budget import ANALYSIS, AS_WIDE, STREAMED, claim_recording
 from ...files.source import load as load_file
 from ...files.text.table import Table
 from ...procedures.given import Said, bare
+from ...procedures.protocol import InputSpec
 from ..file.recordings import RecordingEntry
 from ..inputs.sources import reading_of
 
@@ -43,15 +44,15 @@ class Files:
         That were given, or have been read.
     read_as : dict of str to dict
         How those were read.
-    as_wide : bool
-        As the ``InputSpec`` of the procedure has it.
+    work : (float, float)
+        How much memory the procedure takes for a recording.
     """
 
     said: Said
     held: dict[str, Recording] = field(default_factory=dict[str, Recording])
     folder: Path | None = Path()
     read_as: dict[str, dict[str, Any]] = field(default_factory=dict[str, dict[str, Any]])
-    as_wide: bool = False
+    work: tuple[float, float] = ANALYSIS
 
     def read(self, name: str, **reading: Any) -> Recording:
         """Return a recording, read as was said, but for what ``reading`` has else; those in memory as they are."""
@@ -72,7 +73,7 @@ class Files:
                 if error.problems[0].code != "wrong_column" or len(columns) == len(units):
                     raise
                 found = read(name, units=columns, **wanted)  # of one sensor, or without a header
-            claim_recording(found, AS_WIDE if self.as_wide else ANALYSIS)
+            claim_recording(found, self.work)
             self.held[name] = _with_unit(found, bare(said.units))
             self.read_as[name] = wanted
         return self.held[name]
@@ -103,7 +104,7 @@ class Files:
         return read_it(Path(file)), load_file(Path(file)).sha256
 
 
-def files_of(given: Given | Sequence[Given], said: Said, as_wide: bool = False) -> tuple[list[str], Files]:
+def files_of(given: Given | Sequence[Given], said: Said, inputs: InputSpec | None = None) -> tuple[list[str], Files]:
     """Return names of what was given, and the store that holds it.
 
     Raises
@@ -116,7 +117,8 @@ def files_of(given: Given | Sequence[Given], said: Said, as_wide: bool = False) 
     several = [given] if isinstance(given, str | Path | Recording | np.ndarray) else list(given)
     if not several:
         raise UsageError("no file", do="Name a recording")
-    files = Files(said, as_wide=as_wide)
+    streamed, as_wide = inputs is not None and inputs.streamed, inputs is not None and inputs.as_wide
+    files = Files(said, work=STREAMED if streamed else AS_WIDE if as_wide else ANALYSIS)
     names: list[str] = []
     known: set[str] = set()
     for number, one in enumerate(several, 1):

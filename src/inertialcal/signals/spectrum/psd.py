@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
+from ...core.batches import batches, extremes, release
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array, Numbers
 from ...core.remarks import Remark
@@ -159,6 +160,7 @@ def _averaged(values: Array, starts: list[Indices], tapers: Tapers, interval: fl
             for weights in tapers.weights:
                 turned = fft.rfft(part * weights, axis=2)
                 total += np.sum(turned.real**2 + turned.imag**2, axis=0)
+            release(values[group[0] : group[-1] + length])
     return np.asarray(2.0 * interval / (count * sum(len(stretch) for stretch in starts)) * total.T)
 
 
@@ -172,8 +174,8 @@ def _remarks(values: Array, gaps: Stretches, used: int, length: int) -> tuple[Re
         what = f"{left} samples between gaps are too short for a segment of {length}; {used} are used"
         found.append(Remark("few_segments", "warning", what, do="Give shorter segments"))
     for axis in range(values.shape[1]):
-        column = values[np.isfinite(values[:, axis]), axis]
-        if np.ptp(column) <= CONSTANT * np.abs(column).max():
+        low, high = extremes(values[:, axis], infinite=False)
+        if high - low <= CONSTANT * max(abs(low), abs(high)):
             what = f"axis {axis} is constant: no spectrum"
             found.append(Remark("constant", "warning", what, do="Check for a stuck or disconnected channel"))
     return tuple(found)
@@ -206,6 +208,10 @@ class Stretches:
 
 def stretches_of(x: Array) -> Stretches:
     """Return the runs of samples (n, axes) that have a finite value in every axis."""
-    good = np.isfinite(x).all(axis=1)
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], good, [False])).astype(np.int8)))
-    return Stretches(edges[0::2], edges[1::2], int(np.count_nonzero(~good)))
+    found, before, there = [], False, 0
+    for first, stop in batches(x):
+        good = np.isfinite(x[first:stop]).all(axis=1)
+        found.append(first + np.flatnonzero(good != np.concatenate(([before], good[:-1]))))
+        before, there = bool(good[-1]), there + int(np.count_nonzero(good))
+    edges = np.concatenate([*found, np.full(before, len(x), dtype=np.int64)]).astype(np.int64)
+    return Stretches(edges[0::2], edges[1::2], len(x) - there)
