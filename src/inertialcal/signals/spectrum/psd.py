@@ -213,5 +213,5 @@ def stretches_of(x: Array) -> Stretches:
         good = np.isfinite(x[first:stop]).all(axis=1)
         found.append(first + np.flatnonzero(good != np.concatenate(([before], good[:-1]))))
         before, there = bool(good[-1]), there + int(np.count_nonzero(good))
-    edges = np.concatenate([*found, np.full(before, len(x), dtype=np.int64)]).astype(np.int64)
+    edges = np.concatenate([*found, [len(x)] if before else []]).astype(np.int64)
     return Stretches(edges[0::2], edges[1::2], len(x) - there)
