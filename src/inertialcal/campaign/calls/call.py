@@ -45,7 +45,7 @@ from ..file.recordings import OWN_KEYS
 from ..file.schema import CampaignFile
 from ..outcome.contents import displayed_rows
 from .document import INNER_FILES, Document, document_of
-from .given import Files, Given, files_of
+from .given import Files, Given, files_of, given_items
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -290,7 +290,7 @@ def call(
     procedure = procedure_of(name)
     parts = split_settings(procedure, settings)
     said = _made(Said, parts["said"])
-    items = [given] if isinstance(given, str | Path | Recording | np.ndarray) else list(given)
+    items = given_items(given)
     labelled = [procedure.split_label(str(one)) if isinstance(one, str | Path) else ("", one) for one in items]
     names, files = files_of([one for _, one in labelled], said, procedure.inputs)
     labels = dict(zip(names, (label for label, _ in labelled), strict=True))

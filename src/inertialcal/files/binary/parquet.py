@@ -72,7 +72,7 @@ def read_parquet(loaded: Loaded, variables: Sequence[str] | None = None) -> Cont
             raise DataError(f"column name {min(twice)!r} appears twice", where=loaded.path, code="duplicate_column")
         quick = [leaves[i].path for i in read if i not in slow and i not in large]
         texts = [leaf.path for leaf in leaves if leaf.physical_type == "BYTE_ARRAY" and leaf.path in quick]
-        file = parquet.ParquetFile(opened(), read_dictionary=texts, buffer_size=BUFFER if large else 0)
+        file = parquet.ParquetFile(opened(), read_dictionary=texts, buffer_size=BUFFER if large else 0, pre_buffer=not large)
         table = file.read(columns=quick)
         while any(pa.types.is_struct(kind) for kind in table.schema.types):
             table = table.flatten()
@@ -116,7 +116,7 @@ def _batch_by_batch(file: Any, paths: Sequence[str], path: str) -> list[Column |
             values[k][first : first + table.num_rows] = one.values
             release(values[k][first : first + table.num_rows])
             cells = (one.empty + first, one.not_a_number + first)
-            parts[k].append(replace(one, values=one.values[:0], empty=cells[0], not_a_number=cells[1]))
+            parts[k].append(replace(one, values=np.empty(0), empty=cells[0], not_a_number=cells[1]))
         first += table.num_rows
     whole = [
         replace(
