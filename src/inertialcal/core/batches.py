@@ -26,7 +26,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from .errors import DataError
 
-HELD = 2**27  # bytes of an array that is kept in memory
+HELD = 2**26  # bytes of an array that is kept in memory
 SIZE = 2**20  # samples of a batch
 _mapped: dict[int, tuple[int, weakref.ref[mmap.mmap]]] = {}  # address -> bytes, mapping
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import cast
 
-from ..core.batches import HELD
+from ..core import batches
 from ..core.errors import DataError, InertialcalError
 from .budget import DOCUMENT, check_count, claim
 
@@ -80,6 +80,9 @@ class FileBytes:
         self._size = os.fstat(self._file.fileno()).st_size
         self._at, self._piece = 0, b""
 
+    def __del__(self) -> None:
+        self._file.close()
+
     def __len__(self) -> int:
         return self._size
 
@@ -99,7 +102,7 @@ class FileBytes:
 def _in_place(path: str | Path) -> Loaded | None:
     """Return the content of a long file whose reader reads it piece by piece; None of any other."""
     try:
-        if os.stat(path).st_size <= HELD or not os.path.isfile(path):
+        if os.stat(path).st_size <= batches.HELD or not os.path.isfile(path):
             return None
         data = FileBytes(path)
         if not data.startswith(IN_PLACE):

@@ -18,7 +18,8 @@ from typing import Any
 
 import numpy as np
 
-from ...core.batches import HELD, changed, empty, release
+from ...core import batches
+from ...core.batches import changed, empty, release
 from ...core.errors import DataError
 from ...core.remarks import Remark
 from ..budget import COLUMNS, PARTS, READ, VALUE, check_count, claim, claim_room
@@ -62,7 +63,7 @@ def read_parquet(loaded: Loaded, variables: Sequence[str] | None = None) -> Cont
         leaves = [about.schema.column(i) for i in range(about.num_columns)]
         read = [i for i, leaf in enumerate(leaves) if _is_readable(leaf)]
         large = [i for i in read if leaves[i].physical_type != "BYTE_ARRAY"]
-        large = large if VALUE * about.num_rows * len(large) > HELD else []
+        large = large if VALUE * about.num_rows * len(large) > batches.HELD else []
         slow = _claim(loaded, about, leaves, [i for i in read if i not in large])
         claim_room(loaded.path, loaded.on_disk, VALUE * about.num_rows * len(large), f"{about.num_rows:,} rows")
         _check_pages(loaded, about, large)

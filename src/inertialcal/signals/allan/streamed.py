@@ -53,6 +53,7 @@ def streamed_variances(
     """
     block, near = block or BLOCK, near or NEAR
     kind_of_sum, level, points, order = summed_as(x), level_of(x), len(x) + 1, kind.order
+    release(x)
     close = factors[factors <= near]
     far = factors[len(close) :]
     sums = np.zeros(len(factors))
