@@ -24,6 +24,7 @@ from ...core.results import Row, finite
 from ...core.units import convert, factor
 from ...files import read
 from ...files.text.headers import full_name
+from ...sensors.model.compensate import counted
 from ...sensors.model.equation import Conditions, by_name, needed
 from ...sensors.model.model_set import ModelSet
 from ...sensors.model.on_recordings import compensate_recording, to_input_unit
@@ -122,14 +123,15 @@ def _in_batches(
 ) -> Recording:
     """Return the recording with true inputs: no row needs another one, so a batch of them is in memory at once."""
     columns: dict[str, Channel] = {}
-    remarks: list[Remark] = []
+    outside: list[Remark] = []
+    lost: list[Remark] = []
     bare = replace(recording, remarks=(), time_ns=None)
     for first, stop in batches(*(one.data for one in recording.channels)):
         part = replace(bare, channels=tuple(replace(one, data=one.data[first:stop]) for one in recording.channels))
         conditions = _conditions(model, part, chosen)
-        done = compensate_recording(model, part, axes, **conditions)
-        own = (*done.remarks, *emptied(part, done, axes, conditions))
-        remarks += [replace(one, where=recording.place(first + one.index), index=first + one.index) for one in own]
+        done = compensate_recording(model, part, axes, part=True, **conditions)
+        for found, own in ((outside, done.remarks), (lost, emptied(part, done, axes, conditions))):
+            found += [replace(one, where=recording.place(first + one.index), index=first + one.index) for one in own]
         made = [done.channel(name) for name in axes.values()]
         made += _uncertainties(model, part, done, axes, conditions) if uncertainty else []
         for one in made:
@@ -137,7 +139,8 @@ def _in_batches(
             known.data[first:stop] = one.data
             release(known.data[first:stop])
     channels = [columns.pop(one.name, one) for one in recording.channels]
-    return replace(recording, channels=(*channels, *columns.values()), remarks=(*recording.remarks, *gather(remarks)))
+    remarks = (*recording.remarks, *(counted(one, len(recording)) for one in gather(outside)), *gather(lost))
+    return replace(recording, channels=(*channels, *columns.values()), remarks=remarks)
 
 
 def model_for(
