@@ -56,7 +56,9 @@ def test_figures_do_not_hang_on_the_size_of_a_batch(n: int, size: int, seed: int
             assert b.extremes(x, infinite=False) == (x[fine].min(), x[fine].max())
             assert b.mean(x[fine]) == pytest.approx(x[fine].mean(), rel=1e-12, abs=1e-14)
         steps = np.diff(np.rint(x[fine]))
-        assert b.where_steps(np.rint(x[fine]), lambda step: step < 0).tolist() == (np.flatnonzero(steps < 0) + 1).tolist()
+        assert (
+            b.where_steps(np.rint(x[fine]), lambda step: step < 0).tolist() == (np.flatnonzero(steps < 0) + 1).tolist()
+        )
         assert b.any_step(np.rint(x[fine]), lambda step: step < 0) == bool((steps < 0).any())
 
 
@@ -67,7 +69,7 @@ def test_blocks_are_not_cut() -> None:
 
 def test_some_samples(stored: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(b, "SIZE", 7)
-    x = b.made(100, np.int64, lambda first, stop: np.arange(first, stop))
+    x = b.made(100, np.int64, np.arange)
     at = np.array([0, 1, 6, 7, 8, 50, 99])
     assert b.taken(x, at).tolist() == at.tolist()
     assert b.is_stored(x) == stored

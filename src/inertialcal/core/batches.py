@@ -156,9 +156,7 @@ def where(x: NDArray[Any], holds: Callable[[NDArray[Any]], NDArray[np.bool_]]) -
 
 def where_steps(x: NDArray[Any], holds: Callable[[NDArray[Any]], NDArray[np.bool_]]) -> NDArray[np.int64]:
     """Return the samples to which the step from the one before meets a condition, ascending."""
-    found = [
-        first + 1 + np.flatnonzero(holds(np.diff(x[first : stop + 1]))) for first, stop in batches(x[:-1])
-    ]
+    found = [first + 1 + np.flatnonzero(holds(np.diff(x[first : stop + 1]))) for first, stop in batches(x[:-1])]
     return np.concatenate(found) if found else np.empty(0, dtype=np.int64)
 
 
@@ -173,7 +171,9 @@ def taken(x: NDArray[Any], at: NDArray[np.int64]) -> NDArray[Any]:
         return np.asarray(x[at])
     out = np.empty(len(at), dtype=x.dtype)
     ends = np.searchsorted(at, np.arange(0, len(x) + SIZE, SIZE))
-    for first, (a, b) in zip(range(0, len(x), SIZE), zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True), strict=False):
+    for first, (a, b) in zip(
+        range(0, len(x), SIZE), zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True), strict=False
+    ):
         if b > a:
             out[a:b] = x[at[a:b]]
             release(x[first : first + SIZE])
@@ -207,3 +207,13 @@ def kept(x: NDArray[Any], flags: NDArray[np.bool_]) -> NDArray[Any]:
         release(out[at : at + len(part)])
         at += len(part)
     return out
+
+
+def masked(x: NDArray[Any], there: NDArray[np.bool_]) -> NDArray[Any]:
+    """Return the samples as floats, NaN where they are not there, shape (n,)."""
+    return made(len(x), float, lambda first, stop: np.where(there[first:stop], x[first:stop], np.nan), x, there)
+
+
+def without(flags: NDArray[np.bool_], others: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return what is flagged, and not by the others, shape (n,)."""
+    return made(len(flags), bool, lambda first, stop: flags[first:stop] & ~others[first:stop], flags, others)

@@ -39,9 +39,9 @@ def read(
     Parameters
     ----------
     path : str or Path, Recording, or array of shape (n,) or (n, axes)
-        A Recording, or an array with its sample rate, is taken as it is. Files: CSV and other text (also gzip), Parquet, MATLAB, HDF5, npy, npz; data file or header of a pair of the
-        acceleration archive (PAD), or a folder of such pairs; what a reader of another distribution takes (entry
-        point ``inertialcal.readers``).
+        A Recording, or an array with its sample rate, is taken as it is. Files: CSV and other text (also gzip),
+        Parquet, MATLAB, HDF5, npy, npz; data file or header of a pair of the acceleration archive (PAD), or a folder
+        of such pairs; what a reader of another distribution takes (entry point ``inertialcal.readers``).
     units : mapping of str to str, optional
         Unit by column or by group: ``{"gyro": "deg/s", "acc_x": "g", "timestamp": "ns"}``; goes before what
         the file says.

@@ -118,7 +118,7 @@ def claim(where: str, on_disk: int, need: float, what: str, *, least: bool = Fal
 
 
 def claim_room(where: str, on_disk: int, size: int, what: str) -> None:
-    """Refuse numbers of a file that would take more room in temporary files than any recording does; Raises as `claim`."""
+    """Refuse numbers that take more room in temporary files than those of any recording; Raises as `claim`."""
     most = FREE + ROOM * on_disk
     if size > most:
         raise DataError(

@@ -140,9 +140,7 @@ def _unfilled(columns: Sequence[Column]) -> int:
     if filled < FEWEST or n - filled < FEWEST:
         return 0
     clocks = [
-        c
-        for c in columns
-        if c.values[filled - 1] > 0 and not any_step(c.values[:filled], lambda step: ~(step > 0))
+        c for c in columns if c.values[filled - 1] > 0 and not any_step(c.values[:filled], lambda step: ~(step > 0))
     ]
     return n - filled if clocks else 0
 

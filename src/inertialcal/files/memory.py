@@ -16,7 +16,9 @@ from ..core.unit.magnitudes import check_sample_rate
 from ..core.units import normalise
 
 
-def recording_of(given: Any, units: Mapping[str, str] | str | None = None, sample_rate: float | None = None) -> Recording:
+def recording_of(
+    given: Any, units: Mapping[str, str] | str | None = None, sample_rate: float | None = None
+) -> Recording:
     """Return a Recording, or an array of shape (n,) or (n, axes), as a recording with the units that are said.
 
     Parameters

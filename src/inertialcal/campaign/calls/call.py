@@ -16,14 +16,12 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
-import numpy as np
 from pydantic import ValidationError
 
 from ...core.campaign_text import FILE, toml_text
 from ...core.errors import DataError, InertialcalError, Problem, StoreError, UsageError
 from ...core.interruption import interruption
 from ...core.key import AXES
-from ...core.recording import Recording
 from ...core.remarks import Remark, gather
 from ...core.results import Row
 from ...core.schema.settings import settings_values

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -148,7 +148,9 @@ def given_items(given: Given | Sequence[Given]) -> list[Given]:
         ``wrong_type``, if one is neither a path, a Recording nor an array.
     """
     kinds = str | Path | Recording | np.ndarray
-    items: list[Any] = [given] if isinstance(given, kinds) or not isinstance(given, Sequence | Iterator) else list(given)
+    items: list[Any] = (
+        [given] if isinstance(given, kinds) or not isinstance(given, Sequence | Iterator) else list(given)
+    )
     for one in items:
         if not isinstance(one, kinds):
             what = f"a recording of type {type(one).__name__}"

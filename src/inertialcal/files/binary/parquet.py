@@ -53,6 +53,7 @@ def read_parquet(loaded: Loaded, variables: Sequence[str] | None = None) -> Cont
     from pyarrow import parquet  # noqa: PLC0415 - heavy import
 
     with as_data_errors(loaded.path, "a Parquet file"):
+
         def opened() -> Any:
             return pa.OSFile(loaded.path) if isinstance(loaded.data, FileBytes) else pa.BufferReader(loaded.data)
 
@@ -73,7 +74,9 @@ def read_parquet(loaded: Loaded, variables: Sequence[str] | None = None) -> Cont
             raise DataError(f"column name {min(twice)!r} appears twice", where=loaded.path, code="duplicate_column")
         quick = [leaves[i].path for i in read if i not in slow and i not in large]
         texts = [leaf.path for leaf in leaves if leaf.physical_type == "BYTE_ARRAY" and leaf.path in quick]
-        file = parquet.ParquetFile(opened(), read_dictionary=texts, buffer_size=BUFFER if large else 0, pre_buffer=not large)
+        file = parquet.ParquetFile(
+            opened(), read_dictionary=texts, buffer_size=BUFFER if large else 0, pre_buffer=not large
+        )
         table = file.read(columns=quick)
         while any(pa.types.is_struct(kind) for kind in table.schema.types):
             table = table.flatten()

@@ -76,6 +76,7 @@ class Run:
         values, there = self.values[axis], self.present.get(axis)
         if values.dtype == np.float64 and self.quantity == "rate" and there is None:
             return values
+
         def part(first: int, stop: int) -> Array:
             found: Array = values[first:stop].astype(np.float64)
             if self.quantity != "rate":

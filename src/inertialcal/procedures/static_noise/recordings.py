@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.batches import any_step, changed, count, every, extremes, kept, made
+from ...core.batches import any_step, changed, count, every, extremes, finite, kept, made, masked, without
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.recording import SECOND
@@ -281,14 +281,13 @@ def screened(
     for axis, values in run.values.items():
         there = run.there(axis)
         whole = every(there, np.all)
-        x = values if whole else made(len(run), float, lambda a, b: np.where(there[a:b], values[a:b], np.nan), values, there)
+        x = values if whole else masked(values, there)
         one = found[axis] = _undisturbed(screen(x), x, run.interval, left_out)
         if "stuck" in one and one["stuck"].count == len(run):
             continue  # the curve says that the channel is constant
         left, counts = there, bad.setdefault(axis, {})
         for code in (code for code in NO_READINGS if code in one and code != "missing"):
-            own, before = one.screened(x, (code,)), left
-            left = made(len(run), bool, lambda a, b: before[a:b] & ~own[a:b], before, own)
+            before, left = left, without(left, one.screened(x, (code,)))
             counts[code] = count(before, np.asarray) - count(left, np.asarray)
         if left_out and any(counts.values()):
             present[axis] = left
@@ -296,7 +295,9 @@ def screened(
         said = remarks_of(one, axis, shown[axis].place, shown[axis].value, run.interval, fate)
         own_remarks = (remark for remark in said if remark.code not in SAID_ELSEWHERE)
         remarks += [replace(remark, axis=axis, recording=run.name) for remark in own_remarks]
-    fine = {axis: resolution_of(kept(values, run.there(axis)), shown[axis].times) for axis, values in run.values.items()}
+    fine = {
+        axis: resolution_of(kept(values, run.there(axis)), shown[axis].times) for axis, values in run.values.items()
+    }
     return replace(run, present=present, found=found, bad=bad, resolution=fine, screened=left_out), remarks
 
 
@@ -308,7 +309,7 @@ def _undisturbed(found: Screening, x: NDArray[Any], interval: float, left_out: b
     if not left_out or not {*found.codes} & {*CHANGES}:
         return found
     bad = found.screened(x)
-    quality = record_quality(made(len(x), float, lambda a, b: np.where(bad[a:b], np.nan, x[a:b]), x, bad), interval)
+    quality = record_quality(masked(x, without(finite(x), bad)), interval)
     if not quality.disturbances or not quality.at_rest:
         return found
     again = screen(quality.cleaned())

@@ -55,10 +55,8 @@ def places_looked_at(points: int, m: int, out: Whole) -> int:
 
 
 @compiled
-def identify_at(
-    at: Whole, values: NDArray[Any], points: int, factors: Whole, most: int, out: Array
-) -> None:
-    """Fill what ``identify`` does of a complete record, of whose integrated signal only ``values`` at ``at`` are known."""
+def identify_at(at: Whole, values: NDArray[Any], points: int, factors: Whole, most: int, out: Array) -> None:
+    """Fill what ``identify`` does of a complete record of whose integrated signal ``values`` at ``at`` are known."""
     spare, spare_kept, spare_at = np.empty(2 * LOOKED_AT), np.empty(2 * LOOKED_AT), np.empty(2 * LOOKED_AT)
     for k in range(len(factors)):
         m = factors[k]

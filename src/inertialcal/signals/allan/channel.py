@@ -88,9 +88,7 @@ def analyse_channel(
         if empty:
             what = f"{name}: {empty} averaging time(s) left out: no two windows are half full"
             remarks.append(Remark("gaps_too_many", "warning", what, count=empty))
-    return Channel(
-        np.sqrt(variance), found.terms, found.inflation, edf, power, found.ends, missing, tuple(remarks)
-    )
+    return Channel(np.sqrt(variance), found.terms, found.inflation, edf, power, found.ends, missing, tuple(remarks))
 
 
 def checked_kind(quantity: str, deviation: str, p: float, noise: Literal["auto"] | int) -> Kind:

@@ -107,7 +107,7 @@ def _add_far(
     phases = {int(one): np.empty(block + 1, dtype=before.dtype) for one in offsets}
     index = {int(one): k for k, one in enumerate(offsets)}
     for start in range(0, points - order * int(factors[0]), block):
-        for k, offset in enumerate(offsets.tolist()):
+        for offset in offsets.tolist():
             part = x[start + offset : start + offset + block]
             if len(part) or start + offset < points:
                 kernels.integrate(part, level, phases[offset][: len(part) + 1])

@@ -60,9 +60,7 @@ class Blocks:
             if len(some):
                 outs = [one[own] for one in (lo, hi, mean, rough, same, count)]
                 part = slice(first, stop)
-                loops(len(self.x)).fill_patched(
-                    self.x[part], self.bits[part], self.size, flip, some, left, *outs
-                )
+                loops(len(self.x)).fill_patched(self.x[part], self.bits[part], self.size, flip, some, left, *outs)
         lowest, highest = self.lo.copy(), self.hi.copy()
         for every, part in ((lowest, lo), (highest, hi)):
             every[which] = np.where(count[which] == 0, np.nan, _values(part[which], self.x.dtype))

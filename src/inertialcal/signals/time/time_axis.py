@@ -220,9 +220,7 @@ def _pattern(
     alike = 1.0 / BLOCK_AGREES <= block / median <= BLOCK_AGREES
     length, count = forward.length.astype(np.float64), int(forward.count.sum())
     off_grid = np.abs(length - np.rint(length / median) * median) > ON_GRID * median
-    samples_lost = (
-        median < block <= MOST_LOST * median and forward.count[off_grid].sum() / count <= 1.0 - ON_GRID_SHARE
-    )
+    samples_lost = median < block <= MOST_LOST * median and forward.count[off_grid].sum() / count <= 1.0 - ON_GRID_SHARE
     if alike or samples_lost:
         return "regular", median
     mean = float(length @ forward.count) / int(steps.count[steps.length >= 0].sum())

@@ -46,8 +46,12 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def figures(path: Path) -> tuple[list[Any], list[str], list[float]]:
     found = ic.allan(path)
     rows = [(row.key, row.test, row.value, row.u) for row in found.rows]
-    curves = [np.asarray(one.columns[name].values, dtype=float)
-              for one in found.result.curves() for name in one.columns if name in ("deviation", "density", "edf")]  # fmt: skip
+    curves = [
+        np.asarray(one.columns[name].values, dtype=float)
+        for one in found.result.curves()
+        for name in ("deviation", "density", "edf")
+        if name in one.columns
+    ]
     return rows, [str(one) for one in found.remarks], np.concatenate(curves).tolist()
 
 
