@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import os
 import resource
 import subprocess
 import sys
@@ -20,7 +21,7 @@ from inertialcal.core.errors import DataError
 def stored(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> bool:
     if request.param == "disk":
         monkeypatch.setattr(b, "HELD", 0)
-    return request.param == "disk"
+    return bool(request.param == "disk")
 
 
 def test_arrays_are_stored_beyond_a_size_and_go_with_their_last_view(stored: bool) -> None:
@@ -80,7 +81,7 @@ def test_no_room_is_said_with_the_folder(monkeypatch: pytest.MonkeyPatch) -> Non
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(b, "HELD", 0)
-    monkeypatch.setattr(b.os, "posix_fallocate", full)
+    monkeypatch.setattr(os, "posix_fallocate", full)
     with pytest.raises(DataError, match="room for temporary files") as caught:
         b.empty(1000, float)
     assert caught.value.problems[0].code == "no_room"

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -17,7 +16,9 @@ from ..core.units import normalise
 
 
 def recording_of(
-    given: Any, units: Mapping[str, str] | str | None = None, sample_rate: float | None = None
+    given: Recording | Array | Sequence[float],
+    units: Mapping[str, str] | str | None = None,
+    sample_rate: float | None = None,
 ) -> Recording:
     """Return a Recording, or an array of shape (n,) or (n, axes), as a recording with the units that are said.
 

@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -116,7 +117,7 @@ def _batch_by_batch(file: Any, paths: Sequence[str], path: str) -> list[Column |
             parts = [[] for _ in found]
         for k, one in enumerate(found):
             if values[k].dtype != (kind := np.result_type(values[k], one.values)):  # an empty cell among whole numbers
-                values[k] = changed(values[k], lambda part, kind=kind: part.astype(kind), kind)
+                values[k] = changed(values[k], partial(np.asarray, dtype=kind), kind)
             values[k][first : first + table.num_rows] = one.values
             release(values[k][first : first + table.num_rows])
             cells = (one.empty + first, one.not_a_number + first)
@@ -160,7 +161,7 @@ def _claim(loaded: Loaded, about: Any, leaves: Sequence[Any], read: Sequence[int
     """Claim the memory for columns by their page headers; return those of front-coded text, with rows at once."""
     per_column, other = READ
     held = 0 if isinstance(loaded.data, FileBytes) else len(loaded.data)
-    need = held + (VALUE * other * about.num_rows if read else 0)
+    need: float = held + (VALUE * other * about.num_rows if read else 0)
     pages = 0
     slow: dict[int, int] = {}
     for i in read:

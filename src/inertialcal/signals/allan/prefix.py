@@ -124,7 +124,7 @@ def _less(x: Numbers, level: Any) -> Numbers:
     return less
 
 
-def level_of(x: Numbers, there: NDArray[np.bool_] | None = None) -> Any:
+def level_of(x: Numbers, there: NDArray[np.bool_] | None = None) -> np.int64 | np.float64:
     """Return what is taken off each sample: about their mean; exactly their value where all are equal."""
     sample = x[:: max(1, len(x) // LEVEL_FROM)]
     if there is not None:

@@ -21,6 +21,7 @@ from ...core.batches import release
 from ...core.estimate import Array, Numbers
 from . import _kernels as kernels
 from . import _kernels_streamed as streams
+from ._kernels_noise_type import LOOKED_AT
 from .deviations import COMPLETE, Kind, Variances, terms_of
 from .prefix import level_of, summed_as
 
@@ -87,7 +88,7 @@ def streamed_variances(
 
 def _looked_at(points: int, factors: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return the points that tell noise types, ascending."""
-    room = np.empty(4 * streams.LOOKED_AT, dtype=np.int64)
+    room = np.empty(4 * LOOKED_AT, dtype=np.int64)
     found = [room[: streams.places_looked_at(points, int(m), room)].copy() for m in factors]
     return np.unique(np.concatenate(found))
 
@@ -119,9 +120,9 @@ def _add_far(
             own = [phases[j * m][:many] for j in range(order + 1)]
             a, b, c, *e = (before[index[j * m]] for j in range(order + 1))
             if order == 2:
-                sums[i] += streams.far_seconds(*own, a - 2 * b + c)
+                sums[i] += streams.far_seconds(own[0], own[1], own[2], a - 2 * b + c)
             else:
-                sums[i] += streams.far_thirds(*own, e[0] - a + 3 * (b - c))
+                sums[i] += streams.far_thirds(own[0], own[1], own[2], own[3], e[0] - a + 3 * (b - c))
         for k, offset in enumerate(offsets.tolist()):
             if start + offset + block < points:
                 before[k] = before[k] + phases[offset][block]

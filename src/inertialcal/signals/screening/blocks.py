@@ -58,7 +58,7 @@ class Blocks:
             some = which[slice(*np.searchsorted(which, (own.start, own.stop)))] - own.start
             left = skip[slice(*np.searchsorted(skip, (first, stop)))] - first
             if len(some):
-                outs = [one[own] for one in (lo, hi, mean, rough, same, count)]
+                outs: tuple[Any, ...] = tuple(one[own] for one in (lo, hi, mean, rough, same, count))
                 part = slice(first, stop)
                 loops(len(self.x)).fill_patched(self.x[part], self.bits[part], self.size, flip, some, left, *outs)
         lowest, highest = self.lo.copy(), self.hi.copy()
@@ -112,7 +112,8 @@ def blocks_of(x: NDArray[Any]) -> Blocks:
     inf: Any = np.array(np.inf, dtype=x.dtype).view(bits.dtype)[()] if flip else bits.dtype.type(0)
     for first, stop in batches(x, whole=size):
         own = slice(first // size, -(-stop // size))
-        part, outs = slice(first, stop), [one[own] for one in (lo, hi, mean, rough, same, count)]
+        part = slice(first, stop)
+        outs: tuple[Any, ...] = tuple(one[own] for one in (lo, hi, mean, rough, same, count))
         if loops(len(x)).fill_blocks(x[part], bits[part], size, flip, inf, *outs):
             odd = np.flatnonzero(count[own] == 0)
             none = np.empty(0, dtype=np.int64)

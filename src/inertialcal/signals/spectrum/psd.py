@@ -210,8 +210,8 @@ def stretches_of(x: Array) -> Stretches:
     """Return the runs of samples (n, axes) that have a finite value in every axis."""
     found, before, there = [], False, 0
     for first, stop in batches(x):
-        good = np.isfinite(x[first:stop]).all(axis=1)
-        found.append(first + np.flatnonzero(good != np.concatenate(([before], good[:-1]))))
+        good: NDArray[np.bool_] = np.asarray(np.isfinite(x[first:stop]).all(axis=1))
+        found.append(first + np.flatnonzero(good != np.append(before, good[:-1])))
         before, there = bool(good[-1]), there + int(np.count_nonzero(good))
     edges = np.concatenate([*found, [len(x)] if before else []]).astype(np.int64)
     return Stretches(edges[0::2], edges[1::2], len(x) - there)

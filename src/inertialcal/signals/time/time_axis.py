@@ -119,10 +119,9 @@ def analyse(time_ns: Times, averaging: float | None = None) -> TimeAxis:
         raise DataError(f"stamps span {(last - first) / SECOND:.3g} s, more than 292 years", code="time_range")
     steps = _steps_of(time_ns)
     forward = steps.where(steps.length > 0)
-    repeated, backward = (
-        where_steps(time_ns, holds) if len(steps.where(holds(steps.length))) else np.empty(0, dtype=np.int64)
-        for holds in (lambda step: step == 0, lambda step: step < 0)
-    )
+    none = np.empty(0, dtype=np.int64)
+    repeated = where_steps(time_ns, lambda step: step == 0) if np.any(steps.length == 0) else none
+    backward = where_steps(time_ns, lambda step: step < 0) if np.any(steps.length < 0) else none
     median = forward.median()
     pattern, interval = _pattern(time_ns, steps, forward, median)
     regular = pattern == "regular"

@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from .errors import DataError
+from ..errors import DataError
 
 HELD = 2**26  # bytes of an array that is kept in memory
 SIZE = 2**20  # samples of a batch
@@ -60,7 +60,12 @@ def empty(n: int, dtype: DTypeLike) -> NDArray[Any]:
             code="no_room",
         ) from None
     found = np.frombuffer(mapping, dtype=kind)
-    _mapped[found.ctypes.data] = (size, weakref.ref(mapping, lambda _, at=found.ctypes.data: _mapped.pop(at, None)))
+    at = found.ctypes.data
+
+    def forget(_: object) -> None:
+        _mapped.pop(at, None)
+
+    _mapped[at] = (size, weakref.ref(mapping, forget))
     return found
 
 
@@ -143,7 +148,7 @@ def mean(x: NDArray[Any]) -> float:
     return sum(float(np.sum(x[first:stop], dtype=np.float64)) for first, stop in batches(x)) / len(x)
 
 
-def every(x: NDArray[Any], holds: Callable[[NDArray[Any]], Any]) -> bool:
+def every(x: NDArray[Any], holds: Callable[[NDArray[Any]], object]) -> bool:
     """Return whether something holds of all samples; no batch is read behind one of which it does not."""
     return all(bool(holds(x[first:stop])) for first, stop in batches(x))
 
