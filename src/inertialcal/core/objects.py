@@ -19,7 +19,7 @@ from functools import partial
 from hashlib import sha256
 from importlib import import_module
 from types import FunctionType, MappingProxyType
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -135,14 +135,14 @@ class _Writer:
             return self.array(thing)
         if isinstance(thing, np.generic):
             return ["scalar", *self.array(np.asarray(thing))[1:]]
+        return self.instance(thing)
+
+    def instance(self, thing: Any) -> list[Any]:  # noqa: PLR0911 - a line a kind
+        made = type(thing)
         if made is bytes:
             return ["bytes", *self.blob(thing)]
         if made is slice:
             return ["slice", [self.value(one) for one in (thing.start, thing.stop, thing.step)]]
-        return self.instance(thing)
-
-    def instance(self, thing: Any) -> list[Any]:
-        made = type(thing)
         if isinstance(thing, Enum):
             return ["enum", self.named(made), thing.name]
         if isinstance(thing, tuple) and hasattr(made, "_fields"):
@@ -158,7 +158,7 @@ class _Writer:
     def array(self, thing: np.ndarray[Any, Any]) -> list[Any]:
         if thing.dtype.kind not in KINDS:
             raise NotStorableError(f"an array of {thing.dtype}")
-        order = "F" if thing.flags.f_contiguous and not thing.flags.c_contiguous else "C"
+        order: Literal["C", "F"] = "F" if thing.flags.f_contiguous and not thing.flags.c_contiguous else "C"
         blob = self.blob(thing.tobytes(order=order))
         return ["array", *blob, thing.dtype.str, list(thing.shape), order, bool(thing.flags.writeable)]
 
@@ -180,8 +180,7 @@ class _Writer:
 
     def function(self, thing: Any) -> list[Any]:
         if isinstance(thing, partial):
-            held = (thing.func, thing.args, dict(thing.keywords))
-            return ["partial", [self.value(one) for one in held]]
+            return ["partial", [self.value(one) for one in (thing.func, thing.args, dict(thing.keywords))]]
         if isinstance(thing, FunctionType) and is_of(thing.__module__, self.packages):
             cells = [cell.cell_contents for cell in thing.__closure__ or ()]
             held = (thing.__module__, thing.__qualname__, thing.__code__.co_firstlineno, cells,

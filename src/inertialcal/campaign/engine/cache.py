@@ -1,4 +1,4 @@
-"""What a run keeps for the next one, in ``out-cache/`` beside ``out/``: reductions, figures, and what was read for them.
+"""What a run keeps for the next one, in ``out-cache/`` beside ``out/``: reductions and figures.
 
 An entry is one file. Its name is a hash of the code and of all that the campaign says of it; inside stand the inputs
 that were read for it with the SHA-256 of their content, and those that were looked for and were not there. An entry is
@@ -39,6 +39,7 @@ HEAD = b"inertialcal cache 1\n"
 GROUPS = ("inertialcal.procedures", "inertialcal.readers", "inertialcal.rigs")
 MISSING, UNKNOWN = "missing", ""  # in place of a SHA-256: no such file; content that cannot be told from outside
 PART = ".part"
+HEADER = ".header"
 OURS = __name__.partition(".")[0]
 
 

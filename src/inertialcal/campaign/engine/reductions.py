@@ -7,17 +7,12 @@ bytes and read back, so that it is the same in each case.
 
 from __future__ import annotations
 
-import os
 import secrets
-import signal
-import sys
-import threading
-import warnings
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from hashlib import sha256
-from multiprocessing import connection, get_context
+from multiprocessing.connection import wait
 
 from ...core.errors import InertialcalError, Problem
 from ...core.objects import NotStorableError, decode, encode
@@ -31,6 +26,7 @@ from ..inputs.gate import Gate
 from ..inputs.sources import ReadOnce, Store
 from .cache import Cache, packages
 from .engine import Opened, Prepared, open_test, order_of, placed, prepare, reduce_test, screened_samples
+from .processes import Link, can_fork, cores, received, started
 from .run import Progress
 
 KIND = "test"
@@ -228,7 +224,7 @@ class _Work:
     def _gather(self) -> None:
         """Wait for the next worker that is done."""
         busy = {one.link: one for one in self.workers or () if one.number is not None}
-        for link in connection.wait(list(busy)) if busy else ():
+        for link in wait(list(busy)) if busy else ():
             worker = busy[link]  # type: ignore[index]
             number, data = worker.end()
             if data is None:
@@ -247,13 +243,7 @@ class _Worker:
 
     def __init__(self, campaign: Campaign, store: Store) -> None:
         self.number: int | None = None
-        context = get_context("fork")
-        self.link, other = context.Pipe()
-        self.process = context.Process(target=_serve, args=(other, campaign, store), daemon=True)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", DeprecationWarning)  # of threads: those of libraries, which know of forks
-            self.process.start()
-        other.close()
+        self.process, self.link = started(_serve, campaign, store)
 
     def begin(self, number: int, results: Mapping[str, Result]) -> None:
         """Give it a test, and what was found by those that it comes after."""
@@ -261,16 +251,13 @@ class _Worker:
         try:
             self.link.send_bytes(encode((number, dict(results)), packages()))
         except (OSError, NotStorableError):
-            self.link.close()
+            self.process.terminate()
 
     def end(self) -> tuple[int, bytes | None]:
         """Return the test it had, and what it made of it; None where it was refused, or the process has ended."""
         assert self.number is not None  # noqa: S101 - who asks has seen that it was at work
         number, self.number = self.number, None
-        try:
-            return number, self.link.recv_bytes() or None
-        except (EOFError, OSError):
-            return number, None
+        return number, received(self.link)
 
     def dismiss(self) -> None:
         """End it, whatever it does."""
@@ -279,35 +266,16 @@ class _Worker:
         self.process.join()
 
 
-def _serve(link: connection.Connection, campaign: Campaign, store: Store) -> None:
-    """Reduce tests until the other end is closed: nothing is said here, and a signal ends it."""
-    signal.set_wakeup_fd(-1)
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, signal.SIG_DFL)
+def _serve(link: Link, campaign: Campaign, store: Store) -> None:
+    """Reduce tests until the other end is closed."""
     gate = Gate()
-    while True:
-        try:
-            number, results = decode(link.recv_bytes(), packages())
-        except (EOFError, OSError):
-            return
+    while (task := received(link)) is not None:
+        number, results = decode(task, packages())
         try:
             data = as_bytes(reduce(campaign, number, results, store, gate))
         except Exception:
             data = b""
-        try:
-            link.send_bytes(data)
-        except OSError:
-            return
-
-
-def can_fork() -> bool:
-    """Tell whether this process can be doubled: on Linux, where no other thread of Python is at work."""
-    return sys.platform == "linux" and threading.active_count() == 1
-
-
-def cores() -> int:
-    """Return the number of cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        link.send_bytes(data)
 
 
 def _files(campaign: Campaign, number: int) -> list[str]:

@@ -148,7 +148,7 @@ def work(
     whole = reduce_campaign(campaign, None, progress, cache)
     curves = curves_bytes(whole.results["curves"])
     results = sealed(whole.results, curves)
-    files = _files(campaign, results, curves, whole.modelled, whole.inputs, given) if write else {}
+    files = _files(campaign, results, curves, whole.modelled, whole.inputs, given, cache) if write else {}
     check_unchanged(campaign.folder, whole.inputs, before)
     changed = changes(previous(campaign.folder), results)
     if write:
@@ -272,8 +272,10 @@ def _files(
     modelled: Modelled | None,
     inputs: dict[str, str],
     folder: str,
+    cache: Cache,
 ) -> dict[str, str | bytes]:
     from ...report.page import report_html  # noqa: PLC0415 - draws, which starts slowly; a call writes no report
+    from .pictures import drawn  # noqa: PLC0415 - the same
 
     record = provenance(inputs, folder, {}) | {"campaign": campaign.file.campaign.id}
     model: dict[str, str | bytes] = {} if modelled is None else dict(model_files(modelled))
@@ -283,7 +285,7 @@ def _files(
         CURVES: curves,
         "results.csv": csv_text([flat(row) for row in results["results"]], COLUMNS),
         "verdicts.csv": csv_text([row | (row["interval"] or {}) for row in results["verdicts"]], VERDICT_COLUMNS),
-        "report.html": report_html(results, content, record),
+        "report.html": report_html(results, content, record, lambda wanted: drawn(wanted, cache)),
         "provenance.json": json_text(record),
     }
 
