@@ -27,7 +27,7 @@ from ..inputs.sources import ReadOnce, Store
 from .cache import Cache, packages
 from .engine import Opened, Prepared, open_test, order_of, placed, prepare, reduce_test, screened_samples
 from .processes import Link, can_fork, cores, received, started
-from .run import Progress
+from .status import Progress
 
 KIND = "test"
 WORTH_IT = 2**20  # bytes of recordings from which a second process is quicker than one

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
@@ -21,6 +21,7 @@ from ...core.remarks import Remark
 from ...files.write.exchange import MANIFEST, Manifest, file_digest
 from ..outcome.publish import OUT, RESERVED, RESULTS, check_writable, kept_remarks, restore
 from .cache import Cache
+from .status import EXIT, Progress
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -29,8 +30,6 @@ if TYPE_CHECKING:
     from ..file.load import Campaign
 
 
-EXIT = {"PASS": 0, "FAIL": 1, "INCONCLUSIVE": 4}
-Progress = Callable[[int, int, str], None]
 LAST = "run"
 PROVENANCE = "provenance.json"
 KEPT = re.compile(r"kept-\d+")

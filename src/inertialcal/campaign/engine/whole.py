@@ -37,7 +37,7 @@ from .engine import (
     with_opened,
 )
 from .reductions import reduce_all, waiting_for
-from .run import EXIT, Progress
+from .status import EXIT, Progress
 
 VERDICT_COLUMNS = (
     "requirement", "test", "axis", "sensor", "at", "at_unit", "of", "value", "u", "unit", "lo", "hi", "p", "lower",
