@@ -7,7 +7,7 @@ from hashlib import sha256
 
 from matplotlib import rcParams
 
-from ...core.objects import NotStorableError, digest
+from ...files.binary.objects import NotStorableError, digest
 from ...report.drawings import Drawing
 from .cache import Cache, packages
 from .processes import each

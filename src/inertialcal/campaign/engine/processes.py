@@ -16,7 +16,7 @@ from collections.abc import Callable, Sequence
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
-from typing import Any, TypeVar
+from typing import TypeVar
 
 Link = Connection
 T = TypeVar("T")
@@ -33,7 +33,7 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def started(work: Callable[..., None], *words: Any) -> tuple[BaseProcess, Link]:
+def started(work: Callable[..., None], *words: object) -> tuple[BaseProcess, Link]:
     """Return a double of this process that calls ``work(link, *words)``, and the other end of the link."""
     context = get_context("fork")
     own, other = context.Pipe()
@@ -45,7 +45,7 @@ def started(work: Callable[..., None], *words: Any) -> tuple[BaseProcess, Link]:
     return process, own
 
 
-def _alone(work: Callable[..., None], parent: Link, link: Link, words: Sequence[Any]) -> None:
+def _alone(work: Callable[..., None], parent: Link, link: Link, words: Sequence[object]) -> None:
     parent.close()  # else the end of the parent would not show
     for name in SIGNALS:
         if hasattr(signal, name):

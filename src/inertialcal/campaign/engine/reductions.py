@@ -13,9 +13,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from hashlib import sha256
 from multiprocessing.connection import wait
+from typing import Any, cast
 
 from ...core.errors import InertialcalError, Problem
-from ...core.objects import NotStorableError, decode, encode
+from ...files.binary.objects import NotStorableError, decode, encode
 from ...files.budget import size_on_disk
 from ...procedures import procedure_of
 from ...procedures.protocol import Result
@@ -270,7 +271,7 @@ def _serve(link: Link, campaign: Campaign, store: Store) -> None:
     """Reduce tests until the other end is closed."""
     gate = Gate()
     while (task := received(link)) is not None:
-        number, results = decode(task, packages())
+        number, results = cast("tuple[int, dict[str, Result]]", decode(task, packages()))
         try:
             data = as_bytes(reduce(campaign, number, results, store, gate))
         except Exception:
@@ -344,6 +345,7 @@ def as_bytes(one: Reduced) -> bytes:
 
 
 def _read(campaign: Campaign, number: int, data: bytes) -> Reduced:
-    parts, result, opened, absent = decode(data, packages())
+    kept = cast("tuple[list[Any], Result, Opened | None, tuple[str, ...]]", decode(data, packages()))
+    parts, result, opened, absent = kept
     prepared = Prepared(campaign.file.tests[number], **dict(zip(FIELDS, parts, strict=True)))
     return Reduced(prepared, result, opened, sha256(data).hexdigest(), absent)

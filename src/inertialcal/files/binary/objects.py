@@ -55,7 +55,7 @@ def encode(thing: object, packages: Sequence[str] = HOUSE) -> bytes:
     return _Writer(packages).whole(thing)
 
 
-def decode(data: bytes | bytearray | memoryview, packages: Sequence[str] = HOUSE) -> Any:
+def decode(data: bytes | bytearray | memoryview, packages: Sequence[str] = HOUSE) -> object:
     """Return the thing that bytes hold.
 
     Parameters
@@ -89,9 +89,9 @@ def digest(thing: object, packages: Sequence[str] = HOUSE) -> str:
     return sha256(_Writer(packages, functions=True).whole(thing)).hexdigest()
 
 
-def is_of(name: str, packages: Sequence[str]) -> bool:
+def is_of(module: str, packages: Sequence[str]) -> bool:
     """Tell whether a module belongs to one of some packages."""
-    return any(name == one or name.startswith(f"{one}.") for one in packages)
+    return any(module == one or module.startswith(f"{one}.") for one in packages)
 
 
 class _Writer:
@@ -206,10 +206,11 @@ class _Reader:
         self.nodes, self.root = content["nodes"], content["root"]
         self.things: list[Any] = []
 
-    def whole(self) -> Any:
+    def whole(self) -> object:
         for kind, *rest in self.nodes:  # a node stands behind all that it holds
             self.things.append(getattr(self, f"_{kind}")(*rest))
-        return self.value(self.root)
+        found: object = self.value(self.root)
+        return found
 
     def value(self, one: Any) -> Any:
         return self.things[one[0]] if isinstance(one, list) else one
@@ -288,9 +289,9 @@ class _Reader:
         return found
 
 
-def _class(module: str, name: str) -> type | None:
-    """Return a class of a module by its name; None where there is none."""
+def _class(module: str, path: str) -> type | None:
+    """Return a class of a module, also one in a class; None where there is none."""
     found: Any = import_module(module)
-    for part in name.split("."):
+    for part in path.split("."):
         found = getattr(found, part, None)
     return found if isinstance(found, type) else None

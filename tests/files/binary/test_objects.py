@@ -14,11 +14,16 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from inertialcal.core.key import At, Key, Method
-from inertialcal.core.objects import NotStorableError, decode, digest, encode
 from inertialcal.core.remarks import Remark
+from inertialcal.files.binary.objects import HOUSE, NotStorableError, digest, encode
+from inertialcal.files.binary.objects import decode as decoded
 
 PACKAGES = ("inertialcal", __name__.partition(".")[0])
 DTYPES = ["<f8", "<f4", "<i8", "u1", "?", "<c16", "<M8[ns]", "<U5"]
+
+
+def decode(data: bytes | bytearray, packages: tuple[str, ...] = HOUSE) -> Any:
+    return decoded(data, packages)
 
 
 @dataclass(frozen=True, eq=False)
