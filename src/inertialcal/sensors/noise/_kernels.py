@@ -9,7 +9,6 @@ from ...statistics._kernels import compiled
 from .loops import CONVERGED, GROWTH, MOST_PIVOTS, MOST_STEPS, NEAR, NO_SLOPE, SHORTEST_STEP, SINGULAR
 
 
-
 @compiled
 def second_differences(t: float, m1: float, m2: float, sizes: Array, exponentials: Array) -> float:
     """Return the covariance of differences of neighbouring means over m1 and m2 samples, their middles t apart.

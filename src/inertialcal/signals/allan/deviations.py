@@ -30,8 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array, Numbers
-from . import _kernels as kernels
-from . import _kernels_missing as missing
+from .loops import loops_for
 from .prefix import Phase
 
 SAFE = 2.0**62  # whole numbers of int64 that sums of four may reach
@@ -100,10 +99,12 @@ def variances(phase: Phase, kind: Kind, factors: NDArray[np.int64]) -> Variances
         if kind.modified:
             _sum_modified(phase.values, factors, sums)
         elif not kind.overlapping:
-            kernels.sum_strides(phase.values, factors, kind.order, sums)
+            loops_for(len(phase.values)).sum_strides(phase.values, factors, kind.order, sums)
         else:
-            kernels.sum_overlapping(phase.values, factors, kind.order, sums)
+            loops_for(len(phase.values)).sum_overlapping(phase.values, factors, kind.order, sums)
     else:
+        from . import _kernels_missing as missing  # noqa: PLC0415 - starts slowly
+
         terms = np.empty(len(factors), dtype=np.int64)
         shared = (phase.values, phase.count, phase.pointwise, factors)
         if kind.modified:
@@ -119,6 +120,8 @@ def variances(phase: Phase, kind: Kind, factors: NDArray[np.int64]) -> Variances
 
 def _sum_modified(p: Numbers, factors: NDArray[np.int64], sums: Array) -> None:
     """Averages of m second differences of P are third differences of the sums of P."""
+    from . import _kernels as kernels  # noqa: PLC0415 - starts slowly
+
     few = 0
     for longest in kernels.SHORT:
         more = int(np.searchsorted(factors, longest, side="right"))

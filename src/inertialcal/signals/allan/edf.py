@@ -50,8 +50,9 @@ from numpy.typing import NDArray
 from scipy import special
 
 from ...core.estimate import Array
-from . import _kernels_edf, _kernels_noise_type
+from . import lags
 from .deviations import Kind
+from .noise_type import exponents
 from .prefix import Phase
 
 BLUEST = 2  # exponent of the spectrum of the rate: quantisation of the integral
@@ -72,7 +73,7 @@ def _edf(order: int, overlapping: bool, modified: bool, m: int, terms: int, powe
     differences = order + modified
     exponent = BLUEST - power + 2 * modified  # of the integrated signal, once more where windows are averaged
     return float(
-        _kernels_edf.degrees_of_freedom(
+        lags.degrees_of_freedom(
             m, float(terms), 1 if overlapping else m, exponent, _weights(differences), differences + 1
         )
     )
@@ -113,8 +114,7 @@ def all_degrees(kind: Kind, factors: NDArray[np.int64], terms: NDArray[np.int64]
 
 def identified_powers(phase: Phase, kind: Kind, factors: NDArray[np.int64]) -> Array:
     """Return the exponent at each averaging factor, rising, shape (k,); NaN where averages are too few."""
-    found = np.empty(len(factors))
-    _kernels_noise_type.identify(phase.values, phase.count, phase.pointwise, factors, -kind.reddest // 2, found)
+    found = exponents(phase, factors, -kind.reddest // 2)
     power = np.clip(np.rint(found), kind.reddest, BLUEST)
     bluest = np.fmin.accumulate(np.fmax(power, WHITE))
     return np.asarray(np.where(np.isnan(power), np.nan, np.fmin(power, bluest)))
