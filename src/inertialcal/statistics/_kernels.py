@@ -15,7 +15,7 @@ import numba
 from numba.core.caching import FunctionCache
 from numba.core.dispatcher import Dispatcher
 
-from .compiling import compiling
+from ..core.compiling import compiling
 
 F = TypeVar("F", bound=Callable[..., Any])
 

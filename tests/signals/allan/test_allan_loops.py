@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,9 +22,9 @@ FIRST = """
 import sys
 import numpy as np
 import inertialcal as ic
-from inertialcal.statistics.compiling import compiling
+from inertialcal.core.compiling import compiling
 x = np.random.default_rng(1).normal(size=(4_000, 3))
-ic.allan(x, sample_rate=100.0, unit="deg/s")
+ic.allan(x, sample_rate=100.0, units="deg/s")
 print(compiling.names, "numba" in sys.modules)
 """
 
@@ -49,7 +50,7 @@ def test_sums_of_squares(seed: int, n: int, order: int, whole: bool) -> None:
 @given(st.integers(0, 2**32 - 1), st.integers(1, 300), st.booleans())
 def test_integrated_signals(seed: int, n: int, whole: bool) -> None:
     rng = np.random.default_rng(seed)
-    kind: type[np.generic] = np.int64 if whole else np.float64
+    kind: Any = np.int64 if whole else np.float64
     x = rng.integers(-9, 9, n) if whole else rng.normal(size=n)
     present, level = rng.random(n) > 0.3, kind(1)
     for module in (loops, kernels):

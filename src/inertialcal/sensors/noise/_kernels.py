@@ -6,7 +6,13 @@ import numpy as np
 
 from ...core.estimate import Array
 from ...statistics._kernels import compiled
-from .loops import CONVERGED, GROWTH, MOST_PIVOTS, MOST_STEPS, NEAR, NO_SLOPE, SHORTEST_STEP, SINGULAR
+
+MOST_STEPS, MOST_PIVOTS = 60, 100  # of Fisher scoring, of its equations
+SHORTEST_STEP = 1e-3  # of Fisher scoring, below which it ends
+CONVERGED = 1e-6  # gain of the cost below which it ends
+NO_SLOPE, SINGULAR = 1e-12, 1e-13  # relative, what is taken for zero
+NEAR = 2  # distances from a knot that are summed one by one
+GROWTH = 8  # lengths of neighbouring panels beyond
 
 
 @compiled

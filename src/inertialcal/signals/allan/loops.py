@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import sys
 from types import ModuleType
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,14 +25,14 @@ def loops_for(points: int) -> ModuleType:
     return _kernels
 
 
-def integrate(x: Numbers, level: Any, phase: Numbers) -> None:
+def integrate(x: Numbers, level: np.float64 | np.int64, phase: Numbers) -> None:
     """Fill ``phase``, one longer than ``x``, with the sums of all samples before each, less a level a sample."""
     phase[0] = 0
     np.cumsum(x - level, out=phase[1:])
 
 
 def integrate_present(
-    x: Numbers, present: NDArray[np.bool_], level: Any, phase: Numbers, count: NDArray[np.int32]
+    x: Numbers, present: NDArray[np.bool_], level: np.float64 | np.int64, phase: Numbers, count: NDArray[np.int32]
 ) -> None:
     """Fill ``phase`` and ``count`` with the sums and numbers of the samples that are present."""
     phase[0], count[0] = 0, 0

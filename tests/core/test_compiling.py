@@ -6,8 +6,8 @@ import time
 
 import pytest
 
-from inertialcal.statistics import compiling as module
-from inertialcal.statistics.compiling import Compiling
+from inertialcal.core import compiling as module
+from inertialcal.core.compiling import Compiling
 
 
 @pytest.fixture
