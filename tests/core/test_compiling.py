@@ -6,8 +6,8 @@ import time
 
 import pytest
 
-from inertialcal.core import compiling as module
-from inertialcal.core.compiling import Compiling
+from inertialcal.core.show import compiling as module
+from inertialcal.core.show.compiling import Compiling
 
 
 @pytest.fixture

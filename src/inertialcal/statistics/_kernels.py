@@ -15,7 +15,7 @@ import numba
 from numba.core.caching import FunctionCache
 from numba.core.dispatcher import Dispatcher
 
-from ..core.compiling import compiling
+from ..core.show.compiling import compiling
 
 F = TypeVar("F", bound=Callable[..., Any])
 

@@ -22,7 +22,7 @@ FIRST = """
 import sys
 import numpy as np
 import inertialcal as ic
-from inertialcal.core.compiling import compiling
+from inertialcal.core.show.compiling import compiling
 x = np.random.default_rng(1).normal(size=(4_000, 3))
 ic.allan(x, sample_rate=100.0, units="deg/s")
 print(compiling.names, "numba" in sys.modules)

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from ...core.compiling import compiling
+from ...core.show.compiling import compiling
 from .output import clean
 
 COMPILING = "compiling, once: the next command starts without"
