@@ -224,7 +224,7 @@ def test_a_name_that_contradicts_its_unit_gives_way(tmp_path: Path) -> None:
         again = read(tmp_path / f"out{ending}")
         assert [c.unit for c in again.channels] == ["rad/s", "V", "count", "deg/s"]
         assert [bare(name) for name in again.names] == ["gyro_x", "status", "channel_3", "gyro_y"]
-        assert [r.code for r in remarks] == ["column_renamed"] * 4
+        assert [r.code for r in remarks] == ["column_renamed"] * 3
     assert "'voltage_x' is written as 'gyro_x [rad/s]'" in write(tmp_path / "out.csv", one)[0].what
 
 
