@@ -88,7 +88,7 @@ def test_many_stretches_at_once_keep_the_digits_of_one_by_one(m: int) -> None:
 def test_threads_change_nothing(kind: Total, monkeypatch: pytest.MonkeyPatch) -> None:
     x = np.random.default_rng(4).normal(size=100_000)
     found = total_deviations(x, [1, 20, 1000], kind)
-    monkeypatch.setattr("inertialcal.core.threads.cores", lambda: 1)
+    monkeypatch.setattr("inertialcal.signals.threads.cores", lambda: 1)
     assert np.array_equal(found, total_deviations(x, [1, 20, 1000], kind))
 
 

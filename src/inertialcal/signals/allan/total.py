@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
-from ...core.threads import LARGE, each_of
+from ..threads import LARGE, each_of
 from . import _kernels as kernels
 from . import _kernels_total as loops
 from .prefix import phase_of

@@ -25,8 +25,8 @@ from scipy import fft
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array, Numbers
 from ...core.remarks import Remark
-from ...core.threads import each_of
 from ..names import Method
+from ..threads import each_of
 from .density import Spectrum
 from .tapers import Tapers, correlations, hann, slepian, usable
 
