@@ -46,7 +46,7 @@ class Line:
 
     name: str
     peer: str
-    goal: float  # least ratio: of the peer over the product
+    goal: float  # least ratio: of the peer over the product; 0: none, the line is watched alone
     build: Callable[[], Work]
 
 

@@ -34,10 +34,13 @@ def store(done: Iterable[Measured], path: Path = KEPT) -> None:
 def row(one: Measured) -> tuple[str, ...]:
     """Return a line of the table as text."""
     limit = "" if math.isinf(one.limit) else f"{one.limit:.3g}"
-    met = "met" if one.ratio >= one.line.goal else "met at best" if one.best >= one.line.goal else "not met"
+    if not one.line.goal:
+        met = ""
+    else:
+        met = "met" if one.ratio >= one.line.goal else "met at best" if one.best >= one.line.goal else "not met"
     return (
         one.line.name, one.line.peer, amount(one.own, one.unit), amount(one.peer, one.unit), f"{one.ratio:.3g}",
-        f"{one.best:.3g}", limit, f"{one.line.goal:g}", met,
+        f"{one.best:.3g}", limit, f"{one.line.goal:g}" if one.line.goal else "none", met,
     )  # fmt: skip
 
 

@@ -36,6 +36,7 @@ def test_a_row_says_whether_the_goal_is_met() -> None:
     assert [row(one)[-1] for one in (found(2.0, 2.0), found(1.9, 2.1), found(1.9, 1.9))] == [
         "met", "met at best", "not met",
     ]  # fmt: skip
+    assert row(found(0.1, 0.1, goal=0.0))[-2:] == ("none", "")
     heads, first = table([row(found(2.0, 2.5))]).splitlines()
     assert heads.split() == ["product", "peer", "own", "of", "peer", "ratio", "best", "limit", "goal"]
     assert first.split() == ["a", "peer", "500", "ms", "1", "s", "2", "2.5", "2", "met"]
