@@ -83,7 +83,8 @@ def total(kind: Total, peer: str, n: int, longest: int) -> Work:
     return Work(own, theirs, moved=x.nbytes)
 
 
-# By its time at 1e3 samples, which goes with their square, allantools would take weeks for the other two at 1e6: their ratios are of short records, where theirs are the least
+# By its time at 1e3 samples, which goes with their square, allantools would take weeks for the other two at 1e6:
+# their ratios are of short records, where theirs are the least.
 TOTALS: dict[Total, tuple[str, int, int]] = {
     "total": ("totdev", 1_000_000, 2**18),
     "modified_total": ("mtotdev", 1_000, 2**8),
