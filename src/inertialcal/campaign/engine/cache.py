@@ -138,9 +138,7 @@ class Contents:
         except (OSError, ValueError):
             return UNKNOWN
         own = file_digest(path, follow=True)
-        partner = path.with_name(
-            path.name.removesuffix(".header") if path.suffix == ".header" else f"{path.name}.header"
-        )
+        partner = path.with_suffix("") if path.suffix == HEADER else path.with_name(f"{path.name}{HEADER}")
         if not own or not partner.is_file():
             return own
         return sha256(f"{own} {file_digest(partner, follow=True)}".encode()).hexdigest()
