@@ -45,8 +45,9 @@ check: $(READY)  ## format, lint, types, manual
 	$(BIN)/python docs/made.py --check
 	$(BIN)/python -m sphinx -q -W --keep-going -b html docs build/docs
 
-bench: $(READY)  ## speed as ratios against named peers
-	$(BIN)/python -m pytest -m bench -q -s tests
+bench: $(READY)  ## speed as ratios against named peers, the table last: LINES="kernel psd" for some, STORE=--store keeps ratios
+	$(if $(LINES),,$(BIN)/python -m pytest -m bench -q -s tests)
+	PYTHONPATH=tests $(BIN)/python -m speed $(LINES) $(STORE)
 
 docs: $(READY)
 	$(BIN)/python -m sphinx -q -W --keep-going -b html docs build/docs

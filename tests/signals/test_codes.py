@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import ArrayLike
 
-from inertialcal.signals.codes import coarse_steps, levels_of, resolution
+from inertialcal.signals.codes import SORTED, coarse_steps, levels_of, resolution, resolution_of_values
 
 
 def _step(values: ArrayLike) -> float | None:
@@ -61,3 +61,11 @@ def test_coarse_steps_are_told_with_what_they_do_to_white_noise(scatter: float, 
 
 def test_the_largest_numbers_have_no_step() -> None:
     assert _step(np.repeat([-1.7e308, 0.0, 1.7976931348623157e308], 40)) is None
+
+
+@pytest.mark.parametrize("step", [0.0, 1e-9, 1e-3, 0.25])
+def test_a_long_record_has_the_step_of_its_levels(step: float) -> None:
+    x = np.random.default_rng(1).normal(size=SORTED + 1)
+    x = np.round(x / step) * step if step else x
+    assert resolution_of_values(x) == resolution(levels_of(x))
+    assert (resolution_of_values(x) is None) == (step < 1e-3)

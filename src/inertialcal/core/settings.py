@@ -118,11 +118,16 @@ def fact(help: str, origin: Literal["sensor", "site", "standards", "command"], d
     return field(default=default, metadata=kept)
 
 
+_KNOWN: dict[type[object], tuple[Setting, ...]] = {}  # each call of a noun asks for all of its own, which take 25 ms
+
+
 def settings_of(plan: type[object]) -> tuple[Setting, ...]:
     """Return the settings of a Plan that a user may give, in its order."""
-    hints = get_type_hints(plan, vars(sys.modules[plan.__module__]))
-    known = fields(plan)  # type: ignore[arg-type]
-    return tuple(_setting(one, hints[one.name]) for one in known if "from" not in one.metadata)
+    if plan not in _KNOWN:
+        hints = get_type_hints(plan, vars(sys.modules[plan.__module__]))
+        known = fields(plan)  # type: ignore[arg-type]
+        _KNOWN[plan] = tuple(_setting(one, hints[one.name]) for one in known if "from" not in one.metadata)
+    return _KNOWN[plan]
 
 
 def grouped_settings(kinds: Mapping[str, type[object] | None]) -> dict[str, tuple[Setting, ...]]:

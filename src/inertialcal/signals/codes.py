@@ -12,6 +12,8 @@ from ..core.remarks import Remark
 from ..core.show.rounding import number
 
 REPEATS = 2.0  # a step is looked for where values occur at least this often on average
+SORTED = 100_000  # values up to which they are sorted without a look whether they repeat
+CHUNK = 2**15  # samples looked at together
 LEVELS = 2**24  # most levels that a converter has
 OFF_STEP = 0.02  # largest distance from a whole number of steps, in steps
 DIVIDERS = 10  # a gap between neighbouring levels may be this many steps
@@ -36,6 +38,21 @@ def levels_of(values: NDArray[np.generic]) -> Levels:
         Finite, in any unit.
     """
     return Levels(*np.unique(values.astype(np.float64), return_counts=True))
+
+
+def resolution_of_values(values: NDArray[np.generic]) -> float | None:
+    """Return the step of finite values, shape (n,), as `resolution` of their levels; None where there is none.
+
+    Of a long record whose values hardly repeat nothing is sorted: a set of marks, one for each value, shows it.
+    """
+    if len(values) > SORTED:
+        from ._kernels import count_marks  # noqa: PLC0415 - numba starts slowly
+
+        bits = np.ascontiguousarray(values, dtype=np.float64).view(np.uint64)
+        room = max(8 * len(bits), 64).bit_length()
+        if count_marks(bits, room, np.zeros(2 ** (room - 6), dtype=np.uint64)) > len(bits) / REPEATS + 1:
+            return None
+    return resolution(levels_of(values))
 
 
 def resolution(found: Levels) -> float | None:
@@ -85,11 +102,16 @@ def coarse_steps(values: Array, name: str) -> tuple[Remark, ...]:
     ----------
     B. Widrow, I. Kollar and M.-C. Liu, IEEE Trans. Instrum. Meas. 45 (1996) 353: statistical theory of quantization.
     """
-    difference = np.diff(values[np.isfinite(values)])
-    sizes = np.abs(difference[difference != 0.0])
-    if not len(sizes):
+    good = np.isfinite(values)
+    finite = values if good.all() else values[good]
+    step, total = np.inf, 0.0
+    for first in range(0, len(finite) - 1, CHUNK):
+        sizes = np.abs(np.diff(finite[first : first + CHUNK + 1]))
+        total += float(np.sum(sizes**2))
+        step = min(step, float(sizes.min()) or float(np.min(sizes, where=sizes > 0.0, initial=np.inf)))
+    if not np.isfinite(step):
         return ()
-    step, read = float(sizes.min()), float(np.mean(difference**2)) / 2.0
+    read = total / (len(finite) - 1) / 2.0
     before = read - step**2 / 12.0
     if read >= step**2 * (1.0 / COARSE**2 + 1.0 / 12.0):
         return ()

@@ -93,7 +93,7 @@ def drift_of(x: Array, axis: int, interval: float) -> tuple[Drift, ...]:
     cut = x[: size * BLOCKS].reshape(BLOCKS, size)
     good = np.isfinite(cut)
     kept = good.sum(axis=1) >= FILLED * size
-    means = np.where(good, cut, 0.0).sum(axis=1)[kept] / good.sum(axis=1)[kept]
+    means = (cut if good.all() else np.where(good, cut, 0.0)).sum(axis=1)[kept] / good.sum(axis=1)[kept]
     place = (np.arange(BLOCKS)[kept] + 0.5) / BLOCKS
     smooth = np.polynomial.legendre.legvander(2.0 * place - 1.0, SMOOTH)
     design = smooth[:, : DEGREE + 1]

@@ -58,10 +58,14 @@ def record_quality(x: Array, interval: float, floor: float = 0.0) -> RecordQuali
         raise DataError(f"a channel of shape {np.shape(x)}, need (n,)", code="bad_shape")
     if not (np.isfinite(interval) and interval > 0.0):
         raise DataError(f"a sample interval of {interval} s", do="It must be positive", code="bad_interval")
-    rows = np.flatnonzero(np.isfinite(values))
-    rest = judge(values[rows], floor)
+    good = np.isfinite(values)
+    whole = bool(good.all())
+    rest = judge(values if whole else values[good], floor)
     if rest is None:
         return RecordQuality((), True, drift_of(values, 0, interval), values)
-    placed = tuple(Disturbance(int(rows[one.first]), int(rows[one.last]), one.peak) for one in rest.disturbances)
+    placed = rest.disturbances
+    if placed and not whole:
+        rows = np.flatnonzero(good)
+        placed = tuple(Disturbance(int(rows[one.first]), int(rows[one.last]), one.peak) for one in placed)
     found = RecordQuality(placed, rest.at_rest, (), values)
-    return replace(found, drifts=drift_of(found.cleaned(), 0, interval))
+    return replace(found, drifts=drift_of(found.cleaned() if placed else values, 0, interval))

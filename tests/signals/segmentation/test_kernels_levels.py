@@ -10,7 +10,7 @@ from scipy.signal import find_peaks
 
 from inertialcal.core.estimate import Array
 from inertialcal.signals.segmentation import _kernels_levels as kernels
-from inertialcal.signals.segmentation.change_points import _highest
+from inertialcal.signals.segmentation.change_points import Jumps, _highest
 
 NAMES = [name for name in vars(kernels) if hasattr(getattr(kernels, name), "py_func")]
 
@@ -31,20 +31,35 @@ def noise(n: int, seed: int = 1) -> Array:
     return np.random.default_rng(seed).normal(size=n)
 
 
-def test_jumps_are_differences_of_means(run: Any) -> None:
-    x, w = noise(60) + np.repeat([0.0, 5.0], 30), 4
+@pytest.mark.parametrize("room", [2, 400])
+def test_jumps_are_differences_of_means(run: Any, room: int) -> None:
+    x, w, limit = noise(400) + np.repeat([0.0, 5.0], 200), 4, 1.0
     total = np.concatenate([[0.0], np.cumsum(x)])
-    jump = np.empty(len(total) - 2 * w)
-    run.fill_jump(total, w, jump)
-    expected = [abs(x[i : i + w].mean() - x[i - w : i].mean()) for i in range(w, len(x) - w + 1)]
-    assert jump == pytest.approx(expected)
-    assert int(np.argmax(jump)) + w == 30
+    expected = np.array([abs(x[i : i + w].mean() - x[i - w : i].mean()) for i in range(w, len(x) - w + 1)])
+    assert Jumps(total[:, None], w).at(np.arange(len(expected)))[0] == pytest.approx(expected)
+    assert int(np.argmax(expected)) + w == 200
+    above = np.flatnonzero(expected > limit)
+    at = np.empty(room, dtype=np.int64)
+    assert run.fill_above(total, w, limit, at) == len(above) > 2
+    assert at[: len(above)].tolist() == above[:room].tolist()
 
 
-def test_marks_add_to_those_that_are_there(run: Any) -> None:
-    over = np.array([True, False, False])
-    run.mark_above(np.array([0.0, 1.0, 2.0]), 1.0, over)
-    assert over.tolist() == [True, False, True]
+def test_jumps_of_any_channel_count() -> None:
+    x = np.column_stack([noise(20_000), noise(20_000, 2)])
+    total = np.concatenate([np.zeros((1, 2)), np.cumsum(x, axis=0)])
+    jumps, limit = Jumps(np.asfortranarray(total), 2), np.array([0.5, 2.0])  # more places than there is room at first
+    every = jumps.at(np.arange(len(jumps)))
+    assert jumps.above(limit).tolist() == np.flatnonzero((every > limit[:, None]).any(axis=0)).tolist()
+
+
+def test_a_sample_far_from_calm_neighbours(run: Any) -> None:
+    x = np.array([0.0, 9.0, 0.0, 0.0, 9.0, 9.0])
+    calm, far = np.array([True, True, True, False]), np.array([False, False, True, False])
+    run.mark_alone(x, 1.0, 5.0, calm, far)
+    assert calm.tolist() == [True, False, False, False]
+    assert far.tolist() == [True, False, True, False]
+    run.mark_alone(x, 10.0, 4.0, calm, far)
+    assert far.tolist() == [True, True, True, True]
 
 
 def test_clear_of_cuts(run: Any) -> None:
@@ -77,12 +92,18 @@ def test_peaks_and_what_is_left_of_them(run: Any) -> None:
     assert kept.tolist() == [True, True, False]  # 10 is less than 4 from 7, which is higher
 
 
-def test_window_variance_from_the_level_of_its_piece(run: Any) -> None:
-    y, cuts, w = noise(50) + np.repeat([1e6, -1e6], [20, 30]), np.array([0, 20, 50]), 12
-    variance = np.empty(50 - w + 1)
-    run.fill_window_variance(y, cuts, w, np.empty(50), variance)
-    level = np.repeat([y[:20].mean(), y[20:].mean()], [20, 30])
-    assert variance == pytest.approx([np.var((y - level)[i : i + w], ddof=1) for i in range(50 - w + 1)], rel=1e-6)
+def test_loud_windows_by_the_level_of_their_piece(run: Any) -> None:
+    n, w, limit = 9_000, 12, 1.5
+    y, cuts = noise(n) + np.repeat([1e6, -1e6], [20, n - 20]), np.array([0, 20, 20, n])
+    level = np.repeat([y[:20].mean(), y[20:].mean()], [20, n - 20])
+    variance = np.lib.stride_tricks.sliding_window_view(y - level, w).var(axis=1, ddof=1)
+    hot = np.zeros(n - w + 1, dtype=bool)
+    hot[3] = True
+    run.mark_loud(y, cuts, w, limit, hot)
+    expected = variance > limit
+    expected[3] = True
+    assert np.abs(variance - limit).min() > 1e-9
+    assert hot.tolist() == expected.tolist()
 
 
 def test_blocks(run: Any) -> None:
@@ -107,5 +128,5 @@ def test_margin_reaches_a_block_beyond_what_moves(run: Any, slow: tuple[int, ...
 
 
 def test_every_kernel_is_here() -> None:
-    assert sorted(NAMES) == ["drop_lower", "fill_blocks", "fill_clear", "fill_jump", "fill_moments", "fill_peaks",
-                             "fill_window_variance", "margin", "mark_above"]  # fmt: skip
+    assert sorted(NAMES) == ["drop_lower", "fill_above", "fill_blocks", "fill_clear", "fill_moments", "fill_peaks",
+                             "margin", "mark_alone", "mark_loud"]  # fmt: skip

@@ -7,6 +7,7 @@ import pytest
 
 from inertialcal.signals.segmentation import _kernels_levels as kernels
 from inertialcal.signals.segmentation import loops
+from inertialcal.signals.segmentation.change_points import Jumps
 
 
 @pytest.fixture(params=[300, 5_000], name="signal")
@@ -20,16 +21,12 @@ def _signal(request: pytest.FixtureRequest) -> np.ndarray:
 @pytest.mark.parametrize("w", [1, 4, 32])
 def test_changes_of_level(signal: np.ndarray, w: int) -> None:
     running = np.concatenate(([0.0], np.cumsum(signal)))
-    jumps = [np.empty(len(running) - 2 * w) for _ in range(2)]
-    for module, jump in zip((kernels, loops), jumps, strict=True):
-        module.fill_jump(running, w, jump)
-    np.testing.assert_array_equal(jumps[0], jumps[1])
-    over = [np.zeros(len(jumps[0]), dtype=bool) for _ in range(2)]
-    for module, flags in zip((kernels, loops), over, strict=True):
-        module.mark_above(jumps[0], 0.4, flags)
-    np.testing.assert_array_equal(over[0], over[1])
-    at = np.flatnonzero(over[0])
-    score = np.round(jumps[0][at], 1)  # neighbours that score alike
+    above = [np.zeros(len(signal), dtype=np.int64) for _ in range(2)]
+    found = [module.fill_above(running, w, 0.4, at) for module, at in zip((kernels, loops), above, strict=True)]
+    assert found[0] == found[1] > 0
+    np.testing.assert_array_equal(above[0], above[1])
+    at = above[0][: found[0]]
+    score = np.round(Jumps(running[:, None], w).at(at)[0], 1)  # neighbours that score alike
     room = [np.empty(len(at), dtype=np.int64) for _ in range(2)]
     counts = [module.fill_peaks(at, score, one) for module, one in zip((kernels, loops), room, strict=True)]
     assert counts[0] == counts[1]
@@ -49,7 +46,8 @@ def test_changes_of_level(signal: np.ndarray, w: int) -> None:
 def test_variances_and_moments(signal: np.ndarray) -> None:
     n, w, size = len(signal), 12, 8
     cuts = np.array([0, 17, n // 2, n])
-    variance = [np.empty(n - w + 1) for _ in range(2)]
+    hot = [np.zeros(n - w + 1, dtype=bool) for _ in range(2)]
+    marks = [(np.ones(n - 2, dtype=bool), np.zeros(n - 2, dtype=bool)) for _ in range(2)]
     blocks = [(np.empty(n // size), np.empty(n // size, dtype=np.int64)) for _ in range(2)]
     holed = np.where(np.arange(n) % 7 == 0, np.nan, signal)
     holed[17:20] = np.nan
@@ -57,12 +55,14 @@ def test_variances_and_moments(signal: np.ndarray) -> None:
     moments = [[*(np.empty(6) for _ in range(4)), np.empty(6, dtype=np.int64)] for _ in range(2)]
     steps = []
     for i, module in enumerate((kernels, loops)):
-        module.fill_window_variance(signal, cuts, w, np.empty(n), variance[i])
+        module.mark_loud(signal, cuts, w, 5.0, hot[i])
+        module.mark_alone(signal, 1.0, 2.0, *marks[i])
         steps.append(module.fill_blocks(signal, size, *blocks[i]))
         module.fill_moments(holed, edges[:-1], edges[1:], *moments[i])
-    np.testing.assert_array_equal(variance[0], variance[1])
+    assert 0 < np.count_nonzero(hot[0]) < len(hot[0])
     assert steps[0] == steps[1] > 0.0
-    for one, other in zip((*blocks[0], *moments[0]), (*blocks[1], *moments[1]), strict=True):
+    every = [(hot[i], *marks[i], *blocks[i], *moments[i]) for i in range(2)]
+    for one, other in zip(*every, strict=True):
         np.testing.assert_array_equal(one, other)
 
 

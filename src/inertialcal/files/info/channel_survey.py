@@ -16,7 +16,7 @@ from ...core.recording import Channel, Recording
 from ...core.remarks import Remark, Severity
 from ...core.results import finite
 from ...core.show.rounding import number
-from ...signals.codes import levels_of, resolution
+from ...signals.codes import resolution_of_values
 from ...signals.screening.remarks import remarks_of
 from ...signals.screening.screen import Finding, Screening, screen
 from ...signals.screening.slow import stuck_slow
@@ -83,13 +83,13 @@ class ChannelSurvey:
 
 def survey_channel(channel: Channel) -> ChannelSurvey:
     """Return what a channel holds, before it is screened."""
-    numbers = channel.data[np.isfinite(channel.data)]
+    there = np.isfinite(channel.data)
+    numbers = channel.data if there.all() else channel.data[there]
     said = (channel.name, channel.axis, channel.quantity, channel.unit, channel.unit_from)
     dtype, missing = str(channel.data.dtype), len(channel.data) - len(numbers)
     if not len(numbers):
         return ChannelSurvey(*said, dtype, len(channel.data), missing)
-    levels = levels_of(numbers)
-    values = numbers.astype(np.float64)
+    values = numbers.astype(np.float64, copy=False)
     with np.errstate(over="ignore", invalid="ignore"):  # values near the end of float64
         mean, std = float(values.mean()), float(values.std(ddof=1)) if len(values) > 1 else None
     return ChannelSurvey(
@@ -97,11 +97,11 @@ def survey_channel(channel: Channel) -> ChannelSurvey:
         dtype,
         len(channel.data),
         missing,
-        minimum=float(levels.values[0]),
-        maximum=float(levels.values[-1]),
+        minimum=float(values.min()),
+        maximum=float(values.max()),
         mean=mean,
         std=std,
-        resolution=resolution(levels),
+        resolution=resolution_of_values(values),
     )
 
 

@@ -284,8 +284,14 @@ def screened(
         said = remarks_of(one, axis, shown[axis].place, shown[axis].value, run.interval, fate)
         kept = (remark for remark in said if remark.code not in SAID_ELSEWHERE)
         remarks += [replace(remark, axis=axis, recording=run.name) for remark in kept]
-    fine = {axis: resolution_of(values[run.there(axis)], shown[axis].times) for axis, values in run.values.items()}
+    fine = {axis: resolution_of(_present(run, axis), shown[axis].times) for axis in run.values}
     return replace(run, present=present, found=found, bad=bad, resolution=fine, screened=left_out), remarks
+
+
+def _present(run: Run, axis: str) -> NDArray[Any]:
+    """Return the samples of an axis that are there."""
+    values, there = run.values[axis], run.there(axis)
+    return values if there.all() else values[there]
 
 
 def _undisturbed(found: Screening, x: NDArray[Any], interval: float, left_out: bool) -> Screening:

@@ -130,10 +130,8 @@ def density_of_samples(phase: Phase, cycles: Array) -> Array:
 
 def _folded_flicker(cycles: Array, duty: float) -> Array:
     """Sum of 1 / (2 |f|) and the averaging over all bands, and the tail of the sum."""
-    total = np.zeros_like(cycles)
-    for band in range(-BANDS, BANDS + 1):
-        at = cycles + band
-        total += np.sinc(at * duty) ** 2 / (2.0 * np.abs(at))
+    at = cycles[..., np.newaxis] + np.arange(-BANDS, BANDS + 1.0)
+    total = np.sum(np.sinc(at * duty) ** 2 / (2.0 * np.abs(at)), axis=-1)
     return np.asarray(total + 1.0 / (4.0 * (np.pi * duty * (BANDS + 0.5)) ** 2))
 
 

@@ -22,8 +22,8 @@ from ...statistics._kernels import compiled, reordered
 Whole = NDArray[np.int64]
 BLOCK = 4096  # starting points: six streams of them lie in the nearest cache but one
 NEAR = 32_768  # largest factor of blocks side by side: twice as many points lie in the nearest cache but one
-SHORT = (32, 512)  # largest averaging factors whose modified deviations are summed from block to block anew ...
-LOCAL = 16  # ... each so many times as long
+APART = 8  # ratio of the averaging factors whose modified deviations are summed from the same blocks ...
+LOCAL = 8  # ... of so many of the longest of them
 
 
 # The integrated signal
@@ -61,17 +61,6 @@ def integrate_present(
             total += x[i] - level
             n += 1
         phase[i + 1], count[i + 1] = total, n
-
-
-@compiled
-def integrate_again(phase: NDArray[Any]) -> Any:
-    """Replace each P by the sum of all before it; return the sum of all, which stands for the point after the last."""
-    total = phase.dtype.type(0)
-    for i in range(len(phase)):
-        here = phase[i]
-        phase[i] = total
-        total += here
-    return total
 
 
 # Sums of squares

@@ -118,20 +118,19 @@ def variances(phase: Phase, kind: Kind, factors: NDArray[np.int64]) -> Variances
 
 
 def _sum_modified(p: Numbers, factors: NDArray[np.int64], sums: Array) -> None:
-    """Averages of m second differences of P are third differences of the sums of P."""
+    """Averages of m second differences of P are third differences of the sums of P.
+
+    These are taken anew in each block, of factors that are not far apart: over the whole record they would grow so
+    large that short windows had no digits left.
+    """
     few = 0
-    for longest in kernels.SHORT:
+    while few < len(factors):
+        longest = int(factors[few]) * kernels.APART
         more = int(np.searchsorted(factors, longest, side="right"))
-        spare = np.empty((kernels.LOCAL + 3) * longest, dtype=p.dtype)
-        kernels.sum_local_thirds(p, factors[few:more], kernels.LOCAL * longest, spare, sums[few:more])
+        longest = int(factors[more - 1])
+        block = max(kernels.LOCAL * longest, kernels.BLOCK)
+        spare = np.empty(min(block + 3 * longest, len(p) + 1), dtype=p.dtype)
+        if p.dtype == np.int64 and float(max(p.max(), -p.min())) * len(spare) > SAFE / 8.0:
+            p, spare = p.astype(np.float64), spare.astype(np.float64)
+        kernels.sum_local_thirds(p, factors[few:more], block, spare, sums[few:more])
         few = more
-    if few == len(factors):
-        return
-    if p.dtype == np.int64 and float(max(p.max(), -p.min())) * len(p) > SAFE / 8.0:
-        p = p.astype(np.float64)
-    last = kernels.integrate_again(p)
-    kernels.sum_overlapping(p, factors[few:], 3, sums[few:])
-    for k in range(few, len(factors)):  # the one term that ends on the point after the last
-        m = int(factors[k])
-        n = len(p)
-        sums[k] += float(last - p[n - 3 * m] + 3 * (p[n - 2 * m] - p[n - m])) ** 2

@@ -10,30 +10,45 @@ from ...statistics._kernels import compiled
 from .._kernels import fill_moments
 
 __all__ = [
-    "drop_lower", "fill_blocks", "fill_clear", "fill_jump", "fill_moments", "fill_peaks", "fill_window_variance",
-    "margin", "mark_above",
+    "drop_lower", "fill_above", "fill_blocks", "fill_clear", "fill_moments", "fill_peaks", "margin", "mark_alone",
+    "mark_loud",
 ]  # fmt: skip
 
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 
+SCANNED = 128  # places looked at together: few hold any
+LOUD = 4096  # samples that windows move over at a time
+
 
 @compiled
-def fill_jump(running: Array, w: int, jump: Array) -> None:
-    """Fill the size of the difference of the means of w samples after and before samples w .. n - w.
+def mark_alone(x: Array, near: float, away: float, calm: Flags, far: Flags) -> None:
+    """Unmark as calm where the neighbours differ by more than ``near``; mark as far what is off their mean."""
+    here, after = x[1:], x[2:]
+    for i in range(len(calm)):
+        calm[i] &= abs(after[i] - x[i]) <= near
+        far[i] |= abs(here[i] - 0.5 * (x[i] + after[i])) > away
 
-    ``running`` (n + 1): sum of the samples before each; ``jump`` (n + 1 - 2 w); w a power of two.
+
+@compiled
+def fill_above(running: Array, w: int, limit: float, at: Indices) -> int:
+    """Fill where the means of w samples after and before samples w .. n - w differ by more than a limit.
+
+    ``running`` (n + 1): sum of the samples before each; w a power of two. Returns how many there are, room or not.
     """
-    middle, end, share = running[w:], running[2 * w :], 1.0 / w
-    for i in range(len(jump)):
-        jump[i] = share * abs(end[i] - middle[i] - middle[i] + running[i])
-
-
-@compiled
-def mark_above(jump: Array, limit: float, over: Flags) -> None:
-    """Mark where a jump is above its limit."""
-    for i in range(len(jump)):
-        over[i] |= jump[i] > limit
+    found, n, share = 0, len(running) - 2 * w, 1.0 / w
+    for first in range(0, n, SCANNED):
+        size, many = min(SCANNED, n - first), 0
+        before, middle, after = running[first:], running[first + w :], running[first + 2 * w :]
+        for i in range(size):
+            many += share * abs(after[i] - middle[i] - middle[i] + before[i]) > limit
+        if many > 0:
+            for i in range(size):
+                if share * abs(after[i] - middle[i] - middle[i] + before[i]) > limit:
+                    if found < len(at):
+                        at[found] = first + i
+                    found += 1
+    return found
 
 
 @compiled
@@ -88,24 +103,32 @@ def drop_lower(at: Indices, order: Indices, w: int, kept: Flags) -> None:
 
 
 @compiled
-def fill_window_variance(y: Array, cuts: Indices, w: int, residual: Array, variance: Array) -> None:
-    """Fill the variance (w - 1) of samples i .. i + w; levels between cuts are taken off to keep digits."""
-    for piece in range(len(cuts) - 1):
-        level = 0.0
-        for i in range(cuts[piece], cuts[piece + 1]):
-            level += y[i]
-        level /= cuts[piece + 1] - cuts[piece]
-        for i in range(cuts[piece], cuts[piece + 1]):
-            residual[i] = y[i] - level
-    first, second = 0.0, 0.0
-    for i in range(len(y)):
-        first += residual[i]
-        second += residual[i] * residual[i]
-        if i >= w:
-            first -= residual[i - w]
-            second -= residual[i - w] * residual[i - w]
-        if i >= w - 1:
-            variance[i - w + 1] = max(second - first * first / w, 0.0) / (w - 1)
+def mark_loud(y: Array, cuts: Indices, w: int, limit: float, hot: Flags) -> None:
+    """Mark the windows i .. i + w whose variance (w - 1) exceeds a limit; levels between cuts keep its digits."""
+    residual = np.empty(LOUD + w)
+    limit *= w - 1
+    piece, level, first, second = -1, 0.0, 0.0, 0.0
+    for begin in range(0, len(y), LOUD):
+        stop = min(begin + LOUD, len(y))
+        for i in range(begin, stop):
+            while piece < 0 or i >= cuts[piece + 1]:
+                piece += 1
+                level = 0.0
+                for j in range(cuts[piece], cuts[piece + 1]):
+                    level += y[j]
+                level /= max(cuts[piece + 1] - cuts[piece], 1)
+            residual[i - begin + w] = y[i] - level
+        for i in range(begin, stop):
+            new, old = residual[i - begin + w], residual[i - begin] if i >= w else 0.0
+            first += new
+            second += new * new
+            if i >= w:
+                first -= old
+                second -= old * old
+            if i >= w - 1:
+                hot[i - w + 1] |= second - first * first / w > limit
+        for i in range(w):
+            residual[i] = residual[stop - begin + i]
 
 
 @compiled

@@ -21,9 +21,11 @@ References
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
@@ -38,6 +40,8 @@ HALF_NORMAL = 0.6744897501960817  # median of |x| for unit normal x
 WIDEN = 1.1  # a threshold too narrow by less than this is left as it is
 BLUE = np.sqrt(2.0)  # most that single samples can differ more than white ones: neighbours opposed
 ROUNDS = 10
+FEW_STRETCHES = 1_000
+ROOM = 2**12  # places at first
 PROBES = 4_000  # places at which the usual scatter of a statistic is measured
 FEWEST = 16  # places from which it can be
 LOW = 0.1  # quantile of window variances that, with the median, tells their spread
@@ -57,11 +61,9 @@ def single_outliers(y: Array, noise: Noise, factor: float, apart: int) -> Flags:
     calm = np.ones(len(y) - 2, dtype=bool)
     far = np.zeros(len(y) - 2, dtype=bool)
     for k in range(y.shape[1]):
-        before, here, after = y[:-2, k], y[1:-1, k], y[2:, k]
-        sigma = factor * noise.scale[k]
-        feigned = noise.feigned[k]
-        calm &= np.abs(after - before) <= np.sqrt(2.0) * sigma + feigned
-        far |= np.abs(here - 0.5 * (before + after)) > np.sqrt(1.5) * sigma + feigned
+        sigma, feigned = factor * noise.scale[k], noise.feigned[k]
+        limits = np.sqrt(2.0) * sigma + feigned, np.sqrt(1.5) * sigma + feigned
+        loops_for(len(y)).mark_alone(y[:, k], *limits, calm, far)
     at = np.flatnonzero(far & calm) + 1
     if at.size:
         distance = np.diff(at, prepend=at[0] - apart, append=at[-1] + apart)
@@ -92,25 +94,51 @@ def level_changes(
     cuts : ndarray of int, shape (k,)
         Changes that are known beforehand: 0, gaps, n.
     """
-    room = np.empty(total.T.shape)
     widening = np.ones(total.shape[1])
     for w in scales:
         if len(total) <= 2 * w:
             break
-        jumps = room[:, : len(total) - 2 * w]
-        for running, jump in zip(total.T, jumps, strict=True):
-            loops_for(len(total)).fill_jump(running, w, jump)
-        cuts, widening = _changes_at_scale(jumps, noise, w, quantile, cuts, widening)
+        cuts, widening = _changes_at_scale(Jumps(total, w), noise, w, quantile, cuts, widening)
     return cuts, widening
 
 
+@dataclass(frozen=True, eq=False)
+class Jumps:
+    """Sizes of the difference of the means of w samples after and before samples w .. n - w, w a power of two.
+
+    They are worked out where they are looked at: no scale keeps those of the whole record.
+    """
+
+    total: Array  # running sum of the samples, shape (n + 1, channels)
+    w: int
+
+    def __len__(self) -> int:
+        return len(self.total) - 2 * self.w
+
+    def at(self, places: Indices) -> Array:
+        """Return the jumps at places counted from sample w, shape (channels, k)."""
+        before, middle, after = (self.total[places + i * self.w] for i in range(3))
+        jumps: Array = np.abs(after - middle - middle + before).T * (1.0 / self.w)
+        return jumps
+
+    def above(self, limit: Array) -> Indices:
+        """Return the places at which the jump of any channel exceeds its limit, ascending."""
+        found = []
+        for running, bound in zip(self.total.T, limit.tolist(), strict=True):
+            room = np.empty(ROOM, dtype=np.int64)
+            while (count := loops_for(len(running)).fill_above(running, self.w, bound, room)) > len(room):
+                room = np.empty(count, dtype=np.int64)
+            found.append(room[:count])
+        return found[0] if len(found) == 1 else np.unique(np.concatenate(found))
+
+
 def _changes_at_scale(
-    jumps: Array, noise: Noise, w: int, quantile: Array, cuts: Indices, widening: Array
+    jumps: Jumps, noise: Noise, w: int, quantile: Array, cuts: Indices, widening: Array
 ) -> tuple[Indices, Array]:
     """Add the changes seen at one scale; carry the widening on where the scale cannot measure its own."""
     white = noise.scale * np.sqrt(2.0 / w)
     found, wide = cuts, np.ones(len(white))
-    at = _above(jumps, np.maximum(quantile * white, noise.feigned))  # limits only grow
+    at = jumps.above(np.maximum(quantile * white, noise.feigned))  # limits only grow
     for _ in range(ROUNDS):
         found = _exceedances(jumps, at, np.maximum(quantile * white * wide, noise.feigned), w, cuts)
         measured = _measured_widening(jumps, white, w, found)
@@ -125,24 +153,16 @@ def _changes_at_scale(
     return found, wide
 
 
-def _above(jumps: Array, limit: Array) -> Indices:
-    """Places at which the jump of any channel exceeds its limit."""
-    over = np.zeros(jumps.shape[1], dtype=bool)
-    for jump, bound in zip(jumps, limit, strict=True):
-        loops_for(jumps.shape[1]).mark_above(jump, bound, over)
-    return np.flatnonzero(over)
-
-
-def _exceedances(jumps: Array, at: Indices, limit: Array, w: int, cuts: Indices) -> Indices:
+def _exceedances(jumps: Jumps, at: Indices, limit: Array, w: int, cuts: Indices) -> Indices:
     """Cuts with those of places ``at`` added whose jump exceeds its limit and is the largest for w samples around."""
-    hits = at[(jumps[:, at] > limit[:, None]).any(axis=0)] + w
+    hits = at[(jumps.at(at) > limit[:, None]).any(axis=0)] + w
     if w == 1:
         return _joined(cuts, hits)
     for _ in range(ROUNDS):
         hits = hits[_clear(hits, w, cuts)]
         if not len(hits):
             break
-        score = (jumps[:, hits - w] / np.where(limit > 0.0, limit, np.finfo(float).tiny)[:, None]).max(axis=0)
+        score = (jumps.at(hits - w) / np.where(limit > 0.0, limit, np.finfo(float).tiny)[:, None]).max(axis=0)
         cuts = _joined(cuts, hits[_highest(hits, score, w)])
     return cuts
 
@@ -169,13 +189,13 @@ def _clear(at: Indices, w: int, cuts: Indices) -> Flags:
     return clear
 
 
-def _measured_widening(jumps: Array, white: Array, w: int, cuts: Indices) -> Array | None:
+def _measured_widening(jumps: Jumps, white: Array, w: int, cuts: Indices) -> Array | None:
     """Ratio of the scatter of jumps between changes to that of white noise; None from too few."""
-    every = np.arange(0, jumps.shape[1], max(1, w // 2, jumps.shape[1] // PROBES))
+    every = np.arange(0, len(jumps), max(1, w // 2, len(jumps) // PROBES))
     free = every[_clear(every + w, w, cuts)]
     if len(free) < FEWEST:
         return None
-    rows = jumps[:, free]
+    rows = jumps.at(free)
     half = rows.shape[1] // 2
     parted = np.partition(rows, half, axis=1)
     upper: Array = parted[:, half]
@@ -187,6 +207,11 @@ def _measured_widening(jumps: Array, white: Array, w: int, cuts: Indices) -> Arr
 def covered(start: Indices, stop: Indices, n: int) -> Flags:
     """Return which of n samples lie in one of the stretches [start, stop), both ascending, shape (n,)."""
     start, stop = np.clip(start, 0, n), np.clip(stop, 0, n)
+    if len(start) <= FEW_STRETCHES:
+        few = np.zeros(n, dtype=bool)
+        for a, b in zip(start.tolist(), stop.tolist(), strict=True):
+            few[a:b] = True
+        return few
     flags = np.zeros(n + 1, dtype=np.int8)
     if len(start):
         apart = start[1:] > stop[:-1]
@@ -213,11 +238,15 @@ def loud(y: Array, noise: Noise, w: int, tail: float, start: Indices, stop: Indi
     probes = np.flatnonzero(whole)
     probes = probes[:: max(1, w // 2, len(probes) // PROBES)]
     for k in range(y.shape[1]):
-        variance = _window_variance(y[inside, k], cuts, w)
-        usual, dof = (0.0, w - 1.0) if noise.stated else _usual_variance(variance[probes], w)
-        hot |= variance > f_upper(tail, dof, noise.dof[k]) * max(noise.scale[k] ** 2, usual)
+        x = y[:, k] if len(y) == cuts[-1] else y[inside, k]
+        usual, dof = (0.0, w - 1.0)
+        if not noise.stated:
+            usual, dof = _usual_variance(sliding_window_view(x, w)[probes].var(axis=1, ddof=1), w)
+        limit = float(f_upper(tail, dof, noise.dof[k])) * max(float(noise.scale[k]) ** 2, usual)
+        loops_for(len(x)).mark_loud(x, cuts, w, limit, hot)
     at = np.flatnonzero(hot & whole)
-    found[inside] = covered(at, at + w, int(cuts[-1]))
+    if len(at):
+        found[inside] = covered(at, at + w, int(cuts[-1]))
     return found
 
 
@@ -235,13 +264,6 @@ def _spread_of_variance() -> tuple[Array, Array]:
     """Ratio of a low quantile to the median of chi-square, ascending, and the degrees of freedom for it."""
     dof = np.geomspace(0.5, 500.0, 100)
     return chi_square_quantile(LOW, dof) / chi_square_quantile(0.5, dof), dof
-
-
-def _window_variance(y: Array, cuts: Indices, w: int) -> Array:
-    """Variance (w - 1) of samples i .. i + w, shape (n - w + 1,); levels are taken off to keep digits."""
-    variance = np.empty(len(y) - w + 1)
-    loops_for(len(y)).fill_window_variance(y, cuts, w, np.empty(len(y)), variance)
-    return variance
 
 
 def settled_ends(

@@ -30,19 +30,23 @@ def loops_for(samples: int) -> ModuleType:
     return _kernels_levels
 
 
-def fill_jump(running: Array, w: int, jump: Array) -> None:
-    """Fill the size of the difference of the means of w samples after and before samples w .. n - w."""
-    n = len(jump)
-    np.subtract(running[2 * w :][:n], running[w:][:n], out=jump)
-    jump -= running[w:][:n]
-    jump += running[:n]
-    np.abs(jump, out=jump)
-    jump *= 1.0 / w
+def mark_alone(x: Array, near: float, away: float, calm: Flags, far: Flags) -> None:
+    """Unmark as calm where the neighbours differ by more than ``near``; mark as far what is off their mean."""
+    before, here, after = x[:-2], x[1:-1], x[2:]
+    calm &= np.abs(after - before) <= near
+    far |= np.abs(here - 0.5 * (before + after)) > away
 
 
-def mark_above(jump: Array, limit: float, over: Flags) -> None:
-    """Mark where a jump is above its limit."""
-    over |= jump > limit
+def fill_above(running: Array, w: int, limit: float, at: Indices) -> int:
+    """Fill where the means of w samples after and before samples w .. n - w differ by more than a limit."""
+    middle = running[w:-w]
+    jump = running[2 * w :] - middle
+    jump -= middle
+    jump += running[: -2 * w]
+    found = np.flatnonzero(np.abs(jump, out=jump) * (1.0 / w) > limit)
+    room = min(len(found), len(at))
+    at[:room] = found[:room]
+    return len(found)
 
 
 def fill_clear(at: Indices, w: int, cuts: Indices, clear: Flags) -> None:
@@ -75,8 +79,9 @@ def drop_lower(at: Indices, order: Indices, w: int, kept: Flags) -> None:
             kept[i] = True
 
 
-def fill_window_variance(y: Array, cuts: Indices, w: int, residual: Array, variance: Array) -> None:
-    """Fill the variance (w - 1) of samples i .. i + w; levels between cuts are taken off to keep digits."""
+def mark_loud(y: Array, cuts: Indices, w: int, limit: float, hot: Flags) -> None:
+    """Mark the windows i .. i + w whose variance (w - 1) exceeds a limit; levels between cuts keep its digits."""
+    residual = np.empty(len(y))
     for a, b in zip(cuts[:-1].tolist(), cuts[1:].tolist(), strict=True):
         if b > a:
             np.subtract(y[a:b], np.cumsum(y[a:b])[-1] / (b - a), out=residual[a:b])
@@ -88,7 +93,7 @@ def fill_window_variance(y: Array, cuts: Indices, w: int, residual: Array, varia
         return np.cumsum(steps)[w - 1 :: 2]
 
     first, second = running(residual), running(residual * residual)
-    variance[:] = np.maximum(second - first * first / w, 0.0) / (w - 1)
+    hot |= second - first * first / w > limit * (w - 1)
 
 
 def fill_blocks(y: Array, size: int, variance: Array, different: Indices) -> float:

@@ -157,8 +157,9 @@ def detect(
     """
     plan = plan or Detection()
     samples = samples_of(signal, time_ns, sample_interval, place)
-    rows = np.flatnonzero(samples.finite)
     n, channels = samples.values.shape
+    whole = bool(samples.finite.all())
+    rows = np.arange(n) if whole else np.flatnonzero(samples.finite)
     if not len(rows) and n:
         dead = [str(k) for k in range(channels) if not np.isfinite(samples.values[:, k]).any()]
         if dead:
@@ -174,8 +175,9 @@ def detect(
             why="the noise cannot be measured",
             code="too_short",
         )
-    good = samples.values if len(rows) == len(samples.values) else samples.values[rows]
-    return _segmentation(samples, rows, still_stretches(good, samples.ticks[rows], plan), plan)
+    good = samples.values if whole else samples.values[rows]
+    ticks = None if whole and time_ns is None else samples.ticks[rows]
+    return _segmentation(samples, rows, still_stretches(good, ticks, plan), plan)
 
 
 def _segmentation(samples: Samples, rows: Indices, found: Found, plan: Detection) -> Segmentation:

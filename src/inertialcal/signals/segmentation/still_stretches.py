@@ -81,8 +81,10 @@ class Found:
     widening: Array
 
 
-def still_stretches(x: Array, ticks: Array, plan: Detection) -> Found:
+def still_stretches(x: Array, ticks: Array | None, plan: Detection) -> Found:
     """Return the still stretches of good samples (n, channels), n >= 16, at times counted in sample intervals.
+
+    Without ``ticks`` they follow each other without a gap.
 
     Raises
     ------
@@ -98,7 +100,9 @@ def still_stretches(x: Array, ticks: Array, plan: Detection) -> Found:
     at = np.flatnonzero(outlier)
     y[at] = 0.5 * (y[at - 1] + y[at + 1])
     # first good sample after each long gap, with 0 and n
-    walls = np.concatenate(([0], np.flatnonzero(np.diff(ticks) > plan.longest_gap) + 1, [len(ticks)]))
+    walls = np.array([0, len(y)])
+    if ticks is not None:
+        walls = np.concatenate(([0], np.flatnonzero(np.diff(ticks) > plan.longest_gap) + 1, [len(y)]))
     total = running_sum(y)
     start, stop, widening = _level_pieces(y, total, noise, plan, quantile, walls)
     start, stop = _long(*settled_ends(y, total, noise, start, stop, walls), plan.shortest)

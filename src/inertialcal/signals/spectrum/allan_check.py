@@ -20,6 +20,7 @@ References
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,10 +67,10 @@ def allan_of_spectrum(spectrum: Spectrum, tau: Array) -> SpectralAllan:
             do="Give multiples of the sample interval",
             code="bad_taus",
         )
-    below = _continued(spectrum)
+    below, response = _continued(spectrum), _response(spectrum)
     variance, edf, share = (np.empty((len(m), spectrum.density.shape[1])) for _ in range(3))
     for i, size in enumerate(m):
-        inside, edf[i] = spectrum.summed(_response(spectrum, float(size)) * spectrum.spacing)
+        inside, edf[i] = spectrum.summed(response(int(size)) * spectrum.spacing)
         outside = below * (size * spectrum.interval) ** 2
         variance[i] = inside + outside
         with np.errstate(invalid="ignore"):
@@ -77,10 +78,21 @@ def allan_of_spectrum(spectrum: Spectrum, tau: Array) -> SpectralAllan:
     return SpectralAllan(times, np.sqrt(variance), edf, share)
 
 
-def _response(spectrum: Spectrum, m: float) -> Array:
-    """Allan variance at m samples of a unit density at each frequency."""
-    angle = np.pi * spectrum.frequency * spectrum.interval
-    return np.asarray(2.0 * np.sin(m * angle) ** 4 / (m * np.sin(angle)) ** 2)
+def _response(spectrum: Spectrum) -> Callable[[int], Array]:
+    """Return a function of m: Allan variance at m samples of a unit density at each frequency.
+
+    Frequencies are whole multiples k of 1 over the n samples of a segment, and sin^2(pi k / n) has the period n in k:
+    all sines that any m needs stand in one table, taken at whole numbers without the rounding of large angles.
+    """
+    n = spectrum.segment
+    order = np.rint(spectrum.frequency / spectrum.spacing).astype(np.int64)
+    squared = np.sin(np.pi / n * np.arange(n)) ** 2
+    below = squared[order]
+
+    def response(m: int) -> Array:
+        return np.asarray(2.0 * squared[m * order % n] ** 2 / (float(m) ** 2 * below))
+
+    return response
 
 
 def _continued(spectrum: Spectrum) -> Array:

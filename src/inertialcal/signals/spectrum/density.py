@@ -109,11 +109,12 @@ class Spectrum:
         weights : ndarray, shape (k,)
             Not negative.
         """
-        parts = weights[:, None] * self.density
-        spread = np.sum(parts**2, axis=0)
-        for lag in range(1, min(len(self.neighbours), len(parts))):
-            spread += 2.0 * self.neighbours[lag] * np.sum(parts[lag:] * parts[:-lag], axis=0)
-        total = parts.sum(axis=0)
+        total, spread = np.empty((2, self.density.shape[1]))
+        for axis, density in enumerate(self.density.T):
+            parts = weights * density
+            total[axis], spread[axis] = parts.sum(), np.square(parts).sum()
+            for lag in range(1, min(len(self.neighbours), len(parts))):
+                spread[axis] += 2.0 * self.neighbours[lag] * np.sum(parts[lag:] * parts[:-lag])
         with np.errstate(invalid="ignore"):
             return total, np.asarray(self.edf * total**2 / spread)
 

@@ -57,6 +57,8 @@ PART = 0.5  # of the distance from zero frequency, that the neighbours may reach
 KNOWN = 32.0  # ... up to so many degrees of freedom of a value; by their fourth root less beyond
 ONE_SIDED = 32  # part of all values that lie on one side, at most
 SIDE = 6  # values nearest to a run on a side, that it must stand out of
+RARE = 1e-3  # probability from which on the tail of F is the lighter, the better the level is known
+NEARLY = 0.99  # of the ratio with that probability
 STRAIGHT = 1e-3  # standard deviation of the place, below which no slope is needed
 
 
@@ -150,10 +152,19 @@ def find_lines(spectrum: Spectrum, false_alarm: float = 0.01) -> Lines:
     return Lines(tuple(found), marked, false_alarm, (low, high))
 
 
-def _chances(spectrum: Spectrum, axis: int, level: Background) -> Array:
-    """Probability that noise shows such a ratio at one value; NaN where there is no level."""
-    ratio = spectrum.density[:, axis] / level.level
-    return np.asarray(special.fdtrc(spectrum.edf, level.dof, ratio))
+def _unlikely(spectrum: Spectrum, axis: int, level: Background, chance: float) -> Flags:
+    """Which values noise shows at most with a probability; none where there is no level.
+
+    The tail of F is taken of those alone that are large enough where the level is best known.
+    """
+    with np.errstate(invalid="ignore"):
+        ratio = spectrum.density[:, axis] / level.level
+        found = ratio > 0.0
+        if chance < RARE:
+            found &= ratio > NEARLY * special.fdtri(spectrum.edf, np.nanmax(level.dof, initial=1.0), 1.0 - chance)
+    at = np.flatnonzero(found)
+    found[at] = special.fdtrc(spectrum.edf, level.dof[at], ratio[at]) < chance
+    return np.asarray(found)
 
 
 def _standing_out(spectrum: Spectrum, axis: int, false_alarm: float) -> tuple[Flags, Background]:
@@ -162,16 +173,14 @@ def _standing_out(spectrum: Spectrum, axis: int, false_alarm: float) -> tuple[Fl
     level = background_of(spectrum, axis, marked)
     tested = max(1, int(np.count_nonzero(np.isfinite(level.level))))
     for _ in range(ROUNDS):
-        with np.errstate(invalid="ignore"):
-            now = marked | (_chances(spectrum, axis, level) < false_alarm / tested)
+        now = marked | _unlikely(spectrum, axis, level, false_alarm / tested)
         if np.array_equal(now, marked) or _widened(now, spectrum.lobe).all():
             break
         marked = now
         again = background_of(spectrum, axis, _widened(marked, spectrum.lobe))
         there = np.isfinite(again.level)  # too few neighbours are left beside many lines
         level = Background(np.where(there, again.level, level.level), np.where(there, again.dof, level.dof))
-    with np.errstate(invalid="ignore"):
-        return marked & (_chances(spectrum, axis, level) < false_alarm / tested), level
+    return marked & _unlikely(spectrum, axis, level, false_alarm / tested), level
 
 
 def _widened(marked: Flags, by: int) -> Flags:

@@ -26,6 +26,7 @@ from ...core.errors import DataError, PlanError
 from ...core.estimate import Array, Numbers
 from ...core.remarks import Remark
 from ..names import Method
+from ..threads import each_of
 from .density import Spectrum
 from .tapers import Tapers, correlations, hann, slepian, usable
 
@@ -33,7 +34,8 @@ SHORTEST = 32  # samples of a segment; under several tapers by half the time ban
 PARTS = 8  # of a record, in the length of a segment, by default
 LONGEST_TAPER = 2**16  # samples of a segment under several tapers, by default
 HELD = 0.75  # of the samples that are there, that lie in stretches as long as a segment, by default
-AT_ONCE = 2**22  # samples transformed together: bounds the memory
+AT_ONCE = 2**15  # samples transformed together: they lie in the nearest caches
+SHARES = 8  # of the segments, each summed by itself, and the sums in order: the same whatever the number of threads
 CONSTANT = 8.0 * np.finfo(float).eps  # variation, relative to the largest value, that is rounding
 Indices = NDArray[np.int64]
 
@@ -150,16 +152,30 @@ def _averaged(values: Array, starts: list[Indices], tapers: Tapers, interval: fl
     Zero frequency and, of segments of even length, the highest one are doubled too: they are no part of a Spectrum.
     """
     count, length = tapers.weights.shape
-    total = np.zeros((values.shape[1], length // 2 + 1))
-    at_once = max(1, AT_ONCE // (length * values.shape[1]))
-    segments = np.lib.stride_tricks.sliding_window_view(values, length, axis=0)
-    for stretch in starts:
-        for group in np.split(stretch, np.arange(at_once, len(stretch), at_once)):
-            part = segments[group] - segments[group].mean(axis=2, keepdims=True)
-            for weights in tapers.weights:
-                turned = fft.rfft(part * weights, axis=2)
-                total += np.sum(turned.real**2 + turned.imag**2, axis=0)
-    return np.asarray(2.0 * interval / (count * sum(len(stretch) for stretch in starts)) * total.T)
+    every = np.concatenate(starts)
+    at_once = max(1, AT_ONCE // length)
+    whole = -(-len(every) // (at_once * SHARES)) * at_once  # segments of a share
+    shares = [every[i : i + whole] for i in range(0, len(every), whole)]
+    total = np.empty((length // 2 + 1, values.shape[1]))
+    for axis, x in enumerate(values.T):
+        segments = np.lib.stride_tricks.sliding_window_view(x, length)
+
+        def power(share: Indices, segments: Array = segments) -> Array:
+            """Sum of squares of the real and imaginary parts, in turn, of the segments of a share."""
+            found = np.zeros(2 * (length // 2 + 1))
+            for i in range(0, len(share), at_once):
+                part = segments[share[i : i + at_once]]
+                part -= part.mean(axis=1, keepdims=True)
+                for weights in tapers.weights:
+                    turned = fft.rfft(part * weights, axis=1).view(np.float64)
+                    turned *= turned
+                    found += turned.sum(axis=0) if len(turned) > 1 else turned[0]
+            return found
+
+        squares = np.sum(each_of(power, shares, count * len(every) * length), axis=0)
+        total[:, axis] = squares[0::2] + squares[1::2]
+    total *= 2.0 * interval / (count * len(every))
+    return total
 
 
 def _remarks(values: Array, gaps: Stretches, used: int, length: int) -> tuple[Remark, ...]:
@@ -172,8 +188,9 @@ def _remarks(values: Array, gaps: Stretches, used: int, length: int) -> tuple[Re
         what = f"{left} samples between gaps are too short for a segment of {length}; {used} are used"
         found.append(Remark("few_segments", "warning", what, do="Give shorter segments"))
     for axis in range(values.shape[1]):
-        column = values[np.isfinite(values[:, axis]), axis]
-        if np.ptp(column) <= CONSTANT * np.abs(column).max():
+        column = values[np.isfinite(values[:, axis]), axis] if gaps.missing else values[:, axis]
+        least, largest = float(column.min()), float(column.max())
+        if largest - least <= CONSTANT * max(-least, largest):
             what = f"axis {axis} is constant: no spectrum"
             found.append(Remark("constant", "warning", what, do="Check for a stuck or disconnected channel"))
     return tuple(found)
@@ -206,6 +223,8 @@ class Stretches:
 
 def stretches_of(x: Array) -> Stretches:
     """Return the runs of samples (n, axes) that have a finite value in every axis."""
-    good = np.isfinite(x).all(axis=1)
+    good = np.isfinite(x[:, 0]) if x.shape[1] == 1 else np.isfinite(x).all(axis=1)
+    if good.all():
+        return Stretches(np.zeros(1, dtype=np.int64), np.full(1, len(x), dtype=np.int64), 0)
     edges = np.flatnonzero(np.diff(np.concatenate(([False], good, [False])).astype(np.int8)))
     return Stretches(edges[0::2], edges[1::2], int(np.count_nonzero(~good)))

@@ -1,0 +1,40 @@
+"""Shares of one large job on all cores, with the same result whatever their number.
+
+The caller cuts the job into shares that do not depend on the number of cores, and joins the results in their order.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar
+
+Share = TypeVar("Share")
+Found = TypeVar("Found")
+
+LARGE = 2**19  # samples from which threads pay
+
+
+def cores() -> int:
+    """Return how many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def each_of(function: Callable[[Share], Found], shares: Sequence[Share], size: int) -> list[Found]:
+    """Return the function of each share, in order; at once where the job is large.
+
+    Parameters
+    ----------
+    function : callable
+        Spends its time in compiled code that lets other threads run.
+    shares : sequence
+        What it is called with.
+    size : int
+        Samples that all shares look at together.
+    """
+    workers = min(cores(), len(shares))
+    if size < LARGE or workers < 2:
+        return [function(share) for share in shares]
+    with ThreadPoolExecutor(workers) as pool:
+        return list(pool.map(function, shares))
