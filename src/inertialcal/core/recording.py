@@ -15,6 +15,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from .batches import changed, count, extremes
 from .errors import DataError
 from .estimate import Array
 from .remarks import Remark
@@ -168,7 +169,8 @@ class Recording:
         """Time since the first sample [s], shape (n,); None where the file has no time."""
         if self.time_ns is None or not len(self.time_ns):
             return None
-        elapsed: Array = (self.time_ns - self.time_ns[0]).astype(np.float64) / SECOND
+        start = self.time_ns[0]
+        elapsed: Array = changed(self.time_ns, lambda part: (part - start).astype(np.float64) / SECOND)
         return elapsed
 
     @property
@@ -207,9 +209,9 @@ def _cells(channel: Channel) -> tuple[str, ...]:
     said = (channel.name, channel.axis, channel.quantity, channel.unit or "?", str(channel.data.dtype))
     if channel.data.dtype.kind not in "biuf":
         return (*said, "-", "-", "-")
-    numbers = channel.data[np.isfinite(channel.data)]
-    ends = (float(numbers.min()), float(numbers.max())) if len(numbers) else (None, None)
-    return (*said, number(ends[0]), number(ends[1]), str(len(channel.data) - len(numbers)))
+    there = count(channel.data, np.isfinite)
+    ends = extremes(channel.data, infinite=False) if there else (None, None)
+    return (*said, number(ends[0]), number(ends[1]), str(len(channel.data) - there))
 
 
 def _clock(recording: Recording) -> str:

@@ -8,10 +8,12 @@ None, and whatever was inferred, left out or suspicious is a remark of the Recor
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from ..core.estimate import Array
     from ..core.recording import Recording
     from .text.table import Table
 
@@ -19,7 +21,7 @@ __all__ = ["read", "read_table"]
 
 
 def read(
-    path: str | Path,
+    path: str | Path | Recording | Array,
     *,
     units: Mapping[str, str] | None = None,
     sample_rate: float | None = None,
@@ -36,10 +38,10 @@ def read(
 
     Parameters
     ----------
-    path : str or Path
-        CSV and other text (also gzip), Parquet, MATLAB, HDF5, npy, npz; data file or header of a pair of the
-        acceleration archive (PAD), or a folder of such pairs; what a reader of another distribution takes (entry
-        point ``inertialcal.readers``).
+    path : str or Path, Recording, or array of shape (n,) or (n, axes)
+        A Recording, or an array with its sample rate, is taken as it is. Files: CSV and other text (also gzip),
+        Parquet, MATLAB, HDF5, npy, npz; data file or header of a pair of the acceleration archive (PAD), or a folder
+        of such pairs; what a reader of another distribution takes (entry point ``inertialcal.readers``).
     units : mapping of str to str, optional
         Unit by column or by group: ``{"gyro": "deg/s", "acc_x": "g", "timestamp": "ns"}``; goes before what
         the file says.
@@ -80,6 +82,12 @@ def read(
         sample rate is not above zero (``sample_rate``), a time is none (``wrong_time``), or a frame or a time
         column is asked for where there is none (``wrong_frame``, ``wrong_column``).
     """
+    if not isinstance(path, str | PathLike):
+        from .memory import recording_of  # noqa: PLC0415 - numpy starts slowly
+        from .time.window import Window as Times  # noqa: PLC0415
+        from .time.window import cut  # noqa: PLC0415
+
+        return cut(recording_of(path, units, sample_rate), Times(start, stop, mission_start))
     from .reader import Request  # noqa: PLC0415 - numpy starts slowly
     from .registry import read_recording  # noqa: PLC0415
     from .time.window import Window  # noqa: PLC0415

@@ -17,6 +17,7 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..core.batches import is_stored
 from ..core.errors import DataError, UsageError
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
 FREE = 2**30  # bytes that any file may take
 PER_BYTE = 3  # ... and so many more for each byte of the file
+ROOM = 16  # bytes in temporary files for each byte of a file
 PROCESS = 2**28  # what the interpreter and its libraries take, at most 0.2 GiB
 VALUE = 8  # bytes of a number in memory
 DOCUMENT = 40  # bytes of a parsed JSON text for each byte of it, at most ({"":{}} in {"":{}})
@@ -33,6 +35,7 @@ LINE = 2**20  # characters of a line, unless it is the only one
 YAML = 100_000  # characters: its parser takes a second for them
 # Columns of 8 bytes that the work on a recording takes, measured: each channel as float64, and time and its judgement.
 READ, SURVEY, ANALYSIS = (2.0, 6.0), (1.0, 14.0), (3.3, 15.0)
+STREAMED = (0.0, 0.0)  # the same where they are worked on a batch at a time, if they are stored
 AS_WIDE = (0.5, 3.0)  # the same where readings stay as wide as in the file and are worked on in pieces
 ENVIRONMENT = "INERTIALCAL_MAX_MEMORY"
 UNITS = {"": 1, "b": 1, "kb": 10**3, "mb": 10**6, "gb": 10**9, "tb": 10**12,
@@ -114,6 +117,19 @@ def claim(where: str, on_disk: int, need: float, what: str, *, least: bool = Fal
     )
 
 
+def claim_room(where: str, on_disk: int, size: int, what: str) -> None:
+    """Refuse numbers that take more room in temporary files than those of any recording; Raises as `claim`."""
+    most = FREE + ROOM * on_disk
+    if size > most:
+        raise DataError(
+            f"needs {size_text(size)} of room for temporary files, the ceiling is {size_text(most)}",
+            where=where,
+            why=f"{what} in a file of {size_text(on_disk)}",
+            do="If the file is right, cut it into parts",
+            code="too_large",
+        )
+
+
 def claim_values(where: str, on_disk: int, held: int, rows: int, columns: int) -> None:
     """Refuse columns of numbers that are too many to be read; ``held``: bytes held already. Raises as `claim`."""
     per_column, other = READ
@@ -123,7 +139,9 @@ def claim_values(where: str, on_disk: int, held: int, rows: int, columns: int) -
 def claim_recording(recording: Recording, work: tuple[float, float]) -> None:
     """Refuse work on a recording (`SURVEY`, `ANALYSIS`, `AS_WIDE`) that would take too much; Raises as `claim`."""
     rows, columns, path = len(recording), len(recording.channels), recording.source.path
-    per_column, other = work
+    if work == STREAMED and any(is_stored(one.data) for one in recording.channels):
+        return
+    per_column, other = ANALYSIS if work == STREAMED else work
     need = VALUE * rows * (per_column * columns + other)
     if need + PROCESS > FREE and path:
         claim(path, size_on_disk(path), need, f"{rows * columns:,} values")

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.batches import any_step
 from ..core.errors import DataError
 from ..core.recording import Times
 from ..core.remarks import Remark
@@ -106,6 +107,7 @@ def nan_in_required(name: str, cell: str, count: int, where: str) -> DataError:
 
 
 FEWEST = 2  # rows of zeros, columns
+AT_ONCE = 2**16  # rows
 
 
 def without_unfilled_end(content: Content, path: str) -> Content:
@@ -129,13 +131,17 @@ def _unfilled(columns: Sequence[Column]) -> int:
     if len(columns) < FEWEST or not all(c.is_number and c.is_complete for c in columns):
         return 0
     n = len(columns[0].values)
-    used = np.zeros(n, dtype=bool)
-    for column in columns:
-        used |= column.values != 0
-    filled = int(np.flatnonzero(used)[-1]) + 1 if used.any() else 0
+    filled, first = 0, n
+    while first > 0 and not filled:  # from the end, which is filled in most records
+        stop, first = first, max(first - AT_ONCE, 0)
+        for column in columns:
+            used = np.flatnonzero(column.values[first:stop] != 0)
+            filled = max(filled, first + int(used[-1]) + 1 if len(used) else 0)
     if filled < FEWEST or n - filled < FEWEST:
         return 0
-    clocks = [c for c in columns if c.values[filled - 1] > 0 and np.all(np.diff(c.values[:filled]) > 0)]
+    clocks = [
+        c for c in columns if c.values[filled - 1] > 0 and not any_step(c.values[:filled], lambda step: ~(step > 0))
+    ]
     return n - filled if clocks else 0
 
 

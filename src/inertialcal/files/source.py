@@ -15,12 +15,16 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import cast
 
+from ..core import batches
 from ..core.errors import DataError, InertialcalError
 from .budget import DOCUMENT, check_count, claim
 
 CHUNK = 2**22  # bytes that are unpacked at once
 FIRST, STEP = 2**10, 2**16  # bytes of a gzip member that are unpacked first, as members can be tiny, and then
+IN_PLACE = (b"PAR1",)  # beginnings of files that are not read whole, if they are long
+PIECE = 2**12  # bytes of them at once
 MEMBERS = 200_000  # of a gzip file; bgzip makes one of each 64 KiB
 NO_WAIT = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0) | getattr(os, "O_NOCTTY", 0)
 CAMPAIGN = "campaign.toml"
@@ -33,7 +37,7 @@ class Loaded:
     """A file's content."""
 
     path: str  # As given
-    data: bytes  # Unpacked
+    data: bytes  # Unpacked; of a long file that its reader reads piece by piece, `FileBytes`
     sha256: str  # Of the bytes of the file as it lies there, packed or not
     packed: bool = False  # Whether it was gzip
     size: int = 0  # Bytes of the file as it lies there
@@ -54,6 +58,9 @@ def load(path: str | Path, *, document: bool = False) -> Loaded:
         ``too_large``.
     """
     name = str(path)
+    large = _in_place(path)
+    if large is not None:
+        return large
     raw = read_bytes(path)
     sha256 = hashlib.sha256(raw).hexdigest()
     packed = raw.startswith(GZIP)
@@ -63,6 +70,48 @@ def load(path: str | Path, *, document: bool = False) -> Loaded:
     if document or name.lower().endswith(".json"):
         claim(name, len(raw), DOCUMENT * len(data), f"{len(data):,} bytes of structured text")
     return Loaded(name, data, sha256, packed, len(raw))
+
+
+class FileBytes:
+    """Bytes of a file that stay there: a piece is read where one is asked for."""
+
+    def __init__(self, path: str | Path) -> None:
+        self._file = open(path, "rb")  # noqa: SIM115 - as long as somebody holds the bytes
+        self._size = os.fstat(self._file.fileno()).st_size
+        self._at, self._piece = 0, b""
+
+    def __del__(self) -> None:
+        self._file.close()
+
+    def __len__(self) -> int:
+        return self._size
+
+    def __getitem__(self, at: int) -> int:
+        """Return one byte."""
+        if not self._at <= at < self._at + len(self._piece):
+            self._file.seek(at)
+            self._at, self._piece = at, self._file.read(PIECE)
+        return self._piece[at - self._at]
+
+    def startswith(self, magic: bytes | tuple[bytes, ...]) -> bool:
+        """Whether the file begins so."""
+        self._file.seek(0)
+        return self._file.read(PIECE).startswith(magic)
+
+
+def _in_place(path: str | Path) -> Loaded | None:
+    """Return the content of a long file whose reader reads it piece by piece; None of any other."""
+    try:
+        if os.stat(path).st_size <= batches.HELD or not os.path.isfile(path):
+            return None
+        data = FileBytes(path)
+        if not data.startswith(IN_PLACE):
+            return None
+        with open(path, "rb") as stream:
+            sha256 = hashlib.file_digest(stream, "sha256").hexdigest()
+    except (OSError, ValueError):  # said where it is read whole
+        return None
+    return Loaded(str(path), cast("bytes", data), sha256, False, len(data))
 
 
 def read_bytes(path: str | Path, most: int | None = None) -> bytes:

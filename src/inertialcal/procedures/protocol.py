@@ -79,6 +79,8 @@ class InputSpec:
         A literal NaN is a missing sample; refused otherwise.
     as_wide : bool
         Readings of 32 bits stay 32 bits wide.
+    streamed : bool
+        Readings longer than memory are worked on a batch at a time.
     bare : bool
         Sensors of no known kind, in the unit of the file, and samples that are increments or their sum are taken.
     ground_model : {"refused", "bias_kept", "applied"}
@@ -107,6 +109,7 @@ class InputSpec:
     table: str = ""
     missing: bool = False
     as_wide: bool = False
+    streamed: bool = False
     bare: bool = False
     ground_model: Literal["refused", "bias_kept", "applied"] = "refused"
     voltages: bool = False

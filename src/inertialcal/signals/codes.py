@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.batches import batches
 from ..core.estimate import Array
 from ..core.remarks import Remark
 from ..core.show.rounding import number
@@ -102,6 +103,7 @@ def coarse_steps(values: Array, name: str) -> tuple[Remark, ...]:
     ----------
     B. Widrow, I. Kollar and M.-C. Liu, IEEE Trans. Instrum. Meas. 45 (1996) 353: statistical theory of quantization.
     """
+<<<<<<< HEAD
     good = np.isfinite(values)
     finite = values if good.all() else values[good]
     step, total = np.inf, 0.0
@@ -112,6 +114,18 @@ def coarse_steps(values: Array, name: str) -> tuple[Remark, ...]:
     if not np.isfinite(step):
         return ()
     read = total / (len(finite) - 1) / 2.0
+=======
+    step, squares, steps, last = np.inf, 0.0, 0, np.empty(0)
+    for first, stop in batches(values):
+        part = values[first:stop]
+        there = np.concatenate((last, part[np.isfinite(part)]))
+        difference, last = np.abs(np.diff(there)), there[-1:]
+        squares, steps = squares + float(difference @ difference), steps + len(difference)
+        step = float(np.min(difference, initial=step, where=difference > 0.0))
+    if not np.isfinite(step):
+        return ()
+    read = squares / steps / 2.0
+>>>>>>> 1265b2c6 (squash stream25)
     before = read - step**2 / 12.0
     if read >= step**2 * (1.0 / COARSE**2 + 1.0 / 12.0):
         return ()

@@ -4,6 +4,9 @@
 that the screening leaves: noise terms fitted across them are wrong. Motion that never stops looks to that detector
 like noise that is not white: nobody can tell it from a filtered output without knowing the sensor.
 
+A record of more than 16,777,216 samples is looked through in pieces of 4,194,304, each by itself: it is at rest if
+three quarters of its samples lie in pieces that are.
+
 *Drift* is what slow noise does not explain (``drift``).
 """
 
@@ -13,10 +16,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..core.batches import changed, release
 from ..core.errors import DataError
 from ..core.estimate import Array
 from .drift import Drift, drift_of
-from .segmentation.stillness import Disturbance, judge
+from .segmentation.stillness import STILL_SHARE, Disturbance, judge
+
+LONG = 2**24  # samples: a longer record is looked through in pieces ...
+PIECE = 2**22  # ... of so many
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,8 +36,10 @@ class RecordQuality:
     values: Array  # the record, shape (n,)
 
     def cleaned(self) -> Array:
-        """Return the record with NaN where it is disturbed, shape (n,)."""
-        out = self.values.copy()
+        """Return the record with NaN where it is disturbed, shape (n,): itself where nowhere."""
+        if not self.disturbances:
+            return self.values
+        out = changed(self.values, np.array)
         for one in self.disturbances:
             out[one.first : one.last + 1] = np.nan
         return out
@@ -58,6 +67,7 @@ def record_quality(x: Array, interval: float, floor: float = 0.0) -> RecordQuali
         raise DataError(f"a channel of shape {np.shape(x)}, need (n,)", code="bad_shape")
     if not (np.isfinite(interval) and interval > 0.0):
         raise DataError(f"a sample interval of {interval} s", do="It must be positive", code="bad_interval")
+<<<<<<< HEAD
     good = np.isfinite(values)
     whole = bool(good.all())
     rest = judge(values if whole else values[good], floor)
@@ -69,3 +79,17 @@ def record_quality(x: Array, interval: float, floor: float = 0.0) -> RecordQuali
         placed = tuple(Disturbance(int(rows[one.first]), int(rows[one.last]), one.peak) for one in placed)
     found = RecordQuality(placed, rest.at_rest, (), values)
     return replace(found, drifts=drift_of(found.cleaned() if placed else values, 0, interval))
+=======
+    placed: list[Disturbance] = []
+    judged = still = 0
+    for first in range(0, max(len(values), 1), PIECE if len(values) > LONG else max(len(values), 1)):
+        part = values[first : first + PIECE] if len(values) > LONG else values
+        rows = first + np.flatnonzero(np.isfinite(part))
+        rest = judge(part[rows - first], floor)
+        release(part)
+        if rest is not None:
+            judged, still = judged + len(rows), still + len(rows) * rest.at_rest
+            placed += [Disturbance(int(rows[one.first]), int(rows[one.last]), one.peak) for one in rest.disturbances]
+    found = RecordQuality(tuple(placed), still >= STILL_SHARE * judged, (), values)
+    return replace(found, drifts=drift_of(found.cleaned(), 0, interval))
+>>>>>>> 1265b2c6 (squash stream25)

@@ -16,14 +16,12 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
-import numpy as np
 from pydantic import ValidationError
 
 from ...core.campaign_text import FILE, toml_text
 from ...core.errors import DataError, InertialcalError, Problem, StoreError, UsageError
 from ...core.interruption import interruption
 from ...core.key import AXES
-from ...core.recording import Recording
 from ...core.remarks import Remark, gather
 from ...core.results import Row
 from ...core.schema.settings import settings_values
@@ -45,7 +43,7 @@ from ..file.recordings import OWN_KEYS
 from ..file.schema import CampaignFile
 from ..outcome.contents import displayed_rows
 from .document import INNER_FILES, Document, document_of
-from .given import Files, Given, files_of
+from .given import Files, Given, files_of, given_items
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -290,9 +288,9 @@ def call(
     procedure = procedure_of(name)
     parts = split_settings(procedure, settings)
     said = _made(Said, parts["said"])
-    items = [given] if isinstance(given, str | Path | Recording | np.ndarray) else list(given)
+    items = given_items(given)
     labelled = [procedure.split_label(str(one)) if isinstance(one, str | Path) else ("", one) for one in items]
-    names, files = files_of([one for _, one in labelled], said, procedure.inputs.as_wide)
+    names, files = files_of([one for _, one in labelled], said, procedure.inputs)
     labels = dict(zip(names, (label for label, _ in labelled), strict=True))
     held = [str(one) for one in held_out]
     given_files: list[GivenFile] = []

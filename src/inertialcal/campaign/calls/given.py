@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -13,14 +13,15 @@ import numpy as np
 from ...core.errors import DataError, UsageError
 from ...core.estimate import Array
 from ...core.key import AXES
-from ...core.recording import Channel, Recording
-from ...core.unit.magnitudes import check_sample_rate
+from ...core.recording import Recording
 from ...core.units import kind, normalise
 from ...files import read, read_table
-from ...files.budget import ANALYSIS, AS_WIDE, claim_recording
+from ...files.budget import ANALYSIS, AS_WIDE, STREAMED, claim_recording
+from ...files.memory import of_array, with_named_units
 from ...files.source import load as load_file
 from ...files.text.table import Table
 from ...procedures.given import Said, bare
+from ...procedures.protocol import InputSpec
 from ..file.recordings import RecordingEntry
 from ..inputs.sources import reading_of
 
@@ -43,15 +44,15 @@ class Files:
         That were given, or have been read.
     read_as : dict of str to dict
         How those were read.
-    as_wide : bool
-        As the ``InputSpec`` of the procedure has it.
+    work : (float, float)
+        How much memory the procedure takes for a recording.
     """
 
     said: Said
     held: dict[str, Recording] = field(default_factory=dict[str, Recording])
     folder: Path | None = Path()
     read_as: dict[str, dict[str, Any]] = field(default_factory=dict[str, dict[str, Any]])
-    as_wide: bool = False
+    work: tuple[float, float] = ANALYSIS
 
     def read(self, name: str, **reading: Any) -> Recording:
         """Return a recording, read as was said, but for what ``reading`` has else; those in memory as they are."""
@@ -72,7 +73,7 @@ class Files:
                 if error.problems[0].code != "wrong_column" or len(columns) == len(units):
                     raise
                 found = read(name, units=columns, **wanted)  # of one sensor, or without a header
-            claim_recording(found, AS_WIDE if self.as_wide else ANALYSIS)
+            claim_recording(found, self.work)
             self.held[name] = _with_unit(found, bare(said.units))
             self.read_as[name] = wanted
         return self.held[name]
@@ -103,7 +104,7 @@ class Files:
         return read_it(Path(file)), load_file(Path(file)).sha256
 
 
-def files_of(given: Given | Sequence[Given], said: Said, as_wide: bool = False) -> tuple[list[str], Files]:
+def files_of(given: Given | Sequence[Given], said: Said, inputs: InputSpec | None = None) -> tuple[list[str], Files]:
     """Return names of what was given, and the store that holds it.
 
     Raises
@@ -113,10 +114,11 @@ def files_of(given: Given | Sequence[Given], said: Said, as_wide: bool = False) 
     DataError
         If an array comes without its sample rate.
     """
-    several = [given] if isinstance(given, str | Path | Recording | np.ndarray) else list(given)
+    several = given_items(given)
     if not several:
         raise UsageError("no file", do="Name a recording")
-    files = Files(said, as_wide=as_wide)
+    streamed, as_wide = inputs is not None and inputs.streamed, inputs is not None and inputs.as_wide
+    files = Files(said, work=STREAMED if streamed else AS_WIDE if as_wide else ANALYSIS)
     names: list[str] = []
     known: set[str] = set()
     for number, one in enumerate(several, 1):
@@ -126,10 +128,10 @@ def files_of(given: Given | Sequence[Given], said: Said, as_wide: bool = False) 
                 raise UsageError("file name is not UTF-8", name, "results name their inputs", "Rename it", "file_name")
         elif isinstance(one, Recording):
             name, identity = one.source.path or f"recording_{number}", str(id(one))
-            files.held[name] = _with_unit(_with_named_units(one, said.units), bare(said.units))
+            files.held[name] = _with_unit(with_named_units(one, said.units), bare(said.units))
         else:
             name, identity = f"array_{number}", str(id(one))
-            files.held[name] = _of_array(np.asarray(one), said)
+            files.held[name] = of_array(np.asarray(one), said.sample_rate, next(iter(said.units.values()), None))
         if identity in known or name in names:
             raise UsageError(f"{name}: given twice", why="a copy is not a second run", code="duplicate_id")
         known.add(identity)
@@ -137,32 +139,23 @@ def files_of(given: Given | Sequence[Given], said: Said, as_wide: bool = False) 
     return names, files
 
 
-def _of_array(values: Array, said: Said) -> Recording:
-    """Return an array of shape (n,) or (n, k) as a recording with channels x, y, z, or numbered ones."""
-    columns = values[:, None] if values.ndim == 1 else values
-    if columns.ndim != 2 or not columns.size:
-        raise DataError(f"array of shape {values.shape}, need (n,) or (n, axes)", code="wrong_value")
-    count = columns.shape[1]
-    names = AXES[:count] if count <= len(AXES) else [f"column_{i + 1}" for i in range(count)]
-    if said.sample_rate is None:
-        raise DataError("an array has no time", do="Add sample_rate=... [Hz]", code="no_time")
-    if wrong := check_sample_rate(said.sample_rate):
-        raise UsageError(wrong, code="sample_rate")
-    unit = next(iter(said.units.values()), None)
-    spoken = None if unit is None else normalise(unit)
-    channels = tuple(
-        Channel(name, np.ascontiguousarray(columns[:, i]), spoken, "flag", name if name in AXES else "")
-        for i, name in enumerate(names)
+def given_items(given: Given | Sequence[Given]) -> list[Given]:
+    """Return what was given, one by one.
+
+    Raises
+    ------
+    UsageError
+        ``wrong_type``, if one is neither a path, a Recording nor an array.
+    """
+    kinds = str | Path | Recording | np.ndarray
+    items: list[Any] = (
+        [given] if isinstance(given, kinds) or not isinstance(given, Sequence | Iterator) else list(given)
     )
-    return Recording(channels, sample_interval=1.0 / said.sample_rate, interval_from="flag")
-
-
-def _with_named_units(recording: Recording, units: Mapping[str, str]) -> Recording:
-    """Return a recording in memory with the units of its columns or groups that were said."""
-    stated = [units.get(one.name) or units.get(one.quantity) for one in recording.channels]
-    channels = [one if unit is None else replace(one, unit=normalise(unit), unit_from="flag")
-                for one, unit in zip(recording.channels, stated, strict=True)]  # fmt: skip
-    return replace(recording, channels=tuple(channels))
+    for one in items:
+        if not isinstance(one, kinds):
+            what = f"a recording of type {type(one).__name__}"
+            raise UsageError(what, do="Give paths, Recordings, or arrays with their sample_rate", code="wrong_type")
+    return items
 
 
 def _with_unit(recording: Recording, unit: str | None) -> Recording:
@@ -178,4 +171,4 @@ def _with_unit(recording: Recording, unit: str | None) -> Recording:
     return replace(recording, channels=tuple(channels))
 
 
-__all__ = ["Files", "Given", "files_of"]
+__all__ = ["Files", "Given", "files_of", "given_items"]

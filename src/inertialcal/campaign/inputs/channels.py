@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
+from ...core.batches import changed
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.key import AXES
@@ -159,7 +161,8 @@ def _timed(recording: Recording, clock: Clock) -> Recording:
     shift = {"start": 0.5, "middle": 0.0, "end": -0.5}[clock.stamp] * (averaging or 0.0)
     if recording.time_ns is None or shift == 0.0:
         return recording
-    return replace(recording, time_ns=recording.time_ns + round(shift * SECOND))
+    moved = round(shift * SECOND)
+    return replace(recording, time_ns=changed(recording.time_ns, lambda part: part + moved, np.int64))
 
 
 def _in_si(recording: Recording, columns: dict[str, str], unit: str, as_wide: bool = False) -> Recording:
@@ -167,7 +170,11 @@ def _in_si(recording: Recording, columns: dict[str, str], unit: str, as_wide: bo
     made = []
     for name, column in columns.items():
         channel = recording.channel(column)
-        values = (convert_as_wide if as_wide else convert)(channel.data, channel.unit or unit, unit)
+        given, turn = channel.unit or unit, convert_as_wide if as_wide else convert
+        values = channel.data
+        if values.dtype != np.float64 or given != unit:
+            kind_of = turn(values[:0], given, unit).dtype
+            values = changed(values, partial(turn, from_unit=given, to_unit=unit), kind_of)
         made.append(Channel(name, values, unit, channel.unit_from, name if name in AXES else ""))
     others = [channel for channel in recording.channels if channel.name not in {*columns.values(), *columns}]
     return replace(recording, channels=(*made, *others))
@@ -184,7 +191,8 @@ def _readings(recording: Recording, entries: Mapping[str, ChannelEntry], sensor:
     for one in entries.values():
         if one.scale_factor is not None:
             given = recording.channel(one.column)
-            values = given.data / abs(parse_quantity(one.scale_factor).value)
+            times = abs(parse_quantity(one.scale_factor).value)
+            values = changed(given.data, lambda part, times=times: part / times)  # type: ignore[misc]
             scaled[given.name] = replace(given, data=values, unit=one.reading_unit)
     recording = replace(recording, channels=tuple(scaled.get(one.name, one) for one in recording.channels))
     added = {one.quantity for one in entries.values()}

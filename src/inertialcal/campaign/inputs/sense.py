@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.batches import where_steps
 from ...core.errors import DataError
 from ...core.key import AXES
 from ...core.recording import SECOND, Recording, Times
@@ -30,7 +31,6 @@ from .gate import Passed, without
 RULE = "impossible"
 APPLIED = "applied"
 CONDITIONS = ("pressure", "voltage")  # kinds of unit
-AT_ONCE = 2**20  # stamps
 
 
 def sensible(
@@ -147,7 +147,5 @@ def _changes(
 
 
 def _breaks(time_ns: Times, longest: float) -> Indices:
-    """Return the samples before which more time than the longest step is missing [ns]; a part of the stamps at once."""
-    starts = range(0, max(len(time_ns) - 1, 1), AT_ONCE)
-    steps = (np.diff(time_ns[first : first + AT_ONCE + 1]) > longest for first in starts)
-    return np.concatenate([first + 1 + np.flatnonzero(long) for first, long in zip(starts, steps, strict=True)])
+    """Return the samples before which more time than the longest step is missing [ns]."""
+    return where_steps(time_ns, lambda step: step > longest)

@@ -25,7 +25,7 @@ from ...core.times import instant_text
 from ...core.unit.magnitudes import check_readings
 from ...core.units import convert, factor, kind, parse_quantity, si_unit
 from ...files import read, read_table
-from ...files.budget import ANALYSIS, AS_WIDE, claim_recording
+from ...files.budget import ANALYSIS, AS_WIDE, STREAMED, claim_recording
 from ...files.source import load as load_file
 from ...files.text.headers import full_name
 from ...files.text.table import Table
@@ -289,7 +289,7 @@ class Ready:
                                                               for one in required])  # fmt: skip
             named = tuple(replace(one, name=called.get(one.name, one.name)) for one in recording.channels)
             recording = replace(recording, channels=named) if called else recording
-            claim_recording(recording, AS_WIDE if self.spec.as_wide else ANALYSIS)
+            claim_recording(recording, STREAMED if self.spec.streamed else AS_WIDE if self.spec.as_wide else ANALYSIS)
         return recording
 
     @cached_property

@@ -8,19 +8,23 @@ from __future__ import annotations
 import shlex
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.batches import batches, empty, release
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.influence import lasting
 from ...core.key import Reason
 from ...core.recording import MARK, Channel, Recording
-from ...core.remarks import Remark
+from ...core.remarks import Remark, gather
 from ...core.results import Row, finite
 from ...core.units import convert, factor
+from ...files import read
 from ...files.text.headers import full_name
+from ...sensors.model.compensate import counted
 from ...sensors.model.equation import Conditions, by_name, needed
 from ...sensors.model.model_set import ModelSet
 from ...sensors.model.on_recordings import compensate_recording, to_input_unit
@@ -29,16 +33,19 @@ from ...sensors.model.serial import model_checksum
 from ...sensors.model.terms import values
 from ...sensors.model.uncertainty import compensated_uncertainty, without_uncertainty
 from ...statistics.intervals import t_interval
+from .find import load_models
 from .inputs import CONDITIONS, FORCES, UNCERTAINTY, Taken, from_chain, taken
 
 CUT = "Cut out the rows of one condition: inertialcal convert DATA OUT --from --to"
 
 
 def compensate(
-    model: SensorModel | ModelSet,
-    recording: Recording,
+    model: SensorModel | ModelSet | str | Path,
+    recording: Recording | str | Path | Array,
     columns: Mapping[str, str] | None = None,
     *,
+    units: Mapping[str, str] | None = None,
+    sample_rate: float | None = None,
     temperature: str | float | None = None,
     serial: str | None = None,
     uncertainty: bool = False,
@@ -48,12 +55,14 @@ def compensate(
 
     Parameters
     ----------
-    model : SensorModel or ModelSet
-        As ``load_model`` gives it, or ``load_models``: the one of the condition is applied.
-    recording : Recording
+    model : SensorModel, ModelSet or path
+        As ``load_model`` gives it, or ``load_models``: the one of the condition is applied; or the file of either.
+    recording : Recording, path, or array of shape (n, axes)
         With readings in units of input (deg/s, g, ...) or output (V, count/s); in counts where the model has a chain.
     columns, temperature
         As `taken`.
+    units, sample_rate
+        Of a file or an array, as ``read`` takes them.
     serial : str, optional
         Serial number of the sensor that gave the data, to be checked against that of the model.
     uncertainty : bool
@@ -70,6 +79,9 @@ def compensate(
         ``wrong_column``, ``no_temperature``, ``missing_condition``, ``not_unique``, ``not_invertible``,
         ``no_validity_range``, ``no_covariance``.
     """
+    if isinstance(model, str | Path):
+        model = load_models(model)
+    recording = read(recording, units=units, sample_rate=sample_rate)
     if recording.compensated_by:
         raise DataError(
             f"already compensated by model {recording.compensated_by}",
@@ -99,13 +111,36 @@ def compensate(
         except DataError as error:
             problem = replace(error.problems[0], where=recording.source.path)
             raise DataError(replace(problem, what=f"column {name!r}: {problem.what}")) from None
-    conditions = _conditions(model, recording, chosen)
-    done = compensate_recording(model, recording, axes, **conditions)
+    done = _in_batches(model, recording, chosen, axes, uncertainty)
     unchecked = _unchecked(model, recording, columns or {})
-    remarks = (*done.remarks, *emptied(recording, done, axes, conditions), *unchecked, *_about(model, chosen))
+    remarks = (*done.remarks, *unchecked, *_about(model, chosen), *(_about_uncertainty(model) if uncertainty else ()))
     by = model_checksum(model).removeprefix("sha256:")[:MARK]
-    done = replace(done, remarks=remarks, compensated_by=by)
-    return _with_uncertainty(model, recording, done, axes, conditions) if uncertainty else done
+    return replace(done, remarks=remarks, compensated_by=by)
+
+
+def _in_batches(
+    model: SensorModel, recording: Recording, chosen: Taken, axes: Mapping[str, str], uncertainty: bool
+) -> Recording:
+    """Return the recording with true inputs: no row needs another one, so a batch of them is in memory at once."""
+    columns: dict[str, Channel] = {}
+    outside: list[Remark] = []
+    lost: list[Remark] = []
+    bare = replace(recording, remarks=(), time_ns=None)
+    for first, stop in batches(*(one.data for one in recording.channels)):
+        part = replace(bare, channels=tuple(replace(one, data=one.data[first:stop]) for one in recording.channels))
+        conditions = _conditions(model, part, chosen)
+        done = compensate_recording(model, part, axes, part=True, **conditions)
+        for found, own in ((outside, done.remarks), (lost, emptied(part, done, axes, conditions))):
+            found += [replace(one, where=recording.place(first + one.index), index=first + one.index) for one in own]
+        made = [done.channel(name) for name in axes.values()]
+        made += _uncertainties(model, part, done, axes, conditions) if uncertainty else []
+        for one in made:
+            known = columns.setdefault(one.name, replace(one, data=empty(len(recording), one.data.dtype)))
+            known.data[first:stop] = one.data
+            release(known.data[first:stop])
+    channels = [columns.pop(one.name, one) for one in recording.channels]
+    remarks = (*recording.remarks, *(counted(one, len(recording)) for one in gather(outside)), *gather(lost))
+    return replace(recording, channels=(*channels, *columns.values()), remarks=remarks)
 
 
 def model_for(
@@ -232,7 +267,8 @@ def emptied(raw: Recording, done: Recording, axes: Mapping[str, str], conditions
         ("condition_missing", "a condition is missing that the model needs: left empty", lost.any(axis=1) & unknown),
     ):
         if rows.any():
-            found.append(Remark(code, "warning", text, raw.place(int(np.argmax(rows))), int(np.count_nonzero(rows))))
+            first = int(np.argmax(rows))
+            found.append(Remark(code, "warning", text, raw.place(first), int(np.count_nonzero(rows)), index=first))
     return tuple(found)
 
 
@@ -337,22 +373,28 @@ def _about(model: SensorModel, chosen: Taken) -> list[Remark]:
     return remarks
 
 
-def _with_uncertainty(
+def _uncertainties(
     model: SensorModel, raw: Recording, done: Recording, axes: Mapping[str, str], conditions: Conditions
-) -> Recording:
+) -> list[Channel]:
+    """Return the standard uncertainty of each compensated channel."""
     readings = to_input_unit(model, [raw.channel(name) for name in axes.values()])
     u = compensated_uncertainty(model, readings, **conditions)
     made = []
     for i, (axis, name) in enumerate(axes.items()):
         unit = str(done.channel(name).unit)
         made.append(Channel(f"{UNCERTAINTY}{name}", u[:, i] * factor(model.unit, unit), unit, "model", axis))
+    return made
+
+
+def _about_uncertainty(model: SensorModel) -> list[Remark]:
+    """Remarks on what the uncertainties hold."""
     exact = without_uncertainty(model)
     remarks = [Remark("noise_not_included", "info", "uncertainties are those of the model: noise of the reading, and "
                       "the uncertainty of the conditions, come on top")]  # fmt: skip
     if exact:
         what = f"parameters without uncertainty, which count as exact: {', '.join(exact)}"
         remarks.append(Remark("counted_as_exact", "warning", what, count=len(exact)))
-    return replace(done, channels=(*done.channels, *made), remarks=(*done.remarks, *remarks))
+    return remarks
 
 
 def model_rows(model: SensorModel) -> tuple[Row, ...]:

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ...core.campaign_text import FILE
+from ...core.estimate import Array
 from ...core.recording import Recording
 from ...core.remarks import Remark
 from ...files import read
@@ -20,7 +21,7 @@ PLACEHOLDER = "UNIT"  # for the user to fill in
 
 
 def info(
-    path: str | Path,
+    path: str | Path | Recording | Array,
     *,
     units: Mapping[str, str] | None = None,
     sample_rate: float | None = None,
@@ -56,7 +57,7 @@ def info(
 
 def next_command(recording: Recording, survey: Survey, commands: Collection[str]) -> str | None:
     """Return the next command to type, of those that the tool has; None where there is none."""
-    if all(channel.quantity == "index" for channel in recording.channels):
+    if not recording.source.path or all(channel.quantity == "index" for channel in recording.channels):
         return None
     source = Path(recording.source.path)
     home = next((one for one in [source, *list(source.parents)[:2]] if (one / FILE).is_file()), None)

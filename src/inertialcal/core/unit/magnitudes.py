@@ -56,9 +56,11 @@ def check_readings(name: str, values: NDArray[Any], unit: str | None, place: Cal
     """
     import numpy as np  # noqa: PLC0415 - help of a command reads quantities, and needs no arrays
 
+    from ..batches import extremes  # noqa: PLC0415 - the same
+
     if values.dtype.kind != "f" or not len(values):
         return
-    ends = float(np.fmin.reduce(values)), float(np.fmax.reduce(values))
+    ends = extremes(values)
     if not all(math.isfinite(one) for one in ends):
         values = np.where(np.isfinite(values), values, 0.0)
         ends = float(values.min()), float(values.max())

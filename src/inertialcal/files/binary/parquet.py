@@ -13,17 +13,20 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
+from ...core import batches
+from ...core.batches import changed, empty, release
 from ...core.errors import DataError
 from ...core.remarks import Remark
-from ..budget import COLUMNS, PARTS, READ, VALUE, check_count, claim
+from ..budget import COLUMNS, PARTS, READ, VALUE, check_count, claim, claim_room
 from ..columns import Column, Content
 from ..reader import Reader
-from ..source import Loaded, as_data_errors
+from ..source import FileBytes, Loaded, as_data_errors
 from ..text.delimited import arrow_numbers, text_in_numbers
 from ..text.layout import BLANKS, judge
 
@@ -32,6 +35,7 @@ DEEPEST = 8  # structures within structures in the header of a page
 FOOTER = 20 * COLUMNS  # entries of a list in the footer: each takes a kilobyte
 TEXT_CELL = 128  # bytes of a cell of text while it is judged
 FRONT_CODED = 7  # DELTA_BYTE_ARRAY: each text takes over the beginning of the one before
+BATCH, BUFFER = 2**17, 2**20  # rows of long columns that are read at once, and bytes of each
 AT_ONCE = 2**27  # bytes of such texts that are unpacked at once
 UNIT_KEYS = (b"unit", b"units")
 RATE_KEYS = (b"sample_rate", b"sample_rate_hz", b"fs")
@@ -50,28 +54,39 @@ def read_parquet(loaded: Loaded, variables: Sequence[str] | None = None) -> Cont
     from pyarrow import parquet  # noqa: PLC0415 - heavy import
 
     with as_data_errors(loaded.path, "a Parquet file"):
-        file = parquet.ParquetFile(pa.BufferReader(loaded.data), thrift_container_size_limit=FOOTER)
+
+        def opened() -> Any:
+            return pa.OSFile(loaded.path) if isinstance(loaded.data, FileBytes) else pa.BufferReader(loaded.data)
+
+        file = parquet.ParquetFile(opened(), thrift_container_size_limit=FOOTER)
         about = file.metadata
         check_count(about.num_columns, COLUMNS, "columns", loaded.path)
         check_count(about.num_row_groups * about.num_columns, 100 * PARTS, "pieces of columns", loaded.path)
         leaves = [about.schema.column(i) for i in range(about.num_columns)]
         read = [i for i, leaf in enumerate(leaves) if _is_readable(leaf)]
-        slow = _claim(loaded, about, leaves, read)
+        large = [i for i in read if leaves[i].physical_type != "BYTE_ARRAY"]
+        large = large if VALUE * about.num_rows * len(large) > batches.HELD else []
+        slow = _claim(loaded, about, leaves, [i for i in read if i not in large])
+        claim_room(loaded.path, loaded.on_disk, VALUE * about.num_rows * len(large), f"{about.num_rows:,} rows")
+        _check_pages(loaded, about, large)
         names = Counter(file.schema_arrow.names)
         twice = [name for name, count in names.items() if count > 1]
         if twice:
             raise DataError(f"column name {min(twice)!r} appears twice", where=loaded.path, code="duplicate_column")
-        quick = [leaves[i].path for i in read if i not in slow]
+        quick = [leaves[i].path for i in read if i not in slow and i not in large]
         texts = [leaf.path for leaf in leaves if leaf.physical_type == "BYTE_ARRAY" and leaf.path in quick]
-        file = parquet.ParquetFile(pa.BufferReader(loaded.data), read_dictionary=texts)
+        file = parquet.ParquetFile(
+            opened(), read_dictionary=texts, buffer_size=BUFFER if large else 0, pre_buffer=not large
+        )
         table = file.read(columns=quick)
         while any(pa.types.is_struct(kind) for kind in table.schema.types):
             table = table.flatten()
         columns = [_column(table.column(i), table.schema.field(i), loaded.path) for i in range(table.num_columns)]
         columns += [_front_coded(file, leaves[i].path, batch, loaded) for i, batch in slow.items()]
+        columns += _batch_by_batch(file, [leaves[i].path for i in large], loaded.path)
         order = {leaf.path: i for i, leaf in enumerate(leaves)}
         columns.sort(key=lambda one: order.get(one.name if isinstance(one, Column) else one, 0))
-        rate = _sample_rate(table.schema.metadata or {})
+        rate = _sample_rate(file.schema_arrow.metadata or {})
     unread = (leaf.path for i, leaf in enumerate(leaves) if i not in read)
     columns += dict.fromkeys(path.split(".list.")[0].split(".key_value.")[0] for path in unread)
     kept = tuple(column for column in columns if isinstance(column, Column))
@@ -79,6 +94,58 @@ def read_parquet(loaded: Loaded, variables: Sequence[str] | None = None) -> Cont
     what = f"neither numbers, dates nor text, left out: {', '.join(left_out)[:120]}"
     remark = Remark("variables_left_out", "info", what, where=loaded.path, count=len(left_out))
     return Content(kept, "Parquet", None, rate, (remark,) if left_out else ())
+
+
+def _batch_by_batch(file: Any, paths: Sequence[str], path: str) -> list[Column | str]:
+    """Return columns of numbers or times, filled a batch at a time: longer ones than memory holds lie on the disk."""
+    import pyarrow as pa  # noqa: PLC0415 - heavy import
+
+    if not paths:
+        return []
+    rows, first = file.metadata.num_rows, 0
+    values: list[Any] = []
+    parts: list[list[Column]] = []
+    for batch in file.iter_batches(batch_size=BATCH, columns=list(paths), use_threads=False):
+        table = pa.Table.from_batches([batch])
+        while any(pa.types.is_struct(kind) for kind in table.schema.types):
+            table = table.flatten()
+        made = [_column(table.column(i), table.schema.field(i), path) for i in range(table.num_columns)]
+        found = [one for one in made if isinstance(one, Column)]
+        if first == 0:
+            left_out = [one for one in made if isinstance(one, str)]
+            values = [empty(rows, one.values.dtype) for one in found]
+            parts = [[] for _ in found]
+        for k, one in enumerate(found):
+            if values[k].dtype != (kind := np.result_type(values[k], one.values)):  # an empty cell among whole numbers
+                values[k] = changed(values[k], partial(np.asarray, dtype=kind), kind)
+            values[k][first : first + table.num_rows] = one.values
+            release(values[k][first : first + table.num_rows])
+            cells = (one.empty + first, one.not_a_number + first)
+            parts[k].append(replace(one, values=np.empty(0), empty=cells[0], not_a_number=cells[1]))
+        first += table.num_rows
+    whole = [
+        replace(
+            own[0],
+            values=one,
+            empty=np.concatenate([part.empty for part in own]),
+            not_a_number=np.concatenate([part.not_a_number for part in own]),
+        )
+        for one, own in zip(values, parts, strict=True)
+    ]
+    return [*whole, *left_out]
+
+
+def _check_pages(loaded: Loaded, about: Any, large: Sequence[int]) -> None:
+    """Claim the memory for the largest page of columns that are read a batch at a time."""
+    pages = largest = 0
+    for i in large:
+        for group in range(about.num_row_groups):
+            for page in _pages(loaded.data, about.row_group(group).column(i)):
+                pages += 1
+                check_count(pages, 100 * PARTS, "pages", loaded.path)
+                largest = max(largest, page.size)
+    need = (3 * len(large)) * largest
+    claim(loaded.path, loaded.on_disk, need, f"{about.num_rows:,} rows, a page of {largest:,} bytes")
 
 
 def _is_readable(leaf: Any) -> bool:
@@ -93,7 +160,8 @@ def _is_readable(leaf: Any) -> bool:
 def _claim(loaded: Loaded, about: Any, leaves: Sequence[Any], read: Sequence[int]) -> dict[int, int]:
     """Claim the memory for columns by their page headers; return those of front-coded text, with rows at once."""
     per_column, other = READ
-    need = len(loaded.data) + VALUE * other * about.num_rows
+    held = 0 if isinstance(loaded.data, FileBytes) else len(loaded.data)
+    need: float = held + (VALUE * other * about.num_rows if read else 0)
     pages = 0
     slow: dict[int, int] = {}
     for i in read:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...core import units
+from ...core.batches import any_step, batches, every
 from ...core.errors import DataError, UsageError
 from ...core.recording import SECOND, Times
 from ...core.remarks import Remark
@@ -122,7 +123,7 @@ def _counts_rows(column: Column, quantity: str) -> bool:
     first = column.values[0]
     if first not in (0, 1):
         return False
-    return bool(np.array_equal(column.values, first + np.arange(len(column.values))))
+    return all(np.array_equal(column.values[a:b], first + np.arange(a, b)) for a, b in batches(column.values))
 
 
 def _named(described: Sequence[Described], key: str) -> list[int]:
@@ -156,8 +157,9 @@ def _runs_like_time(column: Column) -> bool:
     """Whether a column without a name of its own can be the time of the others: it always increases, in fractions."""
     if column.named or not column.is_number or not column.is_complete or len(column.values) < COUNTED_FROM:
         return False
-    values = column.values.astype(np.float64)
-    return bool(np.all(np.diff(values) > 0.0) and not np.all(values == np.rint(values)))
+    if any_step(column.values, lambda step: ~(step > 0)):
+        return False
+    return not every(column.values, lambda part: np.all(part == np.rint(part)))
 
 
 def _with_flag(described: Described, text: str, path: str, remarks: list[Remark]) -> Described:

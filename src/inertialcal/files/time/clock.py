@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core import units
+from ...core.batches import any_step, every, where_steps
 from ...core.errors import DataError
 from ...core.recording import SECOND, Times
 from ...core.remarks import Remark
@@ -143,10 +144,11 @@ def _require_complete(described: Described, place: _Place) -> None:
 
 def _require_forward(described: Described, time_ns: Times, place: _Place) -> None:
     """Time goes forward, most of the time."""
-    forward = time_ns[1:] > time_ns[:-1]
-    backward = time_ns[1:] < time_ns[:-1]
-    if len(time_ns) > 1 and (not forward.any() or backward.mean() > BACKWARD):
-        share = f"{100 * backward.mean():.0f} % of its steps go backward" if forward.any() else "it stands still"
+    steps = max(len(time_ns) - 1, 1)
+    backward = len(where_steps(time_ns, lambda step: step < 0)) / steps
+    forward = any_step(time_ns, lambda step: step > 0)
+    if len(time_ns) > 1 and (not forward or backward > BACKWARD):
+        share = f"{100 * backward:.0f} % of its steps go backward" if forward else "it stands still"
         raise _NotTimeError(
             Remark(
                 "not_time",
@@ -207,7 +209,7 @@ def _unit(described: Described, place: _Place) -> tuple[str, tuple[Remark, ...]]
         what = f"{name!r} has no unit; its digits make it an epoch in {epoch}, from {first}Z"
         return epoch, (Remark("epoch_inferred", "info", what, where=place.path),)
     _refuse_surplus(described, place)
-    if np.all(values == np.rint(values)):
+    if every(values, lambda part: np.all(part == np.rint(part))):
         raise _NotTimeError(_unit_unknown(name, values, place.path))
     what = f"{name!r} has no unit: seconds are assumed"
     do = f"Otherwise add --unit {name}=ms"
@@ -252,11 +254,11 @@ def _unit_unknown(name: str, values: NDArray[Any], path: str) -> Remark:
 
 def _refuse_surplus(described: Described, place: _Place) -> None:
     """Seconds since 1970 with a digit too many: all, or some among good ones."""
+    if every(described.column.values, lambda part: not np.any((np.abs(part) >= 1e10) & (np.abs(part) < 1e11))):
+        return
     values = described.column.values.astype(np.float64)
     size = np.abs(values)
     eleven = (size >= 1e10) & (size < 1e11)
-    if not eleven.any():
-        return
     among_epochs = epoch_unit(np.array([np.median(values)])) == "s"
     step = float(np.median(np.abs(np.diff(values)))) if len(values) > 1 else 0.0
     if among_epochs or (np.median(eleven) == 1.0 and step <= LARGEST_STEP):

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core import units
+from ...core.batches import changed, every, extremes, where
 from ...core.estimate import Array, Numbers
 from ...core.recording import SECOND, Channel, Recording, Times
 from ...core.remarks import Remark
@@ -32,7 +33,7 @@ def epoch_unit(values: Numbers) -> str | None:
     """Return the unit in which all values are an epoch of 2001 to 2099; None where there is none."""
     if not len(values):
         return None
-    low, high = float(values.min()), float(values.max())
+    low, high = extremes(values)
     for unit, per_second in EPOCH_UNITS.items():
         if low >= EPOCH_FIRST * per_second and high < EPOCH_LAST * per_second:
             return unit
@@ -46,7 +47,7 @@ def is_utc(time_ns: Times) -> bool:
 
 def beyond_epoch(values: Numbers) -> NDArray[np.int64]:
     """Return the index of each stamp [s] that is later than 2099: it has digits too many."""
-    return np.flatnonzero(np.abs(values.astype(np.float64)) >= EPOCH_LAST)
+    return where(values, lambda part: np.abs(part.astype(np.float64)) >= EPOCH_LAST)
 
 
 def digits(value: float) -> int:
@@ -65,8 +66,12 @@ def to_ns(values: Numbers, unit: str) -> Times | None:
         Of time.
     """
     per_unit = units.factor(unit, "s") * SECOND
-    if len(values) and not float(np.abs(values.astype(np.float64)).max()) * per_unit < WIDEST:
+    if len(values) and not every(values, lambda part: np.abs(part.astype(np.float64)).max() * per_unit < WIDEST):
         return None
+    return changed(values, lambda part: _in_ns(part, per_unit), np.int64)
+
+
+def _in_ns(values: Numbers, per_unit: float) -> Times:
     if values.dtype.kind in "iu" and per_unit == round(per_unit):
         return values.astype(np.int64) * int(per_unit)
     numbers = values.astype(np.float64)

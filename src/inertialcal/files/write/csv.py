@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.lib import format as npy_format
 
+from ...core.batches import batches
 from ...core.errors import DataError, InertialcalError
 from ...core.recording import SECOND, Recording
 from ...core.remarks import Remark
@@ -120,20 +121,33 @@ def _check_header(head: str, cells: Sequence[Any], columns: Sequence[Column], re
         )
 
 
+GROUP = 2**20  # rows of a group: as many are in memory at once
+
+
 def write_parquet(path: Path, recording: Recording) -> tuple[Remark, ...]:
     """Write a recording; missing values are nulls, instants are timestamps in UTC."""
     import pyarrow as pa  # noqa: PLC0415 - heavy import
     from pyarrow import parquet  # noqa: PLC0415 - heavy import
 
     columns, remarks = file_columns(recording, in_names=False)
-    arrays = [arrow_array(column.values) for column in columns]
+    values = [column.values for column in columns]
     fields = [
-        pa.field(column.name, array.type, metadata=None if column.unit is None else {UNIT_KEYS[0]: column.unit})
-        for column, array in zip(columns, arrays, strict=True)
+        pa.field(
+            column.name,
+            arrow_array(column.values[:0]).type,
+            metadata=None if column.unit is None else {UNIT_KEYS[0]: column.unit},
+        )
+        for column in columns
     ]
     rate = stated_rate(recording)
     about = None if rate is None else {RATE_KEYS[0]: repr(rate)}
-    parquet.write_table(pa.Table.from_arrays(arrays, schema=pa.schema(fields, metadata=about)), path)
+    schema = pa.schema(fields, metadata=about)
+    with parquet.ParquetWriter(path, schema) as writer:
+        for first, stop in batches(*values, size=GROUP):
+            part = [arrow_array(one[first:stop]) for one in values]
+            writer.write_table(pa.Table.from_arrays(part, schema=schema), row_group_size=GROUP)
+        if not len(values[0]):
+            writer.write_table(schema.empty_table())
     return remarks
 
 

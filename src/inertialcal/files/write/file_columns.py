@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core import units
+from ...core.batches import batches, changed, every, extremes, made
 from ...core.errors import DataError, InertialcalError
 from ...core.estimate import Numbers
 from ...core.recording import COMPENSATED, SECOND, Channel, Recording, Times
@@ -49,7 +50,7 @@ def file_columns(
         for title, channel in zip(titles, recording.channels, strict=True)
     ]
     if recording.compensated_by:
-        mark = np.ones(len(recording), dtype=np.uint8)
+        mark = made(len(recording), np.uint8, lambda first, stop: np.ones(stop - first, dtype=np.uint8))
         columns.append(Column(f"{COMPENSATED}{recording.compensated_by}", mark))
     time = time_column(recording, in_names, instants)
     found = (*([] if time is None else [time]), *columns)
@@ -232,7 +233,7 @@ def _forms(recording: Recording, time_ns: Times, name: str, instants: bool) -> I
     instant = utc and (instants or _tellable(time_ns))
     for unit in dict.fromkeys([by_name or ("" if instant else "s"), "" if instant else "s", "ns"]):
         if not unit:
-            yield time_ns.astype("datetime64[ns]"), ""
+            yield time_ns.view("datetime64[ns]"), ""
             continue
         values = numbers(time_ns, unit)
         if _keeps(values, unit, time_ns, utc):
@@ -244,21 +245,21 @@ def numbers(time_ns: Times, unit: str) -> Numbers:
     per_unit = units.factor(unit, "s") * SECOND
     size = int(per_unit)
     if size != per_unit or size < 1:
-        return time_ns / per_unit
-    whole = time_ns // size
-    rest = time_ns - whole * size
-    if not rest.any():
-        return whole
-    if int(np.abs(time_ns).max()) < EXACT:
-        return time_ns / float(size)
-    return whole + rest / float(size)
+        return changed(time_ns, lambda part: part / per_unit)
+    if every(time_ns, lambda part: not np.any(part % size)):
+        return changed(time_ns, lambda part: part // size, np.int64)
+    if max(map(abs, extremes(time_ns))) < EXACT:
+        return changed(time_ns, lambda part: part / float(size))
+    return changed(time_ns, lambda part: part // size + part % size / float(size))
 
 
 def _keeps(values: Numbers, unit: str, time_ns: Times, utc: bool) -> bool:
     if unit == "s" and len(beyond_epoch(values)):
         return False
     again = to_ns(values, unit)
-    return again is not None and bool(np.array_equal(again, time_ns)) and is_utc(again) == utc
+    if again is None or is_utc(again) != utc:
+        return False
+    return all(np.array_equal(again[first:stop], time_ns[first:stop]) for first, stop in batches(again, time_ns))
 
 
 def _tellable(time_ns: Times) -> bool:

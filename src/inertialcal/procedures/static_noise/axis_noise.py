@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.batches import count, every, finite
 from ...core.errors import DataError, Problem
 from ...core.estimate import Array
 from ...core.key import Kind, Reason
@@ -252,7 +253,7 @@ def _each(plan: Plan, readings: Readings, axis: str) -> tuple[list[Recorded], li
 
 def _recorded(plan: Plan, run: Run, axis: str) -> Recorded:
     looked = looked_through(plan, run, axis)
-    there = np.isfinite(looked.rates)
+    there = finite(looked.rates)
     curve = fitted(plan, run, axis, there)
     alike = plan.deviation == FITTED and plan.taus == "octave" and not plan.tau
     chosen, remarks = (curve, ()) if alike else shown(plan, run, axis, there)
@@ -329,7 +330,7 @@ def _allan(
         deviation=deviation,
         taus=taus,
         averaging=run.averaging,
-        present=None if there.all() else there,
+        present=None if every(there, np.all) else there,
         p=INTERVAL,
         names=(axis,),
         unit=UNITS[plan.kind] if plan.kind else plan.unit,
@@ -373,13 +374,13 @@ def looked_through(plan: Plan, run: Run, axis: str) -> Looked:
     """Return the samples of one axis as rates, without its disturbances."""
     rates = run.rates(axis)
     left_out = run.bad.get(axis, {}).get("disturbed", 0) if run.screened else 0
-    if np.count_nonzero(np.isfinite(rates)) < FEWEST:
+    before = count(rates, np.isfinite)
+    if before < FEWEST:
         return Looked(rates, (*_far(run, axis),), left_out, ())
     quality = record_quality(rates, run.interval)
     if run.screened and plan.disturbed == "leave_out" and quality.disturbances:
-        before = int(np.count_nonzero(np.isfinite(rates)))
         rates = quality.cleaned()
-        left_out += before - int(np.count_nonzero(np.isfinite(rates)))
+        left_out += before - count(rates, np.isfinite)
     remarks = []
     if not quality.at_rest:
         what = f"{axis}: not at rest, or its level steps: these terms are those of the motion"

@@ -62,7 +62,13 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
     gives = ("noise",)
     takes_corrections = True
     inputs = InputSpec(
-        ("gyro", "accelerometer"), missing=True, bare=True, ground_model="bias_kept", windows="records", screening="own"
+        ("gyro", "accelerometer"),
+        missing=True,
+        bare=True,
+        ground_model="bias_kept",
+        windows="records",
+        screening="own",
+        streamed=True,
     )
 
     def described(self, given: GivenFile) -> Sequence[Described]:

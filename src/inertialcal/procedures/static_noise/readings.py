@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.batches import finite, made
 from ...core.estimate import Array
 from ...core.recording import Recording
 from ...core.remarks import Remark
@@ -49,9 +50,10 @@ class Run:
 
     def there(self, axis: str) -> NDArray[np.bool_]:
         """Return where an axis has a sample, shape (n,)."""
-        found: NDArray[np.bool_] = np.isfinite(self.values[axis])
-        given = self.present.get(axis)
-        return found if given is None else found & given
+        values, given = self.values[axis], self.present.get(axis)
+        if given is None:
+            return finite(values)
+        return made(len(values), bool, lambda a, b: np.isfinite(values[a:b]) & given[a:b], values, given)
 
     def left_out(self, axis: str) -> int:
         """Return how many samples of an axis are left out, since they are no readings; but disturbances."""
@@ -70,14 +72,20 @@ class Run:
         return len(self) * self.interval
 
     def rates(self, axis: str) -> Array:
-        """Return the samples of an axis as rates, shape (n,); NaN where one is missing."""
-        found: Array = self.values[axis].astype(np.float64)
-        if self.quantity != "rate":
-            found /= self.interval
-        there = self.present.get(axis)
-        if there is not None:
-            found[~there] = np.nan
-        return found
+        """Return the samples of an axis as rates, shape (n,), not to be changed; NaN where one is missing."""
+        values, there = self.values[axis], self.present.get(axis)
+        if values.dtype == np.float64 and self.quantity == "rate" and there is None:
+            return values
+
+        def part(first: int, stop: int) -> Array:
+            found: Array = values[first:stop].astype(np.float64)
+            if self.quantity != "rate":
+                found /= self.interval
+            if there is not None:
+                found[~there[first:stop]] = np.nan
+            return found
+
+        return made(len(values), np.float64, part, values, *(() if there is None else (there,)))
 
 
 @dataclass(frozen=True, eq=False)

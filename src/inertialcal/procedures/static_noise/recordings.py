@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.batches import any_step, changed, count, every, extremes, finite, kept, made, masked, without
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.recording import SECOND
@@ -80,9 +81,15 @@ def _run(plan: Plan, one: AtRest) -> tuple[Run, list[Remark]]:
             present[axis] = there
     quantity = one.quantity
     if quantity == "angle":  # unsigned codes as signed ones, so that a step back is one
-        signed = {axis: x.astype(np.int64) if x.dtype.kind == "u" else x for axis, x in values.items()}
-        values = {axis: np.diff(x) for axis, x in signed.items()}
-        present = {axis: there[1:] & there[:-1] for axis, there in present.items()}
+        signed = {
+            axis: changed(x, lambda part: part.astype(np.int64), np.int64) if x.dtype.kind == "u" else x
+            for axis, x in values.items()
+        }
+        values = {axis: steps_of(x) for axis, x in signed.items()}
+        present = {
+            axis: made(len(there) - 1, bool, lambda a, b, own=there: own[a + 1 : b + 1] & own[a:b], there[1:])  # type: ignore[misc]
+            for axis, there in present.items()
+        }
         quantity = "increment"
     skipped, remarks = max(int(np.ceil(plan.warm_up / grid.interval - 1e-9)), 0), list(grid.remarks)
     if skipped:
@@ -109,12 +116,17 @@ def _run(plan: Plan, one: AtRest) -> tuple[Run, list[Remark]]:
     return run, [*remarks, *bad]
 
 
+def steps_of(x: NDArray[Any]) -> NDArray[Any]:
+    """Return what each sample adds to the one before, shape (n - 1,)."""
+    return made(len(x) - 1, x.dtype, lambda a, b: np.diff(x[a : b + 1]), x[1:])
+
+
 def _samples(one: AtRest, name: str, grid: Grid) -> tuple[NDArray[Any], NDArray[np.bool_] | None]:
     """Return the samples of a channel on the grid, and where there is one; None where there is one everywhere."""
     data = one.recording.channel(name).data
     if data.dtype.kind not in "iuf":
         raise DataError(f"column {name!r} holds no numbers", one.place, code="wrong_column")
-    largest = float(np.max(np.abs(data, where=np.isfinite(data), out=np.zeros(len(data))), initial=0.0))
+    largest = float(np.nanmax(np.abs(extremes(data, infinite=False)), initial=0.0))
     if largest > LARGEST:
         what = f"column {name!r} reaches {largest:.3g}"
         raise DataError(what, one.place, "no sensor reads so much", "Look at the file", "wrong_value")
@@ -172,8 +184,8 @@ def grid_of(one: AtRest) -> Grid:
     if stamps is None or len(stamps) < FEWEST:
         return Grid(given)
     mean = (int(stamps[-1]) - int(stamps[0])) / SECOND / (len(stamps) - 1)
-    steps = np.diff(stamps)
-    even = steps.min() > 0 and steps.max() <= NO_GAP * given * SECOND and steps.mean() > 0.9 * given * SECOND
+    longest = NO_GAP * given * SECOND
+    even = mean > 0.9 * given and not any_step(stamps, lambda step: (step <= 0) | (step > longest))
     if recording.interval_from != FLAG and even:  # the quick answer for most records
         return Grid(mean)
     axis = analyse(stamps)
@@ -268,23 +280,30 @@ def screened(
     present, remarks = dict(run.present), []
     for axis, values in run.values.items():
         there = run.there(axis)
-        x = values if there.all() else np.where(there, values, np.nan)
+        whole = every(there, np.all)
+        x = values if whole else masked(values, there)
         one = found[axis] = _undisturbed(screen(x), x, run.interval, left_out)
         if "stuck" in one and one["stuck"].count == len(run):
             continue  # the curve says that the channel is constant
-        no_reading = np.zeros(len(run), dtype=bool)
-        counts = bad.setdefault(axis, {})
+        left, counts = there, bad.setdefault(axis, {})
         for code in (code for code in NO_READINGS if code in one and code != "missing"):
-            own = one.screened(x, (code,)) & there & ~no_reading
-            counts[code] = int(np.count_nonzero(own))
-            no_reading |= own
-        if left_out and no_reading.any():
-            present[axis] = there & ~no_reading
+            before, left = left, without(left, one.screened(x, (code,)))
+            counts[code] = count(before, np.asarray) - count(left, np.asarray)
+        if left_out and any(counts.values()):
+            present[axis] = left
         fate = "left out" if left_out else "kept in"
         said = remarks_of(one, axis, shown[axis].place, shown[axis].value, run.interval, fate)
+<<<<<<< HEAD
         kept = (remark for remark in said if remark.code not in SAID_ELSEWHERE)
         remarks += [replace(remark, axis=axis, recording=run.name) for remark in kept]
     fine = {axis: resolution_of(_present(run, axis), shown[axis].times) for axis in run.values}
+=======
+        own_remarks = (remark for remark in said if remark.code not in SAID_ELSEWHERE)
+        remarks += [replace(remark, axis=axis, recording=run.name) for remark in own_remarks]
+    fine = {
+        axis: resolution_of(kept(values, run.there(axis)), shown[axis].times) for axis, values in run.values.items()
+    }
+>>>>>>> 1265b2c6 (squash stream25)
     return replace(run, present=present, found=found, bad=bad, resolution=fine, screened=left_out), remarks
 
 
@@ -301,9 +320,10 @@ def _undisturbed(found: Screening, x: NDArray[Any], interval: float, left_out: b
     """
     if not left_out or not {*found.codes} & {*CHANGES}:
         return found
-    quality = record_quality(np.where(found.screened(x), np.nan, x), interval)
+    bad = found.screened(x)
+    quality = record_quality(masked(x, without(finite(x), bad)), interval)
     if not quality.disturbances or not quality.at_rest:
         return found
     again = screen(quality.cleaned())
-    kept = tuple(one for one in found.findings if one.code not in CHANGES)
-    return replace(found, findings=(*kept, *(one for one in again.findings if one.code in CHANGES)))
+    others = tuple(one for one in found.findings if one.code not in CHANGES)
+    return replace(found, findings=(*others, *(one for one in again.findings if one.code in CHANGES)))

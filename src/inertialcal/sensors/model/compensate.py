@@ -18,6 +18,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from typing import Any, Unpack
 
 import numpy as np
@@ -108,6 +109,18 @@ def outside(
         ``outside_channel_range`` of each channel that the model has a sensitivity to; only those with a count above
         zero.
     """
+    return tuple(counted(one, len(compensated)) for one in beyond(model, compensated, readings, **conditions))
+
+
+def counted(remark: Remark, among: int) -> Remark:
+    """Return a remark of `beyond` that says of how many rows."""
+    return replace(remark, what=f"{remark.count} of {among} row(s): {remark.what}")
+
+
+def beyond(
+    model: SensorModel, compensated: Array, readings: Array, **conditions: Unpack[Conditions]
+) -> tuple[Remark, ...]:
+    """Return what `outside` does of some rows of a record: the remarks do not say of how many."""
     x = rows(model, compensated, "compensated")
     r = rows(model, readings, "readings")
     columns = condition_columns(model, len(x), conditions)
@@ -127,18 +140,16 @@ def outside(
     ]
     for code, name, between, unit in ranges:
         if between is not None and name in columns:
-            beyond = np.any((columns[name] < between[0]) | (columns[name] > between[1]), axis=1)
+            over = np.any((columns[name] < between[0]) | (columns[name] > between[1]), axis=1)
             text = f"beyond the {name} range ({between[0]:g} to {between[1]:g} {unit})"
-            remarks.append(_remark(code, text, np.broadcast_to(beyond, len(x))))
+            remarks.append(_remark(code, text, np.broadcast_to(over, len(x))))
     return tuple(remark for remark in remarks if remark.count)
 
 
 def _remark(code: str, text: str, where: NDArray[Any], do: str = "The model extrapolates there") -> Remark:
     count = int(np.count_nonzero(where))
     at = int(np.argmax(where)) if count else 0
-    return Remark(
-        code, "warning", f"{count} of {len(where)} row(s): {text}", f"row {at}" if count else "", count, do, index=at
-    )
+    return Remark(code, "warning", text, f"row {at}" if count else "", count, do, index=at)
 
 
 def _compiled(model: SensorModel, columns: Columns, readings: Array, out: Array) -> bool:

@@ -21,7 +21,7 @@ from ...core.units import convert as to_unit
 from ...core.units import same_dimension
 from ..chain.conversion import convert
 from ..chain.converter import Chain
-from .compensate import compensate, outside
+from .compensate import beyond, compensate, counted
 from .equation import Conditions
 from .sensitivity import PRESSURE
 from .sensor_model import SensorModel, check_item, to_readings
@@ -80,7 +80,11 @@ def apply_chain(
 
 
 def compensate_recording(
-    model: SensorModel, recording: Recording, columns: Mapping[str, str], **conditions: Unpack[Conditions]
+    model: SensorModel,
+    recording: Recording,
+    columns: Mapping[str, str],
+    part: bool = False,
+    **conditions: Unpack[Conditions],
 ) -> Recording:
     """Return the recording with compensated inputs in place of readings.
 
@@ -89,6 +93,9 @@ def compensate_recording(
     columns : mapping of str to str
         What it is -> name of the column: each axis, and ``"temperature"`` or ``"temperature_x"``, ...,
         ``"pressure"`` and other channels by their names where the model needs them.
+    part : bool
+        Whether these are some rows of a record: what lies beyond its ranges is then not said of how many
+        (``compensate.counted``).
     **conditions
         See ``equation.Conditions``; what is not in a column.
 
@@ -125,7 +132,8 @@ def compensate_recording(
             channel, data=to_unit(x[:, i], model.unit, unit).copy(), unit=unit, quantity=QUANTITY[model.unit]
         )
     remarks = [
-        replace(remark, where=recording.place(remark.index)) for remark in outside(model, x, readings, **conditions)
+        replace(remark if part else counted(remark, len(x)), where=recording.place(remark.index))
+        for remark in beyond(model, x, readings, **conditions)
     ]
     return replace(
         recording,

@@ -19,10 +19,11 @@ from ...core.estimate import Array, Numbers
 from ...core.remarks import Remark
 from ..names import Deviation, Quantity
 from .deviations import KINDS, Kind, variances
-from .edf import BLUEST, carried_on, identified_powers
+from .edf import BLUEST, believed_powers, carried_on, identified_powers
 from .edf import interval as interval_of
 from .gaps import dead_time_remark, missing_remark
 from .prefix import QUANTITIES, give_back, phase_of
+from .streamed import is_streamed, streamed_variances
 
 TELLING = 4  # averaging times at which the noise type should be told, or the record is short
 WHITE = 0
@@ -59,11 +60,18 @@ def analyse_channel(
     DataError
         If no sample is there, or whole numbers are too large to be summed.
     """
-    phase = phase_of(x, quantity, present)
-    power = identified_powers(phase, kind, factors) if noise == "auto" else np.full(len(factors), float(noise))
+    streamed = streamed_variances(x, kind, factors) if present is None and is_streamed(x, quantity, kind) else None
+    missing = 0
+    if streamed is not None:
+        found, told = streamed
+        power = believed_powers(told, kind)
+    else:
+        phase = phase_of(x, quantity, present)
+        power = identified_powers(phase, kind, factors) if noise == "auto" else np.empty(len(factors))
+        found, missing = variances(phase, kind, factors), phase.missing  # uses the phase up
+        give_back(phase)
+    power = power if noise == "auto" else np.full(len(factors), float(noise))
     identified = int(np.count_nonzero(np.isfinite(power)))
-    found = variances(phase, kind, factors)  # uses the phase up
-    give_back(phase)
     power, edf = carried_on(power, kind, factors, found.terms)
     variance = np.where(power >= WHITE, found.variance / found.inflation, found.variance)
     remarks: list[Remark] = []
@@ -80,9 +88,7 @@ def analyse_channel(
         if empty:
             what = f"{name}: {empty} averaging time(s) left out: no two windows are half full"
             remarks.append(Remark("gaps_too_many", "warning", what, count=empty))
-    return Channel(
-        np.sqrt(variance), found.terms, found.inflation, edf, power, found.ends, phase.missing, tuple(remarks)
-    )
+    return Channel(np.sqrt(variance), found.terms, found.inflation, edf, power, found.ends, missing, tuple(remarks))
 
 
 def checked_kind(quantity: str, deviation: str, p: float, noise: Literal["auto"] | int) -> Kind:

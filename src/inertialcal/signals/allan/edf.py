@@ -115,6 +115,11 @@ def identified_powers(phase: Phase, kind: Kind, factors: NDArray[np.int64]) -> A
     """Return the exponent at each averaging factor, rising, shape (k,); NaN where averages are too few."""
     found = np.empty(len(factors))
     _kernels_noise_type.identify(phase.values, phase.count, phase.pointwise, factors, -kind.reddest // 2, found)
+    return believed_powers(found, kind)
+
+
+def believed_powers(found: Array, kind: Kind) -> Array:
+    """Return whole exponents that a deviation converges for, and none bluer than those at shorter averaging times."""
     power = np.clip(np.rint(found), kind.reddest, BLUEST)
     bluest = np.fmin.accumulate(np.fmax(power, WHITE))
     return np.asarray(np.where(np.isnan(power), np.nan, np.fmin(power, bluest)))

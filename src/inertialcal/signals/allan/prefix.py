@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.batches import batches, empty
 from ...core.errors import DataError
 from ...core.estimate import Numbers
 from ..names import Quantity
@@ -74,11 +75,11 @@ def phase_of(x: Numbers, quantity: Quantity, present: NDArray[np.bool_] | None =
 
 
 def _complete(x: Numbers, quantity: Quantity) -> Phase:
-    level = _level(x)
+    level = level_of(x)
     if quantity == "angle":
         return Phase(_less(x, level), NOTHING_MISSING, pointwise=True)
     # Empty array that starts on a cache line: so do windows of 8, 16, ... samples, which are read faster
-    kind = _summed(x)
+    kind = summed_as(x)
     size = (len(x) + 1) * np.dtype(kind).itemsize
     try:
         owner = _spare.pop()
@@ -104,31 +105,33 @@ def give_back(phase: Phase) -> None:
 
 def _with_gaps(x: Numbers, quantity: Quantity, there: NDArray[np.bool_]) -> Phase:
     missing = int(len(x) - np.count_nonzero(there))
-    level = _level(x, there)
+    level = level_of(x, there)
     if quantity == "angle":
         count = np.concatenate([[0], np.cumsum(there)]).astype(np.int32)
         return Phase(np.where(there, _less(np.where(there, x, level), level), 0), count, True, missing)
-    phase, count = np.empty(len(x) + 1, dtype=_summed(x)), np.empty(len(x) + 1, dtype=np.int32)
+    phase, count = empty(len(x) + 1, summed_as(x)), empty(len(x) + 1, np.int32)
     kernels.integrate_present(x, there, level, phase, count)
     return Phase(phase, count, False, missing)
 
 
-def _summed(x: Numbers) -> type[np.generic]:
+def summed_as(x: Numbers) -> type[np.generic]:
+    """Return the type that samples are summed in."""
     return np.int64 if x.dtype.kind in "iub" else np.float64
 
 
 def _less(x: Numbers, level: Any) -> Numbers:
-    less: Numbers = x.astype(_summed(x)) - level
+    less: Numbers = x.astype(summed_as(x)) - level
     return less
 
 
-def _level(x: Numbers, there: NDArray[np.bool_] | None = None) -> Any:
+def level_of(x: Numbers, there: NDArray[np.bool_] | None = None) -> np.int64 | np.float64:
     """Return what is taken off each sample: about their mean; exactly their value where all are equal."""
     sample = x[:: max(1, len(x) // LEVEL_FROM)]
     if there is not None:
         sample = sample[there[:: max(1, len(x) // LEVEL_FROM)]]
     if x.dtype.kind in "iub":
-        least, most = int(x.min()), int(x.max())
+        ends = [(int(part.min()), int(part.max())) for part in (x[a:b] for a, b in batches(x))]
+        least, most = min(low for low, _ in ends), max(high for _, high in ends)
         first = int(sample[0]) if len(sample) else least
         level = first + sum(int(value) - first for value in sample) // max(1, len(sample))
         largest = max(most - level, level - least)

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.batches import batches, release
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ..time.samples import Indices
@@ -52,9 +53,14 @@ class Blocks:
         mean, rough, same, count = self.mean.copy(), self.rough.copy(), self.same.copy(), self.count.copy()
         lo, hi = np.zeros((2, len(self)), dtype=self.bits.dtype)
         flip = _flip(self.x.dtype, self.bits.dtype)
-        loops(len(self.x)).fill_patched(
-            self.x, self.bits, self.size, flip, which, skip, lo, hi, mean, rough, same, count
-        )
+        for first, stop in batches(self.x, whole=self.size):
+            own = slice(first // self.size, -(-stop // self.size))
+            some = which[slice(*np.searchsorted(which, (own.start, own.stop)))] - own.start
+            left = skip[slice(*np.searchsorted(skip, (first, stop)))] - first
+            if len(some):
+                outs: tuple[Any, ...] = tuple(one[own] for one in (lo, hi, mean, rough, same, count))
+                part = slice(first, stop)
+                loops(len(self.x)).fill_patched(self.x[part], self.bits[part], self.size, flip, some, left, *outs)
         lowest, highest = self.lo.copy(), self.hi.copy()
         for every, part in ((lowest, lo), (highest, hi)):
             every[which] = np.where(count[which] == 0, np.nan, _values(part[which], self.x.dtype))
@@ -104,10 +110,14 @@ def blocks_of(x: NDArray[Any]) -> Blocks:
     same, count = np.empty((2, n), dtype=np.int32)
     flip = _flip(x.dtype, bits.dtype)
     inf: Any = np.array(np.inf, dtype=x.dtype).view(bits.dtype)[()] if flip else bits.dtype.type(0)
-    if loops(len(x)).fill_blocks(x, bits, size, flip, inf, lo, hi, mean, rough, same, count):
-        odd = np.flatnonzero(count == 0)
-        none = np.empty(0, dtype=np.int64)
-        loops(len(x)).fill_patched(x, bits, size, flip, odd, none, lo, hi, mean, rough, same, count)
+    for first, stop in batches(x, whole=size):
+        own = slice(first // size, -(-stop // size))
+        part = slice(first, stop)
+        outs: tuple[Any, ...] = tuple(one[own] for one in (lo, hi, mean, rough, same, count))
+        if loops(len(x)).fill_blocks(x[part], bits[part], size, flip, inf, *outs):
+            odd = np.flatnonzero(count[own] == 0)
+            none = np.empty(0, dtype=np.int64)
+            loops(len(x)).fill_patched(x[part], bits[part], size, flip, odd, none, *outs)
     lowest, highest = _values(lo, x.dtype), _values(hi, x.dtype)
     empty = count == 0
     if empty.any():
@@ -126,6 +136,7 @@ def pieces(x: NDArray[Any]) -> tuple[Indices, Array]:
     if len(x) <= SUBSAMPLE:
         first = np.arange(most, dtype=np.int64) * length
     rows = np.asarray(x[first[:, None] + np.arange(length)], dtype=np.float64)
+    release(x)
     rows[~np.isfinite(rows)] = np.nan
     return first, rows
 

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.batches import release
 from ...core.estimate import Array
 from ..time.samples import Flags, Indices
 from .blocks import Blocks, pieces
@@ -62,6 +63,7 @@ def scale_of(x: NDArray[Any]) -> Scale:
     first, rows = pieces(x)
     off = np.empty_like(rows)
     loops(len(x)).fill_pieces(x, first, off)
+    release(x)
     apart = np.abs(np.diff(rows, axis=1))
     apart = apart[np.isfinite(apart) & (apart > 0.0)]
     step = float(apart.min()) if len(apart) else 0.0
@@ -98,6 +100,7 @@ def far_samples(blocks: Blocks, scale: Scale, at_rest: bool) -> tuple[Stretches,
     while True:
         at, off = np.empty(room, dtype=np.int64), np.empty(room)
         found = loops(len(blocks.x)).fill_far(blocks.x, blocks.size, which, scale.limit, SKIRT * scale.limit, at, off)
+        release(blocks.x)
         if found <= room:
             break
         room = found

@@ -13,10 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.batches import batches
 from ...core.estimate import Array
 from ..time.samples import Indices
 from .blocks import Blocks, pieces
-from .loops import loops
+from .loops import PRINT, loops
 
 CHANCE = 1e-5  # of stuck stretches and copies each, a record
 PILED = 4e-4  # of a pile at an end: four samples of noise lie on its last code by chance at times
@@ -329,7 +330,9 @@ def copies(blocks: Blocks, habits: Habits) -> tuple[Copy, ...]:
         return ()
     size = min(blocks.size, PRINTED)
     prints, place = np.empty(-(-n // size), dtype=np.uint64), np.empty(-(-n // size), dtype=np.int32)
-    loops(n).fill_prints(bits, size, prints, place)
+    for first, stop in batches(bits, whole=size):
+        own = slice(first // size, -(-stop // size))
+        loops(n).fill_prints(bits[first : stop + PRINT], size, prints[own], place[own])
     ordered = np.sort(prints)
     twice = ordered[1:][(ordered[1:] == ordered[:-1]) & (ordered[1:] != 0)]
     if not len(twice):

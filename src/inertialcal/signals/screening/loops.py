@@ -152,16 +152,17 @@ class Loops:
     @staticmethod
     def fill_prints(bits: NDArray[Any], size: int, prints: NDArray[np.uint64], at: NDArray[np.int32]) -> None:
         """Fill a fingerprint of each block, and where in the block it is."""
-        n, starts = len(bits), np.arange(0, len(bits), size)
+        n, starts = len(bits), np.arange(len(prints)) * size
+        inside = min(n, len(prints) * size)  # beyond it lies what a fingerprint may reach into
         words = bits.astype(np.uint64)
         least = np.full(n, WORD, dtype=np.uint64)
         mixed = (words[:-2] + (words[1:-1] << np.uint64(7))) ^ (words[2:] << np.uint64(17))
         mixed = (mixed ^ (mixed >> np.uint64(29))) * np.uint64(ODD)
         place = np.arange(n) % size
         stop = np.minimum(np.arange(n) - place + size, n)
-        here = np.flatnonzero((np.arange(n) < stop - 2)[: len(mixed)])
+        here = np.flatnonzero((np.arange(inside) < stop[:inside] - 2)[: len(mixed)])
         least[here] = (mixed[here] & np.uint64(WORD - 0xFFFF)) | place[here].astype(np.uint64)
-        lowest = np.minimum.reduceat(least, starts)
+        lowest = np.minimum.reduceat(least[:inside], starts)
         at[:] = (lowest & np.uint64(0xFFFF)).astype(np.int32)
         first = starts + at
         fits = (lowest < np.uint64(WORD)) & (first + PRINT <= n)

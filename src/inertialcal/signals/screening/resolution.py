@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...core.batches import every, extremes, finite, kept, mean
 from ..time.samples import Flags
 from .blocks import pieces
 
@@ -70,12 +71,12 @@ def resolution_of(x: NDArray[Any], times: float = 1.0) -> Resolution:
     times : float
         What a sample is multiplied by to be as stored.
     """
-    finite = x[np.isfinite(x)] if x.dtype.kind == "f" else x
-    if not len(finite):
+    given = x if x.dtype.kind != "f" or every(x, lambda part: np.isfinite(part).all()) else kept(x, finite(x))
+    if not len(given):
         return Resolution(0.0, 0.0)
-    low, high = float(finite.min()), float(finite.max())
-    largest, middle = max(abs(low), abs(high)), float(np.mean(finite, dtype=np.float64))
-    _, rows = pieces(finite)
+    low, high = extremes(given)
+    largest, middle = max(abs(low), abs(high)), mean(given)
+    _, rows = pieces(given)
     stored, largest = rows * times, largest * times
     apart = np.abs(np.diff(rows, axis=1))
     apart = apart[apart > 0.0]

@@ -60,6 +60,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.batches import batches, zeros
 from ...core.estimate import Array
 from ..time.samples import Flags, Indices
 from .blocks import Blocks, blocks_of
@@ -134,16 +135,18 @@ class Screening:
             Findings that count. Steps, changes of the noise and waves have no samples to leave out, nor has a channel
             that is stuck throughout: nothing would be left to say so.
         """
-        out = np.zeros(len(x), dtype=bool)
+        out = zeros(len(x), bool)
         for one in self.findings:
             whole = one.code == "stuck" and one.count == self.samples
             if one.code not in codes or one.code not in NO_READINGS or whole:
                 continue
             if one.code == "missing":
-                out |= ~np.isfinite(x)
+                for first, stop in batches(x, out):
+                    out[first:stop] |= ~np.isfinite(x[first:stop])
             elif one.code == "saturated":
-                for value in np.unique(one.value):
-                    out |= x == value
+                values = np.unique(one.value)
+                for first, stop in batches(x, out):
+                    out[first:stop] |= np.isin(x[first:stop], values)
             else:
                 for first, last in one.places.tolist():
                     out[first : last + 1] = True

@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.batches import batches
 from ...core.estimate import Array
 from ..time.samples import Flags, Indices
 from .change import ANY, FACTORS, Change, Factors, unit_of
@@ -192,7 +193,10 @@ def averaged(x: NDArray[Any], size: int) -> Array:
     """Return the means of so many samples each."""
     if size == 1:
         return np.asarray(x, dtype=np.float64)
-    means: Array = x[: len(x) // size * size].reshape(-1, size).mean(axis=1, dtype=np.float64)
+    used = x[: len(x) // size * size]
+    means = np.empty(len(used) // size)
+    for first, stop in batches(used, whole=size):
+        means[first // size : stop // size] = used[first:stop].reshape(-1, size).mean(axis=1, dtype=np.float64)
     return means
 
 

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.batches import extremes
 from ...core.remarks import Remark, Severity
 from ...core.units import convert, factor, kind
 from ..time.samples import Flags
@@ -166,7 +167,8 @@ def impossible(
 
 def _outside(values: NDArray[Any], ends: tuple[float, float], given: str, unit: str) -> Flags:
     low, high = (float(one) for one in convert(list(ends), given, unit))
-    if not (np.fmin.reduce(values) < low or np.fmax.reduce(values) > high):  # also where nothing is there
+    least, largest = extremes(values)
+    if not (least < low or largest > high):  # also where nothing is there
         return np.zeros(len(values), dtype=bool)
     with np.errstate(invalid="ignore"):
         flags: Flags = (values < low) | (values > high)

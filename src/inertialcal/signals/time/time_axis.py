@@ -24,6 +24,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.batches import batches, taken, where_steps
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.recording import SECOND, Times
@@ -38,6 +39,7 @@ MOST_LOST = 2.5  # block mean over median step up to which it can be losses: 60 
 GAP_EXCESS = 0.4  # excess over the interval, in intervals, from which a step is a gap ...
 GAP_SIGMA = 6.0  # ... and in robust standard deviations of the steps
 MAD_TO_SIGMA = 1.4826  # median absolute deviation to standard deviation, normal distribution
+FEW_STEPS = 2**16  # [ns]: steps that differ by less are counted in bins
 QUARTER = 4  # the table of steps counts them to a quarter of the interval
 TABLE_LINES = 12  # longest table of steps
 AGAIN = "Cut the record there; sort its rows if they are in another order; or give --sample-rate if its clock was set"
@@ -111,24 +113,28 @@ def analyse(time_ns: Times, averaging: float | None = None) -> TimeAxis:
     """
     if len(time_ns) < 2:
         raise DataError(f"a time axis of {len(time_ns)} stamp(s), need 2 or more", code="too_short")
-    first, last = int(time_ns.min()), int(time_ns.max())
+    ends = [(int(part.min()), int(part.max())) for part in (time_ns[a:b] for a, b in batches(time_ns))]
+    first, last = min(low for low, _ in ends), max(high for _, high in ends)
     if last - first > WIDEST:
         raise DataError(f"stamps span {(last - first) / SECOND:.3g} s, more than 292 years", code="time_range")
-    steps = np.diff(time_ns)
-    forward = steps[steps > 0].astype(np.float64)
-    repeated, backward = np.flatnonzero(steps == 0) + 1, np.flatnonzero(steps < 0) + 1
-    median = float(np.median(forward)) if len(forward) else 0.0
-    pattern, interval = _pattern(time_ns, forward, median)
+    steps = _steps_of(time_ns)
+    forward = steps.where(steps.length > 0)
+    none = np.empty(0, dtype=np.int64)
+    repeated = where_steps(time_ns, lambda step: step == 0) if np.any(steps.length == 0) else none
+    backward = where_steps(time_ns, lambda step: step < 0) if np.any(steps.length < 0) else none
+    median = forward.median()
+    pattern, interval = _pattern(time_ns, steps, forward, median)
     regular = pattern == "regular"
-    gaps = _gaps(steps, interval) if regular else _gaps(steps[:0], 1.0)
-    rms, worst = _jitter(np.delete(steps, gaps.after) if len(gaps) else steps, interval, regular)
+    longest = _longest_step(forward, interval) if regular else np.inf
+    gaps = _gaps(time_ns, forward, interval, longest)
+    rms, worst = _jitter(forward.where(forward.length <= longest), interval, regular)
     return TimeAxis(
         n=len(time_ns),
         duration=(last - first) / SECOND,
         pattern=pattern,
         interval=interval / SECOND if interval else None,
         median_step=median / SECOND,
-        longest_step=float(forward.max()) / SECOND if len(forward) else 0.0,
+        longest_step=float(forward.length[-1]) / SECOND if len(forward) else 0.0,
         jitter_rms=rms / SECOND,
         jitter_max=worst / SECOND,
         gaps=gaps,
@@ -155,53 +161,110 @@ def backward_steps(time_ns: Times, at: Indices | None = None) -> str:
     return f"time goes back {times} from {before:.9g} s to {after:.9g} s after the first stamp"
 
 
-def _pattern(time_ns: Times, forward: Array, median: float) -> tuple[Literal["regular", "bursts", "single"], float]:
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """Different steps of a time axis, and how often each occurs: few where a clock is even."""
+
+    length: Times  # ascending [ns], shape (k,)
+    count: Indices
+
+    def __len__(self) -> int:
+        return len(self.length)
+
+    def where(self, kept: NDArray[np.bool_]) -> Steps:
+        """Return some of them."""
+        return Steps(self.length[kept], self.count[kept])
+
+    def median(self, off: float | None = None) -> float:
+        """Return the median step, or the median of how far steps are off a length [ns]; 0 where there is none."""
+        if not len(self):
+            return 0.0
+        size = self.length.astype(np.float64)
+        count = self.count
+        if off is not None:
+            size = np.abs(size - off)
+            order = np.argsort(size, kind="stable")
+            size, count = size[order], count[order]
+        before = np.cumsum(count)
+        low, high = (int(np.searchsorted(before, k, side="right")) for k in ((before[-1] - 1) // 2, before[-1] // 2))
+        return float(0.5 * (size[low] + size[high]))
+
+
+def _steps_of(time_ns: Times) -> Steps:
+    """Return the different steps of stamps, counted a batch at a time."""
+    found = Steps(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))
+    for first, stop in batches(time_ns[:-1]):
+        steps = np.diff(time_ns[first : stop + 1])
+        least = int(steps.min())
+        if int(steps.max()) - least < FEW_STEPS:
+            counted = np.bincount(steps - least)
+            length = np.flatnonzero(counted)
+            one = Steps(length + least, counted[length])
+        else:
+            one = Steps(*np.unique(steps, return_counts=True))
+        length, at = np.unique(np.concatenate((found.length, one.length)), return_inverse=True)
+        count = np.zeros(len(length), dtype=np.int64)
+        np.add.at(count, at, np.concatenate((found.count, one.count)))
+        found = Steps(length, count)
+    return found
+
+
+def _pattern(
+    time_ns: Times, steps: Steps, forward: Steps, median: float
+) -> tuple[Literal["regular", "bursts", "single"], float]:
     """Kind of axis and its nominal interval [ns]."""
     if not len(forward):
         return "single", 0.0
     block = _block_interval(time_ns) or median
     alike = 1.0 / BLOCK_AGREES <= block / median <= BLOCK_AGREES
-    off_grid = np.abs(forward - np.rint(forward / median) * median) > ON_GRID * median
-    samples_lost = median < block <= MOST_LOST * median and np.mean(off_grid) <= 1.0 - ON_GRID_SHARE
+    length, count = forward.length.astype(np.float64), int(forward.count.sum())
+    off_grid = np.abs(length - np.rint(length / median) * median) > ON_GRID * median
+    samples_lost = median < block <= MOST_LOST * median and forward.count[off_grid].sum() / count <= 1.0 - ON_GRID_SHARE
     if alike or samples_lost:
         return "regular", median
-    mean = float(forward.sum()) / np.count_nonzero(np.diff(time_ns) >= 0)
+    mean = float(length @ forward.count) / int(steps.count[steps.length >= 0].sum())
     return "bursts", mean if abs(mean - block) < MEAN_AGREES * block else block
 
 
 def _block_interval(time_ns: Times) -> float:
     """Median over blocks of about sqrt(n) samples of the mean step [ns]; 0 where none goes forward."""
     size = max(isqrt(len(time_ns)), min(10, len(time_ns) - 1))
-    ends = time_ns[::size]
+    ends = taken(time_ns, np.arange(0, len(time_ns), size))
     means = np.diff(ends).astype(np.float64) / size
     means = means[means > 0.0]
     return float(np.median(means)) if len(means) else 0.0
 
 
-def _jitter(steps: Times, interval: float, regular: bool) -> tuple[float, float]:
+def _jitter(forward: Steps, interval: float, regular: bool) -> tuple[float, float]:
     """Rms and largest deviation of the forward steps [ns]."""
-    forward = steps[steps > 0].astype(np.float64)
     if not len(forward):
         return 0.0, 0.0
-    multiples = np.maximum(np.rint(forward / interval), 1.0) if regular else 1.0
-    deviation = np.abs(forward - multiples * interval)
-    return float(np.sqrt(np.mean(deviation**2))), float(deviation.max())
+    length = forward.length.astype(np.float64)
+    multiples = np.maximum(np.rint(length / interval), 1.0) if regular else 1.0
+    deviation = np.abs(length - multiples * interval)
+    return float(np.sqrt(deviation**2 @ forward.count / forward.count.sum())), float(deviation.max())
 
 
-def _gaps(steps: Times, interval: float) -> Gaps:
+def _longest_step(forward: Steps, interval: float) -> float:
+    """Return the longest step that jitter explains [ns]."""
+    return interval + max(GAP_EXCESS * interval, GAP_SIGMA * MAD_TO_SIGMA * forward.median(interval))
+
+
+def _gaps(time_ns: Times, forward: Steps, interval: float, longest: float) -> Gaps:
     """Find the steps that are longer than jitter explains."""
-    forward = steps[steps > 0].astype(np.float64)
-    sigma = MAD_TO_SIGMA * float(np.median(np.abs(forward - interval))) if len(forward) else 0.0
-    threshold = interval + max(GAP_EXCESS * interval, GAP_SIGMA * sigma)
-    after = np.flatnonzero(steps > threshold)
-    length = steps[after].astype(np.float64)
+    if not np.any(forward.length > longest):
+        return Gaps(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0, dtype=np.int64))
+    after = where_steps(time_ns, lambda step: step > longest) - 1
+    length = (taken(time_ns, after + 1) - taken(time_ns, after)).astype(np.float64)
     missing = np.floor(length / interval + GAP_EXCESS).astype(np.int64) - 1
     return Gaps(after, length / SECOND, missing)
 
 
-def _table(forward: Array, interval: float) -> tuple[tuple[float, int], ...]:
+def _table(forward: Steps, interval: float) -> tuple[tuple[float, int], ...]:
     """Step lengths to a quarter of the interval and how often each occurs."""
-    quarters, counts = np.unique(np.rint(forward / interval * QUARTER), return_counts=True)
+    quarters, at = np.unique(np.rint(forward.length / interval * QUARTER), return_inverse=True)
+    counts = np.zeros(len(quarters), dtype=np.int64)
+    np.add.at(counts, at, forward.count)
     order = np.argsort(-counts, kind="stable")[:TABLE_LINES]
     lengths = quarters[order] / QUARTER * interval / SECOND
     return tuple((float(length), int(count)) for length, count in zip(lengths, counts[order], strict=True))

@@ -196,8 +196,10 @@ def crossing(
         inside, outside = outside, 2.0 * outside if abs(2.0 * outside) < abs(furthest) else furthest
 
     def beyond(x: float) -> float:  # nearly straight, where the rise is a parabola
-        return float(np.sqrt(np.clip(rise(x), 0.0, STEEP)) - np.sqrt(target))
+        return float(np.sqrt(np.clip(rise(x), 0.0, max(STEEP, 4.0 * target))) - np.sqrt(target))
 
+    if beyond(inside) >= 0.0:  # of a long record, the fit that is held at zero may lie above the free one
+        return inside
     return float(optimize.brentq(beyond, inside, outside, xtol=tolerance))
 
 

@@ -1,0 +1,224 @@
+"""Long arrays, a batch at a time: what is longer than memory lies in a temporary file that is mapped.
+
+An array of more than ``HELD`` bytes that `empty` gives is a file without a name, mapped into memory: numpy and the
+compiled loops read and write it as any other, and it goes when nobody holds it. Pages of it that were touched count as
+memory of the process until they are let go, which `batches` does behind each batch. So a pass over an array of any
+length takes the memory of one batch.
+
+>>> import numpy as np
+>>> x = np.arange(10.0)
+>>> [float(x[first:stop].sum()) for first, stop in batches(x, size=4)]
+[6.0, 22.0, 17.0]
+"""
+
+from __future__ import annotations
+
+import errno
+import mmap
+import os
+import tempfile
+import weakref
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import DTypeLike, NDArray
+
+from ..errors import DataError
+
+HELD = 2**26  # bytes of an array that is kept in memory
+SIZE = 2**20  # samples of a batch
+_mapped: dict[int, tuple[int, weakref.ref[mmap.mmap]]] = {}  # address -> bytes, mapping
+
+
+def empty(n: int, dtype: DTypeLike) -> NDArray[Any]:
+    """Return an array to be filled, shape (n,): in memory, or of more than ``HELD`` bytes in a temporary file.
+
+    Raises
+    ------
+    DataError
+        ``no_room``, if the folder of temporary files has no room for it.
+    """
+    kind = np.dtype(dtype)
+    size = n * kind.itemsize
+    if size <= HELD or kind.hasobject:
+        return np.empty(n, dtype=kind)
+    try:
+        with tempfile.TemporaryFile(prefix="inertialcal-") as file:
+            if hasattr(os, "posix_fallocate"):  # a full disk shows here, and not as a fault while it is written
+                os.posix_fallocate(file.fileno(), 0, size)
+            else:
+                file.truncate(size)
+            mapping = mmap.mmap(file.fileno(), size)
+    except OSError as error:
+        full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+        raise DataError(
+            f"needs {size / 2**30:.3g} GiB of room for temporary files",
+            where=tempfile.gettempdir(),
+            why="the disk is full" if full else str(error.strerror),
+            do="Free some, or name another folder: TMPDIR=FOLDER",
+            code="no_room",
+        ) from None
+    found = np.frombuffer(mapping, dtype=kind)
+    at = found.ctypes.data
+
+    def forget(_: object) -> None:
+        _mapped.pop(at, None)
+
+    _mapped[at] = (size, weakref.ref(mapping, forget))
+    return found
+
+
+def is_stored(x: NDArray[Any]) -> bool:
+    """Return whether an array, or what it is a part of, lies in a temporary file."""
+    return bool(_mapped) and _mapping_of(x) is not None
+
+
+def batches(*arrays: NDArray[Any], size: int | None = None, whole: int = 1) -> Iterator[tuple[int, int]]:
+    """Yield first and stop of each batch of arrays of one length, shape (n, ...); let go of its pages behind it.
+
+    Parameters
+    ----------
+    *arrays : ndarray, shape (n, ...)
+        That are read or written, a batch at a time.
+    size : int, optional
+        Samples of a batch; ``SIZE`` by default.
+    whole : int
+        Batches begin at multiples of it: blocks are not cut.
+    """
+    n = len(arrays[0])
+    step = max(whole, (size or SIZE) // whole * whole)
+    stored = [one for one in arrays if is_stored(one)]
+    for first in range(0, n, step):
+        stop = min(first + step, n)
+        yield first, stop
+        for one in stored:
+            release(one[first:stop])
+
+
+def release(x: NDArray[Any]) -> None:
+    """Let go of the memory that a stored array takes; what it holds stays."""
+    found = _mapping_of(x) if _mapped and x.size else None
+    if found is None or not hasattr(mmap, "MADV_DONTNEED"):
+        return
+    address, mapping = found
+    low, high = np.lib.array_utils.byte_bounds(x)
+    first = (low - address) // mmap.PAGESIZE * mmap.PAGESIZE
+    mapping.madvise(mmap.MADV_DONTNEED, first, high - address - first)
+
+
+def _mapping_of(x: NDArray[Any]) -> tuple[int, mmap.mmap] | None:
+    at = x.ctypes.data
+    for address, (size, known) in _mapped.items():
+        mapping = known() if address <= at < address + size else None
+        if mapping is not None:
+            return address, mapping
+    return None
+
+
+def made(n: int, dtype: DTypeLike, part: Callable[[int, int], NDArray[Any]], *read: NDArray[Any]) -> NDArray[Any]:
+    """Return an array made batch by batch, shape (n,): ``part`` gives samples first to stop, of the arrays ``read``."""
+    out = empty(n, dtype)
+    for first, stop in batches(out, *read):
+        out[first:stop] = part(first, stop)
+    return out
+
+
+def changed(x: NDArray[Any], part: Callable[[NDArray[Any]], NDArray[Any]], dtype: DTypeLike = float) -> NDArray[Any]:
+    """Return a function of each sample, shape (n,), in memory or stored as `empty` decides."""
+    return made(len(x), dtype, lambda first, stop: part(x[first:stop]), x)
+
+
+def extremes(x: NDArray[Any], infinite: bool = True) -> tuple[float, float]:
+    """Return the least and the largest number of an array, shape (n,), NaN left out; NaN where there is no other.
+
+    ``infinite`` says whether infinite ones count.
+    """
+    low = high = np.nan
+    for first, stop in batches(x):
+        part = x[first:stop] if infinite else x[first:stop][np.isfinite(x[first:stop])]
+        if len(part):
+            low = np.fmin(low, float(np.fmin.reduce(part)))
+            high = np.fmax(high, float(np.fmax.reduce(part)))
+    return float(low), float(high)
+
+
+def mean(x: NDArray[Any]) -> float:
+    """Return the mean of an array, shape (n,), as float64."""
+    return sum(float(np.sum(x[first:stop], dtype=np.float64)) for first, stop in batches(x)) / len(x)
+
+
+def every(x: NDArray[Any], holds: Callable[[NDArray[Any]], object]) -> bool:
+    """Return whether something holds of all samples; no batch is read behind one of which it does not."""
+    return all(bool(holds(x[first:stop])) for first, stop in batches(x))
+
+
+def where(x: NDArray[Any], holds: Callable[[NDArray[Any]], NDArray[np.bool_]]) -> NDArray[np.int64]:
+    """Return the samples of which something holds, ascending."""
+    found = [first + np.flatnonzero(holds(x[first:stop])) for first, stop in batches(x)]
+    return np.concatenate(found) if found else np.empty(0, dtype=np.int64)
+
+
+def where_steps(x: NDArray[Any], holds: Callable[[NDArray[Any]], NDArray[np.bool_]]) -> NDArray[np.int64]:
+    """Return the samples to which the step from the one before meets a condition, ascending."""
+    found = [first + 1 + np.flatnonzero(holds(np.diff(x[first : stop + 1]))) for first, stop in batches(x[:-1])]
+    return np.concatenate(found) if found else np.empty(0, dtype=np.int64)
+
+
+def any_step(x: NDArray[Any], holds: Callable[[NDArray[Any]], NDArray[np.bool_]]) -> bool:
+    """Return whether any step from one sample to the next meets a condition."""
+    return any(bool(np.any(holds(np.diff(x[first : stop + 1])))) for first, stop in batches(x[:-1]))
+
+
+def taken(x: NDArray[Any], at: NDArray[np.int64]) -> NDArray[Any]:
+    """Return some samples of an array, ``at`` ascending, shape (k,)."""
+    if not is_stored(x):
+        return np.asarray(x[at])
+    out = np.empty(len(at), dtype=x.dtype)
+    ends = np.searchsorted(at, np.arange(0, len(x) + SIZE, SIZE))
+    for first, (a, b) in zip(
+        range(0, len(x), SIZE), zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True), strict=False
+    ):
+        if b > a:
+            out[a:b] = x[at[a:b]]
+            release(x[first : first + SIZE])
+    return out
+
+
+def zeros(n: int, dtype: DTypeLike) -> NDArray[Any]:
+    """Return an array of zeros, shape (n,), in memory or stored as `empty` decides."""
+    return np.zeros(n, dtype=dtype) if n * np.dtype(dtype).itemsize <= HELD else empty(n, dtype)  # a new file is zeros
+
+
+def finite(x: NDArray[Any]) -> NDArray[np.bool_]:
+    """Return which samples are finite, shape (n,)."""
+    return changed(x, np.isfinite, bool)
+
+
+def count(x: NDArray[Any], holds: Callable[[NDArray[Any]], NDArray[np.bool_]]) -> int:
+    """Return of how many samples something holds."""
+    return sum(int(np.count_nonzero(holds(x[first:stop]))) for first, stop in batches(x))
+
+
+def kept(x: NDArray[Any], flags: NDArray[np.bool_]) -> NDArray[Any]:
+    """Return the samples that are flagged, shape (k,); the array itself where all are."""
+    many = count(flags, lambda part: part)
+    if many == len(x):
+        return x
+    out, at = empty(many, x.dtype), 0
+    for first, stop in batches(x, flags):
+        part = x[first:stop][flags[first:stop]]
+        out[at : at + len(part)] = part
+        release(out[at : at + len(part)])
+        at += len(part)
+    return out
+
+
+def masked(x: NDArray[Any], there: NDArray[np.bool_]) -> NDArray[Any]:
+    """Return the samples as floats, NaN where they are not there, shape (n,)."""
+    return made(len(x), float, lambda first, stop: np.where(there[first:stop], x[first:stop], np.nan), x, there)
+
+
+def without(flags: NDArray[np.bool_], others: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return what is flagged, and not by the others, shape (n,)."""
+    return made(len(flags), bool, lambda first, stop: flags[first:stop] & ~others[first:stop], flags, others)

@@ -1,0 +1,82 @@
+"""Recordings of what is in memory: arrays with their sample rate, Recordings with units said for their channels."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..core.errors import DataError, UsageError
+from ..core.estimate import Array
+from ..core.key import AXES
+from ..core.recording import Channel, Recording
+from ..core.unit.magnitudes import check_sample_rate
+from ..core.units import normalise
+
+
+def recording_of(
+    given: Recording | Array | Sequence[float],
+    units: Mapping[str, str] | str | None = None,
+    sample_rate: float | None = None,
+) -> Recording:
+    """Return a Recording, or an array of shape (n,) or (n, axes), as a recording with the units that are said.
+
+    Parameters
+    ----------
+    given : Recording or array_like
+        A stored or mapped array is not copied, where its columns are contiguous.
+    units : mapping of str to str, or str, optional
+        By column or group; one alone is that of all columns of an array.
+    sample_rate : float, optional
+        [Hz]; needed with an array.
+
+    Raises
+    ------
+    UsageError
+        ``wrong_type``, if it is neither, or no path; ``sample_rate``.
+    DataError
+        ``no_time``, ``wrong_value``, if an array has no sample rate, or another shape.
+    """
+    if isinstance(given, Recording):
+        return with_named_units(given, units if isinstance(units, Mapping) else {})
+    if not isinstance(given, np.ndarray | list | tuple):
+        what = f"a recording of type {type(given).__name__}"
+        raise UsageError(what, do="Give a path, a Recording, or an array with its sample_rate", code="wrong_type")
+    said = units if isinstance(units, str) else next(iter((units or {}).values()), None)
+    return of_array(np.asarray(given), sample_rate, said)
+
+
+def of_array(values: Array, sample_rate: float | None, unit: str | None) -> Recording:
+    """Return an array of shape (n,) or (n, k) as a recording with channels x, y, z, or numbered ones.
+
+    Raises
+    ------
+    DataError
+        ``no_time``, ``wrong_value``.
+    UsageError
+        ``sample_rate``.
+    """
+    columns = values[:, None] if values.ndim == 1 else values
+    if columns.ndim != 2 or not columns.size:
+        raise DataError(f"array of shape {values.shape}, need (n,) or (n, axes)", code="wrong_value")
+    count = columns.shape[1]
+    names = AXES[:count] if count <= len(AXES) else [f"column_{i + 1}" for i in range(count)]
+    if sample_rate is None:
+        raise DataError("an array has no time", do="Add sample_rate=... [Hz]", code="no_time")
+    if wrong := check_sample_rate(sample_rate):
+        raise UsageError(wrong, code="sample_rate")
+    spoken = None if unit is None else normalise(unit)
+    channels = tuple(
+        Channel(name, np.ascontiguousarray(columns[:, i]), spoken, "flag", name if name in AXES else "")
+        for i, name in enumerate(names)
+    )
+    return Recording(channels, sample_interval=1.0 / sample_rate, interval_from="flag")
+
+
+def with_named_units(recording: Recording, units: Mapping[str, str]) -> Recording:
+    """Return a recording in memory with the units of its columns or groups that were said."""
+    stated = [units.get(one.name) or units.get(one.quantity) for one in recording.channels]
+    channels = [one if unit is None else replace(one, unit=normalise(unit), unit_from="flag")
+                for one, unit in zip(recording.channels, stated, strict=True)]  # fmt: skip
+    return replace(recording, channels=tuple(channels))
