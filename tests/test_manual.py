@@ -25,7 +25,7 @@ from pydantic_core import PydanticUndefined
 from typer.main import get_command
 
 import inertialcal as ic
-from inertialcal.campaign.engine.run import VERDICT_COLUMNS
+from inertialcal.campaign.engine.whole import VERDICT_COLUMNS
 from inertialcal.campaign.file import decisions as schema_decisions
 from inertialcal.campaign.file import recordings as schema_recordings
 from inertialcal.campaign.file import schema

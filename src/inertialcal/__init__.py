@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .campaign.calls.nouns import allan, flip, mass_attraction, positions, psd, rate_table, sine, thermal
     from .campaign.compare.compare import compare
-    from .campaign.engine.run import check, run
+    from .campaign.engine.run import run
+    from .campaign.engine.whole import check
     from .campaign.models.compensation import compensate
     from .campaign.models.find import load_model, load_models
     from .campaign.outcome.budget import budget
@@ -67,7 +68,7 @@ _HOMES = {
     "allan": ("campaign.calls.nouns", "allan"),
     "psd": ("campaign.calls.nouns", "psd"),
     "budget": ("campaign.outcome.budget", "budget"),
-    "check": ("campaign.engine.run", "check"),
+    "check": ("campaign.engine.whole", "check"),
     "compare": ("campaign.compare.compare", "compare"),
     "compensate": ("campaign.models.compensation", "compensate"),
     "load_model": ("campaign.models.find", "load_model"),

@@ -262,7 +262,7 @@ def evil(value: Any) -> Any:
 
 
 def test_names_in_results_are_escaped(shown: Mapping[str, Any]) -> None:
-    outcome = replace(shown["run"], results=evil(shown["run"].results))
+    outcome = replace(shown["run"], content=evil(shown["run"].results))
     assert "script" not in cells(outcome).tags
     assert "<script" not in outcome._repr_html_()
     assert EVIL in cells(outcome).cells

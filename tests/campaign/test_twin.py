@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from fitted_results import fit_results
-from inertialcal.campaign.engine.run import check, run
+from inertialcal.campaign.engine.run import run
+from inertialcal.campaign.engine.whole import check
 from inertialcal.campaign.file.load import load
 from inertialcal.campaign.twins.twin import TRUTH, read_truth, simulate
 from inertialcal.core.errors import DataError, StoreError, UsageError

@@ -289,7 +289,7 @@ def refuse(monkeypatch: pytest.MonkeyPatch, error: BaseException) -> None:
     def load(*words: object) -> NoReturn:
         raise error
 
-    monkeypatch.setattr("inertialcal.campaign.engine.run.load", load)
+    monkeypatch.setattr("inertialcal.campaign.file.load.load", load)
 
 
 def test_interrupt_ends_with_130(

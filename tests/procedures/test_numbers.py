@@ -20,8 +20,9 @@ import pytest
 from numpy.typing import NDArray
 
 import inertialcal as ic
-from inertialcal.campaign.engine import run as engine_run
+from inertialcal.campaign.engine import whole
 from inertialcal.campaign.engine.engine import computable
+from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.models.compensation import compensate
 from inertialcal.core.errors import DataError, InertialcalError
 from inertialcal.core.key import Key
@@ -219,7 +220,7 @@ def test_clocks_that_nothing_has(clock: str, code: str, tmp_path: Path) -> None:
     file = folder / "campaign.toml"
     file.write_text(file.read_text().replace("channels = {", f"clock = {{ {clock} }}\nchannels = {{"))
     with pytest.raises(InertialcalError) as caught:
-        engine_run.run(folder)
+        run(folder)
     assert caught.value.problems[0].code == code
 
 
@@ -372,9 +373,9 @@ def test_arithmetic_that_breaks_down_after_the_tests_refuses_the_campaign(
     def breaks(*_: object) -> None:
         raise FloatingPointError("overflow")
 
-    monkeypatch.setattr(engine_run, broken, breaks)
+    monkeypatch.setattr(whole, broken, breaks)
     with pytest.raises(DataError, match=r"^campaign '.*': its figures cannot be computed"):
-        engine_run.run(folder)
+        run(folder)
 
 
 def test_warnings_of_libraries_stay_off_the_screen() -> None:

@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Protocol
 
-WARM = ("inertialcal.cli.__main__", "inertialcal.campaign.engine.run", "inertialcal.report.page", "scipy.stats",
+WARM = ("inertialcal.cli.__main__", "inertialcal.campaign.engine.whole", "inertialcal.report.page", "scipy.stats",
         "matplotlib.backends.backend_svg", "tomlkit", "rich.console")  # fmt: skip
 
 

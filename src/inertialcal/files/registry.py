@@ -46,8 +46,19 @@ SIGNS: dict[str, Literal[".", ","]] = {"comma": ",", "point": "."}
 KINDS = "iufMO"  # of the values of a column: numbers, instants, text
 
 
-def read_recording(path: str | Path, request: Request) -> Recording:
-    """Return the recording in a file, or in a record of several files; Raises as ``files.read``."""
+Parsed = dict[tuple[str, tuple[str, ...] | None, str | None], tuple[Content, Source]]
+
+
+def read_recording(path: str | Path, request: Request, parsed: Parsed | None = None) -> Recording:
+    """Return the recording in a file, or in a record of several files; Raises as ``files.read``.
+
+    Parameters
+    ----------
+    path, request
+        As ``files.read`` takes them.
+    parsed : dict, optional
+        Columns of files that were read before, by path and what was asked of the reader; those of a new one are added.
+    """
     for archive in ARCHIVES:
         recording = archive.read(path, request)
         if recording is not None:
@@ -59,16 +70,12 @@ def read_recording(path: str | Path, request: Request) -> Recording:
             do="Leave --frame out",
             code="wrong_frame",
         )
-    loaded = load(path)
-    reader = find_reader(loaded)
-    if request.decimal is None:
-        content = reader.read(loaded, request.variables)
-    else:
-        content = _with_decimal(loaded, reader, request.decimal)
-    check_count(len(content.columns), COLUMNS, "columns", loaded.path)
-    packed = ", gzip" if loaded.packed else ""
-    source = Source(loaded.path, loaded.sha256, content.format + packed, reader.name)
-    del loaded  # its bytes are as many as all numbers
+    variables = None if request.variables is None else tuple(request.variables)
+    key = (str(path), variables, request.decimal)
+    known = None if parsed is None else parsed.get(key)
+    content, source = _columns(path, request) if known is None else known
+    if parsed is not None:
+        parsed[key] = content, source
     recording = assemble(
         content,
         source,
@@ -78,6 +85,19 @@ def read_recording(path: str | Path, request: Request) -> Recording:
         required=request.required,
     )
     return cut(recording, request.window)
+
+
+def _columns(path: str | Path, request: Request) -> tuple[Content, Source]:
+    """Return the columns of a file, and where they come from."""
+    loaded = load(path)
+    reader = find_reader(loaded)
+    if request.decimal is None:
+        content = reader.read(loaded, request.variables)
+    else:
+        content = _with_decimal(loaded, reader, request.decimal)
+    check_count(len(content.columns), COLUMNS, "columns", loaded.path)
+    packed = ", gzip" if loaded.packed else ""
+    return content, Source(loaded.path, loaded.sha256, content.format + packed, reader.name)
 
 
 def _with_decimal(loaded: Loaded, reader: Reader, decimal: str) -> Content:

@@ -195,4 +195,6 @@ def _split(value: Number, u: Number | None) -> tuple[str, str]:
 
 
 def _token(key: str) -> str:
+    if "~" not in key and "/" not in key:
+        return key
     return key.replace("~", "~0").replace("/", "~1")

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -52,15 +52,23 @@ FILTERS: dict[str, Callable[..., Any]] = {
 }
 
 
-def report_html(results: Mapping[str, Any], model: Mapping[str, Any] | None, provenance: Mapping[str, Any]) -> str:
+def report_html(
+    results: Mapping[str, Any],
+    model: Mapping[str, Any] | None,
+    provenance: Mapping[str, Any],
+    draw: Callable[[Sequence[Drawing]], Mapping[str, str]] | None = None,
+) -> str:
     """Return the page of a campaign.
 
     Parameters
     ----------
     results, model, provenance : mapping
         Content of results.json, of model.json (None where none is delivered) and of provenance.json.
+    draw : callable, optional
+        Gives the markup of figures by their key; each is drawn here if not given.
     """
     page = _content(results, model, provenance)
+    page["svg"] = draw(page["pictures"]["drawn"]) if draw is not None else {}
     whole = environment().get_template("page.html")
     room = Room(LARGEST - _size(whole.render(page, blocks={})), {})
     for name, block in _blocks(page, room):
@@ -162,7 +170,7 @@ def _pictures(results: Mapping[str, Any]) -> dict[str, Any]:
 def _blocks(page: dict[str, Any], room: Room) -> Iterator[tuple[str, Markup]]:
     """Yield what may be left out, the most wanted first."""
     top, *others = page["pictures"]["drawn"] or [None]
-    yield from _drawn([top] if top else [], room)
+    yield from _drawn([top] if top else [], page, room)
     for section in page["sections"]:
         yield from _of_section(section, page)
     if page["output"]:
@@ -176,7 +184,7 @@ def _blocks(page: dict[str, Any], room: Room) -> Iterator[tuple[str, Markup]]:
     for section in page["sections"]:
         if section.step is not None:
             yield f"recordings-{section.anchor}", _block("recordings", step=section.step)
-    yield from _drawn(others, room)
+    yield from _drawn(others, page, room)
     yield from _budgets(page, False)
     for one in page["pictures"]["drawn"]:
         if room.left > NO_ROOM:
@@ -203,10 +211,10 @@ def _of_section(section: sections.Section, page: dict[str, Any]) -> Iterator[tup
         yield f"pairs-{section.anchor}", _block("pairs", pairs=section.pairs, verdict_of=verdict_of, **names)
 
 
-def _drawn(wanted: Iterable[Drawing], room: Room) -> Iterator[tuple[str, Markup]]:
+def _drawn(wanted: Iterable[Drawing], page: dict[str, Any], room: Room) -> Iterator[tuple[str, Markup]]:
     for one in wanted:
         if room.left > NO_ROOM:
-            yield one.key, one.svg()
+            yield one.key, Markup(page["svg"][one.key]) if one.key in page["svg"] else one.svg()  # noqa: S704 - as there
 
 
 def _block(name: str, **content: Any) -> Markup:

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from inertialcal.campaign.engine.run import check, run
+from inertialcal.campaign.engine.run import run
+from inertialcal.campaign.engine.whole import check
 from inertialcal.campaign.inputs.duplicates import Content, duplicates
 from inertialcal.core.errors import DataError
 from inertialcal.signals.fingerprints import fingerprints

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from inertialcal.campaign.calls.call import campaign_of
-from inertialcal.campaign.engine.run import Whole, reduce_campaign
+from inertialcal.campaign.engine.whole import Whole, reduce_campaign
 from inertialcal.campaign.inputs.sources import Memory
 from inertialcal.core.estimate import Array, Estimate
 from inertialcal.core.key import Key

@@ -10,7 +10,7 @@ import pytest
 
 from independent import conditions
 from inertialcal.campaign.calls.call import campaign_of
-from inertialcal.campaign.engine.run import Whole, reduce_campaign
+from inertialcal.campaign.engine.whole import Whole, reduce_campaign
 from inertialcal.campaign.file.conditions import chosen_tests, conditions_of
 from inertialcal.campaign.file.cross_checks import cross_checks
 from inertialcal.campaign.file.load import load

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from inertialcal.campaign.engine.run import check, run
+from inertialcal.campaign.engine.run import run
+from inertialcal.campaign.engine.whole import check
 from inertialcal.core.errors import PlanError
 from ran_campaigns import TEST_LOW, lossy_twin
 

@@ -11,7 +11,8 @@ from typing import Any
 import pytest
 
 from fitted_results import fit_results
-from inertialcal.campaign.engine.run import check, run
+from inertialcal.campaign.engine.run import run
+from inertialcal.campaign.engine.whole import check
 from inertialcal.campaign.file.example import copy_example
 from inertialcal.campaign.file.load import load
 from inertialcal.campaign.models.find import load_model

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from inertialcal.campaign.engine.engine import prepare
-from inertialcal.campaign.engine.run import Outcome, check, run
+from inertialcal.campaign.engine.run import Outcome, run
+from inertialcal.campaign.engine.whole import check
 from inertialcal.campaign.start.starter import start
 from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.core.campaign_text import MARK

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from inertialcal.campaign.engine.run import Outcome, check, run
+from inertialcal.campaign.engine.run import Outcome, run
+from inertialcal.campaign.engine.whole import check
 from inertialcal.campaign.start.starter import start
 from inertialcal.cli.shown.summary import results_text
 from inertialcal.core.errors import DataError, PlanError

@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 from inertialcal.campaign.engine.engine import plan_of
-from inertialcal.campaign.engine.run import Outcome, check, run
+from inertialcal.campaign.engine.run import Outcome, run
+from inertialcal.campaign.engine.whole import check
 from inertialcal.campaign.file.schema import CampaignFile
 from inertialcal.campaign.file.sensors import Sensor
 from inertialcal.campaign.inputs.sources import facts_of

@@ -36,7 +36,8 @@ from ...procedures import procedure_of
 from ...procedures.given import GROUP, GivenFile, Said
 from ...procedures.protocol import Procedure, Tested
 from ..engine.engine import ReducedTest
-from ..engine.run import EXIT, Whole, reduce_campaign
+from ..engine.status import EXIT
+from ..engine.whole import Whole, reduce_campaign
 from ..file.cross_checks import cross_checks
 from ..file.load import Campaign, standards_of
 from ..file.recordings import OWN_KEYS

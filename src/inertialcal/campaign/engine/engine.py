@@ -357,43 +357,77 @@ class ReducedTest:
         return found
 
 
-def screened_samples(one: ReducedTest, prepared: Prepared) -> int:
+@dataclass(frozen=True, eq=False)
+class Opened:
+    """A test reduced with the samples that screening left out.
+
+    Parameters
+    ----------
+    count : int
+        Samples that were left out.
+    rows : sequence of Row
+        Of its result, SI.
+    refused : str
+        Why it cannot be reduced with them; empty where it can.
+    """
+
+    count: int
+    rows: Sequence[Row] = ()
+    refused: str = ""
+
+    @property
+    def said(self) -> str:
+        """How its remark begins."""
+        return f"with the {self.count} sample{'s' * (self.count > 1)} that screening left out"
+
+
+def screened_samples(prepared: Prepared, result: Result) -> int:
     """Return how many samples screening left out of a test."""
-    left_out = [*prepared.screened, *one.procedure.exclusions(one.tested)]
+    procedure = procedure_of(prepared.test.procedure)
+    left_out = [*prepared.screened, *procedure.exclusions(tested_of(prepared, result))]
     return sum(each.count for each in left_out if each.rule == RULE and each.counts == "sample")
 
 
-def with_all_samples(
-    campaign: Campaign, one: ReducedTest, count: int, found: Mapping[str, Any], store: Store | None, gate: Gate
-) -> ReducedTest:
-    """Return a test with its figures as they come out with the samples that screening left out.
+def open_test(
+    campaign: Campaign, prepared: Prepared, count: int, found: Mapping[str, Any], store: Store | None, gate: Gate
+) -> Opened:
+    """Return what a test gives with the samples that screening left out.
 
     Parameters
     ----------
     campaign : Campaign
         As read.
-    one : ReducedTest
-        The test.
+    prepared : Prepared
+        The test without them.
     count : int
-        Samples that were left out.
+        How many they are.
     found : mapping of str to Result
-        Of every test, by name.
+        Of the tests that it comes after, by name.
     store : Store or None
         That holds its files.
     gate : Gate
         That knows its columns.
     """
-    said = f"with the {count} sample{'s' * (count > 1)} that screening left out"
+    test = prepared.test
     try:
-        opened = prepare(campaign, campaign.file.tests.index(one.test), found, store, gate, screening=False)
+        opened = prepare(campaign, campaign.file.tests.index(test), found, store, gate, screening=False)
         result = reduce_test(opened)
-        with computable(one.test.id):
-            rows = one.procedure.rows(result)
+        with computable(test.id):
+            rows = procedure_of(test.procedure).rows(result)
     except InertialcalError as error:
-        what = f"{said}, the test is refused: {error.problems[0].what}"
+        return Opened(count, refused=error.problems[0].what)
+    return Opened(count, rows)
+
+
+def with_opened(campaign: Campaign, one: ReducedTest, opened: Opened) -> ReducedTest:
+    """Return a test with its figures as they come out with the samples that screening left out."""
+    if opened.refused:
+        what = f"{opened.said}, the test is refused: {opened.refused}"
         return replace(one, opened=(Remark("unscreened_refused", "info", what),))
-    plain = [replace(row, test=one.test.id, method=Method.UNSCREENED, shared={}) for row in rows if row.case.plain]
-    what = f"{said}: {_moved(campaign, one, plain)}"
+    plain = [
+        replace(row, test=one.test.id, method=Method.UNSCREENED, shared={}) for row in opened.rows if row.case.plain
+    ]
+    what = f"{opened.said}: {_moved(campaign, one, plain)}"
     return replace(one, rows=[*one.rows, *plain], opened=(Remark("unscreened", "info", what),))
 
 
@@ -429,6 +463,24 @@ def _change(before: Row, after: Row) -> float:
     return change / scale if scale else math.inf if change else 0.0
 
 
+def tested_of(prepared: Prepared, result: Result) -> Tested[Any, Any, Any]:
+    """Return a test as procedures see it, set beside no other."""
+    test = prepared.test
+    return Tested(
+        test.id,
+        test.condition,
+        test.use,
+        prepared.plan,
+        prepared.readings,
+        result,
+        tuple(test.recordings),
+        tuple(prepared.inputs),
+        prepared.facts,
+        occasion=prepared.occasion,
+        selection=prepared.selection,
+    )
+
+
 def reduced_tests(prepared: Sequence[Prepared], results: Mapping[str, Result]) -> list[ReducedTest]:
     """Return the tests of a campaign with their rows, each knowing the one that it is set beside.
 
@@ -439,22 +491,7 @@ def reduced_tests(prepared: Sequence[Prepared], results: Mapping[str, Result]) -
     results : mapping of str to Result
         Of each, by name.
     """
-    plain = {
-        one.test.id: Tested(
-            one.test.id,
-            one.test.condition,
-            one.test.use,
-            one.plan,
-            one.readings,
-            results[one.test.id],
-            tuple(one.test.recordings),
-            tuple(one.inputs),
-            one.facts,
-            occasion=one.occasion,
-            selection=one.selection,
-        )
-        for one in prepared
-    }
+    plain = {one.test.id: tested_of(one, results[one.test.id]) for one in prepared}
     found = []
     for one in prepared:
         tested = replace(plain[one.test.id], against=plain.get(one.test.against or ""))

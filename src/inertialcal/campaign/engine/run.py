@@ -1,58 +1,38 @@
-"""Run a campaign: every test, every requirement, one ``out/``."""
+"""Run a campaign: every test, every requirement, one ``out/``.
+
+Where nothing has changed since the last run, ``out/`` stays as it is, and this is known without reading a recording:
+this module imports nothing that starts slowly.
+"""
 
 from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
-from ...core.errors import DataError, InertialcalError, Problem
-from ...core.remarks import Remark, gather
-from ...core.results import COLUMNS, flat
-from ...core.show.frames import frame
-from ...core.show.result_tables import remarks_line
-from ...core.show.tables import Block, Table, html, text
-from ...files.binary.curves import FILE as CURVES
-from ...files.binary.curves import curves_bytes
-from ..file.load import Campaign, load
-from ..inputs.changed import check_unchanged, one_digest, stamps
-from ..inputs.gate import Gate
-from ..inputs.sources import Store
-from ..models.build import build_models, model_files
-from ..models.judged import NOT_RUN, Modelled, Residual, hold_out_residuals
-from ..outcome.contents import results_content
-from ..outcome.publish import changes, check_writable, csv_text, json_text, provenance, publish, restore
-from ..outcome.requirements import worst
-from ..outcome.results_file import previous, sealed
-from ..outcome.tables import outcome_parts
-from .engine import (
-    Prepared,
-    ReducedTest,
-    beside_others,
-    computable,
-    order_of,
-    placed,
-    prepare,
-    reduce_test,
-    reduced_tests,
-    screened_samples,
-    shared_readings,
-    with_all_samples,
-)
+from ...core.campaign_text import FILE
+from ...core.remarks import Remark
+from ...files.write.exchange import MANIFEST, Manifest, file_digest
+from ..outcome.publish import OUT, RESERVED, RESULTS, check_writable, kept_remarks, restore
+from .cache import Cache
+from .status import EXIT, Progress
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+    from ...core.show.tables import Block
+    from ..file.load import Campaign
 
-EXIT = {"PASS": 0, "FAIL": 1, "INCONCLUSIVE": 4}
-VERDICT_COLUMNS = (
-    "requirement", "test", "axis", "sensor", "at", "at_unit", "of", "value", "u", "unit", "lo", "hi", "p", "lower",
-    "upper", "margin", "verdict", "reason",
-)  # fmt: skip
-Progress = Callable[[int, int, str], None]
+
+LAST = "run"
+PROVENANCE = "provenance.json"
+KEPT = re.compile(r"kept-\d+")
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,10 +41,10 @@ class Outcome:
 
     Parameters
     ----------
-    campaign : Campaign
-        As read.
-    results : dict
-        Content of ``results.json``, and the ``curves`` of ``curves.parquet``.
+    folder : Path
+        Of the campaign.
+    content : dict
+        Of ``results.json``.
     inputs : dict of str to str
         SHA-256 of each input, by path in the campaign folder.
     verdict : {"PASS", "FAIL", "INCONCLUSIVE", ""}
@@ -73,37 +53,68 @@ class Outcome:
         What differs from the last run.
     notes : tuple of Remark
         Files that were kept in ``out/``.
+    curves_text : bytes
+        Curves of ``curves.parquet`` as JSON, where they were not made now.
     """
 
-    campaign: Campaign
-    results: dict[str, Any]
+    folder: Path
+    content: dict[str, Any]
     inputs: dict[str, str]
     verdict: str
     changed: list[str]
     notes: tuple[Remark, ...] = ()
+    curves_text: bytes = b""
+
+    @cached_property
+    def campaign(self) -> Campaign:
+        """As read."""
+        from ..file.load import load  # noqa: PLC0415 - starts slowly
+
+        return load(self.folder)
+
+    @cached_property
+    def results(self) -> dict[str, Any]:
+        """Content of ``results.json``, and the ``curves`` of ``curves.parquet``."""
+        if not self.curves_text:
+            return self.content
+        found: dict[str, Any] = {}
+        for name, part in self.content.items():
+            if name == "remarks":
+                found["curves"] = json.loads(self.curves_text)
+            found[name] = part
+        return found
 
     @property
     def remarks(self) -> tuple[Remark, ...]:
         """What the campaign brought up, and the files that were kept in ``out/``."""
-        return (*(Remark(**one) for one in self.results["remarks"]), *self.notes)
+        return (*(Remark(**one) for one in self.content["remarks"]), *self.notes)
 
     def to_frame(self) -> DataFrame:
         """Return a pandas DataFrame, a row a figure, as ``results.csv`` has them."""
-        rows = [flat(row) for row in self.results["results"]]
+        from ...core.results import COLUMNS, flat  # noqa: PLC0415
+        from ...core.show.frames import frame  # noqa: PLC0415 - starts slowly
+
+        rows = [flat(row) for row in self.content["results"]]
         return frame({name: [row[name] for row in rows] for name in COLUMNS})
 
     def parts(self) -> tuple[Block, ...]:
         """Return what is shown: figures test by test, requirements, closed loop, how many remarks."""
-        return outcome_parts(self.results, self.verdict, self.remarks)
+        from ..outcome.tables import outcome_parts  # noqa: PLC0415 - starts slowly
+
+        return outcome_parts(self.content, self.verdict, self.remarks)
 
     def __str__(self) -> str:
         """Return what is shown as text."""
+        from ...core.show.tables import text  # noqa: PLC0415 - starts slowly
+
         return text(self.parts())
 
     __repr__ = __str__
 
     def _repr_html_(self) -> str:
         """Return what is shown for a notebook."""
+        from ...core.show.tables import html  # noqa: PLC0415 - starts slowly
+
         return html(self.parts())
 
     @property
@@ -112,82 +123,10 @@ class Outcome:
         return EXIT[self.verdict] if self.verdict else 0
 
 
-class Checked(NamedTuple):
-    """A campaign whose inputs were judged.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        As read.
-    inputs : dict of str to str
-        SHA-256 of each input by its path.
-    remarks : tuple of Remark
-        What reading the inputs brought up.
-    """
-
-    campaign: Campaign
-    inputs: dict[str, str]
-    remarks: tuple[Remark, ...]
-
-    @property
-    def exit_status(self) -> int:
-        """0, or 4 where a remark is an error."""
-        return EXIT["INCONCLUSIVE"] if any(one.severity == "error" for one in self.remarks) else 0
-
-    def parts(self) -> tuple[Block, ...]:
-        """Return what is shown: the inputs that can be read, how many remarks."""
-        file = self.campaign.file
-        caption = f"campaign {file.campaign.id}: {len(file.tests)} test(s), every input can be read"
-        return (Table(("input", "SHA-256"), list(self.inputs.items()), caption, (1,)), *remarks_line(self.remarks))
-
-    def __str__(self) -> str:
-        """Return what is shown as text."""
-        return text(self.parts())
-
-    def __repr__(self) -> str:
-        return text(self.parts())
-
-    def _repr_html_(self) -> str:
-        """Return what is shown for a notebook."""
-        return html(self.parts())
-
-
-def check(folder: str | Path) -> Checked:
-    """Judge the inputs of a campaign without reducing them.
-
-    Returns
-    -------
-    Checked
-        A tuple of the campaign, the SHA-256 of each input by its path, and what reading the inputs brought up.
-
-    Raises
-    ------
-    PlanError, DataError
-        With every problem of the campaign file, or of the recordings.
-    """
-    campaign = load(folder)
-    inputs = {"campaign.toml": campaign.sha256}
-    remarks: list[Remark] = []
-    problems: list[Problem] = []
-    ready: list[Prepared] = []
-    gate = Gate()
-    for number in range(len(campaign.file.tests)):
-        try:
-            prepared = prepare(campaign, number, gate=gate)
-        except InertialcalError as error:
-            problems += error.problems
-            continue
-        ready.append(prepared)
-        inputs = one_digest([*inputs.items(), *prepared.inputs.items()])
-        remarks += prepared.readings.remarks
-    problems += [placed(one, campaign, number) for number, one in shared_readings(campaign, ready)]
-    if problems:
-        raise DataError(list(dict.fromkeys(problems)))
-    return Checked(campaign, inputs, gather(remarks))
-
-
 def run(folder: str | Path, progress: Progress | None = None, write: bool = True) -> Outcome:
     """Reduce every test of a campaign, judge its requirements, write ``out/``.
+
+    What has not changed since the last run is not reduced again: see ``cache``.
 
     Parameters
     ----------
@@ -205,158 +144,62 @@ def run(folder: str | Path, progress: Progress | None = None, write: bool = True
     StoreError
         If ``out/`` cannot be written.
     """
-    campaign = load(folder)
-    notes: tuple[Remark, ...] = ()
-    if write:
-        check_writable(campaign.folder)
-        notes = restore(campaign.folder)
-    before = stamps(campaign)
-    whole = reduce_campaign(campaign, None, progress)
-    curves = curves_bytes(whole.results["curves"])
-    results = sealed(whole.results, curves)
+    root = Path(folder)
     given = os.fsencode(folder).decode("utf-8", "replace")
-    files = _files(campaign, results, curves, whole.modelled, whole.inputs, given) if write else {}
-    check_unchanged(campaign.folder, whole.inputs, before)
-    changed = changes(previous(campaign.folder), results)
+    cache = Cache(root, write)
+    if write and (same := _unchanged(root, given, cache)) is not None:
+        return same
+    from ..file.load import load  # noqa: PLC0415 - starts slowly
+    from .whole import work  # noqa: PLC0415 - starts slowly
+
+    campaign = load(folder)
+    whole, results, files, changed, notes = work(campaign, given, progress, write, cache)
+    outcome = Outcome(root, results, whole.inputs, whole.verdict, changed, notes)
+    outcome.__dict__["campaign"] = campaign
     if write:
-        notes += publish(campaign.folder, files)
-    return Outcome(campaign, results, whole.inputs, whole.verdict, changed, notes)
+        _keep(outcome, given, files, cache)
+    return outcome
 
 
-@dataclass(frozen=True, eq=False)
-class Whole:
-    """A campaign that was reduced and judged.
-
-    Parameters
-    ----------
-    tested : list of ReducedTest
-        Its tests.
-    modelled : Modelled or None
-        Model of each sensor and condition, and closed loop.
-    results, inputs, verdict
-        As `Outcome` has them.
-    """
-
-    tested: list[ReducedTest]
-    modelled: Modelled | None
-    results: dict[str, Any]
-    inputs: dict[str, str]
-    verdict: str
+def _key(folder: Path, given: str, cache: Cache) -> str:
+    """Return the name of the entry of a whole run; empty where there is no campaign."""
+    digest = file_digest(folder / FILE, follow=True)
+    return cache.key(digest, given) if digest else ""
 
 
-def reduce_campaign(campaign: Campaign, store: Store | None = None, progress: Progress | None = None) -> Whole:
-    """Reduce every test of a campaign and judge its requirements.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        Read from a folder, or made of what a noun was given.
-    store : Store, optional
-        That holds its files; by default its folder.
-    progress : callable, optional
-        As `run` takes it.
-
-    Raises
-    ------
-    PlanError, DataError
-        If the campaign or a recording is refused.
-    """
-    tell = progress or (lambda done, total, what: None)
-    prepared, tested, remarks = reduce_tests(campaign, store, tell)
-    own = {"campaign.toml": campaign.sha256} if campaign.sha256 else {}
-    inputs = own | one_digest(pair for one in prepared for pair in one.inputs.items())
-    tell(len(tested), len(tested), "model and requirements")
-    reduced = {one.test.id: one.tested for one in tested}
-    with computable(campaign.file.campaign.id, "campaign"):
-        errors = {one.test.id: one.errors for one in tested if one.errors}
-        residuals = {
-            name: one
-            for name, one in hold_out_residuals(campaign, reduced).items()
-            if not errors.keys() & {name, one.against}
-        }
-    tested = [_with_residuals(one, residuals.get(one.test.id)) for one in tested]
-    with computable(campaign.file.campaign.id, "campaign"):
-        modelled = build_models(campaign, reduced, residuals, errors)
-    if modelled is not None:
-        remarks += [remark.at("closed loop") for one in modelled.every for remark in one.remarks]
-    with computable(campaign.file.campaign.id, "campaign"):
-        results, verdicts = results_content(campaign, prepared, tested, modelled, remarks)
-    stated = [worst(verdicts)] if campaign.file.requirements else []
-    if modelled is not None and modelled.whole_verdict != NOT_RUN:
-        stated.append(modelled.whole_verdict)
-    stated += ["INCONCLUSIVE"] * bool(errors)
-    verdict = next((word for word in ("FAIL", "INCONCLUSIVE", "PASS") if word in stated), "")
-    results["verdict"] = verdict or None
-    return Whole(tested, modelled, results, inputs, verdict)
+def _unchanged(folder: Path, given: str, cache: Cache) -> Outcome | None:
+    """Return what the last run gave, where a run now would write the same; None where anything is another."""
+    key = _key(folder, given, cache)
+    kept = cache.get(LAST, key) if key else None
+    if kept is None:
+        return None
+    head, _, curves = kept.partition(b"\n")
+    last = json.loads(head)
+    check_writable(folder)
+    notes = restore(folder)
+    out = folder / OUT
+    manifest = Manifest.read(out)
+    if manifest is None or manifest.files.keys() != {*last["files"], PROVENANCE}:
+        return None
+    if any(manifest.files[name] != digest for name, digest in last["files"].items()):
+        return None
+    if not all(manifest.lists(out / name) for name in manifest.files):
+        return None
+    others = [one for one in os.listdir(out) if one != MANIFEST and one not in manifest.files]
+    if any(RESERVED.fullmatch(one) for one in others):
+        return None
+    content = json.loads((out / RESULTS).read_bytes())
+    notes += kept_remarks([one for one in others if not KEPT.fullmatch(one)])
+    return Outcome(folder, content, last["inputs"], last["verdict"], [], notes, curves)
 
 
-def reduce_tests(
-    campaign: Campaign, store: Store | None = None, tell: Progress = lambda done, total, what: None
-) -> tuple[list[Prepared], list[ReducedTest], list[Remark]]:
-    """Reduce every test of a campaign: what was read, what was found, what there is to remark.
-
-    Raises
-    ------
-    DataError
-        With all that was refused, test by test.
-    """
-    tests = campaign.file.tests
-    gate = Gate()
-    ready: dict[int, Prepared] = {}
-    results: dict[str, Any] = {}
-    problems: dict[int, tuple[Problem, ...]] = {}
-    for done, number in enumerate(order_of(tests)):
-        test = tests[number]
-        tell(done, len(tests), test.id)
-        if any(name not in results for name in test.after):
-            continue  # what it comes after was refused, which says why
-        try:
-            ready[number] = prepare(campaign, number, results, store, gate)
-            results[test.id] = reduce_test(ready[number])
-        except InertialcalError as error:
-            problems[number] = tuple(placed(problem, campaign, number) for problem in error.problems)
-    for number, problem in shared_readings(campaign, [ready[number] for number in sorted(ready)]):
-        problems[number] = (*problems.get(number, ()), placed(problem, campaign, number))
-    if problems:
-        raise DataError(list(dict.fromkeys(problem for number in sorted(problems) for problem in problems[number])))
-    prepared = [ready[number] for number in range(len(tests))]
-    tested = beside_others(campaign, reduced_tests(prepared, results))
-    for number, one in enumerate(tested):
-        if count := screened_samples(one, prepared[number]):
-            tell(len(tests), len(tests), f"{one.test.id}, with the samples that were left out")
-            tested[number] = with_all_samples(campaign, one, count, results, store, gate)
-    remarks = [remark.at(one.test.id) for one in tested for remark in one.remarks]
-    return prepared, tested, remarks
-
-
-def _with_residuals(one: ReducedTest, residual: Residual | None) -> ReducedTest:
-    """Return a test held out with the rows and curves of what is left on its readings."""
-    if residual is None:
-        return one
-    return replace(one, rows=[*one.rows, *residual.found.rows], curves=residual.found.curves)
-
-
-def _files(
-    campaign: Campaign,
-    results: dict[str, Any],
-    curves: bytes,
-    modelled: Modelled | None,
-    inputs: dict[str, str],
-    folder: str,
-) -> dict[str, str | bytes]:
-    from ...report.page import report_html  # noqa: PLC0415 - draws, which starts slowly; a call writes no report
-
-    record = provenance(inputs, folder, {}) | {"campaign": campaign.file.campaign.id}
-    model: dict[str, str | bytes] = {} if modelled is None else dict(model_files(modelled))
-    content = json.loads(model["model.json"]) if "model.json" in model else None
-    return model | {
-        "results.json": json_text({name: part for name, part in results.items() if name != "curves"}),
-        CURVES: curves,
-        "results.csv": csv_text([flat(row) for row in results["results"]], COLUMNS),
-        "verdicts.csv": csv_text([row | (row["interval"] or {}) for row in results["verdicts"]], VERDICT_COLUMNS),
-        "report.html": report_html(results, content, record),
-        "provenance.json": json_text(record),
-    }
-
-
-__all__ = ["EXIT", "Outcome", "Whole", "check", "reduce_campaign", "reduce_tests", "run"]
+def _keep(outcome: Outcome, given: str, files: Mapping[str, str | bytes], cache: Cache) -> None:
+    """Note what a whole run read and wrote, and forget what it had no use for."""
+    written = {name: one if isinstance(one, bytes) else one.encode() for name, one in files.items()}
+    digests = {name: sha256(one).hexdigest() for name, one in written.items() if name != PROVENANCE}
+    last = {"files": digests, "inputs": outcome.inputs, "verdict": outcome.verdict}
+    head, curves = json.dumps(last).encode(), json.dumps(outcome.results["curves"]).encode()
+    key = _key(outcome.folder, given, cache)
+    if key and outcome.inputs.get(FILE) == file_digest(outcome.folder / FILE, follow=True):
+        cache.put(LAST, key, cache.read, head + b"\n" + curves)
+    cache.sweep()

@@ -6,7 +6,8 @@ nothing knows where a recording came from.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -25,10 +26,17 @@ from ...core.times import instant_text
 from ...core.unit.magnitudes import check_readings
 from ...core.units import convert, factor, kind, parse_quantity, si_unit
 from ...files import read, read_table
+<<<<<<< HEAD
 from ...files.budget import ANALYSIS, AS_WIDE, STREAMED, claim_recording
+=======
+from ...files.budget import ANALYSIS, AS_WIDE, claim_recording
+from ...files.reader import Request
+from ...files.registry import Parsed, read_recording
+>>>>>>> 86fef6b2 (squash run25)
 from ...files.source import load as load_file
 from ...files.text.headers import full_name
 from ...files.text.table import Table
+from ...files.time.window import Window
 from ...procedures.protocol import Exclusion, Facts, InputSpec
 from ...procedures.recorded import CLOCK, recorded_rows
 from ...sensors.chain.conversion import convert as convert_counts
@@ -106,6 +114,71 @@ class Folder:
         path = self.folder / file
         digest = load_file(path).sha256  # before it is read: a change in between shows in the end
         return read_it(path), digest
+
+
+HELD = 2**28  # bytes of columns that wait for the next test which reads them
+
+
+@dataclass(frozen=True, eq=False)
+class ReadOnce(Folder):
+    """A campaign folder whose recordings are read once, however many tests take them.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the campaign.
+    waiting : Counter of str
+        How many tests have yet to read a file; its columns are kept that long, as far as `HELD` goes.
+    """
+
+    waiting: Counter[str] = field(default_factory=Counter[str])
+    absent: set[str] = field(default_factory=set[str])  # Files that were looked for and were not there
+    _parsed: dict[str, Parsed] = field(default_factory=dict[str, Parsed])
+    _archived: dict[tuple[str, str], Recording] = field(default_factory=dict[tuple[str, str], Recording])
+    _tables: dict[str, Table] = field(default_factory=dict[str, Table])
+
+    def recording(self, entry: RecordingEntry, required: Sequence[str]) -> Recording:
+        """Return a recording as its file has it."""
+        reading = reading_of(entry)
+        which = (entry.file, repr(sorted(reading.items(), key=str)))
+        if which in self._archived:
+            return self._archived[which]
+        window = Window(reading["start"], reading["stop"], reading["mission_start"])
+        request = Request(sample_rate=reading["sample_rate"], time_column=reading["time_column"], required=required,
+                          window=window, frame=reading["frame"])  # fmt: skip
+        parsed = self._parsed.setdefault(entry.file, {})
+        found = read_recording(self.folder / entry.file, request, parsed)
+        if not parsed:
+            self._archived[which] = found
+        return found
+
+    def has(self, file: str) -> bool:
+        """Return whether there is such a file."""
+        found = super().has(file)
+        if not found:
+            self.absent.add(file)
+        return found
+
+    def table(self, file: str) -> Table:
+        """Return a reduced table."""
+        if file not in self._tables:
+            self._tables[file] = super().table(file)
+        return self._tables[file]
+
+    def leave(self, files: Iterable[str]) -> None:
+        """Note that a test has read files: what no other waits for is forgotten, and what is too much to be kept."""
+        self.waiting.subtract({*files})
+        for file in [name for name in self._tables if self.waiting[name] <= 0]:
+            del self._tables[file]
+        held = 0
+        for file in list(self._parsed):
+            archived = {which: one for which, one in self._archived.items() if which[0] == file}
+            held += sum(c.values.nbytes for content, _ in self._parsed[file].values() for c in content.columns)
+            held += sum(channel.data.nbytes for one in archived.values() for channel in one.channels)
+            if self.waiting[file] <= 0 or held > HELD:
+                del self._parsed[file]
+                for which in archived:
+                    del self._archived[which]
 
 
 @dataclass(frozen=True, eq=False)

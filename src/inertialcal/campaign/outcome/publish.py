@@ -112,12 +112,16 @@ def _remarks(kept: Kept) -> Iterator[Remark]:
         where = " and ".join(f"{OUT}/{room}/" for room in rooms)
         what = f"moved to {where}: {_names(kept.moved)} (edited since the last run, or not written by one)"
         yield Remark("file_moved", "warning", what)
-    if kept.stayed:
-        what = f"kept in {OUT}/: {_names(kept.stayed)} (not written by inertialcal)"
-        yield Remark("file_kept", "info", what)
+    yield from kept_remarks(kept.stayed)
     if kept.stuck:
         what, do = f"could not be moved back into {OUT}/: {_names(kept.stuck)}", "Move by hand what you need of it"
         yield Remark("file_stuck", "warning", what, do=do)
+
+
+def kept_remarks(names: Sequence[str]) -> tuple[Remark, ...]:
+    """Return the remark on files of others that stand in ``out/``; none where there are none."""
+    what = f"kept in {OUT}/: {_names(names)} (not written by inertialcal)"
+    return (Remark("file_kept", "info", what),) if names else ()
 
 
 def _names(names: Iterable[str]) -> str:

@@ -90,7 +90,7 @@ def _files(root: Path) -> tuple[Found, list[Remark]]:
     taken: dict[str, _Taken] = {}
     for path in sorted(root.rglob("*"))[:MOST]:
         file = path.relative_to(root).as_posix()
-        if file.startswith((".", "out/")) or not path.is_file() or not file.lower().endswith(ENDINGS):
+        if file.startswith((".", "out/", "out-cache/")) or not path.is_file() or not file.lower().endswith(ENDINGS):
             continue
         if file != os.fsencode(file).decode("utf-8", "replace"):
             what = "file name is not UTF-8: campaign.toml cannot hold it"

@@ -16,7 +16,8 @@ from ...core.remarks import Remark
 from ...rigs.twin import SEAL, SEED, Fault, Twin
 from ...statistics.intervals import binomial_interval
 from ..calls.call import campaign_of
-from ..engine.run import reduce_campaign, run
+from ..engine.run import run
+from ..engine.whole import reduce_campaign
 from ..file.load import Campaign
 from ..inputs.sources import Memory
 from .twin import write_twin

@@ -8,7 +8,7 @@ from functools import lru_cache
 from ...rigs.twin import SEED, Twin
 from ..calls.call import campaign_of
 from ..engine.engine import ReducedTest
-from ..engine.run import reduce_tests
+from ..engine.whole import reduce_tests
 from ..file.load import Campaign
 from ..inputs.sources import Memory
 

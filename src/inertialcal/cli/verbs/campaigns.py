@@ -40,12 +40,12 @@ def run(
 
 def where_text(outcome: Outcome) -> str:
     """Return where the results of a run are, and which of them to read."""
-    return clean(f"results in {outcome.campaign.folder / 'out'}; to read: {report_path(outcome)}")
+    return clean(f"results in {outcome.folder / 'out'}; to read: {report_path(outcome)}")
 
 
 def report_path(outcome: Outcome) -> Path:
     """Return the page that a run wrote."""
-    return Path(outcome.campaign.folder) / "out" / "report.html"
+    return Path(outcome.folder) / "out" / "report.html"
 
 
 def outcome_content(outcome: Outcome) -> dict[str, Any]:
@@ -110,7 +110,7 @@ def budget(
 
 def check(folder: Folder, as_json: Json = False, quiet: Quiet = False) -> int:
     """Judge the inputs of a campaign: the campaign file and every recording it names."""
-    from ...campaign.engine.run import check as check_campaign
+    from ...campaign.engine.whole import check as check_campaign
 
     checked = check_campaign(folder)
     campaign, inputs, remarks = checked

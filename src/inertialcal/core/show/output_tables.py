@@ -175,7 +175,15 @@ def output_tables(
         return []
     sensor, steps = sensors[name], {step["test"]: step for step in sequence if name in step["sensors"]}
     rows = [row for row in results if row["test"] in steps and row["sensor"] in ("", "gyro") and _is_result(row)]
-    suite = _Suite(tuple(sensor["axes"]), (sensor.get("chain") or {}).get("thermometer") or {}, steps, rows)
+    by_key: dict[Key, list[tuple[int, R]]] = {}
+    tests: dict[str, set[str]] = {}
+    for number, row in enumerate(rows):
+        key = key_of(row)._replace(sensor="")
+        by_key.setdefault(key, []).append((number, row))
+        tests.setdefault(key.quantity, set()).add(str(row["test"]))
+    rest = {str(row["test"]) for row in rows if row["quantity"] == "bias" and reason_code(row) == REFERENCED}
+    thermometer = (sensor.get("chain") or {}).get("thermometer") or {}
+    suite = _Suite(tuple(sensor["axes"]), thermometer, steps, by_key, tests, rest)
     tables = []
     for condition in list(dict.fromkeys(step["condition"] for step in steps.values() if step["condition"])) or [""]:
         summary = [suite.line(one, condition) for one in SUMMARY]
@@ -201,7 +209,9 @@ class _Suite(Generic[R]):
     axes: tuple[str, ...]
     thermometer: Mapping[str, Any]  # Of the chain
     steps: Mapping[str, Mapping[str, Any]]  # Test -> its entry in ``sequence``
-    rows: Sequence[R]
+    rows: Mapping[Key, Sequence[tuple[int, R]]]  # By key without the sensor, each with its number in the results
+    tests_of: Mapping[str, set[str]]  # Tests that give a quantity
+    rest: set[str]  # Tests where the readings at rest were subtracted
 
     def line(self, one: Wanted, condition: str) -> Line[R]:
         found = {axis: self._row(one, axis, condition) for axis in self.axes}
@@ -225,15 +235,14 @@ class _Suite(Generic[R]):
 
     def _row(self, one: Wanted, axis: str, condition: str) -> R | Mapping[str, Any]:
         """Return the row of an axis: of a test with an estimate; first one that the model takes it from."""
-        given = [{row["test"] for row in self.rows if row["quantity"] == quantity} for quantity in one.beside]
-        rest = {row["test"] for row in self.rows if row["quantity"] == "bias" and reason_code(row) == REFERENCED}
-        key = Key(one.quantity, axis, power=one.power)
+        given = [self.tests_of.get(quantity, set()) for quantity in one.beside]
+        keys = dict.fromkeys(Key(one.quantity, name, power=one.power) for name in (axis, ""))
+        ordered = sorted((pair for key in keys for pair in self.rows.get(key, ())), key=lambda pair: pair[0])
         every = [
             row
-            for row in self.rows
-            if key_of(row)._replace(sensor="") in (key, key._replace(axis=""))
-            and (not given or any(row["test"] in tests for tests in given))
-            and (one.referenced is None or (row["test"] in rest) == one.referenced)
+            for _, row in ordered
+            if (not given or any(row["test"] in tests for tests in given))
+            and (one.referenced is None or (row["test"] in self.rest) == one.referenced)
         ]
 
         made_of = self._made_of(one.kind, condition)

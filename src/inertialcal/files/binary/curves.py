@@ -34,22 +34,31 @@ def curves_bytes(curves: Sequence[Mapping[str, Any]]) -> bytes:
     from pyarrow import parquet  # noqa: PLC0415 - heavy import
 
     lengths = [len(next(iter(curve["columns"].values()))["values"]) for curve in curves]
-    columns: dict[str, list[Any]] = {"curve": [i for i, n in enumerate(lengths) for _ in range(n)]}
-    columns |= {key: [c.get(key, "") for c, n in zip(curves, lengths, strict=True) for _ in range(n)] for key in HEAD}
+    types = {"curve": pa.int32(), "text": pa.string(), "flag": pa.bool_()} | dict.fromkeys(HEAD, pa.string())
+    parts: dict[str, list[Any]] = {key: [] for key in ("curve", *HEAD)}  # Of each column, from the top
+    filled: dict[str, int] = {}  # Rows of each column that its parts have
     about, start, total = [], 0, sum(lengths)
-    for curve, length in zip(curves, lengths, strict=True):
+    for number, (curve, length) in enumerate(zip(curves, lengths, strict=True)):
+        parts["curve"].append(pa.repeat(pa.scalar(number, pa.int32()), length))
+        for key in HEAD:
+            parts[key].append(pa.repeat(pa.scalar(curve.get(key, ""), pa.string()), length))
         stored = {}
         for name, column in curve["columns"].items():
-            place = name if name not in ("curve", *HEAD) and _kind(column["values"]) == "number" else ""
-            place = place or f"{name}:{_kind(column['values'])}"
-            columns.setdefault(place, [None] * total)[start : start + length] = column["values"]
+            kind = _kind(column["values"])
+            place = name if name not in ("curve", *HEAD) and kind == "number" else f"{name}:{kind}"
+            made = types.get(place.rpartition(":")[2], pa.float64())
+            own = parts.setdefault(place, [])
+            own += [pa.nulls(start - filled.get(place, 0), made), pa.array(column["values"], made)]
+            filled[place] = start + length
             stored[name] = {"column": place, "unit": column["unit"]}
         about.append({key: curve[key] for key in HEAD if key in curve} | {"rows": length, "columns": stored})
         start += length
-    types = {"curve": pa.int32(), "text": pa.string(), "flag": pa.bool_()} | dict.fromkeys(HEAD, pa.string())
-    arrays = [pa.array(values, types.get(name.rpartition(":")[2], pa.float64())) for name, values in columns.items()]
+    arrays = []
+    for name, own in parts.items():
+        made = types.get(name.rpartition(":")[2], pa.float64())
+        arrays.append(pa.concat_arrays([*own, pa.nulls(total - filled.get(name, total), made)]))
     schema = pa.schema(
-        [pa.field(name, array.type) for name, array in zip(columns, arrays, strict=True)],
+        [pa.field(name, array.type) for name, array in zip(parts, arrays, strict=True)],
         metadata={META: json.dumps({"schema": SCHEMA, "curves": about}, ensure_ascii=False).encode()},
     )
     buffer = io.BytesIO()

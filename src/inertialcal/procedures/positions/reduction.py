@@ -105,7 +105,7 @@ class Result:
 
     def curves(self) -> list[Curve]:
         """Return the curves of ``results.json``, SI: those of the sensor, or of both."""
-        return [one for one in curves(self) if self.sensor in ("", one.sensor)]
+        return curves(self)
 
     def parts(self) -> tuple[Block, ...]:
         """Return what is shown: how much went in, the figures in SI, how many remarks."""

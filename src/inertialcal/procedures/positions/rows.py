@@ -23,7 +23,7 @@ from ...statistics.intervals import chi_square_interval, t_interval
 from ...statistics.two_levels import TwoLevels
 from .fit.accelerometer import OF_FRAME, Fitted
 from .fit.fixture import FACE_FOUND, LAYING_FOUND
-from .fit.gyro import NOTHING_LEFT, FittedGyro, fit_gyro
+from .fit.gyro import NOTHING_LEFT, FittedGyro, angles_left
 from .fit.linear_sensor import BIAS, FEWEST, G_SENSITIVITY, MATRIX, LinearSensor, with_ideal
 from .fit.rotations import across
 from .plan import INFLUENCES
@@ -312,8 +312,8 @@ def curves(result: Result) -> list[Curve]:
     two of them: the angle from where the gyros carry gravity to where the accelerometers find it, and the same without
     g-sensitivity in the model.
     """
-    found = [positions_curve(result)]
-    if result.gyro is not None and len(result.gyro.angles):
+    found = [positions_curve(result)] if result.sensor in ("", "accelerometer") else []
+    if result.sensor in ("", "gyro") and result.gyro is not None and len(result.gyro.angles):
         found.append(transitions_curve(result, result.gyro))
     return found
 
@@ -353,8 +353,8 @@ def transitions_curve(result: Result, gyro: FittedGyro) -> Curve:
     }
     if gyro.rest.g_sensitivity is not None and gyro.rotated is not None:
         plan, sensor = replace(result.plan, g_sensitivity=False), gyro.sensor
-        without = fit_gyro(plan, result.readings, result.acc, sensor.ideal, sensor.zero, gyro.rotated.W)
-        columns["error_without"] = Column(without.angles, "rad")
+        without = angles_left(plan, result.readings, result.acc, sensor.ideal, sensor.zero, gyro.rotated.W)
+        columns["error_without"] = Column(without, "rad")
     left_out = np.zeros(k, dtype=bool) if gyro.rotated is None else gyro.rotated.outliers[:k]
     columns["left_out"] = Column([bool(one) for one in left_out])
     return Curve("transitions", "", columns, sensor="gyro")

@@ -88,12 +88,28 @@ def fit_gyro(
     rest = at_rest(plan, readings.gyro, force, ideal, zero, north or apart(force), rests_of(readings))
     if not readings.transitions and not readings.turns:
         return FittedGyro(_sensor(plan, readings, acc, rest, None, force, ideal, zero), rest, None, None, np.empty(0))
+    problem, rotated = _solved(plan, readings, acc, rest, ideal, zero, start)
+    sensor = _sensor(plan, readings, acc, rest, rotated, force, ideal, zero)
+    return FittedGyro(sensor, rest, rotated, problem, angles(problem, rotated.W))
+
+
+def angles_left(plan: Plan, readings: Readings, acc: Fitted, ideal: Array, zero: Array, start: Array) -> Array:
+    """Return what the gyros of a fit leave of each transition, shape (k,) [rad]; as ``fit_gyro`` takes them."""
+    assert readings.gyro is not None  # noqa: S101 - the caller has looked
+    force = acc.sensor.applied(readings.acc.mean)
+    rest = at_rest(plan, readings.gyro, force, ideal, zero, apart(force), rests_of(readings))
+    problem, rotated = _solved(plan, readings, acc, rest, ideal, zero, start)
+    return angles(problem, rotated.W)
+
+
+def _solved(
+    plan: Plan, readings: Readings, acc: Fitted, rest: AtRest, ideal: Array, zero: Array, start: Array
+) -> tuple[Problem, Rotated]:
+    force = acc.sensor.applied(readings.acc.mean)
     problem = problem_of(plan, readings, acc, rest, ideal, zero)
     known = acc.observed.whole and float(np.max(_direction_u(acc, force))) < DIRECTION
     # Else errors of the accelerometers make the ends disagree
-    rotated = solve(plan, problem, start, judge=known or not readings.transitions)
-    sensor = _sensor(plan, readings, acc, rest, rotated, force, ideal, zero)
-    return FittedGyro(sensor, rest, rotated, problem, angles(problem, rotated.W))
+    return problem, solve(plan, problem, start, judge=known or not readings.transitions)
 
 
 def problem_of(plan: Plan, readings: Readings, acc: Fitted, rest: AtRest, ideal: Array, zero: Array) -> Problem:

@@ -1,0 +1,293 @@
+"""The whole of a campaign: every test reduced, models made, requirements judged, the files of ``out/``."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ...core.errors import DataError, InertialcalError, Problem
+from ...core.remarks import Remark, gather
+from ...core.results import COLUMNS, flat
+from ...core.show.result_tables import remarks_line
+from ...core.show.tables import Block, Table, html, text
+from ...files.binary.curves import FILE as CURVES
+from ...files.binary.curves import curves_bytes
+from ..file.load import Campaign, load
+from ..inputs.changed import check_unchanged, one_digest, stamps
+from ..inputs.gate import Gate
+from ..inputs.sources import ReadOnce, Store
+from ..models.build import build_models, model_files
+from ..models.judged import NOT_RUN, Modelled, Residual, hold_out_residuals
+from ..outcome.contents import results_content
+from ..outcome.publish import changes, check_writable, csv_text, json_text, provenance, publish, restore
+from ..outcome.requirements import worst
+from ..outcome.results_file import previous, sealed
+from .cache import Cache
+from .engine import (
+    Prepared,
+    ReducedTest,
+    beside_others,
+    computable,
+    placed,
+    prepare,
+    reduced_tests,
+    shared_readings,
+    with_opened,
+)
+from .reductions import reduce_all, waiting_for
+from .status import EXIT, Progress
+
+VERDICT_COLUMNS = (
+    "requirement", "test", "axis", "sensor", "at", "at_unit", "of", "value", "u", "unit", "lo", "hi", "p", "lower",
+    "upper", "margin", "verdict", "reason",
+)  # fmt: skip
+
+
+class Checked(NamedTuple):
+    """A campaign whose inputs were judged.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        As read.
+    inputs : dict of str to str
+        SHA-256 of each input by its path.
+    remarks : tuple of Remark
+        What reading the inputs brought up.
+    """
+
+    campaign: Campaign
+    inputs: dict[str, str]
+    remarks: tuple[Remark, ...]
+
+    @property
+    def exit_status(self) -> int:
+        """0, or 4 where a remark is an error."""
+        return EXIT["INCONCLUSIVE"] if any(one.severity == "error" for one in self.remarks) else 0
+
+    def parts(self) -> tuple[Block, ...]:
+        """Return what is shown: the inputs that can be read, how many remarks."""
+        file = self.campaign.file
+        caption = f"campaign {file.campaign.id}: {len(file.tests)} test(s), every input can be read"
+        return (Table(("input", "SHA-256"), list(self.inputs.items()), caption, (1,)), *remarks_line(self.remarks))
+
+    def __str__(self) -> str:
+        """Return what is shown as text."""
+        return text(self.parts())
+
+    def __repr__(self) -> str:
+        return text(self.parts())
+
+    def _repr_html_(self) -> str:
+        """Return what is shown for a notebook."""
+        return html(self.parts())
+
+
+def check(folder: str | Path) -> Checked:
+    """Judge the inputs of a campaign without reducing them.
+
+    Returns
+    -------
+    Checked
+        A tuple of the campaign, the SHA-256 of each input by its path, and what reading the inputs brought up.
+
+    Raises
+    ------
+    PlanError, DataError
+        With every problem of the campaign file, or of the recordings.
+    """
+    campaign = load(folder)
+    inputs = {"campaign.toml": campaign.sha256}
+    remarks: list[Remark] = []
+    problems: list[Problem] = []
+    ready: list[Prepared] = []
+    gate = Gate()
+    for number in range(len(campaign.file.tests)):
+        try:
+            prepared = prepare(campaign, number, gate=gate)
+        except InertialcalError as error:
+            problems += error.problems
+            continue
+        ready.append(prepared)
+        inputs = one_digest([*inputs.items(), *prepared.inputs.items()])
+        remarks += prepared.readings.remarks
+    problems += [placed(one, campaign, number) for number, one in shared_readings(campaign, ready)]
+    if problems:
+        raise DataError(list(dict.fromkeys(problems)))
+    return Checked(campaign, inputs, gather(remarks))
+
+
+def work(
+    campaign: Campaign, given: str, progress: Progress | None, write: bool, cache: Cache
+) -> tuple[Whole, dict[str, Any], dict[str, str | bytes], list[str], tuple[Remark, ...]]:
+    """Return a campaign reduced and judged: results, files of ``out/``, what changed since the last run, notes.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        As read.
+    given : str
+        Its folder, as the user gave it.
+    progress, write
+        As ``run`` takes them.
+    cache : Cache
+        Where reductions and figures are kept.
+
+    Raises
+    ------
+    PlanError, DataError, StoreError
+        As ``run`` says.
+    """
+    notes: tuple[Remark, ...] = ()
+    if write:
+        check_writable(campaign.folder)
+        notes = restore(campaign.folder)
+    before = stamps(campaign)
+    whole = reduce_campaign(campaign, None, progress, cache)
+    curves = curves_bytes(whole.results["curves"])
+    results = sealed(whole.results, curves)
+    files = _files(campaign, results, curves, whole.modelled, whole.inputs, given, cache) if write else {}
+    check_unchanged(campaign.folder, whole.inputs, before)
+    changed = changes(previous(campaign.folder), results)
+    if write:
+        notes += publish(campaign.folder, files)
+    return whole, results, files, changed, notes
+
+
+@dataclass(frozen=True, eq=False)
+class Whole:
+    """A campaign that was reduced and judged.
+
+    Parameters
+    ----------
+    tested : list of ReducedTest
+        Its tests.
+    modelled : Modelled or None
+        Model of each sensor and condition, and closed loop.
+    results, inputs, verdict
+        As `Outcome` has them.
+    """
+
+    tested: list[ReducedTest]
+    modelled: Modelled | None
+    results: dict[str, Any]
+    inputs: dict[str, str]
+    verdict: str
+
+
+def reduce_campaign(
+    campaign: Campaign, store: Store | None = None, progress: Progress | None = None, cache: Cache | None = None
+) -> Whole:
+    """Reduce every test of a campaign and judge its requirements.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Read from a folder, or made of what a noun was given.
+    store : Store, optional
+        That holds its files; by default its folder.
+    progress : callable, optional
+        As `run` takes it.
+    cache : Cache, optional
+        Where reductions are kept.
+
+    Raises
+    ------
+    PlanError, DataError
+        If the campaign or a recording is refused.
+    """
+    tell = progress or (lambda done, total, what: None)
+    prepared, tested, remarks = reduce_tests(campaign, store, tell, cache)
+    own = {"campaign.toml": campaign.sha256} if campaign.sha256 else {}
+    inputs = own | one_digest(pair for one in prepared for pair in one.inputs.items())
+    tell(len(tested), len(tested), "model and requirements")
+    reduced = {one.test.id: one.tested for one in tested}
+    with computable(campaign.file.campaign.id, "campaign"):
+        errors = {one.test.id: one.errors for one in tested if one.errors}
+        residuals = {
+            name: one
+            for name, one in hold_out_residuals(campaign, reduced).items()
+            if not errors.keys() & {name, one.against}
+        }
+    tested = [_with_residuals(one, residuals.get(one.test.id)) for one in tested]
+    with computable(campaign.file.campaign.id, "campaign"):
+        modelled = build_models(campaign, reduced, residuals, errors)
+    if modelled is not None:
+        remarks += [remark.at("closed loop") for one in modelled.every for remark in one.remarks]
+    with computable(campaign.file.campaign.id, "campaign"):
+        results, verdicts = results_content(campaign, prepared, tested, modelled, remarks)
+    stated = [worst(verdicts)] if campaign.file.requirements else []
+    if modelled is not None and modelled.whole_verdict != NOT_RUN:
+        stated.append(modelled.whole_verdict)
+    stated += ["INCONCLUSIVE"] * bool(errors)
+    verdict = next((word for word in ("FAIL", "INCONCLUSIVE", "PASS") if word in stated), "")
+    results["verdict"] = verdict or None
+    return Whole(tested, modelled, results, inputs, verdict)
+
+
+def reduce_tests(
+    campaign: Campaign,
+    store: Store | None = None,
+    tell: Progress = lambda done, total, what: None,
+    cache: Cache | None = None,
+) -> tuple[list[Prepared], list[ReducedTest], list[Remark]]:
+    """Reduce every test of a campaign: what was read, what was found, what there is to remark.
+
+    Raises
+    ------
+    DataError
+        With all that was refused, test by test.
+    """
+    tests = campaign.file.tests
+    store = store or ReadOnce(campaign.folder, waiting_for(campaign))
+    found, problems = reduce_all(campaign, store, tell, cache)
+    ready = {number: found[number].prepared for number in sorted(found)}
+    for number, problem in shared_readings(campaign, list(ready.values())):
+        problems[number] = (*problems.get(number, ()), placed(problem, campaign, number))
+    if problems:
+        raise DataError(list(dict.fromkeys(problem for number in sorted(problems) for problem in problems[number])))
+    prepared = list(ready.values())
+    results = {one.id: found[number].result for number, one in enumerate(tests)}
+    tested = beside_others(campaign, reduced_tests(prepared, results))
+    for number, one in enumerate(tested):
+        opened = found[number].opened
+        tested[number] = one if opened is None else with_opened(campaign, one, opened)
+    remarks = [remark.at(one.test.id) for one in tested for remark in one.remarks]
+    return prepared, tested, remarks
+
+
+def _with_residuals(one: ReducedTest, residual: Residual | None) -> ReducedTest:
+    """Return a test held out with the rows and curves of what is left on its readings."""
+    if residual is None:
+        return one
+    return replace(one, rows=[*one.rows, *residual.found.rows], curves=residual.found.curves)
+
+
+def _files(
+    campaign: Campaign,
+    results: dict[str, Any],
+    curves: bytes,
+    modelled: Modelled | None,
+    inputs: dict[str, str],
+    folder: str,
+    cache: Cache,
+) -> dict[str, str | bytes]:
+    from ...report.page import report_html  # noqa: PLC0415 - draws, which starts slowly; a call writes no report
+    from .pictures import drawn  # noqa: PLC0415 - the same
+
+    record = provenance(inputs, folder, {}) | {"campaign": campaign.file.campaign.id}
+    model: dict[str, str | bytes] = {} if modelled is None else dict(model_files(modelled))
+    content = json.loads(model["model.json"]) if "model.json" in model else None
+    return model | {
+        "results.json": json_text({name: part for name, part in results.items() if name != "curves"}),
+        CURVES: curves,
+        "results.csv": csv_text([flat(row) for row in results["results"]], COLUMNS),
+        "verdicts.csv": csv_text([row | (row["interval"] or {}) for row in results["verdicts"]], VERDICT_COLUMNS),
+        "report.html": report_html(results, content, record, lambda wanted: drawn(wanted, cache)),
+        "provenance.json": json_text(record),
+    }
+
+
+__all__ = ["Checked", "Whole", "check", "reduce_campaign", "reduce_tests", "work"]
