@@ -103,18 +103,6 @@ def coarse_steps(values: Array, name: str) -> tuple[Remark, ...]:
     ----------
     B. Widrow, I. Kollar and M.-C. Liu, IEEE Trans. Instrum. Meas. 45 (1996) 353: statistical theory of quantization.
     """
-<<<<<<< HEAD
-    good = np.isfinite(values)
-    finite = values if good.all() else values[good]
-    step, total = np.inf, 0.0
-    for first in range(0, len(finite) - 1, CHUNK):
-        sizes = np.abs(np.diff(finite[first : first + CHUNK + 1]))
-        total += float(np.sum(sizes**2))
-        step = min(step, float(sizes.min()) or float(np.min(sizes, where=sizes > 0.0, initial=np.inf)))
-    if not np.isfinite(step):
-        return ()
-    read = total / (len(finite) - 1) / 2.0
-=======
     step, squares, steps, last = np.inf, 0.0, 0, np.empty(0)
     for first, stop in batches(values):
         part = values[first:stop]
@@ -125,7 +113,6 @@ def coarse_steps(values: Array, name: str) -> tuple[Remark, ...]:
     if not np.isfinite(step):
         return ()
     read = squares / steps / 2.0
->>>>>>> 1265b2c6 (squash stream25)
     before = read - step**2 / 12.0
     if read >= step**2 * (1.0 / COARSE**2 + 1.0 / 12.0):
         return ()

@@ -91,12 +91,6 @@ def drift_of(x: Array, axis: int, interval: float) -> tuple[Drift, ...]:
     size = len(x) // BLOCKS
     if size < 1:
         return ()
-<<<<<<< HEAD
-    cut = x[: size * BLOCKS].reshape(BLOCKS, size)
-    good = np.isfinite(cut)
-    kept = good.sum(axis=1) >= FILLED * size
-    means = (cut if good.all() else np.where(good, cut, 0.0)).sum(axis=1)[kept] / good.sum(axis=1)[kept]
-=======
     count, total = np.zeros((2, BLOCKS))
     for b in range(BLOCKS):
         block = x[b * size : (b + 1) * size]
@@ -106,7 +100,6 @@ def drift_of(x: Array, axis: int, interval: float) -> tuple[Drift, ...]:
             total[b] += np.sum(np.where(good, block[first:stop], 0.0))
     kept = count >= FILLED * size
     means = total[kept] / count[kept]
->>>>>>> 1265b2c6 (squash stream25)
     place = (np.arange(BLOCKS)[kept] + 0.5) / BLOCKS
     smooth = np.polynomial.legendre.legvander(2.0 * place - 1.0, SMOOTH)
     design = smooth[:, : DEGREE + 1]

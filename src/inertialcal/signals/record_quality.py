@@ -67,29 +67,22 @@ def record_quality(x: Array, interval: float, floor: float = 0.0) -> RecordQuali
         raise DataError(f"a channel of shape {np.shape(x)}, need (n,)", code="bad_shape")
     if not (np.isfinite(interval) and interval > 0.0):
         raise DataError(f"a sample interval of {interval} s", do="It must be positive", code="bad_interval")
-<<<<<<< HEAD
-    good = np.isfinite(values)
-    whole = bool(good.all())
-    rest = judge(values if whole else values[good], floor)
-    if rest is None:
-        return RecordQuality((), True, drift_of(values, 0, interval), values)
-    placed = rest.disturbances
-    if placed and not whole:
-        rows = np.flatnonzero(good)
-        placed = tuple(Disturbance(int(rows[one.first]), int(rows[one.last]), one.peak) for one in placed)
-    found = RecordQuality(placed, rest.at_rest, (), values)
-    return replace(found, drifts=drift_of(found.cleaned() if placed else values, 0, interval))
-=======
     placed: list[Disturbance] = []
     judged = still = 0
-    for first in range(0, max(len(values), 1), PIECE if len(values) > LONG else max(len(values), 1)):
-        part = values[first : first + PIECE] if len(values) > LONG else values
-        rows = first + np.flatnonzero(np.isfinite(part))
-        rest = judge(part[rows - first], floor)
+    size = PIECE if len(values) > LONG else max(len(values), 1)
+    for first in range(0, max(len(values), 1), size):
+        part = values[first : first + size]
+        good = np.isfinite(part)
+        whole = bool(good.all())
+        rest = judge(part if whole else part[good], floor)
         release(part)
-        if rest is not None:
-            judged, still = judged + len(rows), still + len(rows) * rest.at_rest
-            placed += [Disturbance(int(rows[one.first]), int(rows[one.last]), one.peak) for one in rest.disturbances]
+        if rest is None:
+            continue
+        count = int(np.count_nonzero(good))
+        judged, still = judged + count, still + count * rest.at_rest
+        rows = np.flatnonzero(good) if rest.disturbances and not whole else np.arange(0)
+        for one in rest.disturbances:
+            at = (one.first, one.last) if whole else (int(rows[one.first]), int(rows[one.last]))
+            placed.append(Disturbance(first + at[0], first + at[1], one.peak))
     found = RecordQuality(tuple(placed), still >= STILL_SHARE * judged, (), values)
-    return replace(found, drifts=drift_of(found.cleaned(), 0, interval))
->>>>>>> 1265b2c6 (squash stream25)
+    return replace(found, drifts=drift_of(found.cleaned() if placed else values, 0, interval))

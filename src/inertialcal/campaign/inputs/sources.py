@@ -26,13 +26,9 @@ from ...core.times import instant_text
 from ...core.unit.magnitudes import check_readings
 from ...core.units import convert, factor, kind, parse_quantity, si_unit
 from ...files import read, read_table
-<<<<<<< HEAD
 from ...files.budget import ANALYSIS, AS_WIDE, STREAMED, claim_recording
-=======
-from ...files.budget import ANALYSIS, AS_WIDE, claim_recording
 from ...files.reader import Request
 from ...files.registry import Parsed, read_recording
->>>>>>> 86fef6b2 (squash run25)
 from ...files.source import load as load_file
 from ...files.text.headers import full_name
 from ...files.text.table import Table

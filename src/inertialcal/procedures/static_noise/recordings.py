@@ -293,17 +293,11 @@ def screened(
             present[axis] = left
         fate = "left out" if left_out else "kept in"
         said = remarks_of(one, axis, shown[axis].place, shown[axis].value, run.interval, fate)
-<<<<<<< HEAD
-        kept = (remark for remark in said if remark.code not in SAID_ELSEWHERE)
-        remarks += [replace(remark, axis=axis, recording=run.name) for remark in kept]
-    fine = {axis: resolution_of(_present(run, axis), shown[axis].times) for axis in run.values}
-=======
         own_remarks = (remark for remark in said if remark.code not in SAID_ELSEWHERE)
         remarks += [replace(remark, axis=axis, recording=run.name) for remark in own_remarks]
     fine = {
         axis: resolution_of(kept(values, run.there(axis)), shown[axis].times) for axis, values in run.values.items()
     }
->>>>>>> 1265b2c6 (squash stream25)
     return replace(run, present=present, found=found, bad=bad, resolution=fine, screened=left_out), remarks
 
 

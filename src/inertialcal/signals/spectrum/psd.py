@@ -153,7 +153,6 @@ def _averaged(values: Array, starts: list[Indices], tapers: Tapers, interval: fl
     Zero frequency and, of segments of even length, the highest one are doubled too: they are no part of a Spectrum.
     """
     count, length = tapers.weights.shape
-<<<<<<< HEAD
     every = np.concatenate(starts)
     at_once = max(1, AT_ONCE // length)
     whole = -(-len(every) // (at_once * SHARES)) * at_once  # segments of a share
@@ -172,25 +171,13 @@ def _averaged(values: Array, starts: list[Indices], tapers: Tapers, interval: fl
                     turned = fft.rfft(part * weights, axis=1).view(np.float64)
                     turned *= turned
                     found += turned.sum(axis=0) if len(turned) > 1 else turned[0]
+            release(values[share[0] : share[-1] + length])
             return found
 
         squares = np.sum(each_of(power, shares, count * len(every) * length), axis=0)
         total[:, axis] = squares[0::2] + squares[1::2]
     total *= 2.0 * interval / (count * len(every))
     return total
-=======
-    total = np.zeros((values.shape[1], length // 2 + 1))
-    at_once = max(1, AT_ONCE // (length * values.shape[1]))
-    segments = np.lib.stride_tricks.sliding_window_view(values, length, axis=0)
-    for stretch in starts:
-        for group in np.split(stretch, np.arange(at_once, len(stretch), at_once)):
-            part = segments[group] - segments[group].mean(axis=2, keepdims=True)
-            for weights in tapers.weights:
-                turned = fft.rfft(part * weights, axis=2)
-                total += np.sum(turned.real**2 + turned.imag**2, axis=0)
-            release(values[group[0] : group[-1] + length])
-    return np.asarray(2.0 * interval / (count * sum(len(stretch) for stretch in starts)) * total.T)
->>>>>>> 1265b2c6 (squash stream25)
 
 
 def _remarks(values: Array, gaps: Stretches, used: int, length: int) -> tuple[Remark, ...]:
@@ -203,14 +190,8 @@ def _remarks(values: Array, gaps: Stretches, used: int, length: int) -> tuple[Re
         what = f"{left} samples between gaps are too short for a segment of {length}; {used} are used"
         found.append(Remark("few_segments", "warning", what, do="Give shorter segments"))
     for axis in range(values.shape[1]):
-<<<<<<< HEAD
-        column = values[np.isfinite(values[:, axis]), axis] if gaps.missing else values[:, axis]
-        least, largest = float(column.min()), float(column.max())
-        if largest - least <= CONSTANT * max(-least, largest):
-=======
         low, high = extremes(values[:, axis], infinite=False)
         if high - low <= CONSTANT * max(abs(low), abs(high)):
->>>>>>> 1265b2c6 (squash stream25)
             what = f"axis {axis} is constant: no spectrum"
             found.append(Remark("constant", "warning", what, do="Check for a stuck or disconnected channel"))
     return tuple(found)
@@ -243,13 +224,6 @@ class Stretches:
 
 def stretches_of(x: Array) -> Stretches:
     """Return the runs of samples (n, axes) that have a finite value in every axis."""
-<<<<<<< HEAD
-    good = np.isfinite(x[:, 0]) if x.shape[1] == 1 else np.isfinite(x).all(axis=1)
-    if good.all():
-        return Stretches(np.zeros(1, dtype=np.int64), np.full(1, len(x), dtype=np.int64), 0)
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], good, [False])).astype(np.int8)))
-    return Stretches(edges[0::2], edges[1::2], int(np.count_nonzero(~good)))
-=======
     found, before, there = [], False, 0
     for first, stop in batches(x):
         good: NDArray[np.bool_] = np.asarray(np.isfinite(x[first:stop]).all(axis=1))
@@ -257,4 +231,3 @@ def stretches_of(x: Array) -> Stretches:
         before, there = bool(good[-1]), there + int(np.count_nonzero(good))
     edges = np.concatenate([*found, [len(x)] if before else []]).astype(np.int64)
     return Stretches(edges[0::2], edges[1::2], len(x) - there)
->>>>>>> 1265b2c6 (squash stream25)
