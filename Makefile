@@ -1,14 +1,18 @@
-# One-time set-up is a dependency of every job: a fresh clone needs Python >= 3.11 and make, nothing else.
+# One-time set-up is a dependency of every job: a fresh clone needs Python >= 3.11 and make, nothing else. The demo
+# installs what a user gets; every other job adds the tools.
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
+INSTALLED := $(VENV)/installed
 READY := $(VENV)/ready
+# Modules are compiled when they are first imported: most of those that are installed never are.
+PIP := $(BIN)/python -m pip install --quiet --no-compile
 # Compiled modules are kept: the next process, and every command that a test starts, need not compile them again.
 export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: demo test slow coverage mutants torture gate check bench docs pins clean
 
-demo: $(READY)  ## a simulated suite of rate sensors: built, run, scored
+demo: $(INSTALLED)  ## a simulated suite of rate sensors: built, run, scored
 	$(BIN)/inertialcal demo
 
 # Two workers on two cores: with two threads each, linear algebra takes twice the time.
@@ -52,15 +56,21 @@ bench: $(READY)  ## speed as ratios against named peers, the table last: LINES="
 docs: $(READY)
 	$(BIN)/python -m sphinx -q -W --keep-going -b html docs build/docs
 
-$(READY): requirements.txt pyproject.toml
+$(INSTALLED): requirements-run.txt pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit("inertialcal needs Python 3.11 or newer; this is " + sys.version.split()[0] + ". Try: make PYTHON=python3.11") if sys.version_info < (3, 11) else None'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --require-hashes -r requirements.txt
-	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation -e .
+	$(PIP) --require-hashes -r requirements-run.txt
+	$(PIP) --no-deps --no-build-isolation -e .
+	touch $(INSTALLED)
+
+$(READY): requirements.txt $(INSTALLED)
+	$(PIP) --require-hashes -r requirements.txt
 	touch $(READY)
 
+COMPILE = uv pip compile --quiet --universal --generate-hashes --no-header --no-emit-index-url --python-version 3.11 pyproject.toml
 pins:  ## needs uv; writes no address of an index
-	uv pip compile --quiet --universal --generate-hashes --no-header --no-emit-index-url --all-extras --python-version 3.11 pyproject.toml -o requirements.txt
+	$(COMPILE) --all-extras -o requirements.txt
+	$(COMPILE) --extra build --constraint requirements.txt --no-annotate -o requirements-run.txt
 
 clean:
 	rm -rf $(VENV) build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -89,7 +89,10 @@ def _command(given: list[str]) -> int:
 
     from .app import app
     from .shown.output import ENDING
+    from .shown.progress import say_compiling
 
+    if not {"--quiet", "-q", "--json"} & set(given):
+        say_compiling()
     try:
         return int(get_command(app).main(args=given, prog_name="inertialcal", standalone_mode=False) or 0)
     except SystemExit as end:  # the parser's own way out of a pipe that the reader has closed

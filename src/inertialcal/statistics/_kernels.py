@@ -15,6 +15,8 @@ import numba
 from numba.core.caching import FunctionCache
 from numba.core.dispatcher import Dispatcher
 
+from ..core.show.compiling import compiling
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 
@@ -22,18 +24,24 @@ class _Cache(FunctionCache):
     """Compiled code of a function on disk, where it can be read and written."""
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Return the compiled code for a signature; None where the file is damaged, which empties the index."""
+        """Return the compiled code for a signature; None where there is none or it is damaged, and it is compiled."""
         try:
-            return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+            found = super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
         except Exception:  # of unpickling: anything
             with suppress(OSError):
                 self.flush()  # type: ignore[no-untyped-call]
-            return None
+            found = None
+        if found is None:
+            compiling.begin(self._name)
+        return found
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep the compiled code for a signature, where the folder takes it."""
-        with suppress(OSError):
-            super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+        try:
+            with suppress(OSError):
+                super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+        finally:
+            compiling.end()
 
 
 def _compiler(**options: Any) -> Callable[[F], F]:

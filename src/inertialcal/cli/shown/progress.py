@@ -6,8 +6,10 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from ...core.show.compiling import compiling
 from .output import clean
 
+COMPILING = "compiling, once: the next command starts without"
 Tell = Callable[[int, int, str], None]
 
 
@@ -28,3 +30,9 @@ def progress(quiet: bool) -> Iterator[Tell]:
             yield lambda done, total, what: bar.update(
                 task, completed=done, total=total, description=escape(clean(what))
             )
+
+
+def say_compiling() -> None:
+    """Have it said on a terminal where loops are compiled for longer than a second."""
+    if sys.stderr.isatty():
+        compiling.say = lambda: print(COMPILING, file=sys.stderr)

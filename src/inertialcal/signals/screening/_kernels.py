@@ -9,14 +9,12 @@ from __future__ import annotations
 
 from typing import Any
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
-
-compiled = numba.njit(cache=True, nogil=True, error_model="numpy")
-summing = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+from ...statistics._kernels import compiled
+from ...statistics._kernels import reordered as summing
 
 Samples = NDArray[Any]
 Flags = NDArray[np.bool_]
