@@ -98,7 +98,9 @@ def test_kinds_of_python() -> None:
     assert back[5] == float("inf")
 
 
-@pytest.mark.parametrize("thing", [object(), lambda: 0, np.array([object()]), open], ids=["object", "function", "array", "builtin"])
+@pytest.mark.parametrize(
+    "thing", [object(), lambda: 0, np.array([object()]), open], ids=["object", "function", "array", "open"]
+)
 def test_what_cannot_be_kept_is_said(thing: object) -> None:
     with pytest.raises(NotStorableError):
         encode([thing])
