@@ -73,8 +73,8 @@ def test_figures_and_remarks_are_those_of_the_whole_record(
     assert again_remarks == remarks
     assert [row[:2] for row in again_rows] == [row[:2] for row in rows]
     for column in (2, 3):
-        given = [[np.nan if row[column] is None else row[column] for row in one] for one in (again_rows, rows)]
-        np.testing.assert_allclose(*given, rtol=1e-9)  # fits stop where their steps are small, not at a number
+        again, once = ([np.nan if row[column] is None else row[column] for row in one] for one in (again_rows, rows))
+        np.testing.assert_allclose(again, once, rtol=1e-9)  # fits stop where their steps are small, not at a number
     np.testing.assert_allclose(again_curves, curves, rtol=ROUNDING)
 
 

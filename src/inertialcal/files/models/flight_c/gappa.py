@@ -25,6 +25,7 @@ from .exact import Ideal
 
 FINE = 160  # bits of the neighbours of an ideal constant
 SLACK = Fraction(13, 10)  # of the proved bound, that Gappa has to show
+READ_SLACK, BEND_SLACK = Fraction(11, 10), Fraction(14, 10)  # the same of the error of a reading, and of q
 APART = Fraction(21, 20)  # of the bound with every rounding at its worst
 SPLIT = 2**13  # codes that Gappa takes one by one in seconds
 
@@ -156,7 +157,7 @@ class _Script:
         """s_j + q_j, with the error of q_j as a premise."""
         (here, wanted), q, true = self.warm[j], f"q{j}{word}", f"Q{j}{word}"
         self.premise(f"|{true}| <= {_above(largest_bend(self.ideal.curves[j]))}")
-        self.premise(f"|{q} - {true}| <= {_above(error * SLACK)}")
+        self.premise(f"|{q} - {true}| <= {_above(error * BEND_SLACK)}")
         if self.how.fixed:
             self.premise(f"@FIX({q}, {-self.fine})")
         if not here:  # a sum with 0 is exact, and Gappa comes to no end with it
@@ -181,7 +182,7 @@ class _Script:
         return self
 
     def of_reading(self, j: int) -> Fraction:
-        return self.bounds.bends[j].read * SLACK
+        return self.bounds.bends[j].read * READ_SLACK
 
     def bend(self, j: int, side: int) -> Self | None:
         """Set the error of q_j on one side of zero as goal; nothing where the sensor never reads on that side."""
@@ -204,7 +205,7 @@ class _Script:
         exact = self.exact("Q", written, "R")
         true = self.define("Q", f"{exact} + remainder")
         self.hints.append(f"{here} - {true} -> ({here} - {exact}) - remainder;")
-        self.goal(f"{here} - {true}", self.bounds.bends[j].bend * SLACK)
+        self.goal(f"{here} - {true}", self.bounds.bends[j].bend * BEND_SLACK)
         return self
 
     # ---- axes ----

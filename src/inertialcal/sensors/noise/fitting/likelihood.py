@@ -154,7 +154,8 @@ def _columns(problem: Problem, wanted: Sequence[str]) -> list[int]:
 
 def column_at(problem: Problem, position: float) -> Array:
     """Return the Allan variance of Gauss-Markov noise of sigma 1 at a position of the table, shape (k,)."""
-    return columns_at(problem.table, np.array([position]))[0]
+    column: Array = columns_at(problem.table, np.array([position]))[0]
+    return column
 
 
 def time_at(problem: Problem, position: float) -> float:
