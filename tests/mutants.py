@@ -392,7 +392,7 @@ MUTANTS = (
         "factor = np.sqrt(averaging / interval)",
         "test_allan_dead_time",
     ),
-    Mutant("psd.py", "2.0 * interval / (count * sum(", "interval / (count * sum(", "test_spectrum"),
+    Mutant("psd.py", "2.0 * interval / (count * len(every))", "interval / (count * len(every))", "test_spectrum"),
     Mutant("density.py", "edf = self.edf * size**2 / np.array", "edf = self.edf * size / np.array", "test_spectrum"),
     Mutant(
         "tapers.py",
@@ -623,8 +623,8 @@ MUTANTS = (
     ),
     Mutant(
         "_kernels_levels.py",
-        "share * abs(end[i] - middle[i] - middle[i] + running[i])",
-        "share * abs(end[i] - middle[i] - running[i])",
+        "if share * abs(after[i] - middle[i] - middle[i] + before[i]) > limit",
+        "if share * abs(after[i] - middle[i] - before[i]) > limit",
         "test_kernels_levels",
     ),
     Mutant(
@@ -1527,8 +1527,8 @@ MUTANTS = (
     ),
     Mutant(
         "limits.py",
-        "return float(np.sqrt(np.clip(rise(x), 0.0, STEEP)) - np.sqrt(target))",
-        "return float(np.sqrt(np.clip(rise(x), 0.0, STEEP)) + np.sqrt(target))",
+        "max(STEEP, 4.0 * target))) - np.sqrt(target))",
+        "max(STEEP, 4.0 * target))) + np.sqrt(target))",
         "test_noise_fit test_noise_limits",
     ),
     Mutant("noise.py", "power[1:half] *= 0.5", "power[1:half] *= 1.0", "test_flicker"),

@@ -17,7 +17,6 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..core.batches import is_stored
 from ..core.errors import DataError, UsageError
 
 if TYPE_CHECKING:
@@ -138,6 +137,8 @@ def claim_values(where: str, on_disk: int, held: int, rows: int, columns: int) -
 
 def claim_recording(recording: Recording, work: tuple[float, float]) -> None:
     """Refuse work on a recording (`SURVEY`, `ANALYSIS`, `AS_WIDE`) that would take too much; Raises as `claim`."""
+    from ..core.batches import is_stored  # noqa: PLC0415 - numpy starts slowly
+
     rows, columns, path = len(recording), len(recording.channels), recording.source.path
     if work == STREAMED and any(is_stored(one.data) for one in recording.channels):
         return
