@@ -23,6 +23,7 @@ from inertialcal.sensors.model.sensor_model import Item, SensorModel
 STRICT = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-Wconversion", "-pedantic", "-ffp-contract=off"]
 UNDEFINED = ["-fsanitize=undefined", "-fno-sanitize-recover=all"]
 DEGREES = 180.0 / np.pi
+STRONG = 40  # times 0.2 % of full input: the second order of a curve that bends much
 
 
 def published() -> tuple[SensorModel, Chain]:
@@ -86,8 +87,11 @@ def tiny() -> tuple[SensorModel, Chain]:
     return model, chain
 
 
-def sensor(axes: int, bits: int, referenced: bool, warm: bool, bent: bool) -> tuple[SensorModel, Chain]:
-    """Return a gyro of any size: codes of so many bits, with or without reference, temperature and curve."""
+def sensor(axes: int, bits: int, referenced: bool, warm: bool, bent: float) -> tuple[SensorModel, Chain]:
+    """Return a gyro of any size: codes of so many bits, with or without reference, temperature and curve.
+
+    The second order of the curve is 0.2 %, -0.1 % and 0.05 % of full input, times ``bent``.
+    """
     top, full, names = 2**bits - 1, 2.5 / 30.0 * 0.95, ("x", "y", "z")[:axes]
     meter = Thermometer(0.0264, -0.5042, 25.7) if referenced else Thermometer(0.0264, 2.0, 25.7)
     chain = Chain(
@@ -106,14 +110,20 @@ def sensor(axes: int, bits: int, referenced: bool, warm: bool, bent: bool) -> tu
     if bent:
         model = replace(
             model, scale_factor_asymmetry=np.array([0.001, 0.0, -0.002])[:axes],
-            second_order=np.array([2e-3, -1e-3, 5e-4])[:axes] / full,
-            third_order=np.array([-1e-3, 8e-4, 1e-3])[:axes] / full**2,
+            second_order=bent * np.array([2e-3, -1e-3, 5e-4])[:axes] / full,
+            third_order=min(bent, STRONG / 2) * np.array([-1e-3, 8e-4, 1e-3])[:axes] / full**2,
         )  # fmt: skip
     return model, chain
 
 
-CASES = {"published": published, "curved": curved, "fixed": fixed_reference, "pulses": pulses, "tiny": tiny}
-FIXED = {"published": "q27", "curved": "q27", "fixed": "q25", "pulses": "q26", "tiny": "q27"}
+def strong() -> tuple[SensorModel, Chain]:
+    """Return three gyros whose second order is 8 % of full input on one axis, and 4 and 2 % on the others."""
+    return sensor(3, 12, True, True, STRONG)
+
+
+CASES = {"published": published, "curved": curved, "fixed": fixed_reference, "pulses": pulses, "tiny": tiny,
+         "strong": strong}  # fmt: skip
+FIXED = {"published": "q27", "curved": "q27", "fixed": "q25", "pulses": "q26", "tiny": "q27", "strong": "q25"}
 
 
 @dataclass(frozen=True, eq=False)

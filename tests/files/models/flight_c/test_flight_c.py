@@ -42,6 +42,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from flight_cases import (
     CASES,
     STRICT,
+    STRONG,
     UNDEFINED,
     Case,
     by_c,
@@ -56,7 +57,7 @@ from flight_cases import (
 HOW = ("fixed", "float32", "float64")
 Need = Callable[[str], str]
 NO_MORE = 1.3  # of the worst found: what the issue allows the proved bound to be, and Gappa's of the proved one
-WITH_CURVE = {"curved", "pulses"}
+WITH_CURVE = {"curved", "pulses", "strong"}
 each = pytest.mark.parametrize(("name", "how"), [*product(CASES, HOW)])
 
 
@@ -260,13 +261,15 @@ def test_the_bound_is_at_most_1_3_times_the_worst_found(name: str, how: str) -> 
 @pytest.mark.parametrize("how", HOW)
 @pytest.mark.parametrize("bits", [12, 16])
 @pytest.mark.parametrize(
-    ("axes", "referenced", "warm", "bent"), [*product((1, 3), (False, True), (False, True), (False, True))]
+    ("axes", "referenced", "warm", "bent"),
+    [*product((1, 3), (False, True), (False, True), (0, 1)), *product((1, 3), (True,), (False, True), (STRONG,))],
 )
 def test_the_bound_is_at_most_1_3_times_the_worst_found_of_any_sensor(
-    how: str, bits: int, axes: int, referenced: bool, warm: bool, bent: bool
+    how: str, bits: int, axes: int, referenced: bool, warm: bool, bent: float
 ) -> None:
     model, chain = sensor(axes, bits, referenced, warm, bent)
-    function, arithmetic_ = ideal(model, chain), arithmetic("q26" if how == "fixed" else how)
+    fixed_point = "q25" if bent == STRONG else "q26"
+    function, arithmetic_ = ideal(model, chain), arithmetic(fixed_point if how == "fixed" else how)
     constants = {word: one.values for word, one in design(function, arithmetic_).constants.items()}
     bounds = prove(function, arithmetic_, constants)
     for bound, found in zip(bounds.errors, search(function, arithmetic_, constants, bounds), strict=True):

@@ -27,7 +27,8 @@ from ....core.errors import DataError, UsageError
 from .exact import Bend, Ideal
 from .inverse import inverse_powers
 
-GUARD = range(8, 1, -1)  # guard bits, the most that fit
+GUARD = range(8, 3, -1)  # guard bits, the most that fit; with fewer, an output has digits that mean nothing
+LOST = range(-3, 1)  # size of what a reading loses before it is raised to powers: in q, 2^lost of the last bit
 INT32, INT64 = 2**31 - 1, 2**62  # the second with a bit to spare for the half that rounding adds
 REMAINDER = Fraction(1, 64)  # of a step of the output: what the inverse of a curve may leave
 EXACT_CODES = {"float": 2**24, "double": 2**53}  # whole numbers that a floating type holds
@@ -273,13 +274,14 @@ def _fixed(ideal: Ideal, how: Arithmetic) -> tuple[dict[str, Constant], int] | N
     if (max(*highest, *(-one for one in lowest)) * 2**how.bits) + 2 > INT32:
         return None
     for guard in GUARD:
-        made = _with_guard(ideal, how, guard)
-        if made is not None:
-            return made, guard
+        for lost in LOST if ideal.bends is not None else LOST[:1]:
+            made = _with_guard(ideal, how, guard, lost)
+            if made is not None:
+                return made, guard
     return None
 
 
-def _with_guard(ideal: Ideal, how: Arithmetic, guard: int) -> dict[str, Constant] | None:
+def _with_guard(ideal: Ideal, how: Arithmetic, guard: int, lost: int) -> dict[str, Constant] | None:
     fine, k, unit = how.bits + guard, len(ideal.axes), ideal.unit
     found: dict[str, Constant] = {}
 
@@ -301,7 +303,7 @@ def _with_guard(ideal: Ideal, how: Arithmetic, guard: int) -> dict[str, Constant
     if ideal.temperatures is not None:
         changes = _fixed_thermal(ideal, fine, (table, shift), largest)
     if ideal.bends is not None:
-        changes = _fixed_curve(ideal, how, guard, (table, shift), changes, largest)
+        changes = _fixed_curve(ideal, how, (fine, lost), (table, shift), changes, largest)
     if found:
         total = max(changes)
         identity = [[x - int(i == j) for j, x in enumerate(row)] for i, row in enumerate(ideal.inverse)]
@@ -348,12 +350,12 @@ def _fixed_thermal(
 
 
 def _fixed_curve(
-    ideal: Ideal, how: Arithmetic, guard: int, make: tuple[Callable[..., NDArray[np.object_]], Callable[..., None]],
-    changes: list[int], largest: list[int],
+    ideal: Ideal, how: Arithmetic, bits: tuple[int, int],
+    make: tuple[Callable[..., NDArray[np.object_]], Callable[..., None]], changes: list[int], largest: list[int],
 ) -> list[int]:  # fmt: skip
     """Add the constants of the inverse curves; return bounds on |s_j + q_j|."""
     table, shift = make
-    fine, unit = how.bits + guard, ideal.unit
+    (fine, lost), unit = bits, ideal.unit
     signal = max(abs(one) for span in ideal.signals for one in span)
     signal_bits = signal.bit_length()
     slope = table("SLOPE", ideal.slope, fine + signal_bits, f"one code [{unit}]")
@@ -365,7 +367,7 @@ def _fixed_curve(
     top = max(Fraction(1, 2**fine), *(abs(x) for row in ends for x in row))
     e = _exponent(top)  # readings are below 2^e
     steep = max(abs(x - 1) for bend in ideal.curves for x in _slopes(bend))
-    read_bits = min(fine - 1, max(1 - e, fine + _exponent(max(steep, Fraction(1, 2**20)))))
+    read_bits = min(fine - 1, max(1 - e, fine - lost + _exponent(max(steep, Fraction(1, 2**20)))))
     shift("CURVE_SHIFT", fine - read_bits, "that a reading loses before it is raised to powers")
     shift("CURVE_BITS", read_bits + e, "of each power of it")
     powers = inverse_powers(ideal.curves, REMAINDER / 2**how.bits)
@@ -377,11 +379,11 @@ def _fixed_curve(
         largest.append(abs(slope[j]) * signal)
         largest.append((largest[-1] >> signal_bits) + 1 + abs(reading[j]) + changes[j])
         bend = 0
-        for side in one:
-            size = 0
+        for side, end in zip(one, reversed(ends[j]), strict=True):
+            size, near = 0, int(abs(end) * 2**read_bits) + 1
             for power in reversed(side):
-                largest.append((size + abs(power)) << (read_bits + e))
-                size += abs(power) + 1
+                largest.append((size + abs(power)) * near)
+                size = (largest[-1] >> (read_bits + e)) + 1
             bend = max(bend, size)
         found.append(changes[j] + bend)
     return found

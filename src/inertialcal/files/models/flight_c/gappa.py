@@ -3,9 +3,9 @@
 It holds the written constants as they are and the ideal ones between two neighbours at 2^-160. Gappa takes codes as
 numbers of a range, not one by one, so what it can show is a little larger than the proved bound.
 
-Where curves bend there are more files: one for each sensor and sign of its reading shows the error of the inverse
-alone, with the error of the reading and the remainder of the polynomial as premises. The first file shows that error of
-the reading; the remainder is proved in `inverse`.
+Where curves bend there are more files. One for each sensor shows the error of its reading, of codes whose reading may
+lie between the ends of the curve. One for each sensor and sign of its reading shows the error of the inverse alone,
+with that error and the remainder of the polynomial as premises; the remainder is proved in `inverse`.
 
 References
 ----------
@@ -25,6 +25,7 @@ from .exact import Ideal
 
 FINE = 160  # bits of the neighbours of an ideal constant
 SLACK = Fraction(13, 10)  # of the proved bound, that Gappa has to show
+READ_SLACK, BEND_SLACK = Fraction(11, 10), Fraction(14, 10)  # the same of the error of a reading, and of q
 APART = Fraction(21, 20)  # of the bound with every rounding at its worst
 SPLIT = 2**13  # codes that Gappa takes one by one in seconds
 
@@ -36,6 +37,7 @@ def scripts(
     found = {"": _Script(ideal, how, constants, bounds).axes().text(notes)}
     if ideal.bends is not None:
         for j, axis in enumerate(ideal.axes):
+            found[f"_{axis}_reading"] = _Script(ideal, how, constants, bounds).reading(j).text(notes)
             for side, sign in enumerate(("positive", "negative")):
                 made = _Script(ideal, how, constants, bounds).bend(j, side)
                 if made is not None:
@@ -51,22 +53,36 @@ class _Script:
         self.premises: dict[str, None] = {}
         self.goals: list[str] = []
         self.hints: list[str] = []
-        self.changes: list[tuple[str, str]] = []  # s + q of each sensor, as it is computed and as it should be
+        self.signals = [f"d{j}" for j in range(self.k)]
+        self.warm: list[tuple[str, str]] = []  # s of each sensor, as it is computed and as it should be
+        self.changes: list[tuple[str, str]] = []  # the same of s + q
         self.coarse = how.bits + int(constants["OUTPUT_BITS"]) if how.fixed else 0
         self.fine = self.coarse - (int(constants["SIGNAL_SCALE"]).bit_length() - 1) if how.fixed else 0
 
     def axes(self) -> Self:
-        """Set the error of each output as goal."""
+        """Set the error of each output as goal; where curves bend, of codes inside their own and of those beyond."""
         for j in range(self.k):
             self.code(f"d{j}", *self.ideal.signals[j])
-            if "CURVE" in self.constants:
-                self.changes.append(self.corrected(j))
-            elif "THERMAL" in self.constants:
-                self.changes.append(self.thermal(j))
+            self.warm.append(self.thermal(j) if "THERMAL" in self.constants else ("", ""))
+        bent = self.ideal.bends is not None
+        if bent or "THERMAL" in self.constants:
+            self.changes = [self.corrected(j, "", self.bounds.bends[j].bend) if bent else self.warm[j]
+                            for j in range(self.k)]  # fmt: skip
         for i, most in enumerate(goals(self.ideal, self.bounds)):
-            here, wanted = self.fixed(i) if self.how.fixed else self.floating(i)
-            self.goal(f"{self.define(f'x{i}', here)} - {self.define(f'X{i}', wanted)}", most)
+            if not bent:
+                self.output(f"{i}", i, most)
+                continue
+            curve, usual = self.bounds.bends[i], (self.signals[i], self.changes[i])
+            for word, window, error in (("i", curve.window, curve.bend), ("o", self.ideal.signals[i], curve.cut)):
+                self.signals[i] = self.code(f"d{i}{word}", *window)
+                self.changes[i] = self.corrected(i, word, error)
+                self.output(f"{i}{word}", i, most)
+            self.signals[i], self.changes[i] = usual
         return self
+
+    def output(self, name: str, i: int, most: Fraction) -> None:
+        here, wanted = self.fixed(i) if self.how.fixed else self.floating(name, i)
+        self.goal(f"{self.define(f'x{name}', here)} - {self.define(f'X{name}', wanted)}", most)
 
     def text(self, notes: Sequence[str]) -> str:
         lines = [f"# {line}".rstrip() for line in notes]
@@ -137,8 +153,22 @@ class _Script:
         wanted = [self.near(f"I{j}_{m}", power) for m, power in enumerate(powers)]
         return self.horner(f"s{j}", written, tau, bits), self.exact(f"S{j}", wanted, tau)
 
-    def corrected(self, j: int) -> tuple[str, str]:
-        """s_j + q_j; that of q_j as a premise, and the reading that it rests on as a goal."""
+    def corrected(self, j: int, word: str, error: Fraction) -> tuple[str, str]:
+        """s_j + q_j, with the error of q_j as a premise."""
+        (here, wanted), q, true = self.warm[j], f"q{j}{word}", f"Q{j}{word}"
+        self.premise(f"|{true}| <= {_above(largest_bend(self.ideal.curves[j]))}")
+        self.premise(f"|{q} - {true}| <= {_above(error * BEND_SLACK)}")
+        if self.how.fixed:
+            self.premise(f"@FIX({q}, {-self.fine})")
+        if not here:  # a sum with 0 is exact, and Gappa comes to no end with it
+            return q, true
+        total = f"{here} + {q}"
+        made = self.define(f"c{j}{word}", total if self.how.fixed else self.rounded(total))
+        return made, self.define(f"C{j}{word}", f"{wanted} + {true}")
+
+    def reading(self, j: int) -> Self:
+        """Set the error of a reading as goal, of codes whose reading may lie between the ends of the curve."""
+        self.code(f"d{j}", *self.bounds.bends[j].window)
         here, wanted = self.thermal(j) if self.ideal.temperatures is not None else ("", "")
         slope, start = self.written("SLOPE", j, bits=self.coarse), self.written("READING", j, bits=self.fine)
         if self.how.fixed:
@@ -147,21 +177,12 @@ class _Script:
             read = self.rounded(f"{self.rounded(f'{slope} * d{j}')} + {start}")
             read = self.rounded(f"{read}{_plus(here)}") if here else read
         true = f"{self.near(f'A{j}', self.ideal.slope[j])} * d{j} + {self.near(f'B{j}', self.ideal.reading[j])}"
-        self.goal(
-            f"{self.define(f'r{j}', read)} - {self.define(f'R{j}', f'{true}{_plus(wanted)}')}", self.of_reading(j)
-        )
-        self.premise(f"|Q{j}| <= {_above(largest_bend(self.ideal.curves[j]))}")
-        self.premise(f"|q{j} - Q{j}| <= {_above(self.bounds.bends[j] * SLACK)}")
-        if self.how.fixed:
-            self.premise(f"@FIX(q{j}, {-self.fine})")
-        if not here:  # a sum with 0 is exact, and Gappa comes to no end with it
-            return f"q{j}", f"Q{j}"
-        total = f"{here} + q{j}"
-        made = self.define(f"c{j}", total if self.how.fixed else self.rounded(total))
-        return made, self.define(f"C{j}", f"{wanted} + Q{j}")
+        here, wanted = self.define(f"r{j}", read), self.define(f"R{j}", f"{true}{_plus(wanted)}")
+        self.goal(f"{here} - {wanted}", self.of_reading(j))
+        return self
 
     def of_reading(self, j: int) -> Fraction:
-        return self.bounds.readings[j] * SLACK
+        return self.bounds.bends[j].read * READ_SLACK
 
     def bend(self, j: int, side: int) -> Self | None:
         """Set the error of q_j on one side of zero as goal; nothing where the sensor never reads on that side."""
@@ -184,7 +205,7 @@ class _Script:
         exact = self.exact("Q", written, "R")
         true = self.define("Q", f"{exact} + remainder")
         self.hints.append(f"{here} - {true} -> ({here} - {exact}) - remainder;")
-        self.goal(f"{here} - {true}", self.bounds.bends[j] * SLACK)
+        self.goal(f"{here} - {true}", self.bounds.bends[j].bend * BEND_SLACK)
         return self
 
     # ---- axes ----
@@ -194,8 +215,8 @@ class _Script:
         here = self.written("CONSTANT", i, bits=self.fine)
         wanted = self.near(f"K{i}", ideal.constant[i])
         for j in range(self.k):
-            here += f" + {self.written('WEIGHT', i, j, bits=coarse)} * d{j}"
-            wanted += f" + {self.near(f'W{i}{j}', ideal.weights[i][j])} * d{j}"
+            here += f" + {self.written('WEIGHT', i, j, bits=coarse)} * {self.signals[j]}"
+            wanted += f" + {self.near(f'W{i}{j}', ideal.weights[i][j])} * {self.signals[j]}"
         if self.changes:
             bits = int(self.constants["MIXED_BITS"])
             own, right = self.changes[i]
@@ -208,20 +229,21 @@ class _Script:
             wanted += f" + ({right} + ({parts}))"
         return self.rounded(here, self.how.bits), wanted
 
-    def floating(self, i: int) -> tuple[str, str]:
+    def floating(self, name: str, i: int) -> tuple[str, str]:
         ideal = self.ideal
         here, wanted = self.written("CONSTANT", i), self.near(f"K{i}", ideal.constant[i])
         pairs = []
         for j, (own, right) in enumerate(self.changes):
             pairs.append((self.written("INVERSE", i, j), own, self.near(f"N{i}{j}", ideal.inverse[i][j]), right))
         for j in [*(j for j in range(self.k) if j != i), i]:
-            name = ("OWN_WEIGHT", i) if j == i else ("WEIGHT", i, j)
-            pairs.append((self.written(*name), f"d{j}", self.near(f"W{i}{j}", ideal.weights[i][j]), f"d{j}"))
+            place = ("OWN_WEIGHT", i) if j == i else ("WEIGHT", i, j)
+            near = self.near(f"W{i}{j}", ideal.weights[i][j])
+            pairs.append((self.written(*place), self.signals[j], near, self.signals[j]))
         for n, (a, b, c, d) in enumerate(pairs):
             total = self.rounded(f"{here} + {self.rounded(f'{a} * {b}')}")
             if n == len(pairs) - 1:
                 return total, f"{wanted} + {c} * {d}"
-            here, wanted = self.define(f"x{i}_{n}", total), self.define(f"X{i}_{n}", f"{wanted} + {c} * {d}")
+            here, wanted = self.define(f"x{name}_{n}", total), self.define(f"X{name}_{n}", f"{wanted} + {c} * {d}")
         raise AssertionError
 
 

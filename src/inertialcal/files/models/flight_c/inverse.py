@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from functools import lru_cache
 from itertools import pairwise
 from math import comb, cos, lcm, pi
 
@@ -115,7 +116,8 @@ def _short(value: Fraction) -> Fraction:
     return round(value / unit) * unit
 
 
-def inverse_powers(bends: Sequence[Bend], target: Fraction) -> list[list[list[Fraction]]]:
+@lru_cache(maxsize=8)
+def inverse_powers(bends: tuple[Bend, ...], target: Fraction) -> list[list[list[Fraction]]]:
     """Return powers of r for each sensor and side (positive, negative), of the lowest degree that meets a target.
 
     Raises
