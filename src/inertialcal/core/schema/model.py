@@ -128,6 +128,7 @@ class Thermometer(Part):
     slope: Numbers | Number
     voltage: Numbers | Number
     temperature: Numbers | Number
+    own_reference: bool = False  # whether it was read against a reference recorded for it alone
 
 
 class Chain(Part):

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from ...core.constants import STANDARD_GRAVITY
 from ...core.errors import DataError, UsageError
-from ...sensors.noise.terms import Sinusoid, Term
+from ...sensors.noise.terms import Term
 from ...sensors.noise.to_filters import FilterBlock, to_gtsam, to_kalibr, to_kf_gins, to_px4
 
 if TYPE_CHECKING:
@@ -78,8 +78,8 @@ def _block(
 
 
 def _axes(terms: Sequence[Sequence[Term]], kind: str) -> list[tuple[Term, ...]]:
-    """Return one or three axes without lines, which filters do not hold; one without terms where there is none."""
-    found: list[tuple[Term, ...]] = [tuple(term for term in axis if not isinstance(term, Sinusoid)) for axis in terms]
+    """Return one or three axes; one without terms where there is none."""
+    found = [tuple(axis) for axis in terms]
     if len(found) not in (0, 1, THREE):
         what = f"{len(found)} axes of the {kind}: a filter takes three, or one for all"
         raise DataError(what, do="Name one or three channels: --column COLUMN", code="wrong_axes")

@@ -41,9 +41,7 @@ class Thermometer:
     slope: Array | float  # shape (k,): [V/degC]
     voltage: Array | float  # shape (k,): V_0, what it gives above the reference at ``temperature`` [V]
     temperature: Array | float  # shape (k,): T_0 [degC]
-    own_reference: bool = field(
-        default=False, kw_only=True
-    )  # Whether it was read against a reference voltage recorded for it alone
+    own_reference: bool = field(default=False, kw_only=True)  # read against a reference recorded for it alone
 
     def __post_init__(self) -> None:
         if np.any(np.asarray(self.slope) == 0.0):
