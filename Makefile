@@ -10,7 +10,7 @@ PIP := $(BIN)/python -m pip install --quiet --no-compile
 # Compiled modules are kept: the next process, and every command that a test starts, need not compile them again.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo test slow coverage mutants torture gate check bench docs pins clean
+.PHONY: demo test slow long coverage mutants torture gate check bench docs pins clean
 
 demo: $(INSTALLED)  ## a simulated suite of rate sensors: built, run, scored
 	$(BIN)/inertialcal demo
@@ -24,10 +24,13 @@ test: $(READY)  ## the default suite
 slow: $(READY)  ## long coverage runs
 	$(BIN)/python -m pytest -m "slow and not bench" -n 2 --dist worksteal --benchmark-disable --durations=20
 
-coverage: $(READY)  ## do the 95 % intervals hold the truth, n = 1,000: RIGS="npsat1 mesa", TESTS=tests/procedures/flip
+coverage: long  ## do the 95 % intervals hold the truth, n = 1,000: RIGS="npsat1 mesa", TESTS=tests/procedures/flip
 	$(BIN)/python tests/coverage_runs.py $(RIGS)
 	PYTHONPATH=tests OMP_NUM_THREADS=1 $(BIN)/python -m independent.coverage --n 1000 --resume
 	INERTIALCAL_COVERAGE=full $(BIN)/python -m pytest -m "slow and not bench" --durations=20 $(or $(TESTS),tests/procedures tests/rigs tests/campaign)
+
+long: $(READY)  ## a record longer than memory through allan, under 1 GiB: ROWS=1e9 (needs 20 GB of disk)
+	$(BIN)/python tests/long_record.py $(ROWS)
 
 mutants: $(READY)  ## wrong changes to the numerics, each of which a test must catch
 	$(BIN)/python tests/mutants.py --jobs 2

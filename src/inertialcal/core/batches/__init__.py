@@ -116,6 +116,18 @@ def _mapping_of(x: NDArray[Any]) -> tuple[int, mmap.mmap] | None:
     return None
 
 
+def thinned(x: NDArray[Any], step: int) -> NDArray[Any]:
+    """Return every so manieth sample, shape (n / step,), without holding all pages of a stored array at a time."""
+    if not is_stored(x):
+        return x[::step]
+    span = max(step, SIZE // step * step)
+    parts = []
+    for first in range(0, len(x), span):
+        parts.append(x[first : first + span : step].copy())
+        release(x[first : first + span])
+    return np.concatenate(parts)
+
+
 def made(n: int, dtype: DTypeLike, part: Callable[[int, int], NDArray[Any]], *read: NDArray[Any]) -> NDArray[Any]:
     """Return an array made batch by batch, shape (n,): ``part`` gives samples first to stop, of the arrays ``read``."""
     out = empty(n, dtype)

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.batches import batches, empty
+from ...core.batches import batches, empty, thinned
 from ...core.errors import DataError
 from ...core.estimate import Numbers
 from ..names import Quantity
@@ -126,9 +126,10 @@ def _less(x: Numbers, level: Any) -> Numbers:
 
 def level_of(x: Numbers, there: NDArray[np.bool_] | None = None) -> np.int64 | np.float64:
     """Return what is taken off each sample: about their mean; exactly their value where all are equal."""
-    sample = x[:: max(1, len(x) // LEVEL_FROM)]
+    step = max(1, len(x) // LEVEL_FROM)
+    sample = thinned(x, step)
     if there is not None:
-        sample = sample[there[:: max(1, len(x) // LEVEL_FROM)]]
+        sample = sample[thinned(there, step)]
     if x.dtype.kind in "iub":
         ends = [(int(part.min()), int(part.max())) for part in (x[a:b] for a, b in batches(x))]
         least, most = min(low for low, _ in ends), max(high for _, high in ends)

@@ -24,6 +24,7 @@ SHARE = 0.0125  # of the memory of the record, for its blocks
 EACH = 44  # bytes kept of a block
 SUBSAMPLE = 2**15  # samples that scales are taken from ...
 PIECE = 64  # ... in pieces of so many neighbours
+TOGETHER = 32  # pieces that are read at a time: a system may map 2 MiB of a file about each
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,10 +136,17 @@ def pieces(x: NDArray[Any]) -> tuple[Indices, Array]:
     first = np.linspace(0.0, len(x) - length, most).astype(np.int64)
     if len(x) <= SUBSAMPLE:
         first = np.arange(most, dtype=np.int64) * length
-    rows = np.asarray(x[first[:, None] + np.arange(length)], dtype=np.float64)
-    release(x)
+    rows = np.empty((most, length))
+    for own in together(most):
+        rows[own] = x[first[own, None] + np.arange(length)]
+        release(x)
     rows[~np.isfinite(rows)] = np.nan
     return first, rows
+
+
+def together(n: int) -> list[slice]:
+    """Return groups of so many pieces, after each of which what they touch of a stored record is let go."""
+    return [slice(k, k + TOGETHER) for k in range(0, n, TOGETHER)]
 
 
 def _flip(kind: np.dtype[Any], bits: np.dtype[Any]) -> Any:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ...core.batches import release
 from ...core.estimate import Array
 from ..time.samples import Flags, Indices
-from .blocks import Blocks, pieces
+from .blocks import Blocks, pieces, together
 from .loops import loops
 
 FEWEST = 64  # samples that a scale needs
@@ -62,8 +62,9 @@ def scale_of(x: NDArray[Any]) -> Scale:
     """Return the scale of a record with 64 samples or more, from pieces spread evenly over it."""
     first, rows = pieces(x)
     off = np.empty_like(rows)
-    loops(len(x)).fill_pieces(x, first, off)
-    release(x)
+    for own in together(len(first)):
+        loops(len(x)).fill_pieces(x, first[own], off[own])
+        release(x)
     apart = np.abs(np.diff(rows, axis=1))
     apart = apart[np.isfinite(apart) & (apart > 0.0)]
     step = float(apart.min()) if len(apart) else 0.0
