@@ -31,8 +31,15 @@ SIZE = 2**20  # samples of a batch
 _mapped: dict[int, tuple[int, weakref.ref[mmap.mmap]]] = {}  # address -> bytes, mapping
 
 
-def empty(n: int, dtype: DTypeLike) -> NDArray[Any]:
+def empty(n: int, dtype: DTypeLike, together: int | None = None) -> NDArray[Any]:
     """Return an array to be filled, shape (n,): in memory, or of more than ``HELD`` bytes in a temporary file.
+
+    Parameters
+    ----------
+    n, dtype
+        Of the array.
+    together : int, optional
+        Bytes of all arrays that are held at once with it, its own included; by default those of the array.
 
     Raises
     ------
@@ -41,7 +48,7 @@ def empty(n: int, dtype: DTypeLike) -> NDArray[Any]:
     """
     kind = np.dtype(dtype)
     size = n * kind.itemsize
-    if size <= HELD or kind.hasobject:
+    if (size if together is None else together) <= HELD or not size or kind.hasobject:
         return np.empty(n, dtype=kind)
     try:
         with tempfile.TemporaryFile(prefix="inertialcal-") as file:
