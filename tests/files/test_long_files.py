@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import pytest
 from hypothesis import given
@@ -15,6 +16,7 @@ from inertialcal.core import batches
 from inertialcal.core.errors import InertialcalError
 from inertialcal.core.recording import Recording
 from inertialcal.files import read
+from inertialcal.files.binary import arrays
 from inertialcal.files.source import FileBytes
 from inertialcal.files.text import delimited
 
@@ -27,6 +29,7 @@ def in_place(path: Path, piece: int, **options: Any) -> Recording:
         patch.setattr(batches, "HELD", 0)
         patch.setattr(batches, "SIZE", max(piece // 16, 1))
         patch.setattr(delimited, "PIECE", piece)
+        patch.setattr(arrays, "AT_ONCE", piece)
         return read(path, **options)
 
 
@@ -45,6 +48,23 @@ def assert_same(found: Recording, expected: Recording) -> None:
         expected.source, expected.first_row, expected.sample_interval,
     )  # fmt: skip
     assert [str(one) for one in found.remarks] == [str(one) for one in expected.remarks]
+
+
+def outcome(reading: Callable[[], Recording]) -> Recording | tuple[Any, ...]:
+    """Return the recording, or the problems of its refusal."""
+    try:
+        return reading()
+    except InertialcalError as error:
+        return type(error), error.problems
+
+
+def assert_judged_alike(path: Path, piece: int, **options: Any) -> None:
+    expected = outcome(lambda: read(path, **options))
+    found = outcome(lambda: in_place(path, piece, **options))
+    if isinstance(expected, Recording) and isinstance(found, Recording):
+        assert_same(found, expected)
+    else:
+        assert found == expected
 
 
 @pytest.fixture
@@ -92,7 +112,7 @@ REGULAR = {
     "one column": text(head="gyro_x [deg/s]\n", cells=lambda i: (f"{i % 7}.5",)),
     "separator at the end": text(cells=lambda i: (f"{i / 200:.3f}", "1.5", str(i % 9), "")),
     "whole at first": text(cells=lambda i: (str(i), "-0" if i < 200 else f"{i}.5", str(i))),
-    "empty among whole": text(cells=lambda i: (str(i / 100), "" if i in (7, 255) else str(i % 3), "" if i > 250 else "3")),
+    "empty among whole": text(cells=lambda i: (str(i / 100), "" if i in (7, 255) else str(i % 3), "3"[: i < 250])),
     "nan": text(cells=lambda i: (str(i / 100), "nan" if i in (7, 255) else f"{i % 3}.5", "NaN" if i == 99 else "3")),
     "unfilled": (HEAD + "\n".join([*rows()[1:], *(9 * ["0,0,0"])]) + "\n").encode(),
 }  # fmt: skip
@@ -154,15 +174,7 @@ ODD = {
 def test_any_other_text_is_judged_as_a_whole(tmp_path: Path, name: str, piece: int) -> None:
     path = tmp_path / "a.csv"
     path.write_bytes(ODD[name])
-    options = {"sample_rate": 100.0}
-    try:
-        expected = read(path, **options)
-    except InertialcalError as error:
-        with pytest.raises(type(error)) as caught:
-            in_place(path, piece, **options)
-        assert caught.value.problems == error.problems
-    else:
-        assert_same(in_place(path, piece, **options), expected)
+    assert_judged_alike(path, piece, sample_rate=100.0)
 
 
 CELLS = st.sampled_from(["1", "-0", "0.5", "", "nan", "7e3", " 2", "x", '"1"', "12345678901234567890"])
@@ -175,11 +187,84 @@ def test_wherever_pieces_end(tmp_path_factory: pytest.TempPathFactory, odd: list
         lines[-1 - back] = f"{lines[-1 - back].split(',')[0]},{cell},{cell}"
     path = tmp_path_factory.mktemp("text") / "a.csv"
     path.write_text(HEAD + "\n".join(lines) + "\n")
-    try:
-        expected = read(path)
-    except InertialcalError as error:
-        with pytest.raises(type(error)) as caught:
-            in_place(path, piece)
-        assert caught.value.problems == error.problems
-    else:
-        assert_same(in_place(path, piece), expected)
+    assert_judged_alike(path, piece)
+
+
+N = 500
+RNG = np.random.default_rng(7)
+GYRO = RNG.normal(size=(N, 3))
+GYRO[7, 1], GYRO[400, 2] = np.nan, np.inf
+RECORDS = np.zeros(N, dtype=[("t", "f8"), ("gyro_x", "f4"), ("raw", ">i2")])
+RECORDS["t"], RECORDS["gyro_x"], RECORDS["raw"] = np.arange(N) / 100, GYRO[:, 0], np.arange(N) % 77
+ARRAYS: dict[str, Any] = {
+    "matrix": GYRO,
+    "channels first": np.ascontiguousarray(GYRO.T),
+    "column by column": np.asfortranarray(GYRO),
+    "one": GYRO[:, 0].copy(),
+    "counts": (1000 * GYRO[:, 0]).astype(">i2"),
+    "half": GYRO.astype(np.float16),
+    "long double": GYRO.astype(np.longdouble),
+    "flags": GYRO[:, 0] > 0,
+    "records": RECORDS,
+    "deep": GYRO[:, :, None],
+}
+
+
+@pytest.mark.parametrize("name", ARRAYS)
+@pytest.mark.parametrize("piece", [16, 1000, 10**6])
+def test_a_long_npy_file(tmp_path: Path, name: str, piece: int) -> None:
+    path = tmp_path / "a.npy"
+    np.save(path, ARRAYS[name])
+    options: dict[str, Any] = {} if name == "records" else {"sample_rate": 100.0}
+    found = in_place(path, piece, **options)
+    assert_same(found, read(path, **options))
+    assert all(batches.is_stored(one.data) for one in found.channels)
+
+
+def test_npy_files_that_are_refused_whole_are_refused_in_place(tmp_path: Path) -> None:
+    path = tmp_path / "a.npy"
+    np.save(path, np.array([{}, {}], dtype=object), allow_pickle=True)
+    assert_judged_alike(path, 100, sample_rate=1.0)
+    np.save(path, GYRO)
+    path.write_bytes(path.read_bytes()[:-9])
+    assert_judged_alike(path, 100, sample_rate=1.0)
+    with pytest.warns(UserWarning, match="format 3.0"):
+        np.save(path, np.zeros(50, dtype=[("\u03c9", "f8")]))
+    assert_judged_alike(path, 100, sample_rate=1.0)
+
+
+@pytest.mark.parametrize("packing", [{}, {"chunks": True, "compression": "gzip"}], ids=["plain", "packed"])
+@pytest.mark.parametrize("piece", [1000, 10**6])
+def test_a_long_hdf5_file(tmp_path: Path, packing: dict[str, Any], piece: int) -> None:
+    path = tmp_path / "a.h5"
+    with h5py.File(path, "w") as file:
+        file.create_dataset("t", data=np.arange(N) / 100, **packing).attrs["units"] = "s"
+        for name, values in ARRAYS.items():
+            file.create_dataset(f"imu/{name}", data=values, **packing)
+        file["fs"], file["note"], file["nothing"] = 100.0, "hello", np.empty((0, 3))
+        file.create_dataset("empty", dtype="f8", shape=None)
+    found = in_place(path, piece)
+    assert_same(found, read(path))
+    assert all(batches.is_stored(one.data) for one in found.channels)
+    names = ["imu.records.raw", "imu.counts"]
+    assert_same(in_place(path, piece, variables=names), read(path, variables=names))
+
+
+def test_a_damaged_hdf5_file_is_refused_in_place_as_it_is_whole(tmp_path: Path) -> None:
+    path = tmp_path / "a.h5"
+    with h5py.File(path, "w") as file:
+        file.create_dataset("gyro", data=RNG.normal(size=(4000, 3)), chunks=(1000, 3), compression="gzip")
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2 : len(content) // 2 + 500] = bytes(500)
+    path.write_bytes(content)
+    assert_judged_alike(path, 10_000, sample_rate=1.0)
+    path.write_bytes(content[: len(content) // 2])
+    assert_judged_alike(path, 10_000, sample_rate=1.0)
+
+
+def test_values_in_another_file_are_refused_in_place(tmp_path: Path) -> None:
+    path, other = tmp_path / "a.h5", tmp_path / "other.bin"
+    other.write_bytes(bytes(800))
+    with h5py.File(path, "w") as file:
+        file.create_dataset("gyro_x", (100,), "f8", external=[(str(other), 0, 800)])
+    assert_judged_alike(path, 1000, sample_rate=1.0)

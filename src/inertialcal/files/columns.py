@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.batches import any_step, batches, empty, release
+from ..core.batches import any_step, batches, empty, is_long, release
 from ..core.errors import DataError
 from ..core.recording import Times
 from ..core.remarks import Remark
@@ -89,8 +89,8 @@ class LongColumns:
     def add(self, columns: Sequence[Column]) -> None:
         """Put the next rows below those that are there; each time the same columns, in one order."""
         if not self._values:
-            self._size = self._rows * sum(one.values.dtype.itemsize for one in columns)
-            self._values = [empty(self._rows, one.values.dtype, self._size) for one in columns]
+            self._stored = is_long(self._rows * sum(one.values.dtype.itemsize for one in columns))
+            self._values = [empty(self._rows, one.values.dtype, self._stored) for one in columns]
             self._parts = [[] for _ in columns]
         first, stop = self._filled, self._filled + len(columns[0].values) if columns else self._filled
         for k, one in enumerate(columns):
@@ -116,7 +116,7 @@ class LongColumns:
         )
 
     def _converted(self, values: NDArray[Any], kind: np.dtype[Any]) -> NDArray[Any]:
-        out = empty(self._rows, kind, self._size)
+        out = empty(self._rows, kind, self._stored)
         for first, stop in batches(out[: self._filled], values[: self._filled]):
             out[first:stop] = values[first:stop]
         return out

@@ -31,15 +31,20 @@ SIZE = 2**20  # samples of a batch
 _mapped: dict[int, tuple[int, weakref.ref[mmap.mmap]]] = {}  # address -> bytes, mapping
 
 
-def empty(n: int, dtype: DTypeLike, together: int | None = None) -> NDArray[Any]:
+def is_long(size: int) -> bool:
+    """Return whether so many bytes are too many to be kept in memory."""
+    return size > HELD
+
+
+def empty(n: int, dtype: DTypeLike, stored: bool | None = None) -> NDArray[Any]:
     """Return an array to be filled, shape (n,): in memory, or of more than ``HELD`` bytes in a temporary file.
 
     Parameters
     ----------
     n, dtype
         Of the array.
-    together : int, optional
-        Bytes of all arrays that are held at once with it, its own included; by default those of the array.
+    stored : bool, optional
+        Whether it lies in a temporary file whatever its own size: one of many that are long together.
 
     Raises
     ------
@@ -48,7 +53,7 @@ def empty(n: int, dtype: DTypeLike, together: int | None = None) -> NDArray[Any]
     """
     kind = np.dtype(dtype)
     size = n * kind.itemsize
-    if (size if together is None else together) <= HELD or not size or kind.hasobject:
+    if not (is_long(size) if stored is None else stored and size) or kind.hasobject:
         return np.empty(n, dtype=kind)
     try:
         with tempfile.TemporaryFile(prefix="inertialcal-") as file:
