@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.batches import any_step
+from ..core.batches import any_step, batches, empty, is_long, release
 from ..core.errors import DataError
 from ..core.recording import Times
 from ..core.remarks import Remark
@@ -55,7 +55,7 @@ class Content:
     columns: tuple[Column, ...]  # All of one length
     format: str  # In words: ``"text, tab-separated"``
     # shape (n,): row of the file (counted from 1) of each sample; None where rows have no meaning
-    rows: Rows | None = None
+    rows: Rows | range | None = None
     sample_rate: float | None = None  # As comments or metadata say it [Hz]
     remarks: tuple[Remark, ...] = ()  # What reading it brought up
     # shape (n,): stamps that the format itself gives [ns since 1970 UTC]; then no column is time
@@ -70,6 +70,56 @@ class Content:
 
     def __len__(self) -> int:
         return len(self.columns[0].values) if self.columns else 0
+
+
+class LongColumns:
+    """Columns of numbers or instants, filled a batch at a time; those longer than memory holds lie on the disk.
+
+    Parameters
+    ----------
+    rows : int
+        Of each column, in all.
+    """
+
+    def __init__(self, rows: int) -> None:
+        self._rows, self._filled = rows, 0
+        self._values: list[NDArray[Any]] = []
+        self._parts: list[list[Column]] = []  # without their values
+
+    def add(self, columns: Sequence[Column]) -> None:
+        """Put the next rows below those that are there; each time the same columns, in one order."""
+        if not self._values:
+            self._stored = is_long(self._rows * sum(one.values.dtype.itemsize for one in columns))
+            self._values = [empty(self._rows, one.values.dtype, self._stored) for one in columns]
+            self._parts = [[] for _ in columns]
+        first, stop = self._filled, self._filled + len(columns[0].values) if columns else self._filled
+        for k, one in enumerate(columns):
+            kind = np.result_type(self._values[k], one.values)
+            if self._values[k].dtype != kind:  # an empty cell among whole numbers
+                self._values[k] = self._converted(self._values[k], kind)
+            self._values[k][first:stop] = one.values
+            release(self._values[k][first:stop])
+            empty_cells, nan = one.empty + first, one.not_a_number + first
+            self._parts[k].append(replace(one, values=one.values[:0], empty=empty_cells, not_a_number=nan))
+        self._filled = stop
+
+    def columns(self) -> tuple[Column, ...]:
+        """Return the columns, filled."""
+        return tuple(
+            replace(
+                parts[0],
+                values=values,
+                empty=np.concatenate([part.empty for part in parts]),
+                not_a_number=np.concatenate([part.not_a_number for part in parts]),
+            )
+            for values, parts in zip(self._values, self._parts, strict=True)
+        )
+
+    def _converted(self, values: NDArray[Any], kind: np.dtype[Any]) -> NDArray[Any]:
+        out = empty(self._rows, kind, self._stored)
+        for first, stop in batches(out[: self._filled], values[: self._filled]):
+            out[first:stop] = values[first:stop]
+        return out
 
 
 def missing_remarks(name: str, empty: Rows, nan: Rows, where: Callable[[int], str]) -> tuple[Remark, ...]:

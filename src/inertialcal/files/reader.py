@@ -1,9 +1,9 @@
 """What a reader is: the endings it is known by, how it tells its files, and the columns it gives.
 
 A built-in reader is a module that holds a `Reader`, and a line in ``registry.BUILT_IN``; installed packages add theirs
-by the entry point ``inertialcal.readers``. A reader gets a file whole and unpacked, and hands over its columns as they
-are; units, time, missing values and remarks are then found as for any other format. ``binary.arrays.number_column``
-makes a column of numbers.
+by the entry point ``inertialcal.readers``. A reader gets a file whole and unpacked (a long one as ``source.FileBytes``,
+if it takes files in place), and hands over its columns as they are; units, time, missing values and remarks are then
+found as for any other format. ``binary.arrays.number_column`` makes a column of numbers.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ class Reader:
     recognises: Callable[[bytes, str], bool]  # Whether bytes (all of the file, unpacked) and path are of this format
     # Columns of a loaded file; the second argument names the variables to take, where a file holds several sets
     read: Callable[[Loaded, Sequence[str] | None], Content]
+    in_place: bool = False  # Whether it reads a long file piece by piece, into ``columns.LongColumns``
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ from .columns import Column, Content
 from .formats import ZIP, ZIP_MEMBER, refusal
 from .pad import reader as pad
 from .reader import ArchiveReader, Reader, Request
-from .source import Loaded, as_data_errors, load
+from .source import Loaded, as_data_errors, load, whole
 from .time.window import cut
 
 TEXT = "text"  # what no other reader knows
@@ -89,8 +89,9 @@ def read_recording(path: str | Path, request: Request, parsed: Parsed | None = N
 
 def _columns(path: str | Path, request: Request) -> tuple[Content, Source]:
     """Return the columns of a file, and where they come from."""
-    loaded = load(path)
+    loaded = load(path, in_place=True)
     reader = find_reader(loaded)
+    loaded = loaded if reader.in_place else whole(loaded)
     if request.decimal is None:
         content = reader.read(loaded, request.variables)
     else:
@@ -130,7 +131,7 @@ def find_reader(loaded: Loaded) -> Reader:
     refused = refusal(data, path, readable())
     if refused is None and _ending(path) in text.endings and text.recognises(data, path):
         return text
-    found, broken = _of_packages(data, path)
+    found, broken = _of_packages(whole(loaded).data, path)
     if found is None and refused is not None:
         raise DataError([*refused.problems, *broken])
     return _naming(found or text, broken)

@@ -1,6 +1,7 @@
 """Bytes of a file: read once, hashed, and unpacked if gzip, within the limits of ``budget``.
 
-Every file of a user is read by `load` or `read_bytes`: only an ordinary file, and no more of it than its size.
+Every file of a user is read by `load` or `read_bytes`: only an ordinary file, and no more of it than its size. A long
+one may stay where it is, for a reader that takes it piece by piece (`FileBytes`).
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import cast
+from typing import cast, overload
 
 from ..core import batches
 from ..core.errors import DataError, InertialcalError
@@ -23,13 +24,12 @@ from .budget import DOCUMENT, check_count, claim
 
 CHUNK = 2**22  # bytes that are unpacked at once
 FIRST, STEP = 2**10, 2**16  # bytes of a gzip member that are unpacked first, as members can be tiny, and then
-IN_PLACE = (b"PAR1",)  # beginnings of files that are not read whole, if they are long
-PIECE = 2**12  # bytes of them at once
+PIECE = 2**12  # bytes of a file in place that are read for one
 MEMBERS = 200_000  # of a gzip file; bgzip makes one of each 64 KiB
 NO_WAIT = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0) | getattr(os, "O_NOCTTY", 0)
 CAMPAIGN = "campaign.toml"
 FEW = 3  # names of files told
-GZIP = b"\x1f\x8b"
+GZIP, ZIP = b"\x1f\x8b", b"PK\x03\x04"
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Loaded:
     """A file's content."""
 
     path: str  # As given
-    data: bytes  # Unpacked; of a long file that its reader reads piece by piece, `FileBytes`
+    data: bytes  # Unpacked; of a file that stays in place, `FileBytes`
     sha256: str  # Of the bytes of the file as it lies there, packed or not
     packed: bool = False  # Whether it was gzip
     size: int = 0  # Bytes of the file as it lies there
@@ -48,8 +48,17 @@ class Loaded:
         return self.size or len(self.data)
 
 
-def load(path: str | Path, *, document: bool = False) -> Loaded:
-    """Return the content of a file; ``document``: of one that is parsed whole, as JSON is.
+def load(path: str | Path, *, document: bool = False, in_place: bool = False) -> Loaded:
+    """Return the content of a file.
+
+    Parameters
+    ----------
+    path : path
+        Of the file.
+    document : bool
+        Whether it is parsed whole, as JSON is.
+    in_place : bool
+        Whether a long file that is no archive may stay where it is, as `FileBytes`.
 
     Raises
     ------
@@ -58,9 +67,8 @@ def load(path: str | Path, *, document: bool = False) -> Loaded:
         ``too_large``.
     """
     name = str(path)
-    large = _in_place(path)
-    if large is not None:
-        return large
+    if in_place and (long := _in_place(path)) is not None:
+        return long
     raw = read_bytes(path)
     sha256 = hashlib.sha256(raw).hexdigest()
     packed = raw.startswith(GZIP)
@@ -70,6 +78,11 @@ def load(path: str | Path, *, document: bool = False) -> Loaded:
     if document or name.lower().endswith(".json"):
         claim(name, len(raw), DOCUMENT * len(data), f"{len(data):,} bytes of structured text")
     return Loaded(name, data, sha256, packed, len(raw))
+
+
+def whole(loaded: Loaded) -> Loaded:
+    """Return the content of a file in memory, also where it had stayed in place; Raises as `load`."""
+    return load(loaded.path) if isinstance(loaded.data, FileBytes) else loaded
 
 
 class FileBytes:
@@ -86,26 +99,34 @@ class FileBytes:
     def __len__(self) -> int:
         return self._size
 
-    def __getitem__(self, at: int) -> int:
-        """Return one byte."""
+    @overload
+    def __getitem__(self, at: int) -> int: ...
+
+    @overload
+    def __getitem__(self, at: slice) -> bytes: ...
+
+    def __getitem__(self, at: int | slice) -> int | bytes:
+        """Return one byte, or those of a slice without a step."""
+        if isinstance(at, slice):
+            first, stop, _ = at.indices(self._size)
+            self._file.seek(first)
+            return self._file.read(max(stop - first, 0))
         if not self._at <= at < self._at + len(self._piece):
-            self._file.seek(at)
-            self._at, self._piece = at, self._file.read(PIECE)
+            self._at, self._piece = at, self[at : at + PIECE]
         return self._piece[at - self._at]
 
     def startswith(self, magic: bytes | tuple[bytes, ...]) -> bool:
         """Whether the file begins so."""
-        self._file.seek(0)
-        return self._file.read(PIECE).startswith(magic)
+        return self[:PIECE].startswith(magic)
 
 
 def _in_place(path: str | Path) -> Loaded | None:
-    """Return the content of a long file whose reader reads it piece by piece; None of any other."""
+    """Return the content of a long file that stays where it is; None of a short one, and of an archive."""
     try:
         if os.stat(path).st_size <= batches.HELD or not os.path.isfile(path):
             return None
         data = FileBytes(path)
-        if not data.startswith(IN_PLACE):
+        if data.startswith((GZIP, ZIP)):
             return None
         with open(path, "rb") as stream:
             sha256 = hashlib.file_digest(stream, "sha256").hexdigest()

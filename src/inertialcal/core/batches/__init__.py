@@ -31,8 +31,20 @@ SIZE = 2**20  # samples of a batch
 _mapped: dict[int, tuple[int, weakref.ref[mmap.mmap]]] = {}  # address -> bytes, mapping
 
 
-def empty(n: int, dtype: DTypeLike) -> NDArray[Any]:
+def is_long(size: int) -> bool:
+    """Return whether so many bytes are too many to be kept in memory."""
+    return size > HELD
+
+
+def empty(n: int, dtype: DTypeLike, stored: bool | None = None) -> NDArray[Any]:
     """Return an array to be filled, shape (n,): in memory, or of more than ``HELD`` bytes in a temporary file.
+
+    Parameters
+    ----------
+    n, dtype
+        Of the array.
+    stored : bool, optional
+        Whether it lies in a temporary file whatever its own size: one of many that are long together.
 
     Raises
     ------
@@ -41,7 +53,7 @@ def empty(n: int, dtype: DTypeLike) -> NDArray[Any]:
     """
     kind = np.dtype(dtype)
     size = n * kind.itemsize
-    if size <= HELD or kind.hasobject:
+    if not (is_long(size) if stored is None else stored and size) or kind.hasobject:
         return np.empty(n, dtype=kind)
     try:
         with tempfile.TemporaryFile(prefix="inertialcal-") as file:

@@ -10,17 +10,20 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from math import prod
+from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.batches import batches, changed, empty, is_stored, where
 from ...core.errors import DataError
 from ...core.key import AXES
 from ...core.remarks import Remark
 from ..columns import Column, Content
 
 MOST_CHANNELS = 1000
+AT_ONCE = 2**23  # bytes of a long array
 SAMPLE_RATES = frozenset(
     {"fs", "fshz", "samplerate", "sampleratehz", "samplingrate", "samplingratehz", "samplefrequency"}
     | {"samplingfrequency", "samplefreq", "samplingfreq", "srate"}
@@ -34,6 +37,36 @@ class NamedArray:
     name: str
     values: NDArray[Any]
     unit: str | None = None
+
+
+def received(stream: IO[bytes], kind: np.dtype[Any], shape: Sequence[int], stored: bool | None = None) -> NDArray[Any]:
+    """Return an array whose values a stream gives in order of storage, filled a batch at a time.
+
+    Parameters
+    ----------
+    stream : binary file
+        At its first value.
+    kind, shape
+        Of the array.
+    stored : bool, optional
+        As ``core.batches.empty`` takes it.
+
+    Raises
+    ------
+    EOFError
+        If the stream ends too early.
+    """
+    array = empty(prod(shape), kind, stored)
+    if array.nbytes:
+        for first, stop in batches(array, size=max(AT_ONCE // kind.itemsize, 1)):
+            view = array[first:stop].view(np.uint8).data
+            done = 0
+            while done < len(view):
+                got = stream.readinto(view[done:])  # type: ignore[attr-defined]
+                if not got:
+                    raise EOFError
+                done += got
+    return array.reshape(shape)
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,20 +192,31 @@ def number_column(name: str, values: NDArray[Any], unit: str | None, *, named: b
     values : ndarray, shape (n,)
         Numbers, truth values or dates.
     """
-    values = np.ascontiguousarray(values)
-    if values.dtype.kind == "M":
-        return Column(name, values.astype("datetime64[ns]"), unit, named, empty=np.flatnonzero(np.isnat(values)))
-    if values.dtype.kind == "b":
-        values = values.astype(np.uint8)
-    values = values.astype(values.dtype.newbyteorder("="), copy=False)
-    if values.dtype.kind != "f":
+    kind = values.dtype.newbyteorder("=")
+    if kind.kind == "M":
+        stamps = _as_type(values, np.dtype("datetime64[ns]"))
+        return Column(name, stamps, unit, named, empty=where(stamps, np.isnat))
+    if kind.kind == "b":
+        kind = np.dtype(np.uint8)
+    elif kind.kind == "f" and kind.itemsize > 8:
+        kind = np.dtype(np.float64)
+    values = _as_type(values, kind)
+    if kind.kind != "f":
         return Column(name, values, unit, named)
-    if values.dtype.itemsize > 8:
-        values = values.astype(np.float64)
-    empty, infinite = np.flatnonzero(np.isnan(values)), np.flatnonzero(np.isinf(values))
+    gone, infinite = where(values, np.isnan), where(values, np.isinf)
     if len(infinite):
-        values = np.where(np.isinf(values), np.array(np.nan, values.dtype), values)
-    return Column(name, values, unit, named, empty=empty, not_a_number=infinite)
+        values = changed(values, lambda part: np.where(np.isinf(part), np.array(np.nan, kind), part), kind)
+    return Column(name, values, unit, named, empty=gone, not_a_number=infinite)
+
+
+def _as_type(values: NDArray[Any], kind: np.dtype[Any]) -> NDArray[Any]:
+    """Return values one after the other in another type; as long as they are if they have it."""
+    if values.dtype == kind and values.flags.c_contiguous:
+        return values
+    out = empty(len(values), kind, is_stored(values) or None)
+    for first, stop in batches(out, values):
+        out[first:stop] = values[first:stop]
+    return out
 
 
 def _sample_rate(arrays: Sequence[NamedArray]) -> float | None:

@@ -3,8 +3,9 @@
 MATLAB writes its matrices transposed; here the longest dimension is time in any case.
 
 The HDF5 library crashes on some damaged files and never returns from others. So a process of its own reads the file
-(`main`), with a limit of memory and of computing time, and writes the arrays to its standard output: a line of JSON,
-then their bytes one after the other.
+(`main`), with a limit of memory and of computing time, and writes the arrays to its standard output: a line of JSON
+that says which, then their bytes piece by piece, each below a line with its size, or with what is wrong. Of a long file
+that stays in place nothing is held whole, neither there nor here.
 
 A dataset may keep its values in other files: in raw ones (external storage), in other HDF5 files (virtual), or be
 a link to one. None of them is read: a file could else bring any file of the machine into the output.
@@ -19,18 +20,21 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from math import prod
 from typing import IO, Any, NoReturn, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ...core.batches import empty, is_long, release
 from ...core.errors import DataError, InertialcalError, Problem
-from ..budget import ENVIRONMENT, PARTS, PROCESS, READ, VALUE, ceiling, check_count, claim
+from ..budget import ENVIRONMENT, PARTS, PROCESS, READ, VALUE, ceiling, check_count, claim, claim_room
 from ..columns import Content
 from ..reader import Reader
-from ..source import Loaded, as_data_errors
-from .arrays import NamedArray, columns_of
+from ..source import FileBytes, Loaded, as_data_errors
+from .arrays import AT_ONCE, NamedArray, columns_of, received
 
 MAGIC = b"\x89HDF\r\n\x1a\n"
 MAGIC_AT = (0, 512, 1024, 2048)  # a user block may stand first (HDF5 file format, II.A)
@@ -51,7 +55,7 @@ def read_hdf5(loaded: Loaded, variables: Sequence[str] | None = None) -> Content
         ``missing_filter``.
     """
     apart = sys.executable and not getattr(sys, "frozen", False)
-    found, is_matlab = _apart(loaded) if apart else _here(loaded.data, loaded.path, loaded.on_disk)
+    found, is_matlab = _apart(loaded) if apart else _here(loaded)
     arrays = [array for _, array in found if array is not None]
     skipped = [name for name, array in found if array is None]
     kind = "MATLAB 7.3 (HDF5)" if is_matlab else "HDF5"
@@ -62,23 +66,26 @@ def _apart(loaded: Loaded) -> tuple[Found, bool]:
     """Return what a process of its own reads."""
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path)), "PYTHONSAFEPATH": "1"}
     environment |= {ENVIRONMENT: str(ceiling(loaded.on_disk)), "OPENBLAS_NUM_THREADS": "1", "PYTHONIOENCODING": "utf-8"}
-    command = [sys.executable, "-m", __name__, loaded.path, str(loaded.on_disk), str(len(loaded.data))]
+    in_place = isinstance(loaded.data, FileBytes)
+    size = 0 if in_place else len(loaded.data)
+    command = [sys.executable, "-m", __name__, loaded.path, str(loaded.on_disk), str(size)]
     pipe, nowhere = subprocess.PIPE, subprocess.DEVNULL
     with subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=nowhere, env=environment) as process:  # noqa: S603
         given, answer = cast("IO[bytes]", process.stdin), cast("IO[bytes]", process.stdout)
         try:
             with suppress(BrokenPipeError):
-                given.write(loaded.data)
+                given.write(b"" if in_place else loaded.data)
                 given.close()
-            said = answer.readline()
-            content = json.loads(said) if said.endswith(b"\n") else {}
-            if "refused" in content:
-                raise DataError([Problem(**one) for one in content["refused"]])
+            pieces = _Pieces(answer)
+            content = pieces.said()
+            known = [(name, kind and np.dtype(kind), shape, unit) for name, kind, shape, unit in content["found"]]
+            stored = in_place and is_long(sum(prod(shape) * kind.itemsize for _, kind, shape, _ in known if kind))
             found: Found = []
-            for name, kind, shape, unit in content.get("found", ()):
-                array = None if kind is None else _received(answer, np.dtype(kind), shape)
+            for name, kind, shape, unit in known:
+                array = None if kind is None else received(cast("IO[bytes]", pieces), kind, shape, stored)
                 found.append((name, None if array is None else NamedArray(name, array, unit)))
-            if process.wait() or "found" not in content:
+            pieces.said()
+            if process.wait():
                 raise _crashed(process.returncode, loaded.path)
             return found, content["is_matlab"]
         except EOFError:
@@ -87,17 +94,32 @@ def _apart(loaded: Loaded) -> tuple[Found, bool]:
             process.kill()
 
 
-def _received(stream: IO[bytes], kind: np.dtype[Any], shape: Sequence[int]) -> Any:
-    array = np.empty(shape, kind)
-    if array.nbytes:
-        view = array.reshape(-1).view(np.uint8).data
-        done = 0
-        while done < len(view):
-            got = stream.readinto(view[done:])  # type: ignore[attr-defined]
-            if not got:
-                raise EOFError
-            done += got
-    return array
+class _Pieces:
+    """What a process of its own answers, as one stream of the bytes of all arrays."""
+
+    def __init__(self, answer: IO[bytes]) -> None:
+        self._answer, self._left = answer, 0
+
+    def said(self) -> Any:
+        """Return the content of the next line; Raises EOFError where none comes, DataError where it refuses."""
+        line = self._answer.readline()
+        if not line.endswith(b"\n"):
+            raise EOFError
+        try:
+            content = json.loads(line)
+        except ValueError:
+            raise EOFError from None
+        if isinstance(content, dict) and "refused" in content:
+            raise DataError([Problem(**one) for one in content["refused"]])
+        return content
+
+    def readinto(self, view: memoryview) -> int:
+        """Fill the view as far as a piece goes."""
+        if not self._left:
+            self._left = self.said()
+        got: int = self._answer.readinto(view[: self._left])  # type: ignore[attr-defined]
+        self._left -= got
+        return got
 
 
 def _crashed(status: int, path: str) -> DataError:
@@ -120,19 +142,24 @@ def main() -> NoReturn:
     _limit_memory(max(ceiling(on_disk) - PROCESS, 0))
     _limit_time(on_disk + size)
     out = sys.stdout.buffer
+
+    def say(content: object) -> None:
+        out.write(json.dumps(content).encode() + b"\n")
+
     try:
-        found, is_matlab = _here(sys.stdin.buffer.read(size), path, on_disk, _limit_time)
+        data = sys.stdin.buffer.read(size) if size else None
+        with _opened(data, path, on_disk, _limit_time) as (found, is_matlab):
+            said = [
+                (name, *((None, (), None) if one is None else (one.kind.str, one.shape, one.unit)))
+                for name, one in found
+            ]
+            say({"found": said, "is_matlab": is_matlab})
+            for piece in (piece for _, one in found if one is not None for piece in one.pieces()):
+                say(piece.nbytes)
+                out.write(piece.reshape(-1).view(np.uint8).data)
+            say({})
     except InertialcalError as error:
-        out.write(json.dumps({"refused": [one.to_dict() for one in error.problems]}).encode() + b"\n")
-    else:
-        said = [
-            (name, *((None, (), None) if one is None else (one.values.dtype.str, one.values.shape, one.unit)))
-            for name, one in found
-        ]
-        out.write(json.dumps({"found": said, "is_matlab": is_matlab}).encode() + b"\n")
-        for _, one in found:
-            if one is not None and one.values.nbytes:
-                out.write(np.ascontiguousarray(one.values).reshape(-1).view(np.uint8).data)
+        say({"refused": [one.to_dict() for one in error.problems]})
     out.flush()
     os._exit(0)  # the library need not take apart what is damaged
 
@@ -156,28 +183,90 @@ def _limit_time(size: int) -> None:
         resource.setrlimit(resource.RLIMIT_CPU, (SECONDS + int(size / PER_SECOND), resource.RLIM_INFINITY))
 
 
-def _here(data: bytes, path: str, on_disk: int, allow: Callable[[int], None] = lambda size: None) -> tuple[Found, bool]:
-    """Return the arrays of a file, and whether it is MATLAB's; ``allow`` gets the bytes to be worked through."""
+def _here(loaded: Loaded) -> tuple[Found, bool]:
+    """Return what this process reads, as `_apart`."""
+    in_place = isinstance(loaded.data, FileBytes)
+    arrays: Found = []
+    with _opened(None if in_place else loaded.data, loaded.path, loaded.on_disk) as (found, is_matlab):
+        stored = in_place and is_long(sum(prod(one.shape) * one.kind.itemsize for _, one in found if one is not None))
+        for name, one in found:
+            if one is None:
+                arrays.append((name, None))
+                continue
+            values, at = empty(prod(one.shape), one.kind, stored), 0
+            for piece in one.pieces():
+                values[at : at + piece.size] = piece.reshape(-1)
+                release(values[at : at + piece.size])
+                at += piece.size
+            arrays.append((name, NamedArray(name, values.reshape(one.shape), one.unit)))
+    return arrays, is_matlab
+
+
+@dataclass(frozen=True, eq=False)
+class _Stored:
+    """A dataset, or a field of its records, that is read piece by piece."""
+
+    dataset: Any
+    field: str | None
+    kind: np.dtype[Any]
+    shape: tuple[int, ...]
+    unit: str | None
+
+    def pieces(self) -> Iterator[NDArray[Any]]:
+        """Yield its values in order of storage; as few chunks as can be are unpacked twice."""
+        shape, axis, size = self.shape, 0, self.dataset.dtype.itemsize
+        while axis < len(shape) - 1 and prod(shape[axis + 1 :]) * size > AT_ONCE:
+            axis += 1
+        width = max(prod(shape[axis + 1 :]) * size, 1)
+        step = max(AT_ONCE // width, 1)
+        if self.dataset.chunks:
+            chunk = self.dataset.chunks[axis]
+            step = step - step % chunk if step >= chunk else chunk if chunk * width <= 4 * AT_ONCE else step
+        for lead in np.ndindex(*shape[:axis]):
+            for first in range(0, shape[axis], step) if shape else (0,):
+                values = np.asarray(self.dataset[(*lead, slice(first, first + step)) if shape else ()])
+                values = values if self.field is None else values[self.field]
+                if values.nbytes:
+                    yield np.ascontiguousarray(values)
+
+
+@contextmanager
+def _opened(
+    data: bytes | None, path: str, on_disk: int, allow: Callable[[int], None] = lambda size: None
+) -> Iterator[tuple[list[tuple[str, _Stored | None]], bool]]:
+    """Open a file's content, or the file itself; give its arrays, and whether it is MATLAB's.
+
+    ``allow`` gets the bytes to be worked through.
+    """
     import h5py  # noqa: PLC0415 - heavy import
 
-    with as_data_errors(path, WHAT), h5py.File(io.BytesIO(data), "r") as file:
+    held = 0 if data is None else len(data)
+    with (
+        as_data_errors(path, WHAT),
+        open(path, "rb") if data is None else io.BytesIO(data) as stream,
+        h5py.File(stream, "r") as file,
+    ):
         datasets = list(_datasets(file, path, [0], set()))
         used = [dataset for _, dataset in datasets if dataset is not None]
         whole = sum(dataset.size * dataset.dtype.itemsize for dataset in used)
         rows = max((max(dataset.shape, default=0) for dataset in used), default=0)
         per_column, other = READ
-        need = 2 * len(data) + per_column * whole + VALUE * other * rows
-        claim(path, on_disk, need, f"{sum(dataset.size for dataset in used):,} values")
+        what = f"{sum(dataset.size for dataset in used):,} values"
+        if data is None:
+            claim_room(path, on_disk, 2 * whole, what)
+        else:
+            claim(path, on_disk, 2 * held + per_column * whole + VALUE * other * rows, what)
         for name, dataset in datasets:
             if dataset is not None:
-                _check_storage(name, dataset, path, on_disk, len(data))
-        allow(on_disk + len(data) + 2 * whole)
+                _check_storage(name, dataset, path, on_disk, held)
         is_matlab = any("MATLAB_class" in dataset.attrs for dataset in used)
-        found: Found = []
+        found: list[tuple[str, _Stored | None]] = []
         for name, dataset in datasets:
             found += [(name, None)] if dataset is None else _arrays(name, dataset)
         check_count(len(found), PARTS, "datasets and fields", path)
-    return found, is_matlab
+        read = sum(one.dataset.size * one.dataset.dtype.itemsize for _, one in found if one is not None)
+        allow(on_disk + held + 2 * read)
+        yield found, is_matlab
 
 
 def _datasets(
@@ -251,16 +340,18 @@ def _is_numbers(dataset: Any) -> bool:
     return any(kind in "biuf" for kind in kinds)
 
 
-def _arrays(name: str, dataset: Any) -> Found:
+def _arrays(name: str, dataset: Any) -> list[tuple[str, _Stored | None]]:
     """Return the dataset as an array, or as one for each field of its records."""
-    values = np.asarray(dataset[()])
+    kind, shape = dataset.dtype, dataset.shape
     unit = _text(dataset.attrs.get("units", dataset.attrs.get("unit")))
-    if values.dtype.names is None:
-        return [(name, NamedArray(name, values, unit))]
+    if kind.names is None:
+        return [(name, _Stored(dataset, None, kind, shape, unit))]
     return [
-        (f"{name}.{field}", NamedArray(f"{name}.{field}", values[field]) if kind in "biuf" else None)
-        for field in values.dtype.names
-        for kind in (values.dtype[field].kind,)
+        (
+            f"{name}.{field}",
+            _Stored(dataset, field, kind[field], shape, None) if kind[field].kind in "biuf" else None,
+        )
+        for field in kind.names
     ]
 
 
@@ -277,6 +368,7 @@ READER = Reader(
     (".h5", ".hdf5", ".mat"),
     lambda data, path: any(data[at : at + len(MAGIC)] == MAGIC for at in MAGIC_AT),
     read_hdf5,
+    in_place=True,
 )
 
 if __name__ == "__main__":

@@ -6,16 +6,17 @@ import io
 import math
 import zipfile
 from collections.abc import Sequence
+from typing import IO
 
 import numpy as np
 from numpy.lib import format as npy_format
 
-from ..budget import PARTS, VALUE, check_count, claim_values
+from ..budget import PARTS, VALUE, check_count, claim, claim_room, claim_values
 from ..columns import Content
 from ..formats import members
 from ..reader import Reader
-from ..source import Loaded, as_data_errors
-from .arrays import NamedArray, columns_of
+from ..source import FileBytes, Loaded, as_data_errors
+from .arrays import NamedArray, columns_of, received
 
 MAGIC = b"\x93NUMPY"
 HEADER = 1_000_000  # characters: numpy evaluates them
@@ -24,7 +25,11 @@ HEADER = 1_000_000  # characters: numpy evaluates them
 def read_npy(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
     """Return the columns of an array; Raises as `read_npz`."""
     with as_data_errors(loaded.path, "a NumPy npy file"):
-        arrays = _npy("", loaded.data, loaded)
+        if isinstance(loaded.data, FileBytes):
+            with open(loaded.path, "rb") as stream:
+                arrays = _npy("", stream, len(loaded.data), loaded)
+        else:
+            arrays = _npy("", io.BytesIO(loaded.data), len(loaded.data), loaded)
     return columns_of(arrays, "NumPy npy", loaded.path, variables=variables)
 
 
@@ -52,36 +57,43 @@ def _npz(loaded: Loaded) -> list[NamedArray]:
         for info in members:
             with archive.open(info) as member:
                 data = member.read(info.file_size)
-            arrays += _npy(info.filename.removesuffix(".npy"), data, loaded)
+            arrays += _npy(info.filename.removesuffix(".npy"), io.BytesIO(data), len(data), loaded)
             check_count(len(arrays), PARTS, "arrays and fields", loaded.path)
     return arrays
 
 
-def _npy(name: str, data: bytes, loaded: Loaded) -> list[NamedArray]:
-    """One array, or one for each field of a structured array."""
-    stream = io.BytesIO(data)
-    version = npy_format.read_magic(stream)
-    size = 2 if version == (1, 0) else 4  # bytes of the length of the header
-    length = int.from_bytes(data[stream.tell() : stream.tell() + size], "little")
+def _npy(name: str, stream: IO[bytes], size: int, loaded: Loaded) -> list[NamedArray]:
+    """One array, or one for each field of a structured array, in a stream of so many bytes."""
+    version, in_place = npy_format.read_magic(stream), isinstance(loaded.data, FileBytes)
+    begin = stream.tell()
+    length = int.from_bytes(stream.read(2 if version == (1, 0) else 4), "little")
+    stream.seek(begin)
     check_count(length, HEADER, "characters of header", loaded.path)
     header = npy_format.read_array_header_1_0 if version == (1, 0) else npy_format.read_array_header_2_0
+    array = None
     if version in ((1, 0), (2, 0)):
-        shape, _, dtype = header(stream, max_header_size=HEADER)
+        shape, upside, dtype = header(stream, max_header_size=HEADER)
         needed = math.prod(shape) * dtype.itemsize
-        if needed > len(data) - stream.tell() or (shape and not dtype.itemsize):
-            what = f"the header says {needed:,} bytes of values, {len(data) - stream.tell():,} are there"
+        if needed > size - stream.tell() or (shape and not dtype.itemsize):
+            what = f"the header says {needed:,} bytes of values, {size - stream.tell():,} are there"
             raise ValueError(what)
         check_count(len(dtype.names or ()), PARTS, "fields", loaded.path)
-        claim_values(loaded.path, loaded.on_disk, 2 * len(loaded.data), math.prod(shape), 1)
-    stream.seek(0)
-    array = np.asarray(np.load(stream, allow_pickle=False, max_header_size=HEADER))
+        if in_place and not dtype.hasobject:
+            claim_room(loaded.path, loaded.on_disk, 2 * needed, f"{math.prod(shape):,} values")
+            array = received(stream, dtype, shape[::-1]).T if upside else received(stream, dtype, shape)
+        else:
+            claim_values(loaded.path, loaded.on_disk, 2 * len(loaded.data), math.prod(shape), 1)
+    if array is None:
+        claim(loaded.path, loaded.on_disk, 2 * size, f"{size:,} bytes of an array")
+        stream.seek(0)
+        array = np.asarray(np.load(stream, allow_pickle=False, max_header_size=HEADER))
     if array.dtype.names is None:
         return [NamedArray(name, array)]
     prefix = f"{name}." if name else ""
     return [NamedArray(f"{prefix}{field}", array[field]) for field in array.dtype.names]
 
 
-NPY = Reader("npy", "NumPy", (".npy",), lambda data, path: data.startswith(MAGIC), read_npy)
+NPY = Reader("npy", "NumPy", (".npy",), lambda data, path: data.startswith(MAGIC), read_npy, True)
 NPZ = Reader(
     "npz", "NumPy", (".npz",), lambda data, path: any(name.endswith(".npy") for name in members(data)), read_npz
 )

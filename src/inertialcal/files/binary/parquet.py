@@ -13,18 +13,16 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ...core import batches
-from ...core.batches import changed, empty, release
 from ...core.errors import DataError
 from ...core.remarks import Remark
 from ..budget import COLUMNS, PARTS, READ, VALUE, check_count, claim, claim_room
-from ..columns import Column, Content
+from ..columns import Column, Content, LongColumns
 from ..reader import Reader
 from ..source import FileBytes, Loaded, as_data_errors
 from ..text.delimited import arrow_numbers, text_in_numbers
@@ -102,37 +100,16 @@ def _batch_by_batch(file: Any, paths: Sequence[str], path: str) -> list[Column |
 
     if not paths:
         return []
-    rows, first = file.metadata.num_rows, 0
-    values: list[Any] = []
-    parts: list[list[Column]] = []
+    long = LongColumns(file.metadata.num_rows)
+    left_out: dict[str, None] = {}
     for batch in file.iter_batches(batch_size=BATCH, columns=list(paths), use_threads=False):
         table = pa.Table.from_batches([batch])
         while any(pa.types.is_struct(kind) for kind in table.schema.types):
             table = table.flatten()
         made = [_column(table.column(i), table.schema.field(i), path) for i in range(table.num_columns)]
-        found = [one for one in made if isinstance(one, Column)]
-        if first == 0:
-            left_out = [one for one in made if isinstance(one, str)]
-            values = [empty(rows, one.values.dtype) for one in found]
-            parts = [[] for _ in found]
-        for k, one in enumerate(found):
-            if values[k].dtype != (kind := np.result_type(values[k], one.values)):  # an empty cell among whole numbers
-                values[k] = changed(values[k], partial(np.asarray, dtype=kind), kind)
-            values[k][first : first + table.num_rows] = one.values
-            release(values[k][first : first + table.num_rows])
-            cells = (one.empty + first, one.not_a_number + first)
-            parts[k].append(replace(one, values=np.empty(0), empty=cells[0], not_a_number=cells[1]))
-        first += table.num_rows
-    whole = [
-        replace(
-            own[0],
-            values=one,
-            empty=np.concatenate([part.empty for part in own]),
-            not_a_number=np.concatenate([part.not_a_number for part in own]),
-        )
-        for one, own in zip(values, parts, strict=True)
-    ]
-    return [*whole, *left_out]
+        left_out |= dict.fromkeys(one for one in made if isinstance(one, str))
+        long.add([one for one in made if isinstance(one, Column)])
+    return [*long.columns(), *left_out]
 
 
 def _check_pages(loaded: Loaded, about: Any, large: Sequence[int]) -> None:
@@ -332,4 +309,4 @@ def _sample_rate(metadata: dict[bytes, bytes]) -> float | None:
     return None
 
 
-READER = Reader("parquet", "Parquet", (".parquet",), lambda data, path: data.startswith(MAGIC), read_parquet)
+READER = Reader("parquet", "Parquet", (".parquet",), lambda data, path: data.startswith(MAGIC), read_parquet, True)

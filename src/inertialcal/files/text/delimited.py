@@ -1,31 +1,48 @@
 """Separated text: CSV, tabs, semicolons, blanks; with or without header; decimal point or comma.
 
 A regular file goes through Arrow's reader; whatever that does not take as plain numbers goes cell by cell,
-which is slower and knows the row of each problem. Both give the same columns.
+which is slower and knows the row of each problem. Both give the same columns. Of a long file that stays in place,
+Arrow's reader gets a piece at a time; if any piece is not regular, or holds text, the file is read whole.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import DataError, Problem
+from ...core.errors import DataError, InertialcalError, Problem
 from ...core.remarks import Remark
-from ..budget import VALUE, claim
-from ..columns import Column, Content, Rows
+from ..budget import VALUE, claim, claim_room
+from ..columns import Column, Content, LongColumns, Rows
 from ..reader import Reader
-from ..source import Loaded
+from ..source import FileBytes, Loaded, whole
 from .grouped import CODE, can_be_either, commas, grouped_cell, grouped_column, grouped_row, problem
-from .layout import CELL, CELL_BYTES, Decimal, Layout, is_blank, judge, looks_like_text, sniff, split, text_of
+from .layout import (
+    CELL,
+    CELL_BYTES,
+    SAMPLE,
+    Decimal,
+    Layout,
+    decode,
+    holds_control,
+    is_blank,
+    judge,
+    looks_like_text,
+    sniff,
+    split,
+    text_of,
+)
 
 ENDINGS = ("", ".asc", ".csv", ".dat", ".log", ".mat", ".prn", ".tab", ".tsv", ".txt")  # that text usually has
 SHOWN = 60  # characters of a cell in a message
 BLOCK = 2**22  # bytes that are looked at together
+PIECE = 2**23  # bytes of a long file that are read together
+ENOUGH = 32  # bytes of memory for each byte of a piece and its cells, at most
 
 
 def parse(text: str, where: str, loaded: Loaded | None = None, decimal: Decimal | None = None) -> Content:
@@ -117,8 +134,11 @@ def _at(cells: Iterator[str], places: tuple[int | None, ...]) -> Iterator[tuple[
     return ((index, cell) for index, cell in enumerate(cells) if index in places)
 
 
-def _whole_rows(text: str, layout: Layout, where: str) -> tuple[str, tuple[Remark, ...]]:
-    """Return the text without a last row that was not written to its end, with the remark that says so."""
+def _whole_rows(text: str, layout: Layout, where: str, above: int = 0) -> tuple[str, tuple[Remark, ...]]:
+    """Return the text without a last row that was not written to its end, with the remark that says so.
+
+    ``above``: lines of the file above the text.
+    """
     begin = text.rfind("\n") + 1
     last = text[begin:]
     if begin <= layout.start or is_blank(last, layout.separator) or last.lstrip().startswith(layout.comment):
@@ -130,8 +150,10 @@ def _whole_rows(text: str, layout: Layout, where: str) -> tuple[str, tuple[Remar
         f"the last row is incomplete ({cells} of {layout.width} cells): left out. The file is still being "
         "written, or the recording was interrupted"
     )
-    where = f"{where}:{text.count(chr(10)) + 1}"
-    return text[: begin - 1], (Remark("row_cut_off", "warning", what, where, do="Read it again when it is complete"),)
+    where = f"{where}:{above + text.count(chr(10)) + 1}"
+    return text[: max(begin - 1, 0)], (
+        Remark("row_cut_off", "warning", what, where, do="Read it again when it is complete"),
+    )
 
 
 def column_names(layout: Layout, where: str) -> tuple[str, ...]:
@@ -169,8 +191,7 @@ def fast(text: str, layout: Layout, names: tuple[str, ...], raw: bytes | None = 
             return None
         columns.append(column)
         table = table.remove_column(0)  # frees its memory
-    rows = np.arange(layout.row, layout.row + length, dtype=np.int64)
-    return _content(columns, rows, layout)
+    return _content(columns, range(layout.row, layout.row + length), layout)
 
 
 def _line_ends(body: memoryview) -> int:
@@ -294,9 +315,14 @@ def text_in_numbers(name: str, cells: Sequence[str], at: Rows, rows: Rows, where
 
 def _regular_body(text: str, layout: Layout, raw: bytes | None) -> memoryview | None:
     """Rows of data without quotes, comments and blank lines; None where there are some."""
-    start, end = layout.start, len(text)
-    while end > start and text[end - 1] in "\n ":
+    end = len(text)
+    while end > layout.start and text[end - 1] in "\n ":
         end -= 1
+    return _regular(text, layout.start, end, layout, raw)
+
+
+def _regular(text: str, start: int, end: int, layout: Layout, raw: bytes | None) -> memoryview | None:
+    """Rows of data between two places of a text, as `_regular_body`."""
     # One letter is found much faster than two. x: Arrow reads 0x1F as a number.
     if any(text.find(sign, start, end) >= 0 for sign in ('"', "x", "X")) or text.find("\n\n", start, end) >= 0:
         return None
@@ -314,13 +340,16 @@ def _regular_body(text: str, layout: Layout, raw: bytes | None) -> memoryview | 
     return memoryview(body.replace("\n ", "\n").replace(" \n", "\n").strip(" ").encode())
 
 
-def _arrow(body: memoryview, layout: Layout, names: tuple[str, ...]) -> Any:
-    """Arrow table of the rows, whose columns are whole numbers, numbers, text or null; None if ragged."""
+def _arrow(body: memoryview, layout: Layout, names: tuple[str, ...], kinds: Mapping[str, Any] | None = None) -> Any:
+    """Arrow table of the rows, whose columns are whole numbers, numbers, text or null; None if ragged.
+
+    ``kinds``: types of columns, by their number from 0, that are known already.
+    """
     import pyarrow as pa  # noqa: PLC0415 - heavy import
     from pyarrow import csv  # noqa: PLC0415 - heavy import
 
     keys = [str(i) for i in range(len(names))]
-    as_text: dict[str, Any] = {}
+    as_text: dict[str, Any] = dict(kinds or {})
     for _ in range(2):
         try:
             table = csv.read_csv(
@@ -344,7 +373,7 @@ def _arrow(body: memoryview, layout: Layout, names: tuple[str, ...]) -> Any:
         odd = [key for key, kind in zip(keys, table.schema.types, strict=True) if kind not in plain]
         if not odd:
             return table
-        as_text = dict.fromkeys(odd, pa.string())  # dates and times are judged by the clock
+        as_text |= dict.fromkeys(odd, pa.string())  # dates and times are judged by the clock
     return None
 
 
@@ -394,7 +423,7 @@ def _column(name: str, values: Any, layout: Layout, i: int, empty: Rows, nan: Ro
     return Column(name, values, layout.units[i] or None, bool(layout.names[i]), empty=empty, not_a_number=nan)
 
 
-def _content(columns: list[Column], rows: Rows, layout: Layout) -> Content:
+def _content(columns: Sequence[Column], rows: Rows | range, layout: Layout) -> Content:
     """All columns but those without name and without value (a separator at the line's end)."""
     kept = [column for column in columns if column.named or len(column.empty) < len(rows)]
     remarks = layout.remarks
@@ -423,10 +452,109 @@ def _across(text: str, layout: Layout, where: str) -> Content:
 
 
 def read_text(loaded: Loaded, variables: Sequence[str] | None = None, decimal: Decimal | None = None) -> Content:
-    """Return the columns of a text file, whatever variables are named; Raises as `parse` and ``encoding.decode``."""
+    """Return the columns of a text file, whatever variables are named; Raises as `parse` and ``layout.decode``."""
+    if isinstance(loaded.data, FileBytes):
+        try:
+            return _piece_by_piece(loaded, decimal)
+        except _IrregularError:
+            loaded = whole(loaded)
     text, remarks = text_of(loaded)
     content = parse(text, loaded.path, loaded, decimal)
     return replace(content, remarks=remarks + content.remarks)
 
 
-READER = Reader("text", "CSV and other text", ENDINGS, looks_like_text, read_text)
+class _IrregularError(Exception):
+    """A text that only its whole can be judged of."""
+
+
+def _piece_by_piece(loaded: Loaded, decimal: Decimal | None) -> Content:
+    """Return the columns of a long text in place; Raises _IrregularError, and DataError where names appear twice."""
+    first = next(_pieces(loaded), b"")
+    try:
+        head, remarks = decode(first, loaded.path)
+        layout = sniff(head, loaded.path, decimal)
+    except InertialcalError:
+        raise _IrregularError from None
+    unsure = layout.decimal == "," and decimal is None
+    if layout.across or unsure or head.count("\n", layout.start) < SAMPLE:
+        raise _IrregularError
+    names = column_names(layout, loaded.path)
+    claim(loaded.path, loaded.on_disk, ENOUGH * min(PIECE, len(loaded.data)), f"pieces of {PIECE:,} bytes")
+    rows = 0
+    cut: tuple[Remark, ...] = ()
+    for body, incomplete in _bodies(loaded, layout, head, decimal):
+        rows, cut = rows + 1 + _line_ends(body), incomplete
+    what = f"{rows:,} rows of {layout.width} cells"
+    claim_room(loaded.path, loaded.on_disk, VALUE * rows * layout.width, what)
+    columns = _filled(loaded, layout, names, head, rows, decimal)
+    found = _content(columns, range(layout.row, layout.row + rows), layout)
+    return replace(found, remarks=(*remarks, *found.remarks, *cut))
+
+
+def _filled(
+    loaded: Loaded, layout: Layout, names: tuple[str, ...], head: str, rows: int, decimal: Decimal | None
+) -> tuple[Column, ...]:
+    """Return the columns, filled a piece at a time: twice where one is whole numbers in some pieces only."""
+    import pyarrow as pa  # noqa: PLC0415 - heavy import
+
+    known: dict[str, Any] = {}
+    for _ in range(2):
+        long = LongColumns(rows)
+        kinds: list[set[Any]] = [set() for _ in names]
+        for body, _ in _bodies(loaded, layout, head, decimal):
+            table = _arrow(body, layout, names, known)
+            if table is None or len(table) != _line_ends(body) + 1 or pa.string() in table.schema.types:
+                raise _IrregularError
+            made = [_from_arrow(table.column(i), layout, name, i) for i, name in enumerate(names)]
+            if None in made:
+                raise _IrregularError
+            for seen, kind in zip(kinds, table.schema.types, strict=True):
+                seen.add(kind)
+            long.add(cast("list[Column]", made))
+        known = {str(i): pa.float64() for i, seen in enumerate(kinds) if {pa.int64(), pa.float64()} <= seen}
+        if not known:
+            break
+    return long.columns()
+
+
+def _bodies(
+    loaded: Loaded, layout: Layout, head: str, decimal: Decimal | None
+) -> Iterator[tuple[memoryview, tuple[Remark, ...]]]:
+    """Yield the rows of data of each piece, and the remark on a last row that is cut off; Raises _IrregularError."""
+    done, above = 0, 0
+    for piece in _pieces(loaded):
+        text = head[layout.start :] if done == 0 else piece.decode("ascii") if piece.isascii() else ""
+        above += layout.row - 1 if done == 0 else 0
+        done += len(piece)
+        last = done == len(loaded.data)
+        cut: tuple[Remark, ...] = ()
+        comma = decimal is None and layout.separator != "," and "," in text  # of a file with decimal commas?
+        if not text.isascii() or not text or comma or holds_control(piece):
+            raise _IrregularError
+        text = text.replace("\r\n", "\n").replace("\r", "\n")
+        if last:
+            text, cut = _whole_rows(text.rstrip("\x1a"), replace(layout, start=-1), loaded.path, above)
+        above += text.count("\n")
+        end = len(text.rstrip("\n ")) if last else len(text) - 1
+        if end or not last:
+            body = _regular(f"\n{text}", 0, 1 + end, layout, None)  # the line end shows what begins a row
+            if body is None or not end:
+                raise _IrregularError
+            yield body[1:], cut
+    if done != len(loaded.data):
+        raise _IrregularError
+
+
+def _pieces(loaded: Loaded) -> Iterator[bytes]:
+    """Yield the bytes of a file in pieces of whole lines, as far as there are lines."""
+    at = 0
+    while at < len(loaded.data):
+        piece = loaded.data[at : at + PIECE]
+        size = len(piece) if at + len(piece) == len(loaded.data) else piece.rfind(b"\n") + 1
+        if not size:
+            return
+        yield piece[:size]
+        at += size
+
+
+READER = Reader("text", "CSV and other text", ENDINGS, looks_like_text, read_text, True)

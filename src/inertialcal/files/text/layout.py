@@ -409,6 +409,11 @@ def text_of(loaded: Loaded) -> tuple[str, tuple[Remark, ...]]:
     return decode(data, loaded.path)
 
 
+def holds_control(data: bytes) -> bool:
+    """Whether bytes hold nul bytes or control characters: `decode` judges them by their share of the file."""
+    return b"\x00" in data or len(data.translate(None, CONTROL)) != len(data)
+
+
 def looks_like_text(data: bytes, path: str) -> bool:
     """Whether the beginning of a file is text, so that `decode` may be tried."""
     return data.startswith(tuple(mark for mark, _ in MARKS)) or b"\x00" not in data[:BEGINNING]

@@ -1,0 +1,270 @@
+"""A long file that stays in place, and is read a piece at a time, gives the recording of one that is read whole."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from inertialcal.core import batches
+from inertialcal.core.errors import InertialcalError
+from inertialcal.core.recording import Recording
+from inertialcal.files import read
+from inertialcal.files.binary import arrays
+from inertialcal.files.source import FileBytes
+from inertialcal.files.text import delimited
+
+ROWS = 260  # more than the lines that tell a layout
+
+
+def in_place(path: Path, piece: int, **options: Any) -> Recording:
+    """Read a file in place, its text in pieces of so many bytes; the reading may not fall back to the whole file."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(batches, "HELD", 0)
+        patch.setattr(batches, "SIZE", max(piece // 8, 50))
+        patch.setattr(delimited, "PIECE", piece)
+        patch.setattr(arrays, "AT_ONCE", piece)
+        return read(path, **options)
+
+
+def assert_same(found: Recording, expected: Recording) -> None:
+    assert found.names == expected.names
+    for name in expected.names:
+        one, other = found.channel(name), expected.channel(name)
+        assert (one.unit, one.quantity, one.data.dtype) == (other.unit, other.quantity, other.data.dtype), name
+        np.testing.assert_array_equal(one.data, other.data)
+        if one.data.dtype.kind == "f":
+            np.testing.assert_array_equal(np.signbit(one.data), np.signbit(other.data))
+    assert (found.time_ns is None) == (expected.time_ns is None)
+    if found.time_ns is not None and expected.time_ns is not None:
+        np.testing.assert_array_equal(found.time_ns, expected.time_ns)
+    assert (found.source, found.first_row, found.sample_interval) == (
+        expected.source, expected.first_row, expected.sample_interval,
+    )  # fmt: skip
+    assert [str(one) for one in found.remarks] == [str(one) for one in expected.remarks]
+
+
+def outcome(reading: Callable[[], Recording]) -> Recording | tuple[Any, ...]:
+    """Return the recording, or the problems of its refusal."""
+    try:
+        return reading()
+    except InertialcalError as error:
+        return type(error), error.problems
+
+
+def assert_judged_alike(path: Path, piece: int, **options: Any) -> None:
+    expected = outcome(lambda: read(path, **options))
+    found = outcome(lambda: in_place(path, piece, **options))
+    if isinstance(expected, Recording) and isinstance(found, Recording):
+        assert_same(found, expected)
+    else:
+        assert found == expected
+
+
+@pytest.fixture
+def pieces_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Make a file in place fail that is read whole after all."""
+
+    def refused(loaded: Any) -> Any:
+        assert not isinstance(loaded.data, FileBytes), "read whole"
+        return loaded
+
+    monkeypatch.setattr(delimited, "whole", refused)
+
+
+def rows(separator: str = ",", cells: Callable[[int], Sequence[str]] | None = None) -> list[str]:
+    rng = np.random.default_rng(3)
+    x = rng.normal(size=ROWS)
+
+    def usual(i: int) -> Sequence[str]:
+        return f"{i / 200:.3f}", f"{x[i]:.6f}", str(int(1000 * x[i]))
+
+    return [separator.join((cells or usual)(i)) for i in range(ROWS)]
+
+
+HEAD = "t [s],gyro_x [deg/s],raw\n"
+
+
+def text(separator: str = ",", head: str = HEAD, end: str = "\n", last: str = "\n", **more: Any) -> bytes:
+    return (head.replace(",", separator) + end.join(rows(separator, **more)) + last).encode()
+
+
+REGULAR = {
+    "plain": text(),
+    "no line end": text(last=""),
+    "blank end": text(last="\n\n \n"),
+    "ctrl-z": text(last="\n\x1a"),
+    "cut off": text(last="\n1.3,0.2"),
+    "windows": text(head=HEAD.replace("\n", "\r\n"), end="\r\n", last="\r\n"),
+    "tabs": text("\t"),
+    "blanks": text("   ", head="t,gyro_x,raw\n"),
+    "semicolons": text(";"),
+    "degrees": text(head="# Gerät\nt [s],temp [°C],raw\n"),
+    "bom": b"\xef\xbb\xbf" + text(),
+    "latin-1": text(head="# Gerät\n" + HEAD).decode().encode("latin-1"),
+    "no header": text(head="# sample rate: 200 Hz\n", cells=lambda i: (f"{i % 7}.5", str(i % 5))),
+    "one column": text(head="gyro_x [deg/s]\n", cells=lambda i: (f"{i % 7}.5",)),
+    "separator at the end": text(cells=lambda i: (f"{i / 200:.3f}", "1.5", str(i % 9), "")),
+    "whole at first": text(cells=lambda i: (str(i), "-0" if i < 200 else f"{i}.5", str(i))),
+    "empty among whole": text(cells=lambda i: (str(i / 100), "" if i in (7, 255) else str(i % 3), "3"[: i < 250])),
+    "nan": text(cells=lambda i: (str(i / 100), "nan" if i in (7, 255) else f"{i % 3}.5", "NaN" if i == 99 else "3")),
+    "unfilled": (HEAD + "\n".join([*rows()[1:], *(9 * ["0,0,0"])]) + "\n").encode(),
+}  # fmt: skip
+OPTIONS: dict[str, dict[str, Any]] = {"one column": {"sample_rate": 100.0}, "whole at first": {"units": {"t": "ms"}}}
+
+
+@pytest.mark.usefixtures("pieces_only")
+@pytest.mark.parametrize("name", REGULAR)
+@pytest.mark.parametrize("shorter", [0, 1, 2])
+def test_a_regular_text(tmp_path: Path, name: str, shorter: int) -> None:
+    path = tmp_path / "a.csv"
+    path.write_bytes(REGULAR[name])
+    options = OPTIONS.get(name, {})
+    expected = read(path, **options)
+    least = len(REGULAR[name]) * 9 // 10  # the first piece holds the lines that tell the layout
+    found = in_place(path, least - shorter, **options)
+    assert_same(found, expected)
+    assert all(batches.is_stored(one.data) for one in found.channels)
+
+
+@pytest.mark.usefixtures("pieces_only")
+def test_a_stated_decimal_comma(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_bytes(text(";").replace(b".", b","))
+    assert_same(in_place(path, 4500, decimal="comma"), read(path, decimal="comma"))
+
+
+def irregular(at: int, line: str) -> bytes:
+    lines = rows()
+    lines[at] = line
+    return (HEAD + "\n".join(lines) + "\n").encode()
+
+
+ODD = {
+    "quotes": irregular(255, '"1.275","0.5","3"'),
+    "comment": irregular(255, "# a note"),
+    "blank line": irregular(255, ""),
+    "blanks": irregular(255, "   "),
+    "text": irregular(255, "1.275,many,3"),
+    "ragged": irregular(255, "1.275,0.5"),
+    "hexadecimal": irregular(255, "1.275,0x1F,3"),
+    "infinite": irregular(255, "1.275,1e999,3"),
+    "letters": irregular(255, "1.275,ä,3"),
+    "nul": irregular(255, "1.275,\x00,3"),
+    "control": irregular(255, "1.275,\x01,3"),
+    "header again": irregular(255, HEAD.strip()),
+    "labels": text(cells=lambda i: (f"{i / 200:.3f}", "1.5", "warm" if i < 99 else "cold")),
+    "instants": text(cells=lambda i: (f"2024-05-01T10:{i // 60:02d}:{i % 60:02d}Z", "1.5", "3")),
+    "decimal commas": text(";").replace(b".", b","),
+    "commas late": text(";", cells=lambda i: (str(i), str(i % 7) if i < 240 else f"{i % 7},51", "3")),
+    "across": " ".join(f"{i % 7}.5" for i in range(3000)).encode(),
+    "short": b"t [s],gyro_x\n0,1\n1,2\n2,1\n",
+    "no line": b"1" * 3000,
+}
+
+
+@pytest.mark.parametrize("name", ODD)
+@pytest.mark.parametrize("piece", [4600, 5500, 10**6])
+def test_any_other_text_is_judged_as_a_whole(tmp_path: Path, name: str, piece: int) -> None:
+    path = tmp_path / "a.csv"
+    path.write_bytes(ODD[name])
+    assert_judged_alike(path, piece, sample_rate=100.0)
+
+
+CELLS = st.sampled_from(["1", "-0", "0.5", "", "nan", "7e3", " 2", "x", '"1"', "12345678901234567890"])
+
+
+@given(odd=st.lists(st.tuples(st.integers(0, 59), CELLS), max_size=4), piece=st.integers(3900, 6000))
+def test_wherever_pieces_end(tmp_path_factory: pytest.TempPathFactory, odd: list[tuple[int, str]], piece: int) -> None:
+    lines = rows(cells=lambda i: (f"{i / 200:.3f}", str(i % 9), f"{i % 9}.25"))
+    for back, cell in odd:
+        lines[-1 - back] = f"{lines[-1 - back].split(',')[0]},{cell},{cell}"
+    path = tmp_path_factory.mktemp("text") / "a.csv"
+    path.write_text(HEAD + "\n".join(lines) + "\n")
+    assert_judged_alike(path, piece)
+
+
+N = 500
+RNG = np.random.default_rng(7)
+GYRO = RNG.normal(size=(N, 3))
+GYRO[7, 1], GYRO[400, 2] = np.nan, np.inf
+RECORDS = np.zeros(N, dtype=[("t", "f8"), ("gyro_x", "f4"), ("raw", ">i2")])
+RECORDS["t"], RECORDS["gyro_x"], RECORDS["raw"] = np.arange(N) / 100, GYRO[:, 0], np.arange(N) % 77
+ARRAYS: dict[str, Any] = {
+    "matrix": GYRO,
+    "channels first": np.ascontiguousarray(GYRO.T),
+    "column by column": np.asfortranarray(GYRO),
+    "one": GYRO[:, 0].copy(),
+    "counts": (1000 * GYRO[:, 0]).astype(">i2"),
+    "half": GYRO.astype(np.float16),
+    "long double": GYRO.astype(np.longdouble),
+    "flags": GYRO[:, 0] > 0,
+    "records": RECORDS,
+    "deep": GYRO[:, :, None],
+}
+
+
+@pytest.mark.parametrize("name", ARRAYS)
+@pytest.mark.parametrize("piece", [1000, 10**6])
+def test_a_long_npy_file(tmp_path: Path, name: str, piece: int) -> None:
+    path = tmp_path / "a.npy"
+    np.save(path, ARRAYS[name])
+    options: dict[str, Any] = {} if name == "records" else {"sample_rate": 100.0}
+    found = in_place(path, piece, **options)
+    assert_same(found, read(path, **options))
+    assert all(batches.is_stored(one.data) for one in found.channels)
+
+
+def test_npy_files_that_are_refused_whole_are_refused_in_place(tmp_path: Path) -> None:
+    path = tmp_path / "a.npy"
+    np.save(path, np.array([{}, {}], dtype=object), allow_pickle=True)
+    assert_judged_alike(path, 100, sample_rate=1.0)
+    np.save(path, GYRO)
+    path.write_bytes(path.read_bytes()[:-9])
+    assert_judged_alike(path, 100, sample_rate=1.0)
+    with pytest.warns(UserWarning, match="format 3.0"):
+        np.save(path, np.zeros(50, dtype=[("\u03c9", "f8")]))
+    assert_judged_alike(path, 100, sample_rate=1.0)
+
+
+@pytest.mark.parametrize("packing", [{}, {"chunks": True, "compression": "gzip"}], ids=["plain", "packed"])
+@pytest.mark.parametrize("piece", [1000, 10**6])
+def test_a_long_hdf5_file(tmp_path: Path, packing: dict[str, Any], piece: int) -> None:
+    path = tmp_path / "a.h5"
+    with h5py.File(path, "w") as file:
+        file.create_dataset("t", data=np.arange(N) / 100, **packing).attrs["units"] = "s"
+        for name, values in ARRAYS.items():
+            file.create_dataset(f"imu/{name}", data=values, **packing)
+        file["fs"], file["note"], file["nothing"] = 100.0, "hello", np.empty((0, 3))
+        file.create_dataset("empty", dtype="f8", shape=None)
+    found = in_place(path, piece)
+    assert_same(found, read(path))
+    assert all(batches.is_stored(one.data) for one in found.channels)
+    names = ["imu.records.raw", "imu.counts"]
+    assert_same(in_place(path, piece, variables=names), read(path, variables=names))
+
+
+def test_a_damaged_hdf5_file_is_refused_in_place_as_it_is_whole(tmp_path: Path) -> None:
+    path = tmp_path / "a.h5"
+    with h5py.File(path, "w") as file:
+        file.create_dataset("gyro", data=RNG.normal(size=(4000, 3)), chunks=(1000, 3), compression="gzip")
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2 : len(content) // 2 + 500] = bytes(500)
+    path.write_bytes(content)
+    assert_judged_alike(path, 10_000, sample_rate=1.0)
+    path.write_bytes(content[: len(content) // 2])
+    assert_judged_alike(path, 10_000, sample_rate=1.0)
+
+
+def test_values_in_another_file_are_refused_in_place(tmp_path: Path) -> None:
+    path, other = tmp_path / "a.h5", tmp_path / "other.bin"
+    other.write_bytes(bytes(800))
+    with h5py.File(path, "w") as file:
+        file.create_dataset("gyro_x", (100,), "f8", external=[(str(other), 0, 800)])
+    assert_judged_alike(path, 1000, sample_rate=1.0)
