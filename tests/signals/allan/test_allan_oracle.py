@@ -102,7 +102,50 @@ def test_scatter_of_1e_3_beside_1e6(deviation: Deviation) -> None:
     factors = [1, 2, 4, 64, 512, 1024, 4096]
     beside = allan(small + 1e6, 1.0, quantity="rate", deviation=deviation, factors=factors)
     exact = allan(steps, 1.0, quantity="rate", deviation=deviation, factors=factors, scale=2.0**-20)
-    assert beside.deviation == pytest.approx(exact.deviation, rel=1e-8)
+    assert beside.deviation == pytest.approx(exact.deviation, rel=1e-13)
+
+
+@pytest.mark.parametrize("deviation", PEERS)
+@pytest.mark.parametrize(("offset", "drift"), [(0.0, 0), (1000.0, 3), (-1e6, 0)])
+def test_long_averaging_times_keep_all_digits(deviation: Deviation, offset: float, drift: int) -> None:
+    n = 15_000
+    steps = np.random.default_rng(9).integers(-(2**20), 2**20, n) + drift * np.arange(n)  # a grid of 2^-20
+    factors = [1, 7, 1024, 3_001, 4_999]
+    exact = [variance(steps, m, deviation) for m in factors]
+    found = allan(steps * 2.0**-20 + offset, 1.0, quantity="rate", deviation=deviation, factors=factors)
+    digits = 1e-12 if deviation in {"non_overlapping", "hadamard"} else 1e-14  # those add squares one by one
+    assert found.deviation[:, 0] * 2.0**20 == pytest.approx(np.sqrt(exact), rel=digits)
+
+
+@pytest.mark.parametrize("deviation", ["overlapping", "modified"])
+def test_millions_of_samples_beside_an_offset_keep_all_digits(deviation: Deviation) -> None:
+    n, m = 2_000_000, 600_000
+    steps = np.random.default_rng(10).integers(-(2**20), 2**20, n)
+    p = np.concatenate([[0], np.cumsum(steps)])
+    terms = p[2 * m :] - 2 * p[m:-m] + p[: -2 * m]
+    if deviation == "modified":
+        sums = np.concatenate([[0], np.cumsum(terms)])
+        terms = sums[m:] - sums[:-m]
+    size = float(m) ** (2 if deviation == "modified" else 1)
+    exact = np.sqrt(np.mean((terms.astype(np.longdouble) / size) ** 2) / 2)
+    found = allan(steps * 2.0**-20 + 1000.0, 1.0, quantity="rate", deviation=deviation, factors=[m])
+    assert found.deviation[0, 0] * 2.0**20 == pytest.approx(float(exact), rel=1e-14)
+
+
+@pytest.mark.parametrize("power", [-500, -60, 60, 400])
+def test_modified_deviation_of_any_size(power: int) -> None:
+    x = np.random.default_rng(11).normal(size=3000)
+    plain = allan(x, 1.0, quantity="rate", deviation="modified")
+    found = allan(np.ldexp(x, power), 1.0, quantity="rate", deviation="modified")
+    assert np.ldexp(found.deviation, -power) == pytest.approx(plain.deviation, rel=1e-14)
+
+
+@pytest.mark.parametrize("step", [1, 2**37])
+def test_modified_deviation_of_counts_whose_sums_do_not_fit(step: int) -> None:
+    x = step * np.random.default_rng(12).integers(-200, 200, 6_000)  # 2^37: third differences reach 2^63
+    factors = [1, 3, 100, 700, 1999]
+    found = allan(x, 1.0, quantity="rate", deviation="modified", factors=factors)
+    assert found.deviation[:, 0] == pytest.approx(np.sqrt([variance(x, m, "modified") for m in factors]), rel=1e-14)
 
 
 def test_a_ramp_to_1e6() -> None:

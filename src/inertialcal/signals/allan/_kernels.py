@@ -22,8 +22,7 @@ from ...statistics._kernels import compiled, reordered
 Whole = NDArray[np.int64]
 BLOCK = 4096  # starting points: six streams of them lie in the nearest cache but one
 NEAR = 32_768  # largest factor of blocks side by side: twice as many points lie in the nearest cache but one
-APART = 8  # ratio of the averaging factors whose modified deviations are summed from the same blocks ...
-LOCAL = 8  # ... of so many of the longest of them
+RUN = 32  # samples that are summed from 0 on
 
 
 # The integrated signal
@@ -31,22 +30,33 @@ LOCAL = 8  # ... of so many of the longest of them
 
 @compiled
 def integrate(x: NDArray[Any], level: Any, phase: NDArray[Any]) -> None:
-    """Fill ``phase``, one longer than ``x``, with the sums of all samples before each, less a level a sample."""
-    total = phase.dtype.type(0)  # not phase[0] * 0: fresh memory may hold NaN
-    phase[0] = total
-    fours = len(x) // 4
-    for k in range(fours):  # a sum waits for the one before it: four at a time wait once
-        i = 4 * k
-        a, b = x[i] - level, x[i + 2] - level
-        ab, cd = a + (x[i + 1] - level), b + (x[i + 3] - level)
-        phase[i + 1] = total + a
-        phase[i + 2] = total + ab
-        phase[i + 3] = total + (ab + b)
-        total += ab + cd
-        phase[i + 4] = total
-    for i in range(4 * fours, len(x)):
-        total += x[i] - level
-        phase[i + 1] = total
+    """Fill ``phase``, one longer than ``x``, with the sums of all samples before each, less a level a sample.
+
+    What rounding takes off the sum at the start of a run is carried to the next (Kahan), so that points far apart
+    differ by what lies between them to the last digit of the larger.
+    """
+    base, carry = phase.dtype.type(0), phase.dtype.type(0)  # not phase[0] * 0: fresh memory may hold NaN
+    phase[0] = base
+    n = len(x)
+    for start in range(0, n, RUN):
+        total = phase.dtype.type(0)
+        fours = (min(start + RUN, n) - start) // 4
+        for k in range(fours):  # a sum waits for the one before it: four at a time wait once
+            i = start + 4 * k
+            a, b = x[i] - level, x[i + 2] - level
+            ab, cd = a + (x[i + 1] - level), b + (x[i + 3] - level)
+            phase[i + 1] = base + (total + a)
+            phase[i + 2] = base + (total + ab)
+            phase[i + 3] = base + (total + (ab + b))
+            total += ab + cd
+            phase[i + 4] = base + total
+        for i in range(start + 4 * fours, min(start + RUN, n)):
+            total += x[i] - level
+            phase[i + 1] = base + total
+        more = total + carry
+        after = base + more
+        carry = more - (after - base)
+        base = after
 
 
 @compiled
@@ -54,13 +64,49 @@ def integrate_present(
     x: NDArray[Any], present: NDArray[np.bool_], level: Any, phase: NDArray[Any], count: NDArray[np.int32]
 ) -> None:
     """Fill ``phase`` and ``count`` with the sums and numbers of the samples that are present."""
-    total, n = phase.dtype.type(0), 0
+    total, carry, n = phase.dtype.type(0), phase.dtype.type(0), 0
     phase[0], count[0] = total, 0
     for i in range(len(x)):
         if present[i]:
-            total += x[i] - level
+            more = x[i] - level + carry
+            after = total + more
+            carry = more - (after - total)
+            total = after
             n += 1
         phase[i + 1], count[i + 1] = total, n
+
+
+@compiled
+def largest_beside_line(p: NDArray[Any]) -> float:
+    """Return the largest distance of P from the line through both of its ends."""
+    n = len(p)
+    slope = np.float64(p[n - 1] - p[0]) / max(1, n - 1)
+    least, most = 0.0, 0.0
+    for i in range(n):
+        here = np.float64(p[i] - p[0]) - slope * i
+        least, most = min(least, here), max(most, here)
+    return max(most, -least)
+
+
+@compiled
+def sum_again(p: NDArray[Any], scale: float, sums: Whole) -> None:
+    """Fill ``sums``, one longer, with the sums of P before each point, in whole numbers that may run over.
+
+    Whole numbers lose nothing however far a sum runs: as long as a difference of sums fits into int64, it is right
+    even where the sums themselves ran over. Where ``scale`` is not 0, P is multiplied with it and rounded down, less
+    the line through both of its ends, which no third difference sees.
+    """
+    total, n = np.int64(0), len(p)
+    sums[0] = total
+    if scale == 0.0:
+        for i in range(n):
+            total += np.int64(p[i])
+            sums[i + 1] = total
+        return
+    slope = np.float64(p[n - 1] - p[0]) / max(1, n - 1)
+    for i in range(n):
+        total += np.int64(np.floor((np.float64(p[i] - p[0]) - slope * i) * scale))
+        sums[i + 1] = total
 
 
 # Sums of squares
@@ -199,34 +245,6 @@ def _add(p: NDArray[Any], start: int, stop: int, factors: Whole, order: int, out
         _add_seconds(p, start, stop, factors, out)
     else:
         _add_thirds(p, start, stop, factors, out)
-
-
-@compiled
-def sum_local_thirds(p: NDArray[Any], factors: Whole, block: int, spare: NDArray[Any], out: Array) -> None:
-    """Fill ``out`` with the sums of the squared third differences of the integral of P, from block to block anew.
-
-    An integral over the whole record grows so large that it would have no digits left for short windows. A line taken
-    off P changes no third difference of the integral, and leaves less to grow.
-    """
-    n = len(p)
-    out[:] = 0.0
-    if len(factors) == 0:
-        return
-    longest, slope = factors[-1], np.empty(1, dtype=p.dtype)  # an array: of whole numbers, a whole one
-    for j in range(0, n + 1 - 3 * factors[0], block):
-        size = min(block + 3 * longest, n + 1 - j)
-        total = p.dtype.type(0)
-        slope[0] = (p[j + size - 2] - p[j]) / max(1, size - 2)
-        for i in range(size - 1):
-            spare[i] = total
-            total += p[j + i] - p[j] - slope[0] * i
-        spare[size - 1] = total
-        for k in range(len(factors)):
-            m = factors[k]
-            e = min(block, n + 1 - 3 * m - j)
-            if e <= 0:
-                break
-            out[k] += _one_third(spare[:e], spare[m : e + m], spare[2 * m : e + 2 * m], spare[3 * m : e + 3 * m])
 
 
 @compiled

@@ -37,6 +37,8 @@ from .prefix import Phase
 SAFE = 2.0**62  # whole numbers of int64 that sums of four may reach
 COMPLETE = 3.0  # squared weights of the three errors of the running sum in a term, over 2 / m^2: 1 + 4 + 1
 ALLAN = 2  # order
+APART = 128  # ratio of the averaging factors of modified deviations whose sums have the same steps
+FINEST = 1000.0  # power of 2
 
 
 @dataclass(frozen=True)
@@ -120,17 +122,18 @@ def variances(phase: Phase, kind: Kind, factors: NDArray[np.int64]) -> Variances
 def _sum_modified(p: Numbers, factors: NDArray[np.int64], sums: Array) -> None:
     """Averages of m second differences of P are third differences of the sums of P.
 
-    These are taken anew in each block, of factors that are not far apart: over the whole record they would grow so
-    large that short windows had no digits left.
+    Over a whole record these grow so large that floats would have no digits left: they are whole numbers, which may
+    run over, in steps so fine that the largest third difference just fits. Short windows have finer steps than long.
     """
-    few = 0
+    largest = float(kernels.largest_beside_line(p))
+    whole = p.dtype == np.int64 and 4.0 * max(int(p.max()), -int(p.min())) * float(factors[-1]) < SAFE
+    running, few = np.empty(len(p) + 1, dtype=np.int64), 0
     while few < len(factors):
-        longest = int(factors[few]) * kernels.APART
-        more = int(np.searchsorted(factors, longest, side="right"))
-        longest = int(factors[more - 1])
-        block = max(kernels.LOCAL * longest, kernels.BLOCK)
-        spare = np.empty(min(block + 3 * longest, len(p) + 1), dtype=p.dtype)
-        if p.dtype == np.int64 and float(max(p.max(), -p.min())) * len(spare) > SAFE / 8.0:
-            p, spare = p.astype(np.float64), spare.astype(np.float64)
-        kernels.sum_local_thirds(p, factors[few:more], block, spare, sums[few:more])
+        more = len(factors) if whole else int(np.searchsorted(factors, int(factors[few]) * APART, side="right"))
+        steps = SAFE / (4.0 * largest * float(factors[more - 1])) if largest else np.inf
+        scale = 0.0 if whole else 2.0 ** min(np.floor(np.log2(steps)), FINEST)
+        kernels.sum_again(p, scale, running)
+        kernels.sum_overlapping(running, factors[few:more], 3, sums[few:more])
+        if not whole:
+            sums[few:more] = sums[few:more] / scale / scale
         few = more

@@ -26,7 +26,7 @@ from ..names import Quantity
 from . import _kernels as kernels
 
 QUANTITIES = ("rate", "increment", "angle")
-LEVEL_FROM = 1000  # samples, spread over the record, that the level is the mean of
+LEVEL_FROM = 8192  # samples, spread over the record, that the level is the mean of
 LINE = 64  # bytes of a cache line
 LARGEST = 2**60  # sum of whole numbers that is still safe for differences of four
 
