@@ -84,6 +84,8 @@ def joined_dof(variances: Sequence[Array], dofs: Sequence[Array | float], total:
     for variance, given in zip(variances, dofs, strict=True):
         dof = np.broadcast_to(np.asarray(given, dtype=float), whole.shape)
         acts = (np.asarray(variance) > 0.0) & (whole > 0.0) & np.isfinite(dof)
+        if not acts.any():
+            continue
         dof = np.where(acts, dof, 1.0)
         share = np.divide(variance, whole, out=np.zeros(whole.shape), where=acts)
         own = special.stdtrit(dof, p) ** 2 - z_square

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -207,6 +208,7 @@ def _checked_domain(domain: tuple[float, float]) -> tuple[float, float]:
     return lo, hi
 
 
+@lru_cache(maxsize=256)
 def _powers_from_series(order: int, domain: tuple[float, float], reference: float) -> Array:
     """Matrix whose column j holds T_j as powers of x - reference, by T_(j+1) = 2 s T_j - T_(j-1)."""
     lo, hi = domain
@@ -217,4 +219,5 @@ def _powers_from_series(order: int, domain: tuple[float, float], reference: floa
     change = np.zeros((order + 1, order + 1))
     for j, powers in enumerate(series[: order + 1]):
         change[: powers.size, j] = powers
+    change.flags.writeable = False  # it is kept
     return change

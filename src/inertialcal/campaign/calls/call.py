@@ -35,7 +35,7 @@ from ...files.write.exchange import file_digest
 from ...procedures import procedure_of
 from ...procedures.given import GROUP, GivenFile, Said
 from ...procedures.protocol import Procedure, Tested
-from ..engine.engine import ReducedTest
+from ..engine.engine import ReducedTest, computable
 from ..engine.status import EXIT
 from ..engine.whole import Whole, reduce_campaign
 from ..file.cross_checks import cross_checks
@@ -314,7 +314,8 @@ def call(
         read = [(one, files.held[one].source.sha256) for one in names if one in files.held]
         error.inputs = error.inputs or tuple(read)
         raise
-    rows = tuple(displayed_rows(campaign, whole.tested))
+    with computable(campaign.file.campaign.id, "campaign"):
+        rows = tuple(displayed_rows(campaign, whole.tested))
     timed = [remark for one in files.held.values() for remark in time_remarks(one)]
     judged = [] if whole.modelled is None else [remark for one in whole.modelled.every for remark in one.remarks]
     several = len(whole.tested) > 1 and not held

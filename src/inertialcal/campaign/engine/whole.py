@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from ...core.errors import DataError, InertialcalError, Problem
+from ...core.judging import Verdict
 from ...core.remarks import Remark, gather
 from ...core.results import COLUMNS, flat
 from ...core.show.result_tables import remarks_line
@@ -162,19 +164,57 @@ class Whole:
 
     Parameters
     ----------
+    campaign : Campaign
+        As read.
+    prepared : list of Prepared
+        Its tests, as they were ready to be reduced.
     tested : list of ReducedTest
         Its tests.
     modelled : Modelled or None
         Model of each sensor and condition, and closed loop.
-    results, inputs, verdict
+    remarks : list of Remark
+        Of all tests, and of the closed loop.
+    inputs : dict of str to str
         As `Outcome` has them.
     """
 
+    campaign: Campaign
+    prepared: list[Prepared]
     tested: list[ReducedTest]
     modelled: Modelled | None
-    results: dict[str, Any]
+    remarks: list[Remark]
     inputs: dict[str, str]
-    verdict: str
+
+    @cached_property
+    def _content(self) -> tuple[dict[str, Any], list[Verdict]]:
+        with computable(self.campaign.file.campaign.id, "campaign"):
+            return results_content(self.campaign, self.prepared, self.tested, self.modelled, self.remarks)
+
+    @cached_property
+    def results(self) -> dict[str, Any]:
+        """As `Outcome` has them: made when they are first asked for, as a call may show its figures alone.
+
+        Raises
+        ------
+        DataError
+            ``not_computable``.
+        """
+        return self._content[0] | {"verdict": self.verdict or None}
+
+    @cached_property
+    def verdict(self) -> str:
+        """As `Outcome` has it.
+
+        Raises
+        ------
+        DataError
+            ``not_computable``.
+        """
+        stated = [worst(self._content[1])] if self.campaign.file.requirements else []
+        if self.modelled is not None and self.modelled.whole_verdict != NOT_RUN:
+            stated.append(self.modelled.whole_verdict)
+        stated += ["INCONCLUSIVE"] * any(one.errors for one in self.tested)
+        return next((word for word in ("FAIL", "INCONCLUSIVE", "PASS") if word in stated), "")
 
 
 def reduce_campaign(
@@ -216,15 +256,7 @@ def reduce_campaign(
         modelled = build_models(campaign, reduced, residuals, errors)
     if modelled is not None:
         remarks += [remark.at("closed loop") for one in modelled.every for remark in one.remarks]
-    with computable(campaign.file.campaign.id, "campaign"):
-        results, verdicts = results_content(campaign, prepared, tested, modelled, remarks)
-    stated = [worst(verdicts)] if campaign.file.requirements else []
-    if modelled is not None and modelled.whole_verdict != NOT_RUN:
-        stated.append(modelled.whole_verdict)
-    stated += ["INCONCLUSIVE"] * bool(errors)
-    verdict = next((word for word in ("FAIL", "INCONCLUSIVE", "PASS") if word in stated), "")
-    results["verdict"] = verdict or None
-    return Whole(tested, modelled, results, inputs, verdict)
+    return Whole(campaign, prepared, tested, modelled, remarks, inputs)
 
 
 def reduce_tests(

@@ -48,6 +48,7 @@ CANDIDATES: tuple[tuple[str | None, Decimal], ...] = (
     (None, ","),
     (";", ","),
 )
+PERFECT = (1.0, True, 1.0)  # score of a separator: lines of one width in several columns, all of them numbers
 WORDS = {",": "comma-separated", "\t": "tab-separated", ";": "semicolon-separated", None: "blank-separated"}
 NUMBER = frozenset("ifn")  # kinds of cells
 COMMENT = ("#", "%", "//")
@@ -189,10 +190,16 @@ def _head(text: str, comment: tuple[str, ...], where: str) -> tuple[list[str], l
 def _separator(lines: list[Line], stated: Decimal | None) -> tuple[str | None, Decimal, Table]:
     """Separator and decimal sign with the best score, and the lines cut by it."""
     starts = [line.text[:LINE] for line in lines]
-    tables = {separator: [split(start, separator) for start in starts] for separator in WORDS}
-    candidates = [one for one in CANDIDATES if stated in (None, one[1])]
-    scores = [_score(tables[separator], decimal) for separator, decimal in candidates]
-    separator, decimal = candidates[scores.index(max(scores))]
+    tables: dict[str | None, Table] = {}
+    best: tuple[float, bool, float] | None = None
+    for one in (one for one in CANDIDATES if stated in (None, one[1])):
+        if one[0] not in tables:
+            tables[one[0]] = [split(start, one[0]) for start in starts]
+        score = _score(tables[one[0]], one[1])
+        if best is None or score > best:
+            best, (separator, decimal) = score, one
+        if best == PERFECT:  # none after it can be better
+            break
     table = tables[separator]
     return separator, decimal, table if len(lines) > 1 else [split(lines[0].text, separator)]
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -177,13 +178,19 @@ def parameter_keys(names: Iterable[str], axes: Sequence[str], channels: Iterable
     channels : iterable of str
         Names of the channels that the model has sensitivities to.
     """
-    blank = {name: np.zeros((HIGHEST, *(len(axes) for side in shape[1:]))) for name, shape in SHAPES.items()}
-    known = {one.name: one.key for one in parameters(axes, "rad/s", blank)}  # in whatever unit
+    known = dict(_every_key(tuple(axes)))
     for channel in channels:
         for part in PARTS:
             keys = [Key(quantity_of(part, channel), axis) for axis in axes]
             known |= {str(key): key for key in keys}
     return [known[name] for name in names if name in known]
+
+
+@lru_cache(maxsize=64)
+def _every_key(axes: tuple[str, ...]) -> Mapping[str, Key]:
+    """Return the keys of all terms of models with these axes but sensitivities to channels, by their names."""
+    blank = {name: np.zeros((HIGHEST, *(len(axes) for side in shape[1:]))) for name, shape in SHAPES.items()}
+    return {one.name: one.key for one in parameters(axes, "rad/s", blank)}  # in whatever unit
 
 
 def orders(keys: Iterable[Key]) -> dict[str, int]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import Any, cast
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
@@ -54,8 +55,10 @@ def _off_median(x: NDArray[Any], at: Indices) -> Array:
     """Return samples less the running median of 31 around each; NaN where there is none."""
     padded = np.full(len(x) + 2 * SIDE, np.nan)
     padded[SIDE:-SIDE] = np.where(np.isfinite(x), x, np.nan)
-    around = np.sort(padded[at[:, None] + np.arange(WINDOW)], axis=1)
-    held = np.maximum(np.count_nonzero(np.isfinite(around), axis=1), 1)
+    around = sliding_window_view(padded, WINDOW)[at]
+    around.sort(axis=1)
+    finite = np.concatenate(([0], np.cumsum(np.isfinite(padded))))
+    held = np.maximum(finite[at + WINDOW] - finite[at], 1)
     row = np.arange(len(at))
     return np.asarray(padded[at + SIDE] - 0.5 * (around[row, (held - 1) // 2] + around[row, held // 2]))
 

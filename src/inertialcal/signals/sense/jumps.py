@@ -22,6 +22,7 @@ NEAR = 64  # samples that tell the noise of the shortest lines
 ABRUPT = 2.0  # times the largest step among the neighbours
 NEIGHBOURS = 4
 CANDIDATES = 12
+FEWEST_BLOCKS = 8  # on each side, that tell the level of all that lies there
 
 
 class Line(NamedTuple):
@@ -71,8 +72,9 @@ def jumps(x: Array, cut: NDArray[np.bool_], size: int) -> list[Jump]:
     size : int
         Samples of a block of noise.
     """
-    found = [one for place in candidates(x) if (one := jump_at(x, place, cut)) is not None and not cut[place]]
-    found += [_whole(one, x, size) for one in found]
+    found = [one for place in candidates(x) if not cut[place] and (one := jump_at(x, place, cut)) is not None]
+    means = _block_means(x, size)
+    found += [_whole(one, x, size, means) for one in found]
     return [one for one in found if np.any(np.abs(one.step) > CLEAR * one.u)]
 
 
@@ -91,7 +93,7 @@ def _line(x: Array, index: int, side: int, room: int) -> Line | None:
     found: Line | None = None
     near = min(room, NEAR)
     around = x[index - near : index] if side < 0 else x[index : index + near]
-    size, failed = SIDE[0], 0
+    size, failed, noises = SIDE[0], 0, dict[int, Array]()  # noise of the samples next to the jump, by their number
     while size <= min(room, SIDE[1]) and failed < PATIENCE:
         part = x[index - size : index][::-1] if side < 0 else x[index : index + size]  # away from the jump
         t, moment, bends = _shapes(size)
@@ -99,7 +101,8 @@ def _line(x: Array, index: int, side: int, room: int) -> Line | None:
         slope = t @ part / moment
         rest = part - mean - np.outer(t, slope)
         scatter = np.sqrt(np.sum(rest**2, axis=0) / (size - 2))
-        noise, close = white_noise(part), white_noise(part[: max(SIDE[0], size // 4)])
+        noise = noises[size] = white_noise(part)
+        close = noises[max(SIDE[0], size // 4)]
         more = 1.0 + FITS / np.sqrt(size)
         alike = 1.5 + FITS / np.sqrt(0.5 * size)
         bent = np.abs(bends @ rest)
@@ -174,17 +177,23 @@ def _best_split(x: Array, first: int, last: int) -> int:
     return first + int(np.argmax(gain.sum(axis=1))) + 1
 
 
-def _whole(jump: Jump, x: Array, size: int) -> Jump:
-    """Return a jump with the levels of all that lies before and after, for records at rest."""
+def _block_means(x: Array, size: int) -> Array:
+    """Return the means of whole blocks, shape (blocks, channels)."""
+    n = len(x) // size
+    means: Array = x[: n * size].reshape(n, size, -1).mean(axis=1)
+    return means
+
+
+def _whole(jump: Jump, x: Array, size: int, means: Array) -> Jump:
+    """Return a jump with the levels of all that lies before and after, for records at rest; ``means`` of blocks."""
     lines = []
-    for part in (x[: jump.at], x[jump.at :]):
-        n = len(part) // size
-        if n < 8:
-            return jump
-        means = part[: n * size].reshape(n, size, -1).mean(axis=1)
-        level = np.median(means, axis=0)
-        scatter = 1.4826 * np.median(np.abs(means - level), axis=0)
-        lines.append(Line(level, 0.5 * scatter, scatter * np.sqrt(size), len(part)))
+    if min(jump.at, len(x) - jump.at) < FEWEST_BLOCKS * size:
+        return jump
+    before, after = means[: jump.at // size], _block_means(x[jump.at :], size)
+    for part, n in ((before, jump.at), (after, len(x) - jump.at)):
+        level = np.median(part, axis=0)
+        scatter = 1.4826 * np.median(np.abs(part - level), axis=0)
+        lines.append(Line(level, 0.5 * scatter, scatter * np.sqrt(size), n))
     whole = Jump(jump.at, *lines)
     # The record has to jump there, too: what was laid on another side before or after is no jump
     apart = float(np.linalg.norm(whole.step - jump.step))

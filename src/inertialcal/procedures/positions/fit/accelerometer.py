@@ -439,16 +439,21 @@ def parts(theta: Array, g: float) -> tuple[Array, Array]:
 
 def lengths(theta: Array, r: Array, g: float) -> tuple[Array, Array, Array]:
     """Return errors of length (m,), derivatives by the scaled parameters (m, 9), unit vectors (m, 3)."""
-    T, b = parts(theta, g)
-    d = r - b
-    x = d @ T.T
-    length = np.sqrt(np.einsum("mi,mi->m", x, x))
+    T, d, x, length = _forces(theta, r, g)
     jacobian = np.empty((len(r), 9))
     with np.errstate(divide="ignore", invalid="ignore"):  # a reading of no length has no direction: no solution
         u = x / length[:, None]
         jacobian[:, :6] = u[:, ROW] * d[:, COLUMN] / g
         jacobian[:, 6:] = -(u @ T)
     return length - g, jacobian, u
+
+
+def _forces(theta: Array, r: Array, g: float) -> tuple[Array, Array, Array, Array]:
+    """Return T, the readings less their offset, the specific forces and their lengths."""
+    T, b = parts(theta, g)
+    d = r - b
+    x = d @ T.T
+    return T, d, x, np.sqrt(np.einsum("mi,mi->m", x, x))
 
 
 def converged(
@@ -462,20 +467,24 @@ def converged(
         also = () if prior is None else prior(at).values()
         return np.concatenate([e, *(q for _, q in also)]), np.vstack([jacobian, *(rows for rows, _ in also)])
 
+    def cost_of(at: Array) -> float:
+        e = root * (_forces(at, r, g)[3] - g) if prior is None else errors(at)[0]
+        return float(e @ e)
+
     e, jacobian = errors(theta)
     cost = float(e @ e)
     for _ in range(STEPS):
         step = np.linalg.lstsq(jacobian, -e, rcond=cut)[0]
         for _ in range(HALVINGS):
             trial = theta + step
-            e_trial, jacobian_trial = errors(trial)
-            new = float(e_trial @ e_trial)
+            new = cost_of(trial)  # at the minimum, where rounding decides, no step of all is taken
             if new <= cost:
                 break
             step = 0.5 * step
         else:
             break
-        theta, e, jacobian, cost = trial, e_trial, jacobian_trial, new
+        theta, cost = trial, new
+        e, jacobian = errors(theta)
         if np.max(np.abs(step)) <= SETTLED * g:
             break
     return np.asarray(theta)

@@ -217,6 +217,8 @@ def dof_of_each(shares: Array, dof: Array) -> Array:
     dof : ndarray, shape (k,)
         Of the whole.
     """
+    if not np.any(dof < MOST_DOF):
+        return np.full(len(dof), np.inf)
     low, high = np.log(np.full(len(dof), LEAST_DOF)), np.log(dof.clip(LEAST_DOF, MOST_DOF))
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)

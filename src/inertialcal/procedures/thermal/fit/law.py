@@ -31,6 +31,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -76,8 +77,13 @@ class Law:
     @property
     def polynomial(self) -> Polynomial:
         """P with its covariance; its dof are those of the coefficient with the fewest."""
-        covariance, dof = self.contrasts(np.eye(self.order + 1))
+        covariance, dof = self.each
         return Polynomial(self.coefficients, covariance, float(dof.min()), self.domain)
+
+    @cached_property
+    def each(self) -> tuple[Array, Array]:
+        """Covariance of the coefficients of P, and degrees of freedom of each; dof 0: not known."""
+        return self.contrasts(np.eye(self.order + 1))
 
     @property
     def midway(self) -> bool:
@@ -130,7 +136,7 @@ def law_of(cells: Cells, order: int) -> Law:
     behind = alone if path_order < 0 else _with_lag(cells, alone, order, max(path_order, order - 1), domain)
     for level, clusters in _levels(cells):
         one = Law(cells, order, path_order, domain, behind, alone, clusters, level)
-        if level == "block" or np.all(one.contrasts(np.eye(order + 1))[1] > 0.0):
+        if level == "block" or np.all(one.each[1] > 0.0):
             return one
     raise AssertionError("blocks come last")
 
