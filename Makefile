@@ -30,7 +30,7 @@ coverage: long  ## do the 95 % intervals hold the truth, n = 1,000: RIGS="npsat1
 	INERTIALCAL_COVERAGE=full $(BIN)/python -m pytest -m "slow and not bench" --durations=20 $(or $(TESTS),tests/procedures tests/rigs tests/campaign)
 
 long: $(READY)  ## a record longer than memory through allan, under 1 GiB: ROWS=1e9 (needs 20 GB of disk)
-	$(BIN)/python tests/long_record.py $(ROWS)
+	$(BIN)/python tests/speed/long_record.py $(ROWS)
 
 mutants: $(READY)  ## wrong changes to the numerics, each of which a test must catch
 	$(BIN)/python tests/mutants.py --jobs 2

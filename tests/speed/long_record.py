@@ -1,6 +1,6 @@
 """Noise terms of a record longer than memory, by the command that a user gives: ``make long``, ``ROWS=1e9``.
 
-    python tests/long_record.py [ROWS] [--folder build]
+    python tests/speed/long_record.py [ROWS] [--folder build]
 
 One axis in a Parquet file, made and written in pieces: white noise, and a random walk of the rate that shows in a
 record of that length. Ends with 1 where the command takes more than 1 GiB, or an interval does not hold the truth.
