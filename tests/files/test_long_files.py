@@ -19,6 +19,8 @@ from inertialcal.files import read
 from inertialcal.files.binary import arrays
 from inertialcal.files.source import FileBytes
 from inertialcal.files.text import delimited
+from inertialcal.files.write import csv
+from inertialcal.files.write.recording import write
 
 ROWS = 260  # more than the lines that tell a layout
 
@@ -268,3 +270,19 @@ def test_values_in_another_file_are_refused_in_place(tmp_path: Path) -> None:
     with h5py.File(path, "w") as file:
         file.create_dataset("gyro_x", (100,), "f8", external=[(str(other), 0, 800)])
     assert_judged_alike(path, 1000, sample_rate=1.0)
+
+
+def test_a_csv_is_written_a_batch_at_a_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    long, alone = tmp_path / "long.csv", tmp_path / "alone.csv"
+    long.write_bytes(text(cells=lambda i: (f"{i / 100}", "" if i == 255 else f"{i % 3}.0", f"{i % 7}.25")))
+    alone.write_bytes(text(head="gyro_x [deg/s]\n", cells=lambda i: ("nan" if i == 7 else f"{i % 7}.5",)))
+    instants = tmp_path / "instants.csv"
+    instants.write_bytes(text(cells=lambda i: (f"2024-05-01T10:{i // 60:02d}:{i % 60:02d}.5Z", "1.5", "3")))
+    for path in (long, alone, instants):
+        recording = read(path) if path != alone else read(path, sample_rate=100.0)
+        write(tmp_path / "whole.csv", recording)
+        for size in (1, 100, 259):
+            monkeypatch.setattr(csv, "GROUP", size)
+            write(tmp_path / "batches.csv", recording)
+            assert (tmp_path / "batches.csv").read_bytes() == (tmp_path / "whole.csv").read_bytes()
+        monkeypatch.undo()

@@ -1,8 +1,8 @@
 """Readers of recordings and tables: text, Parquet, MATLAB, HDF5, NumPy, pairs of the acceleration archive.
 
-``read`` gives a Recording, ``read_table`` a reduced table with its rows, ``survey`` what ``info`` shows. A
-file is read whole; its format is told by its bytes. Nothing is guessed silently: a unit that nobody said is
-None, and whatever was inferred, left out or suspicious is a remark of the Recording.
+``read`` gives a Recording, ``read_table`` a reduced table with its rows, ``survey`` what ``info`` shows. The format of
+a file is told by its bytes; a long one is read piece by piece where its reader can. Nothing is guessed silently: a unit
+that nobody said is None, and whatever was inferred, left out or suspicious is a remark of the Recording.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from __future__ import annotations
 import csv
 import io
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.lib import format as npy_format
 
-from ...core.batches import batches
+from ...core.batches import batches, every
 from ...core.errors import DataError, InertialcalError
 from ...core.recording import SECOND, Recording
 from ...core.remarks import Remark
@@ -29,6 +29,8 @@ from ..text.delimited import parse
 from ..text.layout import SAMPLE
 from .file_columns import arrow_array, file_columns, stated_rate
 
+GROUP = 2**20  # rows that are in memory at once, and of a group of a Parquet file
+Cells = Callable[[int, int], Any]  # samples first to stop of a column, as Arrow's
 STEPS = (("s", SECOND), ("ms", SECOND // 1000), ("us", SECOND // 1_000_000), ("ns", 1))  # of instants
 
 
@@ -53,7 +55,8 @@ def write_csv(path: Path, recording: Recording) -> tuple[Remark, ...]:
     _check_header(head, cells, columns, recording)
     with path.open("wb") as stream:
         stream.write(head.encode())
-        _write_rows(cells, stream)
+        for first, stop in batches(*(column.values for column in columns), size=GROUP):
+            _write_rows(cells, first, stop, stream)
     return remarks + changed
 
 
@@ -64,20 +67,30 @@ def _head(columns: Sequence[Column], rate: float | None) -> str:
     return text.getvalue()
 
 
-def _cells(column: Column, alone: bool) -> Any:
-    """Return a column for Arrow that it writes as it shall stand."""
+def _cells(column: Column, alone: bool) -> Cells:
+    """Return what gives some samples of a column for Arrow, that it writes as they shall stand."""
     import pyarrow as pa  # noqa: PLC0415 - heavy import
     from pyarrow import compute as pc  # noqa: PLC0415 - heavy import
 
-    array = arrow_array(column.values)
-    if pa.types.is_timestamp(array.type):
-        return array.cast(pa.timestamp(_step(column.values.astype(np.int64)), tz="UTC"))
-    if column.values.dtype.kind == "f" and _all_whole(column.values):
-        text = array.cast(pa.float64()).cast(pa.string())
-        array = pc.if_else(pc.match_substring_regex(text, "[.en]"), text, pc.binary_join_element_wise(text, "0", "."))
-    if alone and array.null_count:  # quoted, because a blank line would not be a row
-        array = pc.fill_null(array.cast(pa.string()), "")
-    return array
+    values = column.values
+    floats = values.dtype.kind == "f"
+    step = _step(values) if values.dtype.kind == "M" else None
+    whole = floats and every(values, _all_whole)
+    gaps = alone and floats and not every(values, lambda part: not np.any(np.isnan(part)))
+
+    def part(first: int, stop: int) -> Any:
+        array = arrow_array(values[first:stop])
+        if step is not None:
+            return array.cast(pa.timestamp(step, tz="UTC"))
+        if whole:
+            text = array.cast(pa.float64()).cast(pa.string())
+            pointed = pc.binary_join_element_wise(text, "0", ".")
+            array = pc.if_else(pc.match_substring_regex(text, "[.en]"), text, pointed)
+        if gaps:  # quoted, because a blank line would not be a row
+            array = pc.fill_null(array.cast(pa.string()), "")
+        return array
+
+    return part
 
 
 def _all_whole(values: Any) -> bool:
@@ -85,27 +98,28 @@ def _all_whole(values: Any) -> bool:
     return bool(np.all(finite == np.rint(finite)))
 
 
-def _step(time_ns: Any) -> str:
+def _step(instants: Any) -> str:
     """Return the coarsest step of an instant that keeps every stamp."""
-    return next(unit for unit, size in STEPS if not np.any(time_ns % size))
+    time_ns = instants.view(np.int64)
+    return next(unit for unit, size in STEPS if every(time_ns, lambda part, size=size: not np.any(part % size)))
 
 
-def _write_rows(cells: Sequence[Any], stream: Any) -> None:
+def _write_rows(cells: Sequence[Cells], first: int, stop: int, stream: Any) -> None:
     import pyarrow as pa  # noqa: PLC0415 - heavy import
     from pyarrow import csv as arrow_csv  # noqa: PLC0415 - heavy import
 
-    table = pa.Table.from_arrays(list(cells), names=[str(i) for i in range(len(cells))])
-    quoted = len(cells) == 1 and pa.types.is_string(cells[0].type)
+    table = pa.Table.from_arrays([one(first, stop) for one in cells], names=[str(i) for i in range(len(cells))])
+    quoted = len(cells) == 1 and pa.types.is_string(table.column(0).type)
     options = arrow_csv.WriteOptions(include_header=False, quoting_style="all_valid" if quoted else "none")
     arrow_csv.write_csv(table, stream, options)
 
 
-def _check_header(head: str, cells: Sequence[Any], columns: Sequence[Column], recording: Recording) -> None:
+def _check_header(head: str, cells: Sequence[Cells], columns: Sequence[Column], recording: Recording) -> None:
     """Read the beginning as a reader will: its layout is judged from there."""
     if not len(recording):
         return
     beginning = io.BytesIO()
-    _write_rows([column.slice(0, SAMPLE) for column in cells], beginning)
+    _write_rows(cells, 0, min(SAMPLE, len(recording)), beginning)
     names = [column.name for column in columns]
     try:
         found = [column.name for column in parse(head + beginning.getvalue().decode(), recording.source.path).columns]
@@ -119,9 +133,6 @@ def _check_header(head: str, cells: Sequence[Any], columns: Sequence[Column], re
             do="Write Parquet (name ending in .parquet), or rename the columns",
             code="names_not_writable",
         )
-
-
-GROUP = 2**20  # rows of a group: as many are in memory at once
 
 
 def write_parquet(path: Path, recording: Recording) -> tuple[Remark, ...]:
