@@ -39,7 +39,9 @@ class NamedArray:
     unit: str | None = None
 
 
-def received(stream: IO[bytes], kind: np.dtype[Any], shape: Sequence[int], stored: bool | None = None) -> NDArray[Any]:
+def received(
+    stream: IO[bytes], kind: np.dtype[np.generic], shape: Sequence[int], stored: bool | None = None
+) -> NDArray[Any]:
     """Return an array whose values a stream gives in order of storage, filled a batch at a time.
 
     Parameters

@@ -101,7 +101,9 @@ def _all_whole(values: Any) -> bool:
 def _step(instants: Any) -> str:
     """Return the coarsest step of an instant that keeps every stamp."""
     time_ns = instants.view(np.int64)
-    return next(unit for unit, size in STEPS if every(time_ns, lambda part, size=size: not np.any(part % size)))
+    return next(
+        unit for unit, size in STEPS if not any(np.any(time_ns[first:stop] % size) for first, stop in batches(time_ns))
+    )
 
 
 def _write_rows(cells: Sequence[Cells], first: int, stop: int, stream: Any) -> None:
