@@ -397,7 +397,8 @@ def _streams() -> Iterator[Special]:
     ascii_only = {"PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "LC_ALL": "C", "PYTHONIOENCODING": "ascii"}
     for line in lines:
         for more in ("", " --json"):
-            outputs = tuple(f"{word}/out" for word in line.split() if line.startswith("run") and word != "run")
+            folders = [word for word in line.split() if line.startswith("run") and word != "run"]
+            outputs = tuple(f"{one}/{kept}" for one in folders for kept in ("out", "out-cache"))
             for name, process, check in (
                 ("ASCII standard output", Process(settings=ascii_only), no_more),
                 ("terminal of 20 columns", Process(settings={"COLUMNS": "20"}), no_more),

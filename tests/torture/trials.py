@@ -246,7 +246,7 @@ def written(words: Sequence[str]) -> list[str]:
     if words[0] == "convert":
         found.append(words[2])
     if words[0] == "run":
-        found.append(f"{words[1]}/out")
+        found += [f"{words[1]}/out", f"{words[1]}/out-cache"]
     if words[0] == "init":
         found.append(f"{words[1]}/campaign.toml")
     return found

@@ -171,7 +171,7 @@ def _averaged(values: Array, starts: list[Indices], tapers: Tapers, interval: fl
                     turned = fft.rfft(part * weights, axis=1).view(np.float64)
                     turned *= turned
                     found += turned.sum(axis=0) if len(turned) > 1 else turned[0]
-            release(values[share[0] : share[-1] + length])
+                release(values[share[i] : share[min(i + at_once, len(share)) - 1] + length])
             return found
 
         squares = np.sum(each_of(power, shares, count * len(every) * length), axis=0)
