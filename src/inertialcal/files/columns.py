@@ -100,7 +100,7 @@ class LongColumns:
             self._values[k][first:stop] = one.values
             release(self._values[k][first:stop])
             empty_cells, nan = one.empty + first, one.not_a_number + first
-            self._parts[k].append(replace(one, values=one.values[:0], empty=empty_cells, not_a_number=nan))
+            self._parts[k].append(replace(one, values=one.values[:0].copy(), empty=empty_cells, not_a_number=nan))
         self._filled = stop
 
     def columns(self) -> tuple[Column, ...]:
