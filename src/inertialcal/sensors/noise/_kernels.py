@@ -222,3 +222,54 @@ def scored(D: Array, s: Array, w: Array, held: int, value: float, v: Array, warm
         if gained <= CONVERGED:
             break
     return float(cost)
+
+
+@compiled
+def at_position(table: Array, position: float, column: Array) -> None:
+    """Fill a column by cubic interpolation between the rows of a table, evenly spaced in the logarithm."""
+    first = int(min(max(np.floor(position) - 1.0, 0.0), table.shape[0] - 4.0))
+    x = position - first
+    a = -(x - 1.0) * (x - 2.0) * (x - 3.0) / 6.0
+    b = x * (x - 2.0) * (x - 3.0) / 2.0
+    c = -x * (x - 1.0) * (x - 3.0) / 2.0
+    d = x * (x - 1.0) * (x - 2.0) / 6.0
+    for t in range(table.shape[1]):
+        column[t] = a * table[first, t] + b * table[first + 1, t] + c * table[first + 2, t] + d * table[first + 3, t]
+
+
+@compiled
+def searched(
+    D: Array, table: Array, lo: float, hi: float, spacings: Array, s: Array, w: Array, held: int, value: float, v: Array
+) -> tuple[float, float]:
+    """Fill v of least cost, the last column of D taken from the table at the best position; return that, and the cost.
+
+    Positions from lo to hi are tried at the first spacing, then about the best at the next ones, and each time that
+    where the parabola through the best and its neighbours is lowest.
+    """
+    k, p = D.shape
+    column, powers, costs = np.empty(k), np.zeros(p), np.empty(int((hi - lo) / spacings[0]) + 9)
+    best, least, warm = lo, np.inf, False
+    for level in range(len(spacings)):
+        start, count = lo, int(np.ceil((hi - lo) / spacings[0])) + 1
+        if level > 0:
+            start, count = best - 3.0 * spacings[level], 7
+        lowest = 0
+        for i in range(count + min(level, 1)):
+            at = float(i)
+            if i == count:
+                middle = min(max(lowest, 1), count - 2)
+                left, right = costs[middle - 1] - costs[middle], costs[middle + 1] - costs[middle]
+                at = middle + 0.5 * (left - right) / (left + right) if left + right > 0.0 else lowest
+            position = min(max(start + at * spacings[level], lo), hi)
+            at_position(table, position, column)
+            for t in range(k):
+                D[t, p - 1] = column[t]
+            costs[i] = scored(D, s, w, held, value, powers, warm)
+            warm = True
+            if costs[i] < costs[lowest]:
+                lowest = i
+            if costs[i] < least:
+                best, least = position, costs[i]
+                for j in range(p):
+                    v[j] = powers[j]
+    return best, least

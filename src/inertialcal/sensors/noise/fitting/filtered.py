@@ -44,8 +44,8 @@ from scipy import optimize
 
 from ....core.estimate import Array
 from ....signals.spectrum.density import Spectrum
+from .._kernels import scored
 from ..expected import density_of_samples
-from ..loops import loops
 from ..terms import GaussMarkov, Phase
 
 PER_DECADE = 60  # bands of the spectrum
@@ -168,7 +168,7 @@ def least(D: Array, density: Array, weight: Array) -> tuple[float, Array]:
     """Return the least cost of a sum of columns, not negative, and their sizes."""
     scale = D.max(axis=0)
     sizes = np.zeros(D.shape[1])
-    cost = loops().scored(np.ascontiguousarray(D / scale), density, weight, -1, 0.0, sizes, False)
+    cost = scored(np.ascontiguousarray(D / scale), density, weight, -1, 0.0, sizes, False)
     return cost, sizes / scale
 
 

@@ -50,8 +50,8 @@ import numpy as np
 from scipy import linalg
 
 from ....core.estimate import Array
+from .._kernels import at_position, fill_covariance, scored, searched
 from ..expected import density_of_samples
-from ..loops import loops
 from ..terms import SERIES_FROM, GaussMarkov, Phase, Sinusoid, Term, dead_time_part, exponential_gain, total_phase
 from .problem import COMPLETE, GAUSS_MARKOV, LINEAR, PER_E, Problem
 
@@ -86,58 +86,14 @@ def estimate(
     powers = np.zeros(len(at))
     args = problem.variance, problem.weight, at.index(held) if held >= 0 else -1, value, powers
     if GAUSS_MARKOV not in wanted:
-        position, cost = 0.0, loops().scored(D, *args, False)
+        position, cost = 0.0, scored(D, *args, False)
     else:
         D = np.column_stack([D, np.zeros(len(D))])
         lo, hi = (0.0, len(problem.table) - 1.0) if within is None else within
-        position, cost = _searched(D, problem.table, lo, hi, SPACINGS[: 1 + looks if hi > lo else 1], *args)
+        position, cost = searched(D, problem.table, lo, hi, SPACINGS[: 1 + looks if hi > lo else 1], *args)
     every = np.zeros(len(problem.names) + 1)
     every[at] = powers
     return Fitted(every, position, cost)
-
-
-def _searched(
-    D: Array, table: Array, lo: float, hi: float, spacings: Array, s: Array, w: Array, held: int, value: float, v: Array
-) -> tuple[float, float]:
-    """Fill v of least cost, the last column of D taken from the table at the best position; return that, and the cost.
-
-    Positions from lo to hi are tried at the first spacing, then about the best at the next ones, and each time that
-    where the parabola through the best and its neighbours is lowest.
-    """
-    powers, best, least, warm = np.zeros(D.shape[1]), lo, np.inf, False
-
-    def tried(positions: Array) -> list[float]:
-        nonlocal best, least, warm
-        costs = []
-        for position, column in zip(positions.tolist(), columns_at(table, positions), strict=True):
-            D[:, -1] = column
-            costs.append(loops().scored(D, s, w, held, value, powers, warm))
-            warm = True
-            if costs[-1] < least:
-                best, least = position, costs[-1]
-                v[:] = powers
-        return costs
-
-    for level, spacing in enumerate(spacings.tolist()):
-        start, count = (best - 3.0 * spacing, 7) if level > 0 else (lo, int(np.ceil((hi - lo) / spacing)) + 1)
-        costs = tried(np.clip(start + np.arange(float(count)) * spacing, lo, hi))
-        if level > 0:
-            middle = min(max(int(np.argmin(costs)), 1), count - 2)
-            left, right = costs[middle - 1] - costs[middle], costs[middle + 1] - costs[middle]
-            at = middle + 0.5 * (left - right) / (left + right) if left + right > 0.0 else float(np.argmin(costs))
-            tried(np.clip(np.array([start + at * spacing]), lo, hi))
-    return best, least
-
-
-def columns_at(table: Array, positions: Array) -> Array:
-    """Return columns by cubic interpolation between the rows of a table, evenly spaced in the logarithm, (n, k)."""
-    first = np.clip(np.floor(positions) - 1.0, 0.0, len(table) - 4.0).astype(int)
-    x = (positions - first)[:, None]
-    a = -(x - 1.0) * (x - 2.0) * (x - 3.0) / 6.0
-    b = x * (x - 2.0) * (x - 3.0) / 2.0
-    c = -x * (x - 1.0) * (x - 3.0) / 2.0
-    d = x * (x - 1.0) * (x - 2.0) / 6.0
-    return np.asarray(a * table[first] + b * table[first + 1] + c * table[first + 2] + d * table[first + 3])
 
 
 def estimate_at(problem: Problem, wanted: Sequence[str], position: float) -> Fitted:
@@ -154,7 +110,8 @@ def _columns(problem: Problem, wanted: Sequence[str]) -> list[int]:
 
 def column_at(problem: Problem, position: float) -> Array:
     """Return the Allan variance of Gauss-Markov noise of sigma 1 at a position of the table, shape (k,)."""
-    column: Array = columns_at(problem.table, np.array([position]))[0]
+    column = np.zeros(problem.table.shape[1])
+    at_position(problem.table, position, column)
     return column
 
 
@@ -246,7 +203,7 @@ def covariance_of_allan(phase: Phase, m: Array, n: Array, inflation: Array | Non
     reach = max(TAIL / slowest, wanders, 2.0)
     m, n, out = np.asarray(m, dtype=float), np.asarray(n, dtype=float), np.zeros((len(m), len(m)))
     raised = np.ones(len(m)) if inflation is None else np.asarray(inflation, dtype=float)
-    loops().fill_covariance(m, n, raised, reach, sizes, phase.ramp, exponentials, out)
+    fill_covariance(m, n, raised, reach, sizes, phase.ramp, exponentials, out)
     for line in phase.cosines:
         out += noise_on_line(phase, line, m, n)
     for i, line in enumerate(phase.cosines):
