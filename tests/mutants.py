@@ -868,6 +868,12 @@ MUTANTS = (
     ),
     Mutant("likelihood.py", "covariance = half @ sigma @ half.T", "covariance = half @ half.T", "test_noise_fit"),
     Mutant(
+        "allan_covariance.py",
+        "(3.0 * size**2 - 7.0) / 20.0",
+        "(3.0 * size**2 + 7.0) / 20.0",
+        "test_noise_covariance",
+    ),
+    Mutant(
         "goodness.py", "(1.0 - 2.0 / (9.0 * edf))) / np.sqrt", "(1.0 - 1.0 / (9.0 * edf))) / np.sqrt", "test_noise_fit"
     ),
     Mutant(

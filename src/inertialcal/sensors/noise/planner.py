@@ -38,7 +38,8 @@ from ...core.estimate import Array
 from ...core.show.rounding import number
 from ...core.show.tables import Block, Table, html, text
 from .expected import variance_of_phase
-from .fitting.likelihood import covariance_of_allan, mean_of, model_edf, sandwich_of
+from .fitting.allan_covariance import covariance_of_allan, model_edf
+from .fitting.likelihood import mean_of, sandwich_of
 from .fitting.order import NAMES, PRICE, ranked, separable, unknowns
 from .fitting.problem import GAUSS_MARKOV, Run, problem_of
 from .terms import Sinusoid, Term, total_phase

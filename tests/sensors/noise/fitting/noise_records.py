@@ -6,8 +6,8 @@ import numpy as np
 
 from inertialcal.core.estimate import Array
 from inertialcal.sensors.noise.expected import expected_variance
+from inertialcal.sensors.noise.fitting.allan_covariance import covariance_of_allan, model_edf
 from inertialcal.sensors.noise.fitting.estimator import fit
-from inertialcal.sensors.noise.fitting.likelihood import covariance_of_allan, model_edf
 from inertialcal.sensors.noise.fitting.noise_fit import NoiseFit
 from inertialcal.sensors.noise.fitting.problem import Run
 from inertialcal.sensors.noise.simulate import simulate
