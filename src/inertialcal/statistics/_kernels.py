@@ -56,4 +56,5 @@ def _compiler(**options: Any) -> Callable[[F], F]:
 
 
 compiled = _compiler()
+inlined = _compiler(inline="always")  # a part of one loop: it is compiled with it, not once more before
 reordered = _compiler(fastmath={"reassoc", "contract", "nsz"})  # sums may be reordered; nan and infinity are kept

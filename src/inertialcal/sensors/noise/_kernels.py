@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...core.estimate import Array
-from ...statistics._kernels import compiled
+from ...statistics._kernels import compiled, inlined
 
 MOST_STEPS, MOST_PIVOTS = 60, 100  # of Fisher scoring, of its equations
 SHORTEST_STEP = 1e-3  # of Fisher scoring, below which it ends
@@ -13,7 +13,7 @@ CONVERGED = 1e-6  # gain of the cost below which it ends
 NO_SLOPE, SINGULAR = 1e-12, 1e-13  # relative, what is taken for zero
 
 
-@compiled
+@inlined
 def nonnegative(A: Array, b: Array, held: int, T: Array, x: Array) -> None:
     """Fill x >= 0 with the minimum of x' A x / 2 - b' x, x[held] zero.
 
@@ -50,60 +50,51 @@ def nonnegative(A: Array, b: Array, held: int, T: Array, x: Array) -> None:
 
 
 @compiled
-def cost_at(D: Array, v: Array, new: Array, step: float, s: Array, w: Array, mu: Array) -> float:
-    """Fill mu with D at a step on the way from v to new; return the sum of w (ln mu + s / mu), infinite if mu <= 0."""
-    total = 0.0
-    for t in range(D.shape[0]):
-        mean = 0.0
-        for i in range(D.shape[1]):
-            mean += D[t, i] * (v[i] + step * (new[i] - v[i]))
-        mu[t] = mean
-        total += w[t] * (np.log(mean) + s[t] / mean) if mean > 0.0 else np.inf
-    return float(total)
-
-
-@compiled
-def fill_normal(D: Array, s: Array, w: Array, mu: Array, held: int, value: float, A: Array, b: Array) -> None:
-    """Fill the normal equations A v = b of weights w / mu^2, column ``held`` taken off."""
-    p = D.shape[1]
-    for i in range(p):
-        b[i] = 0.0
-        for j in range(p):
-            A[i, j] = 0.0
-    for t in range(D.shape[0]):
-        weight = w[t] / (mu[t] * mu[t])
-        rest = s[t] - (value * D[t, held] if held >= 0 else 0.0)
-        for i in range(p):
-            weighted = weight * D[t, i]
-            b[i] += weighted * rest
-            for j in range(p):
-                A[i, j] += weighted * D[t, j]
-
-
-@compiled
 def scored(D: Array, s: Array, w: Array, held: int, value: float, v: Array, warm: bool) -> float:
     """Fill v >= 0 of least cost for mu = D v, v[held] at its value (held -1 for none); return the cost.
 
     Fisher scoring: weighted least squares, weights w / mu^2, steps halved where the cost would rise. It starts from
     v where warm, else from the data.
     """
-    p = D.shape[1]
-    A, T, b, new, mu = np.empty((p, p)), np.empty((p, p + 1)), np.empty(p), np.empty(p), np.empty(len(s))
+    k, p = D.shape
+    A, T, b, new, mu = np.empty((p, p)), np.empty((p, p + 1)), np.empty(p), np.empty(p), np.empty(k)
     if held >= 0:
         v[held] = value
-    if not (warm and cost_at(D, v, v, 0.0, s, w, mu) < np.inf):
-        for t in range(len(s)):
+    for t in range(k):
+        mu[t] = 0.0
+        for i in range(p):
+            mu[t] += D[t, i] * v[i]
+        warm = warm and mu[t] > 0.0
+    if not warm:
+        for t in range(k):
             mu[t] = s[t]
     cost = np.inf
     for _ in range(MOST_STEPS):
-        fill_normal(D, s, w, mu, held, value, A, b)
+        for i in range(p):
+            b[i] = 0.0
+            for j in range(p):
+                A[i, j] = 0.0
+        for t in range(k):
+            weight = w[t] / (mu[t] * mu[t])
+            rest = s[t] - (value * D[t, held] if held >= 0 else 0.0)
+            for i in range(p):
+                weighted = weight * D[t, i]
+                b[i] += weighted * rest
+                for j in range(p):
+                    A[i, j] += weighted * D[t, j]
         nonnegative(A, b, held, T, new)
         if held >= 0:
             new[held] = value
         step, trial = 2.0, np.inf
         while not trial < cost and step > SHORTEST_STEP:
             step *= 0.5
-            trial = cost_at(D, v, new, step, s, w, mu)
+            trial = 0.0
+            for t in range(k):
+                mean = 0.0
+                for i in range(p):
+                    mean += D[t, i] * (v[i] + step * (new[i] - v[i]))
+                trial += w[t] * (np.log(mean) + s[t] / mean) if mean > 0.0 else np.inf
+                mu[t] = mean
         if not trial < cost:
             break
         for i in range(p):
@@ -115,29 +106,16 @@ def scored(D: Array, s: Array, w: Array, held: int, value: float, v: Array, warm
 
 
 @compiled
-def at_position(table: Array, position: float, column: Array) -> None:
-    """Fill a column by cubic interpolation between the rows of a table, evenly spaced in the logarithm."""
-    first = int(min(max(np.floor(position) - 1.0, 0.0), table.shape[0] - 4.0))
-    x = position - first
-    a = -(x - 1.0) * (x - 2.0) * (x - 3.0) / 6.0
-    b = x * (x - 2.0) * (x - 3.0) / 2.0
-    c = -x * (x - 1.0) * (x - 3.0) / 2.0
-    d = x * (x - 1.0) * (x - 2.0) / 6.0
-    for t in range(table.shape[1]):
-        column[t] = a * table[first, t] + b * table[first + 1, t] + c * table[first + 2, t] + d * table[first + 3, t]
-
-
-@compiled
 def searched(
     D: Array, table: Array, lo: float, hi: float, spacings: Array, s: Array, w: Array, held: int, value: float, v: Array
 ) -> tuple[float, float]:
-    """Fill v of least cost, the last column of D taken from the table at the best position; return that, and the cost.
+    """Fill v of least cost, the last column of D interpolated in the table (cubic); return the best position, the cost.
 
     Positions from lo to hi are tried at the first spacing, then about the best at the next ones, and each time that
     where the parabola through the best and its neighbours is lowest.
     """
     k, p = D.shape
-    column, powers, costs = np.empty(k), np.zeros(p), np.empty(int((hi - lo) / spacings[0]) + 9)
+    powers, costs = np.zeros(p), np.empty(int((hi - lo) / spacings[0]) + 9)
     best, least, warm = lo, np.inf, False
     for level in range(len(spacings)):
         start, count = lo, int(np.ceil((hi - lo) / spacings[0])) + 1
@@ -151,9 +129,14 @@ def searched(
                 left, right = costs[middle - 1] - costs[middle], costs[middle + 1] - costs[middle]
                 at = middle + 0.5 * (left - right) / (left + right) if left + right > 0.0 else lowest
             position = min(max(start + at * spacings[level], lo), hi)
-            at_position(table, position, column)
+            first = int(min(max(np.floor(position) - 1.0, 0.0), table.shape[0] - 4.0))
+            x = position - first
+            a, b = -(x - 1.0) * (x - 2.0) * (x - 3.0) / 6.0, x * (x - 2.0) * (x - 3.0) / 2.0
+            c, d = -x * (x - 1.0) * (x - 3.0) / 2.0, x * (x - 1.0) * (x - 2.0) / 6.0
             for t in range(k):
-                D[t, p - 1] = column[t]
+                D[t, p - 1] = (
+                    a * table[first, t] + b * table[first + 1, t] + c * table[first + 2, t] + d * table[first + 3, t]
+                )
             costs[i] = scored(D, s, w, held, value, powers, warm)
             warm = True
             if costs[i] < costs[lowest]:

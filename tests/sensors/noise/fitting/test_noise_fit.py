@@ -11,7 +11,7 @@ from noise_records import GMWM, WALK, curve, exact_run, fitted, names, record, v
 
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.sensors.noise.fitting.estimator import fit
-from inertialcal.sensors.noise.fitting.goodness import residual_test
+from inertialcal.sensors.noise.fitting.goodness import chi_square, residual_test
 from inertialcal.sensors.noise.fitting.likelihood import covariance_of_runs, estimate, mean_of, slopes_of, time_at
 from inertialcal.sensors.noise.fitting.problem import Run, expected, problem_of
 from inertialcal.sensors.noise.planner import plan_record
@@ -138,6 +138,14 @@ def test_terms_that_do_not_explain_are_told_by_the_residual_test() -> None:
     assert f"{100.0 * wrong.misfit:.2g} %" in wrong.remarks[0].what
     right = fitted(WALK, 40_000, 0.01, 1)
     assert (right.misfit, right.remarks) == (0.0, ())
+
+
+@pytest.mark.parametrize("left", [1e-17, 0.0, -1e-17], ids=["above", "none", "below"])
+def test_a_value_that_the_fit_took_whole_says_nothing(left: float) -> None:
+    """What rounding leaves of its variance may have either sign."""
+    test = chi_square(np.array([1.0, -1.0, 1.0, 1e-18]), np.diag([1.0, 2.0, 4.0, left]), 3)
+    assert test is not None
+    assert (test.statistic, test.dof) == (pytest.approx(1.75), 3)
 
 
 def test_variances_at_the_centre_of_their_distribution_leave_nothing_to_the_residual_test() -> None:

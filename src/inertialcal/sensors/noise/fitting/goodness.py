@@ -34,7 +34,7 @@ from .likelihood import Fitted, covariance_of_runs, estimate, mean_of, slopes_of
 from .problem import Problem, each_run, with_misfit
 
 SIGNIFICANT = 0.01  # probability below which a test says that something is wrong
-SMALL = 1e-8  # of the largest eigenvalue: directions that the fit took
+SMALL = 1e-8  # of the largest variance, or eigenvalue: values and directions that the fit took
 LEAST, MOST = 1e-4, 0.5  # relative misfits of a variance that are tried
 STEP, PRECISION = 1.0, 0.05  # of their logarithm: first pass, result
 
@@ -64,7 +64,7 @@ def residual_test(problem: Problem, fitted: Fitted, sigma: Array) -> ChiSquare |
     taken = D @ np.linalg.solve((D.T * weights) @ D, D.T * weights)
     left = (np.eye(len(mu)) - taken) * unit / unit[:, None]
     correlation = left @ (sigma / np.outer(unit, unit)) @ left.T
-    return _chi_square(found, correlation, len(mu) - D.shape[1])
+    return chi_square(found, correlation, len(mu) - D.shape[1])
 
 
 def agreement_test(problem: Problem, fitted: Fitted, sigma: Array) -> ChiSquare | None:
@@ -83,14 +83,17 @@ def agreement_test(problem: Problem, fitted: Fitted, sigma: Array) -> ChiSquare 
     total = np.vstack(H) @ np.linalg.solve(np.sum(H, axis=0), D.T * weights)
     left = slopes - total
     found = left @ (problem.variance - mu)
-    return _chi_square(found, left @ sigma @ left.T, (len(rows) - 1) * D.shape[1])
+    return chi_square(found, left @ sigma @ left.T, (len(rows) - 1) * D.shape[1])
 
 
-def _chi_square(values: Array, covariance: Array, dof: int) -> ChiSquare | None:
-    """Sum of squares in the metric of a covariance of that rank."""
+def chi_square(values: Array, covariance: Array, dof: int) -> ChiSquare | None:
+    """Sum of squares in the metric of a covariance of that rank; values that the fit took whole are left out."""
+    variance = np.diag(covariance)
+    free = variance > SMALL * np.max(variance)
+    values, covariance, variance = values[free], covariance[np.ix_(free, free)], variance[free]
     if dof < 1:
         return None
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(covariance), np.finfo(float).tiny))
+    scale = 1.0 / np.sqrt(variance)
     sizes, directions = np.linalg.eigh(covariance * np.outer(scale, scale))
     kept = np.argsort(sizes)[-dof:]
     kept = kept[sizes[kept] > SMALL * sizes[-1]]

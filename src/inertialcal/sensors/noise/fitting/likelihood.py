@@ -30,7 +30,7 @@ import numpy as np
 from scipy import linalg
 
 from ....core.estimate import Array
-from .._kernels import at_position, scored, searched
+from .._kernels import scored, searched
 from ..terms import GaussMarkov, Phase, Sinusoid, Term, total_phase
 from .allan_covariance import covariance_of_allan
 from .problem import COMPLETE, GAUSS_MARKOV, LINEAR, PER_E, Problem
@@ -88,9 +88,15 @@ def _columns(problem: Problem, wanted: Sequence[str]) -> list[int]:
 
 def column_at(problem: Problem, position: float) -> Array:
     """Return the Allan variance of Gauss-Markov noise of sigma 1 at a position of the table, shape (k,)."""
-    column = np.zeros(problem.table.shape[1])
-    at_position(problem.table, position, column)
-    return column
+    first = int(np.clip(np.floor(position) - 1.0, 0.0, len(problem.table) - 4.0))
+    x = position - first
+    cubic = (
+        -(x - 1) * (x - 2) * (x - 3) / 6,
+        x * (x - 2) * (x - 3) / 2,
+        -x * (x - 1) * (x - 3) / 2,
+        x * (x - 1) * (x - 2) / 6,
+    )
+    return np.asarray(cubic @ problem.table[first : first + 4])
 
 
 def time_at(problem: Problem, position: float) -> float:
