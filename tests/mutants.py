@@ -369,13 +369,18 @@ MUTANTS = (
         "_kernels.py",
         "d = np.float64(e[i] - a[i] + 3 * (b[i] - c[i]))",
         "d = np.float64(e[i] - a[i] + 3 * (c[i] - b[i]))",
-        "test_allan_published",
+        "test_allan_loops",
     ),
     Mutant(
         "_kernels.py",
         "for j in range(0, n - order * m, m):",
         "for j in range(0, n - order * m - 1, m):",
-        "test_allan_published",
+        "test_allan_loops",
+    ),
+    Mutant("loops.py", "3: (-1, 3, -3, 1)", "3: (-1, 3, 3, 1)", "test_allan_published"),
+    Mutant("autocovariance.py", "k * k - (i - shift) ** 2", "k * k + (i - shift) ** 2", "test_allan_edf"),
+    Mutant(
+        "noise_type.py", "(here - r) / (here - steps[i - 1])", "(r - here) / (here - steps[i - 1])", "test_allan_edf"
     ),
     Mutant(
         "edf.py", "exponent = BLUEST - power + 2 * modified", "exponent = BLUEST - power + modified", "test_allan_edf"

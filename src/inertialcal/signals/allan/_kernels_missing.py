@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from ...core.estimate import Array
 from ...statistics._kernels import compiled
+from .gaps import FILL
 
 Whole = NDArray[np.int64]
-FILL = 2  # windows are used from 1 / FILL of their samples
 
 
 @compiled

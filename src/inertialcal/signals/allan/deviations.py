@@ -30,12 +30,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array, Numbers
-from . import _kernels as kernels
-from . import _kernels_missing as missing
+from .gaps import COMPLETE
+from .loops import loops_for, loops_with_gaps
 from .prefix import Phase
 
 SAFE = 2.0**62  # whole numbers of int64 that sums of four may reach
-COMPLETE = 3.0  # squared weights of the three errors of the running sum in a term, over 2 / m^2: 1 + 4 + 1
 ALLAN = 2  # order
 APART = 128  # ratio of the averaging factors of modified deviations whose sums have the same steps
 FINEST = 1000.0  # power of 2
@@ -99,6 +98,7 @@ def variances(phase: Phase, kind: Kind, factors: NDArray[np.int64]) -> Variances
     ends = np.full(len(factors), COMPLETE)
     terms = terms_of(kind, len(phase.values), factors)
     if phase.complete:
+        kernels = loops_for(len(phase.values))
         if kind.modified:
             _sum_modified(phase.values, factors, sums)
         elif not kind.overlapping:
@@ -107,7 +107,7 @@ def variances(phase: Phase, kind: Kind, factors: NDArray[np.int64]) -> Variances
             kernels.sum_overlapping(phase.values, factors, kind.order, sums)
     else:
         terms = np.empty(len(factors), dtype=np.int64)
-        shared = (phase.values, phase.count, phase.pointwise, factors)
+        shared, missing = (phase.values, phase.count, phase.pointwise, factors), loops_with_gaps(len(phase.values))
         if kind.modified:
             missing.sum_present_modified(*shared, sums, terms, inflation)
         else:
@@ -125,6 +125,7 @@ def _sum_modified(p: Numbers, factors: NDArray[np.int64], sums: Array) -> None:
     Over a whole record these grow so large that floats would have no digits left: they are whole numbers, which may
     run over, in steps so fine that the largest third difference just fits. Short windows have finer steps than long.
     """
+    kernels = loops_for(len(p))
     largest = float(kernels.largest_beside_line(p))
     whole = p.dtype == np.int64 and 4.0 * max(int(p.max()), -int(p.min())) * float(factors[-1]) < SAFE
     running, few = np.empty(len(p) + 1, dtype=np.int64), 0

@@ -43,19 +43,21 @@ References
 from __future__ import annotations
 
 from functools import lru_cache
-from math import comb
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
 from ...core.estimate import Array
-from . import _kernels_edf, _kernels_noise_type
+from .autocovariance import covariance_of_terms, weights_of
 from .deviations import Kind
+from .noise_type import identified
 from .prefix import Phase
 
 BLUEST = 2  # exponent of the spectrum of the rate: quantisation of the integral
 WHITE = 0.0
+LAGS = 32  # lags a window, of the autocorrelation behind the degrees of freedom ...
+GRADE = 0.1  # ... and how much farther each from a whole window where it has logarithms there
 
 
 def degrees_of_freedom(kind: Kind, m: int, terms: int, power: int) -> float:
@@ -71,18 +73,32 @@ def degrees_of_freedom(kind: Kind, m: int, terms: int, power: int) -> float:
 def _edf(order: int, overlapping: bool, modified: bool, m: int, terms: int, power: int) -> float:
     differences = order + modified
     exponent = BLUEST - power + 2 * modified  # of the integrated signal, once more where windows are averaged
-    return float(
-        _kernels_edf.degrees_of_freedom(
-            m, float(terms), 1 if overlapping else m, exponent, _weights(differences), differences + 1
-        )
-    )
+    weights, stride = weights_of(differences), 1 if overlapping else m
+    length = float(terms) * stride
+    lag = _lags(m, stride, min(1.0 * (differences + 1) * m, length), exponent)  # beyond, differences share no noise
+    correlation = covariance_of_terms(lag, m, exponent, weights)
+    squares = np.maximum(0.0, 1.0 - lag / length) * (correlation / correlation[0]) ** 2
+    if exponent == 0:  # only whole windows share noise
+        return float(length / (stride * (2.0 * squares.sum() - squares[0])))
+    return float(length / (2.0 * np.sum(0.5 * np.diff(lag) * (squares[1:] + squares[:-1]))))
 
 
-@lru_cache(maxsize=8)
-def _weights(differences: int) -> Array:
-    """Return the weights of the autocovariance of differences, of that of the signal at neighbouring windows."""
-    d = differences
-    return np.array([(-1.0) ** i * comb(2 * d, d + i) for i in range(-d, d + 1)])
+def _lags(m: int, stride: int, span: float, exponent: int) -> Array:
+    """Return the lags of a trapezoidal rule, in steps of 1 / LAGS of a window or of ``stride`` samples.
+
+    They are closer to whole windows where the autocovariance has logarithms there, and whole windows alone where only
+    these share noise.
+    """
+    if exponent == 0:
+        return np.asarray(np.arange(np.ceil(span / m)) * m, dtype=np.float64)
+    if exponent > 1:
+        gap = max(1.0 * stride, m / LAGS)
+        return np.arange(np.ceil(span / gap) + 1.0) * gap
+    found = [0.0]
+    while found[-1] < span:
+        passed = found[-1] % m
+        found.append(found[-1] + max(1.0 * stride, min(m - passed, GRADE * min(passed, m - passed) // 1)))
+    return np.array(found)
 
 
 def interval(deviation: Array, edf: Array, p: float) -> tuple[Array, Array]:
@@ -113,9 +129,8 @@ def all_degrees(kind: Kind, factors: NDArray[np.int64], terms: NDArray[np.int64]
 
 def identified_powers(phase: Phase, kind: Kind, factors: NDArray[np.int64]) -> Array:
     """Return the exponent at each averaging factor, rising, shape (k,); NaN where averages are too few."""
-    found = np.empty(len(factors))
-    _kernels_noise_type.identify(phase.values, phase.count, phase.pointwise, factors, -kind.reddest // 2, found)
-    return believed_powers(found, kind)
+    found = [identified(phase, m, -kind.reddest // 2) for m in factors.tolist()]
+    return believed_powers(np.array(found), kind)
 
 
 def believed_powers(found: Array, kind: Kind) -> Array:

@@ -26,6 +26,8 @@ from ...core.recording import SECOND, Times
 from ...core.remarks import Remark
 from ..time.time_axis import backward_steps
 
+FILL = 2  # windows are used from 1 / FILL of their samples
+COMPLETE = 3.0  # squared weights of the three errors of the running sum in a term, over 2 / m^2: 1 + 4 + 1
 MOST_EMPTY = 100.0  # places on the grid, a sample, above which a record is no record with gaps
 
 

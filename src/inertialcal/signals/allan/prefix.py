@@ -23,7 +23,7 @@ from ...core.batches import batches, empty, thinned
 from ...core.errors import DataError
 from ...core.estimate import Numbers
 from ..names import Quantity
-from . import _kernels as kernels
+from .loops import loops_for
 
 QUANTITIES = ("rate", "increment", "angle")
 LEVEL_FROM = 8192  # samples, spread over the record, that the level is the mean of
@@ -89,7 +89,7 @@ def _complete(x: Numbers, quantity: Quantity) -> Phase:
         owner = np.empty(size + LINE, dtype=np.uint8)
     skip = -owner.ctypes.data % LINE
     phase = owner[skip : skip + size].view(kind)
-    kernels.integrate(x, level, phase)
+    loops_for(len(phase)).integrate(x, level, phase)
     return Phase(phase, NOTHING_MISSING, pointwise=False)
 
 
@@ -110,7 +110,7 @@ def _with_gaps(x: Numbers, quantity: Quantity, there: NDArray[np.bool_]) -> Phas
         count = np.concatenate([[0], np.cumsum(there)]).astype(np.int32)
         return Phase(np.where(there, _less(np.where(there, x, level), level), 0), count, True, missing)
     phase, count = empty(len(x) + 1, summed_as(x)), empty(len(x) + 1, np.int32)
-    kernels.integrate_present(x, there, level, phase, count)
+    loops_for(len(phase)).integrate_present(x, there, level, phase, count)
     return Phase(phase, count, False, missing)
 
 

@@ -21,8 +21,9 @@ from ...core.batches import release
 from ...core.estimate import Array, Numbers
 from . import _kernels as kernels
 from . import _kernels_streamed as streams
-from ._kernels_noise_type import LOOKED_AT
-from .deviations import COMPLETE, Kind, Variances, terms_of
+from .deviations import Kind, Variances, terms_of
+from .gaps import COMPLETE
+from .noise_type import identified_at, places
 from .prefix import level_of, summed_as
 
 LONG = 2**24  # samples: of a longer record the integrated signal is not held whole
@@ -59,8 +60,7 @@ def streamed_variances(
     far = factors[len(close) :]
     sums = np.zeros(len(factors))
     offsets = np.unique(np.concatenate([[0], *([i * m for i in range(1, order + 1)] for m in far)])).astype(np.int64)
-    at = _looked_at(points, factors)
-    wanted = np.unique(np.concatenate((at, offsets)))
+    wanted = np.unique(np.concatenate([offsets, *(places(points, m).ravel() for m in factors.tolist())]))
     known = np.empty(len(wanted), dtype=kind_of_sum)
     reach = order * int(close[-1]) if len(close) else 0
     total = kind_of_sum(0)
@@ -79,18 +79,10 @@ def streamed_variances(
             total = total + phase[stop - start]
     if len(far):
         _add_far(x, level, offsets, known[np.searchsorted(wanted, offsets)], far, order, block, sums[len(close) :])
-    power = np.empty(len(factors))
-    streams.identify_at(wanted, known, points, factors, -kind.reddest // 2, power)
+    power = np.array([identified_at(wanted, known, points, m, -kind.reddest // 2) for m in factors.tolist()])
     terms, size = terms_of(kind, points, factors), factors.astype(np.float64) ** 2
     ones, ends = np.ones(len(factors)), np.full(len(factors), COMPLETE)
     return Variances(sums / (kind.divisor * terms * size), terms, ones, ends), power
-
-
-def _looked_at(points: int, factors: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the points that tell noise types, ascending."""
-    room = np.empty(4 * LOOKED_AT, dtype=np.int64)
-    found = [room[: streams.places_looked_at(points, int(m), room)].copy() for m in factors]
-    return np.unique(np.concatenate(found))
 
 
 def _add_far(

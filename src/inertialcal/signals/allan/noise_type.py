@@ -1,0 +1,94 @@
+"""Noise type at an averaging time, by the lag-1 autocorrelation of averages (see ``edf``)."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.estimate import Array, Numbers
+from .autocovariance import covariance_of_terms, weights_of
+from .gaps import FILL
+from .prefix import Phase
+
+Whole = NDArray[np.int64]
+LOOKED_AT = 2048  # averages that identify a noise type, to 0.02 in the lag-1 autocorrelation
+STRETCH = 64  # neighbouring averages looked at together where there are more
+STARTS = 4  # starting points that averages are taken from where there are few
+LINE = 2.0  # by how much over their number a line lowers the lag-1 autocorrelation of white averages
+SMALL_ENOUGH = 0.2  # lag-1 autocorrelation below which averages need no (further) difference
+FEWEST = 30  # averages that identify a noise type (Riley and Greenhall)
+
+
+def places(points: int, m: int) -> Whole:
+    """Return the points at which averages of m samples begin, and the last of them ends, shape (stretches, n + 1).
+
+    Of few averages the same again from other starting points, one average less each.
+    """
+    averages = (points - 1) // m
+    if averages > LOOKED_AT:
+        many, size = LOOKED_AT // STRETCH, STRETCH
+        apart = (averages - STRETCH) // (many - 1) * m
+    else:
+        many = min(STARTS, m, LOOKED_AT // max(1, averages))
+        many, size, apart = (many, averages - 1, m // many) if many > 1 else (1, averages, 0)
+    return np.arange(many)[:, None] * apart + np.arange(max(size, 0) + 1) * m
+
+
+def identified(phase: Phase, m: int, most: int) -> float:
+    """Return the exponent of the noise at an averaging factor; NaN for too few averages.
+
+    ``most`` is how often averages are differenced at most.
+    """
+    p, count = phase.values, phase.count
+    at = places(len(p), m)
+    y = 1.0 * np.diff(p[at], axis=1)
+    if phase.complete:
+        return exponent_of(y, np.ones(y.shape), at, m, len(p), most)
+    if phase.pointwise:
+        there = count[at + 1] > count[at]
+        kept = there[:, :-1] & there[:, 1:]
+    else:
+        present = np.diff(count[at], axis=1)
+        kept = present * FILL >= m
+        y *= m / np.maximum(present, 1)
+    return exponent_of(np.where(kept, y, 0.0), kept.astype(float), at, m, len(p), most)
+
+
+def identified_at(at: Whole, values: Numbers, points: int, m: int, most: int) -> float:
+    """Return the same of a complete record of which only ``values`` of the integrated signal at ``at`` are known."""
+    where = places(points, m)
+    y = 1.0 * np.diff(values[np.searchsorted(at, where)], axis=1)
+    return exponent_of(y, np.ones(y.shape), where, m, points, most)
+
+
+def exponent_of(y: Array, kept: Array, at: Whole, m: int, points: int, most: int) -> float:
+    """Return the exponent that averages tell, side by side in each row, 0 where they are not ``kept``."""
+    shared = len(at) if len(at) > 1 and at[1, 0] < m else 1  # starting points that the same averages were taken from
+    if kept.sum() + shared <= FEWEST * shared:
+        return np.nan
+    time, level = kept * at[:, :-1], y.sum() / kept.sum()
+    time = kept * (time - time.sum() / kept.sum())
+    y = y - kept * level - (np.vdot(time, y - kept * level) / np.vdot(time, time)) * time
+    lost, times = LINE / ((points - 1) // m), 0  # what taking a line off took from the autocorrelation
+    while True:
+        squares = np.vdot(y, y)
+        r = np.vdot(y[:, 1:], y[:, :-1]) / squares + (lost if times == 0 else 0.0) if squares > 0.0 else np.nan
+        if not r >= SMALL_ENOUGH or times >= most:
+            break
+        kept = kept[:, 1:] * kept[:, :-1]
+        y, times = kept * np.diff(y, axis=1), times + 1
+    steps = _autocorrelations(m, times)
+    for i, here in enumerate(steps):
+        if r < here or np.isnan(r):
+            return float(2.0 - i + (here - r) / (here - steps[i - 1]) if i else 2.0 + 0.0 * r)
+    return -2.0 * times
+
+
+@lru_cache(maxsize=1024)
+def _autocorrelations(m: int, times: int) -> tuple[float, ...]:
+    """Return the lag-1 autocorrelation of averages differenced so often, of noise of exponent 2, 1, ... -2 times."""
+    weights = weights_of(times + 1)
+    both = [covariance_of_terms(np.array([1.0 * m, 0.0]), m, p, weights) for p in range(2 * times + 3)]
+    return tuple(float(one / zero) for one, zero in both)
