@@ -183,3 +183,16 @@ def test_fisher_scoring_finds_the_least_cost() -> None:
     assert v == pytest.approx(best.x, abs=0.02)
     plain = np.zeros(3)
     assert unwrap(kernels.scored)(D, s, w, -1, 0.0, plain, False) == pytest.approx(cost)
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 4))
+def test_the_search_is_the_same_to_the_bit_before_it_is_compiled(seed: int, p: int) -> None:
+    rng = np.random.default_rng(seed)
+    k, table = 12, np.exp(0.1 * rng.normal(size=(60, 12)).cumsum(axis=0))
+    D, w = np.exp(rng.normal(size=(k, p))), rng.uniform(1.0, 100.0, k)
+    s = D @ np.exp(rng.normal(size=p)) * np.exp(0.3 * rng.normal(size=k))
+    found = []
+    for search in (kernels.searched, unwrap(kernels.searched)):
+        v = np.zeros(p)
+        found.append((*search(D.copy(), table, 0.0, 59.0, np.array([5.0, 1.67, 0.3]), s, w, -1, 0.0, v), *v))
+    assert found[0] == found[1]

@@ -23,8 +23,10 @@ References
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from inspect import unwrap
 
 import numpy as np
 from scipy import linalg
@@ -36,9 +38,12 @@ from .allan_covariance import covariance_of_allan
 from .problem import COMPLETE, GAUSS_MARKOV, LINEAR, PER_E, Problem
 
 SPACINGS = np.array([5.0, 1.67, 0.3])  # rows between correlation times that are tried, ever closer about the best
+FEW = 400  # searches: after so many it pays to compile the search too; plain, it finds the same to the last bit
 SAME_TAU = 0.01  # relative difference of averaging times that are alike
 HIDDEN = 2.5  # standard uncertainties of the noise: most that a filter may take unseen
 SINGULAR = 1e-12  # of the largest eigenvalue: directions that nothing tells of
+
+_searches = itertools.count()
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +73,8 @@ def estimate(
     else:
         D = np.column_stack([D, np.zeros(len(D))])
         lo, hi = (0.0, len(problem.table) - 1.0) if within is None else within
-        position, cost = searched(D, problem.table, lo, hi, SPACINGS[: 1 + looks if hi > lo else 1], *args)
+        search = searched if next(_searches) >= FEW else unwrap(searched)
+        position, cost = search(D, problem.table, lo, hi, SPACINGS[: 1 + looks if hi > lo else 1], *args)
     every = np.zeros(len(problem.names) + 1)
     every[at] = powers
     return Fitted(every, position, cost)
