@@ -6,11 +6,13 @@ import os
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from scipy.io import loadmat, savemat
 
 from inertialcal.campaign.start.info import info as survey
 from inertialcal.core.errors import DataError, InertialcalError, StoreError, UsageError
@@ -20,7 +22,7 @@ from inertialcal.files.info.survey import survey_recording
 from inertialcal.files.write.file_columns import numbers, time_column, time_name
 from inertialcal.files.write.recording import WRITERS, write
 
-FORMATS = [".csv", ".parquet", ".npz"]
+FORMATS = [".csv", ".parquet", ".npz", ".h5", ".mat"]
 DTYPES = ["u1", "i1", "u2", "i2", "u4", "i4", "i8", "f2", "f4", "f8", "bool", ">f8", ">i4"]
 UNITS = [None, "deg/s", "rad/s", "g", "ug", "m/s^2", "V", "count", "degC", "Pa", "%", "V/(deg/s)", "ug/sqrt(Hz)"]
 NAMES = ["gyro_x", "gyro_y [rad/s]", "acc_z", "wx", "x", "temp", "temperature [degC]", "volts", "slope_volt_per_dps",
@@ -91,7 +93,8 @@ def test_a_recording_reads_back(tmp_path: Path, ending: str, one: Recording) -> 
         assert same_bits(was.data, now.data), was
         assert now.unit == was.unit
         if ending != ".csv" and was.data.dtype.kind != "b":
-            assert now.data.dtype == was.data.dtype.newbyteorder("=")
+            half = ending == ".mat" and was.data.dtype == np.float16  # MATLAB has no such
+            assert now.data.dtype == (np.dtype(np.float32) if half else was.data.dtype.newbyteorder("="))
         assert (now.data.dtype.kind == "f") == (was.data.dtype.kind == "f")
     if one.time_ns is None:
         assert again.time_ns is None
@@ -132,15 +135,17 @@ def test_info_says_the_same_of_what_was_written(tmp_path: Path, ending: str, tex
     assert now["rows"] == was["rows"]
     names = [channel.pop("name") for channel in was["channels"]]
     for channel, said, name in zip(now["channels"], was["channels"], names, strict=True):
-        assert bare(channel.pop("name")) == bare(name)
+        assert bare(channel.pop("name")) == bare(name, ending)
         assert channel | {"unit_from": ""} == said | {"unit_from": ""}
     codes = [{one["code"] for one in content["remarks"]} for content in (was, now)]
     assert codes[0] - codes[1] <= {"time_unit_assumed", "naive_time", "decimal_comma"}  # what is written says it
     assert codes[1] <= codes[0]
 
 
-def bare(name: str) -> str:
-    return name.split(" [", maxsplit=1)[0].split(" (", maxsplit=1)[0]
+def bare(name: str, ending: str = "") -> str:
+    """The name without its unit, as the format has it."""
+    plain = name.split(" [", maxsplit=1)[0].split(" (", maxsplit=1)[0]
+    return plain.replace(".", "_") if ending == ".mat" else plain
 
 
 @pytest.mark.parametrize("ending", FORMATS)
@@ -160,7 +165,7 @@ def test_recordings_of_others(shared: Path, tmp_path: Path, name: str, ending: s
         pytest.skip(f"no {name}")
     one = read(path)
     again = there_and_back(tmp_path, ending, one)
-    assert [bare(n) for n in again.names] == [bare(n) for n in one.names]
+    assert [bare(n) for n in again.names] == [bare(n, ending) for n in one.names]
     assert [c.unit for c in again.channels] == [c.unit for c in one.channels]
     for was, now in zip(one.channels, again.channels, strict=True):
         assert same_bits(was.data, now.data)
@@ -361,7 +366,7 @@ def test_names_that_csv_cannot_hold_are_refused(tmp_path: Path) -> None:
 
 def test_one_sample_and_no_channel(tmp_path: Path) -> None:
     single = recording(Channel("a", np.array([1.5])), time_ns=np.array([5 * SECOND]))
-    with pytest.raises(DataError, match="need 2 for a NumPy file"):
+    with pytest.raises(DataError, match="need 2 for a file of arrays"):
         write(tmp_path / "out.npz", single)
     assert there_and_back(tmp_path, ".parquet", single).channel("a").data == [1.5]
     with pytest.raises(DataError, match="without channels"):
@@ -377,3 +382,47 @@ def test_every_refusal_is_one_that_a_user_can_act_on(tmp_path: Path) -> None:
     with pytest.raises(InertialcalError) as caught:
         write(tmp_path / "no" / "out.csv", recording(Channel("a", np.array([1.5, 2.5]))))
     assert caught.value.exit_status == 3
+
+
+# Files of arrays, as other programs see them
+
+
+def flight() -> Recording:
+    return recording(
+        Channel("gyro_x [deg/s]", np.array([0.5, np.nan, 1.5]), "deg/s"),
+        Channel("n/s", np.array([1, 2, 3], dtype=np.int16)),
+        time_ns=UTC + np.array([0, 1, 3]) * SECOND, epoch="utc", interval_from="column", time_column="when",
+    )  # fmt: skip
+
+
+def test_hdf5_as_h5py_sees_it(tmp_path: Path) -> None:
+    write(tmp_path / "out.h5", flight())
+    with h5py.File(tmp_path / "out.h5") as file:
+        assert list(file) == ["when", "gyro_x", "n_s"]
+        assert file["gyro_x"].attrs["units"] == "deg/s"
+        np.testing.assert_array_equal(file["gyro_x"], [0.5, np.nan, 1.5])
+        np.testing.assert_array_equal(file["when"][()] - UTC // SECOND, [0, 1, 3])
+        assert file["when"].attrs["units"] == "s"
+
+
+def test_matlab_as_scipy_sees_it(tmp_path: Path) -> None:
+    write(tmp_path / "out.mat", flight())
+    content = loadmat(tmp_path / "out.mat", simplify_cells=True)
+    assert content["units"] == {"when": "s", "gyro_x": "deg/s"}
+    np.testing.assert_array_equal(content["gyro_x"], [0.5, np.nan, 1.5])
+    np.testing.assert_array_equal(content["when"] - UTC // SECOND, [0, 1, 3])
+    assert content["n_s"].dtype == np.int16
+
+
+def test_a_structure_named_units_that_holds_numbers_is_data(tmp_path: Path) -> None:
+    savemat(tmp_path / "in.mat", {"units": {"a": np.arange(5.0), "b": np.arange(5.0)}, "gyro_x": np.arange(5.0)})
+    assert set(read(tmp_path / "in.mat").names) == {"units.a", "units.b", "gyro_x"}
+
+
+@pytest.mark.parametrize("ending", [".h5", ".mat"])
+def test_names_that_the_format_cannot_hold_are_told(tmp_path: Path, ending: str) -> None:
+    one = recording(*(Channel(name, np.array([1.5, 2.5])) for name in ("#a", "a/b", "a_b", "ä°", "1")))
+    remarks = write(tmp_path / f"out{ending}", one)
+    again = read(tmp_path / f"out{ending}")
+    assert len(set(again.names)) == len(again.channels) == 5
+    assert {remark.code for remark in remarks} == {"column_renamed"}

@@ -31,6 +31,7 @@ from .arrays import NamedArray, columns_of
 
 MAGIC = b"MATLAB 5.0 MAT-file"
 NEWER = "5 to 7"  # versions
+UNITS = "units"  # a structure of texts: the unit of the variable of each name
 DEEPEST = 8  # structures within structures
 HEADER = 128  # bytes of text, version and byte order
 MATRIX, COMPRESSED = 14, 15
@@ -71,13 +72,27 @@ def _read(loaded: Loaded, version: str, variables: Sequence[str] | None) -> Cont
         # also drops imaginary parts, with no more than a warning: then the types as stored tell which.
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
-            found = _variables(scipy_io.loadmat(io.BytesIO(loaded.data), mat_dtype=True))
+            content = scipy_io.loadmat(io.BytesIO(loaded.data), mat_dtype=True)
+        units = _units(content)
+        found = _variables(content)
         if any(issubclass(warning.category, np.exceptions.ComplexWarning) for warning in caught):
             stored = _variables(scipy_io.loadmat(io.BytesIO(loaded.data)))
             found = {name: None if stored.get(name) is None else value for name, value in found.items()}
-    arrays = [NamedArray(name, value) for name, value in found.items() if value is not None]
+    arrays = [NamedArray(name, value, units.get(name)) for name, value in found.items() if value is not None]
     skipped = [name for name, value in found.items() if value is None]
     return columns_of(arrays, f"MATLAB {version}", loaded.path, variables=variables, skipped=skipped)
+
+
+def _units(content: dict[str, Any]) -> dict[str, str]:
+    """Take the structure of units out of the content, where it is one of texts alone."""
+    value = content.get(UNITS)
+    if not isinstance(value, np.ndarray) or value.size != 1 or not value.dtype.names:
+        return {}
+    texts = {name: value.reshape(-1)[0][name] for name in value.dtype.names}
+    if not all(isinstance(one, np.ndarray) and one.dtype.kind == "U" for one in texts.values()):
+        return {}
+    del content[UNITS]
+    return {name: str(one.reshape(-1)[0]) if one.size else "" for name, one in texts.items()}
 
 
 def _variables(content: dict[str, Any]) -> dict[str, Any]:

@@ -9,14 +9,12 @@ from __future__ import annotations
 
 import csv
 import io
-import zipfile
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.lib import format as npy_format
 
 from ...core.batches import batches, every
 from ...core.errors import DataError, InertialcalError
@@ -42,7 +40,7 @@ def write_csv(path: Path, recording: Recording) -> tuple[Remark, ...]:
     DataError
         ``names_not_writable``, if the names would not be read as a header.
     """
-    named, remarks = file_columns(recording, in_names=True, instants=False)
+    named, remarks = file_columns(recording, in_names=True, instants="tellable")
     columns = tuple(replace(one, name=csv_cell(one.name)) for one in named)
     changed = tuple(
         Remark("column_renamed", "warning", f"column {old.name!r} is written as {new.name!r}: a spreadsheet would "
@@ -161,36 +159,4 @@ def write_parquet(path: Path, recording: Recording) -> tuple[Remark, ...]:
             writer.write_table(pa.Table.from_arrays(part, schema=schema), row_group_size=GROUP)
         if not len(values[0]):
             writer.write_table(schema.empty_table())
-    return remarks
-
-
-RATE = "sample_rate"
-FEWEST = 2  # values from which an array in a file is a column
-
-
-def write_npz(path: Path, recording: Recording) -> tuple[Remark, ...]:
-    """Write a recording; missing values are NaN, instants are ``datetime64[ns]`` in UTC.
-
-    Raises
-    ------
-    DataError
-        ``too_short``, for fewer than two samples: one value alone reads back as a constant.
-    """
-    if len(recording) < FEWEST:
-        raise DataError(
-            f"{len(recording)} sample(s), need {FEWEST} for a NumPy file",
-            where=recording.source.path,
-            do="Write CSV or Parquet",
-            code="too_short",
-        )
-    columns, remarks = file_columns(recording, in_names=True)
-    arrays = {column.name: column.values for column in columns}
-    rate = stated_rate(recording)
-    if rate is not None:
-        arrays[RATE if RATE not in arrays else f"{RATE}_hz"] = np.array(rate)
-    with zipfile.ZipFile(path, "w", allowZip64=True) as archive:
-        for name, values in arrays.items():
-            member = zipfile.ZipInfo(f"{name}.npy")  # dated 1980, so that the bytes do not change
-            with archive.open(member, "w", force_zip64=True) as stream:
-                npy_format.write_array(stream, values, allow_pickle=False)
     return remarks

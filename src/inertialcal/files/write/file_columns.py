@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +25,11 @@ if TYPE_CHECKING:
     from pyarrow import Array as ArrowArray
 
 
+Instants = Literal["all", "tellable", "none"]  # that a format has: of any year, of 1700 to 2199, or none
+
+
 def file_columns(
-    recording: Recording, in_names: bool, instants: bool = True
+    recording: Recording, in_names: bool, instants: Instants = "all", legal: Callable[[str], str] = str
 ) -> tuple[tuple[Column, ...], tuple[Remark, ...]]:
     """Return the columns of a file, and remarks on their names.
 
@@ -36,23 +39,25 @@ def file_columns(
         What to write.
     in_names : bool
         Whether the unit of a column has no other place than its name.
-    instants : bool
-        Whether the format has a type for instants of any year.
+    instants : {"all", "tellable", "none"}
+        Instants that the format has.
+    legal : callable
+        What the format makes of a name; empty where nothing is left of it.
 
     Raises
     ------
     DataError
         ``time_not_writable``, if the stamps have no form that reads back, or something else would read as time.
     """
-    titles, remarks = channel_titles(recording, in_names)
+    titles, remarks = channel_titles(recording, in_names, legal)
     columns = [
         Column(title.name, plain_numbers(channel.data), title.unit)
         for title, channel in zip(titles, recording.channels, strict=True)
     ]
     if recording.compensated_by:
         mark = made(len(recording), np.uint8, lambda first, stop: np.ones(stop - first, dtype=np.uint8))
-        columns.append(Column(f"{COMPENSATED}{recording.compensated_by}", mark))
-    time = time_column(recording, in_names, instants)
+        columns.append(Column(legal(f"{COMPENSATED}{recording.compensated_by}"), mark))
+    time = time_column(recording, in_names, instants, legal)
     found = (*([] if time is None else [time]), *columns)
     if len(recording):
         _check_clock(found, recording)
@@ -113,7 +118,9 @@ class Title:
     unit: str | None = None
 
 
-def channel_titles(recording: Recording, in_names: bool) -> tuple[tuple[Title, ...], tuple[Remark, ...]]:
+def channel_titles(
+    recording: Recording, in_names: bool, legal: Callable[[str], str] = str
+) -> tuple[tuple[Title, ...], tuple[Remark, ...]]:
     """Return a title for each channel, and remarks on those that are not what the channel is called.
 
     Parameters
@@ -122,12 +129,14 @@ def channel_titles(recording: Recording, in_names: bool) -> tuple[tuple[Title, .
         Whose channels are to be written.
     in_names : bool
         Whether the unit has no other place than the name.
+    legal : callable
+        What the format makes of a name.
     """
     titles: list[Title] = []
     remarks: list[Remark] = []
     for number, channel in enumerate(recording.channels, start=1):
         taken = {title.name for title in titles} | {name for name in recording.names if name != channel.name}
-        title = _title(channel, number, taken, in_names)
+        title = _title(channel, number, taken, in_names, legal)
         titles.append(title)
         remarks += _remarks(channel, title)
     return tuple(titles), tuple(remarks)
@@ -150,8 +159,8 @@ def read_back(title: Title, values: Channel | Column) -> Described:
     return describe([Column(title.name, data, title.unit)], {}, "")[0][0]
 
 
-def _title(channel: Channel, number: int, taken: set[str], in_names: bool) -> Title:
-    own, plain = channel.name.strip(), f"channel_{number}"
+def _title(channel: Channel, number: int, taken: set[str], in_names: bool, legal: Callable[[str], str]) -> Title:
+    own, plain = legal(channel.name.strip()), f"channel_{number}"
     by_kind = [f"{channel.quantity}_{channel.axis}"] if channel.quantity and channel.axis else []
     for name in [*by_kind, own, plain] if contradicts(own, channel.unit) else [own, *by_kind, plain]:
         for title in spelled(name, channel.unit, in_names):
@@ -171,7 +180,7 @@ def contradicts(name: str, unit: str | None) -> bool:
 def _remarks(channel: Channel, title: Title) -> Iterator[Remark]:
     found = read_back(title, channel)
     if bare_name(title.name) not in {bare_name(channel.name), channel.name.strip()}:
-        what = f"column {channel.name!r} is written as {title.name!r}: its own name cannot be combined with its unit"
+        what = f"column {channel.name!r} is written as {title.name!r}: its own name does not fit its unit or the format"
         yield Remark("column_renamed", "warning", what, subject=channel.name)
     if found.unit != channel.unit:
         what = f"the unit of {channel.name!r}, {channel.unit or 'none'}, cannot be written in a form that reads back"
@@ -182,7 +191,9 @@ PLAIN = "time"
 EXACT = 2**53  # whole numbers up to here are floats without rounding
 
 
-def time_column(recording: Recording, in_names: bool, instants: bool = True) -> Column | None:
+def time_column(
+    recording: Recording, in_names: bool, instants: Instants = "all", legal: Callable[[str], str] = str
+) -> Column | None:
     """Return the time of a recording as a column; None where it has none.
 
     Parameters
@@ -191,8 +202,10 @@ def time_column(recording: Recording, in_names: bool, instants: bool = True) -> 
         Whose time is to be written.
     in_names : bool
         Whether the unit has no other place than the name.
-    instants : bool
-        Whether the format has a type for instants of any year; else only those of 1700 to 2199 can be told.
+    instants : {"all", "tellable", "none"}
+        Instants that the format has.
+    legal : callable
+        What the format makes of a name.
 
     Returns
     -------
@@ -206,7 +219,7 @@ def time_column(recording: Recording, in_names: bool, instants: bool = True) -> 
     """
     if recording.time_ns is None:
         return None
-    name = time_name(recording)
+    name = legal(time_name(recording)) or PLAIN
     for values, unit in _forms(recording, recording.time_ns, name, instants):
         for title in _titles(recording, name, unit, values, in_names):
             return Column(title.name, values, title.unit)
@@ -225,12 +238,12 @@ def time_name(recording: Recording) -> str:
     return name if name.isprintable() and name not in {"", *recording.names} else PLAIN
 
 
-def _forms(recording: Recording, time_ns: Times, name: str, instants: bool) -> Iterator[tuple[Numbers, str]]:
+def _forms(recording: Recording, time_ns: Times, name: str, instants: Instants) -> Iterator[tuple[Numbers, str]]:
     """Yield the numbers or instants that read back, the form of the name first; instants have no unit."""
     said = heading(name).unit
     by_name = said if said is not None and units.kind(said) == "time" else None
     utc = recording.epoch == "utc"
-    instant = utc and (instants or _tellable(time_ns))
+    instant = utc and (instants == "all" or (instants == "tellable" and _tellable(time_ns)))
     for unit in dict.fromkeys([by_name or ("" if instant else "s"), "" if instant else "s", "ns"]):
         if not unit:
             yield time_ns.view("datetime64[ns]"), ""

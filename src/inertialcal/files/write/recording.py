@@ -1,4 +1,4 @@
-"""Write a recording: CSV, Parquet or NumPy, by the ending of the name.
+"""Write a recording: CSV, Parquet, NumPy, HDF5 or MATLAB, by the ending of the name.
 
 What is written reads back the same: numbers with all their digits in their own type (in CSV as the text that
 gives the same bits), time to the nanosecond with its gaps, units in headers or metadata, missing values as empty
@@ -16,11 +16,14 @@ import numpy as np
 from ...core.errors import DataError, UsageError
 from ...core.recording import Recording
 from ...core.remarks import Remark
+from .array_files import write_hdf5, write_matlab, write_npz
 from .atomic import atomic_write
-from .csv import write_csv, write_npz, write_parquet
+from .csv import write_csv, write_parquet
 
 Writer = Callable[[Path, Recording], tuple[Remark, ...]]
-WRITERS: dict[str, Writer] = {".csv": write_csv, ".parquet": write_parquet, ".npz": write_npz}
+WRITERS: dict[str, Writer] = {
+    ".csv": write_csv, ".parquet": write_parquet, ".npz": write_npz, ".h5": write_hdf5, ".mat": write_matlab,
+}  # fmt: skip
 
 
 def write(path: str | os.PathLike[str], recording: Recording) -> tuple[Remark, ...]:
@@ -29,8 +32,8 @@ def write(path: str | os.PathLike[str], recording: Recording) -> tuple[Remark, .
     Parameters
     ----------
     path : path
-        Its ending decides: ``.csv``, ``.parquet`` or ``.npz``. A file that is there is replaced, but never the
-        one that the recording was read from.
+        Its ending decides: ``.csv``, ``.parquet``, ``.npz``, ``.h5`` or ``.mat``. A file that is there is
+        replaced, but never the one that the recording was read from.
     recording : Recording
         What to write.
 
@@ -45,7 +48,8 @@ def write(path: str | os.PathLike[str], recording: Recording) -> tuple[Remark, .
         ``unsupported_format``, for another ending.
     DataError
         ``overwrites_input``; ``not_numbers`` for a channel that is none; ``time_not_writable``;
-        ``names_not_writable`` for names that a CSV cannot hold; ``too_short`` for a NumPy file of one sample.
+        ``names_not_writable`` for names that a CSV cannot hold; ``too_short`` for a file of arrays with
+        one sample; ``too_large`` for MATLAB.
     StoreError
         ``not_written``.
     """
