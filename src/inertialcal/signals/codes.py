@@ -19,6 +19,7 @@ LEVELS = 2**24  # most levels that a converter has
 OFF_STEP = 0.02  # largest distance from a whole number of steps, in steps
 DIVIDERS = 10  # a gap between neighbouring levels may be this many steps
 COARSE = 2.0  # steps over the scatter before rounding, from which rounding matters (N reads 15 % too large)
+FINE = 1.0 / COARSE**2 + 1.0 / 12.0  # mean square of readings, in squared steps, from which they are not coarse
 BLIND = 3.3  # the same, from which nobody can tell how much: it hangs on where the level lies between two codes
 
 
@@ -104,17 +105,19 @@ def coarse_steps(values: Array, name: str) -> tuple[Remark, ...]:
     B. Widrow, I. Kollar and M.-C. Liu, IEEE Trans. Instrum. Meas. 45 (1996) 353: statistical theory of quantization.
     """
     step, squares, steps, last = np.inf, 0.0, 0, np.empty(0)
-    for first, stop in batches(values):
+    for first, stop in batches(values, size=CHUNK):
         part = values[first:stop]
         there = np.concatenate((last, part[np.isfinite(part)]))
         difference, last = np.abs(np.diff(there)), there[-1:]
         squares, steps = squares + float(difference @ difference), steps + len(difference)
         step = float(np.min(difference, initial=step, where=difference > 0.0))
+        if squares / len(values) / 2.0 >= step**2 * FINE:  # what follows can but add squares, and find smaller steps
+            return ()
     if not np.isfinite(step):
         return ()
     read = squares / steps / 2.0
     before = read - step**2 / 12.0
-    if read >= step**2 * (1.0 / COARSE**2 + 1.0 / 12.0):
+    if read >= step**2 * FINE:
         return ()
     what = f"{name}: steps of the readings are {number(step / float(np.sqrt(read)), 2)} times their scatter: "
     if before < (step / BLIND) ** 2:

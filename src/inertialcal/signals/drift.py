@@ -95,9 +95,14 @@ def drift_of(x: Array, axis: int, interval: float) -> tuple[Drift, ...]:
     for b in range(BLOCKS):
         block = x[b * size : (b + 1) * size]
         for first, stop in batches(block):
-            good = np.isfinite(block[first:stop])
-            count[b] += np.count_nonzero(good)
-            total[b] += np.sum(np.where(good, block[first:stop], 0.0))
+            part, there = block[first:stop], stop - first
+            with np.errstate(over="ignore", invalid="ignore"):
+                sum_of = float(np.sum(part))
+            if not np.isfinite(sum_of):
+                good = np.isfinite(part)
+                there, sum_of = int(np.count_nonzero(good)), float(np.sum(np.where(good, part, 0.0)))
+            count[b] += there
+            total[b] += sum_of
     kept = count >= FILLED * size
     means = total[kept] / count[kept]
     place = (np.arange(BLOCKS)[kept] + 0.5) / BLOCKS

@@ -14,11 +14,17 @@ Share = TypeVar("Share")
 Found = TypeVar("Found")
 
 LARGE = 2**19  # samples from which threads pay
+SHARE = 2**20  # samples of a share of a long record
 
 
 def cores() -> int:
     """Return how many cores this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def shares(n: int) -> list[tuple[int, int]]:
+    """Return first and stop of each share of n samples, in order: one of a short record."""
+    return [(first, min(first + SHARE, n)) for first in range(0, max(n, 1), SHARE)]
 
 
 def each_of(function: Callable[[Share], Found], shares: Sequence[Share], size: int) -> list[Found]:

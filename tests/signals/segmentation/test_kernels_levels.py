@@ -106,6 +106,25 @@ def test_loud_windows_by_the_level_of_their_piece(run: Any) -> None:
     assert hot.tolist() == expected.tolist()
 
 
+@pytest.mark.parametrize("w", [1, 2, 12, 13, 31])
+def test_sums_of_windows(run: Any, w: int) -> None:
+    x = noise(50)
+    room, out = np.empty((2, 50)), np.empty(50 - w + 1)
+    run.fill_sums(x, w, room[0], room[1], out)
+    assert out == pytest.approx(np.convolve(x, np.ones(w), "valid"), abs=1e-13)
+    assert run.sum_of(x[:w]) == pytest.approx(float(x[:w].sum()), abs=1e-13)
+
+
+@pytest.mark.parametrize("w", [4095, 4096, 5000])
+def test_loud_windows_longer_than_a_batch(w: int) -> None:
+    y = noise(15_000)
+    variance = np.lib.stride_tricks.sliding_window_view(y, w).var(axis=1, ddof=1)
+    limit = 0.5 * float(np.sum(np.quantile(variance, (0.5, 0.51))))
+    hot = np.zeros(len(variance), dtype=bool)
+    kernels.mark_loud(y, np.array([0, len(y)]), w, limit, hot)
+    assert np.count_nonzero(hot != (variance > limit)) <= np.count_nonzero(np.abs(variance - limit) < 1e-12)
+
+
 def test_blocks(run: Any) -> None:
     y = np.round(4.0 * noise(83)) / 4.0
     variance, different = np.empty(10), np.empty(10, dtype=np.int64)
@@ -129,4 +148,4 @@ def test_margin_reaches_a_block_beyond_what_moves(run: Any, slow: tuple[int, ...
 
 def test_every_kernel_is_here() -> None:
     assert sorted(NAMES) == ["drop_lower", "fill_above", "fill_blocks", "fill_clear", "fill_moments", "fill_peaks",
-                             "margin", "mark_alone", "mark_loud"]  # fmt: skip
+                             "fill_sums", "margin", "mark_alone", "mark_loud", "sum_of"]  # fmt: skip

@@ -28,6 +28,7 @@ from ..errors import DataError
 
 HELD = 2**26  # bytes of an array that is kept in memory
 SIZE = 2**20  # samples of a batch
+NEAR = 2**16  # samples of a batch that is read twice: the nearest cache but one holds it
 _mapped: dict[int, tuple[int, weakref.ref[mmap.mmap]]] = {}  # address -> bytes, mapping
 
 
@@ -159,11 +160,15 @@ def extremes(x: NDArray[Any], infinite: bool = True) -> tuple[float, float]:
     ``infinite`` says whether infinite ones count.
     """
     low = high = np.nan
-    for first, stop in batches(x):
-        part = x[first:stop] if infinite else x[first:stop][np.isfinite(x[first:stop])]
-        if len(part):
-            low = np.fmin(low, float(np.fmin.reduce(part)))
-            high = np.fmax(high, float(np.fmax.reduce(part)))
+    for first, stop in batches(x, size=NEAR):
+        part = x[first:stop]
+        least, largest = float(part.min()), float(part.max())
+        if not (np.isfinite(least) and np.isfinite(largest)):  # rare, and takes ten times as long
+            part = part if infinite else part[np.isfinite(part)]
+            if not len(part):
+                continue
+            least, largest = float(np.fmin.reduce(part)), float(np.fmax.reduce(part))
+        low, high = np.fmin(low, least), np.fmax(high, largest)
     return float(low), float(high)
 
 

@@ -253,8 +253,8 @@ def _each(plan: Plan, readings: Readings, axis: str) -> tuple[list[Recorded], li
 
 def _recorded(plan: Plan, run: Run, axis: str) -> Recorded:
     looked = looked_through(plan, run, axis)
-    there = finite(looked.rates)
-    curve = fitted(plan, run, axis, there)
+    there = None if looked.whole else finite(looked.rates)
+    curve = fitted(plan, run, axis, there, looked.as_read)
     alike = plan.deviation == FITTED and plan.taus == "octave" and not plan.tau
     chosen, remarks = (curve, ()) if alike else shown(plan, run, axis, there)
     found = spectral(plan, looked.rates, run.interval, curve, axis, resolution_of_rates(run, axis))
@@ -297,12 +297,28 @@ def _tested(axis: str, found: NoiseFit) -> tuple[Remark, ...]:
     return tuple(remarks)
 
 
-def fitted(plan: Plan, run: Run, axis: str, there: NDArray[np.bool_]) -> Allan:
-    """Return the deviation at octaves that terms are fitted to [SI]."""
-    return _allan(plan, run, axis, there, FITTED, "octave")
+def fitted(plan: Plan, run: Run, axis: str, there: NDArray[np.bool_] | None, as_read: bool = True) -> Allan:
+    """Return the deviation at octaves that terms are fitted to [SI]; of a record as it was read it is taken once.
+
+    Parameters
+    ----------
+    plan, run, axis
+        Which.
+    there : ndarray of bool, shape (n,), optional
+        Which samples count; all by default.
+    as_read : bool
+        Whether these are all that the record has.
+    """
+    key = axis, _unit(plan)
+    if not as_read or key not in run.curves:
+        curve = _allan(plan, run, axis, there, FITTED, "octave")
+        if not as_read:
+            return curve
+        run.curves[key] = curve
+    return run.curves[key]
 
 
-def shown(plan: Plan, run: Run, axis: str, there: NDArray[np.bool_]) -> tuple[Allan, tuple[Remark, ...]]:
+def shown(plan: Plan, run: Run, axis: str, there: NDArray[np.bool_] | None) -> tuple[Allan, tuple[Remark, ...]]:
     """Return the deviation to show; at octaves where none of the wanted averaging times fits."""
     try:
         return _allan(plan, run, axis, there, plan.deviation, plan.tau or plan.taus), ()
@@ -318,7 +334,7 @@ def _allan(
     plan: Plan,
     run: Run,
     axis: str,
-    there: NDArray[np.bool_],
+    there: NDArray[np.bool_] | None,
     deviation: Deviation,
     taus: str | Sequence[float],
 ) -> Allan:
@@ -330,11 +346,15 @@ def _allan(
         deviation=deviation,
         taus=taus,
         averaging=run.averaging,
-        present=None if every(there, np.all) else there,
+        present=None if there is None or every(there, np.all) else there,
         p=INTERVAL,
         names=(axis,),
-        unit=UNITS[plan.kind] if plan.kind else plan.unit,
+        unit=_unit(plan),
     )
+
+
+def _unit(plan: Plan) -> str:
+    return UNITS[plan.kind] if plan.kind else plan.unit
 
 
 def doubt_of(found: NoiseFit | None) -> str:
@@ -368,6 +388,8 @@ class Looked:
     disturbed: tuple[Disturbance, ...]  # In order
     left_out: int  # Samples left out for them
     remarks: tuple[Remark, ...]  # What is suspicious
+    whole: bool  # Whether no rate is missing
+    as_read: bool = True  # Whether nothing is left out that the record has
 
 
 def looked_through(plan: Plan, run: Run, axis: str) -> Looked:
@@ -376,9 +398,10 @@ def looked_through(plan: Plan, run: Run, axis: str) -> Looked:
     left_out = run.bad.get(axis, {}).get("disturbed", 0) if run.screened else 0
     before = count(rates, np.isfinite)
     if before < FEWEST:
-        return Looked(rates, (*_far(run, axis),), left_out, ())
+        return Looked(rates, (*_far(run, axis),), left_out, (), before == len(rates))
     quality = record_quality(rates, run.interval)
-    if run.screened and plan.disturbed == "leave_out" and quality.disturbances:
+    as_read = not (run.screened and plan.disturbed == "leave_out" and quality.disturbances)
+    if not as_read:
         rates = quality.cleaned()
         left_out += before - count(rates, np.isfinite)
     remarks = []
@@ -402,7 +425,7 @@ def looked_through(plan: Plan, run: Run, axis: str) -> Looked:
     third = f"the first {duration(run.length / 3.0)}"
     remarks += [one.remark(axis, times, unit, third) for one in quality.drifts if one.significant]
     remarks += coarse_steps(rates, axis)
-    return Looked(rates, disturbed, left_out, tuple(remarks))
+    return Looked(rates, disturbed, left_out, tuple(remarks), as_read and before == len(rates), as_read)
 
 
 def _far(run: Run, axis: str) -> Iterator[Disturbance]:

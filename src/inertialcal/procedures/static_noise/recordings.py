@@ -24,7 +24,7 @@ from ...core.units import factor
 from ...signals.allan import on_grid
 from ...signals.record_quality import record_quality
 from ...signals.screening.remarks import remarks_of
-from ...signals.screening.resolution import resolution_of
+from ...signals.screening.resolution import Resolution, resolution_of
 from ...signals.screening.screen import NO_READINGS, Screening, screen
 from ...signals.time.time_axis import TimeAxis, analyse
 from .plan import Plan
@@ -277,11 +277,13 @@ def screened(
     left_out = screening and plan.disturbed == "leave_out"
     found: dict[str, Screening] = {}
     bad: dict[str, dict[str, int]] = {}
+    fine: dict[str, Resolution] = {}
     present, remarks = dict(run.present), []
     for axis, values in run.values.items():
         there = run.there(axis)
         whole = every(there, np.all)
         x = values if whole else masked(values, there)
+        fine[axis] = resolution_of(values if whole else kept(values, there), shown[axis].times)
         one = found[axis] = _undisturbed(screen(x), x, run.interval, left_out)
         if "stuck" in one and one["stuck"].count == len(run):
             continue  # the curve says that the channel is constant
@@ -295,9 +297,6 @@ def screened(
         said = remarks_of(one, axis, shown[axis].place, shown[axis].value, run.interval, fate)
         own_remarks = (remark for remark in said if remark.code not in SAID_ELSEWHERE)
         remarks += [replace(remark, axis=axis, recording=run.name) for remark in own_remarks]
-    fine = {
-        axis: resolution_of(kept(values, run.there(axis)), shown[axis].times) for axis, values in run.values.items()
-    }
     return replace(run, present=present, found=found, bad=bad, resolution=fine, screened=left_out), remarks
 
 

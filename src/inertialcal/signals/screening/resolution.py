@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.batches import every, extremes, finite, kept, mean
+from ...core.batches import extremes, finite, kept, mean
 from ..time.samples import Flags
 from .blocks import pieces
 
@@ -71,11 +71,15 @@ def resolution_of(x: NDArray[Any], times: float = 1.0) -> Resolution:
     times : float
         What a sample is multiplied by to be as stored.
     """
-    given = x if x.dtype.kind != "f" or every(x, lambda part: np.isfinite(part).all()) else kept(x, finite(x))
+    with np.errstate(over="ignore", invalid="ignore"):
+        given, middle = x, mean(x) if len(x) else np.nan
+    if not np.isfinite(middle):  # of a record without missing samples they need not be looked for
+        given = kept(x, finite(x))
+        middle = mean(given) if len(given) else np.nan
     if not len(given):
         return Resolution(0.0, 0.0)
     low, high = extremes(given)
-    largest, middle = max(abs(low), abs(high)), mean(given)
+    largest = max(abs(low), abs(high))
     _, rows = pieces(given)
     stored, largest = rows * times, largest * times
     apart = np.abs(np.diff(rows, axis=1))

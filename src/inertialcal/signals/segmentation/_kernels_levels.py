@@ -10,8 +10,8 @@ from ...statistics._kernels import compiled
 from .._kernels import fill_moments
 
 __all__ = [
-    "drop_lower", "fill_above", "fill_blocks", "fill_clear", "fill_moments", "fill_peaks", "margin", "mark_alone",
-    "mark_loud",
+    "drop_lower", "fill_above", "fill_blocks", "fill_clear", "fill_moments", "fill_peaks", "fill_sums", "margin",
+    "mark_alone", "mark_loud", "sum_of",
 ]  # fmt: skip
 
 Flags = NDArray[np.bool_]
@@ -104,50 +104,103 @@ def drop_lower(at: Indices, order: Indices, w: int, kept: Flags) -> None:
 
 @compiled
 def mark_loud(y: Array, cuts: Indices, w: int, limit: float, hot: Flags) -> None:
-    """Mark the windows i .. i + w whose variance (w - 1) exceeds a limit; levels between cuts keep its digits."""
-    residual = np.empty(LOUD + w)
+    """Mark the windows i .. i + w whose variance (w - 1) exceeds a limit; levels between cuts keep its digits.
+
+    Sums of w samples are those of 1, 2, 4, ... samples put together: none waits for the one before it.
+    """
+    room = LOUD + w
+    residual, squared, doubled, again = np.empty(room), np.empty(room), np.empty(room), np.empty(room)
+    first, second = np.empty(LOUD), np.empty(LOUD)
     limit *= w - 1
-    piece, level, first, second = -1, 0.0, 0.0, 0.0
+    share = 1.0 / w
+    piece, level = -1, 0.0
+    held = 0  # samples of ``residual`` from the batch before
     for begin in range(0, len(y), LOUD):
         stop = min(begin + LOUD, len(y))
-        for i in range(begin, stop):
+        i = begin
+        while i < stop:
             while piece < 0 or i >= cuts[piece + 1]:
                 piece += 1
-                level = 0.0
-                for j in range(cuts[piece], cuts[piece + 1]):
-                    level += y[j]
-                level /= max(cuts[piece + 1] - cuts[piece], 1)
-            residual[i - begin + w] = y[i] - level
-        for i in range(begin, stop):
-            new, old = residual[i - begin + w], residual[i - begin] if i >= w else 0.0
-            first += new
-            second += new * new
-            if i >= w:
-                first -= old
-                second -= old * old
-            if i >= w - 1:
-                hot[i - w + 1] |= second - first * first / w > limit
-        for i in range(w):
-            residual[i] = residual[stop - begin + i]
+                level = sum_of(y[cuts[piece] : cuts[piece + 1]]) / max(cuts[piece + 1] - cuts[piece], 1)
+            end = min(stop, cuts[piece + 1])
+            to, source = residual[held + i - begin : held + end - begin], y[i:end]
+            for j in range(len(to)):
+                to[j] = source[j] - level
+            i = end
+        there = held + stop - begin
+        for j in range(there):
+            squared[j] = residual[j] * residual[j]
+        size = there - w + 1
+        if size > 0:
+            fill_sums(residual[:there], w, doubled, again, first[:size])
+            fill_sums(squared[:there], w, doubled, again, second[:size])
+            out = hot[stop - w + 1 - size : stop - w + 1]
+            for j in range(size):
+                out[j] |= second[j] - share * first[j] * first[j] > limit
+            held = w - 1
+            for j in range(held):
+                residual[j] = residual[size + j]
+        else:
+            held = there
+
+
+@compiled
+def sum_of(x: Array) -> float:
+    """Return the sum of samples, four at a time."""
+    a, b, c, d = 0.0, 0.0, 0.0, 0.0
+    fours = len(x) // 4
+    for i in range(fours):
+        a, b, c, d = a + x[4 * i], b + x[4 * i + 1], c + x[4 * i + 2], d + x[4 * i + 3]
+    for i in range(4 * fours, len(x)):
+        a += x[i]
+    return (a + b) + (c + d)
+
+
+@compiled
+def fill_sums(x: Array, w: int, one: Array, other: Array, out: Array) -> None:
+    """Fill the sums of w samples from each on; ``one`` and ``other`` are room for sums of 2, 4, ... samples."""
+    n, width, done = len(out), 1, 0
+    out[:] = 0.0
+    while True:
+        if w & width:
+            part = x[done : done + n]
+            for i in range(n):
+                out[i] += part[i]
+            done += width
+        if done == w:
+            return
+        to, later = one[: len(x) - width], x[width:]
+        for i in range(len(to)):
+            to[i] = x[i] + later[i]
+        x, one, other = to, other, one
+        width *= 2
 
 
 @compiled
 def fill_blocks(y: Array, size: int, variance: Array, different: Indices) -> float:
     """Fill variance (size - 1) and number of unequal neighbours of each block; return the least step, 0 of none."""
     step = np.inf
-    for i in range(len(y) - 1):
-        difference = abs(y[i + 1] - y[i])
-        if difference > 0.0:
-            step = min(step, difference)
+    for first in range(0, len(y) - 1, SCANNED):
+        here = y[first : min(first + SCANNED, len(y) - 1)]
+        after, many = y[first + 1 :], 0
+        for i in range(len(here)):
+            difference = abs(after[i] - here[i])
+            many += (difference > 0.0) & (difference < step)
+        if many > 0:
+            for i in range(len(here)):
+                difference = abs(after[i] - here[i])
+                if difference > 0.0:
+                    step = min(step, difference)
     for block in range(len(variance)):
+        x = y[block * size : (block + 1) * size]
         level, squares, unequal = 0.0, 0.0, 0
-        for i in range(block * size, (block + 1) * size):
-            level += y[i]
+        for i in range(size):
+            level += x[i]
         level /= size
-        for i in range(block * size, (block + 1) * size):
-            squares += (y[i] - level) ** 2
-            if i > block * size and y[i] != y[i - 1]:
-                unequal += 1
+        for i in range(size):
+            squares += (x[i] - level) ** 2
+        for i in range(1, size):
+            unequal += x[i] != x[i - 1]
         variance[block], different[block] = squares / (size - 1), unequal
     return step if np.isfinite(step) else 0.0
 

@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 
 from ...core.estimate import Array
 from ...statistics.quantiles import chi_square_quantile, f_upper
+from ..threads import each_of, shares
 from .loops import loops_for
 from .noise_scale import Noise
 
@@ -60,10 +61,16 @@ def single_outliers(y: Array, noise: Noise, factor: float, apart: int) -> Flags:
     alone = np.zeros(len(y), dtype=bool)
     calm = np.ones(len(y) - 2, dtype=bool)
     far = np.zeros(len(y) - 2, dtype=bool)
+    loops = loops_for(len(y))
     for k in range(y.shape[1]):
         sigma, feigned = factor * noise.scale[k], noise.feigned[k]
         limits = np.sqrt(2.0) * sigma + feigned, np.sqrt(1.5) * sigma + feigned
-        loops_for(len(y)).mark_alone(y[:, k], *limits, calm, far)
+
+        def mark(share: tuple[int, int], x: Array = y[:, k], limits: tuple[float, float] = limits) -> None:
+            first, stop = share
+            loops.mark_alone(x[first : stop + 2], *limits, calm[first:stop], far[first:stop])
+
+        each_of(mark, shares(len(calm)), len(calm))
     at = np.flatnonzero(far & calm) + 1
     if at.size:
         distance = np.diff(at, prepend=at[0] - apart, append=at[-1] + apart)
@@ -123,13 +130,18 @@ class Jumps:
 
     def above(self, limit: Array) -> Indices:
         """Return the places at which the jump of any channel exceeds its limit, ascending."""
-        found = []
-        for running, bound in zip(self.total.T, limit.tolist(), strict=True):
-            room = np.empty(ROOM, dtype=np.int64)
-            while (count := loops_for(len(running)).fill_above(running, self.w, bound, room)) > len(room):
+        fill_above = loops_for(len(self.total)).fill_above
+
+        def places(share: tuple[int, int, int]) -> Indices:
+            channel, first, stop = share
+            part, room = self.total[first : stop + 2 * self.w, channel], np.empty(ROOM, dtype=np.int64)
+            while (count := fill_above(part, self.w, float(limit[channel]), room)) > len(room):
                 room = np.empty(count, dtype=np.int64)
-            found.append(room[:count])
-        return found[0] if len(found) == 1 else np.unique(np.concatenate(found))
+            return room[:count] + first
+
+        every = [(k, *share) for k in range(len(limit)) for share in shares(len(self))]
+        found = np.concatenate(each_of(places, every, len(limit) * len(self)))
+        return found if len(limit) == 1 else np.unique(found)
 
 
 def _changes_at_scale(
@@ -234,17 +246,25 @@ def loud(y: Array, noise: Noise, w: int, tail: float, start: Indices, stop: Indi
     found = np.zeros(len(y), dtype=bool)
     if not whole.any():
         return found
-    hot = np.zeros(size, dtype=bool)
-    probes = np.flatnonzero(whole)
-    probes = probes[:: max(1, w // 2, len(probes) // PROBES)]
+    hot, loops = np.zeros(size, dtype=bool), loops_for(len(y))
+    many = int(np.count_nonzero(whole))
+    every = max(1, w // 2, many // PROBES)
+    probes = np.arange(0, size, every) if many == size else np.flatnonzero(whole)[::every]
     for k in range(y.shape[1]):
         x = y[:, k] if len(y) == cuts[-1] else y[inside, k]
         usual, dof = (0.0, w - 1.0)
         if not noise.stated:
             usual, dof = _usual_variance(sliding_window_view(x, w)[probes].var(axis=1, ddof=1), w)
         limit = float(f_upper(tail, dof, noise.dof[k])) * max(float(noise.scale[k]) ** 2, usual)
-        loops_for(len(x)).mark_loud(x, cuts, w, limit, hot)
-    at = np.flatnonzero(hot & whole)
+
+        def mark(share: tuple[int, int], x: Array = x, limit: float = limit) -> None:
+            first, stop = share
+            last = stop + w - 1
+            loops.mark_loud(x[first:last], np.clip(cuts, first, last) - first, w, limit, hot[first:stop])
+
+        each_of(mark, shares(size), size)
+    hot &= whole
+    at = np.flatnonzero(hot)
     if len(at):
         found[inside] = covered(at, at + w, int(cuts[-1]))
     return found

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ...core.errors import PlanError
 from ...core.estimate import Array
 from ...statistics.quantiles import chi_square_quantile, chi_square_upper
+from ..threads import each_of, shares
 from .loops import loops_for
 
 BLOCK = 8  # samples: long enough for a variance, short enough to lie inside a dwell of 30
@@ -76,7 +77,15 @@ def _blocks(y: Array) -> tuple[Array, NDArray[np.int64], float]:
     """Variances of blocks, differences in each that are not zero, smallest of all that is not; 0 if all are."""
     count = len(y) // BLOCK
     variance, different = np.empty(count), np.empty(count, dtype=np.int64)
-    return variance, different, float(loops_for(len(y)).fill_blocks(y, BLOCK, variance, different))
+    fill_blocks = loops_for(len(y)).fill_blocks
+
+    def step_of(share: tuple[int, int]) -> float:
+        first, stop = share
+        own = slice(first // BLOCK, stop // BLOCK)
+        return float(fill_blocks(y[first : stop + 1], BLOCK, variance[own], different[own]))
+
+    steps = [step for step in each_of(step_of, shares(len(y)), len(y)) if step > 0.0]
+    return variance, different, min(steps, default=0.0)
 
 
 def _pool_quiet(variance: Array) -> tuple[float, int]:
@@ -84,10 +93,11 @@ def _pool_quiet(variance: Array) -> tuple[float, int]:
     dof = BLOCK - 1
     limit = float(chi_square_upper(QUIET_TAIL, dof)) / dof
     pooled = float(np.quantile(variance, QUIET) / (float(chi_square_quantile(QUIET, dof)) / dof))
-    kept = np.zeros(len(variance), dtype=bool)
+    kept = 0
     for _ in range(ROUNDS):
-        now = variance <= limit * pooled
-        if not now.any() or np.array_equal(now, kept):
+        quiet = variance <= limit * pooled
+        now = int(np.count_nonzero(quiet))
+        if now in (0, kept):  # as many blocks are the same blocks: those below a limit
             break
-        kept, pooled = now, float(variance[now].mean())
-    return pooled, max(1, int(np.count_nonzero(kept)))
+        kept, pooled = now, float(np.sum(variance, where=quiet)) / now
+    return pooled, max(1, kept)

@@ -124,14 +124,19 @@ def _level_pieces(
     first, widening = level_changes(total, noise, plan.scales[:1], quantile, walls)
     size = np.diff(first)
     enough = size >= plan.shortest
-    kept = np.flatnonzero(np.repeat(enough, size))
-    first = np.concatenate(([0], np.cumsum(size[enough])))  # the cuts, counted in the samples kept
-    if not len(kept):
-        return kept, kept, widening
-    rest = total if len(kept) == len(y) else running_sum(y.T[:, kept].T)
+    kept, rest = None, total
+    if not enough.all():
+        kept = np.flatnonzero(np.repeat(enough, size))
+        first = np.concatenate(([0], np.cumsum(size[enough])))  # the cuts, counted in the samples kept
+        if not len(kept):
+            return kept, kept, widening
+        rest = running_sum(y.T[:, kept].T)
     if len(plan.scales) > 1:
         first, widening = level_changes(rest, noise, plan.scales[1:], quantile, first)
-    start, stop = _long(kept[first[:-1]], kept[first[1:] - 1] + 1, plan.shortest)
+    start, stop = first[:-1], first[1:]
+    if kept is not None:
+        start, stop = kept[start], kept[stop - 1] + 1
+    start, stop = _long(start, stop, plan.shortest)
     return start, stop, widening
 
 
