@@ -29,6 +29,8 @@ class Column:
     def plain(self) -> list[Cell]:
         """Return the values as ``results.json`` holds them: plain Python, not finite numbers null."""
         values = self.values.tolist() if isinstance(self.values, np.ndarray) else self.values
+        if {*map(type, values)} <= {float} and np.isfinite(values).all():
+            return list(values)
         return [finite(value) if isinstance(value, float) else value for value in values]
 
 

@@ -98,6 +98,32 @@ def joined_dof(variances: Sequence[Array], dofs: Sequence[Array | float], total:
     return np.asarray(np.where(alone, fewest, joined))
 
 
+def joins_to_fewer(variances: Array, each: Array, dof: Array) -> NDArray[np.bool_]:
+    """Return whether parts with the same degrees of freedom join to fewer than so many, without what they join to.
+
+    Parameters
+    ----------
+    variances : ndarray, shape (parts, k)
+        Of each part.
+    each : ndarray, shape (k,)
+        Finite degrees of freedom of all parts.
+    dof : ndarray, shape (k,)
+        Those of the sum that are asked about.
+    """
+    from scipy import special  # noqa: PLC0415 - as in `joined_dof`
+
+    p = 0.5 * (1.0 + P)
+    whole = np.asarray(sum(variances), dtype=float)
+    z_square = float(special.ndtri(p)) ** 2
+    share = np.divide(variances, whole, out=np.zeros(variances.shape), where=(variances > 0.0) & (whole > 0.0))
+    own = special.stdtrit(each, p) ** 2 - z_square
+    excess = np.sum(share ** np.maximum(1.0, 2.0 - FEW / each), axis=0) * own
+    alone = excess >= own * (1.0 - SYMMETRY)
+    largest = special.stdtrit(dof, p) ** 2
+    between = (excess > NO_EXCESS) & (excess > largest - z_square)
+    return np.asarray((each < dof) & (alone | between) & np.any(share > 0.0, axis=0))
+
+
 @dataclass(frozen=True, eq=False)
 class Component:
     """One source of uncertainty of all values at once."""

@@ -15,8 +15,10 @@ References
 from __future__ import annotations
 
 import hashlib
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -69,6 +71,26 @@ class Fingerprints:
         if length[best] < SHORTEST:
             return None
         return Shared(int(first[starts[best]]), int(second[starts[best]]), int(length[best]))
+
+
+def alike(records: Sequence[Fingerprints | None]) -> set[tuple[int, int]]:
+    """Return the pairs of records that may share a stretch, by number, the lower one first: the others share none."""
+    digests: dict[bytes, list[int]] = {}
+    for number, one in enumerate(records):
+        if one is not None and one.digest:
+            digests.setdefault(one.digest, []).append(number)
+    found = {pair for same in digests.values() for pair in combinations(same, 2)}
+    values = [np.zeros(0, dtype=np.uint64) if one is None else one.values for one in records]
+    every = np.concatenate([*values, np.zeros(0, dtype=np.uint64)])
+    owner = np.repeat(np.arange(len(values)), [len(one) for one in values])
+    order = np.argsort(every, kind="stable")
+    every, owner = every[order], owner[order]
+    cuts = np.flatnonzero(every[1:] != every[:-1]) + 1
+    counts: Counter[tuple[int, int]] = Counter()
+    for first, last in zip([0, *cuts.tolist()], [*cuts.tolist(), len(every)], strict=True):
+        if last - first > 1:
+            counts.update(combinations(owner[first:last].tolist(), 2))
+    return found | {pair for pair, count in counts.items() if count >= FEWEST}
 
 
 def fingerprints(columns: Sequence[NDArray[Any]], chosen: Flags | None = None) -> Fingerprints:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from itertools import combinations, product
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -31,7 +31,7 @@ from ..file.sensors import Sensor
 from ..file.test_checks import counts_twice
 from ..inputs.changed import one_digest
 from ..inputs.channels import chain_of
-from ..inputs.duplicates import Content, between, duplicates
+from ..inputs.duplicates import Content, between, duplicates, pairs
 from ..inputs.gate import RULE, Gate
 from ..inputs.sources import Folder, Origin, Ready, Store, facts_of
 
@@ -255,8 +255,10 @@ def shared_readings(campaign: Campaign, prepared: Sequence[Prepared]) -> Iterato
     for one, other in combinations(prepared, 2):
         if counts_twice(campaign.file, one.test, other.test):
             number = campaign.file.tests.index(other.test)
-            for pair in product(one.contents, other.contents):
-                yield from ((number, problem) for problem in between(*pair))
+            every, own = [*one.contents, *other.contents], len(one.contents)
+            for first, second in sorted(pairs(every)):
+                if first < own <= second:
+                    yield from ((number, problem) for problem in between(every[first], every[second]))
 
 
 def order_of(tests: Sequence[Test]) -> list[int]:

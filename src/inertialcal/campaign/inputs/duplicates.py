@@ -17,7 +17,7 @@ from ...core.errors import Problem
 from ...core.key import AXES
 from ...core.recording import Recording
 from ...files.text.table import Table
-from ...signals.fingerprints import Fingerprints, fingerprints
+from ...signals.fingerprints import Fingerprints, alike, fingerprints
 from ...signals.time.samples import Flags
 from ..file.recordings import RecordingEntry, table_of
 
@@ -93,8 +93,18 @@ def duplicates(contents: Sequence[Content]) -> Iterator[Problem]:
     """Yield what the recordings and tables of one test hold twice; a copy once, with the first that it equals."""
     for one in contents:
         yield from _rows_twice(one)
-    for number, other in enumerate(contents):
-        yield from next(filter(None, (list(between(one, other)) for one in contents[:number])), ())
+    said: set[int] = set()
+    for first, second in pairs(contents):
+        if second not in said and (problems := list(between(contents[first], contents[second]))):
+            said.add(second)
+            yield from problems
+
+
+def pairs(contents: Sequence[Content]) -> list[tuple[int, int]]:
+    """Return the pairs that may hold the same, by number, the lower one first: few, of many recordings."""
+    found = alike([one.samples for one in contents])
+    found.update(combinations([number for number, one in enumerate(contents) if one.rows], 2))
+    return sorted(found, key=lambda pair: (pair[1], pair[0]))
 
 
 def between(one: Content, other: Content) -> Iterator[Problem]:

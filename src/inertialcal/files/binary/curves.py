@@ -101,7 +101,7 @@ def read_curves(data: bytes, where: str = FILE) -> list[dict[str, Any]]:
 
 def _kind(values: Sequence[Any]) -> str:
     """Return what a column holds: ``number``, ``flag`` or ``text``; one without any value holds numbers."""
-    there = [value for value in values if value is not None]
-    if any(isinstance(value, str) for value in there):
+    there = {*map(type, values)} - {type(None)}
+    if any(issubclass(one, str) for one in there):
         return "text"
-    return "flag" if there and all(isinstance(value, bool) for value in there) else "number"
+    return "flag" if there == {bool} else "number"

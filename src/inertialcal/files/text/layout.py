@@ -50,6 +50,7 @@ CANDIDATES: tuple[tuple[str | None, Decimal], ...] = (
 )
 PERFECT = (1.0, True, 1.0)  # score of a separator: lines of one width in several columns, all of them numbers
 WORDS = {",": "comma-separated", "\t": "tab-separated", ";": "semicolon-separated", None: "blank-separated"}
+PLAIN = "0123456789.-+eE"  # characters of plain numbers
 NUMBER = frozenset("ifn")  # kinds of cells
 COMMENT = ("#", "%", "//")
 SEMICOLON_COMMENT = (*COMMENT, ";")
@@ -211,12 +212,33 @@ def _score(table: Table, decimal: Decimal) -> tuple[float, bool, float]:
     share = len(alike) / len(table)
     # The first line may be a header, which must fit in width but holds no number.
     rows = [i for i in alike if i] or alike
-    kinds = Counter(kind(cell, decimal) for i in rows for cell in table[i][:CELLS])
-    filled = kinds.total() - kinds["e"]
-    numbers = (filled - kinds["t"]) / filled if filled else 0.0
+    filled = text = 0
+    for i in rows:
+        cells = table[i][:CELLS]
+        if _are_numbers(cells, decimal):
+            filled += len(cells)
+            continue
+        kinds = Counter(kind(cell, decimal) for cell in cells)
+        filled += kinds.total() - kinds["e"]
+        text += kinds["t"]
+    numbers = (filled - text) / filled if filled else 0.0
     if width == 1 and decimal == "," and ("," in table[0][0] or numbers < 1.0 or share < 1.0):
         numbers = 0.0  # 1,5 are two columns, unless a name stands above them that has no comma
     return round(share * numbers, 6), width > 1, share
+
+
+def _are_numbers(cells: list[str], decimal: Decimal) -> bool:
+    """Whether all cells are plain numbers; False where that is not known at once."""
+    if decimal != "." or "".join(cells).strip(PLAIN) or max(map(len, cells), default=0) > LONGEST_CELL:
+        return False
+    return _floats(cells)
+
+
+def _floats(cells: list[str]) -> bool:
+    try:
+        return len([*map(float, cells)]) > 0
+    except ValueError:
+        return False
 
 
 def _width(table: Table) -> int:

@@ -51,16 +51,23 @@ def _moments(x: NDArray[Any], size: int, good: Flags) -> tuple[Array, Array, NDA
     return mean, np.where(pairs > 0, rough, np.nan), same, count
 
 
-def _off_median(x: NDArray[Any], at: Indices) -> Array:
-    """Return samples less the running median of 31 around each; NaN where there is none."""
-    padded = np.full(len(x) + 2 * SIDE, np.nan)
-    padded[SIDE:-SIDE] = np.where(np.isfinite(x), x, np.nan)
-    around = sliding_window_view(padded, WINDOW)[at]
-    around.sort(axis=1)
-    finite = np.concatenate(([0], np.cumsum(np.isfinite(padded))))
-    held = np.maximum(finite[at + WINDOW] - finite[at], 1)
-    row = np.arange(len(at))
-    return np.asarray(padded[at + SIDE] - 0.5 * (around[row, (held - 1) // 2] + around[row, held // 2]))
+def _around(x: NDArray[Any], first: Indices, count: int) -> Array:
+    """Return rows of so many samples from ``first`` on, with 15 more on each side; NaN where there are none."""
+    at = first[:, None] + np.arange(-SIDE, count + SIDE)
+    values = x[np.clip(at, 0, len(x) - 1)].astype(np.float64)
+    values[(at < 0) | (at >= len(x)) | ~np.isfinite(values)] = np.nan
+    return values
+
+
+def _off_median(around: Array) -> Array:
+    """Return rows of samples, without the 15 on each side, less the running median of 31 around each."""
+    middle, windows = around[:, SIDE:-SIDE], sliding_window_view(around, WINDOW, axis=1).copy()
+    windows.sort(axis=2)  # NaN last
+    if not np.isnan(around).any():
+        return np.asarray(middle - windows[:, :, SIDE])
+    held = np.maximum(np.count_nonzero(~np.isnan(windows), axis=2), 1)[:, :, None]
+    halves = [np.take_along_axis(windows, half, axis=2)[:, :, 0] for half in ((held - 1) // 2, held // 2)]
+    return np.asarray(middle - 0.5 * (halves[0] + halves[1]))
 
 
 def _runs(x: NDArray[Any]) -> tuple[Indices, Indices]:
@@ -103,8 +110,7 @@ class Loops:
     @staticmethod
     def fill_pieces(x: NDArray[Any], first: Indices, out: Array) -> None:
         """Fill rows of ``out`` with samples from ``first`` on, less the running median around each."""
-        at = first[:, None] + np.arange(out.shape[1])
-        out[:] = _off_median(x, at.ravel()).reshape(out.shape)
+        out[:] = _off_median(_around(x, first, out.shape[1]))
 
     @staticmethod
     def fill_far(x: NDArray[Any], size: int, which: Indices, limit: float, low: float, at: Indices, off: Array) -> int:
@@ -113,15 +119,13 @@ class Loops:
         first = first[first < len(x)]
         if not len(first):
             return 0
-        around = first[:, None] + np.arange(-SIDE, SUB + SIDE)
-        inside = (around >= 0) & (around < len(x))
-        values = np.where(inside, x[np.clip(around, 0, len(x) - 1)], np.nan).astype(np.float64)
-        values[~np.isfinite(values)] = np.nan
-        least = np.where(np.isnan(values), np.inf, values).min(axis=1)
-        largest = np.where(np.isnan(values), -np.inf, values).max(axis=1)
-        some = (first[largest - least > limit][:, None] + np.arange(SUB)).ravel()
+        around = _around(x, first, SUB)
+        least = np.where(np.isnan(around), np.inf, around).min(axis=1)
+        largest = np.where(np.isnan(around), -np.inf, around).max(axis=1)
+        wide = largest - least > limit
+        some = (first[wide][:, None] + np.arange(SUB)).ravel()
+        d = _off_median(around[wide]).ravel()[some < len(x)]
         some = some[some < len(x)]
-        d = _off_median(x, some)
         far = np.abs(d) > low
         found = int(np.count_nonzero(far))
         room = min(found, len(at))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
-from .noise import white_noise
+from ..time.samples import Indices
 
 FEWEST = 48  # samples of a record that is judged
 SIDE = 8, 2048  # samples, fewest and most, of a line before and after a jump
@@ -72,9 +73,10 @@ def jumps(x: Array, cut: NDArray[np.bool_], size: int) -> list[Jump]:
     size : int
         Samples of a block of noise.
     """
-    found = [one for place in candidates(x) if not cut[place] and (one := jump_at(x, place, cut)) is not None]
-    means = _block_means(x, size)
-    found += [_whole(one, x, size, means) for one in found]
+    columns = np.ascontiguousarray(x.T)
+    found = _jumps_at(columns, [place for place in candidates(x) if not cut[place]], cut)
+    means = _block_means(columns, size)
+    found += [_whole(one, columns, size, means) for one in found]
     return [one for one in found if np.any(np.abs(one.step) > CLEAR * one.u)]
 
 
@@ -88,64 +90,102 @@ def _shapes(size: int) -> tuple[Array, float, Array]:
     return t, float(np.sum(t**2)), bends
 
 
-def _line(x: Array, index: int, side: int, room: int) -> Line | None:
-    """Return the level at a jump from the samples before (side -1) or after (1), the longest stretch a line fits."""
-    found: Line | None = None
-    near = min(room, NEAR)
-    around = x[index - near : index] if side < 0 else x[index : index + near]
-    size, failed, noises = SIDE[0], 0, dict[int, Array]()  # noise of the samples next to the jump, by their number
-    while size <= min(room, SIDE[1]) and failed < PATIENCE:
-        part = x[index - size : index][::-1] if side < 0 else x[index : index + size]  # away from the jump
+def _lines(columns: Array, first: Indices, way: Indices, room: Indices) -> list[Line | None]:
+    """Return the levels at jumps from the samples beside them, each from the longest stretch a line fits.
+
+    Parameters
+    ----------
+    columns : ndarray, shape (channels, n)
+        The record.
+    first, way, room : ndarray of int64, shape (k,)
+        First sample of each stretch, 1 or -1 to where it goes on, and how many samples there are.
+    """
+    found: list[Line | None] = [None] * len(first)
+    near = _near(columns, first, way, np.minimum(room, NEAR))
+    size, failed = SIDE[0], np.zeros(len(first), dtype=np.int64)
+    noises: dict[int, Array] = {}  # noise of the samples next to the jumps, by their number
+    going = np.flatnonzero(room >= size)
+    while len(going):
+        part = columns[:, first[going, None] + way[going, None] * np.arange(size)]  # away from the jumps
         t, moment, bends = _shapes(size)
-        mean = part.mean(axis=0)
-        slope = t @ part / moment
-        rest = part - mean - np.outer(t, slope)
-        scatter = np.sqrt(np.sum(rest**2, axis=0) / (size - 2))
-        noise = noises[size] = white_noise(part)
-        close = noises[max(SIDE[0], size // 4)]
+        mean = part.mean(axis=2)
+        slope = part @ t / moment
+        rest = part - mean[:, :, None] - slope[:, :, None] * t
+        scatter = np.sqrt(np.sum(rest**2, axis=2) / (size - 2))
+        noise = noises.setdefault(size, np.empty((len(columns), len(first))))
+        noise[:, going] = own = _white(part)
+        close = noises[max(SIDE[0], size // 4)][:, going]
         more = 1.0 + FITS / np.sqrt(size)
         alike = 1.5 + FITS / np.sqrt(0.5 * size)
-        bent = np.abs(bends @ rest)
-        fits = bool(np.all(bent <= BENT * noise) and np.all(scatter <= more * noise))
-        fits = fits and bool(np.all((close <= alike * noise) & (noise <= alike * close)))
-        if found is None or fits:
-            if size < NEAR:  # so few samples do not tell their scatter
-                scatter = np.maximum(scatter, white_noise(around))
-            u = scatter * np.sqrt(1.0 / size + (0.5 * size) ** 2 / moment)
-            found = Line(mean - slope * 0.5 * size, u, scatter, size)
-        failed = 0 if fits else failed + 1
+        bent = np.abs(rest @ bends.T)
+        fits = np.all(bent <= BENT * own[:, :, None], axis=(0, 2)) & np.all(scatter <= more * own, axis=0)
+        fits &= np.all((close <= alike * own) & (own <= alike * close), axis=0)
+        if size < NEAR:  # so few samples do not tell their scatter
+            scatter = np.maximum(scatter, near[:, going])
+        u = scatter * np.sqrt(1.0 / size + (0.5 * size) ** 2 / moment)
+        level = mean - slope * 0.5 * size
+        for at, one in enumerate(going.tolist()):
+            if found[one] is None or fits[at]:
+                found[one] = Line(level[:, at], u[:, at], scatter[:, at], size)
+        failed[going] = np.where(fits, 0, failed[going] + 1)
         size *= 2
+        going = going[(failed[going] < PATIENCE) & (room[going] >= size)] if size <= SIDE[1] else going[:0]
     return found
+
+
+def _near(columns: Array, first: Indices, way: Indices, near: Indices) -> Array:
+    """Return the white noise of so many samples next to jumps, shape (channels, k)."""
+    found = np.zeros((len(columns), len(first)))
+    for size in np.unique(near[near > 2]).tolist():
+        own = np.flatnonzero(near == size)
+        found[:, own] = _white(columns[:, first[own, None] + way[own, None] * np.arange(size)])
+    return found
+
+
+def _white(part: Array) -> Array:
+    """Return the standard deviation of white noise with the second differences of stretches, along the last axis."""
+    second = part[..., 2:] - 2.0 * part[..., 1:-1] + part[..., :-2]
+    values: Array = np.sqrt(np.mean(second**2, axis=-1) / 6.0)
+    return values
 
 
 def jump_at(x: Array, index: int, cut: NDArray[np.bool_]) -> Jump | None:
     """Return the lines on both sides of a jump, within the stretch without a gap."""
+    return next(iter(_jumps_at(np.ascontiguousarray(x.T), [index], cut)), None)
+
+
+def _jumps_at(columns: Array, places: Sequence[int], cut: NDArray[np.bool_]) -> list[Jump]:
+    """Return the lines on both sides of jumps, where there are enough samples without a gap."""
+    if not len(places):
+        return []
+    at = np.array(places, dtype=np.int64)
     gaps = np.flatnonzero(cut)
-    first = int(gaps[gaps < index].max(initial=0))
-    last = int(gaps[gaps > index].min(initial=len(x)))
-    before, after = _line(x, index, -1, index - first), _line(x, index, 1, last - index)
-    if before is None or after is None:
-        return None
-    return Jump(index, before, after)
+    before = np.append(0, gaps)[np.searchsorted(gaps, at, side="left")]
+    after = np.append(gaps, columns.shape[1])[np.searchsorted(gaps, at, side="right")]
+    way = np.repeat([-1, 1], len(at))
+    lines = _lines(columns, np.concatenate([at - 1, at]), way, np.concatenate([at - before, after - at]))
+    sides = zip(places, lines[: len(at)], lines[len(at) :], strict=True)
+    return [Jump(one, left, right) for one, left, right in sides if left is not None and right is not None]
 
 
 def candidates(x: Array) -> list[int]:
     """Return the samples at which the record jumps: the step is far larger than those beside it."""
     found: dict[int, float] = {}  # how far each step stands out
+    columns = np.ascontiguousarray(x.T)
     size = 1
     while len(x) // size >= FEWEST:
-        means = x[: len(x) // size * size].reshape(-1, size, x.shape[1]).mean(axis=1) if size > 1 else x
+        means = _block_means(columns, size) if size > 1 else columns
         gap = 1 if size == 1 else 2  # the block of the jump itself is a mixture
-        step = np.abs(means[gap:] - means[:-gap])
-        typical = np.maximum(np.median(step, axis=0), 1e-9 * np.abs(means).max(axis=0))
+        step = np.abs(means[:, gap:] - means[:, :-gap])
+        typical = np.maximum(np.median(step, axis=1), 1e-9 * np.abs(means).max(axis=1))[:, None]
         beside = np.zeros_like(step)
         width = NEIGHBOURS
         widest = _widest(step, width)
         shift = width // 2 + gap
-        beside[shift:] = np.maximum(beside[shift:], widest[:-shift])
-        beside[:-shift] = np.maximum(beside[:-shift], widest[shift:])
+        beside[:, shift:] = np.maximum(beside[:, shift:], widest[:, :-shift])
+        beside[:, :-shift] = np.maximum(beside[:, :-shift], widest[:, shift:])
         with np.errstate(divide="ignore", invalid="ignore"):
-            excess = np.max(np.where(typical > 0.0, (step - ABRUPT * beside) / typical, 0.0), axis=1)
+            excess = np.max(np.where(typical > 0.0, (step - ABRUPT * beside) / typical, 0.0), axis=0)
         for row in np.argsort(excess)[: -CANDIDATES - 1 : -1].tolist():
             if excess[row] > 3.0:
                 place = row + 1 if size == 1 else _best_split(x, row * size, (row + gap + 1) * size)
@@ -157,12 +197,12 @@ def candidates(x: Array) -> list[int]:
 
 
 def _widest(step: Array, width: int) -> Array:
-    """Return the largest value of each column within a width about each row."""
-    found = np.pad(step, ((width // 2, width - 1 - width // 2), (0, 0)), mode="edge")
+    """Return the largest value of each channel within a width about each sample."""
+    found = np.pad(step, ((0, 0), (width // 2, width - 1 - width // 2)), mode="edge")
     size = 1
     while size < width:  # of windows, twice as wide each time
         more = min(size, width - size)
-        found, size = np.maximum(found[:-more], found[more:]), size + more
+        found, size = np.maximum(found[:, :-more], found[:, more:]), size + more
     return found
 
 
@@ -177,22 +217,22 @@ def _best_split(x: Array, first: int, last: int) -> int:
     return first + int(np.argmax(gain.sum(axis=1))) + 1
 
 
-def _block_means(x: Array, size: int) -> Array:
-    """Return the means of whole blocks, shape (blocks, channels)."""
-    n = len(x) // size
-    means: Array = x[: n * size].reshape(n, size, -1).mean(axis=1)
+def _block_means(columns: Array, size: int) -> Array:
+    """Return the means of whole blocks, shape (channels, blocks)."""
+    n = columns.shape[1] // size
+    means: Array = columns[:, : n * size].reshape(len(columns), n, size).mean(axis=2)
     return means
 
 
-def _whole(jump: Jump, x: Array, size: int, means: Array) -> Jump:
+def _whole(jump: Jump, columns: Array, size: int, means: Array) -> Jump:
     """Return a jump with the levels of all that lies before and after, for records at rest; ``means`` of blocks."""
-    lines = []
-    if min(jump.at, len(x) - jump.at) < FEWEST_BLOCKS * size:
+    lines, total = [], columns.shape[1]
+    if min(jump.at, total - jump.at) < FEWEST_BLOCKS * size:
         return jump
-    before, after = means[: jump.at // size], _block_means(x[jump.at :], size)
-    for part, n in ((before, jump.at), (after, len(x) - jump.at)):
-        level = np.median(part, axis=0)
-        scatter = 1.4826 * np.median(np.abs(part - level), axis=0)
+    before, after = means[:, : jump.at // size], _block_means(columns[:, jump.at :], size)
+    for part, n in ((before, jump.at), (after, total - jump.at)):
+        level = np.median(part, axis=1)
+        scatter = 1.4826 * np.median(np.abs(part - level[:, None]), axis=1)
         lines.append(Line(level, 0.5 * scatter, scatter * np.sqrt(size), n))
     whole = Jump(jump.at, *lines)
     # The record has to jump there, too: what was laid on another side before or after is no jump

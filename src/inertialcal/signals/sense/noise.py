@@ -78,9 +78,3 @@ def refined(x: Array, at: int, size: int, noise: Noise) -> int:
     quiet = bool(np.sum(b - a) < 0.0)
     # Second differences across the change are as large as the louder side's
     return first + int(np.argmax(walk)) + (0 if quiet else 2)
-
-
-def white_noise(part: Array) -> Array:
-    """Return the standard deviation of white noise that has the second differences of a stretch."""
-    values: Array = np.sqrt(np.mean(np.diff(part, 2, axis=0) ** 2, axis=0) / 6.0)
-    return values

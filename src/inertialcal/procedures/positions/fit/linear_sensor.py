@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-from ....core.estimate import Array, joined_dof
+from ....core.estimate import Array, joined_dof, joins_to_fewer
 from ....core.influence import Influence
 from ....core.key import AXES, Key, Origin, Reason
 from ....core.unknowns import Unknowns
@@ -222,8 +222,7 @@ def dof_of_each(shares: Array, dof: Array) -> Array:
     low, high = np.log(np.full(len(dof), LEAST_DOF)), np.log(dof.clip(LEAST_DOF, MOST_DOF))
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        each = np.exp(middle)
-        fewer = joined_dof(list(shares), [each] * len(shares)) < dof
+        fewer = joins_to_fewer(shares, np.exp(middle), dof)
         low, high = np.where(fewer, middle, low), np.where(fewer, high, middle)
     return np.where(dof < MOST_DOF, np.exp(high), np.inf)
 

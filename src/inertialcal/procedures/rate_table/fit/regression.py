@@ -346,12 +346,14 @@ def _dwell_and_run_levels(readings: Readings, found: Fit, own: Solution) -> tupl
         return _dwell_level(square, own.dof if own.own else found.dof), Level("run", None, reason=reason)
     assert readings.run is not None  # noqa: S101 - for the type checker
     labels, at = np.unique(readings.run, return_inverse=True)
-    columns = np.column_stack([found.design, np.eye(len(labels))[at]])
-    left, singular, _ = np.linalg.svd(columns, full_matrices=False)
-    basis: Array = left[:, singular > singular[0] * 1e-10]
-    residuals = found.residuals - basis @ (basis.T @ found.residuals)  # what no run offset can take up
+    # What no offset of a run can take up: within the runs, beside the columns there
+    within = whitened(np.column_stack([found.design, found.residuals]), np.ones(len(at)), at, np.inf)
+    left, singular, _ = np.linalg.svd(within[:, :-1], full_matrices=False)
+    size = np.hypot(np.linalg.norm(found.design), np.sqrt(np.max(np.bincount(at))))
+    basis: Array = left[:, singular > size * 1e-10]
+    residuals = within[:, -1] - basis @ (basis.T @ within[:, -1])
     square = float(residuals @ residuals)
-    dof = float(len(residuals) - basis.shape[1])
+    dof = float(len(residuals) - len(labels) - basis.shape[1])
     dof_run = found.dof - dof
     dwell = _dwell_level(square, dof)
     if dof_run < 1:
