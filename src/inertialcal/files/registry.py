@@ -37,6 +37,22 @@ BUILT_IN = {  # name -> module and attribute, in the order in which they are ask
     "npz": "binary.numpy_file:NPZ",
     "mat4": "binary.matlab:VERSION_4",
     "cards": "text.card_images:READER",
+    "rosbag1": "loggers.bags:ROSBAG_1",
+    "rosbag2": "loggers.bags:ROSBAG_2",
+    "mcap": "loggers.bags:READER",
+    "ulog": "loggers.ulog:READER",
+    "dataflash": "loggers.dataflash:BINARY",
+    "dataflash_text": "loggers.dataflash:TEXT_LOG",
+    "excel": "loggers.excel:READER",
+    "tdms": "loggers.tdms:READER",
+    "uff": "loggers.uff:READER",
+    "wav": "loggers.wav:READER",
+    "feather": "loggers.feather:READER",
+    "mdf": "loggers.mdf:READER",
+    "ide": "loggers.ide:READER",
+    "lvm": "loggers.lvm:READER",
+    "miniseed": "loggers.miniseed:READER",
+    "sqlite": "loggers.sqlite:READER",
 }
 READERS: Registry[Reader] = Registry(
     "reader", Reader, "inertialcal.readers", {name: f"{__package__}.{place}" for name, place in BUILT_IN.items()}
