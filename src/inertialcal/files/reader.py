@@ -39,7 +39,7 @@ class Request:
     sample_rate: float | None = None
     time_column: str | None = None
     required: Sequence[str] = ()
-    variables: Sequence[str] | None = None
+    topics: Sequence[str] | None = None  # Those to take, where a file holds several sets of columns
     window: Window = field(default_factory=Window)
     frame: str | None = None
     decimal: str | None = None

@@ -86,7 +86,7 @@ def read_recording(path: str | Path, request: Request, parsed: Parsed | None = N
             do="Leave --frame out",
             code="wrong_frame",
         )
-    variables = None if request.variables is None else tuple(request.variables)
+    variables = tuple(request.topics or ()) or None
     key = (str(path), variables, request.decimal)
     known = None if parsed is None else parsed.get(key)
     content, source = _columns(path, request) if known is None else known
@@ -109,7 +109,7 @@ def _columns(path: str | Path, request: Request) -> tuple[Content, Source]:
     reader = find_reader(loaded)
     loaded = loaded if reader.in_place else whole(loaded)
     if request.decimal is None:
-        content = reader.read(loaded, request.variables)
+        content = reader.read(loaded, request.topics or None)
     else:
         content = _with_decimal(loaded, reader, request.decimal)
     check_count(len(content.columns), COLUMNS, "columns", loaded.path)

@@ -5,8 +5,10 @@ Each writer puts three axes of a gyro and of an accelerometer into a file; what 
 
 from __future__ import annotations
 
+import gc
 import sqlite3
 import struct
+import warnings
 import wave
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -20,7 +22,7 @@ from numpy.typing import NDArray
 N, STEP = 400, 5_000_000  # samples, and nanoseconds between them
 START = 1_700_000_000_000_000_000
 RNG = np.random.default_rng(26)
-GYRO, ACC = RNG.normal(size=(N, 3)), RNG.normal(size=(N, 3)) + [0.0, 0.0, 9.8]
+GYRO, ACC = RNG.normal(size=(N, 3)), RNG.normal(size=(N, 3)) + np.array([0.0, 0.0, 9.8])
 COUNTS = RNG.integers(-30_000, 30_000, size=(N, 3))
 STAMPS = START + STEP * np.arange(N)
 XYZ = ("x", "y", "z")
@@ -208,9 +210,10 @@ def dataflash(path: Path) -> Written:
             parts.append(dataflash_message("IMU", stamp, instance, *readings, 0, 0, 31.5, 1, 1, 200, 200))
         parts.append(dataflash_message("ATT", stamp, -1234, 5, i))
     path.write_bytes(b"".join(parts))
-    wanted = _named("Gyr", -GYRO.astype(np.float32)) | _named("Acc", -ACC.astype(np.float32))
+    wanted = {f"{name}{axis}": -table[:, i].astype(np.float32)
+              for name, table in (("Gyr", GYRO), ("Acc", ACC)) for i, axis in enumerate("XYZ")}  # fmt: skip
     return Written(
-        {name.replace("x", "X").replace("y", "Y").replace("z", "Z").replace("GYr", "Gyr"): v for name, v in wanted.items()},
+        wanted,
         {"GyrX": "rad/s", "AccZ": "m/s^2", "T": "degC", "GHz": "Hz"}, 2_000_000_000 + STEP * np.arange(N),
         topic="IMU[1]", remarks=("frame_stated", "other_topics"),
     )  # fmt: skip
@@ -276,6 +279,16 @@ def uff(path: Path, binary: int = 0) -> Written:
     """Write a universal file: three axes as functions of time, and a spectrum."""
     import pyuff
 
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ResourceWarning)  # its writer leaves files open
+        _write_uff(pyuff, path, binary)
+        gc.collect()
+    wanted = _named("acc_12_", ACC)
+    time_ns = STEP * np.arange(N)
+    return Written(wanted, {"acc_12_x": "m/s^2"}, time_ns, exact=bool(binary), remarks=("variables_left_out",))
+
+
+def _write_uff(pyuff: Any, path: Path, binary: int) -> None:
     file = pyuff.UFF(str(path))
     x = np.arange(N) * STEP / 1e9
     for i in range(3):
@@ -288,11 +301,8 @@ def uff(path: Path, binary: int = 0) -> Written:
     file.write_sets(pyuff.prepare_58(
         binary=0, func_type=4, rsp_node=1, rsp_dir=1, ref_dir=1, ref_node=1, data=np.ones(5) + 1j, x=np.arange(5.0),
         id1="frf", abscissa_spacing=1, abscissa_inc=1.0, abscissa_min=0.0, abscissa_spec_data_type=18,
-        ordinate_spec_data_type=12, num_pts=5,
+        ordinate_spec_data_type=12, orddenom_spec_data_type=13, num_pts=5,
     ), "add")  # fmt: skip
-    wanted = _named("acc_12_", ACC)
-    time_ns = STEP * np.arange(N)
-    return Written(wanted, {"acc_12_x": "m/s^2"}, time_ns, exact=bool(binary), remarks=("variables_left_out",))
 
 
 def uff_binary(path: Path) -> Written:
@@ -384,12 +394,13 @@ def lvm(path: Path) -> Written:
             "Multi_Headings\tYes", "X_Columns\tOne", "Time_Pref\tAbsolute", "Date\t2024/03/12", "Time\t09:15:00,0",
             "***End_of_Header***\t", "\t"]  # fmt: skip
     for first, stop in ((0, 250), (250, N)):
-        second = first * STEP / 1e9
+        clock = f"09:15:{first * STEP / 1e9:09.6f}".replace(".", ",")
         head += ["Channels\t3\t\t\t", f"Samples\t{stop - first}\t{stop - first}\t{stop - first}\t",
-                 "Date\t2024/03/12\t2024/03/12\t2024/03/12\t", "\t".join(["Time", *[f"09:15:{second:09.6f}".replace(".", ",")] * 3, ""]),
+                 "Date\t2024/03/12\t2024/03/12\t2024/03/12\t", "\t".join(["Time", *[clock] * 3, ""]),
                  "Y_Unit_Label\tdeg/s\tdeg/s\tdeg/s\t", "X_Dimension\tTime\tTime\tTime\t",
                  "X0\t0,0\t0,0\t0,0\t", "Delta_X\t0,005\t0,005\t0,005\t", "***Start_Special***\t", "anything\tat all",
-                 "***End_Special***\t", "***End_of_Header***\t\t\t\t", "X_Value\tgyro_x\tgyro_y\tgyro_z\tComment"]  # fmt: skip
+                 "***End_Special***\t", "***End_of_Header***\t\t\t\t",
+                 "X_Value\tgyro_x\tgyro_y\tgyro_z\tComment"]  # fmt: skip
         for i in range(first, stop):
             cells = [f"{(i - first) * STEP / 1e9:.6f}", *(f"{value:.9f}" for value in GYRO[i])]
             head.append("\t".join(cells).replace(".", ","))

@@ -15,7 +15,7 @@ ROUNDING = 2e-7  # of numbers with seven digits
 
 
 def read(path: Path, written: Written) -> Recording:
-    return ic.read(path, variables=None if written.topic is None else [written.topic])
+    return ic.read(path, topics=[] if written.topic is None else [written.topic])
 
 
 @pytest.mark.parametrize("name", WRITERS)

@@ -115,16 +115,16 @@ def content_of(bag: Bag, variables: Sequence[str] | None) -> Content:
     """Return the readings of a topic, those that were named or the one with inertial readings."""
     rows: dict[str, int] = {}
     for key, _, _ in bag.messages():
-        topic = bag.connections[key].topic
-        rows[topic] = rows.get(topic, 0) + 1
+        name = bag.connections[key].topic
+        rows[name] = rows.get(name, 0) + 1
     by_topic: dict[str, list[Connection]] = {}
     for one in bag.connections.values():
         by_topic.setdefault(one.topic, []).append(one)
     topics = [_topic(name, own, rows.get(name, 0)) for name, own in by_topic.items()]
     chosen = choose(topics, variables, bag.path)
-    for one in chosen:
-        if one.rank == NO_NUMBERS:
-            what = f"topic {one.name} holds {one.what or 'messages of no type'}"
+    for topic in chosen:
+        if topic.rank == NO_NUMBERS:
+            what = f"topic {topic.name} holds {topic.what or 'messages of no type'}"
             do = f"Read are {', '.join(f'sensor_msgs/{name}' for name in MESSAGES)}"
             raise DataError(what, where=bag.path, do=do, code="no_channel")
     parts = [(one, _decoded(bag, one, by_topic[one.name][0])) for one in chosen]

@@ -40,7 +40,7 @@ READINGS = ("IMU", "IMU2", "IMU3", "ACC", "ACC1", "ACC2", "ACC3", "GYR", "GYR1",
 CLOCKS = {"TimeUS": "us", "TimeMS": "ms", "SampleUS": "us"}
 KNOWN = {"Gyr": "rad/s", "Acc": "m/s^2"}  # of logs without units, from 2016 on
 FRAME = "body of the autopilot, x forward, y right, z down"
-FMT = 128
+FMT, FMT_LENGTH = 128, 89
 INSTANCE = "#"
 TEXT_CELL = 120  # bytes of a cell of text while it is read
 
@@ -92,6 +92,19 @@ class Log:
             self.units[chr(int(values["Id"]))] = values["Label"]
         elif name == "MULT":
             self.multipliers[chr(int(values["Id"]))] = float(values["Mult"])
+
+    def learn_bytes(self, kind: int, body: bytes) -> None:
+        """Take over what a message of a binary log says about the log, if it is of such a type."""
+        if kind == FMT and (made := _format(body)):
+            self.formats.setdefault(made[0], made[1])
+        one = self.formats.get(kind)
+        if one is None or one.name not in ("FMTU", "UNIT", "MULT"):
+            return
+        values = {}
+        for label, value in zip(one.labels, np.frombuffer(body, one.kind)[0].tolist(), strict=True):
+            is_text = isinstance(value, bytes)
+            values[label] = value.split(b"\0")[0].decode("ascii", "replace") if is_text else value
+        self.learn(one.name, values)
 
     def unit(self, one: Format, at: int, scaled: bool = False) -> tuple[str | None, float]:
         """Return the unit of a field, and by what its stored numbers (``scaled``: those printed) are multiplied."""
@@ -157,48 +170,29 @@ def _topic(name: str, one: Format, rows: int) -> Topic:
 def _messages(data: bytes, log: Log) -> Iterator[tuple[int, bytes, NDArray[np.int64]]]:
     """Yield type, block and places of the messages of a log, block by block; fill in what the log says of itself."""
     log.skipped = log.end = 0
-    lengths = {FMT: 89} | {kind: one.length for kind, one in log.formats.items()}
     at, size = 0, len(data)
     while at < size:
         block = data[at : at + BLOCK]
+        last = at + len(block) >= size
         places: dict[int, list[int]] = {}
-        place, last = 0, at + len(block) >= size
-        while True:
-            found = block.find(MARK, place)
-            if found < 0 or found + 3 > len(block):
-                stop = len(block) if last else max(len(block) - 2, place)
-                log.skipped += 0 if last else stop - place
-                place = stop
-                break
+        place = 0
+        while (found := block.find(MARK, place)) >= 0 and found + 3 <= len(block):
             kind = block[found + 2]
-            length = lengths.get(kind)
-            if length is None:
-                log.skipped += found + 1 - place
+            length = FMT_LENGTH if kind == FMT else log.formats[kind].length if kind in log.formats else 0
+            if found + length > len(block) and not last:
+                break
+            if not length or found + length > len(block):  # by chance, or torn
                 place = found + 1
                 continue
-            if found + length > len(block):
-                if last and found + length <= size - at:
-                    break
-                if not last:
-                    log.skipped += found - place
-                    place = found
-                    break
-                log.skipped += found - place
-                place = len(block)
-                break
-            log.skipped += found - place
-            if kind == FMT and (one := _format(block[found + 3 : found + 89])):
-                log.formats.setdefault(one[0], one[1])
-                lengths[one[0]] = log.formats[one[0]].length
-            elif kind in log.formats and log.formats[kind].name in ("FMTU", "UNIT", "MULT"):
-                _learn(log, log.formats[kind], block[found + 3 : found + length])
+            log.skipped += at + found - log.end
+            log.learn_bytes(kind, block[found + 3 : found + length])
             places.setdefault(kind, []).append(found)
             place = found + length
             log.end = at + place
         for kind, these in places.items():
             if kind in log.formats:
                 yield kind, block, np.array(these)
-        at += max(place, 1)
+        at += len(block) if last else max(found if found >= 0 else len(block) - 2, 1)
 
 
 def _format(body: bytes) -> tuple[int, Format] | None:
@@ -209,14 +203,6 @@ def _format(body: bytes) -> tuple[int, Format] | None:
     if not found.is_whole and len(found.labels) > len(found.letters):
         found.labels = found.labels[: len(found.letters)]
     return (kind, found) if found.is_whole else None
-
-
-def _learn(log: Log, one: Format, body: bytes) -> None:
-    row = np.frombuffer(body, one.kind)[0]
-    values = {}
-    for label, value in zip(one.labels, row.tolist(), strict=True):
-        values[label] = value.split(b"\0")[0].decode("ascii", "replace") if isinstance(value, bytes) else value
-    log.learn(one.name, values)
 
 
 def _binary_columns(loaded: Loaded, log: Log, key: tuple[int, int], topic: Topic) -> Content:

@@ -6,7 +6,7 @@ A file is a stream between two marks, with an index at its end: where the end is
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from ...core.errors import DataError
@@ -47,24 +47,21 @@ def read_feather(loaded: Loaded, variables: Sequence[str] | None = None) -> Cont
         check_count(len(sizes), 100 * PARTS, "batches", path)
         texts = [name for name, kind in zip(schema.names, schema.types, strict=True) if not _is_number(kind, pa)]
         held = 0 if isinstance(loaded.data, FileBytes) else len(loaded.data)
-        claim(path, loaded.on_disk, held + 3 * VALUE * max(sizes, default=0) * len(schema) + TEXT_CELL * rows * len(texts),
-              f"{rows:,} rows")  # fmt: skip
+        need = held + 3 * VALUE * max(sizes, default=0) * len(schema) + TEXT_CELL * rows * len(texts)
+        claim(path, loaded.on_disk, need, f"{rows:,} rows")
         claim_room(path, loaded.on_disk, VALUE * rows * len(schema), f"{rows:,} rows")
-        long, gone = (
-            LongColumns(rows),
-            dict.fromkeys(name for name in texts if not _is_text(schema.field(name).type, pa)),
-        )
+        long = LongColumns(rows)
+        gone = dict.fromkeys(name for name in texts if not _is_text(schema.field(name).type, pa))
+        numbers = [name for name in schema.names if name not in texts]
         held_texts: dict[str, list[Any]] = {name: [] for name in texts if name not in gone}
         for batch in batches():
             table = pa.Table.from_batches([batch])
-            made = [
-                arrow_column(table.column(name), schema.field(name), path) for name in schema.names if name not in texts
-            ]
+            made = [arrow_column(table.column(name), schema.field(name), path) for name in numbers]
             gone |= dict.fromkeys(one for one in made if isinstance(one, str))
             if made:
                 long.add([one for one in made if isinstance(one, Column)])
-            for name, parts in held_texts.items():
-                parts += table.column(name).chunks
+            for name in held_texts:
+                held_texts[name] += table.column(name).chunks
         columns = list(long.columns())
         for name, parts in held_texts.items():
             one = arrow_column(pa.chunked_array(parts, schema.field(name).type), schema.field(name), path)
@@ -88,7 +85,7 @@ def _is_text(kind: Any, pa: Any) -> bool:
     return bool(pa.types.is_string(kind) or pa.types.is_large_string(kind))
 
 
-def _opened(loaded: Loaded, pa: Any) -> tuple[Any, Any, Any]:
+def _opened(loaded: Loaded, pa: Any) -> tuple[Any, Callable[[], Iterator[Any]], Callable[[], tuple[Remark, ...]]]:
     """Return schema, a function that yields the batches that are whole, and one that says where they end."""
     from pyarrow import feather, ipc  # noqa: PLC0415 - heavy import
 
@@ -99,38 +96,51 @@ def _opened(loaded: Loaded, pa: Any) -> tuple[Any, Any, Any]:
 
     if data.startswith(OLD):
         table = feather.read_table(source())
-        return table.schema, lambda: iter(table.to_batches()), lambda: ()
+        return table.schema, lambda: iter(table.to_batches()), tuple
     if data.startswith(MAGIC) and data[-len(MAGIC) :] == MAGIC:
         file = ipc.open_file(source())
-        return file.schema, lambda: (file.get_batch(i) for i in range(file.num_record_batches)), lambda: ()
-    ended = [0, False]
+        return file.schema, lambda: (file.get_batch(i) for i in range(file.num_record_batches)), tuple
+    stream = _Stream(loaded, source, pa)
+    return stream.opened()[1].schema, stream.batches, stream.ends
 
-    def stream() -> Any:
-        opened = source()
-        if data.startswith(MAGIC):
-            opened.seek(START)
-        return opened, ipc.open_stream(opened)
 
-    def batches() -> Iterator[Any]:
-        opened, reader = stream()
+class _Stream:
+    """The stream of an Arrow file without an end, or one that is no file."""
+
+    def __init__(self, loaded: Loaded, source: Callable[[], Any], pa: Any) -> None:
+        self._loaded, self._source, self._pa = loaded, source, pa
+        self._at, self._is_whole = 0, False
+
+    def opened(self) -> tuple[Any, Any]:
+        """Return the file at the stream, and the reader of the stream."""
+        from pyarrow import ipc  # noqa: PLC0415 - heavy import
+
+        file = self._source()
+        if self._loaded.data.startswith(MAGIC):
+            file.seek(START)
+        return file, ipc.open_stream(file)
+
+    def batches(self) -> Iterator[Any]:
+        """Yield the batches that are whole."""
+        data = self._loaded.data
+        file, reader = self.opened()
         while True:
-            ended[0] = opened.tell()
+            self._at = file.tell()
             try:
                 batch = reader.read_next_batch()
             except StopIteration:
-                ended[1] = not data.startswith(MAGIC) and data[-8:-4] == STREAM
+                self._is_whole = not data.startswith(MAGIC) and data[-8:-4] == STREAM
                 return
-            except (pa.ArrowException, OSError):
+            except (self._pa.ArrowException, OSError):
                 return
             yield batch
 
-    def ends() -> tuple[Remark, ...]:
-        if ended[1]:
+    def ends(self) -> tuple[Remark, ...]:
+        """Return a remark where the stream is not whole."""
+        if self._is_whole:
             return ()
-        rest = len(data) - ended[0]
-        return torn(loaded.path, rest, ended[0]) if rest else torn(loaded.path, 0, ended[0], "it has no end")
-
-    return stream()[1].schema, batches, ends
+        rest = len(self._loaded.data) - self._at
+        return torn(self._loaded.path, rest, self._at, *(() if rest else ("it has no end",)))
 
 
 def _recognises(data: bytes, path: str) -> bool:

@@ -79,7 +79,7 @@ def _columns(events: Any, topic: Topic, loaded: Loaded) -> Content:
 
 
 def _name(one: Any) -> str:
-    """Return what a subchannel is called, its quantity in front: ``acc X (100g)`` would say a unit, so the range goes."""
+    """Return what a subchannel is called, its quantity in front; its range, ``X (100g)``, would read as a unit."""
     bare = str(one.name).partition(" (")[0]
     word = WORDS.get(str(one.units[0]), "")
     return f"{word}_{bare}" if word else bare

@@ -35,7 +35,8 @@ MAGIC = b"LabVIEW Measurement"
 END, SPECIAL, SPECIAL_END = "***End_of_Header***", "***Start_Special***", "***End_Special***"
 SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";"}
 CELL = 120  # bytes of a cell in Python
-X, COMMENT = "X_Value", "Comment"
+COMMENT = "Comment"
+TIME_UNITS = ("s", "ms", "us")
 JOINED = 0.5  # of a step: a segment that begins so near behind the one before goes on where it ended
 
 
@@ -55,12 +56,13 @@ class Segment:
 
 
 def read_lvm(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
-    """Return the channels of a file, segment below segment, whatever variables are named.
+    """Return the channels of a file that share a clock, segment below segment.
 
     Raises
     ------
     DataError
-        ``damaged_file``, ``no_channel``, ``too_large``; ``several_clocks`` where channels have times of their own.
+        ``damaged_file``, ``no_channel``, ``too_large``, ``several_topics``, ``wrong_column``; ``several_clocks`` where
+        channels have columns of times of their own.
     """
     path = loaded.path
     text = loaded.data.decode("utf-8", "replace")
@@ -69,7 +71,46 @@ def read_lvm(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
     cells = text.count(separator)
     claim(path, loaded.on_disk, 4 * len(text) + CELL * cells, f"{cells:,} cells")
     head, segments, special = _segments(text, separator)
-    segments = [one for one in segments if one.rows]
+    used_x = head.get("X_Columns", ["One"])[0].strip().lower() != "no"
+    _check_segments(head, segments, path)
+    topics, by_name = _topics(segments, used_x)
+    chosen = choose(topics, variables, path)
+    taken = [i for topic in chosen for i in by_name[topic.name]]
+    if len({_clock_of(segments[0], i, used_x) for i in taken}) > 1:
+        raise DataError(
+            "these channels have different clocks", where=path, do="Read one at a time", code="several_clocks"
+        )
+    decimal = head.get("Decimal_Separator", ["."])[0].strip() or "."
+    torn: list[int] = []
+    tables, times, rows, missing = [], [], [], 0
+    for one in segments:
+        table, kept, bad = _table(one, decimal)
+        torn += bad
+        size = _samples(one, taken[0] - 1, used_x)
+        missing += max(size - len(table) - len(bad), 0)
+        tables.append(table[:size])
+        rows += kept[:size]
+        times.append(_clock(one, used_x, tables[-1], taken[0] - 1))
+    table = np.concatenate(tables)
+    remarks = _damage(torn, missing, path) + left_out([f"{special} special blocks"] if special else [], path)
+    columns: list[Column] = []
+    for name, i in zip(unique([segments[0].names[i] for i in taken]), taken, strict=True):
+        unit = segments[0].of_channel("Y_Unit_Label", i - 1) or None
+        if unit in TIME_UNITS and heading(name).quantity != "time":  # LabVIEW puts the unit of X there
+            what = f"{unit!r} as the unit of {name!r}: ignored"
+            remarks += (Remark("unknown_unit", "info", what, where=path, subject=name),)
+            unit = None
+        columns.append(number_column(name, table[:, i], unit))
+    time, said = _joined(times, path)
+    time = tuple(replace(one, name=unique([*(c.name for c in columns), one.name])[-1]) for one in time)
+    remarks += said + other_topics(topics, chosen, path)
+    what = f"LabVIEW measurement, {len(segments)} segment(s)"
+    return Content((*time, *columns), what, np.array(rows, dtype=np.int64), None, remarks)
+
+
+def _check_segments(head: dict[str, list[str]], segments: list[Segment], path: str) -> None:
+    """Refuse what is no series of rows; leave out segments without rows."""
+    segments[:] = [one for one in segments if one.rows]
     if not segments:
         raise DataError("no segment holds a row", where=path, do="Record again", code="no_channel")
     check_count(len(segments), PARTS, "segments", path)
@@ -78,51 +119,27 @@ def read_lvm(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
         raise DataError(what, where=path, do=do, code="several_clocks")
     if len({tuple(one.names) for one in segments}) > 1:
         raise DataError("segments differ in their channels", where=path, do="Cut the file there", code="several_clocks")
-    decimal = head.get("Decimal_Separator", ["."])[0].strip() or "."
-    used_x = head.get("X_Columns", ["One"])[0].strip().lower() != "no"
-    names = segments[0].names
-    channels = [i for i, name in enumerate(names) if name not in (X, COMMENT)]
-    clocks: dict[tuple[str, ...], list[int]] = {}
-    for number, i in enumerate(channels):
-        said = () if used_x else tuple(segments[0].of_channel(key, number) for key in ("Delta_X", "X0", "Samples"))
-        clocks.setdefault(said, []).append(i)
+
+
+def _clock_of(one: Segment, i: int, used_x: bool) -> tuple[str, ...]:
+    return () if used_x else tuple(one.of_channel(key, i - 1) for key in ("Delta_X", "X0", "Samples"))
+
+
+def _topics(segments: Sequence[Segment], used_x: bool) -> tuple[list[Topic], dict[str, list[int]]]:
+    """Return the sets of channels of one clock, each called after its first, and the columns of each."""
+    first, clocks = segments[0], dict[tuple[str, ...], list[int]]()
+    for i, name in enumerate(first.names):
+        if i > 0 and name != COMMENT:  # the first column is that of X, whatever it is called
+            clocks.setdefault(_clock_of(first, i, used_x), []).append(i)
     topics, by_name = [], {}
     for own in clocks.values():
-        size = sum(_samples(one, channels.index(own[0]), used_x) for one in segments)
-        step = "" if used_x else f", step {segments[0].of_channel('Delta_X', channels.index(own[0]))}"
-        what = " ".join(names[i] for i in own[:6]) + step
-        only_time = all(heading(names[i]).quantity == "time" for i in own)
-        topics.append(Topic(names[own[0]], what, size, NO_NUMBERS if only_time else OTHER))
-        by_name[names[own[0]]] = own
-    chosen = choose(topics, variables, path)
-    taken = [i for topic in chosen for i in by_name[topic.name]]
-    torn: list[int] = []
-    tables, times, rows, missing = [], [], [], 0
-    for one in segments:
-        table, kept, bad = _table(one, decimal)
-        torn += bad
-        size = _samples(one, channels.index(taken[0]), used_x)
-        missing += max(size - len(table) - len(bad), 0)
-        tables.append(table[:size])
-        rows += kept[:size]
-        times.append(_clock(one, used_x, tables[-1], channels.index(taken[0])))
-    table = np.concatenate(tables)
-    columns: list[Column] = []
-    for name, i in zip(unique([names[i] for i in taken]), taken, strict=True):
-        unit = segments[0].of_channel("Y_Unit_Label", channels.index(i))
-        columns.append(number_column(name, table[:, i], unit or None))
-    time, remarks = _joined(times, path)
-    time = tuple(replace(one, name=unique([*(c.name for c in columns), one.name])[-1]) for one in time)
-    remarks += left_out([f"{special} special blocks"] if special else [], path)
-    if torn:
-        what = "rows that are torn, or hold what is no number: left out"
-        remarks += (Remark("torn_file", "warning", what, f"{path}:{torn[0]}", len(torn)),)
-    if missing:
-        what = "rows that the header promises are missing"
-        remarks += (Remark("torn_file", "warning", what, path, missing, "Was the logger switched off?"),)
-    remarks += other_topics(topics, chosen, path)
-    what = f"LabVIEW measurement, {len(segments)} segment(s)"
-    return Content((*time, *columns), what, np.array(rows, dtype=np.int64), None, remarks)
+        size = sum(_samples(one, own[0] - 1, used_x) for one in segments)
+        step = "" if used_x else f", step {first.of_channel('Delta_X', own[0] - 1)}"
+        what = " ".join(first.names[i] for i in own[:6]) + step
+        only_time = all(heading(first.names[i]).quantity == "time" for i in own)
+        topics.append(Topic(first.names[own[0]], what, size, NO_NUMBERS if only_time else OTHER))
+        by_name[first.names[own[0]]] = own
+    return topics, by_name
 
 
 def _samples(one: Segment, number: int, used_x: bool) -> int:
@@ -131,46 +148,69 @@ def _samples(one: Segment, number: int, used_x: bool) -> int:
     return int(said) if said.isdigit() and len(said) < 12 and (not used_x or int(said) > 0) else len(one.rows)
 
 
+def _damage(torn: Sequence[int], missing: int, path: str) -> tuple[Remark, ...]:
+    """Return remarks on rows that are torn, and on those that are not there."""
+    remarks: tuple[Remark, ...] = ()
+    if torn:
+        what = "rows that are torn, or hold what is no number: left out"
+        remarks += (Remark("torn_file", "warning", what, f"{path}:{torn[0]}", len(torn)),)
+    if missing:
+        what, do = "rows that the header promises are missing", "Was the logger switched off while it wrote?"
+        remarks += (Remark("torn_file", "warning", what, path, missing, do),)
+    return remarks
+
+
 def _segments(text: str, separator: str) -> tuple[dict[str, list[str]], list[Segment], int]:
     """Return the header of the file, its segments, and the number of special blocks."""
-    header: dict[str, list[str]] = {}
-    head: dict[str, list[str]] = {}
-    segments: list[Segment] = []
-    inside, of_file, names_next, special, skipped = True, True, False, 0, False
     lines = text.split("\n")
-    whole = text.endswith("\n")
+    torn_line = 0 if text.endswith("\n") else len(lines)
+    reader = _LineReader()
     for number, line in enumerate(lines, start=1):
-        line = line.rstrip("\r")
-        first, *rest = line.split(separator)
-        if first.strip() == SPECIAL:
-            special, skipped = special + 1, True
-        if skipped:
-            skipped = first.strip() != SPECIAL_END
-            continue
-        if names_next and line.strip():
-            if first.strip() != X and first.strip().startswith("Channels"):
-                names_next, inside = False, True
+        reader.take(line.rstrip("\r").split(separator), -number if number == torn_line else number)
+    return reader.header, reader.segments, reader.special
+
+
+class _LineReader:
+    """What the lines of a file say, one after the other."""
+
+    def __init__(self) -> None:
+        self.header: dict[str, list[str]] = {}
+        self.segments: list[Segment] = []
+        self.special = 0
+        self._head: dict[str, list[str]] = {}
+        self._place = "header of the file"  # or "header", "names", "rows", "between", "special"
+        self._outside = ""  # the place around a special block
+
+    def take(self, cells: list[str], number: int) -> None:
+        """Take over a line; a number below zero is that of a line without an end."""
+        first, blank = cells[0].strip(), not "".join(cells).strip()
+        if first == SPECIAL:
+            self.special += 1
+            self._outside, self._place = self._place, "special"
+        elif self._place == "special":
+            self._place = self._outside if first == SPECIAL_END else "special"
+        elif first == END:
+            if self._place == "header of the file":
+                self.header, self._head, self._place = self._head, {}, "between"
             else:
-                segments.append(Segment(head, [name.strip() for name in [first, *rest]]))
-                while segments[-1].names and not segments[-1].names[-1]:
-                    segments[-1].names.pop()
-                names_next, head = False, {}
-                continue
-        if first.strip() == END:
-            if of_file:
-                header, head, of_file = head, {}, False
-            else:
-                inside, names_next = False, True
-        elif not inside and segments and (first.strip() == "Channels" or not line.strip(" \t,;")):
-            inside = inside or first.strip() == "Channels"
-            if inside:
-                head = {"Channels": rest}
-        elif inside and line.strip():
-            head[first.strip()] = rest
-        elif not inside and segments and line.strip():
-            segments[-1].rows.append([first, *rest])
-            segments[-1].numbers.append(number if whole or number < len(lines) else -number)
-    return header, segments, special
+                self._place = "names"
+        elif first == "Channels":
+            self._head, self._place = {first: cells[1:]}, "header"
+        elif not blank:
+            self._content(first, cells, number)
+
+    def _content(self, first: str, cells: list[str], number: int) -> None:
+        if self._place.startswith("header"):
+            self._head[first] = cells[1:]
+        elif self._place == "names":
+            names = [cell.strip() for cell in cells]
+            while names and not names[-1]:
+                names.pop()
+            self.segments.append(Segment(self._head, names))
+            self._place = "rows"
+        elif self._place == "rows":
+            self.segments[-1].rows.append(cells)
+            self.segments[-1].numbers.append(number)
 
 
 def _table(one: Segment, decimal: str) -> tuple[NDArray[Any], list[int], list[int]]:
@@ -182,11 +222,9 @@ def _table(one: Segment, decimal: str) -> tuple[NDArray[Any], list[int], list[in
         try:
             if len(row) <= last or number < 0:
                 raise ValueError(row)
-            cells = [cell.strip().replace(decimal, ".") if decimal != "." else cell.strip() for cell in row[:width]]
-            texts = [name == COMMENT for name in one.names]
-            numbers = [
-                np.nan if is_text or not cell else float(cell) for cell, is_text in zip(cells, texts, strict=False)
-            ]
+            cells = [cell.strip().replace(decimal, ".") for cell in row[:width]]
+            of_row = zip(one.names, cells, strict=False)
+            numbers = [np.nan if name == COMMENT or not cell else float(cell) for name, cell in of_row]
             values.append(numbers + [np.nan] * (width - len(numbers)))
             kept.append(number)
         except ValueError:
@@ -204,8 +242,8 @@ def _clock(one: Segment, used_x: bool, table: NDArray[Any], number: int) -> tupl
         start += timedelta(seconds=float(f"0.{fraction or 0}"))
     except ValueError:
         start = None
-    if used_x and X in one.names:
-        seconds = table[:, one.names.index(X)]
+    if used_x and table.shape[1]:
+        seconds = table[:, 0]
         if len(seconds) < 2 or np.any(np.diff(seconds) != 0):
             return start, seconds
     try:
@@ -220,15 +258,14 @@ def _joined(
 ) -> tuple[tuple[Column, ...], tuple[Remark, ...]]:
     """Return the time of all segments, from the start of the first, and what is said of it."""
     first = clocks[0][0]
-    parts = []
+    parts: list[NDArray[Any]] = []
     for start, seconds in clocks:
         if seconds is None:
             return (), ()
         begins = seconds[0] if len(seconds) else 0.0
         later = 0.0 if start is None or first is None else (start - first).total_seconds()
-        goes_on = bool(parts) and begins > parts[-1][-1] - JOINED * (
-            seconds[1] - seconds[0] if len(seconds) > 1 else 0.0
-        )
+        step = seconds[1] - seconds[0] if len(seconds) > 1 else 0.0
+        goes_on = bool(parts) and begins > parts[-1][-1] - JOINED * step
         parts.append(seconds if goes_on or not parts else seconds + later)
     said = "" if first is None else f"its time zero is {first.isoformat(sep=' ')}, local time of the logger"
     remark = Remark("start_stated", "info", said, where=path)

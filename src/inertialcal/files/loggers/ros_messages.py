@@ -57,7 +57,7 @@ MESSAGES: dict[str, tuple[int, tuple[Part, ...]]] = {  # by type: rank as a topi
 
 
 def message_type(name: str) -> str:
-    """Return the type of a message as ``MESSAGES`` has it, of ``sensor_msgs/Imu`` or ``sensor_msgs/msg/Imu``; or ``""``."""
+    """Return the type of a message as ``MESSAGES`` has it, of ``sensor_msgs/msg/Imu``; or ``""``."""
     found = name.removeprefix("sensor_msgs/").removeprefix("msg/") if name.startswith("sensor_msgs/") else ""
     return found if found in MESSAGES else ""
 
@@ -92,7 +92,7 @@ def decode(messages: Sequence[bytes], kind: str, encoding: str) -> Decoded:
     for length in np.unique(lengths).tolist():
         at = np.flatnonzero(lengths == length)
         table = np.frombuffer(b"".join(messages[i] for i in at.tolist()), np.uint8).reshape(len(at), length)
-        head = 4 if encoding == "cdr" else 4  # of the encapsulation; the count of messages in ROS 1
+        head = 4  # bytes of the encapsulation; in ROS 1 the count of messages
         if length < head + 12:
             continue
         marks = table[:, :2].astype(np.int64) @ (256, 1) if encoding == "cdr" else np.ones(len(at), np.int64)

@@ -66,7 +66,8 @@ def _content(connection: Any, loaded: Loaded, variables: Sequence[str] | None) -
     claim_room(loaded.path, loaded.on_disk, VALUE * rows * len(names), f"{rows:,} rows")
     long = LongColumns(rows)
     cells: dict[str, list[str]] = {name: [] for name in texts}
-    done, damage = 0, ()
+    done = 0
+    damage: tuple[Remark, ...] = ()
     cursor = connection.execute(f"SELECT {', '.join(map(_quoted, [*quick, *texts]))} FROM {_quoted(topic.name)}"  # noqa: S608
                                 if quick or texts else "SELECT 1 WHERE 0")  # fmt: skip
     while done < rows:
@@ -112,5 +113,6 @@ def _quoted(name: str) -> str:
 
 READER = Reader(
     "sqlite", "SQLite", (".db", ".sqlite", ".sqlite3"),
-    lambda data, path: data.startswith(SQLITE) and not is_bag_2(data, path), apart(read_sqlite, "an SQLite database"), True,
+    lambda data, path: data.startswith(SQLITE) and not is_bag_2(data, path),
+    apart(read_sqlite, "an SQLite database"), True,
 )  # fmt: skip

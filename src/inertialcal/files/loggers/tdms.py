@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...core.batches import SIZE, made
-from ...core.recording import SECOND
+from ...core.recording import SECOND, Times
 from ...core.remarks import Remark
 from ..apart import apart
 from ..binary.arrays import number_column
@@ -92,9 +92,12 @@ def _clock(properties: Any, rows: int) -> tuple[tuple[Column, ...], float | None
     if not isinstance(start, np.datetime64) or not start > SET:
         return (), 1.0 / step
     zero = int(start.astype("datetime64[ns]").astype(np.int64)) + round(offset * SECOND)
-    time_ns = made(
-        rows, np.int64, lambda first, stop: zero + np.rint(np.arange(first, stop) * (step * SECOND)).astype(np.int64)
-    )
+
+    def part(first: int, stop: int) -> Times:
+        since: Times = np.rint(np.arange(first, stop) * (step * SECOND)).astype(np.int64)
+        return zero + since
+
+    time_ns = made(rows, np.int64, part)
     return (Column("time", time_ns.view("datetime64[ns]")),), None
 
 

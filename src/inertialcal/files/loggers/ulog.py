@@ -91,14 +91,13 @@ def _topic(name: str, one: Any) -> Topic:
 
 def _columns(one: Any, path: str) -> Content:
     """Return the columns of a topic, its clock first."""
-    units, data, remarks = VECTORS.get(one.name, {}), dict(one.data), ()
+    units, data = VECTORS.get(one.name, {}), dict(one.data)
+    remarks: tuple[Remark, ...] = ()
     if one.name.endswith("_fifo") and "samples" in data:
         data, remarks = _laid_out(data, path)
     sizes = Counter(field.partition("[")[0] for field in data)
-    clocks = [
-        name for name in CLOCKS if name in data and (len(data[name]) < 2 or np.any(np.diff(data[name].astype(float))))
-    ]
-    columns: list[Column] = [number_column(name, data[name], "us") for name in clocks or ["timestamp"]]
+    runs = [name for name in CLOCKS if name in data and np.any(data[name] != data[name][0])]
+    columns: list[Column] = [number_column(name, data[name], "us") for name in runs or ["timestamp"]]
     for field, values in data.items():
         base, _, number = field.partition("[")
         if field in CLOCKS:
