@@ -41,7 +41,7 @@ class Pieces:
     def __init__(self, answer: IO[bytes]) -> None:
         self._answer, self._left = answer, 0
 
-    def said(self) -> Any:
+    def said(self) -> dict[str, Any]:
         """Return the content of the next line; Raises EOFError where none comes, DataError where it refuses."""
         line = self._answer.readline()
         if not line.endswith(b"\n"):
@@ -50,14 +50,16 @@ class Pieces:
             content = json.loads(line)
         except ValueError:
             raise EOFError from None
-        if isinstance(content, dict) and "refused" in content:
+        if not isinstance(content, dict):
+            raise EOFError
+        if "refused" in content:
             raise DataError([Problem(**one) for one in content["refused"]])
         return content
 
     def readinto(self, view: memoryview) -> int:
         """Fill the view as far as a piece goes."""
         if not self._left:
-            self._left = self.said()
+            self._left = int(self.said()["bytes"])
         got: int = self._answer.readinto(view[: self._left])  # type: ignore[attr-defined]
         self._left -= got
         return got
@@ -168,7 +170,7 @@ def read_here(read: Read, what: str, loaded: Loaded, variables: Sequence[str] | 
     try:
         with as_data_errors(loaded.path, what):
             try:
-                return read(loaded, variables)
+                return _checked(read(loaded, variables))
             except MemoryError:
                 most = ceiling(loaded.on_disk)
                 claim(loaded.path, loaded.on_disk, most, f"the content of {what}", least=True)
@@ -183,6 +185,13 @@ def read_here(read: Read, what: str, loaded: Loaded, variables: Sequence[str] | 
         raise AssertionError from error  # not reached
 
 
+def _checked(content: Content) -> Content:
+    """Return a content whose columns are of one length."""
+    if len({len(one.values) for one in content.columns}) > 1:
+        raise ValueError("columns of different length")
+    return content
+
+
 def main() -> NoReturn:
     """Read a file in a process of its own: what is to be read is given as JSON, its bytes on standard input."""
     about = json.loads(sys.argv[1])
@@ -190,8 +199,8 @@ def main() -> NoReturn:
     read: Read = getattr(importlib.import_module(about["module"]), about["function"])
     limit_memory(max(ceiling(on_disk) - PROCESS, 0), "RLIMIT_DATA")
     limit_time(SECONDS + int((on_disk + size) / PER_SECOND))
-    out = sys.stdout.buffer
-    sys.stdout = sys.stderr  # a library that prints
+    out = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # a library that prints
 
     def say(content: object) -> None:
         out.write(json.dumps(content).encode() + b"\n")
@@ -203,7 +212,7 @@ def main() -> NoReturn:
         for values in _arrays(content):
             for first, stop in batches(values, size=max(AT_ONCE // values.dtype.itemsize, 1)):
                 piece = np.ascontiguousarray(values[first:stop])
-                say(piece.nbytes)
+                say({"bytes": piece.nbytes})
                 out.write(piece.view(np.uint8).data)
         say({})
     except InertialcalError as error:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ..core.errors import UsageError
 from ..core.recording import Recording
 from .columns import Content
 from .source import Loaded
@@ -43,6 +44,16 @@ class Request:
     window: Window = field(default_factory=Window)
     frame: str | None = None
     decimal: str | None = None
+
+
+def wrong_frame(path: str | Path) -> UsageError:
+    """Return the error for ``--frame`` where a format has no frames to choose from."""
+    return UsageError(
+        f"{path}: --frame given",
+        why="only records of the acceleration archive give their coordinate systems",
+        do="Leave --frame out",
+        code="wrong_frame",
+    )
 
 
 @dataclass(frozen=True)

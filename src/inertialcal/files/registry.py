@@ -22,8 +22,9 @@ from .assemble import assemble
 from .budget import COLUMNS, PARTS, check_count
 from .columns import Column, Content
 from .formats import ZIP, ZIP_MEMBER, refusal
+from .loggers import bag_folder
 from .pad import reader as pad
-from .reader import ArchiveReader, Reader, Request
+from .reader import ArchiveReader, Reader, Request, wrong_frame
 from .source import Loaded, as_data_errors, load, whole
 from .time.window import cut
 
@@ -57,7 +58,7 @@ BUILT_IN = {  # name -> module and attribute, in the order in which they are ask
 READERS: Registry[Reader] = Registry(
     "reader", Reader, "inertialcal.readers", {name: f"{__package__}.{place}" for name, place in BUILT_IN.items()}
 )
-ARCHIVES: tuple[ArchiveReader, ...] = (pad.READER,)
+ARCHIVES: tuple[ArchiveReader, ...] = (pad.READER, bag_folder.READER)
 SIGNS: dict[str, Literal[".", ","]] = {"comma": ",", "point": "."}
 KINDS = "iufMO"  # of the values of a column: numbers, instants, text
 
@@ -80,12 +81,7 @@ def read_recording(path: str | Path, request: Request, parsed: Parsed | None = N
         if recording is not None:
             return recording
     if request.frame is not None:
-        raise UsageError(
-            f"{path}: --frame given",
-            why="only records of the acceleration archive give their coordinate systems",
-            do="Leave --frame out",
-            code="wrong_frame",
-        )
+        raise wrong_frame(path)
     variables = tuple(request.topics or ()) or None
     key = (str(path), variables, request.decimal)
     known = None if parsed is None else parsed.get(key)
@@ -155,7 +151,7 @@ def find_reader(loaded: Loaded) -> Reader:
 
 def readable() -> str:
     """Return the titles of all formats that are read without other packages."""
-    titles = [READERS[name].title for name in BUILT_IN] + [archive.title for archive in ARCHIVES]
+    titles = [READERS[name].title for name in BUILT_IN] + [archive.title for archive in ARCHIVES if archive.title]
     return ", ".join(dict.fromkeys(titles))
 
 

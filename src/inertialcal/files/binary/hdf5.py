@@ -101,7 +101,7 @@ def main() -> NoReturn:
             ]
             say({"found": said, "is_matlab": is_matlab})
             for piece in (piece for _, one in found if one is not None for piece in one.pieces()):
-                say(piece.nbytes)
+                say({"bytes": piece.nbytes})
                 out.write(piece.reshape(-1).view(np.uint8).data)
             say({})
     except InertialcalError as error:

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,6 +27,9 @@ from ..reader import Reader
 from ..source import FileBytes, Loaded, as_data_errors
 from ..text.delimited import arrow_numbers, text_in_numbers
 from ..text.layout import BLANKS, judge
+
+if TYPE_CHECKING:
+    from pyarrow import ChunkedArray, Field
 
 MAGIC = b"PAR1"
 DEEPEST = 8  # structures within structures in the header of a page
@@ -248,7 +251,7 @@ def _varint(data: bytes, at: int) -> tuple[int, int]:
     return value | data[at] << shift, at + 1
 
 
-def arrow_column(values: Any, field: Any, path: str) -> Column | str:
+def arrow_column(values: ChunkedArray, field: Field, path: str) -> Column | str:
     """One column, or its name if it is neither numbers, dates nor text."""
     import pyarrow as pa  # noqa: PLC0415 - heavy import
 

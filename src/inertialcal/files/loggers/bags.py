@@ -12,8 +12,6 @@ References
 
 from __future__ import annotations
 
-import bz2
-import sqlite3
 import struct
 import zlib
 from collections.abc import Callable, Iterator, Sequence
@@ -32,10 +30,12 @@ from ..columns import Column, Content, LongColumns
 from ..reader import Reader
 from ..source import FileBytes, Loaded, as_data_errors
 from ..time.stamps import is_utc
+from .database import SQLITE, is_bag_2, missing_bytes, opened, whole_pages
 from .ros_messages import ENCODINGS, MESSAGES, Decoded, decode, message_type, stated
 from .topics import NO_NUMBERS, Topic, choose, joined, library, on_disk, other_topics, stamps, torn
 
-ROS_1, MCAP, SQLITE = b"#ROSBAG V2.0\n", b"\x89MCAP0\r\n", b"SQLite format 3\x00"
+ROS_1, MCAP = b"#ROSBAG V2.0\n", b"\x89MCAP0\r\n"
+CUT = "it ends in the middle of a chunk, of which what is whole was read"
 AT_ONCE = 2**14  # messages that are decoded at once
 CHUNK = 2**30  # bytes that a chunk may unpack to
 OF_MCAP = {"header": 1, "footer": 2, "schema": 3, "channel": 4, "message": 5, "chunk": 6, "data_end": 15}
@@ -100,12 +100,13 @@ def read_bag(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
     """
     with as_data_errors(loaded.path, "a bag"):
         if loaded.data.startswith(SQLITE):
-            with on_disk(loaded, ".db3") as path:
-                return content_of(_sqlite(path, loaded), variables)
-        return content_of(_streamed(loaded), variables)
+            with on_disk(whole_pages(loaded), ".db3") as path:
+                return content_of(bag_in_sqlite(path, loaded), variables)
+        return content_of(bag_of(loaded), variables)
 
 
-def _streamed(loaded: Loaded) -> Bag:
+def bag_of(loaded: Loaded) -> Bag:
+    """Return a bag that is a stream of records."""
     if loaded.data.startswith(MCAP):
         return Bag(lambda bag: _mcap(loaded, bag), "MCAP", loaded.path, len(loaded.data))
     return Bag(lambda bag: _ros_1(loaded, bag), "ROS 1 bag", loaded.path, len(loaded.data))
@@ -121,6 +122,8 @@ def content_of(bag: Bag, variables: Sequence[str] | None) -> Content:
     for one in bag.connections.values():
         by_topic.setdefault(one.topic, []).append(one)
     topics = [_topic(name, own, rows.get(name, 0)) for name, own in by_topic.items()]
+    if not any(one.rank and one.rows for one in topics) and bag.remarks:
+        raise DataError(bag.remarks[0].what, bag.path, "no reading before that is whole", code="damaged_file")
     chosen = choose(topics, variables, bag.path)
     for topic in chosen:
         if topic.rank == NO_NUMBERS:
@@ -196,7 +199,7 @@ def _extremes(values: Any, low: Any, high: Any) -> tuple[Any, Any]:
 
 def _take(data: bytes, at: int, size: int, why: str = "it ends in the middle of a record", begin: int = -1) -> bytes:
     """Return bytes of a file; raises TornError where there are fewer."""
-    found = data[at : at + size] if size >= 0 else b""
+    found = data[at : at + size]
     if len(found) != size:
         raise TornError(at if begin < 0 else begin, why)
     return found
@@ -214,12 +217,10 @@ def _ros_1(loaded: Loaded, bag: Bag) -> Iterator[Message]:
         if op == b"\x03":
             closed = _whole(head, b"index_pos", 8, at) > 0
         if op == b"\x05":
-            inside = _ros_1_chunk(head, _take(data, begin, size, begin=at), loaded, at)
-            place = 0
-            while place < len(inside):
-                own, start, length = _ros_1_record(inside, place, at)
-                yield from _ros_1_one(own, inside[start : start + length], bag, at)
-                place = start + length
+            inside = _ros_1_chunk(head, data[begin : begin + size], loaded, at, begin + size > len(data))
+            yield from _ros_1_inside(inside, bag, at)
+            if begin + size > len(data):
+                raise TornError(at, CUT)
         elif op in (b"\x02", b"\x07"):
             yield from _ros_1_one(head, _take(data, begin, size, begin=at), bag, at)
         elif begin + size > len(data):
@@ -229,9 +230,19 @@ def _ros_1(loaded: Loaded, bag: Bag) -> Iterator[Message]:
         raise TornError(at, "it has no index")
 
 
-def _ros_1_record(data: bytes, at: int, outer: int) -> tuple[dict[bytes, bytes], int, int]:
+def _ros_1_inside(inside: bytes, bag: Bag, at: int) -> Iterator[Message]:
+    """Yield the messages of the content of a chunk."""
+    place = 0
+    while place < len(inside):
+        own, start, length = _ros_1_record(inside, place, at, CUT)
+        yield from _ros_1_one(own, _take(inside, start, length, CUT, at), bag, at)
+        place = start + length
+
+
+def _ros_1_record(
+    data: bytes, at: int, outer: int, why: str = "it ends in the middle of a record"
+) -> tuple[dict[bytes, bytes], int, int]:
     """Return the fields of a record's header, and first byte and size of its data."""
-    why = "it ends in the middle of a record"
     (length,) = struct.unpack("<I", _take(data, at, 4, why, outer))
     head = _take(data, at + 4, length, why, outer)
     (size,) = struct.unpack("<I", _take(data, at + 4 + length, 4, why, outer))
@@ -247,9 +258,10 @@ def _ros_1_record(data: bytes, at: int, outer: int) -> tuple[dict[bytes, bytes],
     return fields, at + 8 + length, size
 
 
-def _ros_1_chunk(head: dict[bytes, bytes], packed: bytes, loaded: Loaded, at: int) -> bytes:
+def _ros_1_chunk(head: dict[bytes, bytes], packed: bytes, loaded: Loaded, at: int, cut: bool) -> bytes:
+    """Return the content of a chunk; of one that is cut off, as much as is there."""
     size = _whole(head, b"size", 4, at)
-    return unpacked(packed, head.get(b"compression", b"").decode("ascii", "replace"), size, loaded, at)
+    return unpacked(packed, head.get(b"compression", b"").decode("ascii", "replace"), size, loaded, at, cut)
 
 
 def _whole(head: dict[bytes, bytes], name: bytes, size: int, at: int) -> int:
@@ -273,8 +285,8 @@ def _ros_1_one(head: dict[bytes, bytes], data: bytes, bag: Bag, at: int) -> Iter
         yield key, (time & 0xFFFFFFFF) * SECOND + (time >> 32), data
 
 
-def unpacked(packed: bytes, how: str, size: int, loaded: Loaded, at: int) -> bytes:
-    """Return the content of a chunk, at most as long as it says.
+def unpacked(packed: bytes, how: str, size: int, loaded: Loaded, at: int, cut: bool = False) -> bytes:
+    """Return the content of a chunk, at most as long as it says; of one that is cut off, as much as is there.
 
     Raises
     ------
@@ -292,6 +304,8 @@ def unpacked(packed: bytes, how: str, size: int, loaded: Loaded, at: int) -> byt
     found: bytes
     try:
         if how == "bz2":
+            import bz2  # noqa: PLC0415 - loaded where it is needed
+
             found = bz2.BZ2Decompressor().decompress(packed, size)
         elif how == "lz4":
             frame = library("lz4.frame", "a bag packed by lz4", loaded.path)
@@ -308,7 +322,7 @@ def unpacked(packed: bytes, how: str, size: int, loaded: Loaded, at: int) -> byt
         raise
     except errors:
         raise TornError(at, "a chunk cannot be unpacked") from None
-    if len(found) != size:
+    if len(found) != size and not cut:
         raise TornError(at, "a chunk is shorter than it says")
     return found
 
@@ -383,36 +397,29 @@ def _text(body: bytes, at: int) -> tuple[str, int]:
 # ROS 2 in SQLite
 
 
-def _sqlite(path: str, loaded: Loaded) -> Bag:
+def bag_in_sqlite(path: str, loaded: Loaded) -> Bag:
     """Return a bag of ROS 2 in SQLite."""
-    connection = sqlite3.connect(f"file:{_quoted(path)}?mode=ro&immutable=1", uri=True)
+    import sqlite3  # noqa: PLC0415 - loaded where it is needed
+
+    connection, missing = opened(path, loaded), missing_bytes(loaded.data)
+    order = "" if missing else "ORDER BY timestamp, id"  # an index lies anywhere in a file, the rows mostly in order
 
     def scan(bag: Bag) -> Iterator[Message]:
         try:
-            for key, topic, kind, encoding in connection.execute(
-                "SELECT id, name, type, serialization_format FROM topics"
-            ):
+            topics = connection.execute("SELECT id, name, type, serialization_format FROM topics")
+            for key, topic, kind, encoding in topics:
                 bag.connections[key] = Connection(str(topic), str(kind), str(encoding))
                 check_count(len(bag.connections), PARTS, "topics", bag.path)
-            rows = connection.execute("SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp, id")
-            for key, time, data in rows:
+            for key, time, data in connection.execute(f"SELECT topic_id, timestamp, data FROM messages {order}"):  # noqa: S608
                 if key in bag.connections and isinstance(data, bytes) and isinstance(time, int):
                     yield key, time, data
         except sqlite3.DatabaseError as error:
             if not bag.connections:
                 raise
-            raise TornError(0, f"the database is damaged ({error})") from None
+            cut = f"{missing:,} bytes at its end are gone" if missing else str(error)
+            raise TornError(bag.size, f"the database is damaged ({cut})") from None
 
     return Bag(scan, "ROS 2 bag (SQLite)", loaded.path, len(loaded.data))
-
-
-def _quoted(path: str) -> str:
-    return path.replace("%", "%25").replace("?", "%3f").replace("#", "%23")
-
-
-def is_bag_2(data: bytes, path: str) -> bool:
-    """Whether an SQLite database is a bag of ROS 2."""
-    return data.startswith(SQLITE) and b"serialization_format" in data[: 2**16]
 
 
 ROSBAG_1 = Reader("rosbag1", "ROS 1 and 2 bags", (".bag",), lambda data, path: data.startswith(ROS_1), read_bag, True)

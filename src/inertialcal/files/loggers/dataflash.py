@@ -283,7 +283,9 @@ def _text_rows(data: bytes) -> tuple[Log, dict[str, Format], dict[str, list[list
     log, by_name = Log(), {}
     rows: dict[str, list[list[str]]] = {}
     damaged: list[int] = []
-    for number, line in enumerate(data.decode("utf-8", "replace").splitlines(), start=1):
+    lines = data.decode("utf-8", "replace").split("\n")
+    end = lines.pop()  # empty, or a line without an end: its last number may be cut
+    for number, line in enumerate(lines, start=1):
         name, *cells = (cell.strip() for cell in line.split(","))
         if name == "FMT" and len(cells) >= 5 and cells[0].isdigit() and cells[1].isdigit():
             one = Format(cells[2], int(cells[1]), cells[3], cells[4:])
@@ -298,6 +300,7 @@ def _text_rows(data: bytes) -> tuple[Log, dict[str, Format], dict[str, list[list
             rows.setdefault(name, []).append(cells)
         elif (name in by_name and name not in ABOUT) or (line.strip() and name not in by_name and name not in ABOUT):
             damaged.append(number)
+    damaged += [len(lines) + 1] if end.strip() else []
     return log, by_name, rows, damaged
 
 

@@ -6,6 +6,7 @@ A channel of the recorder is a topic: its subchannels share a clock, which start
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from .topics import INERTIAL, NO_NUMBERS, OTHER, Topic, choose, joined, library,
 
 MAGIC = b"\x1a\x45\xdf\xa3"
 BATCH = 2**16  # rows
+HEAD = 16  # bytes of the head of an element, at most
 MICRO = 1000  # nanoseconds
 INERTIAL_UNITS = ("g", "deg/s", "dps", "rad/s", "m/s^2", "m/s²")
 WORDS = {"Acceleration": "acc", "Rotation": "gyro"}
@@ -37,7 +39,9 @@ def read_ide(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
         ``several_topics``, ``wrong_column``, ``no_channel``, ``missing_extra``, ``too_large``, ``damaged_file``.
     """
     idelib = library("idelib", "an enDAQ recording (IDE)", loaded.path)
-    with on_disk(loaded, ".ide") as path:
+    whole = _whole_until(loaded.data)
+    used = loaded if whole == len(loaded.data) else replace(loaded, data=loaded.data[:whole])
+    with on_disk(used, ".ide") as path:
         data = idelib.importFile(path)
         lists = {one.name: one.getSession() for one in data.channels.values()}
         topics = [_topic(one, len(lists[one.name])) for one in data.channels.values()]
@@ -45,7 +49,9 @@ def read_ide(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
         parts = [(one, _columns(lists[one.name], one, loaded)) for one in chosen]
         content = joined(parts, loaded.path)
         start = data.sessions[0].utcStartTime if data.sessions else None
-        remarks = (*content.remarks, *_start(start, loaded.path), *_damage(data, loaded))
+        remarks = (*content.remarks, *_start(start, loaded.path))
+        if whole < len(loaded.data):
+            remarks += torn(loaded.path, len(loaded.data) - whole, whole)
         return Content(content.columns, "enDAQ IDE", remarks=(*remarks, *other_topics(topics, chosen, loaded.path)))
 
 
@@ -92,11 +98,28 @@ def _start(seconds: float | None, path: str) -> tuple[Remark, ...]:
     return (Remark("start_stated", "info", what, where=path),)
 
 
-def _damage(data: Any, loaded: Loaded) -> tuple[Remark, ...]:
-    """Return a remark where the last element is not whole."""
-    if not getattr(data, "fileDamaged", False):
-        return ()
-    return torn(loaded.path, 0, len(loaded.data), "idelib found the file damaged")
+def _whole_until(data: bytes) -> int:
+    """Return the byte at which the last whole element of the outermost level ends (EBML, RFC 8794)."""
+    at, size = 0, len(data)
+    while at < size:
+        head = data[at : at + HEAD]
+        name = _width(head, 0)
+        length = _width(head, name) if name and len(head) > name else 0
+        if not length or len(head) < name + length:
+            break
+        value = int.from_bytes(head[name : name + length], "big") & ((1 << 7 * length) - 1)
+        following = at + name + length + value
+        if value == (1 << 7 * length) - 1:  # of unknown size: it goes on to the end
+            return size
+        if following > size:
+            break
+        at = following
+    return at
+
+
+def _width(head: bytes, at: int) -> int:
+    """Return the bytes of a number whose first byte says its width by its leading zeros; 0 where it says none."""
+    return 9 - head[at].bit_length() if head[at] else 0
 
 
 READER = Reader(

@@ -19,10 +19,11 @@ from ..budget import PARTS, VALUE, check_count, claim_room
 from ..columns import Column, Content
 from ..reader import Reader
 from ..source import Loaded
-from .topics import NO_NUMBERS, OTHER, Topic, choose, left_out, library, other_topics, torn
+from .topics import NO_NUMBERS, OTHER, Topic, choose, joined, left_out, library, other_topics, torn
 
 VERSION_3 = b"MS\x03"
 QUALITIES = b"DRQM"
+Clock = tuple[tuple[int, float, int], ...]  # start [ns], sample rate [Hz] and samples of each segment
 NUMBERS = {"i": np.int32, "f": np.float32, "d": np.float64}
 
 
@@ -38,8 +39,7 @@ def read_miniseed(loaded: Loaded, variables: Sequence[str] | None = None) -> Con
     whole = _whole_until(pymseed, loaded.data)
     with pymseed.MS3TraceList.from_buffer(loaded.data[:whole], unpack_data=True) as traces:
         check_count(len(traces), PARTS, "traces", loaded.path)
-        clocks: dict[tuple[Any, ...], list[tuple[str, NDArray[Any]]]] = {}
-        times: dict[tuple[Any, ...], list[tuple[int, float, int]]] = {}
+        clocks: dict[Clock, list[tuple[str, NDArray[Any]]]] = {}
         others: list[str] = []
         for trace in traces:
             segments = [one for one in trace if one.numsamples]
@@ -47,29 +47,35 @@ def read_miniseed(loaded: Loaded, variables: Sequence[str] | None = None) -> Con
                 others.append(trace.sourceid)
                 continue
             key = tuple((one.starttime, one.samprate, one.numsamples) for one in segments)
+            if whole < len(loaded.data) and len(key) == 1:  # what was torn may have cut traces at different samples
+                key = next((one for one in clocks if len(one) == 1 and one[0][:2] == key[0][:2]), key)
             rows = sum(one.numsamples for one in segments)
             claim_room(loaded.path, loaded.on_disk, 2 * VALUE * rows, f"{rows:,} samples")
             values = np.concatenate([np.array(one.np_datasamples, copy=True) for one in segments])
             clocks.setdefault(key, []).append((trace.sourceid.removeprefix("FDSN:"), values))
-            times[key] = list(key)
     topics, by_name = [], {}
     for key, own in clocks.items():
-        rows = sum(count for _, _, count in times[key])
-        topics.append(
-            Topic(own[0][0], f"{len(own)} trace(s), {times[key][0][1]:g} Hz", rows, OTHER if rows > 1 else NO_NUMBERS)
-        )
+        rows = min(len(values) for _, values in own)
+        what = f"{len(own)} trace(s), {key[0][1]:g} Hz"
+        topics.append(Topic(own[0][0], what, rows, OTHER if rows > 1 else NO_NUMBERS))
         by_name[own[0][0]] = key
     chosen = choose(topics, variables, loaded.path)
-    key = by_name[chosen[0].name]
-    stamps = [start + np.rint(np.arange(count) * (SECOND / rate)).astype(np.int64) for start, rate, count in times[key]]
-    time = Column("time", np.concatenate(stamps).view("datetime64[ns]"))
-    columns = [
-        number_column(name, values, "count" if values.dtype.kind == "i" else None) for name, values in clocks[key]
-    ]
+    parts = [(one, _columns(by_name[one.name], clocks[by_name[one.name]])) for one in chosen]
+    content = joined(parts, loaded.path)
     remarks = (*left_out(others, loaded.path), *other_topics(topics, chosen, loaded.path))
     if whole < len(loaded.data):
         remarks += torn(loaded.path, len(loaded.data) - whole, whole)
-    return Content((time, *columns), "miniSEED", remarks=remarks)
+    return Content(content.columns, "miniSEED", remarks=remarks)
+
+
+def _columns(clock: Clock, traces: Sequence[tuple[str, NDArray[Any]]]) -> Content:
+    """Return the traces of one clock, its stamps first."""
+    rows = min(len(values) for _, values in traces)
+    stamps = [start + np.rint(np.arange(count) * (SECOND / rate)).astype(np.int64) for start, rate, count in clock]
+    columns = [Column("time", np.concatenate(stamps)[:rows].view("datetime64[ns]"))]
+    for name, values in traces:
+        columns.append(number_column(name, values[:rows], "count" if values.dtype.kind == "i" else None))
+    return Content(tuple(columns), "miniSEED")
 
 
 def _whole_until(pymseed: Any, data: bytes) -> int:

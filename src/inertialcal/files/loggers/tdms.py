@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...core.batches import SIZE, made
+from ...core.errors import DataError
 from ...core.recording import SECOND, Times
 from ...core.remarks import Remark
 from ..apart import apart
@@ -22,6 +23,7 @@ from ..source import Loaded
 from .topics import NO_NUMBERS, OTHER, Topic, choose, left_out, library, on_disk, other_topics, unique
 
 MAGIC = b"TDSm"
+WAVEFORM = ("wf_increment", "wf_start_time", "wf_start_offset")
 UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit")
 SET = np.datetime64("1971-01-01", "ns")  # starts before it were never set
 
@@ -38,13 +40,14 @@ def read_tdms(loaded: Loaded, variables: Sequence[str] | None = None) -> Content
     with on_disk(loaded, ".tdms") as path, nptdms.TdmsFile.open(path) as file:
         sets: dict[tuple[Any, ...], list[Any]] = {}
         others: list[str] = []
+        is_torn = bool(file.file_status.incomplete_final_segment)
         channels = [one for group in file.groups() for one in group.channels()]
         check_count(len(channels), PARTS, "channels", loaded.path)
         for one in channels:
             kind = one.dtype
             if len(one) and kind is not None and np.dtype(kind).kind in "biufM":
-                clock = (one.group_name, len(one), *(str(one.properties.get(key)) for key in (
-                    "wf_increment", "wf_start_time", "wf_start_offset")))  # fmt: skip
+                waveform = (str(one.properties.get(key)) for key in WAVEFORM)
+                clock = (one.group_name, 0 if is_torn else len(one), *waveform)
                 sets.setdefault(clock, []).append(one)
             else:
                 others.append(one.name)
@@ -52,10 +55,12 @@ def read_tdms(loaded: Loaded, variables: Sequence[str] | None = None) -> Content
         by_name: dict[str, list[Any]] = {}
         for (group, *_), members in sets.items():
             by_name[f"{group}/{members[0].name}" if group in several else group] = members
-        topics = [Topic(name, " ".join(one.name for one in these[:6]), len(these[0]),
-                        OTHER if len(these[0]) > 1 else NO_NUMBERS) for name, these in by_name.items()]  # fmt: skip
+        topics = [_topic(name, these) for name, these in by_name.items()]
         chosen = choose(topics, variables, loaded.path)
         taken = [one for topic in chosen for one in by_name[topic.name]]
+        names_taken = {one.path for one in taken}
+        if len({clock[1:] for clock, these in sets.items() if these[0].path in names_taken}) > 1:
+            raise DataError("groups of different clocks", loaded.path, do="Read one at a time", code="several_clocks")
         rows = min(len(one) for one in taken)
         claim_room(loaded.path, loaded.on_disk, 2 * VALUE * rows * (len(taken) + 1), f"{rows * len(taken):,} values")
         long = LongColumns(rows)
@@ -72,6 +77,11 @@ def read_tdms(loaded: Loaded, variables: Sequence[str] | None = None) -> Content
             *other_topics(topics, chosen, loaded.path),
         )
         return Content((*clock, *long.columns()), "TDMS", None, rate, remarks)
+
+
+def _topic(name: str, channels: Sequence[Any]) -> Topic:
+    rows = min(map(len, channels))
+    return Topic(name, " ".join(one.name for one in channels[:6]), rows, OTHER if rows > 1 else NO_NUMBERS)
 
 
 def _unit(properties: Any) -> str | None:

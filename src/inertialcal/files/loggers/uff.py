@@ -22,10 +22,10 @@ from ..budget import PARTS, check_count, claim
 from ..columns import Column, Content
 from ..reader import Reader
 from ..source import Loaded
-from .topics import OTHER, Topic, choose, left_out, library, on_disk, other_topics, unique
+from .topics import OTHER, Topic, choose, joined, left_out, library, on_disk, other_topics, unique
 
-START = re.compile(rb"\s*-1[ ]*\r?\n[ ]{0,5}([0-9]{1,4})b?[ ]*")
-EDGE = re.compile(rb"^ {4}-1 *\r?$", re.MULTILINE)
+START = re.compile(rb"(?:\s*\n)?[ ]{4}-1[ ]*\r?\n[ ]{2,5}[0-9]{1,4}[b \r\n]")  # numbers end at the sixth place
+EDGE = re.compile(rb" {4}-1 *\r?(?:\n|$)")  # as pyuff finds them: binary numbers may stand before
 SET, UNITS_SET = 58, 164
 TIME_RESPONSE, TIME = 1, 17  # type of function, and of abscissa
 QUANTITIES = {5: "temperature", 8: "displacement", 11: "velocity", 12: "acc", 13: "force", 15: "pressure"}
@@ -70,12 +70,17 @@ def read_uff(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
         topics.append(Topic(name, " ".join(title for title, _ in own[:6]), len(own[0][1]["x"]), OTHER))
         by_name[name] = own
     chosen = choose(topics, variables, loaded.path)
-    own = by_name[chosen[0].name]
-    columns = [Column("time", np.asarray(own[0][1]["x"], dtype=float), "s")]
-    for name, (_, one) in zip(unique([title for title, _ in own]), own, strict=True):
-        columns.append(number_column(name, np.asarray(one["data"]), _unit(one, si)))
+    content = joined([(one, _columns(by_name[one.name], si)) for one in chosen], loaded.path)
     remarks = (*left_out(others, loaded.path), *_torn(loaded), *other_topics(topics, chosen, loaded.path))
-    return Content(tuple(columns), "UFF 58", remarks=remarks)
+    return Content(content.columns, "UFF 58", remarks=remarks)
+
+
+def _columns(sets: Sequence[tuple[str, dict[str, Any]]], si: bool) -> Content:
+    """Return the functions of one clock, its stamps first."""
+    columns = [Column("time", np.asarray(sets[0][1]["x"], dtype=float), "s")]
+    for name, (_, one) in zip(unique([title for title, _ in sets]), sets, strict=True):
+        columns.append(number_column(name, np.asarray(one["data"]), _unit(one, si)))
+    return Content(tuple(columns), "UFF 58")
 
 
 def _one(file: Any, number: int) -> dict[str, Any]:

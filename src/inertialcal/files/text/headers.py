@@ -161,7 +161,7 @@ def heading(name: str, unit: str | None = None) -> Heading:
     known = TIME_NAMES.get("".join(_last(bare, words))) if known is None and given is None else known
     kind = units.kind(known) if known is not None else ""
     unknown = given.strip() if given is not None and known is None else ""
-    if (quantity, kind) == ("time", "temperature"):  # T [degC]
+    if (bare, kind) == ("T", "temperature"):
         quantity = kind
     if known is not None and quantity in KINDS and kind not in KINDS[quantity]:
         known, unknown = None, given or ""
