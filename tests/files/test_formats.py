@@ -36,6 +36,16 @@ def _zip(*names: str) -> bytes:
         (b"\x00\x00\x00\x00\x05\x00\x00\x00", "a.MAT", "mat4"),
         (b"  1.0  2.0\n", "a.mat", "text"),
         (_zip("x.npy"), "a.npz", "npz"),
+        (_zip("xl/workbook.xml"), "a.csv", "excel"),
+        (_zip("mimetype", "content.xml"), "a.ods", "excel"),
+        (b"RIFF\x00\x00\x00\x00WAVEfmt ", "a", "wav"),
+        (b"    -1\n    58\n", "a.txt", "uff"),
+        (b"    -1\r\n    58b     1     1", "a.uff", "uff"),
+        (b"-1\n58\n57\n", "a.txt", "text"),
+        (b"#ROSBAG V2.0\n", "a", "rosbag1"),
+        (b"FMT, 128, 89, FMT, BBnNZ, Type\n", "a.log", "dataflash_text"),
+        (b"000001D IU COLA", "a", "miniseed"),
+        (b"000001,2\n3,4\n", "a.csv", "text"),
         (b"t,x\n1,2\n", "a.parquet", "text"),
     ],
 )
@@ -58,7 +68,6 @@ def test_formats_that_are_not(magic: bytes, what: str) -> None:
     [
         (b"\xef\xbb\xbf <?xml version", "XML or HTML"),
         (b'{"a": 1}', "JSON"),
-        (_zip("xl/workbook.xml"), r"an Excel workbook \(save it as CSV\)"),
         (_zip("a.csv"), r"a zip archive \(unpack it\)"),
     ],
 )

@@ -249,7 +249,7 @@ def test_a_long_hdf5_file(tmp_path: Path, packing: dict[str, Any], piece: int) -
     assert_same(found, read(path))
     assert all(batches.is_stored(one.data) for one in found.channels)
     names = ["imu.records.raw", "imu.counts"]
-    assert_same(in_place(path, piece, variables=names), read(path, variables=names))
+    assert_same(in_place(path, piece, topics=names), read(path, topics=names))
 
 
 def test_a_damaged_hdf5_file_is_refused_in_place_as_it_is_whole(tmp_path: Path) -> None:

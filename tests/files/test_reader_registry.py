@@ -187,4 +187,8 @@ def test_the_name_of_a_built_in_reader_is_taken(install: Install, tmp_path: Path
 
 
 def test_all_formats_are_listed() -> None:
-    assert readable() == "CSV and other text, Parquet, MATLAB, HDF5, NumPy, card images of 1969, PAD pairs"
+    assert readable() == (
+        "CSV and other text, Parquet, MATLAB, HDF5, NumPy, card images of 1969, ROS 1 and 2 bags, MCAP, PX4 ULog, "
+        "ArduPilot logs, Excel, TDMS, UFF 58, WAV, Arrow (Feather), ASAM MDF, enDAQ IDE, LabVIEW measurement (LVM), "
+        "miniSEED, SQLite, PAD pairs"
+    )

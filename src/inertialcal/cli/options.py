@@ -34,6 +34,13 @@ Frame = Annotated[
     str | None, typer.Option("--frame", help="Axes of a PAD recording: data (as they are) or sensor (turned to them).")
 ]
 
+Topics = Annotated[
+    list[str],
+    typer.Option(
+        "--topic",
+        help="Of a file with several sets of columns, which: topic, message, group, sheet, table. May be repeated.",
+    ),
+]
 Decimal = Annotated[
     str | None, typer.Option("--decimal", help="Decimal sign of a text: comma or point. By default, the file decides.")
 ]

@@ -27,7 +27,7 @@ def read(
     sample_rate: float | None = None,
     time_column: str | None = None,
     required: Sequence[str] = (),
-    variables: Sequence[str] | None = None,
+    topics: Sequence[str] | None = None,
     start: object = None,
     stop: object = None,
     mission_start: object = None,
@@ -40,8 +40,10 @@ def read(
     ----------
     path : str or Path, Recording, or array of shape (n,) or (n, axes)
         A Recording, or an array with its sample rate, is taken as it is. Files: CSV and other text (also gzip),
-        Parquet, MATLAB, HDF5, npy, npz; data file or header of a pair of the acceleration archive (PAD), or a folder
-        of such pairs; what a reader of another distribution takes (entry point ``inertialcal.readers``).
+        Parquet, MATLAB, HDF5, npy, npz, Arrow, WAV, LVM, SQLite, bags, ArduPilot logs; with the extra ``formats``
+        PX4 logs, workbooks, TDMS, UFF 58, MDF, IDE, miniSEED; data file or header of a pair of the acceleration
+        archive (PAD), or a folder of such pairs; what a reader of another distribution takes (entry point
+        ``inertialcal.readers``).
     units : mapping of str to str, optional
         Unit by column or by group: ``{"gyro": "deg/s", "acc_x": "g", "timestamp": "ns"}``; goes before what
         the file says.
@@ -51,8 +53,9 @@ def read(
         Name, or number counted from 1, of the column that is time; by default it is found.
     required : sequence of str, optional
         Columns that must be there, in numbers; a literal NaN in them is refused.
-    variables : sequence of str, optional
-        Of a MATLAB, HDF5 or npz file, those to take; by default the largest set of one length.
+    topics : sequence of str, optional
+        Of a file with several sets of columns, those to take: topics of a bag, messages of a flight log, groups of
+        channels, a sheet, a table, variables of a MATLAB, HDF5 or npz file (by default the largest set of one length).
     start, stop : str, int, float or datetime, optional
         Keep the samples from start on and before stop: UTC, UNIX seconds, GMT day of the year or mission elapsed
         time, as ``core.times.read_instant`` takes them; seconds or DDD/HH:MM:SS where the recording counts from its
@@ -75,6 +78,7 @@ def read(
         By code: ``missing_file``, ``empty_file``, ``unsupported_format``, ``not_text``, ``damaged_file``,
         ``too_large``, ``ragged_row``, ``duplicate_column``, ``text_in_numbers``, ``nan_in_required``,
         ``grouped_digits``, ``wrong_column``, ``unknown_unit``, ``epoch_digits``, ``no_channel``, ``no_time``,
+        ``missing_extra``, ``several_topics``, ``several_clocks``,
         ``nothing_left``, ``broken_plugin``, those of a time column that was named and cannot be time (``not_time``,
         ``time_missing``, ``time_unit_unknown``), and those of ``pad.read_pad``.
     UsageError
@@ -93,7 +97,7 @@ def read(
     from .time.window import Window  # noqa: PLC0415
 
     window = Window(start, stop, mission_start)
-    request = Request(units or {}, sample_rate, time_column, required, variables, window, frame, decimal)
+    request = Request(units or {}, sample_rate, time_column, required, topics, window, frame, decimal)
     return read_recording(path, request)
 
 

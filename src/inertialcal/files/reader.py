@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ..core.errors import UsageError
 from ..core.recording import Recording
 from .columns import Content
 from .source import Loaded
@@ -39,10 +40,20 @@ class Request:
     sample_rate: float | None = None
     time_column: str | None = None
     required: Sequence[str] = ()
-    variables: Sequence[str] | None = None
+    topics: Sequence[str] | None = None  # Those to take, where a file holds several sets of columns
     window: Window = field(default_factory=Window)
     frame: str | None = None
     decimal: str | None = None
+
+
+def wrong_frame(path: str | Path) -> UsageError:
+    """Return the error for ``--frame`` where a format has no frames to choose from."""
+    return UsageError(
+        f"{path}: --frame given",
+        why="only records of the acceleration archive give their coordinate systems",
+        do="Leave --frame out",
+        code="wrong_frame",
+    )
 
 
 @dataclass(frozen=True)

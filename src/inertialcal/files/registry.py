@@ -22,8 +22,9 @@ from .assemble import assemble
 from .budget import COLUMNS, PARTS, check_count
 from .columns import Column, Content
 from .formats import ZIP, ZIP_MEMBER, refusal
+from .loggers import bag_folder
 from .pad import reader as pad
-from .reader import ArchiveReader, Reader, Request
+from .reader import ArchiveReader, Reader, Request, wrong_frame
 from .source import Loaded, as_data_errors, load, whole
 from .time.window import cut
 
@@ -37,11 +38,27 @@ BUILT_IN = {  # name -> module and attribute, in the order in which they are ask
     "npz": "binary.numpy_file:NPZ",
     "mat4": "binary.matlab:VERSION_4",
     "cards": "text.card_images:READER",
+    "rosbag1": "loggers.bags:ROSBAG_1",
+    "rosbag2": "loggers.bags:ROSBAG_2",
+    "mcap": "loggers.bags:READER",
+    "ulog": "loggers.ulog:READER",
+    "dataflash": "loggers.dataflash:BINARY",
+    "dataflash_text": "loggers.dataflash:TEXT_LOG",
+    "excel": "loggers.excel:READER",
+    "tdms": "loggers.tdms:READER",
+    "uff": "loggers.uff:READER",
+    "wav": "loggers.wav:READER",
+    "feather": "loggers.feather:READER",
+    "mdf": "loggers.mdf:READER",
+    "ide": "loggers.ide:READER",
+    "lvm": "loggers.lvm:READER",
+    "miniseed": "loggers.miniseed:READER",
+    "sqlite": "loggers.sqlite:READER",
 }
 READERS: Registry[Reader] = Registry(
     "reader", Reader, "inertialcal.readers", {name: f"{__package__}.{place}" for name, place in BUILT_IN.items()}
 )
-ARCHIVES: tuple[ArchiveReader, ...] = (pad.READER,)
+ARCHIVES: tuple[ArchiveReader, ...] = (pad.READER, bag_folder.READER)
 SIGNS: dict[str, Literal[".", ","]] = {"comma": ",", "point": "."}
 KINDS = "iufMO"  # of the values of a column: numbers, instants, text
 
@@ -64,13 +81,8 @@ def read_recording(path: str | Path, request: Request, parsed: Parsed | None = N
         if recording is not None:
             return recording
     if request.frame is not None:
-        raise UsageError(
-            f"{path}: --frame given",
-            why="only records of the acceleration archive give their coordinate systems",
-            do="Leave --frame out",
-            code="wrong_frame",
-        )
-    variables = None if request.variables is None else tuple(request.variables)
+        raise wrong_frame(path)
+    variables = tuple(request.topics or ()) or None
     key = (str(path), variables, request.decimal)
     known = None if parsed is None else parsed.get(key)
     content, source = _columns(path, request) if known is None else known
@@ -93,7 +105,7 @@ def _columns(path: str | Path, request: Request) -> tuple[Content, Source]:
     reader = find_reader(loaded)
     loaded = loaded if reader.in_place else whole(loaded)
     if request.decimal is None:
-        content = reader.read(loaded, request.variables)
+        content = reader.read(loaded, request.topics or None)
     else:
         content = _with_decimal(loaded, reader, request.decimal)
     check_count(len(content.columns), COLUMNS, "columns", loaded.path)
@@ -139,7 +151,7 @@ def find_reader(loaded: Loaded) -> Reader:
 
 def readable() -> str:
     """Return the titles of all formats that are read without other packages."""
-    titles = [READERS[name].title for name in BUILT_IN] + [archive.title for archive in ARCHIVES]
+    titles = [READERS[name].title for name in BUILT_IN] + [archive.title for archive in ARCHIVES if archive.title]
     return ", ".join(dict.fromkeys(titles))
 
 

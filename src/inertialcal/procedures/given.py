@@ -58,6 +58,10 @@ class Said:
     stop: str | None = setting("Only before this time, written like --from.", None, option="to")
     mission_start: str | None = setting("When mission elapsed time (DDD/HH:MM:SS) is zero, in UTC.", None)
     frame: str | None = setting("Axes of a PAD recording: data (as they are) or sensor (turned to them).", None)
+    topics: list[str] = setting(
+        "Of a file with several sets of columns, which: topic, message, group, sheet, table.",
+        list[str], example="/imu/data", option="topic",
+    )  # fmt: skip
     averaging: str | None = setting(
         "What each sample is the mean of, where that is not the sample interval.", None, example="1 s"
     )

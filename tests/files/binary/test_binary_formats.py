@@ -118,11 +118,11 @@ def test_arrays_of_two_clocks(tmp_path: Path) -> None:
     assert len(recording) == N
     found = {remark.code: remark for remark in recording.remarks}
     assert (found["other_clock"].count, found["variables_left_out"].count) == (2, 1)
-    assert read(path, variables=["mag"]).names == ("mag",)
+    assert read(path, topics=["mag"]).names == ("mag",)
     with pytest.raises(DataError, match="variables differ in length: gyro has 200, mag has 50"):
-        read(path, variables=["gyro", "mag"])
+        read(path, topics=["gyro", "mag"])
     with pytest.raises(DataError, match=r"no variable 'acc'\. The file has: gyro, mag, flag"):
-        read(path, variables=["acc"])
+        read(path, topics=["acc"])
 
 
 def test_one_array(tmp_path: Path) -> None:

@@ -99,6 +99,8 @@ def _reading(said: Said, entry: Mapping[str, Any]) -> dict[str, Any]:
     found: dict[str, Any] = {"clock": clock} if clock else {}
     if said.frame is not None:
         found["frame"] = said.frame
+    if said.topics:
+        found["topics"] = list(said.topics)
     return found | ({"run": "1"} if said.one_run else {})
 
 

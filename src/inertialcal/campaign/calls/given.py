@@ -61,7 +61,7 @@ class Files:
             return self.held[name]
         wanted: dict[str, Any] = {
             "sample_rate": said.sample_rate, "time_column": said.time_column, "start": said.start, "stop": said.stop,
-            "mission_start": said.mission_start, "frame": said.frame,
+            "mission_start": said.mission_start, "frame": said.frame, "topics": said.topics or None,
         }  # fmt: skip
         wanted |= {one: value for one, value in reading.items() if value is not None}
         if name not in self.held or self.read_as.get(name, wanted) != wanted:

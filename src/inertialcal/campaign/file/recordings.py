@@ -116,6 +116,7 @@ class CommonKeys(Strict):
     channels: dict[ChannelName, ChannelEntry] | None = None
     clock: Clock | None = None
     frame: Literal["data", "sensor"] | None = None
+    topics: list[Text] | None = None
     axis: Axis | None = None
     run: Text | None = None
     applied: list[Step] | None = None
@@ -142,8 +143,21 @@ class _Checked(Strict):
 
 
 _MOVED = [name for name in OWN_KEYS if name not in TABLE_KEYS]
-_ONLY_WITH_CHANNELS = ("clock", "frame", *_MOVED, "axis", "run", "applied")
-_ORDER = ("sensor", "file", *TABLE_KEYS, "channels", "clock", "frame", *_MOVED, "axis", "run", "applied", "source")
+_ONLY_WITH_CHANNELS = ("clock", "frame", "topics", *_MOVED, "axis", "run", "applied")
+_ORDER = (
+    "sensor",
+    "file",
+    *TABLE_KEYS,
+    "channels",
+    "clock",
+    "frame",
+    "topics",
+    *_MOVED,
+    "axis",
+    "run",
+    "applied",
+    "source",
+)
 
 
 def _recording_entry() -> type[CommonKeys]:

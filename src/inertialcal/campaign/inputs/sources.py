@@ -83,7 +83,7 @@ def reading_of(entry: RecordingEntry) -> dict[str, Any]:
     clock = entry.clock or Clock()
     return {
         "time_column": clock.column, "sample_rate": clock.sample_rate, "start": clock.start, "stop": clock.stop,
-        "mission_start": clock.mission_start, "frame": entry.frame,
+        "mission_start": clock.mission_start, "frame": entry.frame, "topics": entry.topics,
     }  # fmt: skip
 
 
@@ -141,7 +141,7 @@ class ReadOnce(Folder):
             return self._archived[which]
         window = Window(reading["start"], reading["stop"], reading["mission_start"])
         request = Request(sample_rate=reading["sample_rate"], time_column=reading["time_column"], required=required,
-                          window=window, frame=reading["frame"])  # fmt: skip
+                          window=window, frame=reading["frame"], topics=reading["topics"])  # fmt: skip
         parsed = self._parsed.setdefault(entry.file, {})
         found = read_recording(self.folder / entry.file, request, parsed)
         if not parsed:

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from .. import figures
-from ..options import Decimal, Frame, Json, MissionStart, Quiet, Start, Stop, Units, pairs
+from ..options import Decimal, Frame, Json, MissionStart, Quiet, Start, Stop, Topics, Units, pairs
 from ..shown.output import json_out
 
 Files = Annotated[list[Path], typer.Argument(help="Recordings or tables.", show_default=False)]
@@ -28,6 +28,7 @@ def info(
     mission_start: MissionStart = None,
     frame: Frame = None,
     decimal: Decimal = None,
+    topic: Topics = [],  # noqa: B006 - typer copies it
     output: figures.FigureFile = None,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -44,7 +45,7 @@ def info(
     said: dict[str, Any] = {
         "units": pairs(unit, "--unit", "gyro=deg/s"), "sample_rate": sample_rate, "time_column": time_column,
         "start": start, "stop": stop, "mission_start": mission_start, "frame": frame,
-        "decimal": decimal,
+        "decimal": decimal, "topics": topic,
     }  # fmt: skip
     found, errors = [], []
     for path in files:

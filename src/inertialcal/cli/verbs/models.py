@@ -12,7 +12,7 @@ from ...core.errors import UsageError
 from ...core.remarks import Remark
 from ...files.models.formats import BUILT_IN
 from .. import figures
-from ..options import Decimal, Frame, Json, MissionStart, Quiet, Start, Stop, Units, pairs
+from ..options import Decimal, Frame, Json, MissionStart, Quiet, Start, Stop, Topics, Units, pairs
 from ..shown.output import clean, json_out, wrapped
 
 Model = Annotated[
@@ -231,6 +231,7 @@ def compensate(
     ] = False,
     sample_rate: SampleRate = None,
     time_column: TimeColumn = None,
+    topic: Topics = [],  # noqa: B006 - typer copies it
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -250,7 +251,7 @@ def compensate(
     if steps and sensor is None:
         do = f"Name one of the catalogue: {', '.join(name for name, make in CATALOGUE.items() if make().equations)}"
         raise UsageError(f"--steps: {model} is no published model", do=do, code="no_steps")
-    raw = read(data, units=units, sample_rate=sample_rate, time_column=time_column)
+    raw = read(data, units=units, sample_rate=sample_rate, time_column=time_column, topics=topic)
     inputs = [_input(found), {"path": raw.source.path, "sha256": raw.source.sha256}]
     listed: dict[str, Any] = {}
     if sensor is not None and steps:
@@ -309,6 +310,7 @@ def convert(
     mission_start: MissionStart = None,
     frame: Frame = None,
     decimal: Decimal = None,
+    topic: Topics = [],  # noqa: B006 - typer copies it
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -320,7 +322,7 @@ def convert(
     units = pairs(unit, "--unit", "gyro=deg/s")
     recording = read(
         source, units=units, sample_rate=sample_rate, time_column=time_column, start=start, stop=stop,
-        mission_start=mission_start, frame=frame, decimal=decimal,
+        mission_start=mission_start, frame=frame, decimal=decimal, topics=topic,
     )  # fmt: skip
     remarks = [*recording.remarks, *write(target, recording)]
     if as_json:

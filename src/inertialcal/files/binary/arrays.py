@@ -245,5 +245,5 @@ def _other_remark(others: Sequence[_Variable], path: str) -> tuple[Remark, ...]:
         return ()
     said = ", ".join(f"{v.source.name} ({len(v.values)} samples)" for v in others[:5])
     what = f"different length, so a different clock; not read: {said[:160]}"
-    do = "Read them by name (variables=[...])"
+    do = "Read them by name: --topic NAME"
     return (Remark("other_clock", "warning", what, where=path, count=len(others), do=do),)

@@ -3,9 +3,8 @@
 MATLAB writes its matrices transposed; here the longest dimension is time in any case.
 
 The HDF5 library crashes on some damaged files and never returns from others. So a process of its own reads the file
-(`main`), with a limit of memory and of computing time, and writes the arrays to its standard output: a line of JSON
-that says which, then their bytes piece by piece, each below a line with its size, or with what is wrong. Of a long file
-that stays in place nothing is held whole, neither there nor here.
+(`main`), as ``files.apart`` has it, and writes the arrays to its standard output. Of a long file that stays in place
+nothing is held whole, neither there nor here.
 
 A dataset may keep its values in other files: in raw ones (external storage), in other HDF5 files (virtual), or be
 a link to one. None of them is read: a file could else bring any file of the machine into the output.
@@ -16,11 +15,9 @@ from __future__ import annotations
 import io
 import json
 import os
-import signal
-import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
 from math import prod
 from typing import IO, Any, NoReturn, cast
@@ -29,8 +26,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.batches import empty, is_long, release
-from ...core.errors import DataError, InertialcalError, Problem
-from ..budget import ENVIRONMENT, PARTS, PROCESS, READ, VALUE, ceiling, check_count, claim, claim_room
+from ...core.errors import DataError, InertialcalError
+from ..apart import crashed, is_possible, limit_memory, limit_time, process_of
+from ..budget import PARTS, PROCESS, READ, VALUE, ceiling, check_count, claim, claim_room
 from ..columns import Content
 from ..reader import Reader
 from ..source import FileBytes, Loaded, as_data_errors
@@ -54,8 +52,7 @@ def read_hdf5(loaded: Loaded, variables: Sequence[str] | None = None) -> Content
         ``damaged_file``; ``too_large``, ``too_many`` beyond the limits of ``files.budget``; ``external_storage``;
         ``missing_filter``.
     """
-    apart = sys.executable and not getattr(sys, "frozen", False)
-    found, is_matlab = _apart(loaded) if apart else _here(loaded)
+    found, is_matlab = _apart(loaded) if is_possible() else _here(loaded)
     arrays = [array for _, array in found if array is not None]
     skipped = [name for name, array in found if array is None]
     kind = "MATLAB 7.3 (HDF5)" if is_matlab else "HDF5"
@@ -64,19 +61,10 @@ def read_hdf5(loaded: Loaded, variables: Sequence[str] | None = None) -> Content
 
 def _apart(loaded: Loaded) -> tuple[Found, bool]:
     """Return what a process of its own reads."""
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path)), "PYTHONSAFEPATH": "1"}
-    environment |= {ENVIRONMENT: str(ceiling(loaded.on_disk)), "OPENBLAS_NUM_THREADS": "1", "PYTHONIOENCODING": "utf-8"}
     in_place = isinstance(loaded.data, FileBytes)
-    size = 0 if in_place else len(loaded.data)
-    command = [sys.executable, "-m", __name__, loaded.path, str(loaded.on_disk), str(size)]
-    pipe, nowhere = subprocess.PIPE, subprocess.DEVNULL
-    with subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=nowhere, env=environment) as process:  # noqa: S603
-        given, answer = cast("IO[bytes]", process.stdin), cast("IO[bytes]", process.stdout)
+    words = [loaded.path, str(loaded.on_disk), str(0 if in_place else len(loaded.data))]
+    with process_of(__name__, words, loaded) as (pieces, process):
         try:
-            with suppress(BrokenPipeError):
-                given.write(b"" if in_place else loaded.data)
-                given.close()
-            pieces = _Pieces(answer)
             content = pieces.said()
             known = [(name, kind and np.dtype(kind), shape, unit) for name, kind, shape, unit in content["found"]]
             stored = in_place and is_long(sum(prod(shape) * kind.itemsize for _, kind, shape, _ in known if kind))
@@ -86,52 +74,10 @@ def _apart(loaded: Loaded) -> tuple[Found, bool]:
                 found.append((name, None if array is None else NamedArray(name, array, unit)))
             pieces.said()
             if process.wait():
-                raise _crashed(process.returncode, loaded.path)
+                raise EOFError
             return found, content["is_matlab"]
         except EOFError:
-            raise _crashed(process.wait(), loaded.path) from None
-        finally:
-            process.kill()
-
-
-class _Pieces:
-    """What a process of its own answers, as one stream of the bytes of all arrays."""
-
-    def __init__(self, answer: IO[bytes]) -> None:
-        self._answer, self._left = answer, 0
-
-    def said(self) -> Any:
-        """Return the content of the next line; Raises EOFError where none comes, DataError where it refuses."""
-        line = self._answer.readline()
-        if not line.endswith(b"\n"):
-            raise EOFError
-        try:
-            content = json.loads(line)
-        except ValueError:
-            raise EOFError from None
-        if isinstance(content, dict) and "refused" in content:
-            raise DataError([Problem(**one) for one in content["refused"]])
-        return content
-
-    def readinto(self, view: memoryview) -> int:
-        """Fill the view as far as a piece goes."""
-        if not self._left:
-            self._left = self.said()
-        got: int = self._answer.readinto(view[: self._left])  # type: ignore[attr-defined]
-        self._left -= got
-        return got
-
-
-def _crashed(status: int, path: str) -> DataError:
-    """Return the error for a process that came to no end."""
-    slow = status == -getattr(signal, "SIGXCPU", 0)
-    said = "it comes to no end" if slow else f"it stops the HDF5 library ({status})"
-    return DataError(
-        f"cannot be read as {WHAT}: {said}",
-        where=path,
-        do="Copy it again from its source, or export it as text",
-        code="damaged_file",
-    )
+            raise crashed(process.wait(), loaded.path, WHAT, "HDF5") from None
 
 
 def main() -> NoReturn:
@@ -139,7 +85,7 @@ def main() -> NoReturn:
     path, on_disk, size = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
     import h5py  # noqa: F401, PLC0415 - before the limit: libraries take much address space, and use little of it
 
-    _limit_memory(max(ceiling(on_disk) - PROCESS, 0))
+    limit_memory(max(ceiling(on_disk) - PROCESS, 0))
     _limit_time(on_disk + size)
     out = sys.stdout.buffer
 
@@ -155,7 +101,7 @@ def main() -> NoReturn:
             ]
             say({"found": said, "is_matlab": is_matlab})
             for piece in (piece for _, one in found if one is not None for piece in one.pieces()):
-                say(piece.nbytes)
+                say({"bytes": piece.nbytes})
                 out.write(piece.reshape(-1).view(np.uint8).data)
             say({})
     except InertialcalError as error:
@@ -164,23 +110,9 @@ def main() -> NoReturn:
     os._exit(0)  # the library need not take apart what is damaged
 
 
-def _limit_memory(most: int) -> None:
-    """Limit the address space of this process to that many bytes on top of what it has, where the system can."""
-    with suppress(ImportError, OSError, ValueError):
-        import resource  # noqa: PLC0415 - not everywhere
-
-        with open("/proc/self/statm", encoding="ascii") as stream:
-            own = int(stream.read().split()[0]) * resource.getpagesize()
-        resource.setrlimit(resource.RLIMIT_AS, (own + most, resource.RLIM_INFINITY))
-
-
 def _limit_time(size: int) -> None:
     """Limit the computing time of this process to that of so many bytes, where the system can."""
-    with suppress(ImportError, OSError, ValueError):
-        import resource  # noqa: PLC0415 - not everywhere
-
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-        resource.setrlimit(resource.RLIMIT_CPU, (SECONDS + int(size / PER_SECOND), resource.RLIM_INFINITY))
+    limit_time(SECONDS + int(size / PER_SECOND))
 
 
 def _here(loaded: Loaded) -> tuple[Found, bool]:

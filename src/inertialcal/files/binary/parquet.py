@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,6 +27,9 @@ from ..reader import Reader
 from ..source import FileBytes, Loaded, as_data_errors
 from ..text.delimited import arrow_numbers, text_in_numbers
 from ..text.layout import BLANKS, judge
+
+if TYPE_CHECKING:
+    from pyarrow import ChunkedArray, Field
 
 MAGIC = b"PAR1"
 DEEPEST = 8  # structures within structures in the header of a page
@@ -79,12 +82,12 @@ def read_parquet(loaded: Loaded, variables: Sequence[str] | None = None) -> Cont
         table = file.read(columns=quick)
         while any(pa.types.is_struct(kind) for kind in table.schema.types):
             table = table.flatten()
-        columns = [_column(table.column(i), table.schema.field(i), loaded.path) for i in range(table.num_columns)]
+        columns = [arrow_column(table.column(i), table.schema.field(i), loaded.path) for i in range(table.num_columns)]
         columns += [_front_coded(file, leaves[i].path, batch, loaded) for i, batch in slow.items()]
         columns += _batch_by_batch(file, [leaves[i].path for i in large], loaded.path)
         order = {leaf.path: i for i, leaf in enumerate(leaves)}
         columns.sort(key=lambda one: order.get(one.name if isinstance(one, Column) else one, 0))
-        rate = _sample_rate(file.schema_arrow.metadata or {})
+        rate = sample_rate_of(file.schema_arrow.metadata or {})
     unread = (leaf.path for i, leaf in enumerate(leaves) if i not in read)
     columns += dict.fromkeys(path.split(".list.")[0].split(".key_value.")[0] for path in unread)
     kept = tuple(column for column in columns if isinstance(column, Column))
@@ -106,7 +109,7 @@ def _batch_by_batch(file: Any, paths: Sequence[str], path: str) -> list[Column |
         table = pa.Table.from_batches([batch])
         while any(pa.types.is_struct(kind) for kind in table.schema.types):
             table = table.flatten()
-        made = [_column(table.column(i), table.schema.field(i), path) for i in range(table.num_columns)]
+        made = [arrow_column(table.column(i), table.schema.field(i), path) for i in range(table.num_columns)]
         left_out |= dict.fromkeys(one for one in made if isinstance(one, str))
         long.add([one for one in made if isinstance(one, Column)])
     return [*long.columns(), *left_out]
@@ -170,7 +173,7 @@ def _front_coded(file: Any, path: str, batch: int, loaded: Loaded) -> Column | s
         claim(loaded.path, loaded.on_disk, len(loaded.data) + 3 * held + AT_ONCE, f"the texts of {path!r}", least=True)
         chunks.append(values)
     kind = chunks[0].type if chunks else pa.string()
-    return _column(pa.chunked_array(chunks, kind), pa.field(path, kind), loaded.path)
+    return arrow_column(pa.chunked_array(chunks, kind), pa.field(path, kind), loaded.path)
 
 
 @dataclass(frozen=True)
@@ -248,7 +251,7 @@ def _varint(data: bytes, at: int) -> tuple[int, int]:
     return value | data[at] << shift, at + 1
 
 
-def _column(values: Any, field: Any, path: str) -> Column | str:
+def arrow_column(values: ChunkedArray, field: Field, path: str) -> Column | str:
     """One column, or its name if it is neither numbers, dates nor text."""
     import pyarrow as pa  # noqa: PLC0415 - heavy import
 
@@ -297,7 +300,7 @@ def _text_column(values: Any, name: str, unit: str | None, path: str) -> Column:
     return Column(name, judged.values, unit, empty=judged.empty, not_a_number=judged.not_a_number)
 
 
-def _sample_rate(metadata: dict[bytes, bytes]) -> float | None:
+def sample_rate_of(metadata: dict[bytes, bytes]) -> float | None:
     """Sample rate in the metadata of the file [Hz]."""
     for key in RATE_KEYS:
         try:

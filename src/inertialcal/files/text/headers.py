@@ -161,6 +161,8 @@ def heading(name: str, unit: str | None = None) -> Heading:
     known = TIME_NAMES.get("".join(_last(bare, words))) if known is None and given is None else known
     kind = units.kind(known) if known is not None else ""
     unknown = given.strip() if given is not None and known is None else ""
+    if (bare, kind) == ("T", "temperature"):
+        quantity = kind
     if known is not None and quantity in KINDS and kind not in KINDS[quantity]:
         known, unknown = None, given or ""
     return Heading(known, _axis(words), quantity or BY_KIND.get(kind, ""), unknown)

@@ -1,0 +1,1 @@
+"""Readers of loggers and test systems: bags, flight logs, data acquisition, workbooks."""

@@ -1,0 +1,427 @@
+"""Bags: recordings of ROS 1 (``.bag``), of ROS 2 in SQLite (``.db3``) and in MCAP (``.mcap``), and folders of ROS 2.
+
+A bag is read from its beginning to where it stops being whole, without its index: a recorder that was killed left none
+(`rosbags` and `mcap` refuse such a file, or take a torn message for a whole one). It is gone through twice: once to
+see what it holds, once to decode the topic that is read, so that no more than a chunk is held at a time.
+
+References
+----------
+.. [1] ROS 1 bag format 2.0: wiki.ros.org/Bags/Format/2.0.
+.. [2] MCAP: mcap.dev/spec.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ...core.batches import any_step
+from ...core.errors import DataError
+from ...core.recording import SECOND
+from ...core.remarks import Remark
+from ..binary.arrays import number_column
+from ..budget import PARTS, check_count, claim, claim_room
+from ..columns import Column, Content, LongColumns
+from ..reader import Reader
+from ..source import FileBytes, Loaded, as_data_errors
+from ..time.stamps import is_utc
+from .database import SQLITE, is_bag_2, missing_bytes, opened, whole_pages
+from .ros_messages import ENCODINGS, MESSAGES, Decoded, decode, message_type, stated
+from .topics import NO_NUMBERS, Topic, choose, joined, library, on_disk, other_topics, stamps, torn
+
+ROS_1, MCAP = b"#ROSBAG V2.0\n", b"\x89MCAP0\r\n"
+CUT = "it ends in the middle of a chunk, of which what is whole was read"
+AT_ONCE = 2**14  # messages that are decoded at once
+CHUNK = 2**30  # bytes that a chunk may unpack to
+OF_MCAP = {"header": 1, "footer": 2, "schema": 3, "channel": 4, "message": 5, "chunk": 6, "data_end": 15}
+
+
+class TornError(Exception):
+    """A bag ends, or is damaged, at a byte."""
+
+    def __init__(self, at: int, why: str) -> None:
+        super().__init__(why)
+        self.at, self.why = at, why
+
+
+@dataclass(frozen=True)
+class Connection:
+    """Who wrote messages: a topic, and what its messages are."""
+
+    topic: str
+    kind: str  # As the bag names the type
+    encoding: str  # ``"ros1"``, ``"cdr"``, or one that is not read
+
+
+Message = tuple[int, int, bytes]  # key of the connection, time of recording [ns], content
+
+
+@dataclass
+class Bag:
+    """A bag that is gone through: connections appear as their messages do.
+
+    Parameters
+    ----------
+    scan : callable
+        Yields the messages from the beginning, and fills in the connections; raises TornError where it is not whole.
+    title : str
+        Format in words.
+    """
+
+    scan: Callable[[Bag], Iterator[Message]]
+    title: str
+    path: str
+    size: int  # Bytes
+    connections: dict[int, Connection] = field(default_factory=dict[int, Connection])
+    remarks: tuple[Remark, ...] = ()
+
+    def messages(self) -> Iterator[Message]:
+        """Yield the messages that are whole; where that ends is a remark."""
+        self.remarks = ()
+        try:
+            yield from self.scan(self)
+        except TornError as end:
+            self.remarks = torn(self.path, self.size - end.at, end.at, end.why)
+
+
+def read_bag(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
+    """Return the readings of a topic of a bag.
+
+    Raises
+    ------
+    DataError
+        ``several_topics``, ``wrong_column``, ``no_channel``; ``missing_extra`` for a compression; ``damaged_file``;
+        ``too_large``.
+    """
+    with as_data_errors(loaded.path, "a bag"):
+        if loaded.data.startswith(SQLITE):
+            with on_disk(whole_pages(loaded), ".db3") as path:
+                return content_of(bag_in_sqlite(path, loaded), variables)
+        return content_of(bag_of(loaded), variables)
+
+
+def bag_of(loaded: Loaded) -> Bag:
+    """Return a bag that is a stream of records."""
+    if loaded.data.startswith(MCAP):
+        return Bag(lambda bag: _mcap(loaded, bag), "MCAP", loaded.path, len(loaded.data))
+    return Bag(lambda bag: _ros_1(loaded, bag), "ROS 1 bag", loaded.path, len(loaded.data))
+
+
+def content_of(bag: Bag, variables: Sequence[str] | None) -> Content:
+    """Return the readings of a topic, those that were named or the one with inertial readings."""
+    rows: dict[str, int] = {}
+    for key, _, _ in bag.messages():
+        name = bag.connections[key].topic
+        rows[name] = rows.get(name, 0) + 1
+    by_topic: dict[str, list[Connection]] = {}
+    for one in bag.connections.values():
+        by_topic.setdefault(one.topic, []).append(one)
+    topics = [_topic(name, own, rows.get(name, 0)) for name, own in by_topic.items()]
+    if not any(one.rank and one.rows for one in topics) and bag.remarks:
+        raise DataError(bag.remarks[0].what, bag.path, "no reading before that is whole", code="damaged_file")
+    chosen = choose(topics, variables, bag.path)
+    for topic in chosen:
+        if topic.rank == NO_NUMBERS:
+            what = f"topic {topic.name} holds {topic.what or 'messages of no type'}"
+            do = f"Read are {', '.join(f'sensor_msgs/{name}' for name in MESSAGES)}"
+            raise DataError(what, where=bag.path, do=do, code="no_channel")
+    parts = [(one, _decoded(bag, one, by_topic[one.name][0])) for one in chosen]
+    content = joined(parts, bag.path)
+    remarks = (*content.remarks, *other_topics(topics, chosen, bag.path), *bag.remarks)
+    return Content(content.columns, bag.title, remarks=remarks)
+
+
+def _topic(name: str, own: Sequence[Connection], rows: int) -> Topic:
+    kinds = dict.fromkeys(one.kind for one in own)
+    known = len(kinds) == 1 and all(one.encoding in ENCODINGS for one in own)
+    kind = message_type(own[0].kind) if known else ""
+    return Topic(name, ", ".join(kinds), rows, MESSAGES[kind][0] if kind else NO_NUMBERS)
+
+
+def _decoded(bag: Bag, topic: Topic, connection: Connection) -> Content:
+    """Return the readings of one topic."""
+    kind, rows = message_type(connection.kind), topic.rows or 0
+    width = sum(len(part.names) + part.covariance for part in MESSAGES[kind][1])
+    claim_room(bag.path, bag.size, 16 * rows * (width + 2), f"{rows:,} messages")
+    long = LongColumns(rows)
+    held: list[bytes] = []
+    logged: list[int] = []
+    frames: dict[str, None] = {}
+    broken = 0
+    first = low = high = np.empty(0)
+
+    def flush() -> None:
+        nonlocal broken, first, low, high
+        found: Decoded = decode(held, kind, connection.encoding)
+        broken += len(held) - len(found.values)
+        frames.update(dict.fromkeys(found.frames))
+        if len(found.values):
+            low, high = _extremes(found.values, low, high)
+            first = found.values[0] if not len(first) else first
+            columns = [found.time_ns, np.array(logged)[found.whole], *found.values.T]
+            long.add([Column(str(i), values) for i, values in enumerate(columns)])
+        held.clear()
+        logged.clear()
+
+    for key, time, data in bag.messages():
+        if bag.connections[key].topic == topic.name:
+            held.append(data)
+            logged.append(time)
+            if len(held) == AT_ONCE:
+                flush()
+    if held:
+        flush()
+    if not len(first):
+        raise DataError(f"no message of topic {topic.name} is whole", where=bag.path, code="damaged_file")
+    whole = [column.values[: rows - broken] for column in long.columns()]
+    columns, remarks = stated(kind, first, low, high, list(frames), bag.path)
+    if broken:
+        what = f"messages of topic {topic.name} that are not {connection.kind}: left out"
+        remarks += (Remark("damaged_records", "warning", what, where=bag.path, count=broken),)
+    time_ns, log_ns = whole[0], whole[1]
+    if not any_step(time_ns, lambda step: step != 0) and any_step(log_ns, lambda step: step != 0):
+        what = "the stamps in the headers are all the same: the times of recording are used"
+        remarks += (Remark("log_time", "warning", what, where=bag.path, do="They jitter more than the sensor's clock"),)
+        time_ns = log_ns
+    made = [number_column(name, whole[2 + at], unit) for name, unit, at in columns]
+    return Content((stamps(time_ns, is_utc(time_ns)), *made), bag.title, remarks=remarks)
+
+
+def _extremes(values: Any, low: Any, high: Any) -> tuple[Any, Any]:
+    least, most = np.fmin.reduce(values), np.fmax.reduce(values)
+    return (np.fmin(low, least), np.fmax(high, most)) if len(low) else (least, most)
+
+
+def _take(data: bytes, at: int, size: int, why: str = "it ends in the middle of a record", begin: int = -1) -> bytes:
+    """Return bytes of a file; raises TornError where there are fewer."""
+    found = data[at : at + size]
+    if len(found) != size:
+        raise TornError(at if begin < 0 else begin, why)
+    return found
+
+
+# ROS 1
+
+
+def _ros_1(loaded: Loaded, bag: Bag) -> Iterator[Message]:
+    """Yield the messages of a bag of ROS 1, chunk by chunk."""
+    data, at, closed = loaded.data, len(ROS_1), True
+    while at < len(data):
+        head, begin, size = _ros_1_record(data, at, at)
+        op = head.get(b"op", b"")
+        if op == b"\x03":
+            closed = _whole(head, b"index_pos", 8, at) > 0
+        if op == b"\x05":
+            inside = _ros_1_chunk(head, data[begin : begin + size], loaded, at, begin + size > len(data))
+            yield from _ros_1_inside(inside, bag, at)
+            if begin + size > len(data):
+                raise TornError(at, CUT)
+        elif op in (b"\x02", b"\x07"):
+            yield from _ros_1_one(head, _take(data, begin, size, begin=at), bag, at)
+        elif begin + size > len(data):
+            raise TornError(at, "it ends in the middle of a record")
+        at = begin + size
+    if not closed:
+        raise TornError(at, "it has no index")
+
+
+def _ros_1_inside(inside: bytes, bag: Bag, at: int) -> Iterator[Message]:
+    """Yield the messages of the content of a chunk."""
+    place = 0
+    while place < len(inside):
+        own, start, length = _ros_1_record(inside, place, at, CUT)
+        yield from _ros_1_one(own, _take(inside, start, length, CUT, at), bag, at)
+        place = start + length
+
+
+def _ros_1_record(
+    data: bytes, at: int, outer: int, why: str = "it ends in the middle of a record"
+) -> tuple[dict[bytes, bytes], int, int]:
+    """Return the fields of a record's header, and first byte and size of its data."""
+    (length,) = struct.unpack("<I", _take(data, at, 4, why, outer))
+    head = _take(data, at + 4, length, why, outer)
+    (size,) = struct.unpack("<I", _take(data, at + 4 + length, 4, why, outer))
+    fields: dict[bytes, bytes] = {}
+    place = 0
+    while place + 4 <= len(head):
+        (one,) = struct.unpack_from("<I", head, place)
+        name, equals, value = head[place + 4 : place + 4 + one].partition(b"=")
+        if not equals:
+            raise TornError(outer, "a record is damaged")
+        fields[name] = value
+        place += 4 + one
+    return fields, at + 8 + length, size
+
+
+def _ros_1_chunk(head: dict[bytes, bytes], packed: bytes, loaded: Loaded, at: int, cut: bool) -> bytes:
+    """Return the content of a chunk; of one that is cut off, as much as is there."""
+    size = _whole(head, b"size", 4, at)
+    return unpacked(packed, head.get(b"compression", b"").decode("ascii", "replace"), size, loaded, at, cut)
+
+
+def _whole(head: dict[bytes, bytes], name: bytes, size: int, at: int) -> int:
+    value = head.get(name, b"")
+    if len(value) != size:
+        raise TornError(at, "a record is damaged")
+    return int.from_bytes(value, "little")
+
+
+def _ros_1_one(head: dict[bytes, bytes], data: bytes, bag: Bag, at: int) -> Iterator[Message]:
+    op = head.get(b"op", b"")
+    if op == b"\x07":
+        about, _, _ = _ros_1_record(struct.pack("<I", len(data)) + data + bytes(4), 0, at)
+        topic, kind = (one.decode("utf-8", "replace") for one in (head.get(b"topic", b""), about.get(b"type", b"")))
+        bag.connections[_whole(head, b"conn", 4, at)] = Connection(topic, kind, "ros1")
+        check_count(len(bag.connections), PARTS, "connections", bag.path)
+    elif op == b"\x02":
+        key, time = _whole(head, b"conn", 4, at), _whole(head, b"time", 8, at)
+        if key not in bag.connections:
+            raise TornError(at, "a message without its connection")
+        yield key, (time & 0xFFFFFFFF) * SECOND + (time >> 32), data
+
+
+def unpacked(packed: bytes, how: str, size: int, loaded: Loaded, at: int, cut: bool = False) -> bytes:
+    """Return the content of a chunk, at most as long as it says; of one that is cut off, as much as is there.
+
+    Raises
+    ------
+    TornError
+        If it cannot be unpacked.
+    DataError
+        ``missing_extra``, ``unsupported_format``, ``too_large``.
+    """
+    if how in ("", "none"):
+        return packed
+    held = 0 if isinstance(loaded.data, FileBytes) else len(loaded.data)
+    claim(loaded.path, loaded.on_disk, held + len(packed) + 2 * size, f"a chunk of {size:,} bytes")
+    check_count(size, CHUNK, "bytes in a chunk", loaded.path)
+    errors: tuple[type[Exception], ...] = (OSError, ValueError, RuntimeError, EOFError)
+    found: bytes
+    try:
+        if how == "bz2":
+            import bz2  # noqa: PLC0415 - loaded where it is needed
+
+            found = bz2.BZ2Decompressor().decompress(packed, size)
+        elif how == "lz4":
+            frame = library("lz4.frame", "a bag packed by lz4", loaded.path)
+            found = frame.LZ4FrameDecompressor().decompress(packed, size)
+        elif how == "zstd":
+            zstandard = library("zstandard", "a bag packed by zstd", loaded.path)
+            errors = (*errors, zstandard.ZstdError)
+            with zstandard.ZstdDecompressor().stream_reader(packed) as stream:
+                found = stream.read(size)
+        else:
+            do = "Write it anew with zstd, lz4 or without compression"
+            raise DataError(f"chunks packed by {how!r}", where=loaded.path, do=do, code="unsupported_format")
+    except DataError:
+        raise
+    except errors:
+        raise TornError(at, "a chunk cannot be unpacked") from None
+    if len(found) != size and not cut:
+        raise TornError(at, "a chunk is shorter than it says")
+    return found
+
+
+# MCAP
+
+
+def _mcap(loaded: Loaded, bag: Bag) -> Iterator[Message]:
+    """Yield the messages of an MCAP file, chunk by chunk, up to its summary."""
+    data, at = loaded.data, len(MCAP)
+    schemas: dict[int, str] = {}
+    while at < len(data):
+        op, size = struct.unpack("<BQ", _take(data, at, 9))
+        if op in (OF_MCAP["footer"], OF_MCAP["data_end"]):
+            return
+        if at + 9 + size > len(data):
+            raise TornError(at, "it ends in the middle of a record")
+        if op == OF_MCAP["chunk"]:
+            inside, place = _mcap_chunk(_take(data, at + 9, size), loaded, at), 0
+            while place < len(inside):
+                own, length = struct.unpack("<BQ", _take(inside, place, 9, "a chunk is damaged", at))
+                yield from _mcap_one(own, _take(inside, place + 9, length, "a chunk is damaged", at), bag, schemas, at)
+                place += 9 + length
+        elif op in (OF_MCAP["schema"], OF_MCAP["channel"], OF_MCAP["message"]):
+            yield from _mcap_one(op, _take(data, at + 9, size), bag, schemas, at)
+        at += 9 + size
+    raise TornError(at, "it has no end")
+
+
+def _mcap_chunk(body: bytes, loaded: Loaded, at: int) -> bytes:
+    """Return the records of a chunk; its checksum is looked at."""
+    try:
+        _, _, size, checksum, length = struct.unpack_from("<QQQII", body)
+        how = body[32 : 32 + length].decode("ascii", "replace")
+        (packed,) = struct.unpack_from("<Q", body, 32 + length)
+    except struct.error:
+        raise TornError(at, "a chunk is damaged") from None
+    records = body[40 + length : 40 + length + packed]
+    if len(records) != packed:
+        raise TornError(at, "a chunk is damaged")
+    found = unpacked(records, how, size, loaded, at)
+    if checksum and zlib.crc32(found) != checksum:
+        raise TornError(at, "the checksum of a chunk is not that of its content")
+    return found
+
+
+def _mcap_one(op: int, body: bytes, bag: Bag, schemas: dict[int, str], at: int) -> Iterator[Message]:
+    try:
+        if op == OF_MCAP["message"]:
+            key, _, time, _ = struct.unpack_from("<HIQQ", body)
+            if key not in bag.connections:
+                raise TornError(at, "a message without its channel")
+            yield key, time if time < 2**63 else 0, body[22:]
+        elif op == OF_MCAP["schema"]:
+            (key,) = struct.unpack_from("<H", body)
+            schemas[key], _ = _text(body, 2)
+        elif op == OF_MCAP["channel"]:
+            key, schema = struct.unpack_from("<HH", body)
+            topic, place = _text(body, 4)
+            encoding, _ = _text(body, place)
+            bag.connections[key] = Connection(topic, schemas.get(schema, ""), encoding)
+            check_count(len(bag.connections), PARTS, "channels", bag.path)
+    except struct.error:
+        raise TornError(at, "a record is damaged") from None
+
+
+def _text(body: bytes, at: int) -> tuple[str, int]:
+    (length,) = struct.unpack_from("<I", body, at)
+    return body[at + 4 : at + 4 + length].decode("utf-8", "replace"), at + 4 + length
+
+
+# ROS 2 in SQLite
+
+
+def bag_in_sqlite(path: str, loaded: Loaded) -> Bag:
+    """Return a bag of ROS 2 in SQLite."""
+    import sqlite3  # noqa: PLC0415 - loaded where it is needed
+
+    connection, missing = opened(path, loaded), missing_bytes(loaded.data)
+    order = "" if missing else "ORDER BY timestamp, id"  # an index lies anywhere in a file, the rows mostly in order
+
+    def scan(bag: Bag) -> Iterator[Message]:
+        try:
+            topics = connection.execute("SELECT id, name, type, serialization_format FROM topics")
+            for key, topic, kind, encoding in topics:
+                bag.connections[key] = Connection(str(topic), str(kind), str(encoding))
+                check_count(len(bag.connections), PARTS, "topics", bag.path)
+            for key, time, data in connection.execute(f"SELECT topic_id, timestamp, data FROM messages {order}"):  # noqa: S608
+                if key in bag.connections and isinstance(data, bytes) and isinstance(time, int):
+                    yield key, time, data
+        except sqlite3.DatabaseError as error:
+            if not bag.connections:
+                raise
+            cut = f"{missing:,} bytes at its end are gone" if missing else str(error)
+            raise TornError(bag.size, f"the database is damaged ({cut})") from None
+
+    return Bag(scan, "ROS 2 bag (SQLite)", loaded.path, len(loaded.data))
+
+
+ROSBAG_1 = Reader("rosbag1", "ROS 1 and 2 bags", (".bag",), lambda data, path: data.startswith(ROS_1), read_bag, True)
+ROSBAG_2 = Reader("rosbag2", "ROS 1 and 2 bags", (".db3",), is_bag_2, read_bag, True)
+READER = Reader("mcap", "MCAP", (".mcap",), lambda data, path: data.startswith(MCAP), read_bag, True)

@@ -1,0 +1,143 @@
+"""Workbooks: Excel (``.xlsx``, ``.xlsb``, ``.xls``) and OpenDocument (``.ods``), by python-calamine.
+
+A sheet is a table as any text is: it is handed to the reader of text, a line a row, so that headers, units, dates and
+empty cells mean the same in both, and rows have the numbers that the sheet shows.
+"""
+
+from __future__ import annotations
+
+import datetime
+import io
+import re
+import zipfile
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from ...core.errors import DataError
+from ...core.remarks import Remark
+from ..apart import apart
+from ..budget import claim
+from ..columns import Content
+from ..formats import ZIP, members
+from ..reader import Reader
+from ..source import Loaded
+from ..text.delimited import read_text
+from .topics import NO_NUMBERS, OTHER, Topic, choose, library, other_topics
+
+OLD = b"\xd0\xcf\x11\xe0"
+CELL = 100  # bytes of a cell in Python
+HEADER_ROWS = 2  # names and units
+UNCOMPUTED = re.compile(rb"<f[ />](?:[^<]|<(?!v>[^<]|/c>|c[ >]))*</c>")  # a formula without a value behind it
+ERRORS = re.compile(r"#(?:DIV/0!|N/A|NAME\?|NULL!|NUM!|REF!|VALUE!)")
+Cell = Any  # number, text, truth value, date or time
+
+
+def read_excel(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
+    """Return the columns of a sheet: the one that was named, or the only one with numbers.
+
+    Raises
+    ------
+    DataError
+        As the reader of text; ``several_topics``, ``missing_extra``, ``too_large``, ``damaged_file``.
+    """
+    calamine = library("python_calamine", "a workbook", loaded.path)
+    parts: list[bytes] = []
+    if loaded.data.startswith(ZIP):
+        with zipfile.ZipFile(io.BytesIO(loaded.data)) as archive:
+            size = sum(one.file_size for one in archive.infolist())
+            claim(loaded.path, loaded.on_disk, len(loaded.data) + 2 * size, f"{size:,} bytes unpacked")
+            parts = [one.filename.encode() for one in archive.infolist()]
+    book = calamine.load_workbook(io.BytesIO(loaded.data))
+    sheets: dict[str, list[list[Cell]]] = {}
+    topics = []
+    cells = 0
+    for about in book.sheets_metadata:
+        if about.typ != calamine.SheetTypeEnum.WorkSheet:
+            continue
+        sheet = book.get_sheet_by_name(about.name)
+        cells += sheet.total_height * sheet.total_width
+        claim(loaded.path, loaded.on_disk, len(loaded.data) + CELL * cells, f"{cells:,} cells")
+        rows = sheet.to_python(skip_empty_area=False)
+        first = next((i for i, row in enumerate(rows) if _is_data(row)), None)
+        hidden = "" if about.visible == calamine.SheetVisibleEnum.Visible else "hidden"
+        numbers = 0 if first is None else sum(map(_is_data, rows))
+        rank = NO_NUMBERS if numbers < HEADER_ROWS else OTHER
+        topics.append(Topic(about.name, hidden, numbers, rank))
+        sheets[about.name] = rows
+    chosen = choose(topics, variables, loaded.path)
+    if len(chosen) > 1:
+        raise DataError("several sheets", where=loaded.path, do="Read one at a time", code="several_clocks")
+    (topic,) = chosen
+    text = _text(sheets[topic.name])
+    content = read_text(replace(loaded, data=text.encode(), packed=False), None, ".")
+    what = "OpenDocument" if b"content.xml" in parts else "Excel"
+    remarks = (*content.remarks, *_not_computed(loaded), *other_topics(topics, chosen, loaded.path))
+    return replace(content, format=f"{what}, sheet {topic.name!r}", remarks=remarks)
+
+
+def _is_data(row: Sequence[Cell]) -> bool:
+    """Whether a row holds numbers: as many as half of what it holds, or a date and a number."""
+    there = [cell for cell in row if cell != ""]
+    numbers = [cell for cell in there if isinstance(cell, int | float)]
+    return bool(numbers) and 2 * len(numbers) >= len(there) - sum(isinstance(one, datetime.date) for one in there)
+
+
+def _text(rows: Sequence[Sequence[Cell]]) -> str:
+    """Return a sheet as text, tabs between the cells; what stands above its header as comments."""
+    first = next((i for i, row in enumerate(rows) if _is_data(row)), 0)
+    used = [i for i in range(max(map(len, rows), default=0)) if any(_cell(row[i]) for row in rows[first:])]
+    if used:  # a column with nothing but a title or a remark beside the table is none of it
+        used = list(range(used[0], used[-1] + 1))
+    head = first
+    while head > 0 and first - head < HEADER_ROWS and 2 * sum(_cell(rows[head - 1][i]) != "" for i in used) > len(used):
+        head -= 1
+    lines = []
+    for i, row in enumerate(rows):
+        if i < head:
+            lines.append("# " + " ".join(filter(None, map(_cell, row))))
+        else:
+            lines.append("\t".join(_cell(row[at]) for at in used))
+    return "\n".join(lines) + "\n"
+
+
+def _cell(cell: Cell) -> str:
+    """Return a cell as text that reads back; an error of a formula is a missing value."""
+    if isinstance(cell, str):
+        text = " ".join(cell.split())
+        return "NaN" if ERRORS.fullmatch(text) else text
+    if isinstance(cell, bool):
+        return str(int(cell))
+    if isinstance(cell, float):
+        return str(int(cell)) if cell.is_integer() and abs(cell) < 2**53 else repr(cell)
+    if isinstance(cell, datetime.timedelta):
+        return repr(cell.total_seconds())
+    if isinstance(cell, datetime.date | datetime.time):
+        return cell.isoformat()
+    return str(cell)
+
+
+def _not_computed(loaded: Loaded) -> tuple[Remark, ...]:
+    """Return a remark on formulas whose value the workbook does not hold: their cells are empty."""
+    count = 0
+    if loaded.data.startswith(ZIP):
+        with zipfile.ZipFile(io.BytesIO(loaded.data)) as archive:
+            for name in archive.namelist():
+                if name.startswith("xl/worksheets/") and name.endswith(".xml"):
+                    sheet = archive.read(name)
+                    if b"<f" in sheet:
+                        count += len(UNCOMPUTED.findall(sheet))
+    if not count:
+        return ()
+    what, do = "formulas that were never computed: their cells are empty", "Open the workbook, and save it"
+    return (Remark("not_computed", "warning", what, where=loaded.path, count=count, do=do),)
+
+
+def _is_book(data: bytes, path: str) -> bool:
+    if not data.startswith(ZIP):
+        return data.startswith(OLD)
+    names = set(members(data))
+    return bool(names & {"xl/workbook.xml", "xl/workbook.bin"}) or {"content.xml", "mimetype"} <= names
+
+
+READER = Reader("excel", "Excel", (".xlsx", ".xlsb", ".xls", ".ods"), _is_book, apart(read_excel, "a workbook"))

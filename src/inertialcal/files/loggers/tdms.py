@@ -1,0 +1,127 @@
+"""TDMS files of LabVIEW, by npTDMS: channels in groups, scaled as the file says.
+
+The time of a channel is that of its waveform: start and increment. A start that LabVIEW left unset lies in 1904.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ...core.batches import SIZE, made
+from ...core.errors import DataError
+from ...core.recording import SECOND, Times
+from ...core.remarks import Remark
+from ..apart import apart
+from ..binary.arrays import number_column
+from ..budget import PARTS, VALUE, check_count, claim_room
+from ..columns import Column, Content, LongColumns
+from ..reader import Reader
+from ..source import Loaded
+from .topics import NO_NUMBERS, OTHER, Topic, choose, left_out, library, on_disk, other_topics, unique
+
+MAGIC = b"TDSm"
+WAVEFORM = ("wf_increment", "wf_start_time", "wf_start_offset")
+UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit")
+SET = np.datetime64("1971-01-01", "ns")  # starts before it were never set
+
+
+def read_tdms(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
+    """Return the channels of a group that share a clock.
+
+    Raises
+    ------
+    DataError
+        ``several_topics``, ``wrong_column``, ``no_channel``, ``missing_extra``, ``too_large``, ``damaged_file``.
+    """
+    nptdms = library("nptdms", "a TDMS file", loaded.path)
+    with on_disk(loaded, ".tdms") as path, nptdms.TdmsFile.open(path) as file:
+        sets: dict[tuple[Any, ...], list[Any]] = {}
+        others: list[str] = []
+        is_torn = bool(file.file_status.incomplete_final_segment)
+        channels = [one for group in file.groups() for one in group.channels()]
+        check_count(len(channels), PARTS, "channels", loaded.path)
+        for one in channels:
+            kind = one.dtype
+            if len(one) and kind is not None and np.dtype(kind).kind in "biufM":
+                waveform = (str(one.properties.get(key)) for key in WAVEFORM)
+                clock = (one.group_name, 0 if is_torn else len(one), *waveform)
+                sets.setdefault(clock, []).append(one)
+            else:
+                others.append(one.name)
+        several = [group for group in {clock[0] for clock in sets} if sum(clock[0] == group for clock in sets) > 1]
+        by_name: dict[str, list[Any]] = {}
+        for (group, *_), members in sets.items():
+            by_name[f"{group}/{members[0].name}" if group in several else group] = members
+        topics = [_topic(name, these) for name, these in by_name.items()]
+        chosen = choose(topics, variables, loaded.path)
+        taken = [one for topic in chosen for one in by_name[topic.name]]
+        names_taken = {one.path for one in taken}
+        if len({clock[1:] for clock, these in sets.items() if these[0].path in names_taken}) > 1:
+            raise DataError("groups of different clocks", loaded.path, do="Read one at a time", code="several_clocks")
+        rows = min(len(one) for one in taken)
+        claim_room(loaded.path, loaded.on_disk, 2 * VALUE * rows * (len(taken) + 1), f"{rows * len(taken):,} values")
+        long = LongColumns(rows)
+        names = unique([one.name for one in taken])
+        step = max(SIZE // 4, 1)
+        for first in range(0, rows, step):
+            count = min(step, rows - first)
+            long.add([number_column(name, np.asarray(one.read_data(first, count)), _unit(one.properties))
+                      for name, one in zip(names, taken, strict=True)])  # fmt: skip
+        clock, rate = _clock(taken[0].properties, rows)
+        remarks = (
+            *left_out(others, loaded.path),
+            *_torn(file, loaded.path),
+            *other_topics(topics, chosen, loaded.path),
+        )
+        return Content((*clock, *long.columns()), "TDMS", None, rate, remarks)
+
+
+def _topic(name: str, channels: Sequence[Any]) -> Topic:
+    rows = min(map(len, channels))
+    return Topic(name, " ".join(one.name for one in channels[:6]), rows, OTHER if rows > 1 else NO_NUMBERS)
+
+
+def _unit(properties: Any) -> str | None:
+    said = next((str(properties[name]) for name in UNITS if properties.get(name)), "")
+    return said.strip() or None
+
+
+def _clock(properties: Any, rows: int) -> tuple[tuple[Column, ...], float | None]:
+    """Return the time of a waveform: a column where its start is known, else the sample rate."""
+    try:
+        step = float(properties.get("wf_increment", 0.0))
+        offset = float(properties.get("wf_start_offset", 0.0))
+    except (TypeError, ValueError):
+        return (), None
+    if not np.isfinite(step) or step <= 0.0:
+        return (), None
+    start = properties.get("wf_start_time")
+    if not isinstance(start, np.datetime64) or not start > SET:
+        return (), 1.0 / step
+    zero = int(start.astype("datetime64[ns]").astype(np.int64)) + round(offset * SECOND)
+
+    def part(first: int, stop: int) -> Times:
+        since: Times = np.rint(np.arange(first, stop) * (step * SECOND)).astype(np.int64)
+        return zero + since
+
+    time_ns = made(rows, np.int64, part)
+    return (Column("time", time_ns.view("datetime64[ns]")),), None
+
+
+def _torn(file: Any, path: str) -> tuple[Remark, ...]:
+    status = file.file_status
+    if not status.incomplete_final_segment:
+        return ()
+    there = status.channel_statuses or {}
+    lost = max((one.expected_length - one.read_length for one in there.values()), default=0)
+    what = "the last segment is not whole" + (f": {lost:,} rows of it are missing" if lost > 0 else "")
+    do = "Was the logger switched off while it wrote?"
+    return (Remark("torn_file", "warning", what, where=path, count=max(lost, 1), do=do),)
+
+
+READER = Reader(
+    "tdms", "TDMS", (".tdms",), lambda data, path: data.startswith(MAGIC), apart(read_tdms, "a TDMS file"), True
+)
