@@ -16,7 +16,7 @@ from ...core.estimate import Array
 from ...core.remarks import Remark
 from ...core.show.rounding import number
 from ...signals.sine.changes import cycle_amplitudes, jumps, response_changes
-from ...signals.sine.fit import LineFit, design_of, fit_line
+from ...signals.sine.fit import LineFit
 from ...statistics.agreement import FALSE_ALARM
 from ..mass_attraction.agreement import MUCH, Measured, unlike_others
 from .inputs import Driven
@@ -34,7 +34,7 @@ def agreement(plan: Plan, readings: Readings) -> list[Remark]:
     fitted: list[tuple[Driven, LineFit]] = []
     for one in readings.driven:
         try:
-            fitted.append((one, fit_line(design_of(one.drive), one.readings)))
+            fitted.append((one, one.fit))
         except (DataError, PlanError):  # the reduction says why
             continue
     found: list[Remark] = []

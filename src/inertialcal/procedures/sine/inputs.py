@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from ...core.remarks import Remark
 from ...core.show.rounding import number
 from ...physics.motion.schedule import Schedule
 from ...signals.sine.drive import Drive, applied_drive, averaging_response, sine_drive
+from ...signals.sine.fit import LineFit, design_of, fit_line
 
 LONGEST = 1.01  # averaging over interval or period, from which it cannot be
 HALF = 0.5  # of the samples, that may be missing
@@ -36,6 +38,11 @@ class Driven:
     remarks: tuple[Remark, ...] = ()  # On gaps and cycles
     name: str = ""  # Of the recording
     where: str = ""  # Its file
+
+    @cached_property
+    def fit(self) -> LineFit:
+        """Drive found in the readings, as ``signals.sine.fit`` finds it and refuses; taken once."""
+        return fit_line(design_of(self.drive), self.readings)
 
     @property
     def unit(self) -> str:

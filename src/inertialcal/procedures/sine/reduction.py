@@ -32,7 +32,7 @@ from ...core.units import FILE_UNIT
 from ...files.text.headers import bare_name
 from ...signals.sine.amplitude import amplitude_of
 from ...signals.sine.cross_checks import CrossCheck, cross_checks, smoothing_remark
-from ...signals.sine.fit import LineFit, design_of, fit_line
+from ...signals.sine.fit import LineFit
 from ...statistics.intervals import chi_square_interval, coverage_factor, t_interval, upper_bound
 from .inputs import SEEN, Driven
 from .plan import Plan
@@ -109,9 +109,8 @@ def line_of(plan: Plan, driven: Driven) -> SineResult:
     DataError, PlanError
         As ``signals.sine``.
     """
-    fit = fit_line(design_of(driven.drive), driven.readings)
-    checks = cross_checks(fit, driven.readings) if driven.drive.phase_known else ()
-    return SineResult(driven, fit, checks)
+    checks = cross_checks(driven.fit, driven.readings) if driven.drive.phase_known else ()
+    return SineResult(driven, driven.fit, checks)
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ The chance of a false alarm holds for all records together.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,12 +70,14 @@ def jumps(records: Sequence[Array], chance: float) -> list[Jump | None]:
         Of any false one.
     """
     contrasts = {w: [contrast(x, w) for x in records] for w in (*WINDOWS, 2 * WINDOWS[-1])}
+    scales = {w: [_scale(one) for one in own] for w, own in contrasts.items()}
     found: list[Jump | None] = [None] * len(records)
     for w in WINDOWS:
         long_enough = [len(x) >= ROOM * w for x in records]
         room = sum(len(x) for x, there in zip(records, long_enough, strict=True) if there)
-        every = [c for c, there in zip(contrasts[w], long_enough, strict=True) if there]
-        scale = _scale(np.concatenate([np.empty(0), *every]))
+        every = [k for k, there in enumerate(long_enough) if there]
+        scale = scales[w][every[0]] if len(every) == 1 else (
+            _scale(np.concatenate([np.empty(0), *(contrasts[w][k] for k in every)])))  # fmt: skip
         if not scale > 0.0:
             continue
         limit = critical(chance / (len(WINDOWS) * room), max(INDEPENDENT * room / w, 2.0))
@@ -85,10 +87,10 @@ def jumps(records: Sequence[Array], chance: float) -> list[Jump | None]:
                 continue
             at = int(np.nanargmax(np.abs(own)))
             sign, size = float(np.sign(own[at])), abs(float(own[at]))
-            score = size / (limit * max(scale, _scale(own)))
+            score = size / (limit * max(scale, scales[w][k]))
             narrow, wide = (contrasts[v][k] if v in contrasts else None for v in (w // 2, 2 * w))
-            smooth = narrow is not None and sign * narrow[at] < _shown(size, _scale(narrow))
-            back = wide is not None and sign * wide[at] < STAYS * size - SMOOTH * _scale(wide)
+            smooth = narrow is not None and sign * narrow[at] < _shown(size, scales[w // 2][k])
+            back = wide is not None and sign * wide[at] < STAYS * size - SMOOTH * scales[2 * w][k]
             one = found[k]
             if score > (1.0 if one is None else one.score) and not smooth and not back:
                 found[k] = Jump(score, at, sign * size / STEP_PART)
@@ -103,16 +105,26 @@ def _shown(size: float, noise: float) -> float:
 def contrast(x: Array, w: int) -> Array:
     """Return the contrast of four windows of w readings around the first of the third; NaN where some lack readings."""
     good = np.isfinite(x)
-    sums = np.concatenate([[0.0], np.cumsum(np.where(good, x, 0.0))])
-    count = np.concatenate([[0], np.cumsum(good)])
+    whole = bool(good.all())
+    sums = np.concatenate([[0.0], np.cumsum(x if whole else np.where(good, x, 0.0))])
     found = np.full(len(x), np.nan)
-    at = np.arange(2 * w, len(x) - 2 * w + 1)
-    at = at[at < len(x)]
-    number_of = [count[at + i * w] - count[at + (i - 1) * w] for i in (-1, 0, 1, 2)]
-    total = [sums[at + i * w] - sums[at + (i - 1) * w] for i in (-1, 0, 1, 2)]
-    full = np.all([n >= max(0.5 * w, 1.0) for n in number_of], axis=0)
-    a, b, c, d = (t / np.maximum(n, 1) for t, n in zip(total, number_of, strict=True))
-    found[at] = np.where(full, (c - b) - (d - a) / 3.0, np.nan)
+    many = min(len(x) - 2 * w, len(x) - 4 * w + 1)
+    if many < 1:
+        return found
+
+    def windows(running: NDArray[Any]) -> list[NDArray[Any]]:
+        """Return the sums over four windows, of each place."""
+        total = running[w:] - running[:-w]
+        return [total[i * w : i * w + many] for i in range(4)]
+
+    if whole:
+        a, b, c, d = (total / w for total in windows(sums))
+        full: NDArray[np.bool_] | bool = True
+    else:
+        number_of = windows(np.concatenate([[0], np.cumsum(good)]))
+        full = np.all([n >= max(0.5 * w, 1.0) for n in number_of], axis=0)
+        a, b, c, d = (t / np.maximum(n, 1) for t, n in zip(windows(sums), number_of, strict=True))
+    found[2 * w : 2 * w + many] = np.where(full, (c - b) - (d - a) / 3.0, np.nan)
     return found
 
 

@@ -71,19 +71,17 @@ class Design:
         )
 
     @cached_property
+    def alike(self) -> tuple[Stretch, ...]:
+        """For each stretch the first with the same times, counted from its own start, and the same line."""
+        first: dict[bytes, Stretch] = {}
+        keys = [np.round(np.column_stack([one.times - one.times[0], one.line]), DIGITS).tobytes()
+                for one in self.stretches]  # fmt: skip
+        return tuple(first.setdefault(key, one) for key, one in zip(keys, self.stretches, strict=True))
+
+    @cached_property
     def weights(self) -> dict[float, list[Array]]:
         """Weights of drive and quadrature in each stretch, shape (1 or 2, n), by the length of the prior of drift."""
-        made: dict[tuple[float, bytes], Array] = {}
-        found: dict[float, list[Array]] = {}
-        for length in (LENGTH, *OTHERS):
-            found[length] = []
-            for one in self.stretches:
-                pattern = np.column_stack([one.times - one.times[0], one.line])
-                key = (length, np.round(pattern, DIGITS).tobytes())
-                if key not in made:
-                    made[key] = one.weights(length)
-                found[length].append(made[key])
-        return found
+        return {length: [one.weights_of_drift(length) for one in self.alike] for length in (LENGTH, *OTHERS)}
 
     @cached_property
     def shares(self) -> Array:
@@ -94,7 +92,7 @@ class Design:
     @cached_property
     def drift_basis(self) -> Array:
         """Orthonormal columns that every smooth drift is a sum of, noise apart, shape (cells, p)."""
-        own = [one.drift_basis for one in self.stretches]
+        own = [one.drift_basis for one in self.alike]
         basis = np.zeros((len(self.counts), sum(one.shape[1] for one in own)))
         at = 0
         for part, one in zip(self.parts, own, strict=True):
@@ -105,12 +103,7 @@ class Design:
     @cached_property
     def contrasts(self) -> list[tuple[Array, Array]]:
         """Uncorrelated contrasts of each stretch, shape (n, m), and the variance of each for a walk, shape (m,)."""
-        found = []
-        for one in self.stretches:
-            sums = one.contrasts
-            walks, axes = np.linalg.eigh(sums.T @ one.walk @ sums)
-            found.append((sums @ axes, walks))
-        return found
+        return [one.uncorrelated for one in self.alike]
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,11 +160,15 @@ class LineFit:
             return float(self.noise[0] * np.linalg.norm(weights))
         each = design.sums(weights)
         walk = sum(float(each[part] @ one.walk @ each[part])
-                   for part, one in zip(design.parts, design.stretches, strict=True))  # fmt: skip
+                   for part, one in zip(design.parts, design.alike, strict=True))  # fmt: skip
         return float(np.sqrt(noise.of(float(each @ each), walk)[0][0]))
 
     def fitted(self) -> tuple[Array, Array]:
-        """Return line and drift of the first record at the samples, shape (n,) each."""
+        """Return line and drift of the first record at the samples, shape (n,) each, not to be changed."""
+        return self._line_and_drift
+
+    @cached_property
+    def _line_and_drift(self) -> tuple[Array, Array]:
         design, drive = self.design, self.design.drive
         line = self.in_phase[0] * drive.in_phase
         amplitudes = [self.in_phase[0]]
@@ -308,7 +305,7 @@ def _summed(design: Design, cells: Array, weights: list[Array], noise: Noise | N
         variance = share @ (each - value) ** 2 / (len(share) - 1.0)
         return value, np.sqrt(variance), np.full(len(value), len(share) - 1.0)
     white = float(sum(a**2 * (w @ w) for a, w in zip(share, weights, strict=True)))
-    walk = float(sum(a**2 * (w @ one.walk @ w) for a, w, one in zip(share, weights, design.stretches, strict=True)))
+    walk = float(sum(a**2 * (w @ one.walk @ w) for a, w, one in zip(share, weights, design.alike, strict=True)))
     variance, dof = noise.of(white, walk)
     return value, np.sqrt(variance), dof
 

@@ -25,7 +25,7 @@ References
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -54,6 +54,7 @@ class Stretch:
     times: Array  # middles [periods of the drive], shape (n,)
     line: Array  # drive and, where there is one, its quadrature, shape (n, 1 or 2)
     step: float  # of the readings [periods]
+    _weights: dict[float, Array] = field(init=False, default_factory=dict[float, Array], repr=False)
 
     def weights(self, length: float = LENGTH, noise: Array | None = None) -> Array:
         """Return the weights of drive and quadrature, shape (1 or 2, n).
@@ -85,12 +86,18 @@ class Stretch:
         found = linalg.solve_triangular(upper, basis.T)[:count] / size[:count, None]
         return np.asarray(linalg.solve_triangular(root, found.T, lower=True, trans="T").T)
 
+    def weights_of_drift(self, length: float) -> Array:
+        """Return the weights in white noise for a length of the prior of drift; taken once."""
+        if length not in self._weights:
+            self._weights[length] = self.weights(length)
+        return self._weights[length]
+
     @cached_property
     def drift_basis(self) -> Array:
         """Orthonormal columns that every smooth drift is a sum of, noise apart, shape (n, p)."""
         trend = np.linalg.qr(self._trend)[0]
-        sizes, axes = linalg.eigh(self._kernel(LENGTH if self.step < COARSE else LONG))
-        slow = axes[:, STRENGTH * sizes > BLIND]
+        length = LENGTH if self.step < COARSE else LONG
+        slow = linalg.eigh(self._kernel(length), subset_by_value=(BLIND / STRENGTH, np.inf))[1]
         left, spread, _ = np.linalg.svd(slow - trend @ (trend.T @ slow), full_matrices=False)
         return np.column_stack([trend, left[:, spread > DISTINCT]])
 
@@ -99,14 +106,25 @@ class Stretch:
         """Orthonormal weights of sums without drive and drift, shape (n, m)."""
         line = self.line - self.drift_basis @ (self.drift_basis.T @ self.line)
         seen = np.column_stack([self.drift_basis, line / np.linalg.norm(self.line, axis=0)])
-        left, spread, _ = np.linalg.svd(seen, full_matrices=True)
-        rest = left[:, int(np.sum(spread > DISTINCT)) :]
         if self.line.shape[1] < 2 or SAMPLED * self.step > 1.0:
-            return np.asarray(rest)
+            left, spread, _ = np.linalg.svd(seen, full_matrices=True)
+            return np.asarray(left[:, int(np.sum(spread > DISTINCT)) :])
+        left, spread, _ = np.linalg.svd(seen, full_matrices=False)
+        seen = left[:, spread > DISTINCT]
         lines = np.arange(1, int(BAND * np.ptp(self.times)) + 1) / np.ptp(self.times)
         angle = 2.0 * np.pi * np.outer(self.times, lines)
-        left, spread, _ = np.linalg.svd(rest.T @ np.hstack([np.cos(angle), np.sin(angle)]), full_matrices=False)
-        return np.asarray(rest @ left[:, spread > 0.3 * spread[0]])
+        waves = np.hstack([np.cos(angle), np.sin(angle)])
+        waves -= seen @ (seen.T @ waves)
+        powers, axes = linalg.eigh(waves.T @ waves)
+        kept = powers > 0.3**2 * powers[-1]  # far above what squares lose
+        return np.asarray(np.linalg.qr(waves @ (axes[:, kept] / np.sqrt(powers[kept])))[0])
+
+    @cached_property
+    def uncorrelated(self) -> tuple[Array, Array]:
+        """Contrasts that a walk does not correlate, shape (n, m), and the variance that it gives each, shape (m,)."""
+        sums = self.contrasts
+        walks, axes = np.linalg.eigh(sums.T @ self.walk @ sums)
+        return sums @ axes, walks
 
     @cached_property
     def walk(self) -> Array:
