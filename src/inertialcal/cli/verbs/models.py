@@ -299,7 +299,7 @@ def _print_steps(model: Any, raw: Any, worked: Any, row: int, quiet: bool) -> No
 
 def convert(
     source: Data,
-    target: Annotated[Path, typer.Argument(help="File to write: .csv, .parquet or .npz.", show_default=False)],
+    target: Annotated[Path, typer.Argument(help="File to write: .csv, .parquet, .npz or .mcap.", show_default=False)],
     unit: Units = [],  # noqa: B006 - typer copies it
     sample_rate: SampleRate = None,
     time_column: TimeColumn = None,

@@ -1,8 +1,8 @@
-"""Write a recording: CSV, Parquet or NumPy, by the ending of the name.
+"""Write a recording: CSV, Parquet, NumPy or MCAP, by the ending of the name.
 
 What is written reads back the same: numbers with all their digits in their own type (in CSV as the text that
 gives the same bits), time to the nanosecond with its gaps, units in headers or metadata, missing values as empty
-cells or nulls. The first column is the time.
+cells or nulls. The first column is the time. MCAP holds messages of ROS, in their units.
 """
 
 from __future__ import annotations
@@ -18,9 +18,15 @@ from ...core.recording import Recording
 from ...core.remarks import Remark
 from .atomic import atomic_write
 from .csv import write_csv, write_npz, write_parquet
+from .mcap import write_mcap
 
 Writer = Callable[[Path, Recording], tuple[Remark, ...]]
-WRITERS: dict[str, Writer] = {".csv": write_csv, ".parquet": write_parquet, ".npz": write_npz}
+WRITERS: dict[str, Writer] = {
+    ".csv": write_csv,
+    ".parquet": write_parquet,
+    ".npz": write_npz,
+    ".mcap": write_mcap,
+}
 
 
 def write(path: str | os.PathLike[str], recording: Recording) -> tuple[Remark, ...]:
@@ -29,7 +35,7 @@ def write(path: str | os.PathLike[str], recording: Recording) -> tuple[Remark, .
     Parameters
     ----------
     path : path
-        Its ending decides: ``.csv``, ``.parquet`` or ``.npz``. A file that is there is replaced, but never the
+        Its ending decides: ``.csv``, ``.parquet``, ``.npz`` or ``.mcap``. A file that is there is replaced, but never the
         one that the recording was read from.
     recording : Recording
         What to write.
