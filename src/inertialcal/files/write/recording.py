@@ -35,8 +35,8 @@ def write(path: str | os.PathLike[str], recording: Recording) -> tuple[Remark, .
     Parameters
     ----------
     path : path
-        Its ending decides: ``.csv``, ``.parquet``, ``.npz`` or ``.mcap``. A file that is there is replaced, but never the
-        one that the recording was read from.
+        Its ending decides: ``.csv``, ``.parquet``, ``.npz`` or ``.mcap``. A file that is there is replaced, but never
+        the one that the recording was read from.
     recording : Recording
         What to write.
 
