@@ -31,7 +31,7 @@ from .columns import Column, Content
 from .source import FileBytes, Loaded, as_data_errors
 
 Read = Callable[[Loaded, Sequence[str] | None], Content]
-SECONDS, PER_SECOND = 30, 5e5  # of computing for any file, and bytes that one more must bring: libraries are in Python
+SECONDS, PER_SECOND = 10, 5e5  # of computing for any file, and bytes that one more must bring: libraries are in Python
 AS_TEXT, AS_NUMBERS = "text", "rows"
 
 

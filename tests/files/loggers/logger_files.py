@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -114,7 +114,7 @@ def ros_2(path: Path, plugin: str = "SQLITE3") -> Written:
     return Written(IMU.columns, IMU.units, STAMPS, remarks=(*IMU.remarks, "other_topics"))
 
 
-def mcap(path: Path, packed: str = "ZSTD", chunked: bool = True) -> Written:
+def mcap(path: Path, packed: str = "ZSTD", chunked: bool = True, first: int = 0, stop: int = N) -> Written:
     """Write an MCAP file with messages of ROS 2, big endian."""
     from mcap.writer import CompressionType, Writer
     from rosbags.typesys import Stores, get_typestore
@@ -125,7 +125,8 @@ def mcap(path: Path, packed: str = "ZSTD", chunked: bool = True) -> Written:
         writer.start(profile="ros2", library="other")
         schema = writer.register_schema("sensor_msgs/msg/Imu", "ros2msg", b"...")
         one = writer.register_channel("/imu/data", "cdr", schema)
-        for stamp, message in zip(STAMPS, _imu_messages(store.types, False), strict=True):
+        messages = _imu_messages(store.types, False)
+        for stamp, message in zip(STAMPS[first:stop], messages[first:stop], strict=True):
             data = bytes(store.serialize_cdr(message, "sensor_msgs/msg/Imu", little_endian=False))
             writer.add_message(one, int(stamp) + 700, data, int(stamp))
         writer.finish()
@@ -155,6 +156,22 @@ def ulog(path: Path) -> Written:
     time_ns = 1_000_000_000 + STEP * np.arange(N)
     units = {"x": "rad/s", "temperature": "degC", "device_id": None}
     return Written(wanted, units, time_ns, topic="sensor_gyro", remarks=("dropouts", "other_topics"))
+
+
+def ulog_fifo(path: Path) -> None:
+    """Write 40 messages of a FIFO with three samples each, every 250 us."""
+    arrays = ";".join(f"int16_t[32] {axis}" for axis in XYZ)
+    form = (
+        f"sensor_gyro_fifo:uint64_t timestamp;uint64_t timestamp_sample;float dt;float scale;uint8_t samples;{arrays};"
+    )
+    parts = [b"ULog\x01\x12\x35\x01" + struct.pack("<Q", 1000), _ulog_message("B", bytes(40))]
+    parts += [_ulog_message("F", form.encode()), _ulog_message("A", struct.pack("<BH", 0, 0) + b"sensor_gyro_fifo")]
+    for i in range(40):
+        newest = 1_000_000 + 250 * (3 * i + 2)
+        counts = [3 * i, 3 * i + 1, 3 * i + 2, *[0] * 29]
+        row = struct.pack("<HQQffB96h", 0, newest + 50, newest, 250.0, 0.5, 3, *counts, *[0] * 64)
+        parts.append(_ulog_message("D", row))
+    path.write_bytes(b"".join(parts))
 
 
 FORMATS = {  # number, letters, labels, units, multipliers
@@ -370,12 +387,12 @@ def arrow_stream(path: Path) -> Written:
     return ARROW
 
 
-def mdf(path: Path, compression: int = 2) -> Written:
+def mdf(path: Path, compression: Literal[0, 2] = 2) -> Written:
     """Write an MDF 4 file: packed data blocks, a linear conversion, a group of another rate."""
     from asammdf import MDF, Signal
 
     t = np.arange(N) * STEP / 1e9
-    scale = {"a": 0.125, "b": -3.0}
+    scale: dict[str, object] = {"a": 0.125, "b": -3.0}
     fast = [Signal(GYRO[:, i], t, name=f"gyro_{axis}", unit="deg/s") for i, axis in enumerate(XYZ)]
     fast.append(Signal(COUNTS[:, 0].astype(np.int16), t, name="volts", unit="V", conversion=scale))
     with MDF(version="4.10") as file:

@@ -300,7 +300,7 @@ def _print_steps(model: Any, raw: Any, worked: Any, row: int, quiet: bool) -> No
 def convert(
     source: Data,
     target: Annotated[
-        Path, typer.Argument(help="File to write: .csv, .parquet, .npz, .h5 or .mat.", show_default=False)
+        Path, typer.Argument(help="File to write: .csv, .parquet, .npz, .h5, .mat or .mcap.", show_default=False)
     ],
     unit: Units = [],  # noqa: B006 - typer copies it
     sample_rate: SampleRate = None,

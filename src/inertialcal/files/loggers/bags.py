@@ -35,7 +35,7 @@ from .ros_messages import ENCODINGS, MESSAGES, Decoded, decode, message_type, st
 from .topics import NO_NUMBERS, Topic, choose, joined, library, on_disk, other_topics, stamps, torn
 
 ROS_1, MCAP = b"#ROSBAG V2.0\n", b"\x89MCAP0\r\n"
-CUT = "it ends in the middle of a chunk, of which what is whole was read"
+CUT = "it ends in the middle of a chunk, which is read as far as it is whole"
 AT_ONCE = 2**14  # messages that are decoded at once
 CHUNK = 2**30  # bytes that a chunk may unpack to
 OF_MCAP = {"header": 1, "footer": 2, "schema": 3, "channel": 4, "message": 5, "chunk": 6, "data_end": 15}
@@ -218,9 +218,9 @@ def _ros_1(loaded: Loaded, bag: Bag) -> Iterator[Message]:
             closed = _whole(head, b"index_pos", 8, at) > 0
         if op == b"\x05":
             inside = _ros_1_chunk(head, data[begin : begin + size], loaded, at, begin + size > len(data))
-            yield from _ros_1_inside(inside, bag, at)
+            yield from _ros_1_inside(inside, bag, len(data) if begin + size > len(data) else at)
             if begin + size > len(data):
-                raise TornError(at, CUT)
+                raise TornError(len(data), CUT)
         elif op in (b"\x02", b"\x07"):
             yield from _ros_1_one(head, _take(data, begin, size, begin=at), bag, at)
         elif begin + size > len(data):

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.recording import SECOND
+from ...core.remarks import Remark
 from ..apart import apart
 from ..binary.arrays import number_column
 from ..budget import PARTS, VALUE, check_count, claim_room
@@ -60,22 +61,29 @@ def read_miniseed(loaded: Loaded, variables: Sequence[str] | None = None) -> Con
         topics.append(Topic(own[0][0], what, rows, OTHER if rows > 1 else NO_NUMBERS))
         by_name[own[0][0]] = key
     chosen = choose(topics, variables, loaded.path)
-    parts = [(one, _columns(by_name[one.name], clocks[by_name[one.name]])) for one in chosen]
+    parts = [(one, _columns(by_name[one.name], clocks[by_name[one.name]], loaded.path)) for one in chosen]
     content = joined(parts, loaded.path)
-    remarks = (*left_out(others, loaded.path), *other_topics(topics, chosen, loaded.path))
+    remarks = (*content.remarks, *left_out(others, loaded.path), *other_topics(topics, chosen, loaded.path))
     if whole < len(loaded.data):
         remarks += torn(loaded.path, len(loaded.data) - whole, whole)
     return Content(content.columns, "miniSEED", remarks=remarks)
 
 
-def _columns(clock: Clock, traces: Sequence[tuple[str, NDArray[Any]]]) -> Content:
+def _columns(clock: Clock, traces: Sequence[tuple[str, NDArray[Any]]], path: str) -> Content:
     """Return the traces of one clock, its stamps first."""
     rows = min(len(values) for _, values in traces)
     stamps = [start + np.rint(np.arange(count) * (SECOND / rate)).astype(np.int64) for start, rate, count in clock]
     columns = [Column("time", np.concatenate(stamps)[:rows].view("datetime64[ns]"))]
     for name, values in traces:
         columns.append(number_column(name, values[:rows], "count" if values.dtype.kind == "i" else None))
-    return Content(tuple(columns), "miniSEED")
+    return Content(tuple(columns), "miniSEED", remarks=_longer(traces, rows, path))
+
+
+def _longer(traces: Sequence[tuple[str, NDArray[Any]]], rows: int, path: str) -> tuple[Remark, ...]:
+    """Return a remark on samples that some traces have and others do not."""
+    count = sum(len(values) - rows for _, values in traces)
+    what = "samples behind the end of the shortest trace: left out"
+    return (Remark("torn_file", "warning", what, where=path, count=count),) if count else ()
 
 
 def _whole_until(pymseed: Any, data: bytes) -> int:

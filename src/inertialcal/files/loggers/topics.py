@@ -156,7 +156,7 @@ def stamps(time_ns: NDArray[np.int64], utc: bool) -> Column:
     return Column("time", time_ns.view("datetime64[ns]")) if utc else Column("time", time_ns, "ns")
 
 
-def library(name: str, what: str, path: str) -> ModuleType:
+def library(name: str, what: str, path: str, doing: str = "reading") -> ModuleType:
     """Return a module of the extra ``formats``.
 
     Raises
@@ -169,7 +169,7 @@ def library(name: str, what: str, path: str) -> ModuleType:
     except ImportError:
         package = name.partition(".")[0]
         raise DataError(
-            f"this is {what}: reading it needs the package {package}, which is not installed",
+            f"this is {what}: {doing} it needs the package {package}, which is not installed",
             where=path,
             do="Type: pip install 'inertialcal[formats]'",
             code="missing_extra",

@@ -1,8 +1,8 @@
-"""Write a recording: CSV, Parquet, NumPy, HDF5 or MATLAB, by the ending of the name.
+"""Write a recording: CSV, Parquet, NumPy, HDF5, MATLAB or MCAP, by the ending of the name.
 
 What is written reads back the same: numbers with all their digits in their own type (in CSV as the text that
 gives the same bits), time to the nanosecond with its gaps, units in headers or metadata, missing values as empty
-cells or nulls. The first column is the time.
+cells or nulls. The first column is the time. MCAP holds messages of ROS, in their units.
 """
 
 from __future__ import annotations
@@ -19,10 +19,12 @@ from ...core.remarks import Remark
 from .array_files import write_hdf5, write_matlab, write_npz
 from .atomic import atomic_write
 from .csv import write_csv, write_parquet
+from .mcap import write_mcap
 
 Writer = Callable[[Path, Recording], tuple[Remark, ...]]
 WRITERS: dict[str, Writer] = {
     ".csv": write_csv, ".parquet": write_parquet, ".npz": write_npz, ".h5": write_hdf5, ".mat": write_matlab,
+    ".mcap": write_mcap,
 }  # fmt: skip
 
 
@@ -32,8 +34,8 @@ def write(path: str | os.PathLike[str], recording: Recording) -> tuple[Remark, .
     Parameters
     ----------
     path : path
-        Its ending decides: ``.csv``, ``.parquet``, ``.npz``, ``.h5`` or ``.mat``. A file that is there is
-        replaced, but never the one that the recording was read from.
+        Its ending decides: ``.csv``, ``.parquet``, ``.npz``, ``.h5``, ``.mat`` or ``.mcap``. A file that is there
+        is replaced, but never the one that the recording was read from.
     recording : Recording
         What to write.
 
