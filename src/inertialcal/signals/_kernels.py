@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ..core.estimate import Array
 from ..statistics._kernels import compiled
 
+LANES = 64  # samples looked at side by side
 
 @compiled
 def fill_first(time_ns: NDArray[np.int64], length: int, first: NDArray[np.int64], at: NDArray[np.int64]) -> int:
@@ -33,8 +34,8 @@ def fill_first(time_ns: NDArray[np.int64], length: int, first: NDArray[np.int64]
 
 
 @compiled
-def count_marks(words: NDArray[np.uint64], room: int, marks: NDArray[np.uint64]) -> int:
-    """Mark a place of 2^room for each word, by a hash of it; return how many are marked.
+def count_marks(words: NDArray[np.uint64], room: int, most: float, marks: NDArray[np.uint64]) -> int:
+    """Mark a place of 2^room for each word, by a hash of it; return how many are marked, once they are more than most.
 
     Equal words have one place, so that as many words differ at least. ``marks``: a bit a place, 0 at first.
     """
@@ -47,6 +48,8 @@ def count_marks(words: NDArray[np.uint64], room: int, marks: NDArray[np.uint64])
         if not marks[at] & bit:
             marks[at] |= bit
             found += 1
+            if found > most:
+                break
     return found
 
 
@@ -83,3 +86,40 @@ def fill_moments(
         count[b], mean[b] = n, level
         variance[b] = squares / (n - 1) if n > 1 else np.nan
         lo[b], hi[b] = (least, largest) if n > 0 else (np.nan, np.nan)
+
+
+@compiled
+def steps_between(x: Array, last: float) -> tuple[float, float, int, float]:
+    """Return least step that is not zero, sum of squares, and number of the steps between samples, and the last one.
+
+    Samples that are not finite are left out; ``last`` is the one before the first, NaN where there is none.
+    """
+    least, squares = np.full(LANES, np.inf), np.zeros(LANES)
+    found, total, many = np.inf, 0.0, 0
+    start = 0
+    while start < len(x):
+        if start > 0 and start + LANES <= len(x) and np.isfinite(x[start - 1]):
+            before, here, bad = x[start - 1 : start - 1 + LANES], x[start : start + LANES], 0
+            for j in range(LANES):  # side by side, for the processor
+                bad += not abs(here[j]) < np.inf
+            if bad == 0:
+                for j in range(LANES):
+                    step = abs(here[j] - before[j])
+                    squares[j] += step * step
+                    least[j] = step if (step > 0.0) & (step < least[j]) else least[j]
+                many += LANES
+                start += LANES
+                last = x[start - 1]
+                continue
+        for i in range(start, min(start + LANES, len(x))):
+            if np.isfinite(x[i]):
+                if np.isfinite(last):
+                    step = abs(x[i] - last)
+                    total += step * step
+                    many += 1
+                    found = step if 0.0 < step < found else found
+                last = x[i]
+        start += LANES
+    for j in range(LANES):
+        found, total = min(found, least[j]), total + squares[j]
+    return found, total, many, last

@@ -50,8 +50,8 @@ def resolution_of_values(values: NDArray[np.generic]) -> float | None:
         from ._kernels import count_marks  # noqa: PLC0415 - numba starts slowly
 
         bits = np.ascontiguousarray(values, dtype=np.float64).view(np.uint64)
-        room = max(8 * len(bits), 64).bit_length()
-        if count_marks(bits, room, np.zeros(2 ** (room - 6), dtype=np.uint64)) > len(bits) / REPEATS + 1:
+        room, most = max(8 * len(bits), 64).bit_length(), len(bits) / REPEATS + 1
+        if count_marks(bits, room, most, np.zeros(2 ** (room - 6), dtype=np.uint64)) > most:
             return None
     return resolution(levels_of(values))
 
@@ -103,13 +103,11 @@ def coarse_steps(values: Array, name: str) -> tuple[Remark, ...]:
     ----------
     B. Widrow, I. Kollar and M.-C. Liu, IEEE Trans. Instrum. Meas. 45 (1996) 353: statistical theory of quantization.
     """
-    step, squares, steps, last = np.inf, 0.0, 0, np.empty(0)
+    step, squares, steps, last = np.inf, 0.0, 0, np.nan
     for first, stop in batches(values):
         part = values[first:stop]
-        there = np.concatenate((last, part[np.isfinite(part)]))
-        difference, last = np.abs(np.diff(there)), there[-1:]
-        squares, steps = squares + float(difference @ difference), steps + len(difference)
-        step = float(np.min(difference, initial=step, where=difference > 0.0))
+        least, more, many, last = _steps_of(part, last, len(values) > SORTED)
+        step, squares, steps = min(step, least), squares + more, steps + many
     if not np.isfinite(step):
         return ()
     read = squares / steps / 2.0
@@ -124,3 +122,21 @@ def coarse_steps(values: Array, name: str) -> tuple[Remark, ...]:
         what += f"rounding makes the random walk about {number(more, 2)} % too large"
     do = "Use a finer range or more bits, or take the random walk as an upper bound"
     return (Remark("coarse_codes", "warning", what, do=do),)
+
+
+def _steps_of(part: Array, last: float, compiled: bool) -> tuple[float, float, int, float]:
+    """Return least step that is not zero, sum of squares, and number of the steps between samples, and the last one.
+
+    Samples that are not finite are left out; ``last`` is the one before the part, NaN where there is none.
+    """
+    if compiled:
+        from ._kernels import steps_between  # noqa: PLC0415 - numba starts slowly
+
+        return steps_between(part, last)
+    there = part[np.isfinite(part)]
+    if not len(there):
+        return np.inf, 0.0, 0, last
+    difference = np.abs(np.diff(there, prepend=last if np.isfinite(last) else there[:1]))
+    many = len(there) - (not np.isfinite(last))
+    least = float(np.min(difference[difference > 0.0], initial=np.inf))
+    return least, float(difference @ difference), many, float(there[-1])

@@ -160,10 +160,14 @@ def extremes(x: NDArray[Any], infinite: bool = True) -> tuple[float, float]:
     """
     low = high = np.nan
     for first, stop in batches(x):
-        part = x[first:stop] if infinite else x[first:stop][np.isfinite(x[first:stop])]
-        if len(part):
-            low = np.fmin(low, float(np.fmin.reduce(part)))
-            high = np.fmax(high, float(np.fmax.reduce(part)))
+        part = x[first:stop]
+        least, most = part.min(), part.max()  # NaN where any sample is
+        if not (np.isfinite(least) and np.isfinite(most)):
+            part = part if infinite else part[np.isfinite(part)]
+            least, most = np.fmin.reduce(part, initial=np.inf), np.fmax.reduce(part, initial=-np.inf)
+            if not len(part):
+                continue
+        low, high = np.fmin(low, float(least)), np.fmax(high, float(most))
     return float(low), float(high)
 
 

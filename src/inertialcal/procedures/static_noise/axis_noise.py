@@ -254,7 +254,7 @@ def _each(plan: Plan, readings: Readings, axis: str) -> tuple[list[Recorded], li
 def _recorded(plan: Plan, run: Run, axis: str) -> Recorded:
     looked = looked_through(plan, run, axis)
     there = finite(looked.rates)
-    curve = fitted(plan, run, axis, there)
+    curve = fitted(plan, run, axis, there, looked.cleaned)
     alike = plan.deviation == FITTED and plan.taus == "octave" and not plan.tau
     chosen, remarks = (curve, ()) if alike else shown(plan, run, axis, there)
     found = spectral(plan, looked.rates, run.interval, curve, axis, resolution_of_rates(run, axis))
@@ -297,9 +297,18 @@ def _tested(axis: str, found: NoiseFit) -> tuple[Remark, ...]:
     return tuple(remarks)
 
 
-def fitted(plan: Plan, run: Run, axis: str, there: NDArray[np.bool_]) -> Allan:
-    """Return the deviation at octaves that terms are fitted to [SI]."""
-    return _allan(plan, run, axis, there, FITTED, "octave")
+def fitted(plan: Plan, run: Run, axis: str, there: NDArray[np.bool_], cleaned: bool = False) -> Allan:
+    """Return the deviation at octaves that terms are fitted to [SI]; ``cleaned``: of fewer samples than the record has.
+
+    That of all samples is kept with the record.
+    """
+    key = axis, unit_of(plan)
+    if cleaned or key not in run.curves:
+        found = _allan(plan, run, axis, there, FITTED, "octave")
+        if cleaned:
+            return found
+        run.curves[key] = found
+    return run.curves[key]
 
 
 def shown(plan: Plan, run: Run, axis: str, there: NDArray[np.bool_]) -> tuple[Allan, tuple[Remark, ...]]:
@@ -333,8 +342,13 @@ def _allan(
         present=None if every(there, np.all) else there,
         p=INTERVAL,
         names=(axis,),
-        unit=UNITS[plan.kind] if plan.kind else plan.unit,
+        unit=unit_of(plan),
     )
+
+
+def unit_of(plan: Plan) -> str:
+    """Return the unit of the deviations."""
+    return UNITS[plan.kind] if plan.kind else plan.unit
 
 
 def doubt_of(found: NoiseFit | None) -> str:
@@ -368,6 +382,7 @@ class Looked:
     disturbed: tuple[Disturbance, ...]  # In order
     left_out: int  # Samples left out for them
     remarks: tuple[Remark, ...]  # What is suspicious
+    cleaned: bool = False  # Whether some are left out that the record has
 
 
 def looked_through(plan: Plan, run: Run, axis: str) -> Looked:
@@ -378,7 +393,8 @@ def looked_through(plan: Plan, run: Run, axis: str) -> Looked:
     if before < FEWEST:
         return Looked(rates, (*_far(run, axis),), left_out, ())
     quality = record_quality(rates, run.interval)
-    if run.screened and plan.disturbed == "leave_out" and quality.disturbances:
+    cleaned = run.screened and plan.disturbed == "leave_out" and bool(quality.disturbances)
+    if cleaned:
         rates = quality.cleaned()
         left_out += before - count(rates, np.isfinite)
     remarks = []
@@ -402,7 +418,7 @@ def looked_through(plan: Plan, run: Run, axis: str) -> Looked:
     third = f"the first {duration(run.length / 3.0)}"
     remarks += [one.remark(axis, times, unit, third) for one in quality.drifts if one.significant]
     remarks += coarse_steps(rates, axis)
-    return Looked(rates, disturbed, left_out, tuple(remarks))
+    return Looked(rates, disturbed, left_out, tuple(remarks), cleaned)
 
 
 def _far(run: Run, axis: str) -> Iterator[Disturbance]:

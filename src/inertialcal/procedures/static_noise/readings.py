@@ -15,6 +15,7 @@ from ...core.recording import Recording
 from ...core.remarks import Remark
 from ...sensors.noise.simulate import simulate as samples_of
 from ...sensors.noise.terms import Term
+from ...signals.allan import Allan
 from ...signals.names import Quantity
 from ...signals.screening.resolution import Resolution
 from ...signals.screening.screen import Screening
@@ -44,6 +45,8 @@ class Run:
     resolution: Mapping[str, Resolution] = field(default_factory=dict[str, Resolution])
     screened: bool = True  # Whether samples that are no readings, and disturbances, are left out
     cut_off: float | None = None  # Of a low pass, as the sensor or the file states it [Hz]; None when nobody said
+    # Of an axis, in a unit, with all samples that are there: what `check` took is not taken again by `reduce`
+    curves: dict[tuple[str, str], Allan] = field(default_factory=dict[tuple[str, str], "Allan"])
 
     def __len__(self) -> int:
         return len(next(iter(self.values.values())))
