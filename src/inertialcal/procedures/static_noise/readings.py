@@ -46,7 +46,7 @@ class Run:
     screened: bool = True  # Whether samples that are no readings, and disturbances, are left out
     cut_off: float | None = None  # Of a low pass, as the sensor or the file states it [Hz]; None when nobody said
     # Of an axis, in a unit, with all samples that are there: what `check` took is not taken again by `reduce`
-    curves: dict[tuple[str, str], Allan] = field(default_factory=dict[tuple[str, str], "Allan"])
+    curves: dict[tuple[str, str], Allan] = field(init=False, default_factory=dict[tuple[str, str], "Allan"])
 
     def __len__(self) -> int:
         return len(next(iter(self.values.values())))

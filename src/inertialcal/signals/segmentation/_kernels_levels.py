@@ -19,6 +19,7 @@ Indices = NDArray[np.int64]
 
 SCANNED = 128  # places looked at together: few hold any
 LOUD = 4096  # samples that windows move over at a time
+LANES = 64  # samples looked at side by side
 
 
 @compiled
@@ -134,20 +135,22 @@ def mark_loud(y: Array, cuts: Indices, w: int, limit: float, hot: Flags) -> None
 @compiled
 def fill_blocks(y: Array, size: int, variance: Array, different: Indices) -> float:
     """Fill variance (size - 1) and number of unequal neighbours of each block; return the least step, 0 of none."""
-    step = np.inf
-    for i in range(len(y) - 1):
-        difference = abs(y[i + 1] - y[i])
-        if difference > 0.0:
-            step = min(step, difference)
+    least = np.full(LANES, np.inf)
+    for start in range(0, len(y) - 1, LANES):
+        for j in range(min(LANES, len(y) - 1 - start)):  # side by side, for the processor
+            difference = abs(y[start + j + 1] - y[start + j])
+            least[j] = difference if (difference > 0.0) & (difference < least[j]) else least[j]
+    step = least.min()
     for block in range(len(variance)):
         level, squares, unequal = 0.0, 0.0, 0
-        for i in range(block * size, (block + 1) * size):
-            level += y[i]
+        own = y[block * size : (block + 1) * size]
+        for i in range(size):
+            level += own[i]
         level /= size
-        for i in range(block * size, (block + 1) * size):
-            squares += (y[i] - level) ** 2
-            if i > block * size and y[i] != y[i - 1]:
-                unequal += 1
+        for i in range(size):
+            squares += (own[i] - level) ** 2
+        for i in range(1, size):
+            unequal += own[i] != own[i - 1]
         variance[block], different[block] = squares / (size - 1), unequal
     return step if np.isfinite(step) else 0.0
 

@@ -235,8 +235,9 @@ def loud(y: Array, noise: Noise, w: int, tail: float, start: Indices, stop: Indi
     if not whole.any():
         return found
     hot = np.zeros(size, dtype=bool)
-    probes = np.flatnonzero(whole)
-    probes = probes[:: max(1, w // 2, len(probes) // PROBES)]
+    many = int(np.count_nonzero(whole))
+    apart = max(1, w // 2, many // PROBES)
+    probes = np.arange(0, size, apart) if many == size else np.flatnonzero(whole)[::apart]
     for k in range(y.shape[1]):
         x = y[:, k] if len(y) == cuts[-1] else y[inside, k]
         usual, dof = (0.0, w - 1.0)

@@ -124,11 +124,15 @@ def _level_pieces(
     first, widening = level_changes(total, noise, plan.scales[:1], quantile, walls)
     size = np.diff(first)
     enough = size >= plan.shortest
+    if enough.all():
+        if len(plan.scales) > 1:
+            first, widening = level_changes(total, noise, plan.scales[1:], quantile, first)
+        return *_long(first[:-1], first[1:], plan.shortest), widening
     kept = np.flatnonzero(np.repeat(enough, size))
     first = np.concatenate(([0], np.cumsum(size[enough])))  # the cuts, counted in the samples kept
     if not len(kept):
         return kept, kept, widening
-    rest = total if len(kept) == len(y) else running_sum(y.T[:, kept].T)
+    rest = running_sum(y.T[:, kept].T)
     if len(plan.scales) > 1:
         first, widening = level_changes(rest, noise, plan.scales[1:], quantile, first)
     start, stop = _long(kept[first[:-1]], kept[first[1:] - 1] + 1, plan.shortest)
