@@ -12,6 +12,7 @@ from ..statistics._kernels import compiled
 
 LANES = 64  # samples looked at side by side
 
+
 @compiled
 def fill_first(time_ns: NDArray[np.int64], length: int, first: NDArray[np.int64], at: NDArray[np.int64]) -> int:
     """Fill the first sample of each block of time that holds any, and which block it is; return their number.

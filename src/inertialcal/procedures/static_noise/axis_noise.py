@@ -486,9 +486,7 @@ def _meaningful(lines: Lines, spectrum: Spectrum, resolution: Resolution) -> Lin
                    marked=marked)  # fmt: skip
 
 
-def spectral(
-    plan: Plan, spectrum: Spectrum | DataError, curve: Allan, axis: str, resolution: Resolution
-) -> Spectral:
+def spectral(plan: Plan, spectrum: Spectrum | DataError, curve: Allan, axis: str, resolution: Resolution) -> Spectral:
     """Return a spectrum of rates, its lines, and whether the Allan deviation agrees with it."""
     if isinstance(spectrum, DataError):
         problem = spectrum.problems[0]
