@@ -33,8 +33,8 @@ def fill_first(time_ns: NDArray[np.int64], length: int, first: NDArray[np.int64]
 
 
 @compiled
-def count_marks(words: NDArray[np.uint64], room: int, marks: NDArray[np.uint64]) -> int:
-    """Mark a place of 2^room for each word, by a hash of it; return how many are marked.
+def count_marks(words: NDArray[np.uint64], room: int, most: float, marks: NDArray[np.uint64]) -> int:
+    """Mark a place of 2^room for each word, by a hash of it; return how many are marked, once they are more than most.
 
     Equal words have one place, so that as many words differ at least. ``marks``: a bit a place, 0 at first.
     """
@@ -47,6 +47,8 @@ def count_marks(words: NDArray[np.uint64], room: int, marks: NDArray[np.uint64])
         if not marks[at] & bit:
             marks[at] |= bit
             found += 1
+            if found > most:
+                break
     return found
 
 

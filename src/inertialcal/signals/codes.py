@@ -51,8 +51,8 @@ def resolution_of_values(values: NDArray[np.generic]) -> float | None:
         from ._kernels import count_marks  # noqa: PLC0415 - numba starts slowly
 
         bits = np.ascontiguousarray(values, dtype=np.float64).view(np.uint64)
-        room = max(8 * len(bits), 64).bit_length()
-        if count_marks(bits, room, np.zeros(2 ** (room - 6), dtype=np.uint64)) > len(bits) / REPEATS + 1:
+        room, most = max(8 * len(bits), 64).bit_length(), len(bits) / REPEATS + 1
+        if count_marks(bits, room, most, np.zeros(2 ** (room - 6), dtype=np.uint64)) > most:
             return None
     return resolution(levels_of(values))
 

@@ -478,7 +478,9 @@ def test_curves_hold_what_was_measured_and_what_the_terms_give() -> None:
     assert np.median(ratio) == pytest.approx(1.0, abs=0.05)
 
 
-@pytest.mark.parametrize("deviation", ["non_overlapping", "modified", "hadamard", "overlapping_hadamard"])
+@pytest.mark.parametrize("deviation", [
+    "non_overlapping", "modified", "hadamard", "overlapping_hadamard", "total", "modified_total", "hadamard_total",
+])  # fmt: skip
 def test_other_deviations_are_shown_with_what_the_terms_give_of_them(deviation: Any) -> None:
     plan = replace(GYRO, deviation=deviation, taus="decade")
     readings = records({"x": (RandomWalk(WALK), GaussMarkov(2e-4, 5.0))})

@@ -7,12 +7,13 @@ Drift stays in: how much of a warm-up to leave out is the user's choice.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.batches import count, every, finite
+from ...core.batches import count, every, finite, is_stored
 from ...core.errors import DataError, Problem
 from ...core.estimate import Array
 from ...core.key import Kind, Reason
@@ -35,10 +36,12 @@ from ...signals.spectrum.allan_check import Agreement, compare_allan
 from ...signals.spectrum.density import Spectrum
 from ...signals.spectrum.lines import Line, Lines, find_lines
 from ...signals.spectrum.psd import psd
+from ...signals.threads import LARGE, cores
 from .band import Bands, bands_of, inside_band
 from .plan import Plan
 from .readings import Readings, Run
 
+MANY = 2  # cores from which two jobs go side by side
 FITTED: Deviation = "overlapping"  # that the terms are fitted to
 INTERVAL = 0.95  # of the deviations
 UNITS = {"gyro": "rad/s", "accelerometer": "m/s^2"}
@@ -252,13 +255,37 @@ def _each(plan: Plan, readings: Readings, axis: str) -> tuple[list[Recorded], li
 
 
 def _recorded(plan: Plan, run: Run, axis: str) -> Recorded:
-    looked = looked_through(plan, run, axis)
+    rates = run.rates(axis)
+    looked, early = _at_once(plan, run, rates, axis)
     there = None if looked.whole else finite(looked.rates)
-    curve = fitted(plan, run, axis, there, looked.as_read)
+    curve = fitted(plan, run, axis, there, looked.cleaned)
     alike = plan.deviation == FITTED and plan.taus == "octave" and not plan.tau
     chosen, remarks = (curve, ()) if alike else shown(plan, run, axis, there)
-    found = spectral(plan, looked.rates, run.interval, curve, axis, resolution_of_rates(run, axis))
+    spectrum = early if early is not None and not looked.cleaned else _spectrum(plan, looked.rates, run.interval)
+    found = spectral(plan, spectrum, curve, axis, resolution_of_rates(run, axis))
     return Recorded(run, looked, curve, chosen, replace(found, remarks=(*remarks, *found.remarks)))
+
+
+def _at_once(plan: Plan, run: Run, rates: Array, axis: str) -> tuple[Looked, Spectrum | DataError | None]:
+    """Return what is found of the disturbances of a record, and its spectrum where none of them may matter.
+
+    Of a large record that shows nothing so far, both are worked out side by side.
+    """
+    if len(rates) < LARGE or is_stored(rates) or cores() < MANY or run.present.get(axis) is not None:
+        return looked_through(plan, run, rates, axis), None
+    with ThreadPoolExecutor(1) as pool:
+        early = pool.submit(_spectrum, plan, rates, run.interval)
+        return looked_through(plan, run, rates, axis), early.result()
+
+
+def _spectrum(plan: Plan, rates: Array, interval: float) -> Spectrum | DataError:
+    """Return the spectrum of a record, or why there is none."""
+    segment = LONGEST if plan.spectrum == "welch" and len(rates) // PARTS > LONGEST else None
+    try:
+        wanted = segment if plan.segment is None else round(plan.segment / interval)
+        return psd(rates, interval, plan.spectrum, segment=wanted)
+    except DataError as error:
+        return error
 
 
 def _fitted(plan: Plan, records: Sequence[Recorded], lines: tuple[float, ...]) -> NoiseFit:
@@ -297,24 +324,17 @@ def _tested(axis: str, found: NoiseFit) -> tuple[Remark, ...]:
     return tuple(remarks)
 
 
-def fitted(plan: Plan, run: Run, axis: str, there: NDArray[np.bool_] | None, as_read: bool = True) -> Allan:
-    """Return the deviation at octaves that terms are fitted to [SI]; of a record as it was read it is taken once.
+def fitted(plan: Plan, run: Run, axis: str, there: NDArray[np.bool_] | None, cleaned: bool = False) -> Allan:
+    """Return the deviation at octaves that terms are fitted to [SI], of the samples that are ``there``; None for all.
 
-    Parameters
-    ----------
-    plan, run, axis
-        Which.
-    there : ndarray of bool, shape (n,), optional
-        Which samples count; all by default.
-    as_read : bool
-        Whether these are all that the record has.
+    That of all samples that the record has, not ``cleaned``, is kept with it.
     """
-    key = axis, _unit(plan)
-    if not as_read or key not in run.curves:
-        curve = _allan(plan, run, axis, there, FITTED, "octave")
-        if not as_read:
-            return curve
-        run.curves[key] = curve
+    key = axis, unit_of(plan)
+    if cleaned or key not in run.curves:
+        found = _allan(plan, run, axis, there, FITTED, "octave")
+        if cleaned:
+            return found
+        run.curves[key] = found
     return run.curves[key]
 
 
@@ -349,11 +369,12 @@ def _allan(
         present=None if there is None or every(there, np.all) else there,
         p=INTERVAL,
         names=(axis,),
-        unit=_unit(plan),
+        unit=unit_of(plan),
     )
 
 
-def _unit(plan: Plan) -> str:
+def unit_of(plan: Plan) -> str:
+    """Return the unit of the deviations."""
     return UNITS[plan.kind] if plan.kind else plan.unit
 
 
@@ -389,19 +410,18 @@ class Looked:
     left_out: int  # Samples left out for them
     remarks: tuple[Remark, ...]  # What is suspicious
     whole: bool  # Whether no rate is missing
-    as_read: bool = True  # Whether nothing is left out that the record has
+    cleaned: bool = False  # Whether some are left out that the record has
 
 
-def looked_through(plan: Plan, run: Run, axis: str) -> Looked:
-    """Return the samples of one axis as rates, without its disturbances."""
-    rates = run.rates(axis)
+def looked_through(plan: Plan, run: Run, rates: Array, axis: str) -> Looked:
+    """Return the samples of one axis as rates, shape (n,), without its disturbances."""
     left_out = run.bad.get(axis, {}).get("disturbed", 0) if run.screened else 0
     before = count(rates, np.isfinite)
     if before < FEWEST:
         return Looked(rates, (*_far(run, axis),), left_out, (), before == len(rates))
     quality = record_quality(rates, run.interval)
-    as_read = not (run.screened and plan.disturbed == "leave_out" and quality.disturbances)
-    if not as_read:
+    cleaned = run.screened and plan.disturbed == "leave_out" and bool(quality.disturbances)
+    if cleaned:
         rates = quality.cleaned()
         left_out += before - count(rates, np.isfinite)
     remarks = []
@@ -425,7 +445,8 @@ def looked_through(plan: Plan, run: Run, axis: str) -> Looked:
     third = f"the first {duration(run.length / 3.0)}"
     remarks += [one.remark(axis, times, unit, third) for one in quality.drifts if one.significant]
     remarks += coarse_steps(rates, axis)
-    return Looked(rates, disturbed, left_out, tuple(remarks), as_read and before == len(rates), as_read)
+    whole = not cleaned and before == len(rates)
+    return Looked(rates, disturbed, left_out, tuple(remarks), whole, cleaned)
 
 
 def _far(run: Run, axis: str) -> Iterator[Disturbance]:
@@ -467,19 +488,12 @@ def _meaningful(lines: Lines, spectrum: Spectrum, resolution: Resolution) -> Lin
                    marked=marked)  # fmt: skip
 
 
-def spectral(plan: Plan, rates: Array, interval: float, curve: Allan, axis: str, resolution: Resolution) -> Spectral:
-    """Return the spectrum of rates, its lines, and whether the Allan deviation agrees with it."""
-    segment = LONGEST if plan.spectrum == "welch" and len(rates) // PARTS > LONGEST else None
-    try:
-        spectrum = psd(
-            rates,
-            interval,
-            plan.spectrum,
-            segment=segment if plan.segment is None else round(plan.segment / interval),
-        )
-    except DataError as error:
-        what = f"{axis}: no spectrum: {error.problems[0].what}"
-        return Spectral(None, None, None, (Remark("no_spectrum", "info", what, do=error.problems[0].do, axis=axis),))
+def spectral(plan: Plan, spectrum: Spectrum | DataError, curve: Allan, axis: str, resolution: Resolution) -> Spectral:
+    """Return a spectrum of rates, its lines, and whether the Allan deviation agrees with it."""
+    if isinstance(spectrum, DataError):
+        problem = spectrum.problems[0]
+        what = f"{axis}: no spectrum: {problem.what}"
+        return Spectral(None, None, None, (Remark("no_spectrum", "info", what, do=problem.do, axis=axis),))
     remarks = [
         Remark(one.code, one.severity, f"{axis}: {one.what}", "", one.count, one.do, axis)
         for one in spectrum.remarks

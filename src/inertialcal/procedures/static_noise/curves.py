@@ -39,7 +39,7 @@ PER_OCTAVE, WITH_LINES = 4, 24  # averaging times of the drawn terms; with lines
 PER_DECADE = 40  # bands of the drawn spectrum
 WAYS: Mapping[str, Deviation] = {
     "overlapping": "allan", "non_overlapping": "allan", "modified": "modified", "hadamard": "hadamard",
-    "overlapping_hadamard": "hadamard",
+    "overlapping_hadamard": "hadamard", "total": "allan", "modified_total": "modified", "hadamard_total": "hadamard",
 }  # fmt: skip
 
 

@@ -64,8 +64,9 @@ def allan(
         From sample to sample [s].
     quantity : {"rate", "increment", "angle"}
         What a sample is: mean of a rate over it, what was added in it, or the integral at its stamp.
-    deviation : {"overlapping", "non_overlapping", "modified", "hadamard", "overlapping_hadamard"}
-        Which one; the overlapping Allan deviation by default.
+    deviation : Deviation
+        Which one, by its name in ``deviations.KINDS``; the overlapping Allan deviation by default. Total ones need a
+        record without gaps; what mirrors change in their mean is divided out, for the noise type found.
     taus : {"octave", "decade", "all"} or sequence of float
         Averaging times; a list is in seconds.
     factors : sequence of int, optional
@@ -86,7 +87,8 @@ def allan(
     Raises
     ------
     DataError, PlanError
-        If samples are no numbers, of another shape, too few or all missing, or a time or word is not possible.
+        If samples are no numbers, of another shape, too few or all missing, or a time or word is not possible; if a
+        total deviation is wanted of a record with gaps.
     """
     kind, samples = checked_kind(quantity, deviation, p, noise), checked_samples(x, interval, scale)
     check_averaging(interval, averaging)

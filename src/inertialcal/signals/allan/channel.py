@@ -19,11 +19,12 @@ from ...core.estimate import Array, Numbers
 from ...core.remarks import Remark
 from ..names import Deviation, Quantity
 from .deviations import KINDS, Kind, variances
-from .edf import BLUEST, believed_powers, carried_on, identified_powers
+from .edf import BLUEST, believed_powers, bias_of, carried_on, identified_powers
 from .edf import interval as interval_of
 from .gaps import dead_time_remark, missing_remark
 from .prefix import QUANTITIES, give_back, phase_of
 from .streamed import is_streamed, streamed_variances
+from .total import total_variances
 
 TELLING = 4  # averaging times at which the noise type should be told, or the record is short
 WHITE = 0
@@ -68,12 +69,16 @@ def analyse_channel(
     else:
         phase = phase_of(x, quantity, present)
         power = identified_powers(phase, kind, factors) if noise == "auto" else np.empty(len(factors))
-        found, missing = variances(phase, kind, factors), phase.missing  # uses the phase up
+        own = total_variances(x, phase, quantity, kind, factors) if kind.total else variances(phase, kind, factors)
+        found, missing = own, phase.missing  # the phase is used up
         give_back(phase)
     power = power if noise == "auto" else np.full(len(factors), float(noise))
     identified = int(np.count_nonzero(np.isfinite(power)))
     power, edf = carried_on(power, kind, factors, found.terms)
     variance = np.where(power >= WHITE, found.variance / found.inflation, found.variance)
+    if kind.total:
+        sizes = zip(factors.tolist(), found.terms.tolist(), power.astype(int).tolist(), strict=True)
+        variance /= np.array([bias_of(kind, *one) for one in sizes])
     remarks: list[Remark] = []
     flat, k, empty = not np.any(variance > 0.0), len(factors), int(np.count_nonzero(found.terms == 0))
     if flat:
@@ -85,6 +90,13 @@ def analyse_channel(
         if identified < min(TELLING, k):
             what = f"{name}: noise type identified at {identified} of {k} averaging times; the others are extrapolated"
             remarks.append(Remark("too_short", "warning", what, do="Record longer, or state the noise type"))
+        without = int(np.count_nonzero(np.isnan(edf))) if kind.total else 0
+        if without:
+            what = (
+                f"{name}: no interval at {without} of {k} averaging times: none is published for the {kind.words} in "
+            )
+            what += "noise bluer than white"
+            remarks.append(Remark("no_interval", "info", what, do="Take a deviation without mirrors for intervals"))
         if empty:
             what = f"{name}: {empty} averaging time(s) left out: no two windows are half full"
             remarks.append(Remark("gaps_too_many", "warning", what, count=empty))

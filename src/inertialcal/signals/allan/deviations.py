@@ -1,7 +1,7 @@
 """Deviations of a signal at averaging factors: differences of neighbouring averages, squared and averaged.
 
 With P[j] the sum of all samples before j ("phase"), ybar_j = (P[j + m] - P[j]) / m the mean of m samples from j on,
-and n the number of terms, the variances at tau = m times the sample interval are [1]_::
+and n the number of terms, the variances at tau = m times the sample interval are [1]_ (total ones: ``total``)::
 
     Allan      sum (ybar_{j+m} - ybar_j)^2 / (2 n)
     modified   sum (mean over m neighbouring j of (ybar_{j+m} - ybar_j))^2 / (2 n)
@@ -48,6 +48,7 @@ class Kind:
     overlapping: bool
     modified: bool
     words: str
+    total: bool = False  # whether the record goes on beyond its ends, mirrored (``total``)
 
     @property
     def windows(self) -> int:
@@ -71,6 +72,9 @@ KINDS: dict[str, Kind] = {
     "modified": Kind(2, True, True, "modified Allan deviation"),
     "hadamard": Kind(3, False, False, "Hadamard deviation"),
     "overlapping_hadamard": Kind(3, True, False, "overlapping Hadamard deviation"),
+    "total": Kind(2, True, False, "total deviation", total=True),
+    "modified_total": Kind(2, True, True, "modified total deviation", total=True),
+    "hadamard_total": Kind(3, True, False, "Hadamard total deviation", total=True),
 }
 
 
@@ -86,6 +90,10 @@ class Variances:
 
 def terms_of(kind: Kind, points: int, factors: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return how many terms a complete record of ``points`` phase points has, shape (k,)."""
+    if kind.total:  # squares about every point but both ends, or stretches of three windows; of the rate for Hadamard
+        stretches = points - (kind.order - ALLAN) + 1 - 3 * factors
+        terms = stretches if kind.modified or kind.order > ALLAN else np.full(len(factors), points - 2)
+        return np.asarray(np.where(3 * factors < points, terms, 0))
     if kind.modified:
         return np.asarray(points + 1 - 3 * factors)
     left = points - 1 - kind.order * factors

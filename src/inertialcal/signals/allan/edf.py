@@ -38,10 +38,13 @@ References
    267-280.
 .. [2] Kasdin, Discrete simulation of colored noise and stochastic processes, Proc. IEEE 83 (1995) 802-827.
 .. [3] Riley and Greenhall, Power law noise identification using the lag 1 autocorrelation, Proc. 18th EFTF, 2004.
+.. [4] Riley, Handbook of frequency stability analysis, NIST SP 1065, 2008, sections 5.2.11 to 5.2.14 and 5.4.
+.. [5] Howe et al., A total estimator of the Hadamard function used for GPS operations, Proc. 32nd PTTI, 2000.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -50,7 +53,7 @@ from scipy import special
 
 from ...core.estimate import Array
 from .autocovariance import covariance_of_terms, weights_of
-from .deviations import Kind
+from .deviations import ALLAN, Kind, terms_of
 from .noise_type import identified
 from .prefix import Phase
 
@@ -58,15 +61,98 @@ BLUEST = 2  # exponent of the spectrum of the rate: quantisation of the integral
 WHITE = 0.0
 LAGS = 32  # lags a window, of the autocorrelation behind the degrees of freedom ...
 GRADE = 0.1  # ... and how much farther each from a whole window where it has logarithms there
+LONG = 8  # samples of a window from which published degrees of freedom of total variances hold
+SETTLED = 32  # samples of a window from which the bias of mirrors no longer changes
+# degrees of freedom of total variances by noise type: b, c of b T / tau - c ([4]_, tables 7 and 8), and of the Hadamard
+# total variance b, c of (T / tau) / (b + c tau / T) ([5]_, table 1)
+PUBLISHED: dict[str, dict[int, tuple[float, float]]] = {
+    "total deviation": {0: (1.50, 0.0), -1: (1.17, 0.22), -2: (0.93, 0.36)},
+    "modified total deviation": {2: (1.90, 2.10), 1: (1.20, 1.40), 0: (1.10, 1.20), -1: (0.85, 0.50), -2: (0.75, 0.31)},
+    "Hadamard total deviation": {
+        0: (0.559, 1.004), -1: (0.868, 1.140), -2: (0.938, 1.696), -3: (0.974, 2.554), -4: (1.276, 3.149)
+    },
+}  # fmt: skip
+TOTAL_LOSS = {-1: 1.0 / (3.0 * np.log(2.0)), -2: 0.75}  # bias of the total variance: 1 less so many tau / T [4]_
 
 
 def degrees_of_freedom(kind: Kind, m: int, terms: int, power: int) -> float:
     """Return the equivalent degrees of freedom of one variance of windows of m samples; NaN without terms.
 
+    Of total deviations also NaN where none is published: in the noise of an angle (1, 2) that is not averaged twice.
+
     ``power`` is the exponent alpha of the spectrum of the rate: 2 quantisation, 0 white (random walk of the integral),
     -1 flicker (bias instability), -2 random walk of the rate, to -4 for the Hadamard deviations.
     """
-    return _edf(kind.order, kind.overlapping, kind.modified, m, terms, power) if terms > 0 else np.nan
+    if terms <= 0:
+        return np.nan
+    return _total_edf(kind, m, terms, power) if kind.total else _plain_edf(kind, m, terms, power)
+
+
+def _plain_edf(kind: Kind, m: int, terms: int, power: int) -> float:
+    return _edf(kind.order, kind.overlapping, kind.modified, m, terms, power)
+
+
+def _total_edf(kind: Kind, m: int, terms: int, power: int) -> float:
+    """Return the degrees of freedom of a total variance: published for long windows, by those without mirrors for short.
+
+    Published ones hold from about `LONG` samples on. Below, the degrees of freedom without mirrors are raised by what
+    mirrors add at `LONG` samples; windows of one sample have no mirrors that tell.
+    """
+    n = _samples(kind, m, terms)
+    known = PUBLISHED[kind.words].get(power)
+    if known is None:
+        return np.nan
+
+    def published(size: int) -> float:
+        one, other = known
+        return one * n / size - other if kind.order == ALLAN else n / size / (one + other * size / n)
+
+    def plain(size: int) -> float:
+        return _plain_edf(kind, size, int(terms_of(replace(kind, total=False), n + 1, np.array([size]))[0]), power)
+
+    if m >= LONG:
+        return published(m)
+    return plain(m) * (published(LONG) / plain(LONG) if m > 1 and n >= 4 * LONG else 1.0)
+
+
+def _samples(kind: Kind, m: int, terms: int) -> int:
+    """Return how many samples a record has that gives so many terms of a total variance."""
+    if kind.order == ALLAN and not kind.modified:
+        return terms + 1
+    return terms + 3 * m - 1 - kind.modified
+
+
+def bias_of(kind: Kind, m: int, terms: int, power: int) -> float:
+    """Return the mean of a total variance over that of the variance without mirrors, in noise of one type.
+
+    Of the total variance by its limit for long windows [4]_, 1 where none is published. Of the others the mean of a
+    quadratic form, by the autocovariance of the noise; beyond `SETTLED` samples it no longer changes.
+    """
+    if kind.order == ALLAN and not kind.modified:
+        return float(1.0 - TOTAL_LOSS.get(power, 0.0) * m / _samples(kind, m, terms))
+    return 1.0 if m == 1 and not kind.modified else _mirrored(kind.modified, min(m, SETTLED), power)
+
+
+@lru_cache(maxsize=256)
+def _mirrored(modified: bool, m: int, power: int) -> float:
+    """Return the bias of the modified or the Hadamard total variance; weights are of the integrated signal."""
+    n = 3 * m
+    half = n // 2
+    slope = np.zeros(n)
+    slope[n - half :] += 1.0 / half / (n - half)
+    slope[:half] -= 1.0 / half / (n - half)
+    own = np.eye(n) - np.outer(np.arange(n), slope)
+    whole = np.concatenate((own[::-1], own, own[::-1]))  # rows: points of the mirrored stretch
+    sums = np.cumsum(np.concatenate((np.zeros((1, n)), whole)), axis=0)
+    windows = sums[m:] - sums[:-m]
+    z = windows[: 6 * m] - 2.0 * windows[m : 7 * m] + windows[2 * m : 8 * m]
+    plain = np.repeat([1.0, -2.0, 1.0], m)
+    if not modified:  # samples are differences of the integrated signal
+        z, plain = (np.diff(one, prepend=0.0, append=0.0) * -1.0 for one in (z, plain))
+    lags = np.arange(z.shape[1])
+    table = covariance_of_terms(lags.astype(np.float64), 1, BLUEST - power, np.ones(1))
+    covariance = table[np.abs(lags[:, None] - lags)]
+    return float(np.mean(np.einsum("ij,jk,ik->i", z, covariance, z)) / (plain @ covariance @ plain))
 
 
 @lru_cache(maxsize=4096)

@@ -33,7 +33,7 @@ NEAR = 2**19  # samples: longest window whose terms lie in one part
 
 def is_streamed(x: Numbers, quantity: str, kind: Kind) -> bool:
     """Return whether a record is so long that its deviations are summed part by part."""
-    return len(x) > LONG and kind.overlapping and not kind.modified and quantity != "angle"
+    return len(x) > LONG and kind.overlapping and not kind.modified and not kind.total and quantity != "angle"
 
 
 def streamed_variances(

@@ -7,7 +7,10 @@ With P the integrated signal (n points), and m the averaging factor::
     Hadamard total   each 3 m samples of the rate in a row, less a line, mirrored [1]_, eq. (29); at m = 1 the
                      overlapping Hadamard deviation [2]_
 
-They are as published: without the factors that correct the bias of each noise type.
+Their means differ from those of the deviations without mirrors by a factor that hangs on the noise; it is left in here,
+and taken out where the noise type is known (``edf.bias_of``).
+
+A record with gaps has none: mirrored is what is there.
 
 References
 ----------
@@ -24,19 +27,23 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...core.errors import DataError, PlanError
-from ...core.estimate import Array
+from ...core.estimate import Array, Numbers
+from ..names import Quantity
 from ..threads import LARGE, each_of
 from . import _kernels as kernels
 from . import _kernels_total as loops
-from .prefix import phase_of
+from .deviations import ALLAN, KINDS, Kind, Variances, terms_of
+from .gaps import COMPLETE
+from .prefix import Phase, level_of, phase_of
 
 Total = Literal["total", "modified_total", "hadamard_total"]
-KINDS = ("total", "modified_total", "hadamard_total")
+TOTALS: tuple[Total, ...] = ("total", "modified_total", "hadamard_total")
 SHARE = 2**16  # stretches that are summed by themselves: the same whatever the number of threads
+LONGEST = 2**26  # samples: mirrors need the whole record in memory
 
 
 def total_deviations(x: ArrayLike, factors: Sequence[int] | NDArray[np.integer], kind: Total = "total") -> Array:
-    """Return total deviations of a complete record of a rate, in its unit, shape (k,).
+    """Return total deviations of a complete record of a rate, as defined, in its unit, shape (k,).
 
     Parameters
     ----------
@@ -50,14 +57,15 @@ def total_deviations(x: ArrayLike, factors: Sequence[int] | NDArray[np.integer],
     Raises
     ------
     DataError
-        If the record is not a channel of finite numbers (``bad_shape``, ``gaps``), or shorter than 3 samples.
+        If the record is not a channel of finite numbers (``bad_shape``, ``gaps``), shorter than 3 samples, or too
+        long to be held (``too_long``).
     PlanError
         If the kind is not known, or an averaging factor is not from 1 to a third of the record, or they do not rise.
     """
     rate = np.asarray(x, dtype=np.float64)
     m = np.asarray(factors, dtype=np.int64)
-    if kind not in KINDS:
-        raise PlanError(f"deviation {kind!r}", do=f"There are: {', '.join(KINDS)}", code="wrong_deviation")
+    if kind not in TOTALS:
+        raise PlanError(f"deviation {kind!r}", do=f"There are: {', '.join(TOTALS)}", code="wrong_deviation")
     if rate.ndim != 1 or len(rate) < 3:
         raise DataError(f"a record of shape {rate.shape}", do="Need (n,), three samples or more", code="bad_shape")
     if not np.isfinite(rate).all():
@@ -65,20 +73,54 @@ def total_deviations(x: ArrayLike, factors: Sequence[int] | NDArray[np.integer],
     if m.ndim != 1 or not len(m) or m[0] < 1 or np.any(np.diff(m) <= 0) or m[-1] > len(rate) // 3:
         what = f"averaging factors {m.tolist()}"
         raise PlanError(what, do=f"Give rising ones, 1 to a third of the record: {len(rate) // 3}", code="wrong_taus")
-    phase = np.ascontiguousarray(phase_of(rate, "rate").values, dtype=np.float64)
-    sums, size = np.empty(len(m)), m.astype(np.float64)
-    if kind == "total":
-        kernels.sum_overlapping(phase, m, 2, sums)
-        loops.add_edges(phase, m, sums)
-        return np.asarray(np.sqrt(sums / (2.0 * (len(phase) - 2) * size**2)))
-    y, divisor = (phase, 2.0 * size**2) if kind == "modified_total" else (rate, np.full(len(m), 6.0))
-    starts = len(y) - 3 * m + 1
-    sums[:] = [_summed(y, int(factor), int(many)) for factor, many in zip(m, starts, strict=True)]
-    found = np.sqrt(sums / (6.0 * size**3 * starts * divisor))
-    if kind == "hadamard_total" and m[0] == 1:
-        kernels.sum_overlapping(phase, m[:1], 3, sums[:1])
-        found[0] = np.sqrt(sums[0] / (6.0 * (len(phase) - 3)))
-    return np.asarray(found)
+    return np.asarray(np.sqrt(total_variances(rate, phase_of(rate, "rate"), "rate", KINDS[kind], m).variance))
+
+
+def total_variances(x: Numbers, phase: Phase, quantity: Quantity, kind: Kind, m: NDArray[np.int64]) -> Variances:
+    """Return total variances of one channel as defined, at rising averaging factors, each up to a third of the record.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+        Samples.
+    phase : Phase
+        Their integrated signal.
+    quantity, kind : str, Kind
+        What a sample is, and which total deviation.
+    m : ndarray of int, shape (k,)
+        Averaging times in samples.
+
+    Raises
+    ------
+    DataError
+        If samples are missing (``gaps``), or the record is too long to be held (``too_long``).
+    """
+    if not phase.complete:
+        what = f"{phase.missing} of {len(x)} samples are missing: no {kind.words}"
+        why = "it mirrors the record at its ends, which a record with gaps has in many places"
+        do = "Give a stretch without gaps, keep disturbed samples, or take another deviation"
+        raise DataError(what, why=why, do=do, code="gaps")
+    if len(x) > LONGEST:
+        what = f"a record of {len(x):,} samples: the {kind.words} takes {LONGEST:,} at most"
+        do = "Give a shorter stretch, or take a deviation without mirrors"
+        raise DataError(what, why="it needs the whole record in memory", do=do, code="too_long")
+    values = np.ascontiguousarray(phase.values, dtype=np.float64)
+    sums, size, ends = np.empty(len(m)), m.astype(np.float64), np.full(len(m), COMPLETE)
+    terms = terms_of(kind, len(values), m)
+    if kind.order == ALLAN and not kind.modified:
+        kernels.sum_overlapping(values, m, 2, sums)
+        loops.add_edges(values, m, sums)
+        return Variances(sums / (kind.divisor * terms * size**2), terms, np.ones(len(m)), ends)
+    y, divisor = values, 2.0 * size**2
+    if not kind.modified:  # less digits are lost in samples than in differences of their sums
+        y = np.diff(values) if quantity == "angle" else (x - level_of(x)).astype(np.float64)
+        divisor = np.full(len(m), 6.0)
+    sums[:] = [_summed(y, int(factor), int(many)) for factor, many in zip(m, terms, strict=True)]
+    found = sums / (6.0 * size**3 * terms * divisor)
+    if not kind.modified and m[0] == 1:
+        kernels.sum_overlapping(values, m[:1], 3, sums[:1])
+        found[0] = sums[0] / (6.0 * terms[0])
+    return Variances(found, terms, np.ones(len(m)), ends)
 
 
 def _summed(y: Array, m: int, starts: int) -> float:

@@ -1,4 +1,4 @@
-"""Compiled loops of long transforms: arrays in, preallocated arrays out, no checks."""
+"""Compiled loops of transforms, and over a spectrum: arrays in, preallocated arrays out, no checks."""
 
 from __future__ import annotations
 
@@ -6,7 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
-from ...statistics._kernels import compiled
+from ...statistics._kernels import compiled, reordered
+
+Whole = NDArray[np.int64]
+PART = 2048  # frequencies whose products lie in the nearest cache
 
 
 @compiled
@@ -23,3 +26,59 @@ def add_power(values: NDArray[np.complex128], power: Array) -> None:
     """Add the squared magnitudes of complex values."""
     for i in range(len(values)):
         power[i] += values[i].real * values[i].real + values[i].imag * values[i].imag
+
+
+@compiled
+def sums_of_windows(
+    level: Array, fourth: Array, order: Whole, m: Whole, neighbours: Array, sums: Array, spread: Array
+) -> None:
+    """Fill the sum of level times sin^4(pi order m / n) / m^2 for each m, and the variance of such a sum, unscaled.
+
+    ``fourth`` (n): of sin^4(pi k / n); ``neighbours``: correlation of values so many places apart, 1 first.
+    """
+    n, lags = len(fourth), min(len(neighbours), len(level))
+    parts = np.empty(PART + lags)
+    for i in range(len(m)):
+        total, squares = 0.0, 0.0
+        held = 0  # products of the frequencies before, that those of the next still meet
+        step, share = m[i] % n, 1.0 / (1.0 * m[i] * m[i])
+        at, last = 0, 0  # of sin^4, and the frequency that it is of
+        for first in range(0, len(level), PART):
+            stop = min(first + PART, len(level))
+            for k in range(first, stop):
+                apart = order[k] - last
+                if apart == 1:
+                    at += step
+                    at -= n if at >= n else 0
+                else:
+                    at = (at + apart * step) % n
+                last = order[k]
+                parts[held + k - first] = level[k] * fourth[at] * share
+            own = parts[held : held + stop - first]
+            total += _sum(own)
+            squares += _product(own, own)
+            for lag in range(1, lags):
+                begin = max(held, lag)
+                end = held + stop - first
+                squares += 2.0 * neighbours[lag] * _product(parts[begin:end], parts[begin - lag : end - lag])
+            kept = min(lags, held + stop - first)
+            for j in range(kept):
+                parts[j] = parts[held + stop - first - kept + j]
+            held = kept
+        sums[i], spread[i] = total, squares
+
+
+@reordered
+def _sum(a: Array) -> float:
+    total = 0.0
+    for i in range(len(a)):
+        total += a[i]
+    return total
+
+
+@reordered
+def _product(a: Array, b: Array) -> float:
+    total = 0.0
+    for i in range(len(a)):
+        total += a[i] * b[i]
+    return total

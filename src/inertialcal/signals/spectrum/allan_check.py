@@ -20,8 +20,8 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +37,7 @@ from .density import Spectrum
 MOST_CONTINUED = 0.1  # of the variance, from below the lowest frequency
 SLOPE = (-2.5, 1.0)  # that a continued spectrum may have
 LOWEST = 16  # values that give the slope
+SHORT = 200_000  # frequencies and averaging times whose sums take less time than the start of a compiler
 ALLOWED = 0.05  # relative difference of the variances that is no disagreement
 
 
@@ -67,32 +68,44 @@ def allan_of_spectrum(spectrum: Spectrum, tau: Array) -> SpectralAllan:
             do="Give multiples of the sample interval",
             code="bad_taus",
         )
-    below, response = _continued(spectrum), _response(spectrum)
-    variance, edf, share = (np.empty((len(m), spectrum.density.shape[1])) for _ in range(3))
-    for i, size in enumerate(m):
-        inside, edf[i] = spectrum.summed(response(int(size)) * spectrum.spacing)
-        outside = below * (size * spectrum.interval) ** 2
-        variance[i] = inside + outside
-        with np.errstate(invalid="ignore"):
-            share[i] = outside / variance[i]
+    inside, edf = _summed(spectrum, m.astype(np.int64))
+    outside = _continued(spectrum) * (m[:, None] * spectrum.interval) ** 2
+    variance = inside + outside
+    with np.errstate(invalid="ignore"):
+        share = outside / variance
     return SpectralAllan(times, np.sqrt(variance), edf, share)
 
 
-def _response(spectrum: Spectrum) -> Callable[[int], Array]:
-    """Return a function of m: Allan variance at m samples of a unit density at each frequency.
+def _summed(spectrum: Spectrum, m: NDArray[np.int64]) -> tuple[Array, Array]:
+    """Return the Allan variance at m samples of the density as it is, and its degrees of freedom, shape (k, axes).
 
     Frequencies are whole multiples k of 1 over the n samples of a segment, and sin^2(pi k / n) has the period n in k:
     all sines that any m needs stand in one table, taken at whole numbers without the rounding of large angles.
     """
-    n = spectrum.segment
-    order = np.rint(spectrum.frequency / spectrum.spacing).astype(np.int64)
-    squared = np.sin(np.pi / n * np.arange(n)) ** 2
-    below = squared[order]
+    n, order = spectrum.segment, np.rint(spectrum.frequency / spectrum.spacing).astype(np.int64)
+    fourth = _sines(n)
+    below = np.sqrt(fourth[order])
+    inside, edf = np.empty((2, len(m), spectrum.density.shape[1]))
+    if len(order) * len(m) > SHORT:
+        from ._kernels import sums_of_windows  # noqa: PLC0415 - numba starts slowly
 
-    def response(m: int) -> Array:
-        return np.asarray(2.0 * squared[m * order % n] ** 2 / (float(m) ** 2 * below))
+        spread = np.empty(len(m))
+        for axis, density in enumerate(spectrum.density.T):
+            level = density * (2.0 * spectrum.spacing / below)
+            sums_of_windows(level, fourth, order, m, spectrum.neighbours, inside[:, axis], spread)
+            with np.errstate(invalid="ignore"):
+                edf[:, axis] = spectrum.edf * inside[:, axis] ** 2 / spread
+        return inside, edf
+    for i, size in enumerate(m.tolist()):
+        response = 2.0 * fourth[size * order % n] / (float(size) ** 2 * below)
+        inside[i], edf[i] = spectrum.summed(response * spectrum.spacing)
+    return inside, edf
 
-    return response
+
+@lru_cache(maxsize=2)
+def _sines(n: int) -> Array:
+    """Return the fourth powers of sin(pi k / n), shape (n,)."""
+    return np.asarray(np.sin(np.pi / n * np.arange(n)) ** 4)
 
 
 def _continued(spectrum: Spectrum) -> Array:

@@ -233,7 +233,12 @@ def stretches_of(x: Array) -> Stretches:
     """Return the runs of samples (n, axes) that have a finite value in every axis."""
     found, before, there = [], False, 0
     for first, stop in batches(x):
-        good: NDArray[np.bool_] = np.asarray(np.isfinite(x[first:stop]).all(axis=1))
+        good: NDArray[np.bool_] = np.isfinite(x[first:stop, 0])
+        for axis in range(1, x.shape[1]):
+            good &= np.isfinite(x[first:stop, axis])
+        if before and good.all():
+            there += stop - first
+            continue
         found.append(first + np.flatnonzero(good != np.append(before, good[:-1])))
         before, there = bool(good[-1]), there + int(np.count_nonzero(good))
     edges = np.concatenate([*found, [len(x)] if before else []]).astype(np.int64)

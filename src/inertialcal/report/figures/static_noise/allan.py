@@ -23,7 +23,8 @@ ROOM = 1.35  # factor left free above and below the data
 NAMES = {
     "overlapping": "Allan deviation", "non_overlapping": "Allan deviation, without overlap",
     "modified": "modified Allan deviation", "hadamard": "Hadamard deviation, without overlap",
-    "overlapping_hadamard": "Hadamard deviation",
+    "overlapping_hadamard": "Hadamard deviation", "total": "total deviation",
+    "modified_total": "modified total deviation", "hadamard_total": "Hadamard total deviation",
 }  # fmt: skip
 
 

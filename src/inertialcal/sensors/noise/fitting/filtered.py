@@ -44,6 +44,7 @@ from scipy import optimize
 
 from ....core.estimate import Array
 from ....signals.spectrum.density import Spectrum
+from ....signals.threads import LARGE, each_of
 from .._kernels import scored
 from ..expected import density_of_samples
 from ..terms import GaussMarkov, Phase
@@ -158,6 +159,13 @@ def bands_of(spectrum: Spectrum, marked: NDArray[np.bool_] | None = None) -> tup
 
 def columns_at(cycles: Array, interval: float) -> Array:
     """Return the density of each unit term, shape (k, p): white, flicker, walk, rounded angle, Gauss-Markov."""
+    return _columns_at(cycles.tobytes(), interval)
+
+
+@lru_cache(maxsize=4)
+def _columns_at(stored: bytes, interval: float) -> Array:
+    """Return the same; axes and records of one length share their frequencies."""
+    cycles = np.frombuffer(stored)
     times = BRIEF * 1.25 ** np.arange(21)
     units = [Phase(linear=1.0), Phase(flicker=1.0), Phase(cubic=1.0), Phase(point=1.0)]
     units += [GaussMarkov(1.0, time).phase(1.0, 1.0) for time in times]
@@ -181,7 +189,13 @@ def gain_of(cycles: Array, density: Array, weight: Array, interval: float) -> tu
     plain = least(D, density, weight)[0]
     steps = 4.0 * np.sin(np.pi * cycles) ** 2
     falling = np.delete(D, ROUNDED, axis=1)
-    costs = np.array([least(falling / (1.0 + size * steps)[:, None], density, weight)[0] for size in FOLDS])
+    costs = np.array(
+        each_of(
+            lambda size: least(falling / (1.0 + size * steps)[:, None], density, weight)[0],
+            FOLDS.tolist(),
+            LARGE,
+        )
+    )
     best = int(np.argmin(costs))
     plain = min(plain, *costs[: NONE + 1])  # where the solver stops short
     if 2.0 * (plain - costs[best]) >= CLEAR:
@@ -277,7 +291,7 @@ def steep_fall(cycles: Array, density: Array) -> float | None:
     """
     highest = np.maximum.accumulate(density[::-1])[::-1]  # of all above
     for i in np.flatnonzero((cycles >= SLOWEST) & (2.0 * cycles < cycles[-1])):
-        below = density[(cycles > 0.5 * cycles[i]) & (cycles <= cycles[i])]
+        below = density[np.searchsorted(cycles, 0.5 * cycles[i], side="right") : i + 1]
         if STEEP * highest[np.searchsorted(cycles, 2.0 * cycles[i])] < np.median(below):
             return float(cycles[np.flatnonzero(density >= 0.5 * np.median(below))[-1]])
     return None
