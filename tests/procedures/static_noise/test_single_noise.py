@@ -137,7 +137,7 @@ def test_what_adds_up_to_a_rate_is_asked_for(quantity: Any) -> None:
         ({"quantity": "phase"}, UsageError, "quantity"),
         ({"scale_factor": {"gyro": "2 V/g"}}, UsageError, "does not make it a rate"),
         ({"scale_factor": {"mag": "2 count/(deg/s)"}}, UsageError, "no channel or group"),
-        ({"deviation": "total"}, UsageError, "deviation"),
+        ({"deviation": "theo1"}, UsageError, "deviation"),
         ({"taus": "every"}, UsageError, "taus"),
         ({"terms": ["pink"]}, UsageError, "terms"),
         ({"warm_up": "3"}, UsageError, "warm_up"),
