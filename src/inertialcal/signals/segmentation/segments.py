@@ -159,8 +159,9 @@ def detect(
     samples = samples_of(signal, time_ns, sample_interval, place)
     n, channels = samples.values.shape
     whole = bool(samples.finite.all())
-    rows = np.arange(n) if whole else np.flatnonzero(samples.finite)
-    if not len(rows) and n:
+    rows = None if whole else np.flatnonzero(samples.finite)
+    there = n if rows is None else len(rows)
+    if not there and n:
         dead = [str(k) for k in range(channels) if not np.isfinite(samples.values[:, k]).any()]
         if dead:
             raise DataError(
@@ -169,24 +170,27 @@ def detect(
                 do="Leave out the channel",
                 code="no_values",
             )
-    if len(rows) < 2 * BLOCK:
+    if there < 2 * BLOCK:
         raise DataError(
-            f"{len(rows)} good sample(s) of {n}, need {2 * BLOCK} or more",
+            f"{there} good sample(s) of {n}, need {2 * BLOCK} or more",
             why="the noise cannot be measured",
             code="too_short",
         )
-    good = samples.values if whole else samples.values[rows]
-    ticks = None if whole and time_ns is None else samples.ticks[rows]
+    good = samples.values if rows is None else samples.values[rows]
+    ticks = None
+    if rows is not None or time_ns is not None:
+        ticks = samples.ticks if rows is None else samples.ticks[rows]
     return _segmentation(samples, rows, still_stretches(good, ticks, plan), plan)
 
 
-def _segmentation(samples: Samples, rows: Indices, found: Found, plan: Detection) -> Segmentation:
-    """Fill what lies between the still stretches with moving ones, and measure them all."""
+def _segmentation(samples: Samples, rows: Indices | None, found: Found, plan: Detection) -> Segmentation:
+    """Fill what lies between the still stretches with moving ones, and measure them all; ``rows`` are the good ones."""
     n = len(samples.values)
-    outlier = np.zeros(n, dtype=bool)
-    outlier[rows] = found.outlier
+    outlier, first, after = found.outlier, found.start, found.stop
+    if rows is not None:
+        outlier, first, after = np.zeros(n, dtype=bool), rows[first], rows[after - 1] + 1
+        outlier[rows] = found.outlier
     samples = replace(samples, outlier=outlier)
-    first, after = rows[found.start], rows[found.stop - 1] + 1
     edges = np.unique(np.concatenate(([0, n], first, after)))
     start, stop = edges[:-1], edges[1:]
     still = np.isin(start, first)

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,9 +39,15 @@ class Samples:
     finite: Flags  # whether every channel has a value, shape (n,)
     outlier: Flags  # samples to leave out, shape (n,)
     gap: Flags  # whether a gap lies between a sample and the one before it, shape (n,)
-    ticks: Array  # time since the first sample [sample intervals]; the index where there is no time, shape (n,)
     time_ns: Times | None = None  # stamps [ns], shape (n,)
     sample_interval: float | None = None  # nominal time from sample to sample [s]
+
+    @cached_property
+    def ticks(self) -> Array:
+        """Time since the first sample [sample intervals], shape (n,); the index where there is no time."""
+        if self.time_ns is None or self.sample_interval is None:
+            return np.arange(len(self.values), dtype=np.float64)
+        return np.asarray((self.time_ns - self.time_ns[0]) / (self.sample_interval * SECOND), dtype=np.float64)
 
     def duration(self, samples: int | None, seconds: float | None, default: int) -> int:
         """Return a length in samples from whichever of the two is given.
@@ -83,17 +90,15 @@ def samples_of(
     n = len(values)
     if sample_interval is not None and not sample_interval > 0.0:
         raise DataError(f"a sample interval of {sample_interval} s", do="It must be positive")
-    gap, ticks = np.zeros(n, dtype=bool), np.arange(n, dtype=np.float64)
+    gap = np.zeros(n, dtype=bool)
     if time_ns is not None:
         axis = _checked_axis(time_ns, n, place)
         gap[axis.gaps.after + 1] = True
         sample_interval = sample_interval or axis.interval
-        if sample_interval is not None:
-            ticks = (time_ns - time_ns[0]) / (sample_interval * SECOND)
     finite = np.ones(n, dtype=bool)
     for k in range(values.shape[1]):
         finite &= np.isfinite(values[:, k])
-    return Samples(values, finite, np.zeros(n, dtype=bool), gap, ticks, time_ns, sample_interval)
+    return Samples(values, finite, np.zeros(n, dtype=bool), gap, time_ns, sample_interval)
 
 
 def _checked_axis(time_ns: Times, n: int, place: Callable[[int], str]) -> TimeAxis:
