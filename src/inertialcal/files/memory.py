@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from os import PathLike
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..core.errors import DataError, UsageError
 from ..core.estimate import Array
@@ -44,7 +47,40 @@ def recording_of(
         what = f"a recording of type {type(given).__name__}"
         raise UsageError(what, do="Give a path, a Recording, or an array with its sample_rate", code="wrong_type")
     said = units if isinstance(units, str) else next(iter((units or {}).values()), None)
-    return of_array(np.asarray(given), sample_rate, said)
+    return of_array(numbers_of(given), sample_rate, said)
+
+
+def the_only(given: Sequence[Any]) -> Any:
+    """Return the recording of a list of one, be it a path, a Recording or an array; anything else as it is.
+
+    Raises
+    ------
+    UsageError
+        ``wrong_type``, of several: each is read by itself.
+    """
+    if not any(isinstance(one, str | PathLike | Recording | np.ndarray) for one in given):
+        return given  # numbers
+    if len(given) == 1:
+        return given[0]
+    raise UsageError(f"{len(given)} recordings at once", do="Give them one by one", code="wrong_type")
+
+
+def numbers_of(given: object) -> NDArray[Any]:
+    """Return an array of numbers that was given; a stored or mapped one is not copied.
+
+    Raises
+    ------
+    DataError
+        ``wrong_value``, if it holds anything but numbers.
+    """
+    try:
+        values = np.asarray(given)
+    except ValueError:  # rows of different length
+        values = np.asarray(None)
+    if values.dtype.kind not in "biuf":
+        what = "an array of anything but real numbers"
+        raise DataError(what, do="Give numbers, shape (n,) or (n, axes)", code="wrong_value")
+    return values
 
 
 def of_array(values: Array, sample_rate: float | None, unit: str | None) -> Recording:
