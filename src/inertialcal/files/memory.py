@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from os import PathLike
-from typing import Any
+from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,8 @@ from ..core.key import AXES
 from ..core.recording import Channel, Recording
 from ..core.unit.magnitudes import check_sample_rate
 from ..core.units import normalise
+
+Taken = str | Path | Recording | Array
 
 
 def recording_of(
@@ -50,7 +53,7 @@ def recording_of(
     return of_array(numbers_of(given), sample_rate, said)
 
 
-def the_only(given: Sequence[Any]) -> Any:
+def the_only(given: object) -> Taken:
     """Return the recording of a list of one, be it a path, a Recording or an array; anything else as it is.
 
     Raises
@@ -58,11 +61,12 @@ def the_only(given: Sequence[Any]) -> Any:
     UsageError
         ``wrong_type``, of several: each is read by itself.
     """
-    if not any(isinstance(one, str | PathLike | Recording | np.ndarray) for one in given):
-        return given  # numbers
-    if len(given) == 1:
-        return given[0]
-    raise UsageError(f"{len(given)} recordings at once", do="Give them one by one", code="wrong_type")
+    held = given if isinstance(given, list | tuple) else ()
+    if not any(isinstance(one, str | PathLike | Recording | np.ndarray) for one in held):
+        return cast("Taken", given)  # one recording, or numbers
+    if len(held) == 1:
+        return cast("Taken", held[0])
+    raise UsageError(f"{len(held)} recordings at once", do="Give them one by one", code="wrong_type")
 
 
 def numbers_of(given: object) -> NDArray[Any]:

@@ -23,6 +23,7 @@ from ..reader import Reader
 from ..source import FileBytes, Loaded, whole
 from .grouped import CODE, can_be_either, commas, grouped_cell, grouped_column, grouped_row, problem
 from .layout import (
+    BLANKS,
     CELL,
     CELL_BYTES,
     SAMPLE,
@@ -37,9 +38,11 @@ from .layout import (
     split,
     text_of,
 )
+from .layout import kind as kind_of
 
 ENDINGS = ("", ".asc", ".csv", ".dat", ".log", ".mat", ".prn", ".tab", ".tsv", ".txt")  # that text usually has
 SHOWN = 60  # characters of a cell in a message
+TOO_LARGE = "too_large"
 BLOCK = 2**22  # bytes that are looked at together
 PIECE = 2**23  # bytes of a long file that are read together
 ENOUGH = 32  # bytes of memory for each byte of a piece and its cells, at most
@@ -296,15 +299,21 @@ def cell_columns(text: str, layout: Layout, where: str) -> tuple[Rows, list[list
     return np.array(rows, dtype=np.int64), [flat[i :: layout.width] for i in range(layout.width)]
 
 
-def text_in_numbers(name: str, cells: Sequence[str], at: Rows, rows: Rows, where: str) -> Problem:
-    """Return the problem of text in a number column, at its first place; of grouped digits, where there are some."""
+def text_in_numbers(
+    name: str, cells: Sequence[str], at: Rows, rows: Rows, where: str, count: int | None = None
+) -> Problem:
+    """Return the problem of text in a number column, at its first place; of grouped digits, where there are some.
+
+    ``count``: how many such cells there are, where not all are given.
+    """
+    count = len(at) if count is None else count
     grouped = grouped_cell([cells[int(i)] for i in at])
     if grouped is not None:
         place = int(at[grouped])
         return problem(name, cells[place], f"{where}:{rows[place]}", certain=True)
     first = cells[int(at[0])].strip()
     shown = first if len(first) <= SHOWN else first[:SHOWN] + "..."
-    more = f" ({len(at)} such cells)" if len(at) > 1 else ""
+    more = f" ({count} such cells)" if count > 1 else ""
     return Problem(
         f"text {shown!r} in number column {name!r}{more}",
         where=f"{where}:{rows[int(at[0])]}",
@@ -457,10 +466,68 @@ def read_text(loaded: Loaded, variables: Sequence[str] | None = None, decimal: D
         try:
             return _piece_by_piece(loaded, decimal)
         except _IrregularError:
-            loaded = whole(loaded)
+            return _read_whole(loaded, decimal)
     text, remarks = text_of(loaded)
     content = parse(text, loaded.path, loaded, decimal)
     return replace(content, remarks=remarks + content.remarks)
+
+
+def _read_whole(loaded: Loaded, decimal: Decimal | None) -> Content:
+    """Return the columns of a long text that is not regular; one that is too long is refused with what is wrong in it.
+
+    Raises
+    ------
+    DataError
+        As `read_text`; ``ragged_row``, ``text_in_numbers`` with ``file:row`` also where the whole takes too much.
+    """
+    try:
+        return read_text(whole(loaded), None, decimal)
+    except DataError as error:
+        if error.problems[0].code != TOO_LARGE:
+            raise
+        found = _found_in_pieces(loaded, decimal)
+        if not found:
+            raise
+        raise DataError(found) from None
+
+
+def _found_in_pieces(loaded: Loaded, decimal: Decimal | None) -> list[Problem]:
+    """Return what is wrong in the rows of a long text; nothing where pieces of lines do not show it."""
+    head = loaded.data[:PIECE]
+    try:
+        layout = sniff(decode(head[: head.rfind(b"\n") + 1], loaded.path)[0], loaded.path, decimal)
+    except InertialcalError:
+        return []
+    names, row = column_names(layout, loaded.path), 1
+    numbers, words = [0] * layout.width, [0] * layout.width
+    first: list[dict[int, str]] = [{} for _ in names]  # words of each column by their row
+    for piece in _pieces(loaded):
+        text = piece.decode("utf-8", "replace").replace("\r\n", "\n").replace("\r", "\n")
+        below = replace(layout, start=layout.start if row == 1 else 0, row=layout.row if row == 1 else row)
+        row += text.count("\n")
+        text = _whole_rows(text, replace(below, start=-1), loaded.path)[0] if not text.endswith("\n") else text
+        quick = fast(text, below, names)
+        if quick is not None and all(one.is_number for one in quick.columns):
+            for one in quick.columns:
+                numbers[names.index(one.name)] += len(one.values) - len(one.empty) - len(one.not_a_number)
+            continue
+        try:
+            rows, cells = cell_columns(text, below, loaded.path)
+        except DataError as error:
+            return list(error.problems)
+        for i, column in enumerate(cells):
+            groups = np.array([kind_of(cell.strip(BLANKS), layout.decimal) for cell in column], dtype="U1")
+            at = np.flatnonzero(groups == "t")
+            numbers[i] += int(np.count_nonzero((groups == "i") | (groups == "f")))
+            words[i] += len(at)
+            first[i] |= {int(rows[k]): column[k] for k in at[: max(SHOWN - len(first[i]), 0)].tolist()}
+    return [
+        text_in_numbers(
+            name, [*first[i].values()], np.arange(len(first[i])), np.array([*first[i]]), loaded.path, words[i]
+        )
+        for i, (name, bad) in enumerate(zip(names, first, strict=True))
+        if 0 < words[i] <= numbers[i]
+    ]
 
 
 class _IrregularError(Exception):

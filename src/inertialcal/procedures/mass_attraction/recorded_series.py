@@ -100,7 +100,7 @@ def programme_1969(
     UsageError
         If a setting is wrong, or it is not clear which column is meant.
     """
-    source = the_only(source) if isinstance(source, list | tuple) else source
+    source = the_only(source)
     reading = {"units": units, "time_column": time_column, "start": start, "stop": stop, "mission_start": mission_start}
     own = (column, tilt, period, half_period, sample_time, amplitude, reductions, samples, lags, lines, wrong or None)
     if isinstance(source, str | Path) and all(one is None for one in (*own, *reading.values())):
