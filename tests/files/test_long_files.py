@@ -193,6 +193,35 @@ def test_wherever_pieces_end(tmp_path_factory: pytest.TempPathFactory, odd: list
 
 
 @pytest.mark.parametrize(
+    "stamp",
+    ["2024-05-01T10:{:02d}:{:06.3f}Z", "2024-05-01 10:{:02d}:{:06.3f}", "1969-05-01T10:{:02d}:{:012.9f}+02:00",
+     "2024-05-01T10:{:02d}:{:06.3f}-0330"],
+)  # fmt: skip
+@pytest.mark.parametrize("name", ["time", "logged"])
+@pytest.mark.usefixtures("pieces_only")
+def test_dates_are_read_in_pieces(tmp_path: Path, stamp: str, name: str) -> None:
+    path = tmp_path / "a.csv"
+    lines = (f"{stamp.format(i // 60, i % 60 + 0.125)},{i % 9},{i % 9}.25" for i in range(2 * ROWS))
+    path.write_text(f"{name},gyro_x [deg/s],raw\n" + "\n".join(lines) + "\n")
+    found = in_place(path, 11_000)
+    assert found.time_ns is not None
+    assert batches.is_stored(found.time_ns)
+    assert_judged_alike(path, 11_000)
+
+
+@pytest.mark.parametrize("cell", ["2024-02-30T10:00:00Z", "2024-05-01", "2024-05-01T10:00:00+02", "noon", "", "10",
+                                  "1650-05-01T10:00:00Z", "2024-05-01T10:00:00", " 2024-05-01T10:00:00,5Z",
+                                  "2024-05-01T10:00:60Z"])  # fmt: skip
+@pytest.mark.parametrize("at", [100, 515])
+def test_dates_that_are_none_are_judged_as_in_the_whole(tmp_path: Path, cell: str, at: int) -> None:
+    stamps = [f"2024-05-01T10:{i // 60:02d}:{i % 60:02d}.5Z" for i in range(2 * ROWS)]
+    stamps[at] = cell
+    path = tmp_path / "a.csv"
+    path.write_text("time,gyro_x [deg/s]\n" + "".join(f"{stamp},{i % 9}.25\n" for i, stamp in enumerate(stamps)))
+    assert_judged_alike(path, 11_000)
+
+
+@pytest.mark.parametrize(
     ("at", "line", "code"),
     [
         (250, "1.25,hello,1", "text_in_numbers"),

@@ -18,10 +18,12 @@ from numpy.typing import NDArray
 from ...core.errors import DataError, InertialcalError, Problem
 from ...core.remarks import Remark
 from ..budget import VALUE, claim, claim_room
-from ..columns import Column, Content, LongColumns, Rows
+from ..columns import Column, Content, LongColumns, Rows, no_rows
 from ..reader import Reader
 from ..source import FileBytes, Loaded, whole
+from ..time.stamps import EARLIEST, ISO, LATEST
 from .grouped import CODE, can_be_either, commas, grouped_cell, grouped_column, grouped_row, problem
+from .headers import heading
 from .layout import (
     BLANKS,
     CELL,
@@ -407,6 +409,27 @@ def _from_arrow(values: Any, layout: Layout, name: str, i: int) -> Column | None
     return _column(name, numbers, layout, i, empty, nan)
 
 
+def _instants(values: Any, layout: Layout, name: str, i: int) -> Column | None:
+    """Return a column of dates that may be the time of a file; None where one cell is none, or only some say a zone."""
+    import pyarrow as pa  # noqa: PLC0415 - heavy import
+    import pyarrow.compute as pc  # noqa: PLC0415 - heavy import
+
+    timed = i == 0 or heading(name, layout.units[i] or None).quantity == "time"
+    every = f"^(?:{ISO.pattern})$"
+    if not timed or values.null_count or not pc.all(pc.match_substring_regex(values, every)).as_py():
+        return None
+    naive = not pc.any(pc.match_substring_regex(values, r"(?:Z|UTC|[+-][0-9]{2}:?[0-9]{2})$")).as_py()
+    try:
+        found = values.cast(pa.timestamp("ns") if naive else pa.timestamp("ns", "UTC"))
+    except pa.ArrowInvalid:  # no such day, a decimal comma, a zone in some cells only
+        return None
+    stamps = np.concatenate([np.frombuffer(one.buffers()[1], "datetime64[ns]")[one.offset : one.offset + len(one)]
+                             for one in found.chunks])  # fmt: skip
+    if not np.datetime64(EARLIEST, "ns") <= stamps.min() <= stamps.max() < np.datetime64(LATEST, "ns"):
+        return None
+    return replace(_column(name, stamps, layout, i, no_rows(), no_rows()), naive=naive)
+
+
 def arrow_numbers(values: Any) -> tuple[NDArray[Any], Rows]:
     """Return the numbers of an Arrow column and the places of its nulls, which are NaN or NaT.
 
@@ -565,14 +588,22 @@ def _filled(
     import pyarrow as pa  # noqa: PLC0415 - heavy import
 
     known: dict[str, Any] = {}
+    dates: dict[str, Any] = {}  # the column of dates, which are text for Arrow
     for _ in range(2):
         long = LongColumns(rows)
         kinds: list[set[Any]] = [set() for _ in names]
         for body, _ in _bodies(loaded, layout, head, decimal):
-            table = _arrow(body, layout, names, known)
-            if table is None or len(table) != _line_ends(body) + 1 or pa.string() in table.schema.types:
+            table = _arrow(body, layout, names, known | dates)
+            if table is None or len(table) != _line_ends(body) + 1:
                 raise _IrregularError
-            made = [_from_arrow(table.column(i), layout, name, i) for i, name in enumerate(names)]
+            dates = {key: kind for key, kind in zip(map(str, range(len(names))), table.schema.types, strict=True)
+                     if kind == pa.string()}  # fmt: skip
+            if len(dates) > 1:
+                raise _IrregularError
+            made = [
+                (_instants if str(i) in dates else _from_arrow)(table.column(i), layout, name, i)
+                for i, name in enumerate(names)
+            ]
             if None in made:
                 raise _IrregularError
             for seen, kind in zip(kinds, table.schema.types, strict=True):
