@@ -11,6 +11,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.batches import adopt, made
 from ..core.errors import DataError, UsageError
 from ..core.estimate import Array
 from ..core.key import AXES
@@ -107,11 +108,19 @@ def of_array(values: Array, sample_rate: float | None, unit: str | None) -> Reco
     if wrong := check_sample_rate(sample_rate):
         raise UsageError(wrong, code="sample_rate")
     spoken = None if unit is None else normalise(unit)
+    adopt(columns)
     channels = tuple(
-        Channel(name, np.ascontiguousarray(columns[:, i]), spoken, "flag", name if name in AXES else "")
+        Channel(name, _contiguous(columns[:, i], columns), spoken, "flag", name if name in AXES else "")
         for i, name in enumerate(names)
     )
     return Recording(channels, sample_interval=1.0 / sample_rate, interval_from="flag")
+
+
+def _contiguous(column: NDArray[Any], whole: NDArray[Any]) -> NDArray[Any]:
+    """Return a column in one piece: itself where it is, else copied, a long one a batch at a time to the disk."""
+    if column.flags.c_contiguous:
+        return column
+    return made(len(column), column.dtype, lambda first, stop: column[first:stop], whole)
 
 
 def with_named_units(recording: Recording, units: Mapping[str, str]) -> Recording:
