@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from inertialcal.core import batches
-from inertialcal.core.errors import InertialcalError
+from inertialcal.core.errors import DataError, InertialcalError
 from inertialcal.core.recording import Recording
 from inertialcal.files import read
 from inertialcal.files.binary import arrays
@@ -190,6 +190,83 @@ def test_wherever_pieces_end(tmp_path_factory: pytest.TempPathFactory, odd: list
     path = tmp_path_factory.mktemp("text") / "a.csv"
     path.write_text(HEAD + "\n".join(lines) + "\n")
     assert_judged_alike(path, piece)
+
+
+@pytest.mark.parametrize(
+    "stamp",
+    ["2024-05-01T10:{:02d}:{:06.3f}Z", "2024-05-01 10:{:02d}:{:06.3f}", "1969-05-01T10:{:02d}:{:012.9f}+02:00",
+     "2024-05-01T10:{:02d}:{:06.3f}-0330"],
+)  # fmt: skip
+@pytest.mark.parametrize("name", ["time", "logged"])
+@pytest.mark.usefixtures("pieces_only")
+def test_dates_are_read_in_pieces(tmp_path: Path, stamp: str, name: str) -> None:
+    path = tmp_path / "a.csv"
+    lines = (f"{stamp.format(i // 60, i % 60 + 0.125)},{i % 9},{i % 9}.25" for i in range(2 * ROWS))
+    path.write_text(f"{name},gyro_x [deg/s],raw\n" + "\n".join(lines) + "\n")
+    found = in_place(path, 11_000)
+    assert found.time_ns is not None
+    assert batches.is_stored(found.time_ns)
+    assert_judged_alike(path, 11_000)
+
+
+@pytest.mark.parametrize("cell", ["2024-02-30T10:00:00Z", "2024-05-01", "2024-05-01T10:00:00+02", "noon", "", "10",
+                                  "1650-05-01T10:00:00Z", "2024-05-01T10:00:00", " 2024-05-01T10:00:00,5Z",
+                                  "2024-05-01T10:00:60Z"])  # fmt: skip
+@pytest.mark.parametrize("at", [100, 515])
+def test_dates_that_are_none_are_judged_as_in_the_whole(tmp_path: Path, cell: str, at: int) -> None:
+    stamps = [f"2024-05-01T10:{i // 60:02d}:{i % 60:02d}.5Z" for i in range(2 * ROWS)]
+    stamps[at] = cell
+    path = tmp_path / "a.csv"
+    path.write_text("time,gyro_x [deg/s]\n" + "".join(f"{stamp},{i % 9}.25\n" for i, stamp in enumerate(stamps)))
+    assert_judged_alike(path, 11_000)
+
+
+@pytest.mark.parametrize(
+    ("at", "line", "code"),
+    [
+        (250, "1.25,hello,1", "text_in_numbers"),
+        (255, '1.28,"a, b",1', "text_in_numbers"),
+        (251, "1.25,x,max", "text_in_numbers"),
+        (251, "1.25,1", "ragged_row"),
+        (251, '1.25,"1,242",1', "grouped_digits"),
+        (251, '1.25,"1",1', "too_large"),
+    ],
+)
+def test_what_is_wrong_in_a_text_too_long_to_be_held_is_said_with_its_row(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, at: int, line: str, code: str
+) -> None:
+    lines = rows(cells=lambda i: (f"{i / 200:.3f}", str(i % 9), f"{i % 9}.25"))
+    lines[at] = line
+    path = tmp_path / "a.csv"
+    path.write_text(HEAD + "\n".join(lines) + "\n")
+    expected = outcome(lambda: read(path))
+
+    def too_long(loaded: Any) -> Any:
+        raise DataError("needs more memory", loaded.path, code="too_large")
+
+    monkeypatch.setattr(delimited, "whole", too_long)
+    for piece in (3900, 10**6):
+        found = outcome(lambda one=piece: in_place(path, one))  # type: ignore[misc]
+        assert isinstance(found, tuple)
+        assert found[1][0].code == code
+        if code != "too_large":
+            assert found == expected
+            assert f"{path}:{at + 2}" in str(found[1][0])
+
+
+def test_a_column_of_labels_in_a_text_too_long_to_be_held_is_no_mistake(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "a.csv"
+    path.write_bytes(text(cells=lambda i: (f"{i / 200:.3f}", "run" if i != 9 else "", f"{i % 9}.25")))
+
+    def too_long(loaded: Any) -> Any:
+        raise DataError("needs more memory", loaded.path, code="too_large")
+
+    monkeypatch.setattr(delimited, "whole", too_long)
+    found = outcome(lambda: in_place(path, 3900))
+    assert isinstance(found, tuple)
+    assert found[1][0].code == "too_large"
 
 
 N = 500

@@ -1,9 +1,11 @@
-"""Noise terms of a record longer than memory, by the command that a user gives: ``make long``, ``ROWS=1e9``.
+"""A record longer than memory through the commands that a user gives: ``make long``, ``ROWS=1e9``.
 
     python tests/speed/long_record.py [ROWS] [--folder build]
 
 One axis in a Parquet file, made and written in pieces: white noise, and a random walk of the rate that shows in a
-record of that length. Ends with 1 where the command takes more than 1 GiB, or an interval does not hold the truth.
+record of that length. ``info``, ``psd``, ``convert`` and ``allan`` go through it, beside a plain reading of the file
+by Arrow. Ends with 1 where one takes more than 1 GiB or fails, or where an interval of a noise term does not hold the
+truth.
 """
 
 from __future__ import annotations
@@ -11,10 +13,10 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import resource
 import subprocess
 import sys
 import time
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -43,6 +45,32 @@ def made(path: Path, rows: int) -> dict[str, float]:
     return {"angle_random_walk": 60.0 * density, "rate_random_walk": 3600.0 * 60.0 * walk}
 
 
+@dataclass(frozen=True)
+class Taken:
+    """What a command took."""
+
+    status: int
+    seconds: float
+    most: int  # bytes of resident memory
+
+    @property
+    def failed(self) -> bool:
+        """Whether it was refused, or took more than it may."""
+        return self.status not in (0, 1) or self.most > MOST
+
+
+def run(words: list[str], folder: Path) -> Taken:
+    """Run Python with some words in a process of its own."""
+    start = time.monotonic()
+    with subprocess.Popen([sys.executable, *words], env=os.environ | {"TMPDIR": str(folder)}) as process:
+        _, status, used = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+    return Taken(process.returncode, time.monotonic() - start, 1024 * used.ru_maxrss)
+
+
+READING = "import sys, pyarrow.parquet as pq; [*map(len, pq.ParquetFile(sys.argv[1]).iter_batches())]"
+
+
 def main() -> int:
     """Print time, memory, and each term beside its truth."""
     words = argparse.ArgumentParser(description=__doc__)
@@ -52,17 +80,23 @@ def main() -> int:
     rows = int(given.rows)
     given.folder.mkdir(parents=True, exist_ok=True)
     path, out = given.folder / f"long_{rows}.parquet", given.folder / f"long_{rows}"
+    copy = given.folder / f"long_{rows}.h5"
     try:
         truth = made(path, rows)
-        size, start = path.stat().st_size, time.monotonic()
-        command = ["allan", str(path), "--sample-rate", f"{RATE:g}", "-o", str(out)]
-        environment = os.environ | {"TMPDIR": str(given.folder)}
-        done = subprocess.run([sys.executable, "-m", "inertialcal", *command], env=environment, check=False)
-        taken, most = time.monotonic() - start, 1024 * resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
+        size = path.stat().st_size
+        rated = [str(path), "--sample-rate", f"{RATE:g}"]
+        taken = {"plain reading": run(["-c", READING, str(path)], given.folder)}
+        commands = {"info": rated, "psd": rated, "convert": [str(path), str(copy)], "allan": [*rated, "-o", str(out)]}
+        for word, more in commands.items():
+            taken[word] = run(["-m", "inertialcal", word, *more], given.folder)
+            copy.unlink(missing_ok=True)
     finally:
         path.unlink(missing_ok=True)
-    print(f"{rows:.3g} samples, {size / 2**30:.2f} GiB: {taken:.0f} s, peak {most / 2**20:.0f} MiB")
-    wrong = done.returncode not in (0, 1) or most > MOST
+        copy.unlink(missing_ok=True)
+    print(f"{rows:.3g} samples, {size / 2**30:.2f} GiB")
+    for word, one in taken.items():
+        print(f"  {word}: {one.seconds:.0f} s, peak {one.most / 2**20:.0f} MiB")
+    wrong = any(one.failed for one in taken.values())
     found = {one["quantity"]: one for one in json.loads((out / "terms.json").read_text(encoding="utf-8"))["results"]}
     for quantity, true in truth.items():
         one = found[quantity]

@@ -39,11 +39,11 @@ def read(
     Parameters
     ----------
     path : str or Path, Recording, or array of shape (n,) or (n, axes)
-        A Recording, or an array with its sample rate, is taken as it is. Files: CSV and other text (also gzip),
-        Parquet, MATLAB, HDF5, npy, npz, Arrow, WAV, LVM, SQLite, bags, ArduPilot logs; with the extra ``formats``
-        PX4 logs, workbooks, TDMS, UFF 58, MDF, IDE, miniSEED; data file or header of a pair of the acceleration
-        archive (PAD), or a folder of such pairs; what a reader of another distribution takes (entry point
-        ``inertialcal.readers``).
+        A Recording, or an array with its sample rate, is taken as it is, also as the only one of a list. Files: CSV
+        and other text (also gzip), Parquet, MATLAB, HDF5, npy, npz, Arrow, WAV, LVM, SQLite, bags, ArduPilot logs;
+        with the extra ``formats`` PX4 logs, workbooks, TDMS, UFF 58, MDF, IDE, miniSEED; data file or header of a pair
+        of the acceleration archive (PAD), or a folder of such pairs; what a reader of another distribution takes
+        (entry point ``inertialcal.readers``).
     units : mapping of str to str, optional
         Unit by column or by group: ``{"gyro": "deg/s", "acc_x": "g", "timestamp": "ns"}``; goes before what
         the file says.
@@ -86,6 +86,10 @@ def read(
         sample rate is not above zero (``sample_rate``), a time is none (``wrong_time``), or a frame or a time
         column is asked for where there is none (``wrong_frame``, ``wrong_column``).
     """
+    if isinstance(path, list | tuple):
+        from .memory import the_only  # noqa: PLC0415 - numpy starts slowly
+
+        path = the_only(path)
     if not isinstance(path, str | PathLike):
         from .memory import recording_of  # noqa: PLC0415 - numpy starts slowly
         from .time.window import Window as Times  # noqa: PLC0415

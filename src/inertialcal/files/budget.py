@@ -140,7 +140,7 @@ def claim_recording(recording: Recording, work: tuple[float, float]) -> None:
     from ..core.batches import is_stored  # noqa: PLC0415 - numpy starts slowly
 
     rows, columns, path = len(recording), len(recording.channels), recording.source.path
-    if work == STREAMED and any(is_stored(one.data) for one in recording.channels):
+    if work in (STREAMED, SURVEY) and any(is_stored(one.data) for one in recording.channels):
         return
     per_column, other = ANALYSIS if work == STREAMED else work
     need = VALUE * rows * (per_column * columns + other)

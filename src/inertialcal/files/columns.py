@@ -36,6 +36,7 @@ class Column:
     empty: Rows = field(default_factory=no_rows)
     # Index of each cell that was empty, and of each that spelled out NaN, NA or infinity. Both hold NaN.
     not_a_number: Rows = field(default_factory=no_rows)
+    naive: bool = False  # Whether some of its instants were text without a time zone, and UTC is assumed
 
     @property
     def is_number(self) -> bool:
@@ -111,6 +112,7 @@ class LongColumns:
                 values=values,
                 empty=np.concatenate([part.empty for part in parts]),
                 not_a_number=np.concatenate([part.not_a_number for part in parts]),
+                naive=any(part.naive for part in parts),
             )
             for values, parts in zip(self._values, self._parts, strict=True)
         )

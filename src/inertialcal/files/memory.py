@@ -4,15 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from os import PathLike
+from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ..core.batches import adopt, made
 from ..core.errors import DataError, UsageError
 from ..core.estimate import Array
 from ..core.key import AXES
 from ..core.recording import Channel, Recording
 from ..core.unit.magnitudes import check_sample_rate
 from ..core.units import normalise
+
+Taken = str | Path | Recording | Array
 
 
 def recording_of(
@@ -44,7 +51,41 @@ def recording_of(
         what = f"a recording of type {type(given).__name__}"
         raise UsageError(what, do="Give a path, a Recording, or an array with its sample_rate", code="wrong_type")
     said = units if isinstance(units, str) else next(iter((units or {}).values()), None)
-    return of_array(np.asarray(given), sample_rate, said)
+    return of_array(numbers_of(given), sample_rate, said)
+
+
+def the_only(given: object) -> Taken:
+    """Return the recording of a list of one, be it a path, a Recording or an array; anything else as it is.
+
+    Raises
+    ------
+    UsageError
+        ``wrong_type``, of several: each is read by itself.
+    """
+    held = given if isinstance(given, list | tuple) else ()
+    if not any(isinstance(one, str | PathLike | Recording | np.ndarray) for one in held):
+        return cast("Taken", given)  # one recording, or numbers
+    if len(held) == 1:
+        return cast("Taken", held[0])
+    raise UsageError(f"{len(held)} recordings at once", do="Give them one by one", code="wrong_type")
+
+
+def numbers_of(given: object) -> NDArray[Any]:
+    """Return an array of numbers that was given; a stored or mapped one is not copied.
+
+    Raises
+    ------
+    DataError
+        ``wrong_value``, if it holds anything but numbers.
+    """
+    try:
+        values = np.asarray(given)
+    except ValueError:  # rows of different length
+        values = np.asarray(None)
+    if values.dtype.kind not in "biuf":
+        what = "an array of anything but real numbers"
+        raise DataError(what, do="Give numbers, shape (n,) or (n, axes)", code="wrong_value")
+    return values
 
 
 def of_array(values: Array, sample_rate: float | None, unit: str | None) -> Recording:
@@ -67,11 +108,19 @@ def of_array(values: Array, sample_rate: float | None, unit: str | None) -> Reco
     if wrong := check_sample_rate(sample_rate):
         raise UsageError(wrong, code="sample_rate")
     spoken = None if unit is None else normalise(unit)
+    adopt(columns)
     channels = tuple(
-        Channel(name, np.ascontiguousarray(columns[:, i]), spoken, "flag", name if name in AXES else "")
+        Channel(name, _contiguous(columns[:, i], columns), spoken, "flag", name if name in AXES else "")
         for i, name in enumerate(names)
     )
     return Recording(channels, sample_interval=1.0 / sample_rate, interval_from="flag")
+
+
+def _contiguous(column: NDArray[Any], whole: NDArray[Any]) -> NDArray[Any]:
+    """Return a column in one piece: itself where it is, else copied, a long one a batch at a time to the disk."""
+    if column.flags.c_contiguous:
+        return column
+    return made(len(column), column.dtype, lambda first, stop: column[first:stop], whole)
 
 
 def with_named_units(recording: Recording, units: Mapping[str, str]) -> Recording:

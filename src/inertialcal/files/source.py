@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import cast, overload
 
 from ..core import batches
-from ..core.errors import DataError, InertialcalError
+from ..core.errors import DataError, InertialcalError, UsageError
 from .budget import DOCUMENT, check_count, claim
 
 CHUNK = 2**22  # bytes that are unpacked at once
@@ -48,7 +48,21 @@ class Loaded:
         return self.size or len(self.data)
 
 
-def load(path: str | Path, *, document: bool = False, in_place: bool = False) -> Loaded:
+def checked_path(given: object, what: str = "file") -> str | os.PathLike[str]:
+    """Return a path that a call was given.
+
+    Raises
+    ------
+    UsageError
+        ``wrong_type``, if it is none: a Recording, a list, an array.
+    """
+    if isinstance(given, str) or (isinstance(given, os.PathLike) and isinstance(os.fspath(given), str)):
+        return given
+    called = f"a {what} is named by its path, not by a value of type {type(given).__name__}"
+    raise UsageError(called, do="Give a path", code="wrong_type")
+
+
+def load(path: str | os.PathLike[str], *, document: bool = False, in_place: bool = False) -> Loaded:
     """Return the content of a file.
 
     Parameters
@@ -88,7 +102,7 @@ def whole(loaded: Loaded) -> Loaded:
 class FileBytes:
     """Bytes of a file that stay there: a piece is read where one is asked for."""
 
-    def __init__(self, path: str | Path) -> None:
+    def __init__(self, path: str | os.PathLike[str]) -> None:
         self._file = open(path, "rb")  # noqa: SIM115 - as long as somebody holds the bytes
         self._size = os.fstat(self._file.fileno()).st_size
         self._at, self._piece = 0, b""
@@ -120,7 +134,7 @@ class FileBytes:
         return self[:PIECE].startswith(magic)
 
 
-def _in_place(path: str | Path) -> Loaded | None:
+def _in_place(path: str | os.PathLike[str]) -> Loaded | None:
     """Return the content of a long file that stays where it is; None of a short one, and of an archive."""
     try:
         if os.stat(path).st_size <= batches.HELD or not os.path.isfile(path):
@@ -135,7 +149,7 @@ def _in_place(path: str | Path) -> Loaded | None:
     return Loaded(str(path), cast("bytes", data), sha256, False, len(data))
 
 
-def read_bytes(path: str | Path, most: int | None = None) -> bytes:
+def read_bytes(path: str | os.PathLike[str], most: int | None = None) -> bytes:
     """Return the bytes of an ordinary file as it lies there; of ``most`` at most where that is given.
 
     Raises

@@ -53,6 +53,24 @@ def count_marks(words: NDArray[np.uint64], room: int, most: float, marks: NDArra
 
 
 @compiled
+def fill_set(words: NDArray[np.uint64], room: int, table: NDArray[np.uint64], filled: int) -> int:
+    """Put words that are not zero into a set; return how many it holds, ``filled`` of them before.
+
+    ``table``, shape (2^room,): zero where a place is free; it must stay larger than the set.
+    """
+    last, shift = len(table) - 1, np.uint64(64 - room)
+    for word in words:
+        mixed = (word ^ (word >> np.uint64(32))) * np.uint64(0x9E3779B97F4A7C15)
+        at = np.int64(((mixed ^ (mixed >> np.uint64(29))) * np.uint64(0xBF58476D1CE4E5B9)) >> shift)
+        while table[at] != 0 and table[at] != word:
+            at = np.int64(at + 1 if at < last else 0)
+        if table[at] == 0:
+            table[at] = word
+            filled += 1
+    return filled
+
+
+@compiled
 def fill_moments(
     x: NDArray[Any],
     first: NDArray[np.int64],

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.batches import batches
+from ..core.batches import batches, count
 from ..core.estimate import Array
 from ..core.remarks import Remark
 from ..core.show.rounding import number
 
 REPEATS = 2.0  # a step is looked for where values occur at least this often on average
 SORTED = 100_000  # values up to which they are sorted without a look whether they repeat
+MARKS = 28  # places for marks at most, as a power of 2: 32 MiB
 CHUNK = 2**15  # samples looked at together
 LEVELS = 2**24  # most levels that a converter has
 OFF_STEP = 0.02  # largest distance from a whole number of steps, in steps
@@ -43,18 +44,57 @@ def levels_of(values: NDArray[np.generic]) -> Levels:
 
 
 def resolution_of_values(values: NDArray[np.generic]) -> float | None:
-    """Return the step of finite values, shape (n,), as `resolution` of their levels; None where there is none.
+    """Return the step of values, shape (n,), as `resolution` of their levels; None where there is none.
 
-    Of a long record whose values hardly repeat nothing is sorted: a set of marks, one for each value, shows it.
+    Those that are not finite are left out. Of a long record nothing is sorted but its levels: a set holds them, unless
+    marks, one for each value, show before that they are too many.
     """
-    if len(values) > SORTED:
-        from ._kernels import count_marks  # noqa: PLC0415 - numba starts slowly
+    if len(values) <= SORTED:
+        return resolution(levels_of(values[np.isfinite(values)]))
+    finite = count(values, np.isfinite)
+    most = min(int(finite / REPEATS), LEVELS) + 1
+    if finite < 2 or _hardly_repeats(values, most):
+        return None
+    levels = _levels_in(values, most)
+    return None if levels is None or finite < REPEATS * len(levels) else _step(levels)
 
-        bits = np.ascontiguousarray(values, dtype=np.float64).view(np.uint64)
-        room, most = max(8 * len(bits), 64).bit_length(), len(bits) / REPEATS + 1
-        if count_marks(bits, room, most, np.zeros(2 ** (room - 6), dtype=np.uint64)) > most:
+
+def _hardly_repeats(values: NDArray[np.generic], most: int) -> bool:
+    """Return whether marks show more different values."""
+    from ._kernels import count_marks  # noqa: PLC0415 - numba starts slowly
+
+    room, found = min(max(8 * len(values), 64).bit_length(), MARKS), 0
+    marks = np.zeros(2 ** (room - 6), dtype=np.uint64)
+    for first, stop in batches(values, size=CHUNK):
+        found += count_marks(_bits(values[first:stop]), room, most - found, marks)
+        if found > most:
+            return True
+    return False
+
+
+def _levels_in(values: NDArray[np.generic], most: int) -> Array | None:
+    """Return the different finite values in order; None where there are more."""
+    from ._kernels import fill_set  # noqa: PLC0415 - numba starts slowly
+
+    room, filled = CHUNK.bit_length() + 1, 0
+    table = np.zeros(2**room, dtype=np.uint64)
+    for first, stop in batches(values, size=CHUNK):
+        if 2 * (filled + CHUNK) > len(table):
+            known, room = table[table != 0], room + 1
+            table = np.zeros(2**room, dtype=np.uint64)
+            fill_set(known, room, table, 0)
+        filled = int(fill_set(_bits(values[first:stop]), room, table, filled))
+        if filled > most:
             return None
-    return resolution(levels_of(values))
+    return np.unique(table[table != 0].view(np.float64) + 0.0)
+
+
+def _bits(part: NDArray[np.generic]) -> NDArray[np.uint64]:
+    """Return the bits of finite values: -0.0 for 0.0, so that none are zero."""
+    values = part.astype(np.float64)
+    values = values[np.isfinite(values)]
+    values[values == 0.0] = -0.0
+    return values.view(np.uint64)
 
 
 def resolution(found: Levels) -> float | None:
@@ -62,8 +102,12 @@ def resolution(found: Levels) -> float | None:
 
     None also where values hardly repeat: then the step would be that of the printed digits.
     """
-    levels = found.values
-    if len(levels) < 2 or found.counts.sum() < REPEATS * len(levels):
+    return None if found.counts.sum() < REPEATS * len(found.values) else _step(found.values)
+
+
+def _step(levels: Array) -> float | None:
+    """Return the step of levels in order; None where there is none."""
+    if len(levels) < 2:
         return None
     with np.errstate(over="ignore"):  # of the largest numbers, which have no step
         apart, rounding = np.diff(levels), 4.0 * np.spacing(np.abs(levels).max())

@@ -4,9 +4,6 @@
 that the screening leaves: noise terms fitted across them are wrong. Motion that never stops looks to that detector
 like noise that is not white: nobody can tell it from a filtered output without knowing the sensor.
 
-A record of more than 16,777,216 samples is looked through in pieces of 4,194,304, each by itself: it is at rest if
-three quarters of its samples lie in pieces that are.
-
 *Drift* is what slow noise does not explain (``drift``).
 """
 
@@ -16,14 +13,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..core.batches import changed, release
+from ..core.batches import changed
 from ..core.errors import DataError
 from ..core.estimate import Array
 from .drift import Drift, drift_of
-from .segmentation.stillness import STILL_SHARE, Disturbance, judge
-
-LONG = 2**24  # samples: a longer record is looked through in pieces ...
-PIECE = 2**22  # ... of so many
+from .segmentation.stillness import Disturbance, judge_in_pieces
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,22 +61,7 @@ def record_quality(x: Array, interval: float, floor: float = 0.0) -> RecordQuali
         raise DataError(f"a channel of shape {np.shape(x)}, need (n,)", code="bad_shape")
     if not (np.isfinite(interval) and interval > 0.0):
         raise DataError(f"a sample interval of {interval} s", do="It must be positive", code="bad_interval")
-    placed: list[Disturbance] = []
-    judged = still = 0
-    size = PIECE if len(values) > LONG else max(len(values), 1)
-    for first in range(0, max(len(values), 1), size):
-        part = values[first : first + size]
-        good = np.isfinite(part)
-        whole = bool(good.all())
-        rest = judge(part if whole else part[good], floor)
-        release(part)
-        if rest is None:
-            continue
-        count = int(np.count_nonzero(good))
-        judged, still = judged + count, still + count * rest.at_rest
-        rows = np.flatnonzero(good) if rest.disturbances and not whole else np.arange(0)
-        for one in rest.disturbances:
-            at = (one.first, one.last) if whole else (int(rows[one.first]), int(rows[one.last]))
-            placed.append(Disturbance(first + at[0], first + at[1], one.peak))
-    found = RecordQuality(tuple(placed), still >= STILL_SHARE * judged, (), values)
+    rest = judge_in_pieces(values, floor)
+    placed = () if rest is None else rest.disturbances
+    found = RecordQuality(placed, rest is None or rest.at_rest, (), values)
     return replace(found, drifts=drift_of(found.cleaned() if placed else values, 0, interval))

@@ -17,7 +17,7 @@ from ...core.recording import Recording
 from ...core.units import kind, normalise
 from ...files import read, read_table
 from ...files.budget import ANALYSIS, AS_WIDE, STREAMED, claim_recording
-from ...files.memory import of_array, with_named_units
+from ...files.memory import numbers_of, of_array, with_named_units
 from ...files.source import load as load_file
 from ...files.text.table import Table
 from ...procedures.given import Said, bare
@@ -131,7 +131,7 @@ def files_of(given: Given | Sequence[Given], said: Said, inputs: InputSpec | Non
             files.held[name] = _with_unit(with_named_units(one, said.units), bare(said.units))
         else:
             name, identity = f"array_{number}", str(id(one))
-            files.held[name] = of_array(np.asarray(one), said.sample_rate, next(iter(said.units.values()), None))
+            files.held[name] = of_array(numbers_of(one), said.sample_rate, next(iter(said.units.values()), None))
         if identity in known or name in names:
             raise UsageError(f"{name}: given twice", why="a copy is not a second run", code="duplicate_id")
         known.add(identity)

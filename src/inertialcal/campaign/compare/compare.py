@@ -18,6 +18,7 @@ from ...core.results import Interval, Row, finite, identity_fields
 from ...core.show.result_tables import folded, remarks_line
 from ...core.show.rounding import number, settled, settled_number
 from ...core.show.tables import Block, Table, html, text
+from ...files.source import checked_path
 from ...statistics.decision import Verdict, decide_by, no_change, overall
 from ...statistics.guard_band import INTERVAL
 from ..file.decisions import read_decision
@@ -101,6 +102,8 @@ def compare(
     UsageError
         ``allowed``, ``decision``; ``not_shared`` for a standard that is not in both, or of which both state two.
     """
+    for side in (first, second):
+        checked_path(side, "model or campaign")
     stated, rule = parse_allowed(allowed), read_decision(decision) if decision else INTERVAL
     if decision and not stated:
         raise UsageError(

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...core.campaign_text import FILE
 from ...core.remarks import Remark
+from ...files.source import checked_path
 from ...files.write.exchange import MANIFEST, Manifest, file_digest
 from ..outcome.publish import OUT, RESERVED, RESULTS, check_writable, kept_remarks, restore
 from .cache import Cache
@@ -144,7 +145,7 @@ def run(folder: str | Path, progress: Progress | None = None, write: bool = True
     StoreError
         If ``out/`` cannot be written.
     """
-    root = Path(folder)
+    root = Path(checked_path(folder, "campaign"))
     given = os.fsencode(folder).decode("utf-8", "replace")
     cache = Cache(root, write)
     if write and (same := _unchanged(root, given, cache)) is not None:

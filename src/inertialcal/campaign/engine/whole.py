@@ -16,6 +16,7 @@ from ...core.show.result_tables import remarks_line
 from ...core.show.tables import Block, Table, html, text
 from ...files.binary.curves import FILE as CURVES
 from ...files.binary.curves import curves_bytes
+from ...files.source import checked_path
 from ..file.load import Campaign, load
 from ..inputs.changed import check_unchanged, one_digest, stamps
 from ..inputs.gate import Gate
@@ -100,6 +101,7 @@ def check(folder: str | Path) -> Checked:
     PlanError, DataError
         With every problem of the campaign file, or of the recordings.
     """
+    checked_path(folder, "campaign")
     campaign = load(folder)
     inputs = {"campaign.toml": campaign.sha256}
     remarks: list[Remark] = []

@@ -142,7 +142,7 @@ def without_stuck(name: str, entry: RecordingEntry, raw: Recording, body: Record
     exclusions: list[Exclusion] = []
     for role, column in ((role, one.column) for role, one in channels.items() if SLOW.match(role)):
         channel = raw.channel(column)
-        found = None if column in remarks else stuck_slow(channel.data, readings, raw.seconds)
+        found = None if column in remarks else stuck_slow(channel.data, readings, raw.time_ns)
         if found is not None:
             remark = stuck_remark(found, f"recording {name}: {column}", len(raw), place, _shown(channel))
             remarks[column] = replace(remark, subject=column)

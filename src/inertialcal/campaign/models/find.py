@@ -9,7 +9,7 @@ from pathlib import Path
 from ...core.errors import DataError
 from ...files.models.formats import FORMATS
 from ...files.models.model_file import ModelFile, load_model_file
-from ...files.source import load
+from ...files.source import checked_path, load
 from ...sensors.catalogue import AS_PRINTED, CATALOGUE, CORRECTED, PublishedSensor
 from ...sensors.model.model_set import ModelSet
 from ...sensors.model.sensor_model import SensorModel
@@ -73,7 +73,7 @@ def find_model(path: str | os.PathLike[str], condition: str | None = None, as_pr
     DataError
         As `load_model`; ``not_published`` where ``as_printed`` has no meaning.
     """
-    given = Path(path)
+    given = Path(checked_path(path, "model"))
     sensor = published(path)
     if as_printed and (sensor is None or AS_PRINTED not in sensor.models):
         do = f"Published with mistakes that are known: {', '.join(_with(AS_PRINTED))}"

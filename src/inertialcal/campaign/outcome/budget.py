@@ -26,6 +26,7 @@ from ...core.show.rounding import number
 from ...core.show.rows import quantity_name
 from ...core.show.tables import Block, Table, html, text
 from ...core.units import Quantity, factor, parse_quantity, same_dimension
+from ...files.source import checked_path
 from .results_file import find_results
 
 MOST = 20.0  # by how much a source may have to improve, to be advised
@@ -194,7 +195,7 @@ def budget(path: str | os.PathLike[str], wanted: Sequence[str] | str = (), test:
         ``wanted``, if one cannot be read.
     """
     aims = _wanted([wanted] if isinstance(wanted, str) else wanted)
-    found = find_results(path, of_campaign=True)
+    found = find_results(checked_path(path, "campaign"), of_campaign=True)
     if found is None:
         run = f"Type: inertialcal run {path}"
         do = "Name the folder of a campaign, or its results.json" if os.path.isfile(path) else run

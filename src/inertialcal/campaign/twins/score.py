@@ -20,6 +20,7 @@ from ...core.show.rounding import number, with_uncertainty
 from ...core.show.rows import quantity_name
 from ...core.show.tables import Block, Table, html, text
 from ...core.units import convert
+from ...files.source import checked_path
 from ...rigs import RIGS
 from ...rigs.protocol import Rig
 from ...rigs.twin import DrawnError, Fault, TrueValue, Twin, parse_fault, size_text
@@ -215,6 +216,7 @@ def score(folder: str | Path) -> Score:
         ``stale_results`` if the results are of another campaign; if the campaign is refused though no fault is in it;
         and as ``results_file.find_results`` and ``twin.read_truth``.
     """
+    checked_path(folder, "campaign")
     truth = read_truth(folder)
     fault = RIGS.named(truth.rig).every_fault[truth.fault] if truth.fault else None
     found = find_results(Path(folder) / OUT)

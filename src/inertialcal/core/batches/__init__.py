@@ -82,6 +82,23 @@ def empty(n: int, dtype: DTypeLike, stored: bool | None = None) -> NDArray[Any]:
     return found
 
 
+def adopt(x: NDArray[Any]) -> None:
+    """Let a memory map of the user count as stored: its pages are let go of behind each batch, its file stays as it is.
+
+    Not one that is private to the process (``mode="c"``): what was written into it would be lost.
+    """
+    base: Any = x
+    while not isinstance(base, np.memmap) and isinstance(base, np.ndarray):
+        base = base.base
+    mapping = getattr(base, "_mmap", None)
+    if mapping is None or base.mode == "c" or is_stored(x):
+        return
+    while isinstance(base.base, np.memmap):  # a part of the map
+        base = base.base
+    at = base.ctypes.data // mmap.PAGESIZE * mmap.PAGESIZE
+    _mapped[at] = (len(mapping), weakref.ref(mapping, lambda _: _mapped.pop(at, None)))
+
+
 def is_stored(x: NDArray[Any]) -> bool:
     """Return whether an array, or what it is a part of, lies in a temporary file."""
     return bool(_mapped) and _mapping_of(x) is not None

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import re
+import statistics
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from statistics import median
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.batches.summaries import median_made, moments
 from ...core.estimate import Array
-from ...core.recording import Channel, Recording
+from ...core.recording import Channel, Recording, Times
 from ...core.remarks import Remark, Severity
 from ...core.results import finite
 from ...core.show.rounding import number
@@ -83,30 +84,26 @@ class ChannelSurvey:
 
 def survey_channel(channel: Channel) -> ChannelSurvey:
     """Return what a channel holds, before it is screened."""
-    there = np.isfinite(channel.data)
-    numbers = channel.data if there.all() else channel.data[there]
+    found = moments(channel.data)
     said = (channel.name, channel.axis, channel.quantity, channel.unit, channel.unit_from)
-    dtype, missing = str(channel.data.dtype), len(channel.data) - len(numbers)
-    if not len(numbers):
+    dtype, missing = str(channel.data.dtype), len(channel.data) - found.count
+    if not found.count:
         return ChannelSurvey(*said, dtype, len(channel.data), missing)
-    values = numbers.astype(np.float64, copy=False)
-    with np.errstate(over="ignore", invalid="ignore"):  # values near the end of float64
-        mean, std = float(values.mean()), float(values.std(ddof=1)) if len(values) > 1 else None
     return ChannelSurvey(
         *said,
         dtype,
         len(channel.data),
         missing,
-        minimum=float(values.min()),
-        maximum=float(values.max()),
-        mean=mean,
-        std=std,
-        resolution=resolution_of_values(values),
+        minimum=found.low,
+        maximum=found.high,
+        mean=found.mean,
+        std=found.std,
+        resolution=resolution_of_values(channel.data),
     )
 
 
 def screened(
-    survey: ChannelSurvey, data: NDArray[Any], at_rest: bool, readings: Sequence[NDArray[Any]], seconds: Array | None
+    survey: ChannelSurvey, data: NDArray[Any], at_rest: bool, readings: Sequence[NDArray[Any]], time_ns: Times | None
 ) -> ChannelSurvey:
     """Return the survey of a channel with what its samples show, of those that mean something for its quantity.
 
@@ -118,7 +115,7 @@ def screened(
         Its samples.
     at_rest : bool
         Whether steps, changes of the noise and waves mean something.
-    readings, seconds
+    readings, time_ns
         As `stuck_slow` takes them.
     """
     found = screen(data, at_rest)
@@ -126,7 +123,7 @@ def screened(
         found = replace(found, findings=tuple(one for one in found.findings if one.code in ANY_CHANNEL))
     if survey.quantity in SLOW and not survey.is_constant:
         kept = [one for one in found.findings if one.code != "stuck"]
-        held = stuck_slow(data, readings, seconds)
+        held = stuck_slow(data, readings, time_ns)
         if held is not None:
             places, value = np.array([[held.first, held.last]]), np.array([held.value])
             kept.append(Finding("stuck", places, np.full(1, np.nan), held.length, value))
@@ -230,8 +227,13 @@ def _norm(channels: Sequence[Channel]) -> Hint | None:
     """Gravity in the median norm of a triad; in the median of a single axis it may hide."""
     if len(channels) != 3:
         return None
-    with np.errstate(over="ignore"):
-        norm = float(np.nanmedian(np.sqrt(sum(c.data.astype(np.float64) ** 2 for c in channels))))
+    axes = [one.data for one in channels]
+
+    def norms(first: int, stop: int) -> Array:
+        with np.errstate(over="ignore"):
+            return np.asarray(np.sqrt(sum(x[first:stop].astype(np.float64) ** 2 for x in axes)))
+
+    norm = median_made(norms, *axes)
     for unit, low, high in AT_REST:
         if low <= norm <= high:
             return Hint("acc", unit, f"median |acc| {norm:.4g}")
@@ -254,8 +256,9 @@ def _known_step(group: str, surveys: Sequence[ChannelSurvey]) -> Hint | None:
     if not steps or group not in ("gyro", "acc"):
         return None
     table, unit = (GYRO_STEPS, "deg/s") if group == "gyro" else (ACC_STEPS, "g")
-    found = _sensor(median(steps), table)
-    return Hint(group, unit, f"step {median(steps):.6g}, as {found}") if found else None
+    step = statistics.median(steps)
+    found = _sensor(step, table)
+    return Hint(group, unit, f"step {step:.6g}, as {found}") if found else None
 
 
 def _sensor(step: float, table: Sequence[tuple[float, str]]) -> str:

@@ -7,13 +7,14 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
+from ...core.batches.summaries import median, moments
 from ...core.errors import InertialcalError
 from ...core.key import AXES
-from ...core.recording import Channel, Recording
+from ...core.recording import SECOND, Channel, Recording
 from ...core.remarks import Remark
 from ...core.units import kind
 from ...signals.segmentation.segments import detect, static_intervals
-from ...signals.segmentation.stillness import Stillness, judge
+from ...signals.segmentation.stillness import Stillness, judge_in_pieces
 from .channel_survey import ChannelSurvey
 
 SHORT = 1_000  # samples: a shorter record says little about noise, and may be a dwell
@@ -59,8 +60,7 @@ def is_still(recording: Recording) -> bool:
     if recording.time_ns is None or len(recording) < SHORT:
         return False
     channels = gyros(recording) or any_accelerometers(recording)
-    values = [one.data.astype(np.float64) for one in channels.values()]
-    judged = [judge(one[np.isfinite(one)]) for one in values]
+    judged = [judge_in_pieces(one.data) for one in channels.values()]
     found = [one.at_rest for one in judged if one is not None]
     return bool(found) and all(found)
 
@@ -68,10 +68,11 @@ def is_still(recording: Recording) -> bool:
 def of_one_level(recordings: Collection[Recording]) -> bool:
     """Whether recordings at rest have the same level: else each is a dwell at a rate of its own."""
     for axis in AXES:
-        values = [one[axis].data.astype(np.float64) for one in map(gyros, recordings) if axis in one]
+        values = [one[axis].data for one in map(gyros, recordings) if axis in one]
         if values:
-            levels = [float(np.nanmedian(one)) for one in values]
-            if max(levels) - min(levels) > APART * max(float(np.nanstd(one)) for one in values):
+            levels = [median(one) for one in values]
+            spread = [np.sqrt(one.squares / max(one.count, 1)) for one in map(moments, values)]
+            if max(levels) - min(levels) > APART * max(spread):
                 return False
     return True
 
@@ -121,7 +122,7 @@ def motion_remarks(recording: Recording, surveys: Sequence[ChannelSurvey]) -> tu
         beyond = max(abs(survey.minimum or 0.0), abs(survey.maximum or 0.0)) > LARGEST  # its square is no number
         if not is_sensed(channel) or survey.missing or survey.is_constant or beyond:
             continue
-        judged = judge(channel.data.astype(np.float64), survey.resolution or 0.0)
+        judged = judge_in_pieces(channel.data, survey.resolution or 0.0)
         if judged is not None:
             found[channel.name] = judged
     stretches = _merged([(d.first, d.last) for s in found.values() for d in s.disturbances])
@@ -152,9 +153,9 @@ def _merged(stretches: list[tuple[int, int]]) -> list[tuple[int, int]]:
 
 def _when(recording: Recording, first: int, last: int) -> str:
     """Time since the first sample, or sample numbers where there is no time."""
-    seconds, interval = recording.seconds, recording.sample_interval
-    if seconds is not None:
-        return f"from {seconds[first]:.4g} s to {seconds[last]:.4g} s"
+    time_ns, interval = recording.time_ns, recording.sample_interval
+    if time_ns is not None:
+        return f"from {(time_ns[first] - time_ns[0]) / SECOND:.4g} s to {(time_ns[last] - time_ns[0]) / SECOND:.4g} s"
     if interval is not None:
         return f"from {first * interval:.4g} s to {last * interval:.4g} s"
     return f"from sample {first + 1} to {last + 1}"

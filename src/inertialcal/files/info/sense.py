@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-
+from ...core.batches import where_steps
 from ...core.key import AXES
 from ...core.recording import SECOND, Channel, Recording
 from ...core.remarks import Remark
@@ -37,14 +36,15 @@ def _changes(recording: Recording, channels: list[Channel]) -> Iterator[Remark]:
         return
     interval, breaks = recording.sample_interval, None
     if recording.time_ns is not None and interval is not None:
-        breaks = np.flatnonzero(np.diff(recording.time_ns) > LATE * interval * SECOND) + 1
+        late = LATE * interval * SECOND
+        breaks = where_steps(recording.time_ns, lambda step: step > late)
     driven = [
         one for one in recording.channels
         if one.unit == unit and not one.axis and one not in channels and one.data.dtype.kind in "iuf"
     ]  # fmt: skip
     applied = driven[0].data if driven else None
     numbers = [one for one in recording.channels if one.unit and one.data.dtype.kind in "iuf"]
-    gauges = [np.asarray(one.data, dtype=float) for one in numbers if kind(one.unit or "") == "pressure"]
+    gauges = [one.data for one in numbers if kind(one.unit or "") == "pressure"]
     data, names, scale = [one.data for one in channels], [one.name for one in channels], factor(unit, si_unit(unit))
     for one in changes(data, names, known, interval, breaks, applied, at_rest=False, scale=scale, conditions=gauges):
         yield one.remark(recording.place)

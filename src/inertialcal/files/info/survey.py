@@ -193,7 +193,7 @@ def survey_recording(recording: Recording) -> Survey:
     at_rest = not any(remark.code == "not_at_rest" for remark in motion)
     readings = [channel.data for channel in recording.channels if is_sensed(channel)]
     channels = tuple(
-        screened(survey, channel.data, at_rest and is_sensed(channel), readings, recording.seconds)
+        screened(survey, channel.data, at_rest and is_sensed(channel), readings, recording.time_ns)
         for survey, channel in zip(channels, recording.channels, strict=True)
     )
     path, first = recording.source.path, recording.first_row

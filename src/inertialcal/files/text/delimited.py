@@ -18,11 +18,14 @@ from numpy.typing import NDArray
 from ...core.errors import DataError, InertialcalError, Problem
 from ...core.remarks import Remark
 from ..budget import VALUE, claim, claim_room
-from ..columns import Column, Content, LongColumns, Rows
+from ..columns import Column, Content, LongColumns, Rows, no_rows
 from ..reader import Reader
 from ..source import FileBytes, Loaded, whole
+from ..time.stamps import EARLIEST, ISO, LATEST
 from .grouped import CODE, can_be_either, commas, grouped_cell, grouped_column, grouped_row, problem
+from .headers import heading
 from .layout import (
+    BLANKS,
     CELL,
     CELL_BYTES,
     SAMPLE,
@@ -37,9 +40,11 @@ from .layout import (
     split,
     text_of,
 )
+from .layout import kind as kind_of
 
 ENDINGS = ("", ".asc", ".csv", ".dat", ".log", ".mat", ".prn", ".tab", ".tsv", ".txt")  # that text usually has
 SHOWN = 60  # characters of a cell in a message
+TOO_LARGE = "too_large"
 BLOCK = 2**22  # bytes that are looked at together
 PIECE = 2**23  # bytes of a long file that are read together
 ENOUGH = 32  # bytes of memory for each byte of a piece and its cells, at most
@@ -296,15 +301,21 @@ def cell_columns(text: str, layout: Layout, where: str) -> tuple[Rows, list[list
     return np.array(rows, dtype=np.int64), [flat[i :: layout.width] for i in range(layout.width)]
 
 
-def text_in_numbers(name: str, cells: Sequence[str], at: Rows, rows: Rows, where: str) -> Problem:
-    """Return the problem of text in a number column, at its first place; of grouped digits, where there are some."""
+def text_in_numbers(
+    name: str, cells: Sequence[str], at: Rows, rows: Rows, where: str, count: int | None = None
+) -> Problem:
+    """Return the problem of text in a number column, at its first place; of grouped digits, where there are some.
+
+    ``count``: how many such cells there are, where not all are given.
+    """
+    count = len(at) if count is None else count
     grouped = grouped_cell([cells[int(i)] for i in at])
     if grouped is not None:
         place = int(at[grouped])
         return problem(name, cells[place], f"{where}:{rows[place]}", certain=True)
     first = cells[int(at[0])].strip()
     shown = first if len(first) <= SHOWN else first[:SHOWN] + "..."
-    more = f" ({len(at)} such cells)" if len(at) > 1 else ""
+    more = f" ({count} such cells)" if count > 1 else ""
     return Problem(
         f"text {shown!r} in number column {name!r}{more}",
         where=f"{where}:{rows[int(at[0])]}",
@@ -398,6 +409,27 @@ def _from_arrow(values: Any, layout: Layout, name: str, i: int) -> Column | None
     return _column(name, numbers, layout, i, empty, nan)
 
 
+def _instants(values: Any, layout: Layout, name: str, i: int) -> Column | None:
+    """Return a column of dates that may be the time of a file; None where one cell is none, or only some say a zone."""
+    import pyarrow as pa  # noqa: PLC0415 - heavy import
+    import pyarrow.compute as pc  # noqa: PLC0415 - heavy import
+
+    timed = i == 0 or heading(name, layout.units[i] or None).quantity == "time"
+    every = f"^(?:{ISO.pattern})$"
+    if not timed or values.null_count or not pc.all(pc.match_substring_regex(values, every)).as_py():
+        return None
+    naive = not pc.any(pc.match_substring_regex(values, r"(?:Z|UTC|[+-][0-9]{2}:?[0-9]{2})$")).as_py()
+    try:
+        found = values.cast(pa.timestamp("ns") if naive else pa.timestamp("ns", "UTC"))
+    except pa.ArrowInvalid:  # no such day, a decimal comma, a zone in some cells only
+        return None
+    stamps = np.concatenate([np.frombuffer(one.buffers()[1], "datetime64[ns]")[one.offset : one.offset + len(one)]
+                             for one in found.chunks])  # fmt: skip
+    if not np.datetime64(EARLIEST, "ns") <= stamps.min() <= stamps.max() < np.datetime64(LATEST, "ns"):
+        return None
+    return replace(_column(name, stamps, layout, i, no_rows(), no_rows()), naive=naive)
+
+
 def arrow_numbers(values: Any) -> tuple[NDArray[Any], Rows]:
     """Return the numbers of an Arrow column and the places of its nulls, which are NaN or NaT.
 
@@ -457,10 +489,68 @@ def read_text(loaded: Loaded, variables: Sequence[str] | None = None, decimal: D
         try:
             return _piece_by_piece(loaded, decimal)
         except _IrregularError:
-            loaded = whole(loaded)
+            return _read_whole(loaded, decimal)
     text, remarks = text_of(loaded)
     content = parse(text, loaded.path, loaded, decimal)
     return replace(content, remarks=remarks + content.remarks)
+
+
+def _read_whole(loaded: Loaded, decimal: Decimal | None) -> Content:
+    """Return the columns of a long text that is not regular; one that is too long is refused with what is wrong in it.
+
+    Raises
+    ------
+    DataError
+        As `read_text`; ``ragged_row``, ``text_in_numbers`` with ``file:row`` also where the whole takes too much.
+    """
+    try:
+        return read_text(whole(loaded), None, decimal)
+    except DataError as error:
+        if error.problems[0].code != TOO_LARGE:
+            raise
+        found = _found_in_pieces(loaded, decimal)
+        if not found:
+            raise
+        raise DataError(found) from None
+
+
+def _found_in_pieces(loaded: Loaded, decimal: Decimal | None) -> list[Problem]:
+    """Return what is wrong in the rows of a long text; nothing where pieces of lines do not show it."""
+    head = loaded.data[:PIECE]
+    try:
+        layout = sniff(decode(head[: head.rfind(b"\n") + 1], loaded.path)[0], loaded.path, decimal)
+    except InertialcalError:
+        return []
+    names, row = column_names(layout, loaded.path), 1
+    numbers, words = [0] * layout.width, [0] * layout.width
+    first: list[dict[int, str]] = [{} for _ in names]  # words of each column by their row
+    for piece in _pieces(loaded):
+        text = piece.decode("utf-8", "replace").replace("\r\n", "\n").replace("\r", "\n")
+        below = replace(layout, start=layout.start if row == 1 else 0, row=layout.row if row == 1 else row)
+        row += text.count("\n")
+        text = _whole_rows(text, replace(below, start=-1), loaded.path)[0] if not text.endswith("\n") else text
+        quick = fast(text, below, names)
+        if quick is not None and all(one.is_number for one in quick.columns):
+            for one in quick.columns:
+                numbers[names.index(one.name)] += len(one.values) - len(one.empty) - len(one.not_a_number)
+            continue
+        try:
+            rows, cells = cell_columns(text, below, loaded.path)
+        except DataError as error:
+            return list(error.problems)
+        for i, column in enumerate(cells):
+            groups = np.array([kind_of(cell.strip(BLANKS), layout.decimal) for cell in column], dtype="U1")
+            at = np.flatnonzero(groups == "t")
+            numbers[i] += int(np.count_nonzero((groups == "i") | (groups == "f")))
+            words[i] += len(at)
+            first[i] |= {int(rows[k]): column[k] for k in at[: max(SHOWN - len(first[i]), 0)].tolist()}
+    return [
+        text_in_numbers(
+            name, [*first[i].values()], np.arange(len(first[i])), np.array([*first[i]]), loaded.path, words[i]
+        )
+        for i, (name, bad) in enumerate(zip(names, first, strict=True))
+        if 0 < words[i] <= numbers[i]
+    ]
 
 
 class _IrregularError(Exception):
@@ -498,14 +588,22 @@ def _filled(
     import pyarrow as pa  # noqa: PLC0415 - heavy import
 
     known: dict[str, Any] = {}
+    dates: dict[str, Any] = {}  # the column of dates, which are text for Arrow
     for _ in range(2):
         long = LongColumns(rows)
         kinds: list[set[Any]] = [set() for _ in names]
         for body, _ in _bodies(loaded, layout, head, decimal):
-            table = _arrow(body, layout, names, known)
-            if table is None or len(table) != _line_ends(body) + 1 or pa.string() in table.schema.types:
+            table = _arrow(body, layout, names, known | dates)
+            if table is None or len(table) != _line_ends(body) + 1:
                 raise _IrregularError
-            made = [_from_arrow(table.column(i), layout, name, i) for i, name in enumerate(names)]
+            dates = {key: kind for key, kind in zip(map(str, range(len(names))), table.schema.types, strict=True)
+                     if kind == pa.string()}  # fmt: skip
+            if len(dates) > 1:
+                raise _IrregularError
+            made = [
+                (_instants if str(i) in dates else _from_arrow)(table.column(i), layout, name, i)
+                for i, name in enumerate(names)
+            ]
             if None in made:
                 raise _IrregularError
             for seen, kind in zip(kinds, table.schema.types, strict=True):

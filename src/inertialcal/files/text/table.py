@@ -22,7 +22,7 @@ from ...core.unit.magnitudes import check_readings
 from ..budget import claim
 from ..columns import Content, Rows, missing_remarks, nan_in_required
 from ..registry import TEXT, find_reader
-from ..source import Loaded, load
+from ..source import Loaded, checked_path, load
 from .delimited import cell_columns, column_names, header_again, header_repeated, text_in_numbers
 from .grouped import commas, problem
 from .headers import bare_name, heading
@@ -161,7 +161,7 @@ def read_table(path: str | Path) -> Table:
     DataError
         If there is no such file, it is empty or no text, rows differ in width, or a name appears twice.
     """
-    loaded = load(path)
+    loaded = load(checked_path(path, "table"))
     reader = find_reader(loaded)
     if reader.name != TEXT:
         return _from_content(reader.read(loaded, None), loaded, reader.name)

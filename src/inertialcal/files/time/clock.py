@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core import units
-from ...core.batches import any_step, every, where_steps
+from ...core.batches import any_step, changed, every, where_steps
 from ...core.errors import DataError
 from ...core.recording import SECOND, Times
 from ...core.remarks import Remark
@@ -112,7 +112,11 @@ def _clock(described: Described, at: int, place: _Place) -> Clock:
     remarks: tuple[Remark, ...] = ()
     if kind == "M":
         _require_complete(described, place)
-        time_ns = described.column.values.astype("datetime64[ns]").astype(np.int64)
+        stamps = described.column.values
+        if stamps.dtype != "datetime64[ns]":
+            stamps = changed(stamps, np.array, "datetime64[ns]")
+        time_ns = stamps.view(np.int64)
+        remarks = _without_zone(described, place) if described.column.naive else ()
     elif kind == "O":
         time_ns, remarks = _from_text(described, place)
     else:
@@ -172,10 +176,12 @@ def _from_text(described: Described, place: _Place) -> tuple[Times, tuple[Remark
             do="Write it like 2010-04-28T15:10:00Z",
             code="text_in_numbers",
         )
-    if not naive:
-        return time_ns, ()
+    return time_ns, _without_zone(described, place) if naive else ()
+
+
+def _without_zone(described: Described, place: _Place) -> tuple[Remark, ...]:
     what = f"stamps of {described.name!r} have no time zone: UTC is assumed"
-    return time_ns, (Remark("naive_time", "warning", what, where=place.path, do="Add Z, or the offset"),)
+    return (Remark("naive_time", "warning", what, where=place.path, do="Add Z, or the offset"),)
 
 
 def _from_numbers(described: Described, place: _Place) -> tuple[Times, tuple[Remark, ...]]:

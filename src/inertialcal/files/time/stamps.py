@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core import units
-from ...core.batches import changed, every, extremes, where
-from ...core.estimate import Array, Numbers
+from ...core.batches import changed, every, extremes, mean, where
+from ...core.batches.summaries import median, median_made
+from ...core.estimate import Numbers
 from ...core.recording import SECOND, Channel, Recording, Times
 from ...core.remarks import Remark
 
@@ -155,33 +156,35 @@ def time_remarks(recording: Recording) -> tuple[Remark, ...]:
     temperatures = [c for c in recording.channels if c.quantity == "temperature"]
     if not temperatures:
         return ()
-    seconds = recording.seconds
-    if seconds is not None:
-        return _remark(temperatures[0], seconds, recording, "")
+    if recording.time_ns is not None and len(recording):
+        return _remark(temperatures[0], recording.time_ns, SECOND, recording, "")
     clocks = [c for c in recording.channels if c.quantity == "time" and c.unit is None]
     return tuple(
         remark
         for clock in clocks[:1]
         for unit, per_second in EPOCH_UNITS.items()
-        if _possible(stamps := clock.data.astype(np.float64) / per_second)
-        for remark in _remark(temperatures[0], stamps, recording, f" if {clock.name!r} is in {unit}")
+        if _possible(clock.data, per_second)
+        for remark in _remark(temperatures[0], clock.data, per_second, recording, f" if {clock.name!r} is in {unit}")
     )
 
 
-def _possible(seconds: Array) -> bool:
+def _possible(stamps: Numbers, per_second: float) -> bool:
     """Whether the unit gives a usual sample rate."""
-    step = float(np.median(np.diff(seconds))) if len(seconds) > 1 else 0.0
+    step = median_made(lambda a, b: np.diff(stamps[a : b + 1].astype(np.float64)), stamps[:-1]) / per_second
     return step > 0.0 and SAMPLE_RATES[0] <= 1.0 / step <= SAMPLE_RATES[1]
 
 
-def _remark(temperature: Channel, seconds: Array, recording: Recording, condition: str) -> tuple[Remark, ...]:
+def _remark(
+    temperature: Channel, stamps: Numbers, per_second: float, recording: Recording, condition: str
+) -> tuple[Remark, ...]:
     """Swing from the coldest to the warmest block, over the time between them."""
-    size = max(1, len(seconds) // BLOCKS)
-    count = len(seconds) // size
-    values = temperature.data.astype(np.float64)[: count * size].reshape(count, size)
-    filled = np.isfinite(values).all(axis=1)
-    level = np.median(values[filled], axis=1)
-    middle = seconds[: count * size].reshape(count, size).mean(axis=1)[filled]
+    size = max(1, len(stamps) // BLOCKS)
+    found = []
+    for first in range(0, len(stamps) - size + 1, size):
+        values, block = temperature.data[first : first + size], stamps[first : first + size]
+        if every(values, lambda part: np.isfinite(part).all()):
+            found.append((median(values), mean(changed(block, lambda part: (part - stamps[0]) / per_second))))
+    level, middle = np.array(found).reshape(-1, 2).T
     if len(level) < 2:
         return ()
     cold, warm = int(np.argmin(level)), int(np.argmax(level))

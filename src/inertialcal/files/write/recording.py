@@ -16,6 +16,7 @@ import numpy as np
 from ...core.errors import DataError, UsageError
 from ...core.recording import Recording
 from ...core.remarks import Remark
+from ..source import checked_path
 from .array_files import write_hdf5, write_matlab, write_npz
 from .atomic import atomic_write
 from .csv import write_csv, write_parquet
@@ -55,7 +56,11 @@ def write(path: str | os.PathLike[str], recording: Recording) -> tuple[Remark, .
     StoreError
         ``not_written``.
     """
-    writer = writer_for(path)
+    given: object = recording
+    if not isinstance(given, Recording):
+        what = f"a recording of type {type(given).__name__}"
+        raise UsageError(what, do="Give a Recording: read(...)", code="wrong_type")
+    writer = writer_for(checked_path(path))
     for channel in recording.channels:
         kind, size = channel.data.dtype.kind, channel.data.dtype.itemsize
         if kind not in "biuf" or size > np.dtype(float).itemsize:

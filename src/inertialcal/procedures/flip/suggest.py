@@ -8,8 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from ...core.batches.summaries import median
 from ...core.campaign_text import Noted
 from ...core.errors import InertialcalError, UsageError
 from ...core.key import AXES
@@ -54,7 +53,7 @@ def _floats(recording: Recording) -> bool:
     """Whether this is a triad of accelerometers, and nothing of gyros, that feels next to nothing of gravity."""
     if recording.time_ns is None or any(one.quantity == "gyro" for one in recording.channels):
         return False
-    sizes = [abs(float(np.median(one.data))) * factor(one.unit or "", "g") for one in triad(recording)]
+    sizes = [abs(median(one.data)) * factor(one.unit or "", "g") for one in triad(recording)]
     return len(sizes) == len(AXES) and max(sizes) < FREE_FALL
 
 

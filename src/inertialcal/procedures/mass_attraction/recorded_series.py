@@ -21,6 +21,7 @@ from ...core.remarks import Remark
 from ...core.show.rounding import number
 from ...core.units import FILE_UNIT, divide, kind, parse_quantity
 from ...files import read
+from ...files.memory import numbers_of, the_only
 from ...files.text.headers import bare_name
 from ...signals.programme1969 import cards
 from ...signals.programme1969.cards import RecordedCase, Request
@@ -99,6 +100,7 @@ def programme_1969(
     UsageError
         If a setting is wrong, or it is not clear which column is meant.
     """
+    source = the_only(source)
     reading = {"units": units, "time_column": time_column, "start": start, "stop": stop, "mission_start": mission_start}
     own = (column, tilt, period, half_period, sample_time, amplitude, reductions, samples, lags, lines, wrong or None)
     if isinstance(source, str | Path) and all(one is None for one in (*own, *reading.values())):
@@ -109,7 +111,7 @@ def programme_1969(
     elif isinstance(source, Recording):
         recording = source
     else:
-        recording = Recording((Channel("series", np.asarray(source, dtype=np.float64)),), sample_interval=step)
+        recording = Recording((Channel("series", numbers_of(source).astype(np.float64)),), sample_interval=step)
     channel, meter = _channel(recording, column, tilt), None
     interval, places = _grid(recording, step)
     x, lean = np.full((2, int(places[-1]) + 1), np.nan)

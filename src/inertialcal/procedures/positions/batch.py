@@ -37,6 +37,7 @@ from ...core.show.frames import frame
 from ...core.show.result_tables import remarks_line
 from ...core.show.rounding import near, number
 from ...core.show.tables import Block, Table, html, text
+from ...files.memory import numbers_of
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -121,7 +122,7 @@ def positions_batch(
 
 
 def _checked(readings: ArrayLike, gravity: ArrayLike, scatter: float | None) -> tuple[Array, Array]:
-    r = np.asarray(readings, dtype=np.float64)
+    r = numbers_of(readings).astype(np.float64, copy=False)
     r = r[np.newaxis] if r.ndim == 2 else r
     if r.ndim != 3 or r.shape[2] != 3:
         raise UsageError(

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import numpy as np
-
+from ...core.batches import extremes
 from ...core.campaign_text import Noted
 from ...core.key import AXES
 from ...core.recording import Recording
@@ -33,7 +32,7 @@ def suggests(recording: Recording, survey: Survey) -> Suggestion | None:
     """Return ``positions`` where a triad of accelerometers was moved, and feels gravity."""
     if not any(remark.code == "not_at_rest" for remark in survey.remarks):
         return None
-    sizes = [float(np.max(np.abs(one.data))) * factor(one.unit or "", "g") for one in triad(recording)]
+    sizes = [max(map(abs, extremes(one.data))) * factor(one.unit or "", "g") for one in triad(recording)]
     laid = len(sizes) == len(AXES) and max(sizes) > GRAVITY
     return Suggestion(("positions",), Strength.POSSIBLE) if laid else None
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ...core.batches import thinned
 from ...core.errors import UsageError
 from ...core.estimate import Array
 from ...core.key import AXES
@@ -27,6 +28,7 @@ FOLLOWS = 0.9  # correlation of an axis with it
 KINDS = {"voltage": SUPPLY, "pressure": PRESSURE}
 LEVELS = (3, 200)  # that are steps: a pump-down has two, a ramp or a noise many
 SHORTEST = 5  # samples of a level
+ENOUGH = 2**22  # samples in which levels are looked for; of a longer record every so manieth
 MOST = 0.8  # of the samples, that stand at levels
 
 
@@ -127,7 +129,7 @@ def suggests(recording: Recording, survey: Survey) -> Suggestion | None:
         name = KINDS.get(kind(one.unit) if one.unit else "")
         if name is None or one.axis:
             continue
-        values = np.asarray(one.data, dtype=np.float64)
+        values = thinned(one.data, max(1, len(one.data) // ENOUGH)).astype(np.float64)
         if _stepped(values[np.isfinite(values)], decades=name == PRESSURE):
             return Suggestion(("sensitivity",), Strength.STEPPED, options=f"--to {name}")
     return None

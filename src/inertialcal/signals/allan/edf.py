@@ -93,7 +93,7 @@ def _plain_edf(kind: Kind, m: int, terms: int, power: int) -> float:
 
 
 def _total_edf(kind: Kind, m: int, terms: int, power: int) -> float:
-    """Return the degrees of freedom of a total variance: published for long windows, by those without mirrors for short.
+    """Return the degrees of freedom of a total variance: published for long windows, else by those without mirrors.
 
     Published ones hold from about `LONG` samples on. Below, the degrees of freedom without mirrors are raised by what
     mirrors add at `LONG` samples; windows of one sample have no mirrors that tell.

@@ -20,8 +20,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.estimate import Array
+from ...core.batches import batches
+from ...core.batches.summaries import median_made, moments
+from ...core.recording import Times
 from ...core.remarks import Remark
+from ..time.samples import Indices
 
 SHORTEST = 20  # samples of a hold ...
 PART = 0.05  # ... and its share of the record, from which it matters
@@ -58,7 +61,7 @@ class Stuck:
 
 
 @np.errstate(over="ignore", invalid="ignore")  # values near the end of float64
-def stuck_slow(x: NDArray[Any], readings: Sequence[NDArray[Any]] = (), seconds: Array | None = None) -> Stuck | None:
+def stuck_slow(x: NDArray[Any], readings: Sequence[NDArray[Any]] = (), time_ns: Times | None = None) -> Stuck | None:
     """Return the longest hold of a slow channel where it is stuck; None elsewhere.
 
     Parameters
@@ -67,8 +70,8 @@ def stuck_slow(x: NDArray[Any], readings: Sequence[NDArray[Any]] = (), seconds: 
         Temperature, pressure or voltage as stored, NaN where one is missing.
     readings : sequence of ndarray, shape (n,)
         Of the sensor, on the same samples.
-    seconds : ndarray, shape (n,), optional
-        Stamps [s]: a step across a gap is no jump.
+    time_ns : ndarray of int64, shape (n,), optional
+        Stamps [ns]: a step across a gap is no jump.
     """
     n = len(x)
     if n < 2 * SHORTEST:
@@ -77,8 +80,9 @@ def stuck_slow(x: NDArray[Any], readings: Sequence[NDArray[Any]] = (), seconds: 
     some = x[:: max(least // 3, 1)]
     if not np.any(some[1:] == some[:-1]):
         return None
-    ends = np.flatnonzero(x[1:] != x[:-1])
-    firsts, lasts = np.append(0, ends + 1), np.append(ends, n - 1)
+    firsts, lasts = _holds(x, max(HABIT * least, SHORTEST))
+    if not len(firsts):
+        return None
     lengths = lasts - firsts + 1
     longest = int(np.argmax(lengths))
     first, last, length = int(firsts[longest]), int(lasts[longest]), int(lengths[longest])
@@ -88,15 +92,10 @@ def stuck_slow(x: NDArray[Any], readings: Sequence[NDArray[Any]] = (), seconds: 
     others = (x[firsts] != value) & (lengths >= max(HABIT * length, SHORTEST))
     if others.any():
         return None
-    steps = np.abs(np.diff(x.astype(np.float64)))
-    inside = np.zeros(n - 1, dtype=bool)
-    inside[max(first - 1, 0) : last + 1] = True  # with the steps into the hold and out of it
-    rest = steps[~inside & np.isfinite(steps)]
-    if not np.any(rest > 0.0):
-        return None
-    why = (
+    usual = _largest_step(x, max(first - 1, 0), last + 1)  # but those into the hold and out of it
+    why = usual > 0.0 and (
         _noise(x, first, last)
-        or _jump(steps, first, last, float(rest.max()), seconds)
+        or _jump(x, first, last, usual, time_ns)
         or next((one for y in readings if (one := _response(x, y, first, last))), "")
     )
     return Stuck(first, last, value, why) if why else None
@@ -148,15 +147,43 @@ def _noise(x: NDArray[Any], first: int, last: int) -> str:
     return "elsewhere it scatters by more than a step of its codes" if enough else ""
 
 
-def _jump(steps: Array, first: int, last: int, usual: float, seconds: Array | None) -> str:
+def _holds(x: NDArray[Any], least: float) -> tuple[Indices, Indices]:
+    """Return first and last sample of each stretch of one value that has so many samples."""
+    firsts, lasts, begun = [], [], 0
+    for first, stop in batches(x):
+        changed = max(first, 1) + np.flatnonzero(x[max(first, 1) : stop] != x[max(first - 1, 0) : stop - 1])
+        starts = np.append(begun, changed)
+        ends = np.append(changed, len(x)) if stop == len(x) else changed
+        kept = ends - starts[: len(ends)] >= least
+        firsts.append(starts[: len(ends)][kept])
+        lasts.append(ends[kept] - 1)
+        begun = int(starts[-1])
+    return np.concatenate(firsts), np.concatenate(lasts)
+
+
+def _largest_step(x: NDArray[Any], first: int, stop: int) -> float:
+    """Return the largest step of the record but those from samples first to stop; NaN where there is none."""
+    largest = np.nan
+    for a, b in batches(x[:-1]):
+        steps = np.abs(np.diff(x[a : b + 1].astype(np.float64)))
+        steps[max(first - a, 0) : max(stop - a, 0)] = np.nan
+        largest = np.fmax(largest, np.fmax.reduce(steps[~np.isinf(steps)], initial=np.nan))
+    return float(largest)
+
+
+def _jump(x: NDArray[Any], first: int, last: int, usual: float, time_ns: Times | None) -> str:
     """Whether the hold ends or begins with a jump."""
     for at in (last, first - 1):
-        if not 0 <= at < len(steps) or not steps[at] > JUMP * usual:
+        if not 0 <= at < len(x) - 1 or not abs(float(x[at + 1]) - float(x[at])) > JUMP * usual:
             continue
-        if seconds is not None and seconds[at + 1] - seconds[at] > LATE * float(np.median(np.diff(seconds))):
+        if time_ns is not None and time_ns[at + 1] - time_ns[at] > LATE * _median_step(time_ns):
             continue
         return "it jumps at the end" if at == last else "it jumps there"
     return ""
+
+
+def _median_step(time_ns: Times) -> float:
+    return median_made(lambda first, stop: np.diff(time_ns[first : stop + 1]), time_ns[:-1])
 
 
 def _response(x: NDArray[Any], y: NDArray[Any], first: int, last: int) -> str:
@@ -194,5 +221,5 @@ def _response(x: NDArray[Any], y: NDArray[Any], first: int, last: int) -> str:
 
 
 def _mean(values: NDArray[Any]) -> float:
-    finite = values[np.isfinite(values)]
-    return float(np.mean(finite, dtype=np.float64)) if 2 * len(finite) >= len(values) > 0 else float("nan")
+    found = moments(values)
+    return found.mean if 2 * found.count >= len(values) > 0 else float("nan")

@@ -124,19 +124,17 @@ def _level_pieces(
     first, widening = level_changes(total, noise, plan.scales[:1], quantile, walls)
     size = np.diff(first)
     enough = size >= plan.shortest
-    kept, rest = None, total
-    if not enough.all():
-        kept = np.flatnonzero(np.repeat(enough, size))
-        first = np.concatenate(([0], np.cumsum(size[enough])))  # the cuts, counted in the samples kept
-        if not len(kept):
-            return kept, kept, widening
-        rest = running_sum(y.T[:, kept].T)
+    if not enough.any():
+        return first[:0], first[:0], widening
+    begun = first[:-1][enough]
+    first = np.concatenate(([0], np.cumsum(size[enough])))  # the cuts, counted in the samples kept
+    skipped = begun - first[:-1]  # samples that are not kept before each of them
+    cuts = first
+    rest = total if enough.all() else running_sum(y.T[:, np.repeat(enough, size)].T)
     if len(plan.scales) > 1:
         first, widening = level_changes(rest, noise, plan.scales[1:], quantile, first)
-    start, stop = first[:-1], first[1:]
-    if kept is not None:
-        start, stop = kept[start], kept[stop - 1] + 1
-    start, stop = _long(start, stop, plan.shortest)
+    own = skipped[np.searchsorted(cuts, first[:-1], side="right") - 1]
+    start, stop = _long(first[:-1] + own, first[1:] + own, plan.shortest)
     return start, stop, widening
 
 

@@ -3,14 +3,20 @@
 A moving stretch, or a short still one at another level, counts as a disturbance if at least five of its samples lie
 further from the level around it than five standard deviations of the noise at rest; a single spike is none, nor is a
 slow drift. A record of which too little is still, or whose level steps too often, is not at rest.
+
+A record of more than 16,777,216 samples is looked through in pieces of 4,194,304, each by itself (`judge_in_pieces`):
+it is at rest if three quarters of its samples lie in pieces that are.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ...core.batches import release
 from ...core.estimate import Array
 from .segments import Detection, detect
 
@@ -20,6 +26,8 @@ LONG = 0.02  # part of the record from which a still stretch is rest and not par
 FEWEST = 5  # samples of a disturbance
 STILL_SHARE = 0.75  # least part of a record at rest that is still
 MOST_STEPS = 3  # of the level
+WHOLE = 2**24  # samples: a longer record is looked through in pieces ...
+PIECE = 2**22  # ... of so many
 PLAN = Detection(false_alarm=1e-3)
 
 
@@ -77,3 +85,34 @@ def judge(values: Array, floor: float = 0.0) -> Stillness | None:
     steps = int(np.sum(np.abs(np.diff(found.level[still, 0])) > SIGMAS * sigma))
     share = float(np.sum(length[still])) / len(values)
     return Stillness(share >= STILL_SHARE and steps <= MOST_STEPS, tuple(disturbances), widening)
+
+
+def judge_in_pieces(x: NDArray[Any], floor: float = 0.0) -> Stillness | None:
+    """Return where a channel of any length is disturbed, or None where all its pieces are too short to tell.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+        Evenly sampled, in any unit; samples that are not finite are left out.
+    floor : float
+        As `judge` takes it.
+    """
+    placed: list[Disturbance] = []
+    judged = still = 0
+    widening = 0.0
+    size = PIECE if len(x) > WHOLE else max(len(x), 1)
+    for first in range(0, len(x), size):
+        part = np.asarray(x[first : first + size], dtype=np.float64)
+        good = np.isfinite(part)
+        whole = bool(good.all())
+        rest = judge(part if whole else part[good], floor)
+        release(x[first : first + size])
+        if rest is None:
+            continue
+        count = int(np.count_nonzero(good))
+        judged, still, widening = judged + count, still + count * rest.at_rest, max(widening, rest.widening)
+        rows = np.flatnonzero(good) if rest.disturbances and not whole else np.arange(0)
+        for one in rest.disturbances:
+            at = (one.first, one.last) if whole else (int(rows[one.first]), int(rows[one.last]))
+            placed.append(Disturbance(first + at[0], first + at[1], one.peak))
+    return Stillness(still >= STILL_SHARE * judged, tuple(placed), widening) if judged else None

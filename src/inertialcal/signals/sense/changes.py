@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.batches import batches
+from ...core.batches import batches, extremes
 from ...core.estimate import Array
 from ..time.samples import Flags, Indices
 from .change import ANY, FACTORS, Change, Factors, unit_of
@@ -54,7 +54,7 @@ def changes(
     at_rest: bool = True,
     stored: Sequence[NDArray[Any]] = (),
     scale: float = 1.0,
-    conditions: Sequence[Array] = (),
+    conditions: Sequence[NDArray[Any]] = (),
 ) -> tuple[Change, ...]:
     """Return where unit, sign, scale or axes of a record change, in order of time.
 
@@ -119,16 +119,15 @@ def changes(
     )
 
 
-def _steps(levels: Array, at: int) -> bool:
+def _steps(levels: NDArray[Any], at: int) -> bool:
     """Return whether a condition jumps near a sample, far more than from one sample to the next before and after."""
-    values = levels[max(at - FEWEST, 0) : at + FEWEST]
+    values = levels[max(at - FEWEST, 0) : at + FEWEST].astype(np.float64)
     sizes = np.abs(np.diff(values[np.isfinite(values)]))
     middle = min(at, FEWEST)
     near = sizes[max(middle - NEAR, 0) : middle + NEAR]
     sides = [float(np.median(side)) for side in (sizes[:middle], sizes[middle:]) if len(side)]
-    return len(near) > 0 and float(near.max()) > max(
-        JUMPS * max(sides), STEP * float(np.ptp(levels[np.isfinite(levels)]))
-    )
+    least, largest = extremes(levels, infinite=False)
+    return len(near) > 0 and float(near.max()) > max(JUMPS * max(sides), STEP * (largest - least))
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.batches import extremes
+from ...core.batches import batches, changed, count, every, extremes, kept, zeros
+from ...core.batches.summaries import median, moments
 from ...core.remarks import Remark, Severity
 from ...core.units import convert, factor, kind
 from ..time.samples import Flags
@@ -61,7 +62,6 @@ LIMITS = {
 HEAD_FULL_SCALE = 1.25 * _G  # [m/s^2]: microgravity heads of the archive, at gain 1
 HEAD_RMS = 5e-3 * _G  # [m/s^2]: root sum square of the vibration limits of the space station, .01 to 300 Hz: 4.6 mg
 SHAKEN = 10.0  # times that: nobody shakes a laboratory so, and the scale is wrong
-AT_ONCE = 2**20  # samples
 ARCHIVE = "pad"  # reader of archive records
 
 CODES_OF_MISSING = (-9999.0, -999.0, -99.0, 999.0, 9999.0, -32768.0, 32767.0, 65535.0)
@@ -117,7 +117,7 @@ def impossible(
     >>> found.remarks[0].code, found.remarks[0].where, found.remarks[0].what
     ('impossible_temperature', 'row 7', "'temperature': -400 degC is impossible (absolute zero: -273.15 degC)")
     """
-    none = Impossible(np.zeros(len(values), dtype=bool))
+    none = Impossible(zeros(len(values), bool))
     known = LIMITS.get(kind(unit)) if unit else None
     if known is None or values.dtype.kind not in "iuf" or not len(values):
         return none
@@ -129,24 +129,24 @@ def impossible(
         return f"{float(convert(value, of, spoken)):.6g} {spoken}"
 
     def remark(code: str, flags: Flags, why: str) -> Remark:
-        first, count = int(np.argmax(flags)), int(np.count_nonzero(flags))
-        grave: Severity = "error" if count > MOST * len(values) else "warning"
+        first, many = _first(flags), count(flags, lambda part: part)
+        grave: Severity = "error" if many > MOST * len(values) else "warning"
         cause = likely_cause(values, flags, unit)
         what = f"{name}: {said(values[first])} {why}" + (f"; {cause}" if cause else "")
         do = "Check the unit and the scale of this column" if grave == "error" else "Look at the logger"
-        return Remark(code, grave, what, place(first), count, do, subject=name, index=first)
+        return Remark(code, grave, what, place(first), many, do, subject=name, index=first)
 
     ends = (-HEAD_FULL_SCALE, HEAD_FULL_SCALE) if head else (known.low, known.high)
     flags = _outside(values, ends, known.unit, unit)
-    if flags.any():
-        below = bool(values[np.argmax(flags)] < float(convert(ends[0], known.unit, unit)))
+    if _any(flags):
+        below = bool(values[_first(flags)] < float(convert(ends[0], known.unit, unit)))
         why = "the range of microgravity heads" if head else known.why_low if below else known.why_high
         why = f"is impossible ({why}: {said(ends[0] if below else ends[1], known.unit)})"
         return Impossible(flags, (remark(f"impossible_{known.kind}", flags, why),))
     if input_range is not None:
         middle, half = 0.5 * (input_range[0] + input_range[1]), 0.5 * (input_range[1] - input_range[0])
         flags = _outside(values, (middle - OVERRANGE * half, middle + OVERRANGE * half), known.unit, unit)
-        if flags.any():
+        if _any(flags):
             low, high = (said(end, known.unit) for end in input_range)
             return Impossible(
                 flags, (remark("beyond_range", flags, f"is far beyond the stated range, {low} to {high}"),)
@@ -169,39 +169,41 @@ def _outside(values: NDArray[Any], ends: tuple[float, float], given: str, unit: 
     low, high = (float(one) for one in convert(list(ends), given, unit))
     least, largest = extremes(values)
     if not (least < low or largest > high):  # also where nothing is there
-        return np.zeros(len(values), dtype=bool)
+        return zeros(len(values), bool)
     with np.errstate(invalid="ignore"):
-        flags: Flags = (values < low) | (values > high)
-    return flags
+        return changed(values, lambda part: (part < low) | (part > high), bool)
+
+
+def _any(flags: Flags) -> bool:
+    return not every(flags, lambda part: not part.any())
+
+
+def _first(flags: Flags) -> int:
+    return next(first + int(np.argmax(flags[first:stop])) for first, stop in batches(flags) if flags[first:stop].any())
 
 
 def _rms(values: NDArray[Any]) -> float:
-    """Return the standard deviation of the samples that are there, a part of them at once."""
-    count, total, squares, middle = 0, 0.0, 0.0, None
-    for first in range(0, len(values), AT_ONCE):
-        part = values[first : first + AT_ONCE].astype(np.float64)
-        part = part[np.isfinite(part)]
-        if len(part):
-            middle = float(part.mean()) if middle is None else middle
-            part -= middle
-            count, total, squares = count + len(part), total + float(part.sum()), squares + float(part @ part)
-    return float(np.sqrt(max(squares / count - (total / count) ** 2, 0.0))) if count else 0.0
+    """Return the standard deviation (n) of the samples that are there."""
+    found = moments(values)
+    return float(np.sqrt(found.squares / found.count)) if found.count else 0.0
 
 
 def likely_cause(values: NDArray[Any], flags: Flags, unit: str) -> str:
     """Return what most probably made samples impossible; empty where nothing speaks for it."""
-    bad = values[flags].astype(np.float64)
-    middle = float(np.median(bad))
-    if any(abs(middle - code) <= NEAR * abs(code) for code in CODES_OF_MISSING) and np.all(bad == bad[0]):
+    bad = kept(values, flags)
+    middle = median(bad)
+    if any(abs(middle - code) <= NEAR * abs(code) for code in CODES_OF_MISSING) and every(
+        bad, lambda x: np.all(x == bad[0])
+    ):
         return f"{middle:g} is a code for a missing value"
-    if np.count_nonzero(flags) <= MOST * len(values):
+    if len(bad) <= MOST * len(values):
         return ""
     if kind(unit) == "temperature":
         if 200.0 < middle < 525.0:
             return "likely kelvin, read as degC"
         if 10.0 <= abs(middle) / 1e3 < 150.0:
             return "likely thousandths of a degree"
-    if np.all(bad == np.rint(bad)) and abs(middle) > 2**8:
+    if abs(middle) > 2**8 and every(bad, lambda x: np.all(x == np.rint(x))):
         return "likely raw codes of a converter"
     return "likely a wrong unit"
 

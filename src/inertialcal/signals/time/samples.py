@@ -44,11 +44,10 @@ class Samples:
 
     @cached_property
     def ticks(self) -> Array:
-        """Time since the first sample [sample intervals]; the index where there is no time, shape (n,)."""
+        """Time since the first sample [sample intervals], shape (n,); the index where there is no time."""
         if self.time_ns is None or self.sample_interval is None:
             return np.arange(len(self.values), dtype=np.float64)
-        ticks: Array = (self.time_ns - self.time_ns[0]) / (self.sample_interval * SECOND)
-        return ticks
+        return np.asarray((self.time_ns - self.time_ns[0]) / (self.sample_interval * SECOND), dtype=np.float64)
 
     def duration(self, samples: int | None, seconds: float | None, default: int) -> int:
         """Return a length in samples from whichever of the two is given.

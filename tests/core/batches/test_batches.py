@@ -7,6 +7,8 @@ import os
 import resource
 import subprocess
 import sys
+from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -104,3 +106,25 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
 def test_passes_over_a_gigabyte_take_the_memory_of_a_batch() -> None:
     done = subprocess.run([sys.executable, "-c", CODE], capture_output=True, text=True, check=True)
     assert int(done.stdout) < 150_000  # of 1,048,576 kB
+
+
+@pytest.mark.parametrize("mode", ["r", "r+", "c"])
+@pytest.mark.parametrize("offset", [0, 24, 5000])
+def test_a_map_of_the_user_is_let_go_of_and_not_changed(
+    tmp_path: Path, mode: Literal["r", "r+", "c"], offset: int
+) -> None:
+    path = tmp_path / "m.bin"
+    path.write_bytes(bytes(offset) + np.arange(30_000.0).tobytes())
+    mapped = np.memmap(path, dtype=float, mode=mode, offset=offset, shape=(10_000, 3))
+    if mode != "r":
+        mapped[7, 1] = -1.0
+    for x in (np.asarray(mapped), mapped[5:, 1], np.asarray(mapped[100:])[:, 2]):
+        b.adopt(x)
+        assert b.is_stored(x) == (mode != "c")
+        before = x.copy()
+        for _ in b.batches(x, size=999):
+            pass
+        np.testing.assert_array_equal(x, before)
+    del x, mapped
+    gc.collect()
+    assert not b._mapped

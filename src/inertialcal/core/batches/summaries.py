@@ -1,0 +1,141 @@
+"""What a pass over a long array leaves of it: number, extremes, mean and scatter; the exact median in a few passes.
+
+Batches are merged in order, by the formula of Chan, Golub and LeVeque [1]_, so that a variance keeps its digits beside
+a large level. The median is selected by the bits of the numbers, 16 at a time, until few enough are left that they are
+held [2]_; nothing is sorted, and no number is rounded.
+
+References
+----------
+.. [1] T. F. Chan, G. H. Golub and R. J. LeVeque, Am. Stat. 37 (1983) 242: eq. (2.1).
+.. [2] D. E. Knuth, The Art of Computer Programming 3, 2nd ed. (1998), 5.2.5: sorting by distribution.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import batches
+
+AT_ONCE = 2**20  # numbers that are held to take their median
+DIGIT = 16  # bits that are looked at in one pass
+SIGN, ALL = np.uint64(2**63), np.uint64(2**64 - 1)
+
+
+@dataclass(frozen=True)
+class Moments:
+    """Of the finite numbers of an array."""
+
+    count: int = 0
+    mean: float = np.nan
+    squares: float = 0.0  # sum of the squared distances from the mean
+    low: float = np.nan
+    high: float = np.nan
+
+    @property
+    def std(self) -> float | None:
+        """Standard deviation (n - 1); None of fewer than two."""
+        return float(np.sqrt(self.squares / (self.count - 1))) if self.count > 1 else None
+
+    def with_more(self, part: NDArray[Any]) -> Moments:
+        """Return them with those of another batch, shape (k,)."""
+        numbers = part.astype(np.float64, copy=False)
+        there = np.isfinite(numbers)
+        numbers = numbers if there.all() else numbers[there]
+        if not len(numbers):
+            return self
+        with np.errstate(over="ignore", invalid="ignore"):  # values near the end of float64
+            mean = float(numbers.mean())
+            squares = float(np.sum((numbers - mean) ** 2))
+            low, high, n = float(numbers.min()), float(numbers.max()), len(numbers)
+            if not self.count:
+                return Moments(n, mean, squares, low, high)
+            count, apart = self.count + n, mean - self.mean
+            squares = self.squares + squares + apart**2 * (self.count * n / count)
+            return Moments(count, self.mean + apart * (n / count), squares, min(low, self.low), max(high, self.high))
+
+
+def moments(x: NDArray[Any]) -> Moments:
+    """Return number, mean, scatter and extremes of the finite numbers of an array, shape (n,), in one pass."""
+    found = Moments()
+    for first, stop in batches(x):
+        found = found.with_more(x[first:stop])
+    return found
+
+
+def median(x: NDArray[Any]) -> float:
+    """Return the median of an array, shape (n,), NaN left out; NaN where there is no other."""
+    return median_made(lambda first, stop: x[first:stop], x)
+
+
+def median_made(part: Callable[[int, int], NDArray[Any]], *read: NDArray[Any]) -> float:
+    """Return the median of numbers that are made batch by batch, NaN left out; NaN where there is no other.
+
+    Parameters
+    ----------
+    part : callable
+        Gives numbers first to stop, the same in every pass.
+    *read : ndarray, shape (n, ...)
+        That it reads.
+    """
+    count, low, high = 0, 2**64, 0
+    for first, stop in batches(*read):
+        keys = _keys(part(first, stop))
+        if len(keys):
+            count, low, high = count + len(keys), min(low, int(keys.min())), max(high, int(keys.max()))
+    if not count:
+        return float("nan")
+    lower, after = _selected(part, read, (count - 1) // 2, low, high, count)
+    if count % 2:
+        return lower + 0.0  # no -0.0
+    upper = _selected(part, read, count // 2, low, high, count)[0] if after is None else after
+    with np.errstate(over="ignore"):
+        return float(np.mean([lower, upper])) + 0.0
+
+
+def _selected(
+    part: Callable[[int, int], NDArray[Any]], read: Sequence[NDArray[Any]], rank: int, low: int, high: int, count: int
+) -> tuple[float, float | None]:
+    """Return the number of a rank, counted from 0, and the next one if it was held with it.
+
+    ``count`` numbers have keys from low to high; ``rank`` is among them.
+    """
+    while count > AT_ONCE and high > low:
+        shift = max((high - low).bit_length() - DIGIT, 0)
+        counts = np.zeros(2**DIGIT, dtype=np.int64)
+        for first, stop in batches(*read):
+            digit = (_within(part(first, stop), low, high) - np.uint64(low)) >> np.uint64(shift)
+            counts += np.bincount(digit.astype(np.int64), minlength=2**DIGIT)
+        ends = np.cumsum(counts)
+        at = int(np.searchsorted(ends, rank, side="right"))
+        rank -= int(ends[at - 1]) if at else 0
+        low, count = low + (at << shift), int(counts[at])
+        high = min(high, low + (1 << shift) - 1)
+    if high == low:
+        return _number(low), _number(low) if rank + 1 < count else None
+    held = np.concatenate([_within(part(first, stop), low, high) for first, stop in batches(*read)])
+    last = min(rank + 1, len(held) - 1)
+    held.partition((rank, last))
+    return _number(int(held[rank])), _number(int(held[last])) if last > rank else None
+
+
+def _keys(x: NDArray[Any]) -> NDArray[np.uint64]:
+    """Return whole numbers in the order of the numbers, NaN left out."""
+    numbers = np.ascontiguousarray(x, dtype=np.float64)
+    missing = np.isnan(numbers)
+    bits = (numbers[~missing] if missing.any() else numbers).view(np.uint64)
+    return bits ^ np.where(bits >> np.uint64(63), ALL, SIGN)
+
+
+def _within(x: NDArray[Any], low: int, high: int) -> NDArray[np.uint64]:
+    keys = _keys(x)
+    return keys[(keys >= np.uint64(low)) & (keys <= np.uint64(high))]
+
+
+def _number(key: int) -> float:
+    bits = np.array([key ^ (int(SIGN) if key & int(SIGN) else int(ALL))], dtype=np.uint64)
+    return float(bits.view(np.float64)[0])
