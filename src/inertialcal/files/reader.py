@@ -43,6 +43,8 @@ class Request:
     window: Window = field(default_factory=Window)
     frame: str | None = None
     decimal: str | None = None
+    skip: int | None = None
+    dates: str | None = None
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -23,13 +23,19 @@ from ...files.text.table import Table
 from ...procedures.given import Said, bare
 from ...procedures.protocol import InputSpec
 from ..file.recordings import RecordingEntry
-from ..inputs.sources import reading_of
+from ..inputs.sources import reading_of, table_of
 
 T = TypeVar("T")
 SENSORS = ("gyro", "acc")
 Given = str | Path | Recording | Array
 # Quantity of a unit that is given without a name.
 GROUPS = {"angular_rate": "gyro", "acceleration": "acc"}
+
+
+def text_said(said: Said) -> dict[str, Any]:
+    """Return what was said of a text, as `files.read` takes it."""
+    given = {"decimal": said.decimal, "skip": said.skip, "dates": said.dates}
+    return {name: value for name, value in given.items() if value is not None}
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +67,7 @@ class Files:
             return self.held[name]
         wanted: dict[str, Any] = {
             "sample_rate": said.sample_rate, "time_column": said.time_column, "start": said.start, "stop": said.stop,
-            "mission_start": said.mission_start, "frame": said.frame,
+            "mission_start": said.mission_start, "frame": said.frame, **text_said(said),
         }  # fmt: skip
         wanted |= {one: value for one, value in reading.items() if value is not None}
         if name not in self.held or self.read_as.get(name, wanted) != wanted:
@@ -87,13 +93,13 @@ class Files:
             read(entry.file, required=required, **reading_of(entry))
         return found
 
-    def table(self, file: str) -> Table:
+    def table(self, file: str, text: Mapping[str, Any] | None = None) -> Table:
         """Return the rows of a file."""
         if not Path(file).exists():
             raise DataError(
                 f"{file}: a table of rows is needed, not a recording", do="Give the file", code="wrong_value"
             )
-        return read_table(file)
+        return read_table(file, **table_of(text_said(self.said) | dict(text or {})))
 
     def has(self, file: str) -> bool:
         """Return whether there is such a file."""

@@ -54,6 +54,14 @@ def _is_number(text: str) -> bool:
         return False
 
 
+class TextLayout(Strict):
+    """text = {...}: how a text is to be read, where the file does not say it."""
+
+    decimal: Literal["comma", "point"] | None = None
+    skip: Annotated[int, Field(ge=0)] | None = None
+    dates: Literal["day-first", "month-first"] | None = None
+
+
 class ChannelEntry(Strict):
     """NAME = { column, unit } in ``channels``; what a sample adds up to, and a scale factor, of a sensor at rest."""
 
@@ -115,6 +123,7 @@ class CommonKeys(Strict):
     file: Text
     channels: dict[ChannelName, ChannelEntry] | None = None
     clock: Clock | None = None
+    text: TextLayout | None = None
     frame: Literal["data", "sensor"] | None = None
     axis: Axis | None = None
     run: Text | None = None
@@ -143,7 +152,7 @@ class _Checked(Strict):
 
 _MOVED = [name for name in OWN_KEYS if name not in TABLE_KEYS]
 _ONLY_WITH_CHANNELS = ("clock", "frame", *_MOVED, "axis", "run", "applied")
-_ORDER = ("sensor", "file", *TABLE_KEYS, "channels", "clock", "frame", *_MOVED, "axis", "run", "applied", "source")
+_ORDER = ("sensor", "file", *TABLE_KEYS, "channels", "clock", "text", "frame", *_MOVED, "axis", "run", "applied", "source")
 
 
 def _recording_entry() -> type[CommonKeys]:

@@ -32,12 +32,14 @@ def info(
     mission_start: object = None,
     frame: str | None = None,
     decimal: str | None = None,
+    skip: int | None = None,
+    dates: str | None = None,
 ) -> Survey:
     """Return what a file holds.
 
     Parameters
     ----------
-    path, units, sample_rate, time_column, start, stop, mission_start, frame, decimal
+    path, units, sample_rate, time_column, start, stop, mission_start, frame, decimal, skip, dates
         As ``files.read`` takes them.
     commands : collection of str
         Words that the tool knows: only these are suggested as next.
@@ -49,7 +51,7 @@ def info(
     """
     recording = read(
         path, units=units, sample_rate=sample_rate, time_column=time_column, start=start, stop=stop,
-        mission_start=mission_start, frame=frame, decimal=decimal,
+        mission_start=mission_start, frame=frame, decimal=decimal, skip=skip, dates=dates,
     )  # fmt: skip
     found = survey_recording(recording)
     return replace(found, next=next_command(recording, found, commands))

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from .. import figures
-from ..options import Decimal, Frame, Json, MissionStart, Quiet, Start, Stop, Units, pairs
+from ..options import Dates, Decimal, Frame, Json, MissionStart, Quiet, Skip, Start, Stop, Units, pairs
 from ..shown.output import json_out
 
 Files = Annotated[list[Path], typer.Argument(help="Recordings or tables.", show_default=False)]
@@ -28,6 +28,8 @@ def info(
     mission_start: MissionStart = None,
     frame: Frame = None,
     decimal: Decimal = None,
+    skip: Skip = None,
+    dates: Dates = None,
     output: figures.FigureFile = None,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -44,7 +46,7 @@ def info(
     said: dict[str, Any] = {
         "units": pairs(unit, "--unit", "gyro=deg/s"), "sample_rate": sample_rate, "time_column": time_column,
         "start": start, "stop": stop, "mission_start": mission_start, "frame": frame,
-        "decimal": decimal,
+        "decimal": decimal, "skip": skip, "dates": dates,
     }  # fmt: skip
     found, errors = [], []
     for path in files:

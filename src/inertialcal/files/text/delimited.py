@@ -21,7 +21,16 @@ from ..budget import VALUE, claim, claim_room
 from ..columns import Column, Content, LongColumns, Rows
 from ..reader import Reader
 from ..source import FileBytes, Loaded, whole
-from .grouped import CODE, can_be_either, commas, grouped_cell, grouped_column, grouped_row, problem
+from .grouped import (
+    CODE,
+    can_be_either,
+    commas,
+    grouped_cell,
+    grouped_column,
+    grouped_row,
+    problem,
+    without_groups,
+)
 from .layout import (
     CELL,
     CELL_BYTES,
@@ -36,6 +45,7 @@ from .layout import (
     sniff,
     split,
     text_of,
+    without_first,
 )
 
 ENDINGS = ("", ".asc", ".csv", ".dat", ".log", ".mat", ".prn", ".tab", ".tsv", ".txt")  # that text usually has
@@ -45,7 +55,9 @@ PIECE = 2**23  # bytes of a long file that are read together
 ENOUGH = 32  # bytes of memory for each byte of a piece and its cells, at most
 
 
-def parse(text: str, where: str, loaded: Loaded | None = None, decimal: Decimal | None = None) -> Content:
+def parse(
+    text: str, where: str, loaded: Loaded | None = None, decimal: Decimal | None = None, skip: int = 0
+) -> Content:
     r"""Return the columns of a text with ``\n`` line ends.
 
     Parameters
@@ -56,6 +68,8 @@ def parse(text: str, where: str, loaded: Loaded | None = None, decimal: Decimal 
         The file that it is the content of.
     decimal : {".", ","}, optional
         Its decimal sign, where that was stated.
+    skip : int
+        Lines before the table, where that was stated.
 
     Raises
     ------
@@ -63,12 +77,13 @@ def parse(text: str, where: str, loaded: Loaded | None = None, decimal: Decimal 
         If it has no row of data, rows differ in width, a name appears twice, or text stands among numbers;
         each with ``file:row``.
     """
+    text = without_first(text, skip)
     layout = sniff(text, where, decimal)
     if layout.across:
         return _across(text, layout, where)
     names = column_names(layout, where)
     raw = b"" if loaded is None else loaded.data
-    same = raw.isascii() and b"\r" not in raw and len(raw) >= len(text)  # then the text needs no copy for Arrow
+    same = not skip and raw.isascii() and b"\r" not in raw and len(raw) >= len(text)  # then the text needs no copy for Arrow
     text, cut = _whole_rows(text, layout, where)
     rows = 1 + text.count("\n", layout.start)
     held, cells = len(raw) + len(text) * (1 if same else 2), rows * layout.width
@@ -214,6 +229,10 @@ def exact(text: str, layout: Layout, names: tuple[str, ...], where: str) -> Cont
     columns, problems = [], []
     for i, name in enumerate(names):
         judged = judge(cells[i], layout.decimal)
+        if (
+            len(judged.text) or judged.values.dtype.kind == "O"
+        ) and (plain := without_groups(cells[i], layout.decimal)) is not cells[i]:
+            judged = judge(plain, layout.decimal)
         if len(judged.text):
             problems.append(text_in_numbers(name, cells[i], judged.text, rows, where))
         elif (at := _grouped(judged.values, layout)) is not None:
@@ -451,15 +470,19 @@ def _across(text: str, layout: Layout, where: str) -> Content:
     return replace(content, rows=None, format=layout.words, remarks=(*content.remarks, remark))
 
 
-def read_text(loaded: Loaded, variables: Sequence[str] | None = None, decimal: Decimal | None = None) -> Content:
+def read_text(
+    loaded: Loaded, variables: Sequence[str] | None = None, decimal: Decimal | None = None, skip: int = 0
+) -> Content:
     """Return the columns of a text file, whatever variables are named; Raises as `parse` and ``layout.decode``."""
     if isinstance(loaded.data, FileBytes):
         try:
+            if skip:
+                raise _IrregularError
             return _piece_by_piece(loaded, decimal)
         except _IrregularError:
             loaded = whole(loaded)
     text, remarks = text_of(loaded)
-    content = parse(text, loaded.path, loaded, decimal)
+    content = parse(text, loaded.path, loaded, decimal, skip)
     return replace(content, remarks=remarks + content.remarks)
 
 
