@@ -42,7 +42,9 @@ Skip = Annotated[
 ]
 Dates = Annotated[
     str | None,
-    typer.Option("--dates", help="Order of dates like 3/4/2024: day-first or month-first. By default, the file decides."),
+    typer.Option(
+        "--dates", help="Order of dates like 3/4/2024: day-first or month-first. By default, the file decides."
+    ),
 ]
 
 

@@ -82,7 +82,8 @@ def read(
         By code: ``missing_file``, ``empty_file``, ``unsupported_format``, ``not_text``, ``damaged_file``,
         ``too_large``, ``ragged_row``, ``duplicate_column``, ``text_in_numbers``, ``nan_in_required``,
         ``grouped_digits``, ``wrong_column``, ``unknown_unit``, ``epoch_digits``, ``no_channel``, ``no_time``,
-        ``nothing_left``, ``broken_plugin``, ``ambiguous_date``, those of a time column that was named and cannot be time (``not_time``,
+        ``nothing_left``, ``broken_plugin``, ``ambiguous_date``,
+        those of a time column that was named and cannot be time (``not_time``,
         ``time_missing``, ``time_unit_unknown``), and those of ``pad.read_pad``.
     UsageError
         If a unit is given to no column (``wrong_column``), cannot belong to it (``unit_mismatch``), the
@@ -96,8 +97,8 @@ def read(
 
         return cut(recording_of(path, units, sample_rate), Times(start, stop, mission_start))
     from .reader import Request  # noqa: PLC0415 - numpy starts slowly
-    from .time.dates import check_dates  # noqa: PLC0415
     from .registry import read_recording  # noqa: PLC0415
+    from .time.dates import check_dates  # noqa: PLC0415
     from .time.window import Window  # noqa: PLC0415
 
     window = Window(start, stop, mission_start)

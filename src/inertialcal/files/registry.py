@@ -124,7 +124,9 @@ def sign_of(decimal: str | None) -> Sign | None:
 def lines_of(skip: int | None) -> int:
     """Return how many lines stand before the table; Raises UsageError for a number that cannot be."""
     if skip is not None and skip < 0:
-        raise UsageError(f"skip {skip}: need 0 lines or more", do="Count the lines before the header", code="wrong_value")
+        raise UsageError(
+            f"skip {skip}: need 0 lines or more", do="Count the lines before the header", code="wrong_value"
+        )
     return skip or 0
 
 

@@ -255,7 +255,9 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
         raise _no_unit(given, taken, wanted, bad, sensor)
     channels = {what: {"column": name, "unit": units[what]} for what, name in taken.items()}
     spoken = spoken_unit(sensor, chain) if raw else str(units[next(iter(axes))])
-    return Described({"channels": channels}, sensor_said(given, sensor, [*axes], spoken, chain), taken)
+    said = sensor_said(given, sensor, [*axes], spoken, chain)
+    remarks = chain_remarks(given, chain, [units[axis] for axis in axes])
+    return Described({"channels": channels}, said, taken, remarks=remarks)
 
 
 def named_columns(recording: Recording, columns: Mapping[str, str]) -> dict[str, str]:
@@ -349,6 +351,17 @@ def chain_of_units(given: GivenFile, chain: Mapping[str, Any], units: Sequence[s
         do = f"Add that of its data sheet: {given.add('scale_factor', f'NUMBER {volts}/(UNIT)')}"
         raise UsageError(what, do=do, code="no_scale_factor")
     return kept
+
+
+def chain_remarks(given: GivenFile, chain: Mapping[str, Any], units: Sequence[str | None]) -> tuple[Remark, ...]:
+    """Return a remark where volts are counted from 0 V, as nobody said what the sensor gives without input."""
+    from ..core.remarks import Remark  # noqa: PLC0415
+
+    volts = chain.get("kind") == "adc" or any(unit is not None and kind(unit) == "voltage" for unit in units)
+    if not raw_units(chain) or not volts or "reference" in chain or "zero" in chain or given.said.chain is not None:
+        return ()
+    what = "voltage without input not given: taken as 0 V, all of it that is not is in the bias"
+    return (Remark("no_reference", "warning", what, given.name, do=f"Add: {given.add('reference', 'NUMBER V')}"),)
 
 
 def raw_units(chain: Mapping[str, Any]) -> tuple[str, ...]:
@@ -474,26 +487,39 @@ def _no_unit(
     what = f"{given.name}: unit missing or of the wrong kind: {names}"
     axes = [one for name, one in channels.items() if name in {taken[what] for what in bad if what in AXES}]
     raw = [one for one in axes if one.unit is not None and kind(one.unit) in RAW]
-    do = [raw_advice(given, [one.unit for one in raw], EXAMPLE[KIND_OF_UNIT[sensor]])] if raw else []
     unsaid = [what for what in bad if given.recording.channel(taken[what]) not in raw]
     groups = {GROUP[sensor] if what in AXES else what: wanted[what][0] for what in unsaid}
-    for name, unit in groups.items():
-        own = [given.recording.channel(taken[what]) for what in unsaid if (what in AXES) == (name == GROUP[sensor])]
-        do.append(unit_advice(given, name, unit, own))
-    return UsageError(what, "", "counts and volts need the chain of the sensor" if raw else "", ". ".join(do), "no_unit")
+    named = {name: (unit, [given.recording.channel(taken[what]) for what in unsaid
+                           if (what in AXES) == (name == GROUP[sensor])]) for name, unit in groups.items()}  # fmt: skip
+    do = [raw_advice(given, [one.unit for one in raw], EXAMPLE[KIND_OF_UNIT[sensor]])] if raw else []
+    do += unit_advice(given, named)
+    return UsageError(
+        what, "", "counts and volts need the chain of the sensor" if raw else "", ". ".join(do), "no_unit"
+    )
 
 
-def unit_advice(given: GivenFile, name: str, wanted: str, channels: Sequence[Channel]) -> str:
-    """Return what to add to channels without a unit: what their numbers give away, else which units there are."""
+def unit_advice(given: GivenFile, named: Mapping[str, tuple[str, Sequence[Channel]]]) -> list[str]:
+    """Return what to add to channels without a unit that fits: what numbers give away, else which units there are.
+
+    ``named``: kind of unit that is wanted, and the channels, by the name that the option takes.
+    """
+    options, notes, others = list[str](), list[str](), list[str]()
+    for name, (wanted, channels) in named.items():
+        unit, reason = _hint(given, channels)
+        if unit == "count":
+            others.append(f"Counts? ({reason}) {raw_advice(given, ['count'], EXAMPLE.get(wanted, 'UNIT'))}")
+            continue
+        known = bool(unit) and kind(unit) == wanted
+        options.append(given.add("unit", f"{name}={unit if known else 'UNIT'}"))
+        like = UNITS_OF.get(wanted, EXAMPLE.get(wanted, wanted))
+        notes.append(reason if known else f"UNIT of {name}: {like}, ...")
+    return [*([f"Add: {' '.join(options)} ({'; '.join(notes)})"] if options else []), *others]
+
+
+def _hint(given: GivenFile, channels: Sequence[Channel]) -> tuple[str, str]:
+    """Return the unit that numbers give away, and why; empty where they do not."""
     from ..files.info.channel_survey import survey_channel, unit_hints  # noqa: PLC0415 - starts slowly
 
     named = [one for one in channels if one.unit is None]
     hints = unit_hints(replace(given.recording, channels=tuple(named)), [survey_channel(one) for one in named])
-    seen = next((one for one in hints if one.unit), None)
-    if seen is not None and seen.unit == "count":
-        per = EXAMPLE.get(wanted, "UNIT")
-        return f"Counts? ({seen.reason}) {raw_advice(given, ['count'], per)}"
-    if seen is not None and kind(seen.unit) == wanted:
-        return f"Add: {given.add('unit', f'{name}={seen.unit}')} ({seen.reason})"
-    like = UNITS_OF.get(wanted, EXAMPLE.get(wanted, "UNIT"))
-    return f"Add: {given.add('unit', f'{name}=UNIT')} (UNIT: {like}, ...)"
+    return next(((one.unit, one.reason) for one in hints if one.unit), ("", ""))

@@ -152,7 +152,20 @@ class _Checked(Strict):
 
 _MOVED = [name for name in OWN_KEYS if name not in TABLE_KEYS]
 _ONLY_WITH_CHANNELS = ("clock", "frame", *_MOVED, "axis", "run", "applied")
-_ORDER = ("sensor", "file", *TABLE_KEYS, "channels", "clock", "text", "frame", *_MOVED, "axis", "run", "applied", "source")
+_ORDER = (
+    "sensor",
+    "file",
+    *TABLE_KEYS,
+    "channels",
+    "clock",
+    "text",
+    "frame",
+    *_MOVED,
+    "axis",
+    "run",
+    "applied",
+    "source",
+)
 
 
 def _recording_entry() -> type[CommonKeys]:

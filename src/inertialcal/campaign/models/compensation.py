@@ -138,8 +138,9 @@ def _check_whole_numbers(model: SensorModel, recording: Recording, axes: Mapping
     if far:
         unit = str(far[0].unit)
         units = " ".join(f"--unit {shlex.quote(f'{one.name}=count')}" for one in channels)
+        names, level = ", ".join(one.name for one in far), np.median(np.abs(far[0].data))
         raise DataError(
-            f"{', '.join(one.name for one in far)}: whole numbers of {np.median(np.abs(far[0].data)):g} {unit} and more, "
+            f"{names}: whole numbers of {level:g} {unit} and more, "
             f"where the model was made for up to {convert(largest, model.unit, unit):.4g} {unit}",
             recording.source.path,
             why=f"they are counts rather than {unit}",

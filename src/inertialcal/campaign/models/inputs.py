@@ -15,6 +15,7 @@ from ...core.remarks import Remark
 from ...core.units import convert, parse_quantity, same_dimension
 from ...files.text.headers import full_name
 from ...sensors.chain.converter import Chain, in_volts
+from ...sensors.model.equation import needed
 from ...sensors.model.on_recordings import CONDITIONS as CHANNELS
 from ...sensors.model.on_recordings import QUANTITY, apply_chain
 from ...sensors.model.sensor_model import RANGE_UNIT, SensorModel
@@ -74,7 +75,8 @@ def taken(
         )
     named = {what: full_name(recording.names, name) or recording.channel(name).name for what, name in named.items()}
     found = {axis: named[axis] if axis in named else _column_of(model, recording, axis) for axis in model.axes}
-    found |= _warm(model, recording) if temperature is None and "temperature" not in named else {}
+    asked = temperature is None and "temperature" not in named and "temperature" in needed(model)
+    found |= _warm(model, recording) if asked else {}
     found |= {
         name: column for name in channels if name not in CONDITIONS and (column := full_name(recording.names, name))
     }

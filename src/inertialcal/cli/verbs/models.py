@@ -277,8 +277,10 @@ def compensate(
     done = apply(whose, raw, columns, temperature=temperature, serial=serial, uncertainty=uncertainty)
     chosen = taken(whose, raw, columns, temperature)
     remarks = [*done.remarks, *write(output, done)]
-    used = dict(chosen.columns) | started | (
-        {} if chosen.temperature is None else {"temperature": f"{chosen.temperature:g} degC"}
+    used = (
+        dict(chosen.columns)
+        | started
+        | ({} if chosen.temperature is None else {"temperature": f"{chosen.temperature:g} degC"})
     )
     more = {"columns": used, "condition": whose.condition, "compensated_by": done.compensated_by} | listed
     if as_json:

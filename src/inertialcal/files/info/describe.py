@@ -78,6 +78,8 @@ def describe(
     by_column = {key: unit for key, unit in flags.items() if key not in by_group}
     for key, unit in (*by_group.items(), *by_column.items()):  # a column goes before its group
         chosen = _chosen(described, key)
+        if key in by_group:  # it is for those that do not say their own, where there are some
+            chosen = [i for i in chosen if described[i].unit is None] or chosen
         for i in chosen:
             described[i] = _with_flag(described[i], unit, path, remarks)
     return tuple(described), tuple(remarks)

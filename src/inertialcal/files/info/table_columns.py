@@ -10,10 +10,13 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
+from ...core.recording import Channel
 from ..text.table import Table
 
 PATTERNS = {
-    "applied": r"(^|_)(rate|applied|input|table_rate|commanded|omega)(_|$)",
+    "applied": r"(^|_)(rate|applied|input|table_rate|commanded|omega|soll|sollwert|solldrehrate|vitesse|consigne)(_|$)",
     "scatter": r"(^|_)(std|stdev|sd|sigma|scatter)(_|$)",
     "samples": r"^(n|samples|n_samples|count)$",
     "group": r"^(set|group|sample_set)$",
@@ -38,6 +41,8 @@ class Guess:
     axis: str | None = None  # Names of columns
     readings: tuple[str, ...] = ()  # Columns that can be the sensor's reading
     unit: str | None = None  # That the names of applied and readings say, where they agree
+    applied_unit: str | None = None  # That of applied, and that of all readings, where their names say it
+    reading_unit: str | None = None  # That of applied, and that of all readings, where their names say it
     by_axis: dict[str, str] = field(default_factory=dict)
 
 
@@ -52,7 +57,16 @@ def guess(table: Table) -> Guess:
     unit = _common_unit(table, [name for name in (found["applied"], *readings) if name])
     if len(by_axis) != len(readings):
         by_axis = {}
-    return Guess(**found, readings=tuple(readings), unit=unit, by_axis=by_axis)
+    own = [_common_unit(table, [name for name in names if name]) for names in ([found["applied"]], readings)]
+    return Guess(
+        **found, readings=tuple(readings), unit=unit, applied_unit=own[0], reading_unit=own[1], by_axis=by_axis
+    )
+
+
+def guess_channels(channels: Sequence[Channel]) -> Guess:
+    """Return what the names of a recording's channels tell."""
+    names, units = tuple(one.name for one in channels), tuple(one.unit for one in channels)
+    return guess(Table(names, ((),) * len(names), np.empty(0, dtype=np.int64), units=units))
 
 
 def names_rates(names: Iterable[str]) -> bool:

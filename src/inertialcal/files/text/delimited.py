@@ -83,7 +83,9 @@ def parse(
         return _across(text, layout, where)
     names = column_names(layout, where)
     raw = b"" if loaded is None else loaded.data
-    same = not skip and raw.isascii() and b"\r" not in raw and len(raw) >= len(text)  # then the text needs no copy for Arrow
+    same = (
+        not skip and raw.isascii() and b"\r" not in raw and len(raw) >= len(text)
+    )  # then the text needs no copy for Arrow
     text, cut = _whole_rows(text, layout, where)
     rows = 1 + text.count("\n", layout.start)
     held, cells = len(raw) + len(text) * (1 if same else 2), rows * layout.width
@@ -229,10 +231,9 @@ def exact(text: str, layout: Layout, names: tuple[str, ...], where: str) -> Cont
     columns, problems = [], []
     for i, name in enumerate(names):
         judged = judge(cells[i], layout.decimal)
-        if (
-            len(judged.text) or judged.values.dtype.kind == "O"
-        ) and (plain := without_groups(cells[i], layout.decimal)) is not cells[i]:
-            judged = judge(plain, layout.decimal)
+        if len(judged.text) or judged.values.dtype.kind == "O":
+            plain = without_groups(cells[i], layout.decimal, CELL[layout.decimal].fullmatch)
+            judged = judged if plain is cells[i] else judge(plain, layout.decimal)
         if len(judged.text):
             problems.append(text_in_numbers(name, cells[i], judged.text, rows, where))
         elif (at := _grouped(judged.values, layout)) is not None:

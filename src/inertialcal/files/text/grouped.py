@@ -73,18 +73,21 @@ def grouped_column(cells: Iterable[object], number: Callable[[str], object]) -> 
     return first
 
 
-def without_groups(cells: Sequence[str], decimal: str) -> Sequence[str]:
+def without_groups(cells: Sequence[str], decimal: str, number: Callable[[str], object]) -> Sequence[str]:
     """Return the cells of a column without the signs that group their digits, where they can be nothing else.
 
-    So it is where both signs stand in a cell (``1.234,5``), and all cells of the column have decimals or are short.
+    So it is where both signs stand in a cell (``1.234,5``), and all others are numbers without groups, or empty.
     """
-    certain = CERTAIN[decimal]
-    stripped = [cell.strip() for cell in cells]
-    if not any(certain.fullmatch(cell) for cell in stripped if len(cell) < LONGEST):
-        return cells
+    certain, found, made = CERTAIN[decimal], False, list[str]()
     sign = "." if decimal == "," else ","
-    bare = [cell for cell in stripped if sign in cell and not certain.fullmatch(cell)]
-    return cells if bare else [cell.replace(sign, "") for cell in stripped]
+    for cell in cells:
+        text = cell.strip()
+        grouped = sign in text and len(text) < LONGEST and certain.fullmatch(text) is not None
+        if text and not grouped and (len(text) > LONGEST or not number(text)):
+            return cells
+        found = found or grouped
+        made.append(text.replace(sign, "") if grouped else text)
+    return made if found else cells
 
 
 def grouped_row(parts: Sequence[str]) -> str:

@@ -175,7 +175,7 @@ def heading(name: str, unit: str | None = None) -> Heading:
         known = _known(given.strip(), quantity)
     known = TIME_NAMES.get("".join(_last(bare, words))) if known is None and given is None else known
     kind = units.kind(known) if known is not None else ""
-    if quantity == "time" and kind == "temperature":  # temps: times in French
+    if quantity == "time" and kind == "temperature" and bare.lower() == "temps":  # times in French
         quantity = "temperature"
     if quantity == "spread":
         return Heading(known, "", quantity, "")
@@ -277,18 +277,16 @@ def _words_to_unit(parts: list[str]) -> str | None:
 def _quantity(bare: str, words: list[str]) -> str:
     """Return what a column measures, by its name."""
     whole = "".join(_last(bare, words))
-    if len(words) > 1 and SPREAD.intersection(words):
+    if len(words) > 1 and SPREAD.intersection(words) and not TIME.intersection(words):
         return "spread"
     if whole in INDEX_NAMES or bare == "#":
         return "index"
-    if whole in TIME_NAMES:
+    if whole in TIME_NAMES or sensor_of_stamps(bare):
         return "time"
     spaced = " ".join(words)
     for phrase, quantity in PHRASES.items():
         if phrase in spaced:
             return quantity
-    if sensor_of_stamps(bare):
-        return "time"
     for quantity, known in WORDS:
         if any(_stem(word) in known or word in known for word in words):
             return "" if quantity == "time" and NOT_TIME.intersection(words) else quantity

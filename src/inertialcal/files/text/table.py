@@ -26,7 +26,7 @@ from ..source import Loaded, load
 from .delimited import cell_columns, column_names, header_again, header_repeated, text_in_numbers
 from .grouped import commas, problem, without_groups
 from .headers import bare_name, heading
-from .layout import BLANKS, CELL_BYTES, Decimal, judge, kind, sniff, text_of, to_float, without_first
+from .layout import BLANKS, CELL, CELL_BYTES, Decimal, judge, kind, sniff, text_of, to_float, without_first
 
 SHOWN = 4  # cells of a column
 
@@ -120,7 +120,7 @@ class Table:
         """
         at = self.index(name)
         cells = self.cells[at]
-        cells = without_groups(cells, self.decimal)
+        cells = without_groups(cells, self.decimal, CELL[self.decimal].fullmatch)
         kinds = [kind(cell, self.decimal) for cell in cells]
         numbers = [to_float(c, self.decimal) if k in "if" else np.nan for c, k in zip(cells, kinds, strict=True)]
         values = np.array(numbers, dtype=np.float64)

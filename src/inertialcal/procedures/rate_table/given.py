@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ...core.errors import UsageError
+from ...core.estimate import Array
 from ...core.key import AXES
 from ...core.recording import Recording
 from ...core.units import convert, kind, normalise
@@ -23,6 +24,7 @@ from ..given import (
     GivenFile,
     bare,
     chain_of_units,
+    chain_remarks,
     chain_said,
     named_columns,
     raw_advice,
@@ -63,9 +65,13 @@ def _is_stepped(recording: Recording, applied: str) -> bool:
     """Tell whether a file is a recording on a clock whose table rate goes in steps, not a row a dwell."""
     if recording.sample_interval is None or recording.time_ns is None or applied not in recording.names:
         return False
-    rate = np.asarray(recording.channel(applied).data, dtype=float)
-    steps = np.count_nonzero(np.diff(rate[np.isfinite(rate)]) != 0.0) + 1
-    return bool(len(recording) >= SAMPLES_A_STEP * steps)
+    return goes_in_steps(np.asarray(recording.channel(applied).data, dtype=float))
+
+
+def goes_in_steps(rate: Array) -> bool:
+    """Tell whether the rate of a table, shape (n,), goes in steps over many samples."""
+    known = rate[np.isfinite(rate)]
+    return bool(len(rate) >= SAMPLES_A_STEP * (np.count_nonzero(np.diff(known) != 0.0) + 1))
 
 
 def _table(given: GivenFile, names: Guess) -> Described:
@@ -78,6 +84,7 @@ def _table(given: GivenFile, names: Guess) -> Described:
         raise UsageError(what, do="Leave one out", code="wrong_value")
     reading = _reading(said.get("reading"), names)
     missing: list[tuple[str, str, str]] = []
+    advice: list[str] = []
     if said.get("applied") is None and names.applied is None:
         missing.append(("cannot tell which column is the applied rate", given.add("applied", "COLUMN"), "no_column"))
     only = [axis for axis, name in names.by_axis.items() if name == reading]
@@ -87,24 +94,19 @@ def _table(given: GivenFile, names: Guess) -> Described:
         have = f" ({', '.join(names.readings)})" if names.readings else f"; it has {', '.join(given.table.names)}"
         missing.append((f"{listed}{have}", given.add("reading", "COLUMN"), "no_column"))
     if axis is None and names.axis is None:
-        missing.append(("axis not given", given.add("axis", "x"), "no_axis"))
+        missing.append(("axis not given", given.add("axis", "AXIS"), "no_axis"))
+        advice.append("AXIS: x, y or z, the one that was turned")
     applied = said.get("applied") or names.applied
     unit, applied_unit = _units(given, names, applied, reading)
-    advice = []
     if unit is None:
         missing.append(("unit of rate and reading not given", given.add("unit", "UNIT"), "no_unit"))
         advice.append("UNIT: deg/s, rad/s, V, count, ...")
-    chain = chain_said(given, "gyro")
-    if unit is not None:
-        chain = chain_of_units(given, chain, [unit])
-        if kind(unit) in RAW and kind(unit) not in raw_units(chain):
-            missing.append(("counts and volts need the chain of the sensor", "", "no_unit"))
-            advice.append(raw_advice(given, [unit], "deg/s"))
+    chain = chain_said(given, "gyro") if unit is None else chain_of_units(given, chain_said(given, "gyro"), [unit])
+    if unit is not None and kind(unit) in RAW and kind(unit) not in raw_units(chain):
+        missing.append(("counts and volts need the chain of the sensor", "", "no_unit"))
+        advice.append(raw_advice(given, [unit], "deg/s"))
     if missing or unit is None:
-        options = " ".join(dict.fromkeys(option for _, option, _ in missing if option))
-        what = f"{given.name}: {'; '.join(what for what, _, _ in missing)}"
-        do = ". ".join([*([f"Add: {options}"] if options else []), *advice])
-        raise UsageError(what, do=do, code=missing[0][2])
+        raise _missing(given, missing, advice)
     rows: dict[str, Any] = {
         "applied": applied, "reading": reading, "unit": normalise(unit),
         "scatter": said.get("scatter") or (names.scatter if isinstance(reading, str) else None),
@@ -122,7 +124,16 @@ def _table(given: GivenFile, names: Guess) -> Described:
     shown = {f"{what} {key}".strip(): str(name) for what, value in rows.items()
              for key, name in (value.items() if isinstance(value, dict) else [("", value)])}  # fmt: skip
     plan = {"axis": axis} if axis else {}
-    return Described({"rows": rows}, sensor_said(given, "gyro", AXES, spoken, chain), shown | plan, plan)
+    sensor = sensor_said(given, "gyro", AXES, spoken, chain)
+    return Described({"rows": rows}, sensor, shown | plan, plan, remarks=chain_remarks(given, chain, [unit]))
+
+
+def _missing(given: GivenFile, missing: Sequence[tuple[str, str, str]], advice: Sequence[str]) -> UsageError:
+    """Return the error of a table that leaves things open: what, the option for it, the code."""
+    options = " ".join(dict.fromkeys(option for _, option, _ in missing if option))
+    what = f"{given.name}: {'; '.join(what for what, _, _ in missing)}"
+    do = ". ".join([*([f"Add: {options}"] if options else []), *advice])
+    return UsageError(what, do=do, code=missing[0][2])
 
 
 def _units(
@@ -180,24 +191,28 @@ def _recorded(given: GivenFile, applied: str) -> Described:
         raise _without_rate(given, own, bad)
     turned = axis or (next(iter(by_axis)) if len(by_axis) == 1 else None)
     if turned is None:
-        hint = _following(recording, applied, by_axis)
-        do = f"Add: {given.add('axis', hint[-1:] or 'x')}"
+        found = following_axis(recording, applied, by_axis)
+        hint = f"; {applied!r} is followed by {found}" if found else ""
+        do = f"Add: {given.add('axis', found or 'AXIS')}"
         raise UsageError(f"{given.name}: axis not given{hint}", do=do, code="no_axis")
     units = {name: str(one) for name, one in own.items()}
     columns = {APPLIED: applied, **by_axis}
     channels = {what: {"column": name, "unit": normalise(units[name])} for what, name in columns.items()}
     spoken = spoken_unit("gyro", chain) if raw else units[next(iter(by_axis.values()))]
     sensor = sensor_said(given, "gyro", [*by_axis], normalise(spoken), chain)
-    return Described({"channels": channels, "axis": turned}, sensor, columns | {"axis": turned})
+    remarks = chain_remarks(given, chain, [units[name] for name in by_axis.values()])
+    return Described({"channels": channels, "axis": turned}, sensor, columns | {"axis": turned}, remarks=remarks)
 
 
 def _without_rate(given: GivenFile, units: Mapping[str, str | None], bad: Sequence[str]) -> UsageError:
     """Return the error of columns whose unit is missing, or is none of angular rate."""
     have = ", ".join(f"{name} ({units[name] or '?'})" for name in bad)
     raw = [units[name] for name in bad if kind(units[name] or "1") in RAW]
-    unsaid = [given.recording.channel(name) for name in bad if units[name] is None or kind(units[name] or "1") not in RAW]
+    unsaid = [
+        given.recording.channel(name) for name in bad if units[name] is None or kind(units[name] or "1") not in RAW
+    ]
     do = [raw_advice(given, raw, "deg/s")] if raw else []
-    do += [unit_advice(given, "gyro", "angular_rate", unsaid)] if unsaid else []
+    do += unit_advice(given, {"gyro": ("angular_rate", unsaid)}) if unsaid else []
     why = "counts and volts need the chain of the sensor" if raw else ""
     what = f"{given.name}: rate or reading without a unit of angular rate: {have}"
     return UsageError(what, "", why, ". ".join(do), "no_unit")
@@ -220,8 +235,8 @@ def _channels(given: GivenFile, applied: str) -> dict[str, str]:
     return {one: found[one] for one in AXES if one in found}
 
 
-def _following(recording: Recording, applied: str, by_axis: Mapping[str, str]) -> str:
-    """Say which axis follows the table, ending in its letter; empty where none clearly does."""
+def following_axis(recording: Recording, applied: str, by_axis: Mapping[str, str]) -> str:
+    """Return the axis that follows the table; empty where none clearly does."""
     rate = _in_si(recording, applied)
     found: list[tuple[float, float, str]] = []
     for axis, name in by_axis.items():
@@ -230,7 +245,7 @@ def _following(recording: Recording, applied: str, by_axis: Mapping[str, str]) -
         if use.any() and np.ptp(rate[use]) > 0.0 and np.ptp(values[use]) > 0.0:
             found.append((abs(float(np.corrcoef(rate[use], values[use])[0, 1])), float(np.std(values[use])), axis))
     following = max((one for one in found if one[0] > FOLLOWS), key=lambda one: one[1], default=None)
-    return "" if following is None else f"; {applied!r} is followed by {following[2]}"
+    return "" if following is None else following[2]
 
 
 def _in_si(recording: Recording, name: str) -> Any:
