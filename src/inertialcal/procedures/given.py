@@ -322,7 +322,7 @@ def chain_said(given: GivenFile, sensor: Kind | None = None) -> dict[str, Any]:
         "lsb": said.lsb, "counts": _codes(given, said.counts), "scale_factor": _of_sensor(factors, sensor),
         "reference": _of_sensor(said.reference, sensor), "gain": _of_sensor(said.gain, sensor),
     }  # fmt: skip
-    own = {name: value for name, value in own.items() if value is not None}
+    own = {name: value for name, value in own.items() if value not in (None, "")}
     if isinstance(own.get("reference"), Mapping):  # of each axis its own
         own["zero"] = own.pop("reference")
     if not chain and not own:

@@ -17,6 +17,7 @@ from ...core.recording import Recording
 from ...core.units import kind, normalise
 from ...files import read, read_table
 from ...files.budget import ANALYSIS, AS_WIDE, STREAMED, claim_recording
+from ...files.info.describe import is_volts
 from ...files.memory import of_array, with_named_units
 from ...files.source import load as load_file
 from ...files.text.table import Table
@@ -171,6 +172,9 @@ def _with_unit(recording: Recording, unit: str | None) -> Recording:
     group = GROUPS.get(kind(unit), "")  # counts and volts are those of any axis
     axes = [one for one in recording.channels if one.axis in AXES]
     named = {one.name for one in recording.channels if group and one.quantity == group}
+    named = {one.name for one in recording.channels if one.name in named and not is_volts(one.unit, unit)}
+    if not named and group and any(one.quantity == group and is_volts(one.unit, unit) for one in axes):
+        return recording  # volts in its header: they become rates by a chain alone
     named = named or {one.name for one in axes if not one.quantity or (not group and one.quantity in GROUPS.values())}
     channels = [replace(one, unit=normalise(unit), unit_from="flag", quantity=group or one.quantity)
                 if one.name in named else one for one in recording.channels]  # fmt: skip

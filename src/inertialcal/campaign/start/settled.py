@@ -10,6 +10,7 @@ from ...core.key import AXES, Kind
 from ...core.units import kind, normalise
 from ...procedures.given import GROUP, RAW, GivenFile, Said, bare, chain_of_units, chain_said, raw_units, spoken_unit
 from ...procedures.suggestions import fill_in
+from ..calls.given import text_said
 
 OPEN = {"", "?"}  # texts that say nothing
 Parts = dict[str, dict[str, object]]
@@ -29,6 +30,9 @@ def settle(parts: Parts, tests: Sequence[object], said: Said, axis: str) -> None
         units = [unit for entry in settled.values() for unit in _units(entry)]
         found = _with_chain(sensor, sensor_kind, units, said)
         parts["sensors"][name] = Noted(found, table.note, table.above) if isinstance(table, Noted) else found
+    reading = _reading(said)
+    for key, entry in recordings.items():
+        recordings[key] = _read_as(entry, reading)
     if axis:
         _turn(recordings, tests, axis)
     site = {"latitude": said.latitude, "gravity": said.gravity, "height": said.height}
@@ -105,6 +109,27 @@ def _units(entry: object) -> Iterator[str]:
                 yield str(_plain_table(one).get("unit", "?"))
     elif "rows" in table:
         yield str(_plain_table(table["rows"]).get("unit", "?"))
+
+
+def _reading(said: Said) -> dict[str, dict[str, Any]]:
+    """Return how texts are read, and which column is time, as an entry says them."""
+    clock = {
+        "column": said.time_column,
+        "sample_rate": None if said.sample_rate is None else f"{said.sample_rate!r} Hz",
+    }
+    found = {"text": text_said(said), "clock": {name: value for name, value in clock.items() if value is not None}}
+    return {name: table for name, table in found.items() if table}
+
+
+def _read_as(entry: object, reading: Mapping[str, dict[str, Any]]) -> object:
+    """Return an entry with how its file is read; a table of dwells has no clock."""
+    if isinstance(entry, Noted):
+        return Noted(_read_as(entry.value, reading), entry.note, entry.above, entry.example)
+    table = _plain_table(entry)
+    for name, own in reading.items():
+        if name == "text" or "channels" in table:
+            table[name] = _plain_table(table.get(name, {})) | own
+    return table
 
 
 def _turn(recordings: dict[str, object], tests: Sequence[object], axis: str) -> None:

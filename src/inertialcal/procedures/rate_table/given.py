@@ -84,7 +84,8 @@ def _table(given: GivenFile, names: Guess) -> Described:
         raise UsageError(what, do="Leave one out", code="wrong_value")
     reading = _reading(said.get("reading"), names)
     missing: list[tuple[str, str, str]] = []
-    advice: list[str] = []
+    notes: list[str] = []
+    raw = ""
     if said.get("applied") is None and names.applied is None:
         missing.append(("cannot tell which column is the applied rate", given.add("applied", "COLUMN"), "no_column"))
     only = [axis for axis, name in names.by_axis.items() if name == reading]
@@ -95,21 +96,21 @@ def _table(given: GivenFile, names: Guess) -> Described:
         missing.append((f"{listed}{have}", given.add("reading", "COLUMN"), "no_column"))
     if axis is None and names.axis is None:
         missing.append(("axis not given", given.add("axis", "AXIS"), "no_axis"))
-        advice.append("AXIS: x, y or z, the one that was turned")
+        notes.append("AXIS: x, y or z, the one that was turned")
     applied = said.get("applied") or names.applied
     unit, applied_unit = _units(given, names, applied, reading)
-    if unit is None:
+    if unit is None and reading is not None:
         missing.append(("unit of rate and reading not given", given.add("unit", "UNIT"), "no_unit"))
-        advice.append("UNIT: deg/s, rad/s, V, count, ...")
+        notes.append("UNIT: deg/s, rad/s, V, count, ...")
     chain = chain_said(given, "gyro") if unit is None else chain_of_units(given, chain_said(given, "gyro"), [unit])
     if unit is not None and kind(unit) in RAW and kind(unit) not in raw_units(chain):
         missing.append(("counts and volts need the chain of the sensor", "", "no_unit"))
-        advice.append(raw_advice(given, [unit], "deg/s"))
+        raw = raw_advice(given, [unit], "deg/s")
     if missing or unit is None:
-        raise _missing(given, missing, advice)
+        raise _missing(given, missing, notes, raw)
     rows: dict[str, Any] = {
         "applied": applied, "reading": reading, "unit": normalise(unit),
-        "scatter": said.get("scatter") or (names.scatter if isinstance(reading, str) else None),
+        "scatter": said.get("scatter") or _scatter(names, reading),
         "run": said.get("run") or names.run, "group": said.get("group") or names.group,
         "samples": names.samples, "axis": None if turned else names.axis,
     }  # fmt: skip
@@ -128,11 +129,20 @@ def _table(given: GivenFile, names: Guess) -> Described:
     return Described({"rows": rows}, sensor, shown | plan, plan, remarks=chain_remarks(given, chain, [unit]))
 
 
-def _missing(given: GivenFile, missing: Sequence[tuple[str, str, str]], advice: Sequence[str]) -> UsageError:
-    """Return the error of a table that leaves things open: what, the option for it, the code."""
+def _scatter(names: Guess, reading: str | dict[str, str] | None) -> str | dict[str, str] | None:
+    """Return the column of the scatter of a reading, or that of each axis; None where it is not clear."""
+    if isinstance(reading, dict):
+        return names.scatter_by_axis if reading == names.by_axis and names.scatter_by_axis else None
+    by_reading = {names.by_axis[axis]: name for axis, name in names.scatter_by_axis.items()}
+    return names.scatter or by_reading.get(reading or "")
+
+
+def _missing(given: GivenFile, missing: Sequence[tuple[str, str, str]], notes: Sequence[str], raw: str) -> UsageError:
+    """Return the error of a table that leaves things open: what, the option for it, the code; notes on options."""
     options = " ".join(dict.fromkeys(option for _, option, _ in missing if option))
     what = f"{given.name}: {'; '.join(what for what, _, _ in missing)}"
-    do = ". ".join([*([f"Add: {options}"] if options else []), *advice])
+    said = f" ({'; '.join(notes)})" if notes else ""
+    do = ". ".join([*([f"Add: {options}{said}"] if options else []), *([raw] if raw else [])])
     return UsageError(what, do=do, code=missing[0][2])
 
 

@@ -1,7 +1,7 @@
 """Texts as Excel and data loggers write them, put together by hand: nothing of the package's writers or readers.
 
-Each form takes a chamber log (`truths.chamber`) and returns the bytes of a file. What a form leaves open, a newcomer
-says with the options beside it.
+Each form takes a chamber log (`newcomer_truths.chamber`) and returns the bytes of a file. What a form leaves open, a
+newcomer says with the options beside it.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
-from truths import Log
+from newcomer_truths import Log
 
 START = datetime(2024, 3, 12, 9, 15, tzinfo=UTC)
 AXES = ("x", "y", "z")
