@@ -109,8 +109,8 @@ class Question:
 
     Parameters
     ----------
-    name : str
-        Of the answer: that of a setting, or ``setting.group``.
+    name, group : str
+        Setting that it answers; group of sensors that it is of, where it differs between them.
     seen, ask : str
         What the files show; what is to be said.
     suggestion : str
@@ -123,6 +123,7 @@ class Question:
     seen: str
     ask: str
     suggestion: str = ""
+    group: str = ""
     wrong: Callable[[str], str] = lambda text: ""
 
 

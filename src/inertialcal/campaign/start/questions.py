@@ -70,7 +70,7 @@ def _of_readings(found: Contents, group: str, said: Said) -> Iterator[Question]:
         reason = f": {hints[0][1]}" if hints else ""
         seen = f"{', '.join(dict.fromkeys(file for file, _ in unsaid))}: {names} without a unit{reason}"
         suggestion = hints[0][0] if hints else ""
-        yield Question(f"units.{group}", seen, f"Unit? ({UNITS[group]}, ...)", suggestion, _unit)
+        yield Question("units", seen, f"Unit? ({UNITS[group]}, ...)", suggestion, group, _unit)
         return  # what follows depends on it
     units = {answer if one.unit is None else one.unit for _, one in own}
     raw = [normalise(unit) for unit in units if unit and kind(unit) in RAW]
@@ -84,19 +84,17 @@ def _of_readings(found: Contents, group: str, said: Said) -> Iterator[Question]:
     volts = not counted or bool(said.lsb)
     if volts and not _answered(said.reference, group):
         ask = "Voltage without input, like 2.5 V? (channel: it was recorded)"
-        yield Question(f"reference.{group}", seen, ask, wrong=quantity("V", optional=True, words=("channel",)))
+        yield Question("reference", seen, ask, group=group, wrong=quantity("V", optional=True, words=("channel",)))
     if not _answered(said.scale_factor, group):
         unit = f"{'V' if volts else 'count'}/({per})"
         ask = f"Scale factor of the data sheet, like {'0.02' if volts else '131'} {unit}?"
-        yield Question(f"scale_factor.{group}", seen, ask, wrong=quantity(unit, optional=True))
+        yield Question("scale_factor", seen, ask, group=group, wrong=quantity(unit, optional=True))
 
 
-def answered(said: Said, name: str, text: str) -> Said:
+def answered(said: Said, question: Question, text: str) -> Said:
     """Return what was said with one more answer; an empty one counts as said."""
-    setting, _, group = name.partition(".")
-    if group:
-        return replace(said, **{setting: {**getattr(said, setting), group: text}})
-    return replace(said, **{setting: text})
+    answer = {**getattr(said, question.name), question.group: text} if question.group else text
+    return replace(said, **{question.name: answer})
 
 
 def _answered(values: Mapping[str, str], group: str) -> bool:

@@ -49,13 +49,13 @@ class Told:
     axis: str = ""
     item: Mapping[str, str] = field(default_factory=dict[str, str])
 
-    def answered(self, name: str, text: str) -> Told:
+    def answered(self, question: Question, text: str) -> Told:
         """Return the same with one more answer."""
-        if name == "axis":
+        if question.name == "axis":
             return replace(self, axis=text)
-        if name in ITEM:
-            return replace(self, item={**self.item, name: text})
-        return replace(self, said=answered(self.said, name, text))
+        if question.name in ITEM:
+            return replace(self, item={**self.item, question.name: text})
+        return replace(self, said=answered(self.said, question, text))
 
 
 def first_question(folder: str | Path, told: Told) -> Question | None:

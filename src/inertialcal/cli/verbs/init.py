@@ -91,7 +91,7 @@ def _asked(folder: Path, told: Told, yes: bool) -> Told:
             if question.seen not in ("", shown):
                 print(wrapped(clean(question.seen), "    "))
             shown, answer = question.seen, _answer(question)
-        told = told.answered(question.name, answer)
+        told = told.answered(question, answer)
     return told
 
 

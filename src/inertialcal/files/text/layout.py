@@ -49,6 +49,8 @@ CANDIDATES: tuple[tuple[str | None, Decimal], ...] = (
     (";", ","),
 )
 QUOTED: tuple[str | None, Decimal] = (",", ",")  # only in quotes can a comma be both
+# A quoted number whose comma can group no digits.
+QUOTED_DECIMAL = re.compile(r'"[-+]?(?:0|[0-9]{4,}|[0-9]+(?=,(?:[0-9]{1,2}|[0-9]{4,})"))(?:,[0-9]+)"')
 PERFECT = (1.0, True, 1.0)  # score of a separator: lines of one width in several columns, all of them numbers
 WORDS = {",": "comma-separated", "\t": "tab-separated", ";": "semicolon-separated", None: "blank-separated"}
 NUMBER = frozenset("ifn")  # kinds of cells
@@ -203,7 +205,7 @@ def _separator(lines: list[Line], stated: Decimal | None) -> tuple[str | None, D
     starts = [line.text[:LINE] for line in lines]
     tables: dict[str | None, Table] = {}
     best: tuple[float, bool, float] | None = None
-    quoted = [QUOTED] if any('"' in start for start in starts[len(starts) // 2 :]) else []
+    quoted = [QUOTED] if any(QUOTED_DECIMAL.search(start) for start in starts) else []
     for one in (one for one in [*CANDIDATES, *quoted] if stated in (None, one[1])):
         if one[0] not in tables:
             tables[one[0]] = [split(start, one[0]) for start in starts]

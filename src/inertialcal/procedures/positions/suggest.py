@@ -51,7 +51,7 @@ def claims(file: FolderFile) -> Claim | None:
 def asks(contents: Mapping[str, object]) -> list[Question]:
     """Return the question how large gravity is: standard gravity is a suggestion, which people mend who know better."""
     seen = f"{', '.join(contents)}: laid by hand, with gravity as the reference"
-    return [Question("gravity", seen, "Gravity at the site?", "9.80665 m/s2", quantity("m/s^2"))]
+    return [Question("gravity", seen, "Gravity at the site?", "9.80665 m/s2", wrong=quantity("m/s^2"))]
 
 
 def draft(contents: Mapping[str, object]) -> Draft:

@@ -91,7 +91,7 @@ def asks(contents: Mapping[str, object]) -> list[Question]:
             follows, seen = "", f"{file}: a table of dwells"
         else:
             continue
-        return [Question("axis", seen, "Axis that was turned? (x, y or z)", follows, one_of(AXES))]
+        return [Question("axis", seen, "Axis that was turned? (x, y or z)", follows, wrong=one_of(AXES))]
     return []
 
 

@@ -62,7 +62,11 @@ def apply_chain(
     """
     counts = _counts(chain, recording, [_column(columns, axis) for axis in chain.axes])
     conditions = {kind: _condition(chain, recording, columns, kind) for kind in CONDITIONS}
-    converted = convert(chain, counts, **conditions, gain=gain, place=recording.place)
+    try:
+        converted = convert(chain, counts, **conditions, gain=gain, place=recording.place)
+    except DataError as error:
+        named = [replace(one, where=one.where or recording.source.path) for one in error.problems]
+        raise DataError(named) from None
     values, unit = (converted.output, chain.output_unit)
     if converted.readings is not None:
         values, unit = converted.readings, chain.unit
