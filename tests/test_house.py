@@ -243,7 +243,7 @@ def test_tests_mirror_the_tree() -> None:
     tests = Path(__file__).parent
     for path in tests.rglob("test_*.py"):
         where = path.relative_to(tests).parts
-        assert len(where) == 1 or where[0] in {*ORDER, "docs", "independent", "speed", "torture"}, (
+        assert len(where) == 1 or where[0] in {*ORDER, "docs", "independent", "speed", "newcomers", "torture"}, (
             f"{path} mirrors no folder"
         )
 

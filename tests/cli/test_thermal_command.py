@@ -105,14 +105,17 @@ def test_all_units_are_asked_for_at_once(capsys: pytest.CaptureFixture[str], tmp
     bare = write(tmp_path / "bare.csv", 1, "unix_s,temperature,gyro_x")
     status, out, err = call(capsys, "thermal", str(bare))
     assert (status, out) == (2, "")
-    assert "--unit gyro=deg/s --unit temperature=degC" in " ".join(err.split())
+    assert "--unit gyro=UNIT --unit temperature=degC (UNIT of gyro: deg/s, rad/s, ...; temp" in " ".join(err.split())
 
 
 def test_counts_are_refused_with_what_they_need(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     counts = write(tmp_path / "counts.csv", 1, "unix_s,temperature [degC],gyro_x [count]")
     status, _, err = call(capsys, "thermal", str(counts))
     assert status == 2
-    assert "counts and volts need the chain of the sensor: --chain CHAIN.toml" in " ".join(err.split())
+    said = " ".join(err.split())
+    assert "counts and volts need the chain of the sensor" in said
+    assert '--lsb "NUMBER V" --reference "NUMBER V" --scale-factor "NUMBER V/(deg/s)"' in said
+    assert "--unit" not in said
 
 
 @pytest.mark.parametrize(
@@ -166,7 +169,7 @@ def test_the_real_record_is_asked_for_its_units_and_then_told(capsys: pytest.Cap
         pytest.skip(f"{path} is absent")
     status, out, err = call(capsys, "thermal", str(path))
     assert (status, out) == (2, "")
-    assert "--unit gyro=deg/s --unit temperature=degC" in " ".join(err.split())
+    assert "--unit gyro=UNIT --unit temperature=degC" in " ".join(err.split())
     units = ("--unit", "gyro=rad/s", "--unit", "temperature=degC", "--unit", "timestamp=ns")
     status, out, err = call(capsys, "thermal", str(path), *units)
     assert (status, err) == (0, "")

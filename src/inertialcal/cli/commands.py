@@ -25,7 +25,7 @@ from ..procedures.protocol import Command
 
 FIRST = {"info": "verbs.info"}
 VERBS = {
-    "init": "verbs.campaigns", "check": "verbs.campaigns", "run": "verbs.campaigns", "demo": "verbs.demos",
+    "init": "verbs.init", "check": "verbs.campaigns", "run": "verbs.campaigns", "demo": "verbs.demos",
     "show": "verbs.models", "compensate": "verbs.models", "convert": "verbs.models", "export": "verbs.models",
     "budget": "verbs.campaigns", "compare": "verbs.models", "simulate": "verbs.twins", "score": "verbs.twins",
     "programme-1969": "verbs.programme1969", "filter": "verbs.filters",

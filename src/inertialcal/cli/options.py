@@ -44,6 +44,15 @@ Topics = Annotated[
 Decimal = Annotated[
     str | None, typer.Option("--decimal", help="Decimal sign of a text: comma or point. By default, the file decides.")
 ]
+Skip = Annotated[
+    int | None, typer.Option("--skip", help="Lines of a text before its table. By default, they are found.")
+]
+Dates = Annotated[
+    str | None,
+    typer.Option(
+        "--dates", help="Order of dates like 3/4/2024: day-first or month-first. By default, the file decides."
+    ),
+]
 
 
 def pairs(given: Sequence[str], option: str, example: str) -> dict[str, str]:

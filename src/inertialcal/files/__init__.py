@@ -33,6 +33,8 @@ def read(
     mission_start: object = None,
     frame: str | None = None,
     decimal: str | None = None,
+    skip: int | None = None,
+    dates: str | None = None,
 ) -> Recording:
     """Return the recording in a file.
 
@@ -66,6 +68,11 @@ def read(
         Of a PAD recording: axes as the data are, or those of the sensor, turned by what the header says.
     decimal : {"comma", "point"}, optional
         Decimal sign of a text; by default the file decides, and is refused where it does not (``grouped_digits``).
+    skip : int, optional
+        Lines of a text before its table; by default they are found.
+    dates : {"day-first", "month-first"}, optional
+        Order of dates like 3/4/2024; by default the file decides, and is refused where it does not
+        (``ambiguous_date``).
 
     Returns
     -------
@@ -79,7 +86,8 @@ def read(
         ``too_large``, ``ragged_row``, ``duplicate_column``, ``text_in_numbers``, ``nan_in_required``,
         ``grouped_digits``, ``wrong_column``, ``unknown_unit``, ``epoch_digits``, ``no_channel``, ``no_time``,
         ``missing_extra``, ``several_topics``, ``several_clocks``,
-        ``nothing_left``, ``broken_plugin``, those of a time column that was named and cannot be time (``not_time``,
+        ``nothing_left``, ``broken_plugin``, ``ambiguous_date``, those of a time column that was named and cannot be
+        time (``not_time``,
         ``time_missing``, ``time_unit_unknown``), and those of ``pad.read_pad``.
     UsageError
         If a unit is given to no column (``wrong_column``), cannot belong to it (``unit_mismatch``), the
@@ -98,15 +106,23 @@ def read(
         return cut(recording_of(path, units, sample_rate), Times(start, stop, mission_start))
     from .reader import Request  # noqa: PLC0415 - numpy starts slowly
     from .registry import read_recording  # noqa: PLC0415
+    from .time.dates import check_dates  # noqa: PLC0415
     from .time.window import Window  # noqa: PLC0415
 
     window = Window(start, stop, mission_start)
-    request = Request(units or {}, sample_rate, time_column, required, topics, window, frame, decimal)
+    request = Request(
+        units or {}, sample_rate, time_column, required, topics, window, frame, decimal, skip, check_dates(dates)
+    )
     return read_recording(path, request)
 
 
-def read_table(path: str | Path) -> Table:
+def read_table(path: str | Path, *, decimal: str | None = None, skip: int | None = None) -> Table:
     """Return the reduced table in a file: columns of text or numbers, with the row of each.
+
+    Parameters
+    ----------
+    path, decimal, skip
+        As `read` takes them.
 
     Raises
     ------
@@ -116,4 +132,4 @@ def read_table(path: str | Path) -> Table:
     """
     from .text.table import read_table as read_rows  # noqa: PLC0415 - numpy starts slowly
 
-    return read_rows(path)
+    return read_rows(path, decimal=decimal, skip=skip)

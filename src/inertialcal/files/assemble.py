@@ -34,6 +34,7 @@ def assemble(
     sample_rate: float | None = None,
     time_column: str | None = None,
     required: Sequence[str] = (),
+    dates: str | None = None,
 ) -> Recording:
     """Return the recording that the columns of a file make.
 
@@ -43,7 +44,7 @@ def assemble(
         As a reader hands it over.
     source : Source
         File, hash, format.
-    units, sample_rate, time_column, required
+    units, sample_rate, time_column, required, dates
         As ``files.read`` takes them.
 
     Raises
@@ -59,7 +60,7 @@ def assemble(
         content = without_unfilled_end(content, path)
     described, unit_remarks = describe(content.columns, units or {}, path)
     if content.time_ns is None:
-        clock = find_clock(described, content, path, time_column)
+        clock = find_clock(described, content, path, time_column, dates)
     else:
         clock = Clock(None, content.time_ns, "utc")
     _refuse_grouped(content, path)

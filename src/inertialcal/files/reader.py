@@ -44,6 +44,8 @@ class Request:
     window: Window = field(default_factory=Window)
     frame: str | None = None
     decimal: str | None = None
+    skip: int | None = None
+    dates: str | None = None
 
 
 def wrong_frame(path: str | Path) -> UsageError:

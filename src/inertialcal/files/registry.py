@@ -59,11 +59,12 @@ READERS: Registry[Reader] = Registry(
     "reader", Reader, "inertialcal.readers", {name: f"{__package__}.{place}" for name, place in BUILT_IN.items()}
 )
 ARCHIVES: tuple[ArchiveReader, ...] = (pad.READER, bag_folder.READER)
-SIGNS: dict[str, Literal[".", ","]] = {"comma": ",", "point": "."}
+Sign = Literal[".", ","]
+SIGNS: dict[str, Sign] = {"comma": ",", "point": "."}
 KINDS = "iufMO"  # of the values of a column: numbers, instants, text
 
 
-Parsed = dict[tuple[str, tuple[str, ...] | None, str | None], tuple[Content, Source]]
+Parsed = dict[tuple[str, tuple[str, ...] | None, str | None, int | None], tuple[Content, Source]]
 
 
 def read_recording(path: str | Path, request: Request, parsed: Parsed | None = None) -> Recording:
@@ -83,7 +84,7 @@ def read_recording(path: str | Path, request: Request, parsed: Parsed | None = N
     if request.frame is not None:
         raise wrong_frame(path)
     variables = tuple(request.topics or ()) or None
-    key = (str(path), variables, request.decimal)
+    key = (str(path), variables, request.decimal, request.skip)
     known = None if parsed is None else parsed.get(key)
     content, source = _columns(path, request) if known is None else known
     if parsed is not None:
@@ -95,6 +96,7 @@ def read_recording(path: str | Path, request: Request, parsed: Parsed | None = N
         sample_rate=request.sample_rate,
         time_column=request.time_column,
         required=request.required,
+        dates=request.dates,
     )
     return cut(recording, request.window)
 
@@ -104,25 +106,40 @@ def _columns(path: str | Path, request: Request) -> tuple[Content, Source]:
     loaded = load(path, in_place=True)
     reader = find_reader(loaded)
     loaded = loaded if reader.in_place else whole(loaded)
-    if request.decimal is None:
+    if request.decimal is None and request.skip is None:
         content = reader.read(loaded, request.topics or None)
     else:
-        content = _with_decimal(loaded, reader, request.decimal)
+        content = _text_as_said(loaded, reader, request)
     check_count(len(content.columns), COLUMNS, "columns", loaded.path)
     packed = ", gzip" if loaded.packed else ""
     return content, Source(loaded.path, loaded.sha256, content.format + packed, reader.name)
 
 
-def _with_decimal(loaded: Loaded, reader: Reader, decimal: str) -> Content:
-    """Return the columns of a text whose decimal sign was stated."""
-    if decimal not in SIGNS:
-        raise UsageError(f"decimal sign {decimal!r}", do=f"Write {' or '.join(SIGNS)}", code="wrong_value")
+def _text_as_said(loaded: Loaded, reader: Reader, request: Request) -> Content:
+    """Return the columns of a text whose decimal sign, or lines before the table, were stated."""
+    option, what = ("skip", "lines before the table") if request.decimal is None else ("decimal", "decimal sign")
     if reader.name != TEXT:
-        what, why = f"{loaded.path}: --decimal given", f"{reader.title} has no decimal sign"
-        raise UsageError(what, why=why, do="Leave --decimal out", code="wrong_value")
+        problem, why = f"{loaded.path}: --{option} given", f"{reader.title} has no {what}"
+        raise UsageError(problem, why=why, do=f"Leave --{option} out", code="wrong_value")
     from .text.delimited import read_text  # noqa: PLC0415 - loaded where it is needed
 
-    return read_text(loaded, None, SIGNS[decimal])
+    return read_text(loaded, None, sign_of(request.decimal), lines_of(request.skip))
+
+
+def sign_of(decimal: str | None) -> Sign | None:
+    """Return a decimal sign by the word for it; Raises UsageError for another word."""
+    if decimal is not None and decimal not in SIGNS:
+        raise UsageError(f"decimal sign {decimal!r}", do=f"Write {' or '.join(SIGNS)}", code="wrong_value")
+    return None if decimal is None else SIGNS[decimal]
+
+
+def lines_of(skip: int | None) -> int:
+    """Return how many lines stand before the table; Raises UsageError for a number that cannot be."""
+    if skip is not None and skip < 0:
+        raise UsageError(
+            f"skip {skip}: need 0 lines or more", do="Count the lines before the header", code="wrong_value"
+        )
+    return skip or 0
 
 
 def find_reader(loaded: Loaded) -> Reader:

@@ -8,18 +8,18 @@ clear is asked for, all of it at once.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence, Set
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from ..core.errors import UsageError
 from ..core.key import AXES, Kind
 from ..core.settings import setting
-from ..core.units import divide, kind, normalise, parse_quantity
-from ..files.text.headers import bare_name
+from ..core.units import divide, kind, normalise, parse_quantity, same_dimension
+from ..files.text.headers import bare_name, full_name
 
 if TYPE_CHECKING:
-    from ..core.recording import Recording
+    from ..core.recording import Channel, Recording
     from ..core.remarks import Remark
     from ..files.text.table import Table
     from .protocol import InputSpec, Role
@@ -34,6 +34,9 @@ PLURAL = {
     "window": "windows",
     "position": "positions",
 }  # options that may be repeated, in Python
+UNITS_OF = {"angular_rate": "deg/s, rad/s", "acceleration": "m/s2, g", "temperature": "degC, K", "pressure": "Pa, mbar"}
+RAW = ("count", "voltage")
+PER_VOLT = ("V/(rad/s)", "V/(m/s^2)")  # dimensions of scale factors in volts
 SPOKEN = {"gyro": ("deg/s", "rad/s", "deg/h"), "accelerometer": ("m/s^2", "g", "mg", "ug")}
 
 
@@ -58,6 +61,13 @@ class Said:
     stop: str | None = setting("Only before this time, written like --from.", None, option="to")
     mission_start: str | None = setting("When mission elapsed time (DDD/HH:MM:SS) is zero, in UTC.", None)
     frame: str | None = setting("Axes of a PAD recording: data (as they are) or sensor (turned to them).", None)
+    decimal: Literal["comma", "point"] | None = setting(
+        "Decimal sign of a text; where not given, the file decides.", None
+    )  # fmt: skip
+    skip: int | None = setting("Lines of a text before its table; where not given, they are found.", None, least=0)
+    dates: Literal["day-first", "month-first"] | None = setting(
+        "Order of dates like 3/4/2024; where not given, the file decides.", None
+    )
     topics: list[str] = setting(
         "Of a file with several sets of columns, which: topic, message, group, sheet, table.",
         list[str], example="/imu/data", option="topic",
@@ -70,7 +80,22 @@ class Said:
         "From counts to the unit of the sensor: a TOML file with the keys of a campaign's chain, or the table itself.",
         None, example='{ kind = "adc", lsb = "5 V / 4095", counts = [0, 4095] }',
     )  # fmt: skip
-    scale_factor: str | None = setting("Nominal scale factor of the sensor.", None, example="0.5 V/(deg/s)")
+    lsb: str | None = setting("Voltage of one count of the converter.", None, example="5 V / 4095")
+    counts: str | None = setting(
+        "Lowest and highest code of the converter: readings at either end are left out.", None, example="0, 4095"
+    )
+    scale_factor: Mapping[str, str] = setting(
+        "Nominal scale factor of the sensor, one for all axes or one each (x=...): readings in counts or volts become "
+        "those of the sensor by it.", dict[str, str], example='"0.5 V/(deg/s)"',
+    )  # fmt: skip
+    reference: Mapping[str, str] = setting(
+        "Voltage, or count, of a sensor without input, one for all axes or one each; channel: it was recorded.",
+        dict[str, str], example='"2.5 V"',
+    )  # fmt: skip
+    gain: Mapping[str, float] = setting(
+        "Gain of the amplifier between sensor and converter, one for all axes or one each.",
+        dict[str, float], example="x=10",
+    )  # fmt: skip
     input_range: str | None = setting("Largest input of the sensor.", None, example="5 deg/s", option="range")
     latitude: str | None = setting("Geodetic latitude of the site.", None, example="36.6 deg")
     gravity: str | None = setting("Gravity at the site.", None, example="9.799 m/s2")
@@ -199,11 +224,12 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     sensor = sensor_kind(given, spec)
     roles = {name: one for one in spec.roles
              for name in (one.name, *(f"{one.name}_{axis}" for axis in AXES if one.by_axis))}  # fmt: skip
-    chain = chain_said(given)
+    chain = chain_said(given, sensor)
     voltages = ("reference", "temperature_reference") if chain.get("kind", "none") != "none" else ()
     known = [*AXES, *roles, *(f"{name}_{axis}" for name in voltages for axis in AXES), *voltages]
     if chain:
         known += [name for name in ("temperature", *(f"temperature_{axis}" for axis in AXES)) if name not in known]
+    columns = named_columns(recording, columns)
     if wrong := [what for what in columns if what not in known]:
         raise UsageError(f"column {wrong[0]!r}", do=f"There are: {', '.join(known)}", code="unknown_name")
     have = ", ".join(recording.names)
@@ -223,15 +249,30 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
                 what = f"{given.name}: cannot tell which column is the {role.name}; it has {have}"
                 raise UsageError(what, do=f"Add: {given.add('column', f'{role.name}=COLUMN')}", code="no_column")
             taken |= found
-    counted = chain.get("kind", "none") != "none"
-    units = {what: _unit(recording, name, counted) for what, name in taken.items()}
-    wanted = {what: _kinds(what, roles.get(what), sensor, counted) for what in taken}
+    chain = chain_of_units(given, chain, [recording.channel(name).unit for name in axes.values()])
+    raw = raw_units(chain)
+    units = {what: recording.channel(name).unit or ("count" if "count" in raw else None)
+             for what, name in taken.items()}  # fmt: skip
+    wanted = {what: _kinds(what, roles.get(what), sensor, raw) for what in taken}
     bad = [what for what in taken if units[what] is None or kind(units[what] or "") not in wanted[what]]
     if bad:
-        raise UsageError(*_no_unit(given, taken, wanted, bad, sensor), code="no_unit")
+        raise _no_unit(given, taken, wanted, bad, sensor)
     channels = {what: {"column": name, "unit": units[what]} for what, name in taken.items()}
-    spoken = spoken_unit(sensor, chain) if counted else str(units[next(iter(axes))])
-    return Described({"channels": channels}, sensor_said(given, sensor, [*axes], spoken), taken)
+    spoken = spoken_unit(sensor, chain) if raw else str(units[next(iter(axes))])
+    said = sensor_said(given, sensor, [*axes], spoken, chain)
+    remarks = chain_remarks(given, chain, [units[axis] for axis in axes])
+    return Described({"channels": channels}, said, taken, remarks=remarks)
+
+
+def named_columns(recording: Recording, columns: Mapping[str, str]) -> dict[str, str]:
+    """Return which column is what, by its full name: it may be given without the unit in brackets.
+
+    Raises
+    ------
+    DataError
+        ``wrong_column`` where there is no such column.
+    """
+    return {what: full_name(recording.names, name) or recording.channel(name).name for what, name in columns.items()}
 
 
 def sensor_kind(given: GivenFile, spec: InputSpec) -> Kind:
@@ -257,19 +298,21 @@ def sensor_kind(given: GivenFile, spec: InputSpec) -> Kind:
     return next((one for one in spec.kinds if GROUP[one] in there), spec.kinds[0])
 
 
-def chain_said(given: GivenFile) -> dict[str, Any]:
+def chain_said(given: GivenFile, sensor: Kind | None = None) -> dict[str, Any]:
     """Return the chain that was said, as a campaign has it; empty where none was.
+
+    Of values by name those of an axis, and that of the group of the sensor, are its own.
 
     Raises
     ------
     UsageError
-        If the text is no TOML table, or the file cannot be read.
+        If the text is no TOML table, the file cannot be read, or two options say the same.
     """
     import tomllib  # noqa: PLC0415
 
     from ..files.source import load  # noqa: PLC0415
 
-    text = given.said.chain
+    said, text = given.said, given.said.chain
     chain: dict[str, Any] = {}
     if text is not None:
         try:
@@ -278,9 +321,94 @@ def chain_said(given: GivenFile) -> dict[str, Any]:
             chain = chain.get("chain", chain)
         except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
             raise UsageError(f"chain: not TOML: {error}", where="" if inline else text, code="not_toml") from None
-    if given.said.scale_factor is not None:
-        chain = {"kind": "none"} | chain | {"scale_factor": given.said.scale_factor}
-    return chain
+    factors = given.own.get("scale_factor") or said.scale_factor
+    own: dict[str, Any] = {
+        "lsb": said.lsb, "counts": _codes(given, said.counts), "scale_factor": _of_sensor(factors, sensor),
+        "reference": _of_sensor(said.reference, sensor), "gain": _of_sensor(said.gain, sensor),
+    }  # fmt: skip
+    own = {name: value for name, value in own.items() if value not in (None, "")}
+    if isinstance(own.get("reference"), Mapping):  # of each axis its own
+        own["zero"] = own.pop("reference")
+    if not chain and not own:
+        return {}
+    return {"kind": "adc" if "lsb" in own else "output"} | chain | own
+
+
+def chain_of_units(given: GivenFile, chain: Mapping[str, Any], units: Sequence[str | None]) -> dict[str, Any]:
+    """Return a chain as it goes with readings in these units: none where they are in units of input already.
+
+    Raises
+    ------
+    UsageError
+        If something of it would have no effect, or it lacks the scale factor.
+    """
+    kept = dict(chain)
+    if kept.get("kind") == "output" and all(unit and kind(unit) in KIND_OF_UNIT.values() for unit in units):
+        idle = [name for name in ("reference", "zero", "gain") if name in kept]
+        if idle:
+            what = f"{given.name}: {idle[0]} is given, and the readings are in {units[0]} already"
+            raise UsageError(what, do="Leave it out, or correct the unit", code="option_without_effect")
+        return kept | {"kind": "none"}
+    if kept.get("kind") in ("adc", "output") and not kept.get("scale_factor"):
+        volts = "V" if kept["kind"] == "adc" or "voltage" in {kind(unit) for unit in units if unit} else "count"
+        what = f"{given.name}: counts and volts need the scale factor of the sensor"
+        do = f"Add that of its data sheet: {given.add('scale_factor', f'NUMBER {volts}/(UNIT)')}"
+        raise UsageError(what, do=do, code="no_scale_factor")
+    return kept
+
+
+def chain_remarks(given: GivenFile, chain: Mapping[str, Any], units: Sequence[str | None]) -> tuple[Remark, ...]:
+    """Return a remark where volts are counted from 0 V, as nobody said what the sensor gives without input."""
+    from ..core.remarks import Remark  # noqa: PLC0415
+
+    volts = chain.get("kind") == "adc" or any(unit is not None and kind(unit) == "voltage" for unit in units)
+    if not raw_units(chain) or not volts or "reference" in chain or "zero" in chain or given.said.chain is not None:
+        return ()
+    what = "voltage without input not given: taken as 0 V, all of it that is not is in the bias"
+    return (Remark("no_reference", "warning", what, given.name, do=f"Add: {given.add('reference', 'NUMBER V')}"),)
+
+
+def raw_units(chain: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return the kinds of unit that a chain starts from; none of one that does nothing."""
+    if chain.get("kind", "none") == "none":
+        return ()
+    given = chain.get("scale_factor")
+    text = next(iter(given.values()), "") if isinstance(given, Mapping) else given
+    volts = bool(text) and any(same_dimension(parse_quantity(str(text)).unit, one) for one in PER_VOLT)
+    if chain["kind"] == "adc":
+        return ("count", "voltage")
+    return ("voltage",) if chain["kind"] == "output" and volts else ("count",)
+
+
+def raw_advice(given: GivenFile, units: Sequence[str | None], like: str = "UNIT") -> str:
+    """Return what to add to readings in counts or volts: numbers of the data sheet, none of which is invented."""
+    per, zero = f"/({like})", given.add("reference", "NUMBER V")
+    volts = given.add("scale_factor", f"NUMBER V{per}")
+    if all(unit is not None and kind(unit) == "voltage" for unit in units):
+        return f"Add of the data sheet: {volts} {zero}"
+    lsb, own = given.add("lsb", "NUMBER V"), given.add("scale_factor", f"NUMBER count{per}")
+    return f"Add of the data sheet, behind a converter: {lsb} {zero} {volts}; of a digital sensor: {own}"
+
+
+def _codes(given: GivenFile, text: str | None) -> list[int] | None:
+    if text is None:
+        return None
+    parts = text.strip("[] ").replace(",", " ").replace("..", " ").split()
+    try:
+        lowest, highest = (int(one) for one in parts)
+    except ValueError:
+        what = f"{given.add('counts', text)}: need the lowest and the highest code"
+        raise UsageError(what, do=f"Write it like {given.add('counts', '0, 4095')}", code="wrong_value") from None
+    return [lowest, highest]
+
+
+def _of_sensor(values: Mapping[str, Any], sensor: Kind | None) -> Any:
+    """Return what was given for a sensor: one value for all axes, or one each; None where there is none."""
+    if not values:
+        return None
+    group = values.get(sensor or "", values.get(GROUP.get(sensor or "", ""), bare(values)))
+    by_axis = {axis: values[axis] for axis in AXES if axis in values}
+    return by_axis or group
 
 
 def own_clock(given: GivenFile, sensor: str) -> dict[str, Any]:
@@ -299,14 +427,16 @@ def own_clock(given: GivenFile, sensor: str) -> dict[str, Any]:
     return {"clock": {"column": own[0]}} if len(own) == 1 and own[0] != recording.time_column else {}
 
 
-def sensor_said(given: GivenFile, sensor: Kind, axes: Sequence[str], unit: str) -> dict[str, Any]:
-    """Return a sensor as a campaign has it."""
+def sensor_said(
+    given: GivenFile, sensor: Kind, axes: Sequence[str], unit: str, chain: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
+    """Return a sensor as a campaign has it; ``chain``: as it goes with its readings, else as said."""
     said: dict[str, Any] = {"kind": sensor, "axes": list(axes), "unit": unit}
     if given.said.input_range is not None:
         largest = given.said.input_range
         said["range"] = [f"-{largest.lstrip('+-')}", largest.lstrip("+-")]
-    chain = chain_said(given)
-    return said | ({"chain": chain} if chain else {})
+    chain = chain_said(given, sensor) if chain is None else chain
+    return said | ({"chain": dict(chain)} if chain else {})
 
 
 def spoken_unit(sensor: Kind, chain: Mapping[str, Any]) -> str:
@@ -327,12 +457,12 @@ def _axes(recording: Recording, sensor: Kind) -> dict[str, str]:
     return named if len(named) == len(found) else {}
 
 
-def _kinds(what: str, role: Role | None, sensor: Kind, counted: bool) -> tuple[str, ...]:
+def _kinds(what: str, role: Role | None, sensor: Kind, raw: tuple[str, ...]) -> tuple[str, ...]:
     """Return the kinds of unit that a channel may have."""
     if what in AXES:
-        return ("count",) if counted else (KIND_OF_UNIT[sensor],)
-    own = ("count",) if role is None else (role.kind or KIND_OF_UNIT[sensor],)
-    return (*own, "count") if counted and what.startswith("temperature") else own
+        return raw or (KIND_OF_UNIT[sensor],)
+    own = (raw or ("count",)) if role is None else (role.kind or KIND_OF_UNIT[sensor],)
+    return (*own, *raw) if what.startswith("temperature") else own
 
 
 def _of_role(recording: Recording, role: Role, roles: Sequence[Role], used: Set[str]) -> dict[str, str]:
@@ -352,18 +482,48 @@ def _of_role(recording: Recording, role: Role, roles: Sequence[Role], used: Set[
     return by_axis if len(by_axis) == len(found) else {}
 
 
-def _unit(recording: Recording, column: str, counted: bool) -> str | None:
-    unit = recording.channel(column).unit
-    return "count" if unit is None and counted else unit
-
-
 def _no_unit(
     given: GivenFile, taken: Mapping[str, str], wanted: Mapping[str, Sequence[str]], bad: Sequence[str], sensor: Kind
-) -> tuple[str, str, str, str]:
-    channels = {taken[what]: given.recording.channel(taken[what]).unit for what in bad}
-    names = ", ".join(f"{name!r} ({unit or '?'})" for name, unit in channels.items())
-    counted = {"count", "V"} & set(channels.values())
-    why = f"counts and volts need the chain of the sensor: {given.add('chain', 'CHAIN.toml')}" if counted else ""
-    groups = dict.fromkeys((GROUP[sensor] if what in AXES else what, wanted[what][0]) for what in bad)
-    do = " ".join(given.add("unit", f"{name}={EXAMPLE.get(unit, unit)}") for name, unit in groups)
-    return f"{given.name}: unit missing or of the wrong kind: {names}", "", why, f"Add: {do}"
+) -> UsageError:
+    """Return the error of channels without a unit that fits: what is in counts or volts needs the chain."""
+    channels = {taken[what]: given.recording.channel(taken[what]) for what in bad}
+    names = ", ".join(f"{name!r} ({one.unit or '?'})" for name, one in channels.items())
+    what = f"{given.name}: unit missing or of the wrong kind: {names}"
+    axes = [one for name, one in channels.items() if name in {taken[what] for what in bad if what in AXES}]
+    raw = [one for one in axes if one.unit is not None and kind(one.unit) in RAW]
+    unsaid = [what for what in bad if given.recording.channel(taken[what]) not in raw]
+    groups = {GROUP[sensor] if what in AXES else what: wanted[what][0] for what in unsaid}
+    named = {name: (unit, [given.recording.channel(taken[what]) for what in unsaid
+                           if (what in AXES) == (name == GROUP[sensor])]) for name, unit in groups.items()}  # fmt: skip
+    do = [raw_advice(given, [one.unit for one in raw], EXAMPLE[KIND_OF_UNIT[sensor]])] if raw else []
+    do += unit_advice(given, named)
+    return UsageError(
+        what, "", "counts and volts need the chain of the sensor" if raw else "", ". ".join(do), "no_unit"
+    )
+
+
+def unit_advice(given: GivenFile, named: Mapping[str, tuple[str, Sequence[Channel]]]) -> list[str]:
+    """Return what to add to channels without a unit that fits: what numbers give away, else which units there are.
+
+    ``named``: kind of unit that is wanted, and the channels, by the name that the option takes.
+    """
+    options, notes, others = list[str](), list[str](), list[str]()
+    for name, (wanted, channels) in named.items():
+        unit, reason = _hint(given, channels)
+        if unit == "count":
+            others.append(f"Counts? ({reason}) {raw_advice(given, ['count'], EXAMPLE.get(wanted, 'UNIT'))}")
+            continue
+        known = bool(unit) and kind(unit) == wanted
+        options.append(given.add("unit", f"{name}={unit if known else 'UNIT'}"))
+        like = UNITS_OF.get(wanted, EXAMPLE.get(wanted, wanted))
+        notes.append(reason if known else f"UNIT of {name}: {like}, ...")
+    return [*([f"Add: {' '.join(options)} ({'; '.join(notes)})"] if options else []), *others]
+
+
+def _hint(given: GivenFile, channels: Sequence[Channel]) -> tuple[str, str]:
+    """Return the unit that numbers give away, and why; empty where they do not."""
+    from ..files.info.channel_survey import survey_channel, unit_hints  # noqa: PLC0415 - starts slowly
+
+    named = [one for one in channels if one.unit is None]
+    hints = unit_hints(replace(given.recording, channels=tuple(named)), [survey_channel(one) for one in named])
+    return next(((one.unit, one.reason) for one in hints if one.unit), ("", ""))

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from .entries import Entry, EntryKey, SaidSensor, SaidTest
     from .given import Described, GivenFile
     from .model_terms import HeldOut, ModelTerms, TermKind
-    from .suggestions import Claim, Draft, FolderFile, Suggestion
+    from .suggestions import Claim, Draft, FolderFile, Question, Suggestion
 
 T = TypeVar("T")
 
@@ -842,6 +842,10 @@ class Procedure(Generic[P, R, S]):
     def claims(self, file: FolderFile) -> Claim | None:
         """Return how much a file of a folder is made for this test."""
         return None
+
+    def asks(self, contents: Mapping[str, object]) -> Sequence[Question]:
+        """Return what it has to be told of what was made of claimed files, by file."""
+        return ()
 
     def belong_together(self, contents: Sequence[object]) -> bool:
         """Return whether what was made of claimed files can be one test; else those in reserve have them."""

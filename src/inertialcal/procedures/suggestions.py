@@ -5,13 +5,14 @@ Several procedures may want a file: the strongest has it, and among equals the o
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 from ..core.campaign_text import FILL_IN, Noted
+from ..core.errors import InertialcalError
 from ..core.key import AXES
 from ..core.remarks import Remark
 
@@ -100,6 +101,53 @@ class Draft:
     standards: Tables = field(default_factory=dict)
     site: Tables = field(default_factory=dict)
     example: bool = True
+
+
+@dataclass(frozen=True)
+class Question:
+    """What a first campaign.toml cannot be told by the files.
+
+    Parameters
+    ----------
+    name, group : str
+        Setting that it answers; group of sensors that it is of, where it differs between them.
+    seen, ask : str
+        What the files show; what is to be said.
+    suggestion : str
+        What Enter takes; empty where Enter leaves it open.
+    wrong : callable
+        What is wrong with an answer; empty where nothing is.
+    """
+
+    name: str
+    seen: str
+    ask: str
+    suggestion: str = ""
+    group: str = ""
+    wrong: Callable[[str], str] = lambda text: ""
+
+
+def one_of(words: Iterable[str]) -> Callable[[str], str]:
+    """Return what is wrong with a word that is none of these."""
+    known = tuple(words)
+    return lambda text: "" if text in known else f"one of: {', '.join(known)}"
+
+
+def quantity(unit: str, optional: bool = False, words: Sequence[str] = ()) -> Callable[[str], str]:
+    """Return what is wrong with text that is no quantity in such a unit; optional: it may be empty."""
+
+    def wrong(text: str) -> str:
+        from ..core.units import parse_quantity  # noqa: PLC0415 - numpy starts slowly
+
+        if text in words or (optional and not text):
+            return ""
+        try:
+            parse_quantity(text).to(unit)
+        except InertialcalError as error:
+            return error.problems[0].what
+        return ""
+
+    return wrong
 
 
 def fill_in(value: object = "?") -> Noted:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -176,7 +177,12 @@ def test_bad_input() -> None:
     refused("wrong_unit", "column 'gyro_x': the data are in 'g'", recording=recording("g"))
     refused("wrong_column", "no column 'w'", columns={"x": "w"})
     refused("wrong_column", "q=n: the model has no such input", columns={"q": "n"})
-    refused("no_temperature", "needs the temperature of the sensor", model=model(in_temperature=True))
+    warm, raw = model(in_temperature=True), recording()
+    assert taken(warm, raw).columns["temperature"] == "temp"
+    other = replace(raw.channel("temp"), name="room")
+    for channels in ([one for one in raw.channels if one.name != "temp"], [*raw.channels, other]):
+        given = replace(raw, channels=tuple(channels))
+        refused("no_temperature", "needs the temperature of the sensor", model=warm, recording=given)
     refused("no_temperature", "'hot' is neither a column nor", model=model(in_temperature=True), temperature="hot")
     refused("no_unit", "unit of column 'n' not given", model=model(in_temperature=True), temperature="n")
     assert compensate(model(), recording(), serial="7").names

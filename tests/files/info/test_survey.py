@@ -102,7 +102,9 @@ def test_a_swing_of_the_temperature_leads_to_thermal(tmp_path: Path) -> None:
     rates = {"gyro_x [deg/s]": RNG.normal(0.0, 1e-3, N)}
     assert led("swing.csv", -40.0, **rates) == f"inertialcal thermal {tmp_path / 'swing.csv'}"
     assert led("room.csv", 3.0, **rates) is None
-    assert led("counts.csv", -40.0, **{"gyro_x [count]": RNG.normal(0.0, 9.0, N)}) is None
+    chain = '--lsb "NUMBER V" --reference "NUMBER V" --scale-factor "NUMBER V/(UNIT)"'
+    counts = led("counts.csv", -40.0, **{"gyro_x [count]": RNG.normal(0.0, 9.0, N)})
+    assert counts == f"inertialcal thermal {tmp_path / 'counts.csv'} {chain}"
     assert led("alone.csv", -40.0, **{"pressure [Pa]": RNG.normal(0.0, 9.0, N)}) is None
 
 

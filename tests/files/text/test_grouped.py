@@ -21,13 +21,15 @@ REFUSED = {
     "decimal commas in another column": ("a;x\n0,5;998\n0,6;1,242\n7;1,500\n", 3, NO_DECIMALS),
     "millions": ("a;x\n0,5;1,242\n0,6;12,345,678\n0,7;1,500\n", 3, ""),
     "decimal points elsewhere": ("a;x\n5.5;1,242\n6.5;2,242\n7.5;1,500\n", 2, ""),
-    "points group": ("a;x\n5,5;1.242,5\n6,5;2.242,7\n7,5;1.500,1\n", 2, ""),
     "a thousand after 300 rows": ("a;x\n" + 300 * "5;998\n" + "6;1,242\n", 302, NO_DECIMALS),
 }
 READ = {
     "decimal commas elsewhere": ("t;x\n0,50;1,242\n0,60;2,998\n0,70;1,500\n", [1.242, 2.998, 1.5]),
     "a decimal comma in the column": ("t\tx\n5\t1,242\n6\t0,998\n7\t1,500\n", [1.242, 0.998, 1.5]),
     "four digits before the comma": ("t\tx\n5\t1,242\n6\t1200,998\n7\t1,500\n", [1.242, 1200.998, 1.5]),
+    "points group": ("a;x\n5,5;1.242,5\n6,5;2.242,7\n7,5;998,1\n", [1242.5, 2242.7, 998.1]),
+    "commas group": ('a,x\n5.5,"1,242.5"\n6.5,"12,242.7"\n7.5,998.1\n', [1242.5, 12242.7, 998.1]),
+    "decimal commas in quotes": ('a,x\n"0,5","0,25"\n"1,5","12,5"\n"2,5","1,75"\n', [0.25, 12.5, 1.75]),
     "an exponent elsewhere": ("t;x\n1,5e3;1,242\n2,5e3;2,998\n3,5e3;1,500\n", [1.242, 2.998, 1.5]),
     "two digits behind it": ("t x\n5 1,24\n6 998\n7 1,50\n", [1.24, 998.0, 1.5]),
 }

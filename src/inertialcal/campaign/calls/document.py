@@ -20,6 +20,7 @@ from ...procedures.given import GROUP, Described, GivenFile, Said
 from ...procedures.protocol import Procedure
 from ..file.load import load
 from ..file.recordings import OWN_KEYS
+from .given import text_said
 
 Document = dict[str, Any]
 INNER_FILES = ("file", "schedule")  # keys of tables in an entry that name another file
@@ -88,15 +89,16 @@ def document_of(
 
 def _reading(said: Said, entry: Mapping[str, Any]) -> dict[str, Any]:
     """Return how the file is read, and the power-up, as an entry says them."""
+    text = text_said(said)
     if "channels" not in entry:
-        return {}
+        return {"text": text} if text else {}
     clock = {
         "column": said.time_column, "averaging": said.averaging, "start": said.start, "stop": said.stop,
         "sample_rate": None if said.sample_rate is None else f"{said.sample_rate!r} Hz",
         "mission_start": said.mission_start,
     }  # fmt: skip
     clock = {**entry.get("clock", {}), **{name: value for name, value in clock.items() if value is not None}}
-    found: dict[str, Any] = {"clock": clock} if clock else {}
+    found: dict[str, Any] = ({"clock": clock} if clock else {}) | ({"text": text} if text else {})
     if said.frame is not None:
         found["frame"] = said.frame
     if said.topics:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -17,19 +17,26 @@ from ...core.recording import Recording
 from ...core.units import kind, normalise
 from ...files import read, read_table
 from ...files.budget import ANALYSIS, AS_WIDE, STREAMED, claim_recording
+from ...files.info.describe import is_volts
 from ...files.memory import numbers_of, of_array, with_named_units
 from ...files.source import load as load_file
 from ...files.text.table import Table
 from ...procedures.given import Said, bare
 from ...procedures.protocol import InputSpec
 from ..file.recordings import RecordingEntry
-from ..inputs.sources import reading_of
+from ..inputs.sources import reading_of, table_of
 
 T = TypeVar("T")
 SENSORS = ("gyro", "acc")
 Given = str | Path | Recording | Array
 # Quantity of a unit that is given without a name.
 GROUPS = {"angular_rate": "gyro", "acceleration": "acc"}
+
+
+def text_said(said: Said) -> dict[str, Any]:
+    """Return what was said of a text, as `files.read` takes it."""
+    given = {"decimal": said.decimal, "skip": said.skip, "dates": said.dates}
+    return {name: value for name, value in given.items() if value is not None}
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +69,7 @@ class Files:
         wanted: dict[str, Any] = {
             "sample_rate": said.sample_rate, "time_column": said.time_column, "start": said.start, "stop": said.stop,
             "mission_start": said.mission_start, "frame": said.frame, "topics": said.topics or None,
+            **text_said(said),
         }  # fmt: skip
         wanted |= {one: value for one, value in reading.items() if value is not None}
         if name not in self.held or self.read_as.get(name, wanted) != wanted:
@@ -87,13 +95,13 @@ class Files:
             read(entry.file, required=required, **reading_of(entry))
         return found
 
-    def table(self, file: str) -> Table:
+    def table(self, file: str, text: Mapping[str, Any] | None = None) -> Table:
         """Return the rows of a file."""
         if not Path(file).exists():
             raise DataError(
                 f"{file}: a table of rows is needed, not a recording", do="Give the file", code="wrong_value"
             )
-        return read_table(file)
+        return read_table(file, **table_of(text_said(self.said) | dict(text or {})))
 
     def has(self, file: str) -> bool:
         """Return whether there is such a file."""
@@ -165,6 +173,9 @@ def _with_unit(recording: Recording, unit: str | None) -> Recording:
     group = GROUPS.get(kind(unit), "")  # counts and volts are those of any axis
     axes = [one for one in recording.channels if one.axis in AXES]
     named = {one.name for one in recording.channels if group and one.quantity == group}
+    named = {one.name for one in recording.channels if one.name in named and not is_volts(one.unit, unit)}
+    if not named and group and any(one.quantity == group and is_volts(one.unit, unit) for one in axes):
+        return recording  # volts in its header: they become rates by a chain alone
     named = named or {one.name for one in axes if not one.quantity or (not group and one.quantity in GROUPS.values())}
     channels = [replace(one, unit=normalise(unit), unit_from="flag", quantity=group or one.quantity)
                 if one.name in named else one for one in recording.channels]  # fmt: skip

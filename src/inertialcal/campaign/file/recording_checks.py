@@ -11,7 +11,7 @@ from ...core.schema.toml import At
 from ...core.units import kind, parse_quantity
 from ...files.pad.pairs import pairs_of
 from ...procedures import loaded_procedures
-from ..inputs.chains import build_chain, scale_factors
+from ..inputs.chains import build_chain, raw_kinds, scale_factors
 from .recordings import ROLES, CommonKeys, own_keys
 from .schema import CampaignFile
 from .sensors import Sensor
@@ -111,12 +111,13 @@ def _channel_units(name: str, entry: CommonKeys, sensor: Sensor, at: At) -> Iter
 def _kinds(channel: str, sensor: Sensor, wanted: str) -> tuple[str, ...]:
     """Return the kinds of unit that a channel may have; none where it is not used."""
     counted = sensor.chain.kind != "none"
+    raw = raw_kinds(sensor)
     if channel in ROLES:
         return (ROLES[channel].kind or wanted,)
     if channel.startswith("temperature"):
-        return ("temperature", "count") if counted else ("temperature",)
+        return ("temperature", *raw) if counted else ("temperature",)
     if channel.startswith("gain"):
         return ("dimensionless",)
     if "_" in channel and not counted:
         return ()
-    return ("count",) if counted else (wanted,)
+    return raw if counted else (wanted,)

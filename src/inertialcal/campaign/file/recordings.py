@@ -54,6 +54,14 @@ def _is_number(text: str) -> bool:
         return False
 
 
+class TextLayout(Strict):
+    """text = {...}: how a text is to be read, where the file does not say it."""
+
+    decimal: Literal["comma", "point"] | None = None
+    skip: Annotated[int, Field(ge=0)] | None = None
+    dates: Literal["day-first", "month-first"] | None = None
+
+
 class ChannelEntry(Strict):
     """NAME = { column, unit } in ``channels``; what a sample adds up to, and a scale factor, of a sensor at rest."""
 
@@ -115,6 +123,7 @@ class CommonKeys(Strict):
     file: Text
     channels: dict[ChannelName, ChannelEntry] | None = None
     clock: Clock | None = None
+    text: TextLayout | None = None
     frame: Literal["data", "sensor"] | None = None
     topics: list[Text] | None = None
     axis: Axis | None = None
@@ -150,6 +159,7 @@ _ORDER = (
     *TABLE_KEYS,
     "channels",
     "clock",
+    "text",
     "frame",
     "topics",
     *_MOVED,

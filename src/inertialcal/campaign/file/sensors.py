@@ -43,10 +43,13 @@ class Ground(Strict):
     source: Text = ""
 
 
-class Chain(Strict):
-    """chain = {...}: from counts to the unit of the sensor."""
+OF_OUTPUT = ("reference", "zero", "thermometer", "validity_minimum", "lsb", "counts", "gate")  # not of kind "none"
 
-    kind: Literal["none", "adc", "pulse_rate"]
+
+class Chain(Strict):
+    """chain = {...}: from counts or volts to the unit of the sensor."""
+
+    kind: Literal["none", "adc", "output", "pulse_rate"]
     lsb: Voltage | None = None
     counts: tuple[int, int] | None = None
     reference: Literal["channel"] | Voltage | None = None
@@ -67,8 +70,18 @@ class Chain(Strict):
 
     @model_validator(mode="after")
     def _complete(self) -> Chain:
-        if self.kind == "adc" and (self.lsb is None or self.counts is None):
-            raise ValueError('kind = "adc" needs lsb and counts')
+        if self.kind == "adc" and self.lsb is None:
+            raise ValueError('kind = "adc" needs lsb')
+        if self.kind == "output" and self.scale_factor is None:
+            raise ValueError('kind = "output" needs scale_factor')
+        idle = [name for name in OF_OUTPUT if getattr(self, name) is not None] if self.kind == "none" else []
+        idle += [
+            name for name in ("lsb", "counts", "gate") if self.kind == "output" and getattr(self, name) is not None
+        ]
+        if idle or (self.kind == "none" and self.gain != 1.0):
+            have = ", ".join(idle) or "gain"
+            ways = '"adc" for readings in counts' + ('; "output" for volts' if self.kind == "none" else "")
+            raise ValueError(f'kind = "{self.kind}" does not use {have}: set kind = {ways}')
         if self.kind == "pulse_rate" and self.gate is None:
             raise ValueError('kind = "pulse_rate" needs gate')
         if self.ground is not None and self.model is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Set
+from collections.abc import Iterable, Set
 from dataclasses import replace
 
 import numpy as np
@@ -10,8 +10,8 @@ import numpy as np
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.schema.quantities import Axis, PerAxis
-from ...core.units import kind, parse_quantity, si_unit
-from ...sensors.chain.converter import Chain, Thermometer, pulse_counter
+from ...core.units import kind, parse_quantity, same_dimension, si_unit
+from ...sensors.chain.converter import Chain, Thermometer, in_volts, pulse_counter
 from ..file.sensors import Chain as Chain_
 from ..file.sensors import Sensor
 
@@ -35,12 +35,14 @@ def build_chain(sensor: Sensor, axes: tuple[str, ...] | None = None) -> Chain:
     if given.kind == "pulse_rate":
         factor = None if given.scale_factor is None else per_axis(given.scale_factor, f"count/s/({si})", axes)
         return pulse_counter(axes, float(given.gate or 0.0), si, factor)
-    thermometer = given.thermometer
+    thermometer, output = given.thermometer, output_unit(sensor)
     return Chain(
         axes=axes,
-        step=float(given.lsb or 0.0),
+        step=1.0 if given.lsb is None else given.lsb,
         codes=given.counts,
         unit=si,
+        output_unit=output,
+        input_unit="count" if given.kind == "adc" else output,
         scale_factor=scale_factors(sensor, axes),
         reference=given.reference if given.reference is not None else 0.0,
         zero=_zeros(given, axes),
@@ -55,6 +57,28 @@ def build_chain(sensor: Sensor, axes: tuple[str, ...] | None = None) -> Chain:
         ),
         validity_minimum=given.validity_minimum,
     )
+
+
+def output_unit(sensor: Sensor) -> str:
+    """Return the unit of what leaves a sensor: ``V``, ``count/s``, or ``count`` where it gives numbers itself."""
+    given = sensor.chain
+    if given.kind == "pulse_rate":
+        return "count/s"
+    text = next(iter(given.scale_factor.values()), "") if isinstance(given.scale_factor, dict) else given.scale_factor
+    if given.kind != "output" or not text:
+        return "V"
+    try:
+        counted = same_dimension(parse_quantity(text).unit, f"count/({si_unit(sensor.unit)})")
+    except DataError:  # said where the chain is built
+        return "V"
+    return "count" if counted else "V"
+
+
+def raw_kinds(sensor: Sensor) -> tuple[str, ...]:
+    """Return the kinds of unit that the recordings of a sensor with a chain may be in."""
+    if sensor.chain.kind == "adc":
+        return RAW
+    return ("voltage",) if output_unit(sensor) == "V" else ("count",)
 
 
 def model_chain(
@@ -92,11 +116,13 @@ def model_chain(
 def scale_factors(sensor: Sensor, axes: tuple[str, ...]) -> Array | None:
     """Return the ideal scale factor of each axis, shape (k,); None where there is none.
 
-    Of a converter [V/SI unit]; of readings that stay in counts or volts [unit of the readings/SI unit].
+    Of a chain [its output unit/SI unit]; of readings that stay in counts or volts [unit of the readings/SI unit].
     """
     given, si, output = sensor.chain.scale_factor, si_unit(sensor.unit), "V"
     if sensor.chain.kind == "none" and kind(sensor.unit) in RAW and sensor.kind in INPUT:
         si, output = INPUT[sensor.kind], sensor.unit
+    if sensor.chain.kind == "output":
+        output = output_unit(sensor)
     return None if given is None else per_axis(given, f"{output}/({si})", axes)
 
 
@@ -118,6 +144,12 @@ def body_scale_factors(sensor: Sensor) -> dict[str, float] | None:
     letters = ("x", "y", "z")
     felt = {letters[body]: letters[int(np.argmax(mounting[:, body]))] for body in range(3)}
     return {body: own[sensed] for body, sensed in felt.items() if sensed in own}
+
+
+def recorded_chain(chain: Chain, units: Iterable[str]) -> Chain:
+    """Return the chain of a recording: from volts where its signals are in volts."""
+    volts = any(one and kind(one) == "voltage" for one in units)
+    return in_volts(chain) if volts and chain.output_unit == "V" else chain
 
 
 def per_axis(given: PerAxis, unit: str, axes: tuple[str, ...]) -> Array:

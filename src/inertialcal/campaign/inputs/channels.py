@@ -23,7 +23,7 @@ from ...signals.time.samples import Flags
 from ..file.recordings import OF_CHAIN, ROLES, ChannelEntry, Clock, RecordingEntry
 from ..file.schema import Test
 from ..file.sensors import Sensor
-from .chains import build_chain
+from .chains import build_chain, recorded_chain
 from .ground import ChainModel, after_model
 
 TEMPERATURE, GAIN = "temperature", "gain"
@@ -35,7 +35,9 @@ LONGEST = 1.01  # averaging over the interval, from which a sample would hold so
 def chain_of(entry: RecordingEntry, sensor: Sensor) -> Chain | None:
     """Return the chain of the axes that a recording has; None where they are in units already, or there is none."""
     axes = tuple(axis for axis in sensor.axes if axis in (entry.channels or {}))
-    return build_chain(sensor, axes) if axes and sensor.chain.kind != "none" else None
+    if not axes or sensor.chain.kind == "none":
+        return None
+    return recorded_chain(build_chain(sensor, axes), [(entry.channels or {})[axis].unit for axis in axes])
 
 
 def in_body_axes(

@@ -40,7 +40,7 @@ from ...sensors.chain.converter import Chain
 from ..file.recordings import Clock, RecordingEntry
 from ..file.schema import Site, Test
 from ..file.sensors import Sensor
-from .chains import body_scale_factors, build_chain, scale_factors
+from .chains import RAW, body_scale_factors, build_chain, output_unit, recorded_chain
 from .channels import TEMPERATURE, chain_of, in_body_axes, in_windows, windowed
 from .duplicates import Content, content_of_recording, content_of_table
 from .gate import Gate, passed, without_stuck
@@ -65,8 +65,8 @@ class Store(Protocol):
         """Return a recording as its file has it."""
         ...
 
-    def table(self, file: str) -> Table:
-        """Return a reduced table."""
+    def table(self, file: str, text: Mapping[str, Any] | None = None) -> Table:
+        """Return a reduced table, its text read as is said."""
         ...
 
     def has(self, file: str) -> bool:
@@ -84,7 +84,18 @@ def reading_of(entry: RecordingEntry) -> dict[str, Any]:
     return {
         "time_column": clock.column, "sample_rate": clock.sample_rate, "start": clock.start, "stop": clock.stop,
         "mission_start": clock.mission_start, "frame": entry.frame, "topics": entry.topics,
+        **text_of(entry),
     }  # fmt: skip
+
+
+def text_of(entry: RecordingEntry) -> dict[str, Any]:
+    """Return what an entry says of its text, as `files.read` takes it; nothing where it says nothing."""
+    return {} if entry.text is None else entry.text.model_dump(exclude_none=True)
+
+
+def table_of(text: Mapping[str, Any]) -> dict[str, Any]:
+    """Return of what is said of a text that which `files.read_table` takes: cells of dates stay text there."""
+    return {name: value for name, value in text.items() if name != "dates"}
 
 
 @dataclass(frozen=True)
@@ -97,9 +108,9 @@ class Folder:
         """Return a recording as its file has it."""
         return read(self.folder / entry.file, required=required, **reading_of(entry))
 
-    def table(self, file: str) -> Table:
+    def table(self, file: str, text: Mapping[str, Any] | None = None) -> Table:
         """Return a reduced table."""
-        return read_table(self.folder / file)
+        return read_table(self.folder / file, **table_of(text or {}))
 
     def has(self, file: str) -> bool:
         """Return whether there is such a file."""
@@ -141,7 +152,8 @@ class ReadOnce(Folder):
             return self._archived[which]
         window = Window(reading["start"], reading["stop"], reading["mission_start"])
         request = Request(sample_rate=reading["sample_rate"], time_column=reading["time_column"], required=required,
-                          window=window, frame=reading["frame"], topics=reading["topics"])  # fmt: skip
+                          window=window, frame=reading["frame"], topics=reading["topics"],
+                          **text_of(entry))  # fmt: skip
         parsed = self._parsed.setdefault(entry.file, {})
         found = read_recording(self.folder / entry.file, request, parsed)
         if not parsed:
@@ -155,10 +167,10 @@ class ReadOnce(Folder):
             self.absent.add(file)
         return found
 
-    def table(self, file: str) -> Table:
+    def table(self, file: str, text: Mapping[str, Any] | None = None) -> Table:
         """Return a reduced table."""
         if file not in self._tables:
-            self._tables[file] = super().table(file)
+            self._tables[file] = super().table(file, text)
         return self._tables[file]
 
     def leave(self, files: Iterable[str]) -> None:
@@ -189,7 +201,7 @@ class Memory:
         """Return a recording as given."""
         return self.held[entry.file]
 
-    def table(self, file: str) -> Table:
+    def table(self, file: str, text: Mapping[str, Any] | None = None) -> Table:
         """Return a reduced table."""
         found = self.extras[file]
         assert isinstance(found, Table)  # noqa: S101 - whoever filled the store
@@ -299,7 +311,7 @@ class Ready:
 
     @cached_property
     def _table(self) -> Table:
-        return self.store.table(self.entry.file)
+        return self.store.table(self.entry.file, text_of(self.entry))
 
     def table(self) -> Table:
         """Return the reduced table."""
@@ -311,14 +323,15 @@ class Ready:
 
     def in_si(self, values: Array, unit: str, axis: str) -> Array:
         """Return readings of a table in SI: counts through the chain, volts over the scale factor."""
-        if kind(unit) == "count":
-            if self.sensor.chain.reference == "channel":
+        if kind(unit) in RAW:
+            chain = self._table_chain(unit, axis)
+            if chain.reference == "channel":
                 what = f"recordings.{self.name}: counts, and the reference voltage is a channel that the table lacks"
-                raise DataError(what, self._table.source.path, do="Give readings in volts", code="missing_reference")
-            made = convert_counts(build_chain(self.sensor, (axis,)), values[:, None], place=self._table.where)
+                do = "Give readings in volts above the reference"
+                raise DataError(what, self._table.source.path, do=do, code="missing_reference")
+            taken = convert(values, unit, chain.input_unit)
+            made = convert_counts(chain, taken[:, None], place=self._table.where)
             found = np.asarray(made.readings)[:, 0]
-        elif kind(unit) == "voltage":
-            found = values * self.factor(unit, axis)
         else:
             found = convert(values, unit, si_unit(unit))
         check_readings(axis, found, si_unit(unit), self._table.where)
@@ -326,15 +339,18 @@ class Ready:
 
     def factor(self, unit: str, axis: str) -> float:
         """Return SI units a unit of the table, for differences."""
-        if kind(unit) not in {"count", "voltage"}:
+        if kind(unit) not in RAW:
             return factor(unit, si_unit(unit))
-        given = scale_factors(self.sensor, (axis,))
-        assert given is not None  # noqa: S101 - checked with the entry
-        volts_per_si = float(given[0])
-        if kind(unit) == "voltage":
-            return factor(unit, "V") / volts_per_si
-        built = build_chain(self.sensor, (axis,))
-        return built.step / float(np.ravel(built.gain)[0]) / volts_per_si
+        chain = self._table_chain(unit, axis)
+        assert chain.scale_factor is not None  # noqa: S101 - checked with the entry
+        per_output = chain.step / float(np.ravel(chain.gain)[0]) / float(np.ravel(chain.scale_factor)[0])
+        return factor(unit, chain.input_unit) * per_output
+
+    def _table_chain(self, unit: str, axis: str) -> Chain:
+        """Return the chain of readings in a unit; volts beside a measured reference stand above it already."""
+        chain = recorded_chain(build_chain(self.sensor, (axis,)), [unit])
+        measured = chain.reference == "channel" and chain.input_unit == "V"
+        return replace(chain, reference=0.0) if measured else chain
 
     # ---- recordings -------------------------------------------------------------------------------------------
 
@@ -435,7 +451,7 @@ class Ready:
         for body, sensed in sensed_by.items():
             one = channels.get(f"validity_{sensed}")
             if chain is not None and one is not None and sensed in chain.axes:
-                tested[body] = chain.step * np.asarray(self.raw.channel(one.column).data, dtype=float)
+                tested[body] = _at_converter(chain, self.raw.channel(one.column), one.unit)
         lowest = None if chain is None else chain.validity_minimum
         return recorded_rows(self.name, self.raw, tested, lowest, self.facts.standards.get(CLOCK))
 
@@ -487,8 +503,8 @@ def facts_of(sensor: Sensor, standards: Standards, site: Site | None = None) -> 
     known = None if sensor.kind == "other" else sensor.kind
     si = si_unit(sensor.unit) if known else sensor.unit
     ends = None if sensor.range is None else [parse_quantity(text).to(si) for text in sensor.range]
-    counted = sensor.chain.kind == "pulse_rate"
-    pulses = build_chain(sensor).scale_factor if counted else None
+    counted = output_unit(sensor) != "V"
+    pulses = build_chain(sensor).scale_factor if sensor.chain.kind == "pulse_rate" else None
     return Facts(
         kind=known,
         unit=sensor.unit,
@@ -553,17 +569,23 @@ def _reference_voltages(raw: Recording, entry: RecordingEntry, chain: Chain | No
             named = (entry.channels or {}).get(f"{counted}_{axis}")
             if named is not None:
                 codes = np.asarray(raw.channel(named.column).data, dtype=np.float64)
-                volts = chain.step * codes
+                volts = _at_converter(chain, raw.channel(named.column), named.unit)
                 if chain.codes is not None:
                     volts = np.where((codes > chain.codes[0]) & (codes < chain.codes[1]), volts, np.nan)
                 found.append(Channel(f"{voltage}_{axis}", volts, "V", "chain", axis))
     return found
 
 
+def _at_converter(chain: Chain, channel: Channel, unit: str) -> Array:
+    """Return the voltage of a channel at the converter [V], recorded in codes or in volts."""
+    values = np.asarray(channel.data, dtype=np.float64)
+    return chain.step * values if chain.input_unit == "count" else convert(values, unit, chain.input_unit)
+
+
 def _thermometers(sensor: Sensor) -> dict[str, tuple[float, float, float]] | None:
     """Return the temperature channels by body axis; None where there is none, or the mounting mixes sensors."""
     sensed_by = _sensed_by(sensor)
-    if sensor.chain.kind != "adc" or sensor.chain.thermometer is None or sensed_by is None:
+    if sensor.chain.kind not in ("adc", "output") or sensor.chain.thermometer is None or sensed_by is None:
         return None
     chain = build_chain(sensor)
     given = chain.thermometer

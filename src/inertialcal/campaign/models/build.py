@@ -32,7 +32,7 @@ from ..file.cross_checks import model_name
 from ..file.load import Campaign
 from ..file.schema import CampaignFile, Condition, Test
 from ..file.sensors import Sensor
-from ..inputs.chains import body_scale_factors, model_chain
+from ..inputs.chains import body_scale_factors, model_chain, output_unit
 from ..inputs.channels import GAIN
 from .judged import NOT_RUN, JudgedModel, Modelled, Residual, ResidualLoop
 
@@ -283,7 +283,7 @@ def _model(campaign: Campaign, sensor: Sensor, condition: str, parts: Sequence[P
                    if any(kind_of(key) == "scale_factor" for key in part.terms.parameters))  # fmt: skip
     axes = tuple(axis for axis in sensor.axes if axis in (scaled or terms.axes)) or terms.axes
     keys = tuple(key for key in terms.parameters if key.quantity == "g_sensitivity" or set(key.axis) <= {*axes})
-    counted = sensor.chain.kind == "pulse_rate"
+    counted = output_unit(sensor) != "V"
     volts = None if counted or sensor.mounting is not None else body_scale_factors(sensor)
     item, own = campaign.file.item, campaign.file.conditions.get(condition, Condition())
     estimate = terms.estimate.select(keys)
@@ -293,14 +293,14 @@ def _model(campaign: Campaign, sensor: Sensor, condition: str, parts: Sequence[P
     temperature = terms.temperature_range or (None if own.temperature is None else tuple(own.temperature))
     at = [terms.axes.index(axis) for axis in axes]
     scale = _of_axes(terms.scale_factor, at) if volts is None else np.array([volts[axis] for axis in axes])
-    output_unit = terms.output_unit if volts is None else "V"
+    output = terms.output_unit if volts is None else "V"
     return model_from(
         estimate,
         sensor.kind,
         axes,
         scale_factor=scale,
-        output_unit=output_unit,
-        chain=model_chain(sensor, axes, _recorded(campaign, sensor), output_unit, scale),
+        output_unit=output,
+        chain=model_chain(sensor, axes, _recorded(campaign, sensor), output, scale),
         source="" if sensor.mounting is None else f"readings in body axes, after mounting {sensor.mounting}",
         item=Item(item.maker, item.part, item.serial),
         input_range=None if terms.input_range is None else terms.input_range[at],

@@ -21,7 +21,7 @@ from ...core.key import Reason
 from ...core.recording import MARK, Channel, Recording
 from ...core.remarks import Remark, gather
 from ...core.results import Row, finite
-from ...core.units import convert, factor
+from ...core.units import convert, factor, same_dimension
 from ...files import read
 from ...files.text.headers import full_name
 from ...sensors.model.compensate import counted
@@ -36,6 +36,7 @@ from ...statistics.intervals import t_interval
 from .find import load_models
 from .inputs import CONDITIONS, FORCES, UNCERTAINTY, Taken, from_chain, taken
 
+FAR = 3.0  # times the largest input of a model, beyond which whole numbers are no inputs
 CUT = "Cut out the rows of one condition: inertialcal convert DATA OUT --from --to"
 
 
@@ -102,8 +103,8 @@ def compensate(
             raise DataError(
                 f"unit of column {name!r} not given",
                 where=recording.source.path,
-                why=f"the model takes units like {model.unit!r} or {model.output_unit!r}",
-                do=f"Add --unit {shlex.quote(name + '=' + ('deg/s' if model.kind == 'gyro' else 'g'))}",
+                why=f"the model takes {_takes(model)}",
+                do=f"Say what it is: --unit {shlex.quote(name + '=UNIT')} (UNIT: {_takes(model)})",
                 code="no_unit",
             )
         try:
@@ -111,11 +112,49 @@ def compensate(
         except DataError as error:
             problem = replace(error.problems[0], where=recording.source.path)
             raise DataError(replace(problem, what=f"column {name!r}: {problem.what}")) from None
+    _check_whole_numbers(model, recording, axes)
     done = _in_batches(model, recording, chosen, axes, uncertainty)
     unchecked = _unchecked(model, recording, columns or {})
     remarks = (*done.remarks, *unchecked, *_about(model, chosen), *(_about_uncertainty(model) if uncertainty else ()))
     by = model_checksum(model).removeprefix("sha256:")[:MARK]
     return replace(done, remarks=remarks, compensated_by=by)
+
+
+def _check_whole_numbers(model: SensorModel, recording: Recording, axes: Mapping[str, str]) -> None:
+    """Refuse whole numbers in a unit of input that lie far beyond the inputs of the model: counts under that header.
+
+    Raises
+    ------
+    DataError
+        ``not_readings``.
+    """
+    if model.input_range is None:
+        return
+    largest = float(np.abs(model.input_range).max())
+    channels = [recording.channel(name) for name in axes.values()]
+    far = [one for one in channels
+           if one.data.dtype.kind in "iu" and one.unit and same_dimension(one.unit, model.unit) and len(one.data)
+           and float(np.median(np.abs(convert(one.data, one.unit, model.unit)))) > FAR * largest > 0.0]  # fmt: skip
+    if far:
+        unit = str(far[0].unit)
+        units = " ".join(f"--unit {shlex.quote(f'{one.name}=count')}" for one in channels)
+        names, level = ", ".join(one.name for one in far), np.median(np.abs(far[0].data))
+        raise DataError(
+            f"{names}: whole numbers of {level:g} {unit} and more, "
+            f"where the model was made for up to {convert(largest, model.unit, unit):.4g} {unit}",
+            recording.source.path,
+            why=f"they are counts rather than {unit}",
+            do=f"Correct the header, or say: {units}",
+            code="not_readings",
+        )
+
+
+def _takes(model: SensorModel) -> str:
+    """Return the units that a model takes readings in, for people."""
+    words = ["deg/s", "rad/s"] if model.kind == "gyro" else ["m/s2", "g"]
+    words += [model.output_unit] if model.output_unit not in (model.unit, *words) else []
+    counted = model.chain is not None and model.chain.input_unit == "count"
+    return ", ".join([*words, *(["count"] if counted and "count" not in words else [])])
 
 
 def _in_batches(

@@ -31,6 +31,7 @@ from ...sensors.model.model_set import ModelSet
 from ...sensors.model.on_recordings import CONDITIONS
 from ...sensors.model.sensor_model import SensorModel
 from ..file.load import Campaign, load
+from ..inputs.sources import text_of
 from .compensation import compensate
 from .find import find_model
 
@@ -153,7 +154,7 @@ def held_out(campaign: Campaign, folder: Path, model: SensorModel) -> dict[str, 
             counted = all((entry.channels or {})[axis].unit == "count" for axis in model.axes if axis in columns)
             if sensor.kind != model.kind or not counted or not set(model.axes) <= set(columns):
                 continue
-            recording = read(folder / entry.file)
+            recording = read(folder / entry.file, **text_of(entry))
             channels = tuple(
                 replace(recording.channel(column), data=np.rint(recording.array([column])[:, 0]), unit="count")
                 for column in dict.fromkeys(columns.values())

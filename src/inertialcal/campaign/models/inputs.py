@@ -6,7 +6,7 @@ two things is not taken.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 
 from ...core.errors import DataError
@@ -14,7 +14,8 @@ from ...core.recording import Channel, Recording
 from ...core.remarks import Remark
 from ...core.units import convert, parse_quantity, same_dimension
 from ...files.text.headers import full_name
-from ...sensors.chain.converter import Chain
+from ...sensors.chain.converter import Chain, in_volts
+from ...sensors.model.equation import needed
 from ...sensors.model.on_recordings import CONDITIONS as CHANNELS
 from ...sensors.model.on_recordings import QUANTITY, apply_chain
 from ...sensors.model.sensor_model import RANGE_UNIT, SensorModel
@@ -74,6 +75,8 @@ def taken(
         )
     named = {what: full_name(recording.names, name) or recording.channel(name).name for what, name in named.items()}
     found = {axis: named[axis] if axis in named else _column_of(model, recording, axis) for axis in model.axes}
+    asked = temperature is None and "temperature" not in named and "temperature" in needed(model)
+    found |= _warm(model, recording) if asked else {}
     found |= {
         name: column for name in channels if name not in CONDITIONS and (column := full_name(recording.names, name))
     }
@@ -86,7 +89,8 @@ def taken(
 def chain_columns(chain: Chain, recording: Recording, columns: Mapping[str, str] | None = None) -> dict[str, str]:
     """Return the columns that a chain starts from, by what they are: axes, ``reference_x``, ``temperature_x``, ...
 
-    Those that are named, and those whose header is the word, or the recorder's (``x_ref``); empty where the axes are
+    Those that are named, those whose header is the word, or the recorder's (``x_ref``), and of an axis the only one in
+    counts or volts whose header says it; empty where the axes are
     neither in counts nor in the output of the chain. Columns without a unit count as counts beside the reference that
     the chain subtracts; where it subtracts none, if they hold whole numbers. A temperature in degC is none of them.
     """
@@ -102,6 +106,9 @@ def chain_columns(chain: Chain, recording: Recording, columns: Mapping[str, str]
         name = named.get(word) or next((one for one in headers if one is not None), None)
         if name is not None:
             found[word] = recording.channel(name)
+    for axis in chain.axes:
+        if axis not in found and (alike := _raw_column(chain, recording, axis, {one.name for one in found.values()})):
+            found[axis] = alike
     if not all(axis in found for axis in chain.axes):
         return {}
     every = [found[axis] for axis in chain.axes]
@@ -111,9 +118,29 @@ def chain_columns(chain: Chain, recording: Recording, columns: Mapping[str, str]
         one.unit == "count" or (one.unit is None and bool(references if subtracted else one.data.dtype.kind in "iu"))
         for one in every
     )
+    counted = counted and chain.input_unit == "count"
     raw = counted or all(one.unit is not None and same_dimension(one.unit, chain.output_unit) for one in every)
     warm = [word for word, one in found.items() if one.unit is not None and same_dimension(one.unit, "degC")]
     return {word: one.name for word, one in found.items() if word not in warm} if raw else {}
+
+
+def _raw_column(chain: Chain, recording: Recording, axis: str, taken: Set[str]) -> Channel | None:
+    """Return the only column of an axis, by its header, in counts, in the output of the chain, or without a unit."""
+    own = QUANTITY.get(chain.unit, "")
+    found = [one for one in recording.channels if one.axis == axis and one.name not in taken
+             and one.quantity in (own, "") and not one.name.startswith(UNCERTAINTY)
+             and (one.unit in (None, "count") or same_dimension(one.unit, chain.output_unit))]  # fmt: skip
+    found = [one for one in found if one.quantity] or found
+    return found[0] if len(found) == 1 else None
+
+
+def _warm(model: SensorModel, recording: Recording) -> dict[str, str]:
+    """Return the only column of temperature, or the one of each axis, as the tests take them."""
+    warm = [one for one in recording.channels if one.unit and same_dimension(one.unit, "degC")]
+    if len(warm) == 1:
+        return {"temperature": warm[0].name}
+    by_axis = {f"temperature_{one.axis}": one.name for one in warm if one.axis in model.axes}
+    return by_axis if len(by_axis) == len(warm) == len(model.axes) else {}
 
 
 def from_chain(
@@ -139,22 +166,14 @@ def from_chain(
         _check_raw(model, recording, named)
     if chain is None or not found:
         return recording, named
-    used, remarks = set(found.values()), recording.remarks
+    remarks = recording.remarks
     _one_kind(recording, [recording.channel(name) for name in found.values()], found[chain.axes[0]])
     unsaid = [name for axis in chain.axes if recording.channel(name := found[axis]).unit is None]
     if unsaid:
         what = f"columns without a unit, taken for counts of the model's chain: {', '.join(unsaid)}"
         remarks = (*remarks, Remark("taken_for_counts", "info", what, recording.source.path, len(unsaid)))
     if recording.channel(found[chain.axes[0]]).unit not in {None, "count"}:
-        chain = replace(chain, step=1.0, codes=None)  # volts: one code is one volt
-        recording = replace(
-            recording,
-            channels=tuple(
-                replace(one, data=convert(one.data, str(one.unit), chain.output_unit), unit="count")
-                if one.name in used and one.unit not in {None, "count"} else one
-                for one in recording.channels
-            ),
-        )  # fmt: skip
+        chain = in_volts(chain)
     tested = {"validity", *(f"validity_{axis}" for axis in chain.axes)} & set(found)
     if chain.validity_minimum is not None and not tested:
         chain = replace(chain, validity_minimum=None)

@@ -11,12 +11,19 @@ from ...core.campaign_text import FILE
 from ...core.estimate import Array
 from ...core.recording import Recording
 from ...core.remarks import Remark
+from ...core.units import kind
 from ...files import read
 from ...files.info.channel_survey import Hint
 from ...files.info.survey import Survey, survey_recording
+from ...files.info.table_columns import guess_channels
 from ...procedures import procedure_names, procedure_of
 from ...procedures.suggestions import Strength, Suggestion
 
+# Of the data sheet, for the user to fill in; no nominal value is invented.
+CHAIN = {
+    "count": '--lsb "NUMBER V" --reference "NUMBER V" --scale-factor "NUMBER V/(UNIT)"',
+    "V": '--reference "NUMBER V" --scale-factor "NUMBER V/(UNIT)"',
+}
 PLACEHOLDER = "UNIT"  # for the user to fill in
 
 
@@ -32,13 +39,15 @@ def info(
     mission_start: object = None,
     frame: str | None = None,
     decimal: str | None = None,
+    skip: int | None = None,
+    dates: str | None = None,
     topics: Sequence[str] | None = None,
 ) -> Survey:
     """Return what a file holds.
 
     Parameters
     ----------
-    path, units, sample_rate, time_column, start, stop, mission_start, frame, decimal, topics
+    path, units, sample_rate, time_column, start, stop, mission_start, frame, decimal, skip, dates, topics
         As ``files.read`` takes them.
     commands : collection of str
         Words that the tool knows: only these are suggested as next.
@@ -50,7 +59,7 @@ def info(
     """
     recording = read(
         path, units=units, sample_rate=sample_rate, time_column=time_column, start=start, stop=stop,
-        mission_start=mission_start, frame=frame, decimal=decimal, topics=topics,
+        mission_start=mission_start, frame=frame, decimal=decimal, skip=skip, dates=dates, topics=topics,
     )  # fmt: skip
     found = survey_recording(recording)
     return replace(found, next=next_command(recording, found, commands))
@@ -64,27 +73,55 @@ def next_command(recording: Recording, survey: Survey, commands: Collection[str]
     home = next((one for one in [source, *list(source.parents)[:2]] if (one / FILE).is_file()), None)
     word = "init" if home is None else "run"
     folder = f"inertialcal {word} {shlex.quote(str(home or source.parent))}" if word in commands else None
-    every = [one for name in procedure_names() if (one := procedure_of(name).suggests(recording, survey)) is not None]
-    found = sorted((one for one in every if home is None or one.in_campaign), key=lambda one: -one.strength)
+    every = suggestions(recording, survey)
+    found = [(name, one) for name, one in every if home is None or one.in_campaign]
     path = shlex.quote(recording.source.path)
-    if (words := _first([one for one in found if one.strength == Strength.SURE], path, commands)) is not None:
+    raw = () if home is not None else _raw(recording, survey)
+    sure = [(name, one) for name, one in found if one.strength == Strength.SURE]
+    if (words := _first(sure, path, commands, raw)) is not None:
         return words
-    options = _missing_options(recording, survey.hints, survey.remarks)
-    if any(one.complete for one in every):
+    hints = [hint for hint in survey.hints if not (hint.unit == "count" and _through_chain(found))]
+    options = _missing_options(recording, hints, survey.remarks)
+    if any(one.complete for _, one in every):
         return folder
     if options and home is None:
         return f"inertialcal info {path} {' '.join(options)}" if "info" in commands else None
-    words = None if options else _first(found, path, commands)  # a campaign says its units itself
+    words = None if options else _first(found, path, commands, raw)  # a campaign says its units itself
     return folder if words is None else words
 
 
-def _first(suggestions: Sequence[Suggestion], path: str, commands: Collection[str]) -> str | None:
-    """Return the first command whose noun the tool has."""
-    return next(
-        (f"inertialcal {word} {path} {one.options}".rstrip() for one in suggestions for word in one.commands
-         if word in commands),
-        None,
-    )  # fmt: skip
+def suggestions(recording: Recording, survey: Survey) -> list[tuple[str, Suggestion]]:
+    """Return the procedures that a file looks made for, the strongest first: what `info` and `init` go by."""
+    made = [(name, procedure_of(name).suggests(recording, survey)) for name in procedure_names()]
+    return sorted(((name, one) for name, one in made if one is not None), key=lambda pair: -pair[1].strength)
+
+
+def _through_chain(found: Sequence[tuple[str, Suggestion]]) -> bool:
+    """Whether the first procedure takes counts and volts through a chain only."""
+    inputs = procedure_of(found[0][0]).inputs if found else None
+    return inputs is not None and not (inputs.bare or inputs.raw or inputs.pulses)
+
+
+def _raw(recording: Recording, survey: Survey) -> tuple[str, ...]:
+    """Return which of count and V the sensors of a recording are in, as far as units and numbers tell."""
+    named = guess_channels(recording.channels)
+    readings = [one for one in recording.channels if one.name in named.readings]
+    read = [one for one in recording.channels if one.axis and one.quantity in ("gyro", "acc")] or readings
+    counted = {hint.target for hint in survey.hints if hint.unit == "count"}
+    kinds = {kind(one.unit) if one.unit else "count" if counted & {one.quantity, one.name} else "" for one in read}
+    return tuple(unit for word, unit in (("count", "count"), ("voltage", "V")) if word in kinds)
+
+
+def _first(
+    found: Sequence[tuple[str, Suggestion]], path: str, commands: Collection[str], raw: Sequence[str]
+) -> str | None:
+    """Return the first command whose noun the tool has, with what readings in counts or volts need."""
+    for name, one in found:
+        for word in one.commands:
+            if word in commands:
+                chain = CHAIN[raw[0]] if raw and _through_chain([(name, one)]) else ""
+                return " ".join(part for part in ("inertialcal", word, path, one.options, chain) if part)
+    return None
 
 
 def _missing_options(recording: Recording, hints: Sequence[Hint], remarks: Sequence[Remark]) -> list[str]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,20 +13,65 @@ from ...core.campaign_text import FILE, MARK, SCHEMA, Noted, toml_text
 from ...core.errors import InertialcalError, PlanError, UsageError
 from ...core.remarks import Remark
 from ...core.show.tables import clean
-from ...files import read
-from ...files.text.table import read_table
+from ...files.info.survey import survey_recording
 from ...files.write.atomic import atomic_write
 from ...procedures import procedure_names, procedure_of
-from ...procedures.suggestions import RELATIVE, Claim, FolderFile, fill_in
+from ...procedures.given import Said
+from ...procedures.suggestions import RELATIVE, Claim, FolderFile, Strength, fill_in
 from ...sensors.catalogue import PublishedSensor, published_sensor
+from ..calls.given import Files
 from .data_sheet import requirements, unjudged, with_facts
+from .info import suggestions
+from .questions import ITEM, Question, answered, questions
+from .settled import settle
 
 ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".parquet", ".csv.gz", ".txt.gz", ".mat", ".h5", ".hdf5", ".npz")
 MOST = 200  # files
+AMBIGUOUS = "ambiguous_date"  # code of a file whose dates can be read in two ways
 Found = dict[str, dict[str, object]]  # what procedures make of files, by procedure and file
 
 
-def start(folder: str | Path, sensor: str = "") -> tuple[Path, list[int], tuple[Remark, ...]]:
+@dataclass(frozen=True)
+class Told:
+    """What is known of a folder beside its files: options, and answers to `questions`.
+
+    Parameters
+    ----------
+    said : Said
+        Units, chain, site, how texts are read.
+    axis : str
+        That was turned on a rate table.
+    item : mapping of str to str
+        Maker, part and serial number of the sensor.
+    """
+
+    said: Said = field(default_factory=Said)
+    axis: str = ""
+    item: Mapping[str, str] = field(default_factory=dict[str, str])
+
+    def answered(self, question: Question, text: str) -> Told:
+        """Return the same with one more answer."""
+        if question.name == "axis":
+            return replace(self, axis=text)
+        if question.name in ITEM:
+            return replace(self, item={**self.item, question.name: text})
+        return replace(self, said=answered(self.said, question, text))
+
+
+def first_question(folder: str | Path, told: Told) -> Question | None:
+    """Return the next question on the files of a folder; None where nothing is left to ask.
+
+    Raises
+    ------
+    UsageError, PlanError
+        As `start`.
+    """
+    found, remarks = _found(folder, told)
+    ambiguous = [one.where for one in remarks if one.subject == AMBIGUOUS]
+    return next(questions(found, ambiguous, told.said, told.axis, told.item), None)
+
+
+def start(folder: str | Path, sensor: str = "", told: Told | None = None) -> tuple[Path, list[int], tuple[Remark, ...]]:
     """Write a first campaign.toml for the tables and recordings of a folder.
 
     Parameters
@@ -34,6 +80,8 @@ def start(folder: str | Path, sensor: str = "") -> tuple[Path, list[int], tuple[
         Holds the files; campaign.toml is written into it.
     sensor : str
         Published sensor, by its name in the catalogue or its part: its data sheet becomes facts and requirements.
+    told : Told, optional
+        What is known beside the files.
 
     Returns
     -------
@@ -48,19 +96,9 @@ def start(folder: str | Path, sensor: str = "") -> tuple[Path, list[int], tuple[
         If it already holds a campaign, or no file that a test can use.
     """
     root, published = Path(folder), published_sensor(sensor) if sensor else None
-    if not root.is_dir():
-        raise UsageError(f"No such folder: {root}")
-    path = root / FILE
-    if path.exists():
-        raise PlanError(f"{path} exists already", do=f"Try: inertialcal check {root}", code="exists")
-    with np.errstate(over="ignore", invalid="ignore"):  # of numbers that nothing has: they suggest nothing
-        found, remarks = _files(root)
-    if not any(found.values()):
-        do = "Add recordings with gyro or accelerometer channels, tables with columns of rate and reading (a row per "
-        do += "dwell), or tables of means (a row per axis and orientation)"
-        what = f"No recording or table in {root} that a test can use"
-        raise PlanError(what, do=do, code="nothing_found")
-    text = starter_text(root.resolve().name, found, published)
+    told, path = told or Told(), root / FILE
+    found, remarks = _found(root, told)
+    text = starter_text(root.resolve().name, found, published, told)
     if published is not None and f'kind = "{published.kind}"' not in text:
         article = "an" if published.kind == "accelerometer" else "a"
         what = f"{published.item.part} is {article} {published.kind}: no recording here is of one"
@@ -69,6 +107,24 @@ def start(folder: str | Path, sensor: str = "") -> tuple[Path, list[int], tuple[
         aside.write_text(text, encoding="utf-8")
     lines = [number for number, line in enumerate(text.splitlines(), 1) if line.rstrip().endswith(MARK)]
     return path, lines, tuple(remarks)
+
+
+def _found(folder: str | Path, told: Told) -> tuple[Found, list[Remark]]:
+    """Return what a folder holds, and what was left out; refuse one with a campaign, or with nothing."""
+    root = Path(folder)
+    if not root.is_dir():
+        raise UsageError(f"No such folder: {root}")
+    path = root / FILE
+    if path.exists():
+        raise PlanError(f"{path} exists already", do=f"Try: inertialcal check {root}", code="exists")
+    with np.errstate(over="ignore", invalid="ignore"):  # of numbers that nothing has: they suggest nothing
+        found, remarks = _files(root, told.said)
+    if not any(found.values()) and not any(one.subject == AMBIGUOUS for one in remarks):
+        do = "Add recordings with gyro or accelerometer channels, tables with columns of rate and reading (a row per "
+        do += "dwell), or tables of means (a row per axis and orientation)"
+        what = f"No recording or table in {root} that a test can use"
+        raise PlanError(what, do=do, code="nothing_found")
+    return found, remarks
 
 
 @dataclass(frozen=True)
@@ -80,8 +136,9 @@ class _Taken:
     claim: Claim
 
 
-def _files(root: Path) -> tuple[Found, list[Remark]]:
+def _files(root: Path, said: Said) -> tuple[Found, list[Remark]]:
     """Return what a folder holds, and what was left out."""
+    read = Files(said)
     found: Found = {}
     remarks: list[Remark] = []
     for name in procedure_names():
@@ -97,20 +154,29 @@ def _files(root: Path) -> tuple[Found, list[Remark]]:
             remarks.append(Remark("not_taken", "warning", what, clean(file), do="Rename the file"))
             continue
         try:
-            remarks += _take(found, taken, path, file)
+            remarks += _take(found, taken, path, file, read)
         except InertialcalError as error:
-            remarks.append(Remark("not_read", "warning", error.problems[0].what, file))
+            first = error.problems[0]
+            subject = AMBIGUOUS if first.code == AMBIGUOUS else ""
+            remarks.append(Remark("not_read", "warning", first.what, file, do=first.do, subject=subject))
     _settle(found, taken)
     return found, remarks
 
 
-def _take(found: Found, taken: dict[str, _Taken], path: Path, name: str) -> list[Remark]:
-    """Give a file to the procedure that claims it most; return what there is to remark."""
-    table = read_table(path)
+def _take(found: Found, taken: dict[str, _Taken], path: Path, name: str, files: Files) -> list[Remark]:
+    """Give a file to the procedure that claims it most; return what there is to remark.
+
+    It is the one that `info` suggests, where that one claims it.
+    """
+    table = files.table(str(path))
     claimed = _claims(FolderFile(table))
     if not claimed:
-        recording = read(path)
+        recording = files.read(str(path))
         claimed = [] if recording.time_ns is None else _claims(FolderFile(table, recording))
+        if len(claimed) > 1:
+            clear = [one for one, suggested in suggestions(recording, survey_recording(recording))
+                     if suggested.strength > Strength.POSSIBLE]  # fmt: skip
+            claimed.sort(key=lambda pair: pair[0] not in clear[:1])
         if not claimed:
             names = ", ".join(table.names[:8]) + (", ..." if len(table.names) > 8 else "")
             what = f"No rate and reading columns, and no gyro or accelerometer channels with time (columns: {names})"
@@ -142,7 +208,7 @@ def _settle(found: Found, taken: dict[str, _Taken]) -> None:
                 found[one.reserve][file] = one.claim.take()[0]
 
 
-def starter_text(name: str, found: Found, published: PublishedSensor | None = None) -> str:
+def starter_text(name: str, found: Found, published: PublishedSensor | None = None, told: Told | None = None) -> str:
     """Return the text of a campaign file.
 
     Parameters
@@ -153,7 +219,10 @@ def starter_text(name: str, found: Found, published: PublishedSensor | None = No
         What its folder holds, by procedure and file.
     published : PublishedSensor, optional
         Whose data sheet becomes facts and requirements.
+    told : Told, optional
+        What is known beside the files.
     """
+    told = told or Told()
     identifier = (
         "".join(c if c.isascii() and (c.isalnum() or c in "_-") else "-" for c in name).strip("-_") or "campaign"
     )
@@ -161,7 +230,7 @@ def starter_text(name: str, found: Found, published: PublishedSensor | None = No
     document: dict[str, object] = {
         "schema": SCHEMA,
         "campaign": {"id": identifier},
-        "item": dict.fromkeys(("maker", "part", "serial"), fill_in("")),
+        "item": {name: told.item.get(name, fill_in("")) for name in ITEM},
     }
     parts: dict[str, dict[str, object]] = {"site": {}, "standards": {}, "sensors": {}, "recordings": {}}
     for draft in drafts:
@@ -169,13 +238,15 @@ def starter_text(name: str, found: Found, published: PublishedSensor | None = No
             parts[part] |= getattr(draft, part)
     if published is not None:
         item = published.item
-        said = {"maker": item.maker or fill_in(""), "part": item.part, "serial": fill_in("")}
+        said = {"maker": item.maker or fill_in(""), "part": item.part, "serial": fill_in("")} | told.item
         document["item"] = Noted(said, above=unjudged(published))
         parts["sensors"] = with_facts(parts["sensors"], published)
+    tests = [test for draft in drafts for test in draft.tests]
+    settle(parts, tests, told.said, told.axis)
     document |= parts
     if parts["standards"]:
         document["standards"] = Noted(parts["standards"], above=RELATIVE)
-    document["tests"] = [test for draft in drafts for test in draft.tests]
+    document["tests"] = tests
     examples = sorted((one for one in drafts if one.requirement), key=lambda one: not one.example)
     asked = [Noted({"id": "R1", **one.requirement}, example=True) for one in examples[:1]]
     document["requirements"] = asked if published is None else [*asked, *requirements(published)]

@@ -126,28 +126,3 @@ def check(folder: Folder, as_json: Json = False, quiet: Quiet = False) -> int:
         state = "recordings disagree, no model is made" if checked.exit_status else "ok"
         print(clean(f"{state}: {said}. Next: inertialcal run {shlex.quote(str(folder))}"))
     return checked.exit_status
-
-
-def init(
-    folder: Annotated[Path, typer.Argument(help="Folder with recordings.", show_default=False)],
-    sensor: Annotated[
-        str, typer.Option("--sensor", help="Published sensor: its data sheet becomes requirements.", metavar="NAME")
-    ] = "",
-    as_json: Json = False,
-    quiet: Quiet = False,
-) -> int:
-    """Write a campaign.toml for the recordings found in a folder; fill in its marked lines."""
-    from ...campaign.start.starter import start
-
-    path, marked, remarks = start(folder, sensor)
-    if as_json:
-        json_out(
-            "init", {"results": [], "written": str(path), "to_fill": marked, "remarks": [r.to_dict() for r in remarks]}
-        )
-    elif not quiet:
-        for remark in remarks:
-            print(wrapped(str(remark), "    "))
-        print(clean(f"written: {path}"))
-        next_step = f"inertialcal check {shlex.quote(str(folder))}"
-        print(clean(f"fill in the {len(marked)} lines marked FILL IN, then: {next_step}"))
-    return 0

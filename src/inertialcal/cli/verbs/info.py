@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from .. import figures
-from ..options import Decimal, Frame, Json, MissionStart, Quiet, Start, Stop, Topics, Units, pairs
+from ..options import Dates, Decimal, Frame, Json, MissionStart, Quiet, Skip, Start, Stop, Topics, Units, pairs
 from ..shown.output import json_out
 
 Files = Annotated[list[Path], typer.Argument(help="Recordings or tables.", show_default=False)]
@@ -28,6 +28,8 @@ def info(
     mission_start: MissionStart = None,
     frame: Frame = None,
     decimal: Decimal = None,
+    skip: Skip = None,
+    dates: Dates = None,
     topic: Topics = [],  # noqa: B006 - typer copies it
     output: figures.FigureFile = None,
     as_json: Json = False,
@@ -45,7 +47,7 @@ def info(
     said: dict[str, Any] = {
         "units": pairs(unit, "--unit", "gyro=deg/s"), "sample_rate": sample_rate, "time_column": time_column,
         "start": start, "stop": stop, "mission_start": mission_start, "frame": frame,
-        "decimal": decimal, "topics": topic,
+        "decimal": decimal, "skip": skip, "dates": dates, "topics": topic,
     }  # fmt: skip
     found, errors = [], []
     for path in files:

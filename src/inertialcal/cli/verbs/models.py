@@ -12,7 +12,7 @@ from ...core.errors import UsageError
 from ...core.remarks import Remark
 from ...files.models.formats import BUILT_IN
 from .. import figures
-from ..options import Decimal, Frame, Json, MissionStart, Quiet, Start, Stop, Topics, Units, pairs
+from ..options import Dates, Decimal, Frame, Json, MissionStart, Quiet, Skip, Start, Stop, Topics, Units, pairs
 from ..shown.output import clean, json_out, wrapped
 
 Model = Annotated[
@@ -231,6 +231,13 @@ def compensate(
     ] = False,
     sample_rate: SampleRate = None,
     time_column: TimeColumn = None,
+    start: Start = None,
+    stop: Stop = None,
+    mission_start: MissionStart = None,
+    frame: Frame = None,
+    decimal: Decimal = None,
+    skip: Skip = None,
+    dates: Dates = None,
     topic: Topics = [],  # noqa: B006 - typer copies it
     as_json: Json = False,
     quiet: Quiet = False,
@@ -239,7 +246,7 @@ def compensate(
     from ...campaign.models.compensation import compensate as apply
     from ...campaign.models.compensation import model_for
     from ...campaign.models.find import find_model, published
-    from ...campaign.models.inputs import from_chain, taken
+    from ...campaign.models.inputs import chain_columns, from_chain, taken
     from ...campaign.models.published import reading_steps
     from ...files import read
     from ...files.write.recording import write
@@ -251,7 +258,10 @@ def compensate(
     if steps and sensor is None:
         do = f"Name one of the catalogue: {', '.join(name for name, make in CATALOGUE.items() if make().equations)}"
         raise UsageError(f"--steps: {model} is no published model", do=do, code="no_steps")
-    raw = read(data, units=units, sample_rate=sample_rate, time_column=time_column, topics=topic)
+    raw = read(
+        data, units=units, sample_rate=sample_rate, time_column=time_column, start=start, stop=stop,
+        mission_start=mission_start, frame=frame, decimal=decimal, skip=skip, dates=dates, topics=topic,
+    )  # fmt: skip
     inputs = [_input(found), {"path": raw.source.path, "sha256": raw.source.sha256}]
     listed: dict[str, Any] = {}
     if sensor is not None and steps:
@@ -263,12 +273,15 @@ def compensate(
             json_out("compensate", {"inputs": inputs} | listed)
         return 0
     whose = model_for(found.models, raw, columns, condition)
+    started = {} if whose.chain is None else chain_columns(whose.chain, raw, columns)
     raw, columns = from_chain(whose, raw, columns)
     done = apply(whose, raw, columns, temperature=temperature, serial=serial, uncertainty=uncertainty)
     chosen = taken(whose, raw, columns, temperature)
     remarks = [*done.remarks, *write(output, done)]
-    used = dict(chosen.columns) | (
-        {} if chosen.temperature is None else {"temperature": f"{chosen.temperature:g} degC"}
+    used = (
+        dict(chosen.columns)
+        | started
+        | ({} if chosen.temperature is None else {"temperature": f"{chosen.temperature:g} degC"})
     )
     more = {"columns": used, "condition": whose.condition, "compensated_by": done.compensated_by} | listed
     if as_json:
@@ -310,6 +323,8 @@ def convert(
     mission_start: MissionStart = None,
     frame: Frame = None,
     decimal: Decimal = None,
+    skip: Skip = None,
+    dates: Dates = None,
     topic: Topics = [],  # noqa: B006 - typer copies it
     as_json: Json = False,
     quiet: Quiet = False,
@@ -322,7 +337,7 @@ def convert(
     units = pairs(unit, "--unit", "gyro=deg/s")
     recording = read(
         source, units=units, sample_rate=sample_rate, time_column=time_column, start=start, stop=stop,
-        mission_start=mission_start, frame=frame, decimal=decimal, topics=topic,
+        mission_start=mission_start, frame=frame, decimal=decimal, skip=skip, dates=dates, topics=topic,
     )  # fmt: skip
     remarks = [*recording.remarks, *write(target, recording)]
     if as_json:

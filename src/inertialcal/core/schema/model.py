@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import BaseModel, ConfigDict
 
 from .content import Number, Numbers, Pair, StatedInfluence
@@ -143,6 +145,7 @@ class Chain(Part):
     gain: Numbers | Number
     thermometer: Thermometer | None
     validity_minimum: Number | None
+    input_unit: Literal["count", "V"] = "count"  # what it starts from
 
 
 class Model(Part):

@@ -78,6 +78,8 @@ def describe(
     by_column = {key: unit for key, unit in flags.items() if key not in by_group}
     for key, unit in (*by_group.items(), *by_column.items()):  # a column goes before its group
         chosen = _chosen(described, key)
+        if key in by_group:  # it is for those that do not say their own, where there are some
+            chosen = [i for i in chosen if described[i].unit is None] or chosen
         for i in chosen:
             described[i] = _with_flag(described[i], unit, path, remarks)
     return tuple(described), tuple(remarks)
@@ -172,10 +174,25 @@ def _with_flag(described: Described, text: str, path: str, remarks: list[Remark]
             do="Name the column itself, or another unit",
             code="unit_mismatch",
         )
+    if is_volts(described.unit, unit):
+        raise UsageError(
+            f"{described.name!r} is in {described.unit} by its header: another unit makes no {unit} of it",
+            where=path,
+            why="volts become readings by the scale factor of the sensor",
+            do="Give that of its data sheet: --scale-factor, and what it gives without input: --reference",
+            code="unit_mismatch",
+        )
     if described.unit not in (None, unit):
         what = f"{described.name!r} is {described.unit} by its header, {unit} by the option: the option wins"
         remarks.append(Remark("unit_overridden", "warning", what, where=path, subject=described.name))
     return replace(described, unit=unit, unit_from="flag")
+
+
+def is_volts(header: str | None, unit: str) -> bool:
+    """Whether a column in volts by its header is said to be in a unit of rate or acceleration."""
+    return (
+        header is not None and units.kind(header) == "voltage" and units.kind(unit) in ("angular_rate", "acceleration")
+    )
 
 
 RATES_AGREE = 0.01  # relative difference of two sample rates that is passed over

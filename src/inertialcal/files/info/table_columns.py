@@ -10,10 +10,13 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
+from ...core.recording import Channel
 from ..text.table import Table
 
 PATTERNS = {
-    "applied": r"(^|_)(rate|applied|input|table_rate|commanded|omega)(_|$)",
+    "applied": r"(^|_)(rate|applied|input|table_rate|commanded|omega|soll|sollwert|solldrehrate|vitesse|consigne)(_|$)",
     "scatter": r"(^|_)(std|stdev|sd|sigma|scatter)(_|$)",
     "samples": r"^(n|samples|n_samples|count)$",
     "group": r"^(set|group|sample_set)$",
@@ -38,21 +41,39 @@ class Guess:
     axis: str | None = None  # Names of columns
     readings: tuple[str, ...] = ()  # Columns that can be the sensor's reading
     unit: str | None = None  # That the names of applied and readings say, where they agree
+    applied_unit: str | None = None  # That of applied, and that of all readings, where their names say it
+    reading_unit: str | None = None  # That of applied, and that of all readings, where their names say it
     by_axis: dict[str, str] = field(default_factory=dict)
+    scatter_by_axis: dict[str, str] = field(default_factory=dict)  # Of the readings of each axis
 
 
 def guess(table: Table) -> Guess:
     """Return what the names of a table's columns tell."""
     names = list(table.names)
-    found = {what: _only(names, pattern) for what, pattern in PATTERNS.items()}
-    taken = set(found.values())
+    spreads = [name for name in names if _matches(name, PATTERNS["scatter"])]
+    means = [name for name in names if name not in spreads]
+    found = {what: _only(means, pattern) for what, pattern in PATTERNS.items()}
+    found["scatter"] = spreads[0] if len(spreads) == 1 else None
+    taken = {*found.values(), *spreads}
     rest = [name for name in names if name not in taken and not _matches(name, OTHER)]
     readings = [name for name in rest if _matches(name, READING)] or [name for name in rest if AXIS.search(_key(name))]
     by_axis = {match[2].lower(): name for name in readings if (match := AXIS.search(_key(name)))}
     unit = _common_unit(table, [name for name in (found["applied"], *readings) if name])
     if len(by_axis) != len(readings):
         by_axis = {}
-    return Guess(**found, readings=tuple(readings), unit=unit, by_axis=by_axis)
+    by_sensor = {match[2].lower(): name for name in spreads if (match := AXIS.search(_key(name)))}
+    by_sensor = by_sensor if set(by_sensor) == set(by_axis) and len(by_sensor) == len(spreads) else {}
+    own = [_common_unit(table, [name for name in names if name]) for names in ([found["applied"]], readings)]
+    return Guess(
+        **found, readings=tuple(readings), unit=unit, applied_unit=own[0], reading_unit=own[1], by_axis=by_axis,
+        scatter_by_axis=by_sensor,
+    )  # fmt: skip
+
+
+def guess_channels(channels: Sequence[Channel]) -> Guess:
+    """Return what the names of a recording's channels tell."""
+    names, units = tuple(one.name for one in channels), tuple(one.unit for one in channels)
+    return guess(Table(names, ((),) * len(names), np.empty(0, dtype=np.int64), units=units))
 
 
 def names_rates(names: Iterable[str]) -> bool:

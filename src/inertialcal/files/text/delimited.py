@@ -22,7 +22,16 @@ from ..columns import Column, Content, LongColumns, Rows, no_rows
 from ..reader import Reader
 from ..source import FileBytes, Loaded, whole
 from ..time.stamps import EARLIEST, ISO, LATEST
-from .grouped import CODE, can_be_either, commas, grouped_cell, grouped_column, grouped_row, problem
+from .grouped import (
+    CODE,
+    can_be_either,
+    commas,
+    grouped_cell,
+    grouped_column,
+    grouped_row,
+    problem,
+    without_groups,
+)
 from .headers import heading
 from .layout import (
     BLANKS,
@@ -39,6 +48,7 @@ from .layout import (
     sniff,
     split,
     text_of,
+    without_first,
 )
 from .layout import kind as kind_of
 
@@ -50,7 +60,9 @@ PIECE = 2**23  # bytes of a long file that are read together
 ENOUGH = 32  # bytes of memory for each byte of a piece and its cells, at most
 
 
-def parse(text: str, where: str, loaded: Loaded | None = None, decimal: Decimal | None = None) -> Content:
+def parse(
+    text: str, where: str, loaded: Loaded | None = None, decimal: Decimal | None = None, skip: int = 0
+) -> Content:
     r"""Return the columns of a text with ``\n`` line ends.
 
     Parameters
@@ -61,6 +73,8 @@ def parse(text: str, where: str, loaded: Loaded | None = None, decimal: Decimal 
         The file that it is the content of.
     decimal : {".", ","}, optional
         Its decimal sign, where that was stated.
+    skip : int
+        Lines before the table, where that was stated.
 
     Raises
     ------
@@ -68,12 +82,15 @@ def parse(text: str, where: str, loaded: Loaded | None = None, decimal: Decimal 
         If it has no row of data, rows differ in width, a name appears twice, or text stands among numbers;
         each with ``file:row``.
     """
+    text = without_first(text, skip)
     layout = sniff(text, where, decimal)
     if layout.across:
         return _across(text, layout, where)
     names = column_names(layout, where)
     raw = b"" if loaded is None else loaded.data
-    same = raw.isascii() and b"\r" not in raw and len(raw) >= len(text)  # then the text needs no copy for Arrow
+    same = (
+        not skip and raw.isascii() and b"\r" not in raw and len(raw) >= len(text)
+    )  # then the text needs no copy for Arrow
     text, cut = _whole_rows(text, layout, where)
     rows = 1 + text.count("\n", layout.start)
     held, cells = len(raw) + len(text) * (1 if same else 2), rows * layout.width
@@ -219,6 +236,9 @@ def exact(text: str, layout: Layout, names: tuple[str, ...], where: str) -> Cont
     columns, problems = [], []
     for i, name in enumerate(names):
         judged = judge(cells[i], layout.decimal)
+        if len(judged.text) or judged.values.dtype.kind == "O":
+            plain = without_groups(cells[i], layout.decimal, CELL[layout.decimal].fullmatch)
+            judged = judged if plain is cells[i] else judge(plain, layout.decimal)
         if len(judged.text):
             problems.append(text_in_numbers(name, cells[i], judged.text, rows, where))
         elif (at := _grouped(judged.values, layout)) is not None:
@@ -483,15 +503,19 @@ def _across(text: str, layout: Layout, where: str) -> Content:
     return replace(content, rows=None, format=layout.words, remarks=(*content.remarks, remark))
 
 
-def read_text(loaded: Loaded, variables: Sequence[str] | None = None, decimal: Decimal | None = None) -> Content:
+def read_text(
+    loaded: Loaded, variables: Sequence[str] | None = None, decimal: Decimal | None = None, skip: int = 0
+) -> Content:
     """Return the columns of a text file, whatever variables are named; Raises as `parse` and ``layout.decode``."""
     if isinstance(loaded.data, FileBytes):
         try:
+            if skip:
+                raise _IrregularError
             return _piece_by_piece(loaded, decimal)
         except _IrregularError:
             return _read_whole(loaded, decimal)
     text, remarks = text_of(loaded)
-    content = parse(text, loaded.path, loaded, decimal)
+    content = parse(text, loaded.path, loaded, decimal, skip)
     return replace(content, remarks=remarks + content.remarks)
 
 

@@ -21,6 +21,10 @@ _HEAD = r"[-+]?[1-9][0-9]{0,2}"
 # Text, where numbers have the other decimal sign, or where a sign stands twice: 1,242; 1,242,000; 1.242,5; 1'242
 GROUPED = re.compile(rf"{_HEAD}(?:(?:,[0-9]{{3}})+(?:\.[0-9]*)?|(?:\.[0-9]{{3}})+(?:,[0-9]*)?"
                      rf"|(?:[ '_\u2019\u00a0\u202f][0-9]{{3}})+(?:[.,][0-9]*)?)")  # fmt: skip
+CERTAIN = {  # by decimal sign
+    ",": re.compile(rf"{_HEAD}(?:\.[0-9]{{3}})+,[0-9]+"),
+    ".": re.compile(rf"{_HEAD}(?:,[0-9]{{3}})+\.[0-9]+"),
+}
 EITHER = re.compile(rf"{_HEAD},[0-9]{{3}}")  # 1242 or 1.242
 WHOLE = re.compile(r"[-+]?[0-9]{1,3}")
 THOUSAND = 1000.0
@@ -67,6 +71,23 @@ def grouped_column(cells: Iterable[object], number: Callable[[str], object]) -> 
                 return None
             first = index if first is None else first
     return first
+
+
+def without_groups(cells: Sequence[str], decimal: str, number: Callable[[str], object]) -> Sequence[str]:
+    """Return the cells of a column without the signs that group their digits, where they can be nothing else.
+
+    So it is where both signs stand in a cell (``1.234,5``), and all others are numbers without groups, or empty.
+    """
+    certain, found, made = CERTAIN[decimal], False, list[str]()
+    sign = "." if decimal == "," else ","
+    for cell in cells:
+        text = cell.strip()
+        grouped = sign in text and len(text) < LONGEST and certain.fullmatch(text) is not None
+        if text and not grouped and (len(text) > LONGEST or not number(text)):
+            return cells
+        found = found or grouped
+        made.append(text.replace(sign, "") if grouped else text)
+    return made if found else cells
 
 
 def grouped_row(parts: Sequence[str]) -> str:

@@ -8,20 +8,28 @@ quantity (``gyro_g``) is none. What a name does not say stays unsaid.
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
+from unicodedata import combining
 
 from ...core import units
 from ...core.errors import InertialcalError
 
+# English, German, French; letters without their marks (`_plain`).
 GYRO = {"gyro", "gyros", "gyr", "gyroscope", "gyroscopes", "omega", "angvel"}
+GYRO |= {"drehrate", "drehraten", "winkelgeschwindigkeit", "kreisel", "gyrometre", "gyrometres"}
 ACC = {"acc", "accs", "accel", "accels", "accelerometer", "accelerometers", "acceleration", "accelerations"}
+ACC |= {"beschleunigung", "beschleunigungen", "beschl", "accelerometre", "accelerometres"}
 MAGNETOMETER = {"mag", "magn", "magnetometer", "magnetic"}
-TEMPERATURE = {"temp", "temps", "temperature", "temperatures", "tmp", "thermistor"}
-PRESSURE = {"pressure", "press", "baro", "barometer"}
-VOLTAGE = {"voltage", "volt", "volts", "vref"}
-TIME = {"time", "timestamp", "timestamps", "stamp", "unix", "epoch", "utc", "datetime", "walltime"}
+TEMPERATURE = {"temp", "temps", "temperature", "temperatures", "tmp", "thermistor", "temperatur", "temperaturen"}
+PRESSURE = {"pressure", "press", "baro", "barometer", "druck", "luftdruck", "pression"}
+VOLTAGE = {"voltage", "volt", "volts", "vref", "spannung", "tension"}
+TIME = {"time", "timestamp", "timestamps", "stamp", "unix", "epoch", "utc", "datetime", "walltime", "date"}
+TIME |= {"zeit", "zeitstempel", "datum", "uhrzeit", "messzeit", "heure", "horodatage"}
 NOT_TIME = {"sigma", "std", "deviation", "error", "constant", "interval", "step", "delta", "diff", "duration"}
+NOT_TIME |= {"konstante", "abstand", "dauer", "constante", "intervalle", "duree"}
+SPREAD = {"std", "stdev", "stddev", "sd", "sigma", "standardabweichung", "stabw", "streuung", "ecarttype"}
 STATUS = {"status", "state", "flag", "flags", "valid", "validity", "mode", "quality"}
 WORDS = (
     ("gyro", GYRO),
@@ -33,13 +41,20 @@ WORDS = (
     ("time", TIME),
     ("status", STATUS),
 )
-PHRASES = {"angular velocity": "gyro", "angular rate": "gyro", "rotation rate": "gyro"}
+PHRASES = {
+    "angular velocity": "gyro", "angular rate": "gyro", "rotation rate": "gyro", "vitesse angulaire": "gyro",
+    "vitesse de rotation": "gyro", "ecart type": "spread",
+}  # fmt: skip
 LETTERS = {"w": "gyro", "g": "gyro", "a": "acc", "m": "magnetometer"}  # wx, gx, ax, mx
 
 # Whole names (letters and digits only, lower case).
 TIME_NAMES = {
     "t": None,
     "ts": None,
+    "temps": None,
+    "sekunden": "s",
+    "secondes": "s",
+    "millisekunden": "ms",
     "elapsed": None,
     "seconds": "s",
     "secs": "s",
@@ -135,7 +150,7 @@ class Heading:
     unit: str | None = None  # As ``core.units`` prints it; None where the name says none
     axis: str = ""  # ``"x"``, ``"y"``, ``"z"`` or ``""``
     # ``"gyro"``, ``"acc"``, ``"magnetometer"``, ``"temperature"``, ``"pressure"``, ``"voltage"``, ``"time"``,
-    # ``"status"``, ``"index"`` or ``""``
+    # ``"status"``, ``"index"``, ``"spread"`` (a standard deviation beside its mean) or ``""``
     quantity: str = ""
     unknown: str = ""  # Text in brackets that is no unit
 
@@ -150,7 +165,7 @@ def heading(name: str, unit: str | None = None) -> Heading:
     unit : str, optional
         As a units row or metadata say it; goes before the name.
     """
-    bare, bracket = bare_name(name), _bracket(name)
+    bare, bracket = _plain(bare_name(name)), _bracket(name)
     words = [word.lower() for word in WORD.findall(bare)]
     given = unit if unit is not None else bracket
     known, rest = _suffix(bare)
@@ -160,12 +175,21 @@ def heading(name: str, unit: str | None = None) -> Heading:
         known = _known(given.strip(), quantity)
     known = TIME_NAMES.get("".join(_last(bare, words))) if known is None and given is None else known
     kind = units.kind(known) if known is not None else ""
+    if quantity == "time" and kind == "temperature" and bare.lower() == "temps":  # times in French
+        quantity = "temperature"
+    if quantity == "spread":
+        return Heading(known, "", quantity, "")
     unknown = given.strip() if given is not None and known is None else ""
     if (bare, kind) == ("T", "temperature"):
         quantity = kind
     if known is not None and quantity in KINDS and kind not in KINDS[quantity]:
         known, unknown = None, given or ""
     return Heading(known, _axis(words), quantity or BY_KIND.get(kind, ""), unknown)
+
+
+def _plain(name: str) -> str:
+    """Return a name without the marks of its letters: ``Température`` as ``Temperature``."""
+    return name if name.isascii() else "".join(c for c in unicodedata.normalize("NFD", name) if not combining(c))
 
 
 def sensor_of_stamps(name: str) -> str:
@@ -255,16 +279,16 @@ def _words_to_unit(parts: list[str]) -> str | None:
 def _quantity(bare: str, words: list[str]) -> str:
     """Return what a column measures, by its name."""
     whole = "".join(_last(bare, words))
+    if len(words) > 1 and SPREAD.intersection(words) and not TIME.intersection(words):
+        return "spread"
     if whole in INDEX_NAMES or bare == "#":
         return "index"
-    if whole in TIME_NAMES:
+    if whole in TIME_NAMES or sensor_of_stamps(bare):
         return "time"
     spaced = " ".join(words)
     for phrase, quantity in PHRASES.items():
         if phrase in spaced:
             return quantity
-    if sensor_of_stamps(bare):
-        return "time"
     for quantity, known in WORDS:
         if any(_stem(word) in known or word in known for word in words):
             return "" if quantity == "time" and NOT_TIME.intersection(words) else quantity

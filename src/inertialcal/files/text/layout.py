@@ -48,6 +48,9 @@ CANDIDATES: tuple[tuple[str | None, Decimal], ...] = (
     (None, ","),
     (";", ","),
 )
+QUOTED: tuple[str | None, Decimal] = (",", ",")  # only in quotes can a comma be both
+# A quoted number whose comma can group no digits.
+QUOTED_DECIMAL = re.compile(r'"[-+]?(?:0|[0-9]{4,}|[0-9]+(?=,(?:[0-9]{1,2}|[0-9]{4,})"))(?:,[0-9]+)"')
 PERFECT = (1.0, True, 1.0)  # score of a separator: lines of one width in several columns, all of them numbers
 WORDS = {",": "comma-separated", "\t": "tab-separated", ";": "semicolon-separated", None: "blank-separated"}
 PLAIN = "0123456789.-+eE"  # characters of plain numbers
@@ -104,6 +107,16 @@ def sniff(text: str, where: str, decimal: Decimal | None = None) -> Layout:
     """
     layout = _sniff(text, where, SEMICOLON_COMMENT, decimal)
     return _sniff(text, where, COMMENT, decimal) if layout.separator == ";" else layout
+
+
+def without_first(text: str, lines: int) -> str:
+    """Return the text with its first lines empty, so that rows keep their numbers."""
+    at = 0
+    for _ in range(lines):
+        at = text.find("\n", at) + 1
+        if not at:
+            return ""
+    return "\n" * lines + text[at:]
 
 
 def split(line: str, separator: str | None) -> list[str]:
@@ -193,7 +206,8 @@ def _separator(lines: list[Line], stated: Decimal | None) -> tuple[str | None, D
     starts = [line.text[:LINE] for line in lines]
     tables: dict[str | None, Table] = {}
     best: tuple[float, bool, float] | None = None
-    for one in (one for one in CANDIDATES if stated in (None, one[1])):
+    quoted = [QUOTED] if any(QUOTED_DECIMAL.search(start) for start in starts) else []
+    for one in (one for one in [*CANDIDATES, *quoted] if stated in (None, one[1])):
         if one[0] not in tables:
             tables[one[0]] = [split(start, one[0]) for start in starts]
         score = _score(tables[one[0]], one[1])

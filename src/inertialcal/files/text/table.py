@@ -21,12 +21,12 @@ from ...core.show.tables import Block, ending, html, text
 from ...core.unit.magnitudes import check_readings
 from ..budget import claim
 from ..columns import Content, Rows, missing_remarks, nan_in_required
-from ..registry import TEXT, find_reader
+from ..registry import TEXT, find_reader, lines_of, sign_of
 from ..source import Loaded, checked_path, load
 from .delimited import cell_columns, column_names, header_again, header_repeated, text_in_numbers
-from .grouped import commas, problem
+from .grouped import commas, problem, without_groups
 from .headers import bare_name, heading
-from .layout import BLANKS, CELL_BYTES, Decimal, judge, kind, sniff, text_of, to_float
+from .layout import BLANKS, CELL, CELL_BYTES, Decimal, judge, kind, sniff, text_of, to_float, without_first
 
 SHOWN = 4  # cells of a column
 
@@ -120,6 +120,7 @@ class Table:
         """
         at = self.index(name)
         cells = self.cells[at]
+        cells = without_groups(cells, self.decimal, CELL[self.decimal].fullmatch)
         kinds = [kind(cell, self.decimal) for cell in cells]
         numbers = [to_float(c, self.decimal) if k in "if" else np.nan for c, k in zip(cells, kinds, strict=True)]
         values = np.array(numbers, dtype=np.float64)
@@ -153,8 +154,13 @@ class Table:
         return missing_remarks(self.names[at], judged.empty, judged.not_a_number, self.where)
 
 
-def read_table(path: str | Path) -> Table:
+def read_table(path: str | Path, *, decimal: str | None = None, skip: int | None = None) -> Table:
     """Return a reduced table: text in any layout that ``files.read`` takes, or a binary format.
+
+    Parameters
+    ----------
+    path, decimal, skip
+        As ``files.read`` takes them.
 
     Raises
     ------
@@ -166,7 +172,8 @@ def read_table(path: str | Path) -> Table:
     if reader.name != TEXT:
         return _from_content(reader.read(loaded, None), loaded, reader.name)
     text, remarks = text_of(loaded)
-    layout = sniff(text, loaded.path)
+    text = without_first(text, lines_of(skip))
+    layout = sniff(text, loaded.path, sign_of(decimal))
     names = column_names(layout, loaded.path)
     number = layout.width * (1 + text.count("\n"))
     claim(loaded.path, loaded.on_disk, 2 * len(text) + CELL_BYTES * number, f"{number:,} cells")

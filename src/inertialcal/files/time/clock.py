@@ -24,6 +24,7 @@ from ...core.recording import SECOND, Times
 from ...core.remarks import Remark
 from ..columns import Content
 from ..info.describe import Described, find_column
+from .dates import as_iso, looks_clock, looks_dated, since_midnight, with_times_of_day
 from .stamps import beyond_epoch, digits, epoch_unit, from_iso, is_utc, looks_iso, to_ns
 
 FEWEST = 10  # rows from which an unnamed first column can be time
@@ -52,6 +53,7 @@ class _Place:
 
     path: str
     content: Content
+    dates: str | None = None  # Order of day and month, as was said
 
     def row(self, index: int) -> str:
         return self.content.place(self.path, index)
@@ -65,8 +67,16 @@ class _NotTimeError(Exception):
         super().__init__(remark.what)
 
 
-def find_clock(described: Sequence[Described], content: Content, path: str, time_column: str | None = None) -> Clock:
+def find_clock(
+    described: Sequence[Described],
+    content: Content,
+    path: str,
+    time_column: str | None = None,
+    dates: str | None = None,
+) -> Clock:
     """Return the time of a file; empty where it has none.
+
+    ``dates``: order of day and month, ``"day-first"`` or ``"month-first"``, where it was said.
 
     Raises
     ------
@@ -74,7 +84,8 @@ def find_clock(described: Sequence[Described], content: Content, path: str, time
         If a stamp has digits too many for an epoch (code ``epoch_digits``), is no instant, or the column
         that was named is not there or cannot be time.
     """
-    place = _Place(path, content)
+    place = _Place(path, content, dates)
+    described = with_times_of_day(described)
     if time_column is not None:
         at = find_column(described, time_column, path)
         try:
@@ -100,7 +111,8 @@ def _candidates(described: Sequence[Described]) -> list[int]:
     for i, column in enumerate(described):
         dates = column.column.values.dtype.kind == "M"
         text = column.column.values.dtype.kind == "O"
-        iso = text and (column.quantity == "time" or i == 0) and looks_iso(column.column.values)
+        named = text and (column.quantity == "time" or i == 0)
+        iso = named and any(looks(column.column.values) for looks in (looks_iso, looks_dated, looks_clock))
         if dates or iso or (column.quantity == "time" and not text):
             found.append((not (dates or iso or column.unit), i))
     return [i for _, i in sorted(found)]
@@ -122,7 +134,8 @@ def _clock(described: Described, at: int, place: _Place) -> Clock:
     else:
         time_ns, remarks = _from_numbers(described, place)
     _require_forward(described, time_ns, place)
-    utc = kind in "MO" or is_utc(time_ns) or _said_utc(described.name, time_ns)
+    dated = kind == "M" or (kind == "O" and not looks_clock(described.column.values))
+    utc = dated or is_utc(time_ns) or _said_utc(described.name, time_ns)
     return Clock(at, time_ns, "utc" if utc else "elapsed", remarks)
 
 
@@ -166,14 +179,20 @@ def _require_forward(described: Described, time_ns: Times, place: _Place) -> Non
 
 def _from_text(described: Described, place: _Place) -> tuple[Times, tuple[Remark, ...]]:
     """Return the stamps of a column of dates."""
-    time_ns, naive, bad = from_iso(described.column.values)
+    cells = described.column.values
+    if looks_clock(cells):
+        time_ns, bad = since_midnight(cells)
+        naive = 0
+    else:
+        cells = as_iso(cells, place.dates, described.name, place.path) if looks_dated(cells) else cells
+        time_ns, naive, bad = from_iso(cells)
     if len(bad):
         cell = str(described.column.values[bad[0]])[:60]
         more = f" ({len(bad)} such cells)" if len(bad) > 1 else ""
         raise DataError(
             f"{cell!r} in time column {described.name!r} is not a date and time{more}",
             where=place.row(int(bad[0])),
-            do="Write it like 2010-04-28T15:10:00Z",
+            do="Write it like 2010-04-28T15:10:00Z. Dates with strokes: --dates day-first, or month-first",
             code="text_in_numbers",
         )
     return time_ns, _without_zone(described, place) if naive else ()

@@ -18,7 +18,18 @@ from ...core.key import AXES, Kind
 from ...core.recording import Channel
 from ...core.remarks import Remark
 from ...core.units import kind, normalise
-from ..given import EXAMPLE, KIND_OF_UNIT, Described, GivenFile, bare, chain_said, own_clock, sensor_said, spoken_unit
+from ..given import (
+    EXAMPLE,
+    KIND_OF_UNIT,
+    Described,
+    GivenFile,
+    bare,
+    chain_said,
+    own_clock,
+    raw_units,
+    sensor_said,
+    spoken_unit,
+)
 from .orientations import LABELS, direction_of, orientation_list, turn_of
 
 KINDS: Mapping[str, Kind] = {"acc": "accelerometer", "gyro": "gyro"}
@@ -82,10 +93,12 @@ def described(given: GivenFile) -> list[Described]:
         warm = [c for c in recording.channels if c.quantity == TEMPERATURE and c.unit is not None]
         if len(warm) == 1:
             channels[TEMPERATURE] = {"column": warm[0].name, "unit": str(warm[0].unit)}
-        chain = chain_said(given)
-        through = units[sensor] == "count" and chain.get("kind", "none") != "none"
+        chain = chain_said(given, KINDS[sensor])
+        alone = not chain.keys() - {"kind", "scale_factor"} and chain.get("kind") == "output"
+        chain = chain | ({"kind": "none"} if alone else {})  # readings stay in counts or volts: their scale is found
+        through = kind(units[sensor]) in raw_units(chain)
         unit = spoken_unit(KINDS[sensor], chain) if through else units[sensor]
-        said_sensor = sensor_said(given, KINDS[sensor], AXES, unit)
+        said_sensor = sensor_said(given, KINDS[sensor], AXES, unit, chain)
         own = entry | own_clock(given, KINDS[sensor])
         found.append(Described({"channels": channels, **own}, said_sensor, columns, remarks=tuple(remarks)))
     return found

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from ..entries import Entry, EntryKey, SaidSensor
     from ..given import Described, GivenFile
     from ..model_terms import HeldOut, ModelTerms
-    from ..suggestions import Claim, Draft, FolderFile, Suggestion
+    from ..suggestions import Claim, Draft, FolderFile, Question, Suggestion
     from .planning.planner import PositionsPlan
     from .readings import Readings
     from .reduction import Result
@@ -262,6 +262,12 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
         from .suggest import claims
 
         return claims(file)
+
+    def asks(self, contents: Mapping[str, object]) -> Sequence[Question]:
+        """Return what it has to be told: gravity."""
+        from .suggest import asks
+
+        return asks(contents)
 
     def draft(self, contents: Mapping[str, object]) -> Draft:
         """Return what a first campaign.toml says of them."""

@@ -15,10 +15,12 @@ from ..suggestions import (
     Claim,
     Draft,
     FolderFile,
+    Question,
     Strength,
     Suggestion,
     channel_tables,
     fill_in,
+    quantity,
     recording_table,
     sensor_table,
 )
@@ -43,6 +45,12 @@ def claims(file: FolderFile) -> Claim | None:
     if recording is None or file.columns.applied or not is_laid(recording):
         return None
     return Claim(Strength.LIKELY, lambda: (recording, ()))
+
+
+def asks(contents: Mapping[str, object]) -> list[Question]:
+    """Return the question how large gravity is: standard gravity is a suggestion, which people mend who know better."""
+    seen = f"{', '.join(contents)}: laid by hand, with gravity as the reference"
+    return [Question("gravity", seen, "Gravity at the site?", "9.80665 m/s2", wrong=quantity("m/s^2"))]
 
 
 def draft(contents: Mapping[str, object]) -> Draft:

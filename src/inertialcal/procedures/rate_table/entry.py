@@ -85,7 +85,7 @@ def entry_problems(name: str, entry: Entry, sensor: SaidSensor, at: Callable[...
     applied = rows.applied_unit or (sensor.unit if kind(rows.unit) in {"count", "voltage"} else rows.unit)
     if kind(applied) != wanted:
         yield Problem(f"recordings.{name}: applied in {applied!r}, need a unit of {wanted}", where, code="wrong_value")
-    if kind(rows.unit) == "count" and sensor.chain.kind != "adc":
+    if kind(rows.unit) == "count" and sensor.chain.kind not in ("adc", "output"):
         yield Problem(f"recordings.{name}: counts, but the sensor's chain has no converter", where, code="wrong_value")
     elif kind(rows.unit) == "voltage" and sensor.chain.scale_factor is None:
         what = f"recordings.{name}: volts, but the sensor's chain has no scale_factor"

@@ -6,17 +6,33 @@ the message names the axis that follows the table.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from ...core.errors import UsageError
+from ...core.estimate import Array
 from ...core.key import AXES
 from ...core.recording import Recording
 from ...core.units import convert, kind, normalise
 from ...files.info.table_columns import Guess, guess
-from ..given import Described, GivenFile, bare, chain_said, sensor_said, spoken_unit
+from ...files.text.headers import bare_name, full_name
+from ..given import (
+    RAW,
+    Described,
+    GivenFile,
+    bare,
+    chain_of_units,
+    chain_remarks,
+    chain_said,
+    named_columns,
+    raw_advice,
+    raw_units,
+    sensor_said,
+    spoken_unit,
+    unit_advice,
+)
 from .recordings import APPLIED
 
 SAMPLES_A_STEP = 3.0  # fewer samples between changes of the table's rate: not a recording of steps
@@ -32,30 +48,44 @@ def described(given: GivenFile) -> Described:
         If it is not clear which column is what, in which unit, or which axis was turned.
     """
     names = guess(given.table) if given.has_rows else Guess()
-    applied = given.own.get("applied") or names.applied
+    applied = _full(given, given.own.get("applied")) or names.applied
     of_rows = any(given.own.get(name) for name in ("scatter", "run", "group"))
     if not given.has_rows or (not of_rows and applied is not None and _is_stepped(given.recording, applied)):
         return _recorded(given, str(applied or APPLIED))
     return _table(given, names)
 
 
+def _full(given: GivenFile, name: str | None) -> str | None:
+    """Return a column by its full name: it may be given without the unit in brackets."""
+    names = given.table.names if given.has_rows else given.recording.names
+    return None if name is None else full_name(names, name) or name
+
+
 def _is_stepped(recording: Recording, applied: str) -> bool:
     """Tell whether a file is a recording on a clock whose table rate goes in steps, not a row a dwell."""
     if recording.sample_interval is None or recording.time_ns is None or applied not in recording.names:
         return False
-    rate = np.asarray(recording.channel(applied).data, dtype=float)
-    steps = np.count_nonzero(np.diff(rate[np.isfinite(rate)]) != 0.0) + 1
-    return bool(len(recording) >= SAMPLES_A_STEP * steps)
+    return goes_in_steps(np.asarray(recording.channel(applied).data, dtype=float))
+
+
+def goes_in_steps(rate: Array) -> bool:
+    """Tell whether the rate of a table, shape (n,), goes in steps over many samples."""
+    known = rate[np.isfinite(rate)]
+    return bool(len(rate) >= SAMPLES_A_STEP * (np.count_nonzero(np.diff(known) != 0.0) + 1))
 
 
 def _table(given: GivenFile, names: Guess) -> Described:
     """Return a table of dwells: all that is missing is asked for at once."""
-    said, turned = given.own, given.plan.get("axis")
+    own: dict[str, Any] = {name: _full(given, given.own.get(name)) for name in ("applied", "scatter", "run", "group")}
+    reading_said = {axis: str(_full(given, one)) for axis, one in (given.own.get("reading") or {}).items()}
+    said, turned = own | {"reading": reading_said}, given.plan.get("axis")
     if turned is not None and names.axis is not None:
         what = f"{given.name}: column {names.axis!r} and {given.add('axis', turned)} both give the axis that was turned"
         raise UsageError(what, do="Leave one out", code="wrong_value")
     reading = _reading(said.get("reading"), names)
     missing: list[tuple[str, str, str]] = []
+    notes: list[str] = []
+    raw = ""
     if said.get("applied") is None and names.applied is None:
         missing.append(("cannot tell which column is the applied rate", given.add("applied", "COLUMN"), "no_column"))
     only = [axis for axis, name in names.by_axis.items() if name == reading]
@@ -65,33 +95,82 @@ def _table(given: GivenFile, names: Guess) -> Described:
         have = f" ({', '.join(names.readings)})" if names.readings else f"; it has {', '.join(given.table.names)}"
         missing.append((f"{listed}{have}", given.add("reading", "COLUMN"), "no_column"))
     if axis is None and names.axis is None:
-        missing.append(("axis not given", given.add("axis", "x"), "no_axis"))
-    unit = bare(given.said.units) or next(iter(given.said.units.values()), None) or names.unit
-    if unit is None:
-        missing.append(("unit of rate and reading not given", given.add("unit", "deg/s"), "no_unit"))
+        missing.append(("axis not given", given.add("axis", "AXIS"), "no_axis"))
+        notes.append("AXIS: x, y or z, the one that was turned")
+    applied = said.get("applied") or names.applied
+    unit, applied_unit = _units(given, names, applied, reading)
+    if unit is None and reading is not None:
+        missing.append(("unit of rate and reading not given", given.add("unit", "UNIT"), "no_unit"))
+        notes.append("UNIT: deg/s, rad/s, V, count, ...")
+    chain = chain_said(given, "gyro") if unit is None else chain_of_units(given, chain_said(given, "gyro"), [unit])
+    if unit is not None and kind(unit) in RAW and kind(unit) not in raw_units(chain):
+        missing.append(("counts and volts need the chain of the sensor", "", "no_unit"))
+        raw = raw_advice(given, [unit], "deg/s")
     if missing or unit is None:
-        options = " ".join(dict.fromkeys(option for _, option, _ in missing))
-        what = f"{given.name}: {'; '.join(what for what, _, _ in missing)}"
-        raise UsageError(what, do=f"Add: {options}", code=missing[0][2])
+        raise _missing(given, missing, notes, raw)
     rows: dict[str, Any] = {
-        "applied": said.get("applied") or names.applied, "reading": reading, "unit": normalise(unit),
-        "scatter": said.get("scatter") or (names.scatter if isinstance(reading, str) else None),
+        "applied": applied, "reading": reading, "unit": normalise(unit),
+        "scatter": said.get("scatter") or _scatter(names, reading),
         "run": said.get("run") or names.run, "group": said.get("group") or names.group,
         "samples": names.samples, "axis": None if turned else names.axis,
     }  # fmt: skip
     rows = {name: value for name, value in rows.items() if value is not None}
-    chain = chain_said(given)
-    counted = kind(rows["unit"]) in {"count", "voltage"}
+    counted = kind(rows["unit"]) in RAW
     spoken = spoken_unit("gyro", chain) if counted else rows["unit"]
     if kind(spoken) != "angular_rate":
         do = f"Add: {given.add('unit', 'deg/s')}"
         raise UsageError(f"unit {unit!r} is not a unit of angular rate", do=do, code="no_unit")
     if counted:
-        rows["applied_unit"] = given.table.unit(rows["applied"]) or spoken
+        rows["applied_unit"] = applied_unit or spoken
     shown = {f"{what} {key}".strip(): str(name) for what, value in rows.items()
              for key, name in (value.items() if isinstance(value, dict) else [("", value)])}  # fmt: skip
     plan = {"axis": axis} if axis else {}
-    return Described({"rows": rows}, sensor_said(given, "gyro", AXES, spoken), shown | plan, plan)
+    sensor = sensor_said(given, "gyro", AXES, spoken, chain)
+    return Described({"rows": rows}, sensor, shown | plan, plan, remarks=chain_remarks(given, chain, [unit]))
+
+
+def _scatter(names: Guess, reading: str | dict[str, str] | None) -> str | dict[str, str] | None:
+    """Return the column of the scatter of a reading, or that of each axis; None where it is not clear."""
+    if isinstance(reading, dict):
+        return names.scatter_by_axis if reading == names.by_axis and names.scatter_by_axis else None
+    by_reading = {names.by_axis[axis]: name for axis, name in names.scatter_by_axis.items()}
+    return names.scatter or by_reading.get(reading or "")
+
+
+def _missing(given: GivenFile, missing: Sequence[tuple[str, str, str]], notes: Sequence[str], raw: str) -> UsageError:
+    """Return the error of a table that leaves things open: what, the option for it, the code; notes on options."""
+    options = " ".join(dict.fromkeys(option for _, option, _ in missing if option))
+    what = f"{given.name}: {'; '.join(what for what, _, _ in missing)}"
+    said = f" ({'; '.join(notes)})" if notes else ""
+    do = ". ".join([*([f"Add: {options}{said}"] if options else []), *([raw] if raw else [])])
+    return UsageError(what, do=do, code=missing[0][2])
+
+
+def _units(
+    given: GivenFile, names: Guess, applied: str | None, reading: str | dict[str, str] | None
+) -> tuple[str | None, str | None]:
+    """Return the unit of readings, and that of the rate of the table: as said, by column or for all, else by the file.
+
+    Raises
+    ------
+    UsageError
+        If readings in one unit are said to be in another, and both are known.
+    """
+    columns = [*reading.values()] if isinstance(reading, dict) else [reading] if reading else []
+    said, table = given.said.units, given.table
+    own = {what: next((said[one] for one in said if one in (what, bare_name(what))), None)
+           for what in (*columns, *([applied] if applied else []))}  # fmt: skip
+    by_header = {table.unit(one) for one in columns if one in table.names}
+    header = by_header.pop() if len(by_header) == 1 else None
+    group = said.get("gyro") or said.get("reading")
+    others = [one for key, one in said.items() if applied is None or key not in (applied, bare_name(applied))]
+    unit = next((own[one] for one in columns if own[one]), None) or group or bare(said) or next(iter(others), None)
+    if unit is not None and header is not None and kind(header) in RAW and kind(normalise(unit)) not in RAW:
+        what = f"{given.name}: {columns[0]!r} is in {header} by its header, not in {unit}"
+        do = raw_advice(given, [header], "deg/s")
+        raise UsageError(what, "", "counts and volts need the chain of the sensor", do, "unit_mismatch")
+    of_table = table.unit(applied) if applied in table.names else None
+    return unit or names.unit or header, own.get(applied or "") or of_table
 
 
 def _reading(said: Mapping[str, str] | None, names: Guess) -> str | dict[str, str] | None:
@@ -111,29 +190,42 @@ def _recorded(given: GivenFile, applied: str) -> Described:
     if not by_axis:
         what = f"{given.name}: cannot tell which column is which axis of the gyro; it has {', '.join(recording.names)}"
         raise UsageError(what, do=f"Add: {given.add('reading', 'x=COLUMN')}", code="no_column")
-    chain = chain_said(given)
-    counted = chain.get("kind", "none") != "none"
     unit = bare(given.said.units)
-    own = {name: unit or recording.channel(name).unit for name in (applied, *by_axis.values())}
-    rates = [applied] if counted else [applied, *by_axis.values()]
-    if any(one is None or kind(one) != "angular_rate" for one in (own[name] for name in rates)):
-        have = ", ".join(f"{name} ({recording.channel(name).unit or '?'})" for name in rates)
-        why = f"counts and volts need the chain of the sensor: {given.add('chain', 'CHAIN.toml')}"
-        do = f"Add: {given.add('unit', 'deg/s')}"
-        raise UsageError(
-            f"{given.name}: rate or reading without a unit of angular rate: {have}", "", why, do, "no_unit"
-        )
+    own = {name: recording.channel(name).unit for name in (applied, *by_axis.values())}
+    own = {name: unit if unit and kind(one or unit) == kind(unit) else one for name, one in own.items()}
+    chain = chain_of_units(given, chain_said(given, "gyro"), [own[name] for name in by_axis.values()])
+    raw = raw_units(chain)
+    own |= {name: "count" for name in by_axis.values() if own[name] is None and "count" in raw}
+    wanted = {applied: ("angular_rate",)} | dict.fromkeys(by_axis.values(), raw or ("angular_rate",))
+    if bad := [name for name, one in own.items() if one is None or kind(one) not in wanted[name]]:
+        raise _without_rate(given, own, bad)
     turned = axis or (next(iter(by_axis)) if len(by_axis) == 1 else None)
     if turned is None:
-        hint = _following(recording, applied, by_axis)
-        do = f"Add: {given.add('axis', hint[-1:] or 'x')}"
+        found = following_axis(recording, applied, by_axis)
+        hint = f"; {applied!r} is followed by {found}" if found else ""
+        do = f"Add: {given.add('axis', found or 'AXIS')}"
         raise UsageError(f"{given.name}: axis not given{hint}", do=do, code="no_axis")
-    units = {name: "count" if counted and name != applied else str(own[name]) for name in own}
+    units = {name: str(one) for name, one in own.items()}
     columns = {APPLIED: applied, **by_axis}
     channels = {what: {"column": name, "unit": normalise(units[name])} for what, name in columns.items()}
-    spoken = spoken_unit("gyro", chain) if counted else units[next(iter(by_axis.values()))]
-    sensor = sensor_said(given, "gyro", [*by_axis], normalise(spoken))
-    return Described({"channels": channels, "axis": turned}, sensor, columns | {"axis": turned})
+    spoken = spoken_unit("gyro", chain) if raw else units[next(iter(by_axis.values()))]
+    sensor = sensor_said(given, "gyro", [*by_axis], normalise(spoken), chain)
+    remarks = chain_remarks(given, chain, [units[name] for name in by_axis.values()])
+    return Described({"channels": channels, "axis": turned}, sensor, columns | {"axis": turned}, remarks=remarks)
+
+
+def _without_rate(given: GivenFile, units: Mapping[str, str | None], bad: Sequence[str]) -> UsageError:
+    """Return the error of columns whose unit is missing, or is none of angular rate."""
+    have = ", ".join(f"{name} ({units[name] or '?'})" for name in bad)
+    raw = [units[name] for name in bad if kind(units[name] or "1") in RAW]
+    unsaid = [
+        given.recording.channel(name) for name in bad if units[name] is None or kind(units[name] or "1") not in RAW
+    ]
+    do = [raw_advice(given, raw, "deg/s")] if raw else []
+    do += unit_advice(given, {"gyro": ("angular_rate", unsaid)}) if unsaid else []
+    why = "counts and volts need the chain of the sensor" if raw else ""
+    what = f"{given.name}: rate or reading without a unit of angular rate: {have}"
+    return UsageError(what, "", why, ". ".join(do), "no_unit")
 
 
 def _channels(given: GivenFile, applied: str) -> dict[str, str]:
@@ -143,10 +235,8 @@ def _channels(given: GivenFile, applied: str) -> dict[str, str]:
     }
     recording = given.recording
     if said:
-        axis = given.plan.get("axis")
+        axis, said = given.plan.get("axis"), named_columns(recording, said)
         found = {name if name in AXES else axis or recording.channel(one).axis: one for name, one in said.items()}
-        for one in found.values():
-            recording.channel(one)  # refused by its name where there is none
     else:
         rates = [c for c in recording.channels if c.name != applied and c.quantity in ("gyro", "") and c.axis in AXES]
         found = {c.axis: c.name for c in rates}
@@ -155,8 +245,8 @@ def _channels(given: GivenFile, applied: str) -> dict[str, str]:
     return {one: found[one] for one in AXES if one in found}
 
 
-def _following(recording: Recording, applied: str, by_axis: Mapping[str, str]) -> str:
-    """Say which axis follows the table, ending in its letter; empty where none clearly does."""
+def following_axis(recording: Recording, applied: str, by_axis: Mapping[str, str]) -> str:
+    """Return the axis that follows the table; empty where none clearly does."""
     rate = _in_si(recording, applied)
     found: list[tuple[float, float, str]] = []
     for axis, name in by_axis.items():
@@ -165,7 +255,7 @@ def _following(recording: Recording, applied: str, by_axis: Mapping[str, str]) -
         if use.any() and np.ptp(rate[use]) > 0.0 and np.ptp(values[use]) > 0.0:
             found.append((abs(float(np.corrcoef(rate[use], values[use])[0, 1])), float(np.std(values[use])), axis))
     following = max((one for one in found if one[0] > FOLLOWS), key=lambda one: one[1], default=None)
-    return "" if following is None else f"; {applied!r} is followed by {following[2]}"
+    return "" if following is None else following[2]
 
 
 def _in_si(recording: Recording, name: str) -> Any:

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from ..entries import Entry, EntryKey, SaidSensor, SaidTest
     from ..given import Described, GivenFile
     from ..model_terms import HeldOut, ModelTerms
-    from ..suggestions import Claim, Draft, FolderFile, Suggestion
+    from ..suggestions import Claim, Draft, FolderFile, Question, Suggestion
     from .readings import Readings
     from .reduction import Result
 
@@ -216,6 +216,12 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
         from .suggest import claims
 
         return claims(file)
+
+    def asks(self, contents: Mapping[str, object]) -> Sequence[Question]:
+        """Return what it has to be told: the axis that was turned."""
+        from .suggest import asks
+
+        return asks(contents)
 
     def draft(self, contents: Mapping[str, object]) -> Draft:
         """Return what a first campaign.toml says of them."""

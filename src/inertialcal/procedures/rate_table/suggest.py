@@ -8,23 +8,28 @@ import numpy as np
 
 from ...core.campaign_text import Noted
 from ...core.errors import InertialcalError
+from ...core.key import AXES
 from ...core.recording import Recording
 from ...core.units import kind
 from ...files.info.motion import accelerometers, gyros
 from ...files.info.survey import Survey
-from ...files.info.table_columns import Guess, names_rates
+from ...files.info.table_columns import Guess, guess_channels, names_rates
+from ...files.text.headers import heading
 from ...files.text.table import Table
 from ..suggestions import (
     Claim,
     Draft,
     FolderFile,
+    Question,
     Strength,
     Suggestion,
     channel_tables,
     fill_in,
+    one_of,
     recording_table,
     sensor_table,
 )
+from .given import following_axis, goes_in_steps
 
 REDUCED_ROWS = 10_000  # a longer table is no table of dwells
 REQUIREMENT = {"quantity": "rate_error", "of": "dwell_mean", "limit": "5 %", "where": "abs(rate) >= 0.1 deg/s"}
@@ -36,10 +41,19 @@ def suggests(recording: Recording, survey: Survey) -> Suggestion | None:
     if named and recording.sample_interval is None and len(recording) <= REDUCED_ROWS:
         return Suggestion(("rate-table",), Strength.SURE, complete=True)
     moving = any(remark.code == "not_at_rest" for remark in survey.remarks)
-    turned = any(channel.axis and channel.quantity == "gyro" for channel in recording.channels)
-    if moving and named and turned:  # counts need the chain of a campaign file
-        return Suggestion(("rate-table",), Strength.POSSIBLE, in_campaign=True)
+    turned = gyros(recording)
+    if moving and named and turned:
+        axis = turned_axis(recording)
+        options = f"--axis {axis}" if axis and len(turned) > 1 else ""
+        return Suggestion(("rate-table",), Strength.POSSIBLE, in_campaign=True, options=options)
     return None
+
+
+def turned_axis(recording: Recording) -> str:
+    """Return the axis that follows the rate of the table, by its readings; empty where none clearly does."""
+    applied = guess_channels(recording.channels).applied
+    turned = {axis: one.name for axis, one in gyros(recording).items() if one.name != applied}
+    return "" if applied is None else following_axis(recording, applied, turned)
 
 
 def claims(file: FolderFile) -> Claim | None:
@@ -58,10 +72,27 @@ def _is_table(table: Table, rates: Guess) -> bool:
     """Whether a file is a reduced table: short, with numbers in the columns whose names say rate and reading."""
     if not (rates.applied and rates.readings and table.rows.size <= REDUCED_ROWS):
         return False
+    timed = any(heading(name).quantity == "time" for name in table.names)
     try:
+        if timed and goes_in_steps(table.numbers(rates.applied)):
+            return False  # a recording
         return all(np.isfinite(table.numbers(name)).any() for name in (rates.applied, *rates.readings))
     except InertialcalError:  # text
         return False
+
+
+def asks(contents: Mapping[str, object]) -> list[Question]:
+    """Return the question which axis was turned, of the first file that does not say it."""
+    for file, one in contents.items():
+        if isinstance(one, Recording):
+            follows = turned_axis(one)
+            seen = f"{file}: {follows} follows the rate of the table" if follows else f"{file}: turned on a rate table"
+        elif isinstance(one, Guess) and one.axis is None and len(one.by_axis) != 1:
+            follows, seen = "", f"{file}: a table of dwells"
+        else:
+            continue
+        return [Question("axis", seen, "Axis that was turned? (x, y or z)", follows, wrong=one_of(AXES))]
+    return []
 
 
 def draft(contents: Mapping[str, object]) -> Draft:
@@ -97,14 +128,17 @@ def _rows(found: Guess) -> dict[str, object] | Noted:
         "applied": found.applied or "?",
         "reading": found.readings[0] if alone or not found.by_axis else dict(found.by_axis),
         **{key: column for key in keys if (column := getattr(found, key))},
-        "unit": found.unit or "?",
+        "unit": found.unit or found.reading_unit or "?",
     }
-    return rows if found.unit is not None and (alone or found.by_axis) else fill_in(rows)
+    if found.unit is None and found.applied_unit is not None:
+        rows["applied_unit"] = found.applied_unit
+    return rows if rows["unit"] != "?" and (alone or found.by_axis) else fill_in(rows)
 
 
 def _recording(file: str, one: Recording) -> dict[str, object]:
-    clock = {"column": one.time_column} if one.time_column else {}
-    clock |= {"stamp": "middle", "interval": "? s", "averaging": "? s"}
-    channels = {"applied": fill_in({"column": "?", "unit": "?"}), **channel_tables(gyros(one))}
-    table = recording_table("suite", file, one, channels)
-    return table | {"axis": fill_in(), "run": fill_in(), "clock": fill_in(clock)}
+    applied = guess_channels(one.channels).applied
+    unit = None if applied is None else one.channel(applied).unit
+    rate: object = {"column": applied or "?", "unit": unit or "?"}
+    turned = {axis: channel for axis, channel in gyros(one).items() if channel.name != applied}
+    channels = {"applied": rate if unit else fill_in(rate), **channel_tables(turned)}
+    return recording_table("suite", file, one, channels) | {"axis": fill_in(turned_axis(one) or "?")}

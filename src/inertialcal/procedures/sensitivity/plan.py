@@ -80,7 +80,7 @@ class Plan:
     )  # fmt: skip
     references: Mapping[str, str] = setting(
         "Nominal value of a condition, where its term is zero; the middle of its levels where not given.",
-        dict[str, str], example='supply="5 V"', option="reference",
+        dict[str, str], example='supply="5 V"', option="nominal",
     )  # fmt: skip
     settle: float = setting("Left out after each change of a condition.", 0.0, unit="s", least=0, example="60 s")
     block: float | None = setting(

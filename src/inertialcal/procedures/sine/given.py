@@ -11,7 +11,7 @@ from ...core.key import AXES
 from ...core.recording import Channel
 from ...core.units import kind, normalise
 from ...files.text.headers import bare_name
-from ..given import KIND_OF_UNIT, Described, GivenFile, chain_said, sensor_said
+from ..given import KIND_OF_UNIT, Described, GivenFile, chain_said, raw_units, sensor_said
 from ..given import described as described_by_unit
 from ..protocol import InputSpec
 
@@ -34,7 +34,7 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     if schedule is not None and given.plan.get("phase") is not None:
         raise UsageError("phase and schedule", why="the schedule has the phase", do="Leave the phase out")
     of_sensor = [one for one in given.recording.channels if one.axis in AXES and one.quantity in SENSORS and one.unit]
-    counted = chain_said(given).get("kind", "none") != "none"
+    counted = bool(raw_units(chain_said(given)))
     if counted or (of_sensor and not given.said.columns):
         found = described_by_unit(given, spec)
     else:

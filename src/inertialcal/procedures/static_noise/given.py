@@ -17,7 +17,7 @@ from ...core.recording import Channel
 from ...core.remarks import Remark
 from ...core.units import divide, kind, normalise, parse_quantity, si_unit
 from ...files.info.channel_survey import survey_channel, unit_hints
-from ..given import Described, GivenFile, bare, chain_said, described, own_clock, sensor_said
+from ..given import Described, GivenFile, bare, chain_said, described, named_columns, own_clock, sensor_said
 from ..protocol import InputSpec
 
 SENSED = {"gyro": "gyro", "acc": "accelerometer", "": ""}  # quantities of channels that may be a sensor's
@@ -26,7 +26,7 @@ RATES = {"rad/s": "gyro", "m/s^2": "accelerometer"}  # kind of sensor by the SI 
 ADDED = {"rad": "gyro", "m/s": "accelerometer"}  # and of what they add up to
 KINDS = ("angular_rate", "angle", "acceleration")
 SPOKEN = {"gyro": "deg/s", "accelerometer": "m/s^2", "other": ""}  # unit shown of what was read in another one
-LIKE = {"gyro": "deg/s", "acc": "m/s2"}  # unit of a group, where its numbers suggest none
+LIKE = {"gyro": "deg/s, rad/s", "acc": "m/s2, g"}  # units of a group, where its numbers suggest none
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ def described_sensors(given: GivenFile, inputs: InputSpec) -> list[Described]:
         If it is not clear what samples of an angle or velocity are (``no_quantity``), or a setting does not fit the
         unit (``unit_mismatch``).
     """
-    if chain_said(given):
+    if chain_said(given).keys() - {"kind", "scale_factor"}:
         return [described(given, inputs)]
     chosen, remarks = _chosen(given)
     scales = _scale_factors(given, chosen)
@@ -86,6 +86,7 @@ def _chosen(given: GivenFile) -> tuple[list[Channel], list[Remark]]:
     if columns:
         if wrong := [axis for axis, name in columns.items() if axis not in AXES and axis != name]:
             raise UsageError(f"column {wrong[0]!r}", do=f"There are: {', '.join(AXES)}", code="unknown_name")
+        columns = named_columns(recording, columns)
         named = [(axis, recording.channel(name)) for axis, name in columns.items()]
         return [replace(one, axis=axis) if axis in AXES else one for axis, one in named], []
     numbers = [one for one in recording.channels if one.data.dtype.kind in "iuf" and one.quantity in SENSED]
@@ -181,7 +182,7 @@ def _without_unit(given: GivenFile, taken: Sequence[_Taken]) -> list[Remark]:
         options = [
             f"{given.add('unit', f'{one}={seen[one].unit}')} ({seen[one].reason})"
             if one in seen
-            else given.add("unit", f"{one}={LIKE.get(one, 'deg/s')}")
+            else f"{given.add('unit', f'{one}=UNIT')} (UNIT: {LIKE.get(one, 'deg/s, m/s2')}, ...)"
             for one in dict.fromkeys(one.quantity or one.name for one in missing)
         ]
         what = f"unit not given, figures are in that of the file: {', '.join(one.name for one in missing)}"

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from ...sensors.model.sensor_model import SensorModel
     from ..entries import SaidTest
     from ..model_terms import HeldOut, ModelTerms
-    from ..suggestions import Suggestion
+    from ..suggestions import Claim, Draft, FolderFile, Suggestion
     from .recordings import Readings
     from .reduction import Result
 
@@ -225,6 +225,18 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
         from .suggest import suggests
 
         return suggests(recording, survey)
+
+    def claims(self, file: FolderFile) -> Claim | None:
+        """Claim a recording of sensors whose temperature was made to change."""
+        from .suggest import claims
+
+        return claims(file)
+
+    def draft(self, contents: Mapping[str, object]) -> Draft:
+        """Return the sensors and tests over temperature of a first campaign."""
+        from .suggest import draft
+
+        return draft(contents)
 
 
 PROCEDURE = Thermal()

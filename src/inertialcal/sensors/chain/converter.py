@@ -10,7 +10,8 @@ For each sensor, sample by sample::
 The published rate suite [1]_ is the case step = 5 V / 4095, a reference measured with each signal, gain 1,
 Z = 0; the triaxial head [2]_ has step = 10 V / 65536, gains of 100, 100 and 10, and the zero Z(T) of its
 electronics, which stands before the gain is divided out. A pulse-rate converter [3]_ is the same with step =
-1 / gate: whole pulses of one gate time, as counts a second.
+1 / gate: whole pulses of one gate time, as counts a second. Readings that were recorded in volts, or that a sensor
+gives as numbers itself, are the same with a step of 1 and no ends.
 
 ``from_counts.convert`` and ``to_counts`` apply a chain, each the other's inverse.
 
@@ -24,7 +25,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -70,7 +71,7 @@ class Chain:
     step: float  # Output a count [V], or 1/gate [1/s] of a pulse-rate converter
     codes: tuple[int, int] | None = None  # Lowest and highest code; None where the converter has no ends
     unit: str = ""  # Input unit, SI
-    output_unit: str = "V"  # ``"V"`` or ``"count/s"``
+    output_unit: str = "V"  # ``"V"``, ``"count/s"``, or ``"count"`` of a sensor that gives numbers itself
     # shape (k,): Ideal S0 [output unit / input unit]; None leaves the output without a reading
     scale_factor: Array | float | None = None
     reference: Literal["channel"] | float = 0.0  # Measured with the signal, or a fixed voltage [V]
@@ -81,6 +82,7 @@ class Chain:
     zero_at: Mapping[float, Array] | None = None
     thermometer: Thermometer | None = None  # Temperature channel
     validity_minimum: float | None = None  # Lowest voltage of the built-in test at which readings are good [V]
+    input_unit: str = "count"  # What it starts from: ``"count"``, or ``"V"`` at the converter
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.step) and self.step > 0.0):
@@ -118,6 +120,11 @@ def pulse_counter(
     if not gate > 0.0:
         raise PlanError(f"gate {gate:g} s: need a positive time")
     return Chain(axes, 1.0 / gate, unit=unit, output_unit="count/s", scale_factor=scale_factor)
+
+
+def in_volts(chain: Chain) -> Chain:
+    """Return the chain as it starts from volts at the converter, of which one is one code, without ends."""
+    return replace(chain, step=1.0, codes=None, input_unit="V")
 
 
 def zero_volts(chain: Chain, degrees: Array | None) -> Array | float:

@@ -60,9 +60,13 @@ def apply_chain(
         ``wrong_column`` for a column that is not there; ``wrong_unit`` for one that is not in counts; and as
         ``from_counts.convert``.
     """
-    counts = _counts(recording, [_column(columns, axis) for axis in chain.axes])
+    counts = _counts(chain, recording, [_column(columns, axis) for axis in chain.axes])
     conditions = {kind: _condition(chain, recording, columns, kind) for kind in CONDITIONS}
-    converted = convert(chain, counts, **conditions, gain=gain, place=recording.place)
+    try:
+        converted = convert(chain, counts, **conditions, gain=gain, place=recording.place)
+    except DataError as error:
+        named = [replace(one, where=one.where or recording.source.path) for one in error.problems]
+        raise DataError(named) from None
     values, unit = (converted.output, chain.output_unit)
     if converted.readings is not None:
         values, unit = converted.readings, chain.unit
@@ -191,20 +195,25 @@ def _condition(chain: Chain, recording: Recording, columns: Mapping[str, str], k
             raise DataError(
                 f"no {kind} channel for {axis}", do=f"Name its column: {kind}_{axis}", code=f"missing_{kind}"
             )
-    return _counts(recording, [str(name) for name in names])
+    return _counts(chain, recording, [str(name) for name in names])
 
 
-def _counts(recording: Recording, names: list[str]) -> Array:
+def _counts(chain: Chain, recording: Recording, names: list[str]) -> Array:
+    """Return columns as the chain takes them: counts as they are, volts [V]."""
+    volts, made = chain.input_unit == "V", []
     for name in names:
-        unit = recording.channel(name).unit
-        if unit not in {None, "count"}:
+        channel = recording.channel(name)
+        unit = channel.unit or "count"
+        if not same_dimension(unit, chain.input_unit):
             raise DataError(
-                f"column {name!r} is in {unit}, the chain takes counts",
+                f"column {name!r} is in {channel.unit or 'no unit'}, the chain takes {'volts' if volts else 'counts'}",
                 where=recording.source.path,
-                do='Say unit = "count", or use no chain',
+                why="what the chain takes together is all in counts, or all in volts",
+                do="Correct the unit of the column, or the chain",
                 code="wrong_unit",
             )
-    return recording.array(names)
+        made.append(to_unit(channel.data, unit, "V") if volts else channel.data)
+    return np.column_stack(made) if volts else recording.array(names)
 
 
 def _column(columns: Mapping[str, str], axis: str) -> str:

@@ -120,6 +120,7 @@ def _chain_to_dict(chain: Chain) -> dict[str, Any]:
             name: _list(getattr(thermometer, name)) for name in ("slope", "voltage", "temperature")
         } | ({"own_reference": True} if thermometer.own_reference else {}),
         "validity_minimum": chain.validity_minimum,
+        **({} if chain.input_unit == "count" else {"input_unit": chain.input_unit}),
     }  # fmt: skip
 
 
@@ -148,6 +149,7 @@ def _chain(content: Mapping[str, Any] | None, axes: Sequence[str], unit: str) ->
             own_reference=warm.get("own_reference") is True,
         ),
         validity_minimum=content["validity_minimum"],
+        input_unit=str(content.get("input_unit", "count")),
     )
 
 

@@ -211,6 +211,8 @@ def _check(model: SensorModel, chain: Chain) -> None:
         held.append("matrix over temperature")
     if held:
         raise _cannot(", ".join(held), "it starts from codes of signal, reference, temperature and built-in test alone")
+    if chain.input_unit != "count":
+        raise _cannot(f"a chain from {chain.input_unit}", "it starts from codes", "Export to c, and convert first")
     if chain.reference != "channel" and chain.thermometer is not None and chain.thermometer.own_reference:
         why = "a measured reference of the temperature stands beside that of the signal, and this one is fixed"
         raise _cannot("the reference of the temperature channel", why, "Export to c, and convert the temperature first")

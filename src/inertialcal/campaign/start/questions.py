@@ -1,0 +1,129 @@
+"""What a first campaign.toml cannot be told by the files: one question after the other, each with what was seen.
+
+A question that an option or an earlier answer has settled is not asked. Numbers of a data sheet are asked for, never
+suggested: Enter leaves them to be filled in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+from ...core.errors import InertialcalError
+from ...core.key import AXES
+from ...core.recording import Channel, Recording
+from ...core.units import kind, normalise
+from ...files.info.channel_survey import survey_channel, unit_hints
+from ...files.time.dates import ORDERS
+from ...procedures import procedure_of
+from ...procedures.given import RAW, Said, bare
+from ...procedures.suggestions import Question, one_of, quantity
+
+ITEM = {"maker": "Who made the sensor", "part": "Its part number", "serial": "Its serial number"}
+UNITS = {"gyro": "deg/s, rad/s, count, V", "acc": "g, m/s2, count, V"}
+PER = {"gyro": "deg/s", "acc": "g"}
+
+
+Answers = Mapping[str, str]
+Contents = Mapping[str, Mapping[str, object]]  # what procedures make of files, by procedure and file
+
+
+def questions(found: Contents, ambiguous: Sequence[str], said: Said, axis: str, item: Answers) -> Iterator[Question]:
+    """Yield what is to be asked, as far as answers and options leave it open.
+
+    Parameters
+    ----------
+    found : mapping
+        What a folder holds.
+    ambiguous : sequence of str
+        Files whose dates can be read in two ways.
+    said : Said
+        Options and answers so far.
+    axis, item
+        Axis that was turned, and what the sensor is, as far as they were said.
+    """
+    if ambiguous and said.dates is None:
+        what = f"{', '.join(ambiguous)}: dates like 3/4/2024"
+        yield Question("dates", what, f"Day or month first? ({' or '.join(ORDERS)})", wrong=one_of(ORDERS))
+    for group in ("gyro", "acc"):
+        yield from _of_readings(found, group, said)
+    for procedure, contents in found.items():
+        for question in procedure_of(procedure).asks(contents) if contents else ():
+            known = axis if question.name == "axis" else getattr(said, question.name, None)
+            if not known:
+                yield question
+    for name, ask in ITEM.items():
+        if name not in item:
+            yield Question(name, "", f"{ask}? (Enter: leave it out)")
+
+
+def _of_readings(found: Contents, group: str, said: Said) -> Iterator[Question]:
+    """Yield the questions on the unit of a kind of sensors, and on the chain of those in counts or volts."""
+    own = list(_channels(found, group))
+    if not own:
+        return
+    unsaid = [(file, one) for file, one in own if one.unit is None]
+    answer = said.units.get(group) or bare(said.units)
+    if unsaid and answer is None:
+        hints = [hint for file, one in unsaid for hint in _hints(one) if hint]
+        names = ", ".join(dict.fromkeys(one.name for _, one in unsaid))
+        reason = f": {hints[0][1]}" if hints else ""
+        seen = f"{', '.join(dict.fromkeys(file for file, _ in unsaid))}: {names} without a unit{reason}"
+        suggestion = hints[0][0] if hints else ""
+        yield Question("units", seen, f"Unit? ({UNITS[group]}, ...)", suggestion, group, _unit)
+        return  # what follows depends on it
+    units = {answer if one.unit is None else one.unit for _, one in own}
+    raw = [normalise(unit) for unit in units if unit and kind(unit) in RAW]
+    if not raw or said.chain is not None or not _needs_chain(found, group):
+        return
+    counted, per = any(kind(unit) == "count" for unit in raw), PER[group]
+    seen = f"{', '.join(dict.fromkeys(file for file, _ in own))}: readings in {' and '.join(sorted(raw))}"
+    if counted and said.lsb is None:
+        ask = "Voltage of one count of the converter, like 5 V / 4095? (Enter: none, the sensor gives numbers itself)"
+        yield Question("lsb", seen, ask, wrong=quantity("V", optional=True))
+    volts = not counted or bool(said.lsb)
+    if volts and not _answered(said.reference, group):
+        ask = "Voltage without input, like 2.5 V? (channel: it was recorded)"
+        yield Question("reference", seen, ask, group=group, wrong=quantity("V", optional=True, words=("channel",)))
+    if not _answered(said.scale_factor, group):
+        unit = f"{'V' if volts else 'count'}/({per})"
+        ask = f"Scale factor of the data sheet, like {'0.02' if volts else '131'} {unit}?"
+        yield Question("scale_factor", seen, ask, group=group, wrong=quantity(unit, optional=True))
+
+
+def answered(said: Said, question: Question, text: str) -> Said:
+    """Return what was said with one more answer; an empty one counts as said."""
+    answer = {**getattr(said, question.name), question.group: text} if question.group else text
+    return replace(said, **{question.name: answer})
+
+
+def _answered(values: Mapping[str, str], group: str) -> bool:
+    return group in values or bare(values) is not None or any(axis in values for axis in AXES)
+
+
+def _channels(found: Contents, group: str) -> Iterator[tuple[str, Channel]]:
+    """Yield the readings of a kind of sensors, with their file."""
+    for files in found.values():
+        for file, one in files.items():
+            if isinstance(one, Recording):
+                yield from ((file, channel) for channel in one.channels if channel.quantity == group and channel.axis)
+
+
+def _needs_chain(found: Contents, group: str) -> bool:
+    """Whether a procedure that has such readings takes them through a chain only."""
+    has = (name for name, files in found.items() for one in files.values() if isinstance(one, Recording)
+           if any(channel.quantity == group and channel.axis for channel in one.channels))  # fmt: skip
+    return any(not (procedure_of(name).inputs.raw or procedure_of(name).inputs.bare) for name in has)
+
+
+def _hints(channel: Channel) -> list[tuple[str, str]]:
+    part = Recording((channel,), None, None, None, "elapsed", "")
+    return [(hint.unit, hint.reason) for hint in unit_hints(part, [survey_channel(channel)]) if hint.unit]
+
+
+def _unit(text: str) -> str:
+    try:
+        normalise(text)
+    except InertialcalError as error:
+        return error.problems[0].what
+    return ""

@@ -1,0 +1,152 @@
+"""What was said of a folder, put into the draft of its campaign: units, chain, axis, site, item."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from ...core.campaign_text import FILL_IN, Noted
+from ...core.key import AXES, Kind
+from ...core.units import kind, normalise
+from ...procedures.given import GROUP, RAW, GivenFile, Said, bare, chain_of_units, chain_said, raw_units, spoken_unit
+from ...procedures.suggestions import fill_in
+from ..calls.given import text_said
+
+OPEN = {"", "?"}  # texts that say nothing
+Parts = dict[str, dict[str, object]]
+
+
+def settle(parts: Parts, tests: Sequence[object], said: Said, axis: str) -> None:
+    """Put what was said into sensors, recordings, tests and site of a draft; what is then complete is not marked."""
+    recordings = parts["recordings"]
+    for name, table in parts["sensors"].items():
+        sensor = _plain_table(table)
+        word = sensor["kind"]
+        sensor_kind: Kind = word.value if isinstance(word, Noted) else word
+        own = {key: entry for key, entry in recordings.items() if _plain_table(entry)["sensor"] == name}
+        stated = said.units.get(GROUP[sensor_kind]) or bare(said.units)
+        settled = {key: _with_unit(entry, None if stated is None else normalise(stated)) for key, entry in own.items()}
+        recordings |= settled
+        units = [unit for entry in settled.values() for unit in _units(entry)]
+        found = _with_chain(sensor, sensor_kind, units, said)
+        parts["sensors"][name] = Noted(found, table.note, table.above) if isinstance(table, Noted) else found
+    reading = _reading(said)
+    for key, entry in recordings.items():
+        recordings[key] = _read_as(entry, reading)
+    if axis:
+        _turn(recordings, tests, axis)
+    site = {"latitude": said.latitude, "gravity": said.gravity, "height": said.height}
+    parts["site"] |= {name: value for name, value in site.items() if value is not None}
+
+
+def _with_chain(sensor: dict[str, Any], sensor_kind: Kind, units: Sequence[str], said: Said) -> dict[str, Any]:
+    """Return a sensor whose readings are in counts or volts with its chain: as said, else to be filled in."""
+    known = [unit for unit in units if unit not in OPEN]
+    raw = [unit for unit in known if kind(unit) in RAW]
+    if not raw or len(raw) != len(units):
+        plain = [unit for unit in known if kind(unit) not in RAW]
+        open_unit = isinstance(sensor.get("unit"), Noted)
+        return sensor | ({"unit": plain[0]} if open_unit and plain else {})
+    given = GivenFile("", said, {}, {}, _never, _never)
+    chain = chain_said(given, sensor_kind)
+    if chain.get("scale_factor"):
+        chain = chain_of_units(given, chain, raw)
+        if raw_units(chain):
+            spoken = spoken_unit(sensor_kind, chain)
+            kept = {name: one for name, one in sensor.items() if name != "chain"}
+            return kept | {"unit": spoken, "chain": Noted(chain, above=_equation(chain))}
+    per = spoken_unit(sensor_kind, {})
+    volts = {"reference": "? V", "scale_factor": f"? V/({per})"}
+    wanted = {"kind": "adc", "lsb": "? V"} | volts if kind(raw[0]) == "count" else {"kind": "output"} | volts
+    return sensor | {"unit": fill_in(per), "chain": fill_in(wanted | chain)}
+
+
+def _equation(chain: Mapping[str, Any]) -> str:
+    """Return how a chain makes a reading, as a comment."""
+    output = f"lsb * count{'' if 'reference' not in chain else ' - reference'}" if chain["kind"] == "adc" else "output"
+    output += " - reference" if chain["kind"] == "output" and "reference" in chain else ""
+    output = f"{output} - zero" if "zero" in chain else output
+    gain = " / gain" if "gain" in chain else ""
+    return f"A reading is ({output}){gain} / scale_factor, nominal values of the data sheet."
+
+
+def _never(*_: object, **__: object) -> Any:
+    raise AssertionError("no file is read for its chain")
+
+
+def _with_unit(entry: object, unit: str | None) -> object:
+    """Return the entry of a recording with the unit that was said in place of those that are open."""
+    if isinstance(entry, Noted):
+        return Noted(_with_unit(entry.value, unit), entry.note, "" if unit else entry.above, entry.example)
+    table = _plain_table(entry)
+    if unit is None:
+        return table
+    if "channels" in table:
+        channels = {
+            what: _closed(one, unit) if what in AXES else one for what, one in _plain_table(table["channels"]).items()
+        }
+        return table | {"channels": channels}
+    if "rows" in table:
+        return table | {"rows": _closed(table["rows"], unit)}
+    return table
+
+
+def _closed(entry: object, unit: str) -> object:
+    """Return the entry of a column with a unit where it has none; no longer marked where nothing else is open."""
+    table = _plain_table(entry)
+    if table.get("unit") not in OPEN:
+        return entry
+    closed = table | {"unit": unit}
+    return closed if all(one not in OPEN for one in closed.values() if isinstance(one, str)) else fill_in(closed)
+
+
+def _units(entry: object) -> Iterator[str]:
+    """Yield the units of readings of an entry."""
+    table = _plain_table(entry)
+    if "channels" in table:
+        for what, one in _plain_table(table["channels"]).items():
+            if what in AXES:
+                yield str(_plain_table(one).get("unit", "?"))
+    elif "rows" in table:
+        yield str(_plain_table(table["rows"]).get("unit", "?"))
+
+
+def _reading(said: Said) -> dict[str, dict[str, Any]]:
+    """Return how texts are read, and which column is time, as an entry says them."""
+    clock = {
+        "column": said.time_column,
+        "sample_rate": None if said.sample_rate is None else f"{said.sample_rate!r} Hz",
+    }
+    found = {"text": text_said(said), "clock": {name: value for name, value in clock.items() if value is not None}}
+    return {name: table for name, table in found.items() if table}
+
+
+def _read_as(entry: object, reading: Mapping[str, dict[str, Any]]) -> object:
+    """Return an entry with how its file is read; a table of dwells has no clock."""
+    if isinstance(entry, Noted):
+        return Noted(_read_as(entry.value, reading), entry.note, entry.above, entry.example)
+    table = _plain_table(entry)
+    for name, own in reading.items():
+        if name == "text" or "channels" in table:
+            table[name] = _plain_table(table.get(name, {})) | own
+    return table
+
+
+def _turn(recordings: dict[str, object], tests: Sequence[object], axis: str) -> None:
+    """Put the axis that was turned where a recording or a test leaves it open."""
+    for key, entry in recordings.items():
+        table = _plain_table(entry)
+        if _is_marked(table.get("axis")):
+            recordings[key] = table | {"axis": axis}
+    for test in tests:
+        if isinstance(test, dict) and _is_marked(test.get("plan")) and "axis" in _plain_table(test["plan"]):
+            test["plan"] = _plain_table(test["plan"]) | {"axis": axis}
+
+
+def _is_marked(value: object) -> bool:
+    return isinstance(value, Noted) and value.note == FILL_IN
+
+
+def _plain_table(value: object) -> dict[str, Any]:
+    plain = value.value if isinstance(value, Noted) else value
+    return dict(plain) if isinstance(plain, Mapping) else {}

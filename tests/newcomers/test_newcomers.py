@@ -1,0 +1,172 @@
+"""From a file as people have it to the right result in at most two commands, by the advice of the messages alone."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from newcomer_tables import DATA_SHEET, FILES, Made
+from newcomer_texts import FORMS, Form
+from newcomer_truths import BIASES, ERRORS, NOISE, SLOPES, chamber, rate_table
+from obedience import next_command, obeyed
+
+from typed_commands import call
+
+Estimates = dict[tuple[str, str], tuple[float, float]]
+SHEET = DATA_SHEET | {"axis": "x"}
+FEW = 5.0  # standard uncertainties that an estimate may be off
+ROUND = 2e-3  # deg/s: of readings rounded to counts
+TRUE_NOISE = {"units": NOISE, "volts": NOISE * 0.02, "counts": NOISE * 0.02 * 4095.0 / 5.0}
+
+
+def estimates(content: Any) -> Estimates:
+    """Return value and standard uncertainty of each estimate, by quantity with its power, and axis."""
+    rows = [one for one in content["results"] if one["u"] is not None and one["method"] == "result"]
+    return {(f"{one['quantity']}{one['power'] or ''}", one["axis"]): (one["value"], one["u"]) for one in rows}
+
+
+def near(found: Estimates, quantity: str, axis: str, true: float, slack: float) -> None:
+    """Check an estimate against the truth."""
+    value, u = found[quantity, axis]
+    assert abs(value - true) <= FEW * u + slack, (quantity, axis, value, u, true)
+
+
+def check(made: Made, content: Any) -> None:
+    """Check a result against what the file was made of."""
+    found = estimates(content)
+    if made.noun == "rate-table":
+        near(found, "scale_factor_error", "x", 100.0 * ERRORS["x"], 0.0)
+        near(found, "bias", "x", BIASES["x"], ROUND)
+    elif made.noun == "thermal":
+        for axis in "xyz":
+            near(found, "bias", axis, (1.0 + ERRORS[axis]) * BIASES[axis], ROUND)
+            near(found, "bias_temperature1", axis, (1.0 + ERRORS[axis]) * SLOPES[axis], 2e-5)
+    else:
+        sample_rate = 50.0
+        kind = made.name.removesuffix(".csv").removeprefix("rest_")
+        unit = next(one["unit"] for one in content["results"] if one["quantity"] == "angle_random_walk" or
+                    one["quantity"] == "random_walk")  # fmt: skip
+        white = next(one["value"] for one in content["results"] if one["quantity"].endswith("random_walk"))
+        true = TRUE_NOISE[kind] / np.sqrt(sample_rate)
+        if unit == "deg/sqrt(h)":
+            true *= 60.0
+        quantized = np.sqrt(1.0 + (1.0 / 12.0) / (TRUE_NOISE[kind]) ** 2) if kind == "counts" else 1.0
+        assert white == pytest.approx(true * quantized, rel=0.1)
+
+
+@pytest.mark.parametrize("made", FILES, ids=lambda made: made.name)
+def test_what_info_says_to_type_gives_the_truth(made: Made, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / made.name
+    path.write_bytes(made.write(made.log()))
+    words = next_command(capsys, str(path), SHEET)
+    if words[0] == "info":  # a file in counts that stand still: their unit is asked for once
+        words = ["allan", *words[1:]]
+    if words[0] == "init":
+        words = [made.noun, str(path)]
+    assert words[0] == made.noun
+    content, commands = obeyed(capsys, words, SHEET)
+    assert commands <= 2
+    check(made, content)
+
+
+@pytest.mark.parametrize("made", FILES, ids=lambda made: made.name)
+def test_the_noun_by_its_own_advice_gives_the_truth(
+    made: Made, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / made.name
+    path.write_bytes(made.write(made.log()))
+    content, commands = obeyed(capsys, [made.noun, str(path)], SHEET)
+    assert commands <= 3 if made.noun == "rate-table" else commands <= 2
+    check(made, content)
+
+
+@pytest.mark.parametrize("form", FORMS, ids=lambda form: form.name)
+def test_texts_of_excel_and_loggers(form: Form, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Every form gives the same as plain columns: rates, temperature, and a clock of 1 Hz."""
+    log = chamber(hours=1.0)
+    path = tmp_path / f"{form.name}{form.ending}"
+    path.write_bytes(form.write(log))
+    status, out, err = call(capsys, "info", str(path), *form.options, "--json")
+    assert status == 0, err
+    (found,) = json.loads(out)["results"]
+    assert found["time"]["sample_interval"] == pytest.approx(1.0, abs=1e-9)
+    assert found["next"].split()[1] == "thermal"
+    status, out, err = call(capsys, "thermal", str(path), *form.options, "--json")
+    assert status == 0, err
+    result = estimates(json.loads(out))
+    for axis in "xyz":
+        near(result, "bias", axis, (1.0 + ERRORS[axis]) * BIASES[axis], 0.0)
+        near(result, "bias_temperature1", axis, (1.0 + ERRORS[axis]) * SLOPES[axis], 0.0)
+
+
+def test_dates_that_can_be_read_in_two_ways_are_asked_for(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    form = next(one for one in FORMS if one.name == "ambiguous_dates")
+    path = tmp_path / "log.csv"
+    path.write_bytes(form.write(chamber(hours=0.1)))
+    status, _, err = call(capsys, "info", str(path))
+    assert status == 3
+    assert "--dates day-first, or --dates month-first" in err
+    for order, start in (("month-first", "2024-03-12"), ("day-first", "2024-12-03")):
+        _, out, _ = call(capsys, "info", str(path), "--dates", order, "--json")
+        assert json.loads(out)["results"][0]["time"]["start"].startswith(start)
+
+
+@pytest.mark.parametrize("kind", ["units", "volts", "counts"])
+def test_compensate_reads_what_the_test_read(kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """With no option at all: the model knows the chain."""
+    made = next(one for one in FILES if one.name == f"turned_{kind}.csv")
+    path, model, out_path = tmp_path / made.name, tmp_path / "model.json", tmp_path / "true.csv"
+    log = rate_table()
+    path.write_bytes(made.write(log))
+    words = next_command(capsys, str(path), SHEET)
+    assert call(capsys, *words, "-o", str(model))[0] == 0
+    status, _, err = call(capsys, "compensate", str(model), str(path), "-o", str(out_path), "--json")
+    assert status == 0, err
+    head, *rows = (line.split(",") for line in out_path.read_text().splitlines())
+    column = next(i for i, name in enumerate(head) if name.split(" ")[0] in ("x", "gyro_x"))
+    assert head[column].endswith("[deg/s]")
+    compensated = np.array([float(row[column]) for row in rows])
+    assert np.mean(compensated - log.applied) == pytest.approx(0.0, abs=5e-3)
+    assert np.std(compensated - log.applied) < 2.0 * NOISE
+
+
+def test_counts_headed_as_rates_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    made = next(one for one in FILES if one.name == "turned_counts.csv")
+    path, model = tmp_path / made.name, tmp_path / "model.json"
+    data = made.write(rate_table())
+    path.write_bytes(data)
+    assert call(capsys, *next_command(capsys, str(path), SHEET), "-o", str(model))[0] == 0
+    wrong = tmp_path / "headed.csv"
+    wrong.write_bytes(data.replace(b"gyro_x,gyro_y,gyro_z", b"gyro_x [deg/s],gyro_y [deg/s],gyro_z [deg/s]", 1))
+    status, _, err = call(capsys, "compensate", str(model), str(wrong), "-o", str(tmp_path / "out.csv"))
+    assert status == 3
+    assert "counts rather than deg/s" in err
+
+
+def test_volts_are_never_taken_for_rates(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Whatever is said of their unit, a header in volts does not become deg/s without a scale factor."""
+    for name in ("turned_volts.csv", "dwells_volts.csv", "chamber_volts.csv"):
+        made = next(one for one in FILES if one.name == name)
+        path = tmp_path / name
+        path.write_bytes(made.write(made.log()))
+        words = [made.noun, str(path), *(("--axis", "x") if made.noun == "rate-table" else ())]
+        status, _, err = call(capsys, *words)
+        assert status == 2
+        assert "--unit" not in err
+        if made.noun == "rate-table":
+            status, _, err = call(capsys, *words, "--unit", "deg/s")
+            assert status == 2
+        assert "--scale-factor" in err
+
+
+def test_a_reference_that_has_no_effect_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    made = next(one for one in FILES if one.name == "turned_units.csv")
+    path = tmp_path / made.name
+    path.write_bytes(made.write(made.log()))
+    words = ["rate-table", str(path), "--axis", "x", "--reference", "2.5 V", "--scale-factor", "0.02 V/(deg/s)"]
+    status, _, err = call(capsys, *words)
+    assert status == 2
+    assert "reference is given, and the readings are in deg/s already" in err

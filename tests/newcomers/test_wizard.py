@@ -1,0 +1,156 @@
+"""``init`` on a terminal asks only for what the files do not say; what it writes runs, and gives the truth.
+
+A pseudo-terminal stands for the user. The same as options, and with ``--yes``, gives the same file.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import sys
+import time
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+from newcomer_tables import FILES
+from newcomer_texts import FORMS
+from newcomer_truths import BIASES, ERRORS, chamber
+
+from typed_commands import call
+
+if sys.platform == "win32":
+    pytest.skip("no pseudo-terminals", allow_module_level=True)
+pty = pytest.importorskip("pty")
+
+LONGEST = 120.0  # s: of a busy machine
+ENTER = ""
+CHAIN = ("--lsb", "5 V / 4095", "--reference", "2.5 V", "--scale-factor", "0.02 V/(deg/s)")
+
+
+def on_terminal(words: Sequence[str], answers: Sequence[str]) -> tuple[str, int]:
+    """Run a command on a terminal, an answer for each prompt; return what it showed, and how it ended."""
+    child, terminal = pty.fork()
+    if child == 0:  # pragma: no cover - another process
+        os.environ["COLUMNS"] = "200"
+        os.execv(sys.executable, [sys.executable, "-m", "inertialcal", *words])
+    shown, left, end = "", list(answers), time.monotonic() + LONGEST
+    asked = 0
+    while time.monotonic() < end:
+        if not select.select([terminal], [], [], 0.2)[0]:
+            continue
+        try:
+            part = os.read(terminal, 4096)
+        except OSError:  # the other end is closed
+            break
+        if not part:
+            break
+        shown += part.decode(errors="replace")
+        last = shown.rsplit("\n", 1)[-1]
+        if last.startswith("  ") and last.endswith((") ", "? ", "] ")) and len(shown) > asked and left:
+            asked = len(shown)
+            os.write(terminal, f"{left.pop(0)}\n".encode())
+    _, status = os.waitpid(child, 0)
+    assert not left, f"never asked for: {left}\n{shown}"
+    return shown, os.waitstatus_to_exitcode(status)
+
+
+def put(folder: Path, name: str) -> Path:
+    """Write one of the newcomers' files into a folder."""
+    made = next(one for one in FILES if one.name == name)
+    folder.mkdir(exist_ok=True)
+    (folder / name).write_bytes(made.write(made.log()))
+    return folder
+
+
+def campaign(folder: Path) -> dict[str, object]:
+    """Return what was written, without its name."""
+    found = tomllib.loads((folder / "campaign.toml").read_text(encoding="utf-8"))
+    return {name: value for name, value in found.items() if name != "campaign"}
+
+
+def bias(capsys: pytest.CaptureFixture[str], folder: Path, axis: str) -> tuple[float, float]:
+    """Run a campaign; return the bias of an axis."""
+    status, _, err = call(capsys, "run", str(folder), "-q")
+    assert status == 0, err
+    rows = json.loads((folder / "out/results.json").read_text())["results"]
+    own = next(one for one in rows if (one["quantity"], one["axis"], one["method"]) == ("bias", axis, "result"))
+    return own["value"], own["u"]
+
+
+def test_it_asks_only_for_what_the_file_does_not_say(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = put(tmp_path / "asked", "turned_counts.csv")
+    answers = [ENTER, "5 V / 4095", "2.5 V", "nonsense", "0.02 V/(deg/s)", ENTER, "ACME", "G-100", ENTER]
+    shown, status = on_terminal(["init", str(folder)], answers)
+    assert status == 0, shown
+    assert "gyro_x, gyro_y, gyro_z without a unit: whole numbers up to" in shown
+    assert "[count]" in shown
+    assert "x follows the rate of the table" in shown
+    assert "nonsense: " in shown
+    assert "complete. Next: inertialcal run" in shown
+    text = (folder / "campaign.toml").read_text()
+    assert "# A reading is (lsb * count - reference) / scale_factor" in text
+    value, u = bias(capsys, folder, "x")
+    assert value == pytest.approx(BIASES["x"], abs=5 * u)
+    same = put(tmp_path / "options", "turned_counts.csv")
+    words = ["init", str(same), "--unit", "gyro=count", *CHAIN, "--axis", "x", "--maker", "ACME", "--part", "G-100"]
+    assert call(capsys, *words, "--serial", "")[0] == 0
+    assert campaign(same) == campaign(folder)
+
+
+def test_a_file_that_says_all_is_asked_for_the_sensor_alone(tmp_path: Path) -> None:
+    folder = put(tmp_path / "all", "chamber_units.csv")
+    shown, status = on_terminal(["init", str(folder)], [ENTER, ENTER, "7"])
+    assert status == 0, shown
+    assert "Unit?" not in shown
+    assert "Axis" not in shown
+    assert campaign(folder)["item"] == {"maker": "", "part": "", "serial": "7"}
+
+
+def test_yes_takes_every_suggestion(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = put(tmp_path / "yes", "chamber_counts.csv")
+    status, out, err = call(capsys, "init", str(folder), "--yes", *CHAIN)
+    assert status == 0, err
+    assert "complete. Next: inertialcal run" in out
+    value, u = bias(capsys, folder, "z")
+    assert value == pytest.approx((1.0 + ERRORS["z"]) * BIASES["z"], abs=5 * u)
+
+
+def test_no_number_of_the_data_sheet_is_invented(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = put(tmp_path / "open", "turned_volts.csv")
+    assert call(capsys, "init", str(folder), "--yes")[0] == 0
+    text = (folder / "campaign.toml").read_text()
+    assert 'chain = { kind = "output", reference = "? V", scale_factor = "? V/(deg/s)" }  # FILL IN' in text
+    assert call(capsys, "check", str(folder))[0] != 0
+
+
+def test_dates_are_asked_for_where_they_can_be_read_in_two_ways(tmp_path: Path) -> None:
+    form = next(one for one in FORMS if one.name == "ambiguous_dates")
+    folder = tmp_path / "dates"
+    folder.mkdir()
+    (folder / "log.csv").write_bytes(form.write(chamber(hours=1.0)))
+    shown, status = on_terminal(["init", str(folder)], ["sideways", "month-first", ENTER, ENTER, ENTER])
+    assert status == 0, shown
+    assert "sideways: one of: day-first, month-first" in shown
+    assert 'text = { dates = "month-first" }' in (folder / "campaign.toml").read_text()
+
+
+def test_interrupted_it_writes_nothing(tmp_path: Path) -> None:
+    folder = put(tmp_path / "left", "turned_counts.csv")
+    _, status = on_terminal(["init", str(folder)], ["\x03"])
+    assert status == 130
+    assert not (folder / "campaign.toml").exists()
+
+
+@pytest.mark.parametrize("made", FILES, ids=lambda made: made.name)
+def test_init_goes_by_what_info_suggests(made: object, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    name = made.name  # type: ignore[attr-defined]
+    folder = put(tmp_path / "folder", name)
+    _, out, _ = call(capsys, "info", str(folder / name), "--json")
+    word = json.loads(out)["results"][0]["next"].split()[1]
+    assert call(capsys, "init", str(folder), "-q")[0] == 0
+    tests = tomllib.loads((folder / "campaign.toml").read_text())["tests"]
+    procedure = {"rate-table": "rate_table", "thermal": "thermal", "allan": "static_noise", "info": "static_noise"}
+    assert {one["procedure"] for one in tests} == {procedure[word]}
