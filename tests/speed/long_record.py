@@ -80,7 +80,7 @@ def main() -> int:
     rows = int(given.rows)
     given.folder.mkdir(parents=True, exist_ok=True)
     path, out = given.folder / f"long_{rows}.parquet", given.folder / f"long_{rows}"
-    copy = given.folder / f"long_{rows}.h5"
+    copy = given.folder / f"long_{rows}_copy.parquet"
     try:
         truth = made(path, rows)
         size = path.stat().st_size

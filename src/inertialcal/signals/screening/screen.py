@@ -60,7 +60,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.batches import batches, zeros
+from ...core.batches import batches, release, zeros
 from ...core.estimate import Array
 from ..time.samples import Flags, Indices
 from .blocks import Blocks, blocks_of
@@ -190,7 +190,9 @@ def screen(x: NDArray[Any], at_rest: bool = True) -> Screening:
     if not len(x):
         return Screening((), 0, 0.0, 0.0)
     with np.errstate(over="ignore", invalid="ignore"):  # differences of the largest numbers
-        return _looked_through(x, at_rest)
+        found = _looked_through(x, at_rest)
+    release(x)  # of samples that are looked at here and there, a system may keep 2 MiB about each
+    return found
 
 
 def _looked_through(x: NDArray[Any], at_rest: bool) -> Screening:
