@@ -54,7 +54,7 @@ def _moments(x: NDArray[Any], size: int, good: Flags) -> tuple[Array, Array, NDA
 def _around(x: NDArray[Any], first: Indices, count: int) -> Array:
     """Return rows of so many samples from ``first`` on, with 15 more on each side; NaN where there are none."""
     at = first[:, None] + np.arange(-SIDE, count + SIDE)
-    values = x[np.clip(at, 0, len(x) - 1)].astype(np.float64)
+    values: Array = x[np.clip(at, 0, len(x) - 1)].astype(np.float64)
     values[(at < 0) | (at >= len(x)) | ~np.isfinite(values)] = np.nan
     return values
 
