@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy import special
 
 from inertialcal.core.errors import DataError
-from inertialcal.core.estimate import Array, Component, Estimate, joined_dof
+from inertialcal.core.estimate import Array, Component, Estimate, joined_dof, joins_to_fewer
 
 NAMES = ("scale_factor", "bias")
 UNITS = ("V/(deg/s)", "deg/s")
@@ -75,6 +75,15 @@ def test_degrees_of_freedom_one_source_many_known_and_none() -> None:
     exact = Estimate(NAMES, np.zeros(2), UNITS, ())
     np.testing.assert_array_equal(exact.u, [0.0, 0.0])
     np.testing.assert_array_equal(exact.dof, [np.inf, np.inf])
+
+
+def test_whether_parts_join_to_fewer_degrees_of_freedom_than_asked() -> None:
+    rng = np.random.default_rng(1)
+    variances = rng.exponential(size=(3, 2000)) * rng.integers(0, 2, size=(3, 2000))
+    each, asked = np.exp(rng.uniform(-1.0, 8.0, size=(2, 2000)))
+    joined = joined_dof(list(variances), [each] * 3)
+    clear = np.abs(joined - asked) > 1e-6 * asked
+    assert np.array_equal(joins_to_fewer(variances, each, asked)[clear], (joined < asked)[clear])
 
 
 def test_degrees_of_freedom_of_each_value() -> None:

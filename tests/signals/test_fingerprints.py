@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from inertialcal.signals.fingerprints import fingerprints
+from inertialcal.signals.fingerprints import alike, fingerprints
 
 
 def triad(seed: int, n: int = 4000) -> list[np.ndarray]:
@@ -54,3 +54,15 @@ def test_coarse_codes_make_no_copy_by_chance(noise: float) -> None:
 def test_the_type_of_the_numbers_does_not_matter() -> None:
     codes = np.random.default_rng(1).integers(-100, 100, size=1000)
     assert fingerprints([codes.astype(np.int16)]).shared(fingerprints([codes.astype(np.float64)])) == (0, 0, 1000)
+
+
+def test_pairs_that_share_a_stretch_are_among_those_that_may() -> None:
+    columns = [triad(seed, 1000) for seed in range(12)]
+    columns[7] = columns[2]
+    for a, b in zip(columns[4], columns[9], strict=True):
+        b[500:800] = a[100:400]
+    records = [None, *map(fingerprints, columns), fingerprints([np.zeros(1000)])]
+    pairs = [(i, j) for i in range(1, 14) for j in range(i + 1, 14)]
+    shared = {(i, j) for i, j in pairs if records[i].shared(records[j]) is not None}  # type: ignore[union-attr,arg-type]
+    assert shared == {(3, 8), (5, 10)} == alike(records)
+    assert alike([]) == alike([None, records[-1]]) == set()

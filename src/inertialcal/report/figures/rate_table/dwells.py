@@ -6,6 +6,7 @@ the recording is a gap in the line.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -26,20 +27,22 @@ SHOWS = "Trace of the channel over time; shaded are the dwells that were used, h
 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
     """Return a picture a recording whose dwells were found."""
-    traces = [curve for curve in curves(results, "trace") if len(finite(numbers(curve, "lo")))]
+    traces: dict[tuple[Any, ...], Curve] = {}
+    for curve in curves(results, "trace"):
+        if len(finite(numbers(curve, "lo"))):
+            traces.setdefault(_place(curve), curve)
     every = curves(results, NAME)
-    tests = [curve.get("test", "") for curve in every]
+    tests = Counter(curve.get("test", "") for curve in every)
     return [
-        _picture(trace, curve, tests.count(curve.get("test", "")) > 1)
+        _picture(traces[_place(curve)], curve, tests[curve.get("test", "")] > 1)
         for curve in every
-        if (trace := _trace(traces, curve)) is not None
+        if _place(curve) in traces
     ]
 
 
-def _trace(traces: Sequence[Curve], dwells: Curve) -> Curve | None:
-    """Return the trace that dwells were found on: of their recording, and of the channel of their axis."""
-    mine = [one for one in traces if all(one.get(key) == dwells.get(key) for key in ("test", "recording"))]
-    return next((one for one in mine if one.get("axis") == dwells.get("axis")), None)
+def _place(curve: Curve) -> tuple[Any, ...]:
+    """Return what dwells have in common with the trace that they were found on."""
+    return curve.get("test"), curve.get("recording"), curve.get("axis")
 
 
 def _picture(trace: Curve, dwells: Curve, one_of_several: bool) -> Picture:
