@@ -13,6 +13,8 @@ from newcomer_texts import FORMS, Form
 from newcomer_truths import BIASES, ERRORS, NOISE, SLOPES, chamber, rate_table
 from obedience import next_command, obeyed
 
+import inertialcal as ic
+from inertialcal.core.errors import PlanError
 from typed_commands import call
 
 Estimates = dict[tuple[str, str], tuple[float, float]]
@@ -170,3 +172,61 @@ def test_a_reference_that_has_no_effect_is_refused(tmp_path: Path, capsys: pytes
     status, _, err = call(capsys, *words)
     assert status == 2
     assert "reference is given, and the readings are in deg/s already" in err
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("turned_units.csv", ("rate-table", "--column", "applied=table_rate", "--column", "x=gyro_x")),
+        ("chamber_units.csv", ("thermal", "--column", "x=gyro_x", "--column", "temperature=temperature")),
+        ("rest_units.csv", ("allan", "--column", "gyro_x")),
+        ("rest_units.csv", ("psd", "--column", "x=gyro_x")),
+    ],
+)
+def test_columns_are_named_without_their_unit_too(
+    name: str, words: tuple[str, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    made = next(one for one in FILES if one.name == name)
+    path = tmp_path / name
+    path.write_bytes(made.write(made.log()))
+    full = {"applied=table_rate": "applied=table_rate [deg/s]", "x=gyro_x": "x=gyro_x [deg/s]",
+            "temperature=temperature": "temperature=temperature [degC]", "gyro_x": "gyro_x [deg/s]"}  # fmt: skip
+    found = []
+    for named in (words, tuple(full.get(one, one) for one in words)):
+        status, out, err = call(capsys, named[0], str(path), *named[1:], "--json")
+        assert status == 0, err
+        found.append(json.loads(out)["results"])
+    assert found[0] == found[1]
+
+
+def test_volts_of_a_fixed_reference_in_a_table_are_above_it(tmp_path: Path) -> None:
+    """The reference of a campaign's chain is taken off readings in volts, once; beside ``none`` it is refused."""
+    made = next(one for one in FILES if one.name == "dwells_volts.csv")
+    (tmp_path / made.name).write_bytes(made.write(made.log()))
+    text = """schema = 2
+[campaign]
+id = "volts"
+[sensors.suite]
+kind = "gyro"
+axes = ["x"]
+unit = "deg/s"
+chain = { kind = "KIND", reference = "2.5 V", scale_factor = "0.02 V/(deg/s)" }
+[recordings.table]
+sensor = "suite"
+file = "dwells_volts.csv"
+rows = { applied = "rate", reading = "reading", scatter = "reading_std", samples = "n", unit = "V" }
+[[tests]]
+id = "rate"
+procedure = "rate_table"
+recordings = ["table"]
+plan = { axis = "x" }
+"""
+    (tmp_path / "campaign.toml").write_text(text.replace("KIND", "output"))
+    assert ic.run(tmp_path).exit_status == 0
+    rows = json.loads((tmp_path / "out/results.json").read_text())["results"]
+    near(estimates({"results": rows}), "bias", "x", BIASES["x"], 0.0)
+    report = (tmp_path / "out/report.html").read_text()
+    assert "recordings are the output of the sensor, minus the reference of" in " ".join(report.split())
+    (tmp_path / "campaign.toml").write_text(text.replace("KIND", "none"))
+    with pytest.raises(PlanError, match="does not use reference"):
+        ic.check(tmp_path)

@@ -290,7 +290,8 @@ def sensor_kind(given: GivenFile, spec: InputSpec) -> Kind:
             raise UsageError(f"sensor {given.said.sensor!r}", do=do, code="unknown_name")
         return words[given.said.sensor]
     recording = given.recording
-    named = [recording.channel(name).unit for axis, name in given.said.columns.items() if axis in AXES]
+    columns = {axis: name for axis, name in given.said.columns.items() if axis in AXES}
+    named = [recording.channel(name).unit for name in named_columns(recording, columns).values()]
     for one in spec.kinds:
         if any(unit is not None and kind(unit) == KIND_OF_UNIT[one] for unit in named):
             return one

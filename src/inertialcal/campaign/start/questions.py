@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 from ...core.errors import InertialcalError
 from ...core.key import AXES
@@ -93,7 +94,7 @@ def _of_readings(found: Contents, group: str, said: Said) -> Iterator[Question]:
 
 def answered(said: Said, question: Question, text: str) -> Said:
     """Return what was said with one more answer; an empty one counts as said."""
-    answer = {**getattr(said, question.name), question.group: text} if question.group else text
+    answer: Any = {**getattr(said, question.name), question.group: text} if question.group else text
     return replace(said, **{question.name: answer})
 
 

@@ -22,7 +22,7 @@ def settle(parts: Parts, tests: Sequence[object], said: Said, axis: str) -> None
     for name, table in parts["sensors"].items():
         sensor = _plain_table(table)
         word = sensor["kind"]
-        sensor_kind: Kind = word.value if isinstance(word, Noted) else word
+        sensor_kind: Kind = getattr(word, "value", word)
         own = {key: entry for key, entry in recordings.items() if _plain_table(entry)["sensor"] == name}
         stated = said.units.get(GROUP[sensor_kind]) or bare(said.units)
         settled = {key: _with_unit(entry, None if stated is None else normalise(stated)) for key, entry in own.items()}

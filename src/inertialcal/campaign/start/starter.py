@@ -17,12 +17,12 @@ from ...files.info.survey import survey_recording
 from ...files.write.atomic import atomic_write
 from ...procedures import procedure_names, procedure_of
 from ...procedures.given import Said
-from ...procedures.suggestions import RELATIVE, Claim, FolderFile, Strength, fill_in
+from ...procedures.suggestions import RELATIVE, Claim, FolderFile, Question, Strength, fill_in
 from ...sensors.catalogue import PublishedSensor, published_sensor
 from ..calls.given import Files
 from .data_sheet import requirements, unjudged, with_facts
 from .info import suggestions
-from .questions import ITEM, Question, answered, questions
+from .questions import ITEM, answered, questions
 from .settled import settle
 
 ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".parquet", ".csv.gz", ".txt.gz", ".mat", ".h5", ".hdf5", ".npz")
@@ -238,7 +238,7 @@ def starter_text(name: str, found: Found, published: PublishedSensor | None = No
             parts[part] |= getattr(draft, part)
     if published is not None:
         item = published.item
-        said = {"maker": item.maker or fill_in(""), "part": item.part, "serial": fill_in("")} | told.item
+        said = {"maker": item.maker or fill_in(""), "part": item.part, "serial": fill_in(""), **told.item}
         document["item"] = Noted(said, above=unjudged(published))
         parts["sensors"] = with_facts(parts["sensors"], published)
     tests = [test for draft in drafts for test in draft.tests]

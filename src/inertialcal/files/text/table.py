@@ -5,7 +5,7 @@ Cells keep their text until a column is asked for as numbers: what may stand in 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -119,7 +119,7 @@ class Table:
             required, a literal NaN.
         """
         at = self.index(name)
-        cells = self.cells[at]
+        cells: Sequence[str] = self.cells[at]
         cells = without_groups(cells, self.decimal, CELL[self.decimal].fullmatch)
         kinds = [kind(cell, self.decimal) for cell in cells]
         numbers = [to_float(c, self.decimal) if k in "if" else np.nan for c, k in zip(cells, kinds, strict=True)]

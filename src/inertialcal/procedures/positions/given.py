@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from ...core.key import AXES, Kind
 from ...core.recording import Channel
 from ...core.remarks import Remark
 from ...core.units import kind, normalise
+from ...files.text.headers import full_name
 from ..given import (
     EXAMPLE,
     KIND_OF_UNIT,
@@ -68,6 +70,7 @@ def described(given: GivenFile) -> list[Described]:
     UsageError
         If it is not clear which channel is what, or in which unit.
     """
+    given = _with_sensor(given)
     said, recording = given.said, given.recording
     wrong = [role for role in said.columns if role not in (*ROLES, TEMPERATURE)]
     if wrong:
@@ -102,6 +105,17 @@ def described(given: GivenFile) -> list[Described]:
         own = entry | own_clock(given, KINDS[sensor])
         found.append(Described({"channels": channels, **own}, said_sensor, columns, remarks=tuple(remarks)))
     return found
+
+
+def _with_sensor(given: GivenFile) -> GivenFile:
+    """Return what was given with x, y and z of ``--column`` as those of the one sensor that was said."""
+    words = {given.said.sensor, given.label} & {*KINDS, *KINDS.values()}
+    groups = {one for one, word in KINDS.items() if {one, word} & words}
+    if len(groups) != 1:
+        return given
+    (group,) = groups
+    columns = {f"{group}_{what}" if what in AXES else what: name for what, name in given.said.columns.items()}
+    return replace(given, said=replace(given.said, columns=columns))
 
 
 def own_keys(given: GivenFile) -> dict[str, Any]:
@@ -148,6 +162,7 @@ def _channels(given: GivenFile, is_table: bool) -> tuple[dict[str, dict[str, Cha
         named = [c for c in every if c.quantity == sensor and c.axis in AXES]
         own = {str(c.axis): c for c in named} if len({c.axis for c in named}) == len(named) else {}
         roles = {role[-1]: name for role, name in columns.items() if role.startswith(f"{sensor}_")}
+        roles = {axis: full_name(recording.names, name) or name for axis, name in roles.items()}
         for axis, name in roles.items():
             own = own if len(roles) < len(AXES) else {}
             if name not in recording.names:

@@ -7,6 +7,7 @@ the message names the axis that follows the table.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -48,11 +49,21 @@ def described(given: GivenFile) -> Described:
         If it is not clear which column is what, in which unit, or which axis was turned.
     """
     names = guess(given.table) if given.has_rows else Guess()
+    given = _with_columns(given)
     applied = _full(given, given.own.get("applied")) or names.applied
     of_rows = any(given.own.get(name) for name in ("scatter", "run", "group"))
     if not given.has_rows or (not of_rows and applied is not None and _is_stepped(given.recording, applied)):
         return _recorded(given, str(applied or APPLIED))
     return _table(given, names)
+
+
+def _with_columns(given: GivenFile) -> GivenFile:
+    """Return what was given with the columns of ``--column`` where its own options do not name them."""
+    columns = given.said.columns
+    own = {name: columns[name] for name in ("applied", "run", "group", "scatter") if name in columns}
+    reading = {axis: columns[axis] for axis in AXES if axis in columns}
+    own |= {"reading": reading} if reading else {}
+    return replace(given, own={**own, **{name: value for name, value in given.own.items() if value}}) if own else given
 
 
 def _full(given: GivenFile, name: str | None) -> str | None:

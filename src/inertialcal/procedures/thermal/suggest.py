@@ -83,8 +83,9 @@ def _temperatures(recording: Recording) -> dict[str, object]:
     warm = [one for one in recording.channels if one.unit and kind(one.unit) == "temperature"]
     if len(warm) == 1:
         return {"temperature": {"column": warm[0].name, "unit": warm[0].unit}}
-    by_axis = {f"temperature_{one.axis}": {"column": one.name, "unit": one.unit} for one in warm if one.axis}
+    by_axis: dict[str, object] = {f"temperature_{one.axis}": {"column": one.name, "unit": one.unit}
+                                  for one in warm if one.axis}  # fmt: skip
+    if len(by_axis) == len(warm):
+        return by_axis
     largest = max(warm, key=_swing)
-    return by_axis if len(by_axis) == len(warm) else {
-        "temperature": fill_in({"column": largest.name, "unit": largest.unit})
-    }  # fmt: skip
+    return {"temperature": fill_in({"column": largest.name, "unit": largest.unit})}
