@@ -20,7 +20,9 @@ from ...procedures.suggestions import RELATIVE, Claim, FolderFile, fill_in
 from ...sensors.catalogue import PublishedSensor, published_sensor
 from .data_sheet import requirements, unjudged, with_facts
 
-ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".parquet", ".csv.gz", ".txt.gz", ".mat", ".h5", ".hdf5", ".npz")
+ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".parquet", ".csv.gz", ".txt.gz", ".mat", ".h5", ".hdf5", ".npz",
+           ".xlsx", ".ods", ".feather", ".wav", ".bag", ".db3", ".mcap", ".ulg", ".tdms", ".uff", ".unv", ".mf4",
+           ".ide", ".lvm", ".mseed")  # fmt: skip
 MOST = 200  # files
 Found = dict[str, dict[str, object]]  # what procedures make of files, by procedure and file
 
