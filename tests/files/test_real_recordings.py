@@ -171,14 +171,21 @@ def test_a_column_that_counts_is_an_index(data: Path) -> None:
     assert recording.channels[0].quantity == "index"
 
 
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [
-        ("vibration/endaq_ide/test4.IDE", r"an EBML recorder file \(enDAQ \.IDE\), which is not supported"),
-        ("vibration/hrshm_dataset7/amplitude_6_Impact_1_vibration.lvm", r"a LabVIEW measurement file \(\.lvm\)"),
-        ("noise/nist_sp1065_1000pt.json", "JSON"),
-    ],
-)
-def test_other_formats_are_named(data: Path, name: str, words: str) -> None:
-    with pytest.raises(DataError, match=words):
-        read(data / name)
+def test_a_recorder_file_with_several_topics(data: Path) -> None:
+    recording = read(data / "vibration" / "endaq_ide" / "test4.IDE")
+    assert [one.unit for one in recording.channels] == ["deg/s"] * 3
+    (topics,) = (one for one in recording.remarks if one.code == "other_topics")
+    assert "GNSS Location" in topics.what
+
+
+def test_two_recordings_in_a_labview_file(data: Path) -> None:
+    path = data / "vibration" / "hrshm_dataset7" / "amplitude_6_Impact_1_vibration.lvm"
+    with pytest.raises(DataError, match="excitation_vibration .* 13,216 rows") as caught:
+        read(path)
+    assert caught.value.problems[0].do == "Choose: --topic excitation_vibration"
+    assert len(read(path, topics=["excitation_composite"])) == 12375
+
+
+def test_other_formats_are_named(data: Path) -> None:
+    with pytest.raises(DataError, match="JSON"):
+        read(data / "noise" / "nist_sp1065_1000pt.json")

@@ -129,7 +129,7 @@ def mcap(path: Path, packed: str = "ZSTD", chunked: bool = True, first: int = 0,
         for stamp, message in zip(STAMPS[first:stop], messages[first:stop], strict=True):
             data = bytes(store.serialize_cdr(message, "sensor_msgs/msg/Imu", little_endian=False))
             writer.add_message(one, int(stamp) + 700, data, int(stamp))
-        writer.finish()
+        writer.finish()  # type: ignore[no-untyped-call]
     return IMU
 
 

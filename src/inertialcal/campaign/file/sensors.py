@@ -74,11 +74,12 @@ class Chain(Strict):
             raise ValueError('kind = "adc" needs lsb')
         if self.kind == "output" and self.scale_factor is None:
             raise ValueError('kind = "output" needs scale_factor')
-        idle = [name for name in OF_OUTPUT if getattr(self, name) is not None] if self.kind == "none" else []
+        bare = self.kind == "none" and self.ground is None and self.model is None
+        idle = [name for name in OF_OUTPUT if getattr(self, name) is not None] if bare else []
         idle += [
             name for name in ("lsb", "counts", "gate") if self.kind == "output" and getattr(self, name) is not None
         ]
-        if idle or (self.kind == "none" and self.gain != 1.0):
+        if idle or (bare and self.gain != 1.0):
             have = ", ".join(idle) or "gain"
             ways = '"adc" for readings in counts' + ('; "output" for volts' if self.kind == "none" else "")
             raise ValueError(f'kind = "{self.kind}" does not use {have}: set kind = {ways}')

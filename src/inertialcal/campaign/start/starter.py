@@ -25,7 +25,9 @@ from .info import suggestions
 from .questions import ITEM, answered, questions
 from .settled import settle
 
-ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".parquet", ".csv.gz", ".txt.gz", ".mat", ".h5", ".hdf5", ".npz")
+ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".parquet", ".csv.gz", ".txt.gz", ".mat", ".h5", ".hdf5", ".npz",
+           ".xlsx", ".ods", ".feather", ".wav", ".bag", ".db3", ".mcap", ".ulg", ".tdms", ".uff", ".unv", ".mf4",
+           ".ide", ".lvm", ".mseed")  # fmt: skip
 MOST = 200  # files
 AMBIGUOUS = "ambiguous_date"  # code of a file whose dates can be read in two ways
 Found = dict[str, dict[str, object]]  # what procedures make of files, by procedure and file
