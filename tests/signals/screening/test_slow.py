@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from inertialcal.core.estimate import Array
+from inertialcal.core.recording import SECOND
 from inertialcal.signals.screening.slow import stuck_slow
 
 N = 2_400
@@ -62,10 +63,10 @@ def test_a_thermometer_that_is_right_to_stay(name: str, step: float, noise: floa
 
 def test_a_step_across_a_gap_is_no_jump() -> None:
     x = np.concatenate((np.full(300, 20.0), thermometer(np.linspace(30.0, 40.0, 900), COARSE, 1)))
-    seconds = np.arange(1200.0)
-    assert stuck_slow(x, (), seconds) is not None
-    seconds[300:] += 3600.0
-    assert stuck_slow(x, (), seconds) is None
+    time_ns = np.arange(1200, dtype=np.int64) * SECOND
+    assert stuck_slow(x, (), time_ns) is not None
+    time_ns[300:] += 3600 * SECOND
+    assert stuck_slow(x, (), time_ns) is None
 
 
 def test_missing_and_short() -> None:
