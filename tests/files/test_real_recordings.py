@@ -180,7 +180,7 @@ def test_a_recorder_file_with_several_topics(data: Path) -> None:
 
 def test_two_recordings_in_a_labview_file(data: Path) -> None:
     path = data / "vibration" / "hrshm_dataset7" / "amplitude_6_Impact_1_vibration.lvm"
-    with pytest.raises(DataError, match="excitation_vibration .* 13,216 rows") as caught:
+    with pytest.raises(DataError, match=r"excitation_vibration .* 13,216 rows") as caught:
         read(path)
     assert caught.value.problems[0].do == "Choose: --topic excitation_vibration"
     assert len(read(path, topics=["excitation_composite"])) == 12375
