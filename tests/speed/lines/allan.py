@@ -62,7 +62,7 @@ GOALS: dict[Deviation, tuple[str, dict[int, float]]] = {
 }
 for kind, (name, goals) in GOALS.items():
     for size, least in goals.items():
-        line(f"{kind}, kernel, {size:.0e} samples", peer=f"allantools.{name}", goal=least)(
+        line(f"{kind}, kernel, {size:.0e} samples", peer=f"allantools.{name} (1 core)", goal=least)(
             partial(kernel, kind, name, size)
         )
 
