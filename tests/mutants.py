@@ -377,6 +377,12 @@ MUTANTS = (
         "for j in range(0, n - order * m - 1, m):",
         "test_allan_loops",
     ),
+    Mutant(
+        "_kernels.py",
+        "stop = starts * (part + 1) // parts",
+        "stop = starts * (part + 1) // parts - 1",
+        "test_allan_loops",
+    ),
     Mutant("loops.py", "3: (-1, 3, -3, 1)", "3: (-1, 3, 3, 1)", "test_allan_published"),
     Mutant("autocovariance.py", "k * k - (i - shift) ** 2", "k * k + (i - shift) ** 2", "test_allan_edf"),
     Mutant(

@@ -6,8 +6,9 @@ The caller cuts the job into shares that do not depend on the number of cores, a
 from __future__ import annotations
 
 import os
+from collections import deque
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from threading import Thread
 from typing import TypeVar
 
 Share = TypeVar("Share")
@@ -42,5 +43,28 @@ def each_of(function: Callable[[Share], Found], shares: Sequence[Share], size: i
     workers = min(cores(), len(shares))
     if size < LARGE or workers < 2:
         return [function(share) for share in shares]
-    with ThreadPoolExecutor(workers) as pool:
-        return list(pool.map(function, shares))
+    left, found, failed = deque(enumerate(shares)), dict[int, Found](), dict[int, Exception]()
+
+    def work() -> None:
+        while left:
+            try:
+                place, share = left.popleft()
+            except IndexError:  # another took the last
+                return
+            try:
+                found[place] = function(share)
+            except Exception as error:  # raised again below
+                failed[place] = error
+
+    others = [Thread(target=work) for _ in range(workers - 1)]
+    for one in others:
+        one.start()
+    try:
+        work()  # as the others do, rather than wait for them
+    finally:
+        left.clear()
+        for one in others:
+            one.join()
+    if failed:
+        raise failed[min(failed)]
+    return [found[place] for place in range(len(shares))]

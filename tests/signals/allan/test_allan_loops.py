@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from inertialcal.core.estimate import Array
+from inertialcal.signals import threads
 from inertialcal.signals.allan import _kernels, _kernels_missing, loops
 
 ROUNDING = 1e-11  # relative: sums of squares of the kernels are not pairwise
@@ -68,6 +69,20 @@ def test_sums_of_complete_records_agree(
         _kernels.sum_again(phase, scale, once)
         loops.sum_again(phase, scale, again)
         assert np.max(np.abs(np.diff(once) - np.diff(again))) <= (scale > 0.0)
+
+
+@pytest.mark.parametrize("order", [2, 3])
+@pytest.mark.parametrize("longest", [[7], [2**16, 2**17], [40_000, 90_001]])
+def test_all_cores_sum_a_long_record(monkeypatch: pytest.MonkeyPatch, order: int, longest: list[int]) -> None:
+    p = np.random.default_rng(4).normal(size=threads.LARGE + 3).cumsum()
+    factors = np.array([1, 2, 4, 5, *longest])
+    one, two, plain = np.full((3, len(factors)), np.nan)
+    loops.sum_overlapping(p, factors, order, plain)
+    for cores, found in ((1, one), (3, two)):
+        monkeypatch.setattr(threads, "cores", lambda number=cores: number)
+        _kernels.sum_overlapping(p, factors, order, found)
+    assert one.tolist() == two.tolist()
+    assert one == pytest.approx(plain, rel=1e-13)
 
 
 @settings(max_examples=60, deadline=None)

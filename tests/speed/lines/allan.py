@@ -62,7 +62,7 @@ GOALS: dict[Deviation, tuple[str, dict[int, float]]] = {
 }
 for kind, (name, goals) in GOALS.items():
     for size, least in goals.items():
-        line(f"{kind}, kernel, {size:.0e} samples", peer=f"allantools.{name}", goal=least)(
+        line(f"{kind}, kernel, {size:.0e} samples", peer=f"allantools.{name} (1 core)", goal=least)(
             partial(kernel, kind, name, size)
         )
 
@@ -91,7 +91,7 @@ TOTALS: dict[Total, tuple[str, int, int]] = {
     "hadamard_total": ("htotdev", 1_000, 2**8),
 }
 for which, (name, size, longest) in TOTALS.items():
-    line(f"{which}, octaves, {size:.0e} samples", peer=f"allantools.{name}", goal=20.0)(
+    line(f"{which}, octaves, {size:.0e} samples", peer=f"allantools.{name} (1 core)", goal=20.0)(
         partial(total, which, name, size, longest)
     )
 

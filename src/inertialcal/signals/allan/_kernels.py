@@ -6,7 +6,7 @@ the samples of one window. Where P holds int64, differences are exact, and only 
 Averaging factors go in rising order. All are taken over one block of starting points before the next: streams m apart
 are then read from memory once and not once a factor. For long windows, blocks follow each other one window apart, not
 side by side: where factors double, they share these blocks, and few of them are needed at a time. Two or four
-factors that double share their streams even in registers.
+factors that double share their streams even in registers. All cores take parts of the starting points.
 """
 
 from __future__ import annotations
@@ -18,11 +18,13 @@ from numpy.typing import NDArray
 
 from ...core.estimate import Array
 from ...statistics._kernels import compiled, reordered
+from ..threads import LARGE, each_of
 
 Whole = NDArray[np.int64]
 BLOCK = 4096  # starting points: six streams of them lie in the nearest cache but one
 NEAR = 32_768  # largest factor of blocks side by side: twice as many points lie in the nearest cache but one
 RUN = 32  # samples that are summed from 0 on
+PARTS = 8  # of the sums of a long record: the same whatever the number of cores
 
 
 # The integrated signal
@@ -222,21 +224,34 @@ def _add_thirds(p: NDArray[Any], start: int, stop: int, factors: Whole, out: Arr
         )
 
 
-@compiled
 def sum_overlapping(p: NDArray[Any], factors: Whole, order: int, out: Array) -> None:
     """Fill ``out`` with the sums of squared differences of an order, 2 or 3, over all starting points."""
-    out[:] = 0.0
+    parts = PARTS if len(p) >= LARGE else 1
+
+    def part_of(part: int) -> Array:
+        found = np.zeros(len(factors))
+        _add_part(p, factors, order, part, parts, found)
+        return found
+
+    out[:] = sum(each_of(part_of, range(parts), len(p)))
+
+
+@compiled
+def _add_part(p: NDArray[Any], factors: Whole, order: int, part: int, parts: int, out: Array) -> None:
+    """Add one of so many parts of these sums."""
     near = np.searchsorted(factors, NEAR + 1)
     if near > 0:
-        for start in range(0, len(p) - order * factors[0], BLOCK):
-            _add(p, start, start + BLOCK, factors[:near], order, out[:near])
+        starts = len(p) - order * factors[0]
+        stop = starts * (part + 1) // parts
+        for start in range(starts * part // parts, stop, BLOCK):
+            _add(p, start, min(start + BLOCK, stop), factors[:near], order, out[:near])
     if near < len(factors):
         step = factors[near]
         block = max(BLOCK // 16, min(BLOCK, 2 * NEAR * step // len(p)))
-        for first in range(0, step, block):
+        end = step * (part + 1) // parts
+        for first in range(step * part // parts, end, block):
             for start in range(first, len(p) - order * step, step):
-                stop = start + min(block, step - first)
-                _add(p, start, stop, factors[near:], order, out[near:])
+                _add(p, start, start + min(block, end - first), factors[near:], order, out[near:])
 
 
 @compiled
