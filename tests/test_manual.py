@@ -78,6 +78,7 @@ CAMPAIGN_TABLES: dict[str, type[schema_words.Strict]] = {
     "`channels`, of": schema_recordings.ChannelEntry,
     "`conditions`, of": sensitivity.Condition,
     "`clock`, of": schema_recordings.Clock,
+    "`text`, of": schema_recordings.TextLayout,
     "`schedule`, of": rate_table.Schedule,
     "`lines`, of": mass_attraction.Lines,
     "`mass`, of": mass_attraction.MovedMass,

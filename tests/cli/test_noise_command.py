@@ -268,7 +268,7 @@ def test_what_cannot_be_told_is_refused(
     [
         (("--tau", "1"), "--tau"),
         (("--taus", "often"), "'octave', 'decade', 'all'"),
-        (("--deviation", "total"), "'overlapping'"),
+        (("--deviation", "theo1"), "'overlapping'"),
         (("--for", "rocket"), "--for = 'rocket': should be 'kalibr'"),
         (("--for", "gtsam", "--gravity", "down"), "gravity"),
         (("--scale-factor", "131"), "does not make it a rate"),

@@ -19,7 +19,7 @@ from inertialcal.campaign.start.info import info as survey
 from inertialcal.core.errors import InertialcalError
 from inertialcal.files import read, read_table
 
-QUICK = settings(max_examples=150, deadline=2000, suppress_health_check=[HealthCheck.function_scoped_fixture])
+QUICK = settings(max_examples=150, deadline=10_000, suppress_health_check=[HealthCheck.function_scoped_fixture])
 SEEDS = (
     b"t_s,gyro_x [deg/s],acc_x,label\n0.0,1.5,9.8,a\n0.01,1.6,9.7,a\n0.02,-1.5e-3,9.9,b\n0.03,1.1,9.8,b\n",
     b"# rate 100 Hz\n%time;x;y\n0,0;1,5;2\n0,1;1,6;2\n0,2;1,7;3\n0,3;1,4;NaN\n",

@@ -79,7 +79,7 @@ def test_what_is_advised_reaches_what_is_wanted(sizes: list[float], wanted: floa
         by = {one.influence: one.u_to for one in changes}
         assert math.sqrt(math.fsum(by.get(f"s.{i}", u) ** 2 for i, u in enumerate(sizes))) == pytest.approx(wanted)
     if not (found.reached or found.alone or found.together):
-        assert total > MOST * wanted
+        assert total > MOST * wanted * (1.0 - 1e-12)
 
 
 @pytest.mark.parametrize(

@@ -125,6 +125,7 @@ def document() -> dict[str, Any]:
                 "sensor": "mesa",
                 "channels": {"x": {"unit": "count"}},
                 "clock": {},
+                "topics": [""],
                 "drive": {},
             },
             "laid": {
