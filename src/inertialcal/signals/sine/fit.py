@@ -34,6 +34,7 @@ from numpy.typing import NDArray
 
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ..blas import one_blas_thread
 from .drive import Drive
 from .noise import Noise, noise_of, same_noise
 from .smooth import LENGTH, OTHERS, Stretch
@@ -234,6 +235,7 @@ def _parts(n: int, step: float) -> tuple[slice, ...]:
     return tuple(slice(a, b) for a, b in zip(starts, [*starts[1:], n], strict=True))
 
 
+@one_blas_thread()
 def fit_line(design: Design, readings: Array) -> LineFit:
     """Fit a design to readings.
 
@@ -257,6 +259,7 @@ def fit_line(design: Design, readings: Array) -> LineFit:
     return _fitted(design, cells, noise_of(*contrasts_of(design, cells)))
 
 
+@one_blas_thread()
 def common_noise(alone: Sequence[LineFit]) -> list[LineFit]:
     """Return fits of runs of one instrument, one record each, with the noise of all where it may be the same."""
     steps = np.array([one.design.stretches[0].step / one.design.drive.frequency for one in alone])

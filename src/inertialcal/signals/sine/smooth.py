@@ -34,6 +34,7 @@ from scipy import linalg
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...statistics.slow_noise import walk_covariance
+from ..blas import one_blas_thread
 
 LENGTH = 1.25  # of the prior of drift [periods of the drive]
 OTHERS = (1.0, 1.5)  # lengths, that must give the same
@@ -56,6 +57,7 @@ class Stretch:
     step: float  # of the readings [periods]
     _weights: dict[float, Array] = field(init=False, default_factory=dict[float, Array], repr=False)
 
+    @one_blas_thread()
     def weights(self, length: float = LENGTH, noise: Array | None = None) -> Array:
         """Return the weights of drive and quadrature, shape (1 or 2, n).
 
@@ -93,6 +95,7 @@ class Stretch:
         return self._weights[length]
 
     @cached_property
+    @one_blas_thread()
     def drift_basis(self) -> Array:
         """Orthonormal columns that every smooth drift is a sum of, noise apart, shape (n, p)."""
         trend = np.linalg.qr(self._trend)[0]
@@ -102,6 +105,7 @@ class Stretch:
         return np.column_stack([trend, left[:, spread > DISTINCT]])
 
     @cached_property
+    @one_blas_thread()
     def contrasts(self) -> Array:
         """Orthonormal weights of sums without drive and drift, shape (n, m)."""
         line = self.line - self.drift_basis @ (self.drift_basis.T @ self.line)
@@ -120,6 +124,7 @@ class Stretch:
         return np.asarray(np.linalg.qr(waves @ (axes[:, kept] / np.sqrt(powers[kept])))[0])
 
     @cached_property
+    @one_blas_thread()
     def uncorrelated(self) -> tuple[Array, Array]:
         """Contrasts that a walk does not correlate, shape (n, m), and the variance that it gives each, shape (m,)."""
         sums = self.contrasts
@@ -131,6 +136,7 @@ class Stretch:
         """Covariance of a random walk, of unit step from reading to reading, shape (n, n)."""
         return np.asarray(walk_covariance(self.times / self.step, 1.0))
 
+    @one_blas_thread()
     def drift(self, rest: Array) -> Array:
         """Return the drift in readings less the drive, shape (n, k)."""
         trend = self._trend
