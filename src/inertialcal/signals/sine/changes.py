@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from scipy import special
 
 from ...core.estimate import Array
+from ..threads import each_of
 from . import _kernels
 
 T = TypeVar("T", np.float64, np.int64)
@@ -72,8 +73,15 @@ def jumps(records: Sequence[Array], chance: float) -> list[Jump | None]:
     chance : float
         Of any false one.
     """
-    contrasts = {w: [contrast(x, w) for x in records] for w in (*WINDOWS, 2 * WINDOWS[-1])}
-    scales = {w: [_scale(one) for one in own] for w, own in contrasts.items()}
+    widths = (*WINDOWS, 2 * WINDOWS[-1])
+
+    def seen(w: int) -> tuple[list[Array], list[float]]:
+        own = [contrast(x, w) for x in records]
+        return own, [_scale(one) for one in own]
+
+    every_width = each_of(seen, widths, len(widths) * sum(map(len, records)))
+    contrasts = {w: own for w, (own, _) in zip(widths, every_width, strict=True)}
+    scales = {w: own for w, (_, own) in zip(widths, every_width, strict=True)}
     found: list[Jump | None] = [None] * len(records)
     for w in WINDOWS:
         long_enough = [len(x) >= ROOM * w for x in records]
@@ -128,8 +136,11 @@ def _running(values: NDArray[T]) -> NDArray[T]:
 
 def _scale(values: Array) -> float:
     """Return the standard deviation of most values."""
-    finite = np.abs(values[np.isfinite(values)])
-    return float(np.median(finite, overwrite_input=True)) / MAD if len(finite) else 0.0
+    finite, below, sizes = _kernels.middle_sizes(values, np.zeros(_kernels.KEYS, np.int64))
+    if not finite:
+        return 0.0
+    middle = np.array([(finite - 1) // 2, finite // 2]) - below
+    return float(np.mean(np.partition(sizes, middle)[middle])) / MAD
 
 
 def cycle_amplitudes(rest: Array, drive: Array, cycle: NDArray[np.int64]) -> tuple[Array, NDArray[np.int64]]:

@@ -40,6 +40,7 @@ LENGTH = 1.25  # of the prior of drift [periods of the drive]
 OTHERS = (1.0, 1.5)  # lengths, that must give the same
 STRENGTH = 1e8  # variance of drift over that of white noise
 DEGREE = 3  # of the polynomial
+NARROW = 8.7  # standard deviations, from which a Gaussian is below rounding
 BLIND = 1e-2  # variance of drift in a contrast, over that of white noise
 DISTINCT = 1e-6  # part of the drive that drift must leave
 BAND = 4.0  # of the frequency of the drive: highest of contrasts of a sine
@@ -100,7 +101,8 @@ class Stretch:
         """Orthonormal columns that every smooth drift is a sum of, noise apart, shape (n, p)."""
         trend = np.linalg.qr(self._trend)[0]
         length = LENGTH if self.step < COARSE else LONG
-        slow = linalg.eigh(self._kernel(length), subset_by_value=(BLIND / STRENGTH, np.inf))[1]
+        axes, sizes, _ = np.linalg.svd(self._kernel_root(length), full_matrices=False)
+        slow = axes[:, sizes > np.sqrt(BLIND / STRENGTH)]
         left, spread, _ = np.linalg.svd(slow - trend @ (trend.T @ slow), full_matrices=False)
         return np.column_stack([trend, left[:, spread > DISTINCT]])
 
@@ -119,9 +121,9 @@ class Stretch:
         angle = 2.0 * np.pi * np.outer(self.times, lines)
         waves = np.hstack([np.cos(angle), np.sin(angle)])
         waves -= seen @ (seen.T @ waves)
-        powers, axes = linalg.eigh(waves.T @ waves)
+        powers, axes = np.linalg.eigh(waves.T @ waves)
         kept = powers > 0.3**2 * powers[-1]  # far above what squares lose
-        return np.asarray(np.linalg.qr(waves @ (axes[:, kept] / np.sqrt(powers[kept])))[0])
+        return np.asarray(waves @ (axes[:, kept] / np.sqrt(powers[kept])))
 
     @cached_property
     @one_blas_thread()
@@ -150,6 +152,19 @@ class Stretch:
 
     def _kernel(self, length: float) -> Array:
         return np.asarray(np.exp(-0.5 * (np.subtract.outer(self.times, self.times) / length) ** 2))
+
+    def _kernel_root(self, length: float) -> Array:
+        """Return a matrix whose product with its transpose is the kernel, shape (n, p).
+
+        The kernel is the sum of its Fourier series over a period so long that it comes back as nothing: of the square
+        root small axes keep their digits, which the kernel itself would lose to rounding.
+        """
+        period = np.ptp(self.times) + NARROW * length
+        lines = 2.0 * np.pi / period * np.arange(int(np.ceil(NARROW * period / (2.0 * np.pi * length))) + 1)
+        power = np.sqrt(2.0 * np.pi) * length / period * np.exp(-0.5 * (lines * length) ** 2)
+        power[1:] *= 2.0
+        angle = np.outer(self.times - self.times[0], lines)
+        return np.hstack([np.cos(angle), np.sin(angle[:, 1:])]) * np.sqrt(np.concatenate([power, power[1:]]))
 
     @property
     def _trend(self) -> Array:
