@@ -13,7 +13,7 @@ from inertialcal.signals.sine.smooth import BLIND, COARSE, LENGTH, LONG, STRENGT
 @pytest.mark.parametrize(("n", "step"), [(60, 1.0 / 12.0), (40, 0.5)])
 def test_every_smooth_drift_is_a_sum_of_the_columns(n: int, step: float) -> None:
     """But for the millionth of a column that may be left to the cubic."""
-    times: Array = (np.arange(n) + 0.5) * step
+    times: Array = np.arange(0.5, n, dtype=np.float64) * step
     line = np.column_stack([np.sin(2.0 * np.pi * times), np.cos(2.0 * np.pi * times)])
     with mpmath.workdps(40):
         length = mpmath.mpf(LENGTH if step < COARSE else LONG)

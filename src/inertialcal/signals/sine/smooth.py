@@ -164,7 +164,8 @@ class Stretch:
         power = np.sqrt(2.0 * np.pi) * length / period * np.exp(-0.5 * (lines * length) ** 2)
         power[1:] *= 2.0
         angle = np.outer(self.times - self.times[0], lines)
-        return np.hstack([np.cos(angle), np.sin(angle[:, 1:])]) * np.sqrt(np.concatenate([power, power[1:]]))
+        waves = np.hstack([np.cos(angle), np.sin(angle[:, 1:])])
+        return np.asarray(waves * np.sqrt(np.concatenate([power, power[1:]])))
 
     @property
     def _trend(self) -> Array:
