@@ -105,6 +105,18 @@ def test_offsets_whose_squares_vanish_are_no_exception(offset: float, axis: int)
     np.testing.assert_allclose(corner.field(off), corner.field(on), atol=1e-15 + 60 * offset)
 
 
+@pytest.mark.parametrize("edges", [(1.0, 1.3, 0.8), (1.0, 1.0, 1e-3)], ids=str)
+def test_a_point_of_many_has_the_field_of_the_point_alone(edges: tuple[float, float, float]) -> None:
+    """To the last bit, wherever a block or a share of the points ends: near ones, far ones and those on an edge."""
+    body = Prism((0.0, 0.0, 0.0), edges, 2.0)
+    rng = np.random.default_rng(7)
+    points = directions(20_000, 8) * np.exp(rng.uniform(np.log(0.1), np.log(1e3), 20_000))[:, None]
+    points[::50] = (0.5, 0.0, 0.0)
+    found = body.field(points)
+    some = np.r_[:100, 19_000:19_100]
+    np.testing.assert_array_equal(found[some], [body.field(points[i : i + 1])[0] for i in some])
+
+
 def triple(values: Iterable[float]) -> tuple[float, float, float]:
     x, y, z = values
     return x, y, z

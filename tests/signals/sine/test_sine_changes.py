@@ -4,9 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy import stats
 
-from inertialcal.signals.sine.changes import contrast, critical, cycle_amplitudes, jumps, response_changes
+from inertialcal.signals.sine.changes import (
+    MAD,
+    _scale,
+    contrast,
+    critical,
+    cycle_amplitudes,
+    jumps,
+    response_changes,
+)
 
 CHANCE = 5e-4
 
@@ -76,3 +86,29 @@ def test_the_score_of_a_change_is_students_t_over_its_limit() -> None:
     assert found is not None
     t = abs(stats.ttest_ind(each[: found.at], each[found.at :]).statistic)
     assert 0.9 * t < found.score * critical(0.01 / 58.0, 58.0) <= t * (1.0 + 1e-9)
+
+
+@given(
+    st.lists(
+        st.sampled_from([0.0, -0.0, 1.5, -2.0, 1e-310, -7e300, np.nan, np.inf, -np.inf]) | st.floats(), max_size=40
+    )
+)
+def test_the_scale_is_that_of_the_median_size(values: list[float]) -> None:
+    x = np.array(values, dtype=np.float64)
+    sizes = np.abs(x[np.isfinite(x)])
+    with np.errstate(over="ignore"):
+        expected = float(np.median(sizes)) / MAD if len(sizes) else 0.0
+        assert _scale(x) == expected
+
+
+@given(st.lists(st.floats(-1e3, 1e3) | st.just(np.nan), max_size=40), st.sampled_from([1, 2, 4, 8]))
+def test_a_contrast_is_one_of_means_over_windows_with_half_of_their_readings(values: list[float], w: int) -> None:
+    x = np.array(values, dtype=np.float64)
+    found = contrast(x, w)
+    for i in range(len(x)):
+        windows = [x[i + k * w : i + (k + 1) * w] for k in (-2, -1, 0, 1)]
+        expected = np.nan
+        if i >= 2 * w and i + 2 * w <= len(x) and all(np.isfinite(one).sum() >= max(0.5 * w, 1.0) for one in windows):
+            a, b, c, d = (float(np.nanmean(one)) for one in windows)
+            expected = (c - b) - (d - a) / 3.0
+        np.testing.assert_allclose(found[i], expected, atol=1e-9)

@@ -128,20 +128,38 @@ def vertices(points: Array, places: Array, weight: Array, ends: Array, reach: fl
 
 
 @compiled
-def _at(at: Array, places: Array, weight: Array, field: Array) -> None:
-    """Fill ``field`` (3,) at one point."""
+def buffers() -> tuple[Array, Array, Array, Array, Array, Array, Whole, Whole]:
+    """Return room for one block: ratio, over, under, away, logarithms, angles, mantissas and exponents."""
     size = 3 * BLOCK
     ratio, over, under, away = np.ones(size), np.ones(size), np.ones(size), np.ones(size)
-    log, angle = np.empty(size), np.empty(size)
-    mantissa, exponent = np.empty(size, np.int64), np.empty(size, np.int64)
+    return ratio, over, under, away, np.empty(size), np.empty(size), np.empty(size, np.int64), np.empty(size, np.int64)
+
+
+@compiled
+def parts(
+    places: Array,
+    at: Array,
+    start: int,
+    n: int,
+    room: tuple[Array, Array, Array, Array, Array, Array, Whole, Whole],
+) -> None:
+    """Fill the buffers with what the closed forms of a block of n vertices are made of."""
+    ratio, over, under, away, log, angle, mantissa, exponent = room
+    _offsets(places, at, start, n, ratio, over, under, away)
+    _split(ratio.view(np.int64), mantissa, exponent)
+    _logarithms(mantissa.view(np.float64), exponent, log)
+    _angles(over, under, angle)
+
+
+@compiled
+def _at(at: Array, places: Array, weight: Array, field: Array) -> None:
+    """Fill ``field`` (3,) at one point."""
+    room = buffers()
     field[:] = 0.0
     for start in range(0, len(weight), BLOCK):
         n = min(BLOCK, len(weight) - start)
-        _offsets(places, at, start, n, ratio, over, under, away)
-        _split(ratio.view(np.int64), mantissa, exponent)
-        _logarithms(mantissa.view(np.float64), exponent, log)
-        _angles(over, under, angle)
-        gx, gy, gz = _summed(log, angle, away, weight, start, n)
+        parts(places, at, start, n, room)
+        gx, gy, gz = _summed(room[4], room[5], room[3], weight, start, n)
         field[0] += gx
         field[1] += gy
         field[2] += gz

@@ -36,7 +36,7 @@ from numpy.typing import NDArray
 from ...core.constants import GRAVITATIONAL_CONSTANT
 from ...core.errors import DataError
 from ...core.estimate import Array
-from . import _kernels, _kernels_vertices
+from . import _kernels, _kernels_prisms, _kernels_vertices
 
 G = GRAVITATIONAL_CONSTANT.value  # [m^3/s^2/kg]
 PAIRS = ((0, 5, 4), (5, 1, 3), (4, 3, 2))  # where xx, yy, zz, yz, xz, xy stand in the matrix
@@ -77,18 +77,25 @@ class Prism:
 
     def field(self, points: Array) -> Array:
         """Return the field at points, shape (n, 3) [kg/m^2]."""
-        return self._field_and_slope(points, 0)[0]
+        field = np.empty((len(points), 3))
+
+        def part(rows: slice) -> None:
+            _kernels_prisms.prisms(points[rows], *self._shape, field[rows])
+
+        _spread(part, len(points), EXACT)
+        return field
 
     def gradient(self, points: Array) -> Array:
         """Return the gradient at points, shape (n, 3, 3) [kg/m^3]."""
-        return matrix(self._field_and_slope(points, 6)[1])
+        slope = np.empty((len(points), 6))
+        _kernels.cuboids(points, *self._shape, np.empty((len(points), 3)), slope)
+        return matrix(slope)
 
-    def _field_and_slope(self, points: Array, slopes: int) -> tuple[Array, Array]:
-        """Field and, unless ``slopes`` is zero, its gradient."""
+    @property
+    def _shape(self) -> tuple[Array, Array, Array]:
+        """Centre, edges and density, one row each."""
         low, high = np.array([self.lower]), np.array([self.upper])
-        field, slope = np.empty((len(points), 3)), np.empty((len(points), slopes))
-        _kernels.cuboids(points, (low + high) / 2.0, high - low, np.array([self.density]), field, slope)
-        return field, slope
+        return (low + high) / 2.0, high - low, np.array([self.density])
 
 
 @dataclass(frozen=True, eq=False)

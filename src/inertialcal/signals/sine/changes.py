@@ -14,13 +14,17 @@ The chance of a false alarm holds for all records together.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
 from ...core.estimate import Array
+from ..threads import each_of
+from . import _kernels
+
+T = TypeVar("T", np.float64, np.int64)
 
 MAD = 0.6745  # median of |x| of normal noise
 STEP_PART = 2.0 / 3.0  # of a jump, that shows
@@ -69,8 +73,15 @@ def jumps(records: Sequence[Array], chance: float) -> list[Jump | None]:
     chance : float
         Of any false one.
     """
-    contrasts = {w: [contrast(x, w) for x in records] for w in (*WINDOWS, 2 * WINDOWS[-1])}
-    scales = {w: [_scale(one) for one in own] for w, own in contrasts.items()}
+    widths = (*WINDOWS, 2 * WINDOWS[-1])
+
+    def seen(w: int) -> tuple[list[Array], list[float]]:
+        own = [contrast(x, w) for x in records]
+        return own, [_scale(one) for one in own]
+
+    every_width = each_of(seen, widths, len(widths) * sum(map(len, records)))
+    contrasts = {w: own for w, (own, _) in zip(widths, every_width, strict=True)}
+    scales = {w: own for w, (_, own) in zip(widths, every_width, strict=True)}
     found: list[Jump | None] = [None] * len(records)
     for w in WINDOWS:
         long_enough = [len(x) >= ROOM * w for x in records]
@@ -83,9 +94,9 @@ def jumps(records: Sequence[Array], chance: float) -> list[Jump | None]:
         limit = critical(chance / (len(WINDOWS) * room), max(INDEPENDENT * room / w, 2.0))
         for k, there in enumerate(long_enough):
             own = contrasts[w][k]
-            if not there or not np.isfinite(own).any():
+            at = _kernels.farthest_from_zero(own) if there else -1
+            if at < 0:
                 continue
-            at = int(np.nanargmax(np.abs(own)))
             sign, size = float(np.sign(own[at])), abs(float(own[at]))
             score = size / (limit * max(scale, scales[w][k]))
             narrow, wide = (contrasts[v][k] if v in contrasts else None for v in (w // 2, 2 * w))
@@ -104,34 +115,32 @@ def _shown(size: float, noise: float) -> float:
 
 def contrast(x: Array, w: int) -> Array:
     """Return the contrast of four windows of w readings around the first of the third; NaN where some lack readings."""
-    good = np.isfinite(x)
-    whole = bool(good.all())
-    sums = np.concatenate([[0.0], np.cumsum(x if whole else np.where(good, x, 0.0))])
     found = np.full(len(x), np.nan)
     many = min(len(x) - 2 * w, len(x) - 4 * w + 1)
     if many < 1:
         return found
-
-    def windows(running: NDArray[Any]) -> list[NDArray[Any]]:
-        """Return the sums over four windows, of each place."""
-        total = running[w:] - running[:-w]
-        return [total[i * w : i * w + many] for i in range(4)]
-
-    if whole:
-        a, b, c, d = (total / w for total in windows(sums))
-        full: NDArray[np.bool_] | bool = True
+    part, good = found[2 * w : 2 * w + many], np.isfinite(x)
+    if good.all():
+        _kernels.four_windows(_running(x), w, part)
     else:
-        number_of = windows(np.concatenate([[0], np.cumsum(good)]))
-        full = np.all([n >= max(0.5 * w, 1.0) for n in number_of], axis=0)
-        a, b, c, d = (t / np.maximum(n, 1) for t, n in zip(windows(sums), number_of, strict=True))
-    found[2 * w : 2 * w + many] = np.where(full, (c - b) - (d - a) / 3.0, np.nan)
+        _kernels.four_windows_with_gaps(_running(np.where(good, x, 0.0)), _running(good.astype(np.int64)), w, part)
+    return found
+
+
+def _running(values: NDArray[T]) -> NDArray[T]:
+    """Return the running sum, with a zero before it."""
+    found = np.zeros(len(values) + 1, values.dtype)
+    np.cumsum(values, out=found[1:])
     return found
 
 
 def _scale(values: Array) -> float:
     """Return the standard deviation of most values."""
-    finite = np.abs(values[np.isfinite(values)])
-    return float(np.median(finite)) / MAD if len(finite) else 0.0
+    finite, below, sizes = _kernels.middle_sizes(values, np.zeros(_kernels.KEYS, np.int64))
+    if not finite:
+        return 0.0
+    middle = np.array([(finite - 1) // 2, finite // 2]) - below
+    return float(np.mean(np.partition(sizes, middle)[middle])) / MAD
 
 
 def cycle_amplitudes(rest: Array, drive: Array, cycle: NDArray[np.int64]) -> tuple[Array, NDArray[np.int64]]:

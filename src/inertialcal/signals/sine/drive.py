@@ -74,7 +74,8 @@ def sine_drive(times: ArrayLike, frequency: float, phase: float | None = None) -
     t = _ascending(times)
     if not (np.isfinite(frequency) and frequency > 0.0):
         raise DataError(f"a drive of {frequency} Hz", do="Its period must be positive", code="bad_period")
-    angle = 2.0 * np.pi * np.fmod((t - t[0]) * frequency, 1.0) + (phase or 0.0)
+    turns = (t - t[0]) * frequency
+    angle = 2.0 * np.pi * (turns - np.floor(turns)) + (phase or 0.0)
     drive = Drive(t, np.sin(angle), np.cos(angle), frequency, phase is not None)
     return _visible_components(drive)
 

@@ -34,6 +34,7 @@ from numpy.typing import NDArray
 
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ..blas import one_blas_thread
 from .drive import Drive
 from .noise import Noise, noise_of, same_noise
 from .smooth import LENGTH, OTHERS, Stretch
@@ -201,10 +202,12 @@ def design_of(drive: Drive) -> Design:
     step = drive.step * drive.frequency
     cell, step = (np.floor(CELLS * (periods - periods[0]) + 1e-6), 1.0 / CELLS) if MANY * step < 1.0 else (
         np.arange(n), step)  # fmt: skip
-    cell = np.unique(cell.astype(np.int64), return_inverse=True)[1]
+    whole = cell.astype(np.int64)
+    cell = np.concatenate([[0], np.cumsum(whole[1:] != whole[:-1])])  # ascending, as times are
     counts = np.bincount(cell)
     enough = counts >= HALF * np.median(counts)
-    cell = np.where(enough[cell], np.cumsum(enough)[cell] - 1, -1)
+    if not enough.all():
+        cell = np.where(enough[cell], np.cumsum(enough)[cell] - 1, -1)
     kept = counts[enough].astype(np.float64)
     line = [drive.in_phase] if drive.quadrature is None else [drive.in_phase, drive.quadrature]
     columns = _means(np.column_stack([periods, *line]), cell, kept)
@@ -216,9 +219,9 @@ def design_of(drive: Drive) -> Design:
 def _means(values: Array, cell: NDArray[np.int64], counts: Array) -> Array:
     if len(counts) == len(values):
         return values
-    order = cell >= 0
+    own = values if cell.min() >= 0 else values[cell >= 0]
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64)
-    return np.asarray(np.add.reduceat(values[order], starts, axis=0) / counts[:, None])
+    return np.asarray(np.add.reduceat(own, starts, axis=0) / counts[:, None])
 
 
 def _parts(n: int, step: float) -> tuple[slice, ...]:
@@ -234,6 +237,7 @@ def _parts(n: int, step: float) -> tuple[slice, ...]:
     return tuple(slice(a, b) for a, b in zip(starts, [*starts[1:], n], strict=True))
 
 
+@one_blas_thread()
 def fit_line(design: Design, readings: Array) -> LineFit:
     """Fit a design to readings.
 
@@ -257,6 +261,7 @@ def fit_line(design: Design, readings: Array) -> LineFit:
     return _fitted(design, cells, noise_of(*contrasts_of(design, cells)))
 
 
+@one_blas_thread()
 def common_noise(alone: Sequence[LineFit]) -> list[LineFit]:
     """Return fits of runs of one instrument, one record each, with the noise of all where it may be the same."""
     steps = np.array([one.design.stretches[0].step / one.design.drive.frequency for one in alone])

@@ -34,11 +34,13 @@ from scipy import linalg
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...statistics.slow_noise import walk_covariance
+from ..blas import one_blas_thread
 
 LENGTH = 1.25  # of the prior of drift [periods of the drive]
 OTHERS = (1.0, 1.5)  # lengths, that must give the same
 STRENGTH = 1e8  # variance of drift over that of white noise
 DEGREE = 3  # of the polynomial
+NARROW = 8.7  # standard deviations, from which a Gaussian is below rounding
 BLIND = 1e-2  # variance of drift in a contrast, over that of white noise
 DISTINCT = 1e-6  # part of the drive that drift must leave
 BAND = 4.0  # of the frequency of the drive: highest of contrasts of a sine
@@ -56,6 +58,7 @@ class Stretch:
     step: float  # of the readings [periods]
     _weights: dict[float, Array] = field(init=False, default_factory=dict[float, Array], repr=False)
 
+    @one_blas_thread()
     def weights(self, length: float = LENGTH, noise: Array | None = None) -> Array:
         """Return the weights of drive and quadrature, shape (1 or 2, n).
 
@@ -93,15 +96,18 @@ class Stretch:
         return self._weights[length]
 
     @cached_property
+    @one_blas_thread()
     def drift_basis(self) -> Array:
         """Orthonormal columns that every smooth drift is a sum of, noise apart, shape (n, p)."""
         trend = np.linalg.qr(self._trend)[0]
         length = LENGTH if self.step < COARSE else LONG
-        slow = linalg.eigh(self._kernel(length), subset_by_value=(BLIND / STRENGTH, np.inf))[1]
+        axes, sizes, _ = np.linalg.svd(self._kernel_root(length), full_matrices=False)
+        slow = axes[:, sizes > np.sqrt(BLIND / STRENGTH)]
         left, spread, _ = np.linalg.svd(slow - trend @ (trend.T @ slow), full_matrices=False)
         return np.column_stack([trend, left[:, spread > DISTINCT]])
 
     @cached_property
+    @one_blas_thread()
     def contrasts(self) -> Array:
         """Orthonormal weights of sums without drive and drift, shape (n, m)."""
         line = self.line - self.drift_basis @ (self.drift_basis.T @ self.line)
@@ -115,11 +121,12 @@ class Stretch:
         angle = 2.0 * np.pi * np.outer(self.times, lines)
         waves = np.hstack([np.cos(angle), np.sin(angle)])
         waves -= seen @ (seen.T @ waves)
-        powers, axes = linalg.eigh(waves.T @ waves)
+        powers, axes = np.linalg.eigh(waves.T @ waves)
         kept = powers > 0.3**2 * powers[-1]  # far above what squares lose
-        return np.asarray(np.linalg.qr(waves @ (axes[:, kept] / np.sqrt(powers[kept])))[0])
+        return np.asarray(waves @ (axes[:, kept] / np.sqrt(powers[kept])))
 
     @cached_property
+    @one_blas_thread()
     def uncorrelated(self) -> tuple[Array, Array]:
         """Contrasts that a walk does not correlate, shape (n, m), and the variance that it gives each, shape (m,)."""
         sums = self.contrasts
@@ -131,6 +138,7 @@ class Stretch:
         """Covariance of a random walk, of unit step from reading to reading, shape (n, n)."""
         return np.asarray(walk_covariance(self.times / self.step, 1.0))
 
+    @one_blas_thread()
     def drift(self, rest: Array) -> Array:
         """Return the drift in readings less the drive, shape (n, k)."""
         trend = self._trend
@@ -144,6 +152,20 @@ class Stretch:
 
     def _kernel(self, length: float) -> Array:
         return np.asarray(np.exp(-0.5 * (np.subtract.outer(self.times, self.times) / length) ** 2))
+
+    def _kernel_root(self, length: float) -> Array:
+        """Return a matrix whose product with its transpose is the kernel, shape (n, p).
+
+        The kernel is the sum of its Fourier series over a period so long that it comes back as nothing: of the square
+        root small axes keep their digits, which the kernel itself would lose to rounding.
+        """
+        period = np.ptp(self.times) + NARROW * length
+        lines = 2.0 * np.pi / period * np.arange(int(np.ceil(NARROW * period / (2.0 * np.pi * length))) + 1)
+        power = np.sqrt(2.0 * np.pi) * length / period * np.exp(-0.5 * (lines * length) ** 2)
+        power[1:] *= 2.0
+        angle = np.outer(self.times - self.times[0], lines)
+        waves = np.hstack([np.cos(angle), np.sin(angle[:, 1:])])
+        return np.asarray(waves * np.sqrt(np.concatenate([power, power[1:]])))
 
     @property
     def _trend(self) -> Array:
