@@ -71,7 +71,8 @@ def described_sensors(given: GivenFile, inputs: InputSpec) -> list[Described]:
             name = _name(part, found)
             channels = {axis: one.entry for axis, one in part.items()}
             first = next(iter(part.values()))
-            sensor = sensor_said(given, "gyro", [*part], first.unit, {}) | {"kind": first.kind}  # its channels have it all
+            chain: dict[str, object] = {}  # each channel has its own scale factor
+            sensor = sensor_said(given, "gyro", [*part], first.unit, chain) | {"kind": first.kind}
             columns = {
                 f"{name} {axis}" if len(taken) > len(AXES) else axis: one.channel.name for axis, one in part.items()
             }
