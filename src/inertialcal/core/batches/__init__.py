@@ -118,6 +118,11 @@ def is_stored(x: NDArray[Any]) -> bool:
     return bool(_mapped) and _mapping_of(x) is not None
 
 
+def is_long_stretch(x: NDArray[Any], size: int) -> bool:
+    """Return whether so many samples of an array are looked at a batch at a time: it is stored, they are more."""
+    return size > SIZE and is_stored(x)
+
+
 def batches(*arrays: NDArray[Any], size: int | None = None, whole: int = 1) -> Iterator[tuple[int, int]]:
     """Yield first and stop of each batch of arrays of one length, shape (n, ...); let go of its pages behind it.
 
