@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.batches import made
+from ...core.batches import batches, made
 from ...core.key import AXES
 from ...core.recording import Channel, Recording
 from ...core.remarks import Remark
@@ -169,7 +169,9 @@ def _there(body: Recording, axes: Sequence[str], chosen: Flags | None) -> Flags:
     """Return where the test takes a reading of any of some axes."""
     there = np.zeros(len(body), dtype=bool)
     for axis in axes:
-        there |= np.isfinite(body.channel(axis).data)
+        data = body.channel(axis).data
+        for first, stop in batches(data):
+            there[first:stop] |= np.isfinite(data[first:stop])
     if chosen is not None:
         there &= chosen
     return there
