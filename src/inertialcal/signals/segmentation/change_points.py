@@ -313,7 +313,7 @@ def _thinned_places(flags: Flags, step: int) -> Indices:
     found, before = [], 0
     for first, stop in batches(flags):
         own = first + np.flatnonzero(flags[first:stop])
-        found.append(own[-before % step :: step])
+        found.append(own[-before % step :: step].copy())  # a part would hold all
         before += len(own)
     return np.concatenate(found)
 
