@@ -622,8 +622,8 @@ MUTANTS = (
     ),
     Mutant(
         "noise_scale.py",
-        "np.sqrt(pooled), kept * (BLOCK - 1)",
-        "np.sqrt(pooled), kept * BLOCK",
+        "np.sqrt(pooled), quiet * (BLOCK - 1)",
+        "np.sqrt(pooled), quiet * BLOCK",
         "test_noise_scale",
     ),
     Mutant(

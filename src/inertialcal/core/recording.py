@@ -15,7 +15,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from .batches import changed, count, extremes
+from .batches import batches, changed, columns, count, extremes, is_stored
 from .errors import DataError
 from .estimate import Array
 from .remarks import Remark
@@ -155,10 +155,12 @@ class Recording:
             If a name is not there, or a channel holds text.
         """
         chosen = self.channels if names is None else tuple(self.channel(name) for name in names)
-        stacked = np.empty((len(self), len(chosen)))
+        room = columns(len(self), len(chosen))
+        stacked = room if is_stored(room) else np.empty(room.shape)
         for column, channel in enumerate(chosen):
             try:
-                stacked[:, column] = channel.data
+                for first, stop in batches(stacked[:, column], channel.data):
+                    stacked[first:stop, column] = channel.data[first:stop]
             except ValueError:
                 what = f"column {channel.name!r} holds {channel.data.dtype} that are not all numbers"
                 raise DataError(what, where=self.source.path, code="wrong_column") from None

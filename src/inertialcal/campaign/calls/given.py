@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from ...core.batches import every
 from ...core.errors import DataError, UsageError
 from ...core.estimate import Array
 from ...core.key import AXES
@@ -90,7 +91,7 @@ class Files:
         """Return a recording; a literal NaN in a required column is refused with its row."""
         found = self.read(entry.file, **reading_of(entry))
         needed = [found.channel(name).data for name in required]
-        empty = any(np.isnan(data).any() for data in needed if data.dtype.kind == "f")
+        empty = not all(every(data, lambda part: not np.isnan(part).any()) for data in needed if data.dtype.kind == "f")
         if empty and Path(entry.file).exists():
             read(entry.file, required=required, **reading_of(entry))
         return found

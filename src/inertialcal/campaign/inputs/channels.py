@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from ...core.batches import changed
+from ...core.batches import batches, changed, empty, kept
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.key import AXES
@@ -222,11 +222,16 @@ def _in_body(recording: Recording, sensor: Sensor, axes: tuple[str, ...]) -> Rec
 
 def _turned(recording: Recording, mounting: Array, axes: tuple[str, ...], prefix: str) -> dict[str, Array]:
     """Return channels of the sensor axes along those of the body, by name."""
-    sensed = np.zeros((len(recording), 3))
-    for axis in axes:
-        sensed[:, AXES.index(axis)] = recording.channel(prefix + axis).data
-    body = sensed @ mounting
-    return {prefix + axis: body[:, AXES.index(axis)].copy() for axis in axes}
+    sensed = {AXES.index(axis): recording.channel(prefix + axis).data for axis in axes}
+    body = {prefix + axis: empty(len(recording), np.float64) for axis in axes}
+    for first, stop in batches(*sensed.values(), *body.values()):
+        part = np.zeros((stop - first, 3))
+        for column, data in sensed.items():
+            part[:, column] = data[first:stop]
+        turned = part @ mounting
+        for axis in axes:
+            body[prefix + axis][first:stop] = turned[:, AXES.index(axis)]
+    return body
 
 
 def in_windows(recording: Recording, windows: Sequence[tuple[int, int]] | None) -> Flags | None:
@@ -256,5 +261,5 @@ def windowed(recording: Recording, test: Test) -> Recording:
     assert keep is not None  # noqa: S101 - it has time
     if not keep.any():
         raise DataError(f"test {test.id!r}: no sample is in its windows", recording.source.path, code="nothing_left")
-    channels = tuple(replace(channel, data=channel.data[keep]) for channel in recording.channels)
-    return replace(recording, channels=channels, time_ns=recording.time_ns[keep])
+    channels = tuple(replace(channel, data=kept(channel.data, keep)) for channel in recording.channels)
+    return replace(recording, channels=channels, time_ns=kept(recording.time_ns, keep))

@@ -10,9 +10,12 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ...core.batches import batches, made
 from ...core.key import AXES
 from ...core.recording import Channel, Recording
 from ...core.remarks import Remark
@@ -166,7 +169,9 @@ def _there(body: Recording, axes: Sequence[str], chosen: Flags | None) -> Flags:
     """Return where the test takes a reading of any of some axes."""
     there = np.zeros(len(body), dtype=bool)
     for axis in axes:
-        there |= np.isfinite(body.channel(axis).data)
+        data = body.channel(axis).data
+        for first, stop in batches(data):
+            there[first:stop] |= np.isfinite(data[first:stop])
     if chosen is not None:
         there &= chosen
     return there
@@ -201,6 +206,12 @@ def _shown(channel: Channel) -> Callable[[float], str]:
     return lambda value: f"{value:g} {channel.unit or ''}".rstrip()
 
 
+def _missing_where(flags: Flags, data: NDArray[Any]) -> NDArray[Any]:
+    """Return samples as wide as they are, NaN where flagged, shape (n,)."""
+    nan = np.result_type(data, np.float32).type(np.nan)
+    return made(len(data), nan.dtype, lambda first, stop: np.where(flags[first:stop], nan, data[first:stop]), data)
+
+
 def without(body: Recording, left_out: Mapping[str, Flags]) -> Recording:
     """Return a recording with NaN at samples by axis; readings stay as wide as they are."""
     if not left_out:
@@ -211,7 +222,5 @@ def without(body: Recording, left_out: Mapping[str, Flags]) -> Recording:
         if flags is None:
             channels.append(one)
         else:
-            data = one.data.astype(np.result_type(one.data, np.float32))
-            data[flags] = np.nan
-            channels.append(replace(one, data=data))
+            channels.append(replace(one, data=_missing_where(flags, one.data)))
     return replace(body, channels=tuple(channels))

@@ -18,7 +18,7 @@ import mmap
 import os
 import tempfile
 import weakref
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -82,6 +82,20 @@ def empty(n: int, dtype: DTypeLike, stored: bool | None = None) -> NDArray[Any]:
     return found
 
 
+def columns(n: int, many: int) -> NDArray[np.float64]:
+    """Return room for so many channels, shape (n, many), each in one piece, in memory or stored as `empty` decides."""
+    return empty(n * many, np.float64).reshape(many, n).T
+
+
+def stacked(channels: Sequence[NDArray[Any]]) -> NDArray[np.float64]:
+    """Return channels side by side as floats, shape (n, k), each in one piece."""
+    out = columns(len(channels[0]), len(channels))
+    for k, one in enumerate(channels):
+        for first, stop in batches(out[:, k], one):
+            out[first:stop, k] = one[first:stop]
+    return out
+
+
 def adopt(x: NDArray[Any]) -> None:
     """Let a memory map of the user count as stored: its pages are let go of behind each batch, its file stays as it is.
 
@@ -102,6 +116,11 @@ def adopt(x: NDArray[Any]) -> None:
 def is_stored(x: NDArray[Any]) -> bool:
     """Return whether an array, or what it is a part of, lies in a temporary file."""
     return bool(_mapped) and _mapping_of(x) is not None
+
+
+def is_long_stretch(x: NDArray[Any], size: int) -> bool:
+    """Return whether so many samples of an array are looked at a batch at a time: it is stored, they are more."""
+    return size > SIZE and is_stored(x)
 
 
 def batches(*arrays: NDArray[Any], size: int | None = None, whole: int = 1) -> Iterator[tuple[int, int]]:
@@ -129,6 +148,10 @@ def batches(*arrays: NDArray[Any], size: int | None = None, whole: int = 1) -> I
 def release(x: NDArray[Any]) -> None:
     """Let go of the memory that a stored array takes; what it holds stays."""
     found = _mapping_of(x) if _mapped and x.size else None
+    if found is not None and x.ndim == 2 and x.strides[0] == x.itemsize and not x.flags.f_contiguous:  # of columns
+        for column in x.T:
+            release(column)
+        return
     if found is None or not hasattr(mmap, "MADV_DONTNEED"):
         return
     address, mapping = found
@@ -228,6 +251,23 @@ def taken(x: NDArray[Any], at: NDArray[np.int64]) -> NDArray[Any]:
         if b > a:
             out[a:b] = x[at[a:b]]
             release(x[first : first + SIZE])
+    return out
+
+
+def rows_taken(x: NDArray[Any], at: NDArray[np.int64]) -> NDArray[Any]:
+    """Return some rows of channels (n, k), ``at`` ascending, shape (m, k)."""
+    return np.stack([taken(one, at) for one in x.T], axis=1) if is_stored(x) else np.asarray(x[at])
+
+
+def counts_before(flags: NDArray[np.bool_], at: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return how many samples are flagged before each of some places, ``at`` ascending, from 0 to n."""
+    out, total = np.empty(len(at), dtype=np.int64), 0
+    for first, stop in batches(flags):
+        a, b = np.searchsorted(at, (first, stop))
+        sums = np.cumsum(flags[first:stop], dtype=np.int64)
+        out[a:b] = total + np.where(at[a:b] > first, sums[np.maximum(at[a:b] - first - 1, 0)], 0)
+        total += int(sums[-1])
+    out[np.searchsorted(at, len(flags)) :] = total
     return out
 
 

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import batches
+from . import batches, is_stored
 
 AT_ONCE = 2**20  # numbers that are held to take their median
 DIGIT = 16  # bits that are looked at in one pass
@@ -95,6 +95,23 @@ def median_made(part: Callable[[int, int], NDArray[Any]], *read: NDArray[Any]) -
     upper = _selected(part, read, count // 2, low, high, count)[0] if after is None else after
     with np.errstate(over="ignore"):
         return float(np.mean([lower, upper])) + 0.0
+
+
+def quantile(x: NDArray[Any], share: float) -> float:
+    """Return the quantile of finite numbers, shape (n,), a straight line between the two nearest ranks."""
+    if not is_stored(x):
+        return float(np.quantile(x, share))
+    ends = moments(x)
+    low, high = (int(_keys(np.array([one]))[0]) for one in (ends.low, ends.high))
+    rank = int(share * (len(x) - 1))
+
+    def at(k: int) -> tuple[float, float | None]:
+        return _selected(lambda first, stop: x[first:stop], (x,), k, low, high, len(x))
+
+    lower, after = at(rank)
+    if rank + 1 == len(x):
+        return lower
+    return lower + (share * (len(x) - 1) - rank) * ((at(rank + 1)[0] if after is None else after) - lower)
 
 
 def _selected(

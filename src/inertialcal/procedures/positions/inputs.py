@@ -13,6 +13,7 @@ from typing import cast
 
 import numpy as np
 
+from ...core.batches import every
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
 from ...core.key import AXES, Kind, Origin
@@ -152,7 +153,7 @@ def _joined(pair: Sequence[Part]) -> tuple[Recording, Recording | None]:
             raise DataError(what, one.source.file, "positions need three axes", code="wrong_column")
         channels = [one.recording.channel(axis) for axis in AXES]
         for axis, channel in zip(AXES, channels, strict=True):
-            if not np.isfinite(np.asarray(channel.data, dtype=np.float64)).any():
+            if every(channel.data, lambda part: not np.isfinite(np.asarray(part, dtype=np.float64)).any()):
                 what = f"channel {axis} of the {one.kind} holds no value"
                 raise DataError(what, one.source.file, do="Name another column, or record again", code="no_values")
         made += [replace(c, name=f"{PREFIX[str(one.kind)]}_{c.name}") for c in channels]

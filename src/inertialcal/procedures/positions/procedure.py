@@ -80,7 +80,7 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
     uses = frozenset({"fit", "hold_out", "report_only"})
     gives = ("scale_factor", "misalignment", "bias", "g_sensitivity", "sensitivity")
     takes_corrections = True
-    inputs = InputSpec(("accelerometer", "gyro"), table="rests", several_sensors=True, raw=True)
+    inputs = InputSpec(("accelerometer", "gyro"), table="rests", several_sensors=True, raw=True, streamed=True)
 
     def split_label(self, given: str) -> tuple[str, str]:
         """Return the sensor, position or turn that stands before a file, and the file."""

@@ -16,6 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.batches import batches, changed, count, made, zeros
+from ...core.batches.summaries import moments
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.key import AXES
@@ -32,7 +34,7 @@ from ...signals.segmentation.placements import (
 )
 from ...signals.segmentation.segments import detect
 from ...signals.time.interpolation import interpolated
-from ...signals.time.samples import Samples, samples_of
+from ...signals.time.samples import Samples, all_finite, samples_of
 from .orientations import check_sections, pointing
 from .plan import Plan
 from .readings import Readings, Rotation, Triad
@@ -97,8 +99,8 @@ def readings_from(
     if not recordings:
         raise DataError("no recordings", code="no_recordings")
     known: dict[str, Any] = {}
-    for k, one in enumerate(recordings):  # a copy is no repeat
-        print_of = hashlib.sha256(np.ascontiguousarray(one.array(ACC)).tobytes()).hexdigest()
+    for k, one in enumerate(recordings if len(recordings) > 1 else ()):  # a copy is no repeat
+        print_of = _print_of(one.array(ACC))
         name = one.source.path or f"recording {k + 1}"
         other = known.setdefault(print_of, name)
         if other is not name:
@@ -116,6 +118,13 @@ def readings_from(
     for part in parts[1:]:
         readings = _joined(readings, part)
     return on_faces(readings) if faces else readings
+
+
+def _print_of(values: Array) -> str:
+    found = hashlib.sha256()
+    for first, stop in batches(values):
+        found.update(np.ascontiguousarray(values[first:stop]).tobytes())
+    return found.hexdigest()
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,7 +175,7 @@ def on_faces(readings: Readings) -> Readings:
 def _one(
     plan: Plan, recording: Recording, sections: Sequence[Section], saturated: bool, own: OwnGyros | None
 ) -> Readings:
-    values = {"acc": np.asfortranarray(recording.array(ACC), dtype=np.float64)}
+    values = {"acc": np.asfortranarray(recording.array(ACC), dtype=np.float64)}  # a stored one is so already
     if all(name in recording.names for name in GYRO):
         values["gyro"] = np.asfortranarray(recording.array(GYRO), dtype=np.float64)
     seconds = _seconds(recording)
@@ -237,7 +246,8 @@ def _seconds(recording: Recording) -> Array:
         raise DataError(
             "no time", recording.source.path, "rotations are rates over time", "Give the sample rate", "no_time"
         )
-    return np.asarray(np.arange(len(recording)) * recording.sample_interval, dtype=np.float64)
+    interval = recording.sample_interval
+    return made(len(recording), float, lambda first, stop: np.arange(first, stop) * interval)
 
 
 def _rotation(
@@ -275,8 +285,9 @@ def _there(
     """
     there, remarks = [], []
     for k, one in enumerate(placed):
-        parts = {name: np.asarray(np.isfinite(own[one.start : one.stop]).all(axis=1)) for name, own in values.items()}
-        short = [name for name, good in parts.items() if good.sum() < max(HALF * len(good), 2)]
+        size = one.stop - one.start
+        parts = {name: all_finite(own[one.start : one.stop]) for name, own in values.items()}
+        short = [name for name, good in parts.items() if count(good, lambda part: part) < max(HALF * size, 2)]
         if not short:
             there.append(k)
             continue
@@ -339,16 +350,14 @@ def _readings(
         triads["gyro"] = _triad(recording, own.samples, "gyro", at)
     elif "gyro" in values:
         gyro = values["gyro"]
-        nothing = np.zeros(len(gyro), dtype=bool)
-        alike = replace(samples, values=gyro, finite=np.asarray(np.isfinite(gyro).all(axis=1)), outlier=nothing)
+        alike = replace(samples, values=gyro, finite=all_finite(gyro), outlier=zeros(len(gyro), bool))
         triads["gyro"] = _triad(recording, alike, "gyro", placed)
     path, stamps = recording.source.path, recording.time_ns
     if stamps is None:
-        stamps = np.round(seconds * 1e9).astype(np.int64)
+        stamps = changed(seconds, lambda part: np.round(part * 1e9).astype(np.int64), np.int64)
     if TEMPERATURE in recording.names:
-        degrees = np.asarray(recording.channel(TEMPERATURE).data, dtype=float)
-        within = [degrees[one.start : one.stop] for one in placed]
-        temperature = np.array([one[np.isfinite(one)].mean() if np.isfinite(one).any() else np.nan for one in within])
+        degrees = recording.channel(TEMPERATURE).data
+        temperature = np.array([moments(degrees[one.start : one.stop]).mean for one in placed])
     return Readings(
         acc=triads["acc"],
         gyro=triads.get("gyro"),

@@ -28,6 +28,20 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from ...core.batches import (
+    batches,
+    columns,
+    count,
+    empty,
+    every,
+    is_stored,
+    kept,
+    made,
+    release,
+    rows_taken,
+    taken,
+    zeros,
+)
 from ...core.estimate import Array
 from ...statistics.quantiles import chi_square_quantile, f_upper
 from ..threads import each_of, shares
@@ -58,9 +72,9 @@ def single_outliers(y: Array, noise: Noise, factor: float, apart: int) -> Flags:
     ``factor`` is in standard deviations of ``y`` (n, channels). Outliers nearer to each other than ``apart`` samples
     are motion or noise, and stay.
     """
-    alone = np.zeros(len(y), dtype=bool)
-    calm = np.ones(len(y) - 2, dtype=bool)
-    far = np.zeros(len(y) - 2, dtype=bool)
+    alone = zeros(len(y), bool)
+    calm = made(len(y) - 2, bool, lambda first, stop: np.ones(stop - first, dtype=bool))
+    far = zeros(len(y) - 2, bool)
     loops = loops_for(len(y))
     for k in range(y.shape[1]):
         sigma, feigned = factor * noise.scale[k], noise.feigned[k]
@@ -69,9 +83,12 @@ def single_outliers(y: Array, noise: Noise, factor: float, apart: int) -> Flags:
         def mark(share: tuple[int, int], x: Array = y[:, k], limits: tuple[float, float] = limits) -> None:
             first, stop = share
             loops.mark_alone(x[first : stop + 2], *limits, calm[first:stop], far[first:stop])
+            for one in (x, calm, far):
+                release(one[first:stop])
 
         each_of(mark, shares(len(calm)), len(calm))
-    at = np.flatnonzero(far & calm) + 1
+    at = np.concatenate([first + np.flatnonzero(far[first:stop] & calm[first:stop])
+                         for first, stop in batches(far, calm)]) + 1  # fmt: skip
     if at.size:
         distance = np.diff(at, prepend=at[0] - apart, append=at[-1] + apart)
         alone[at[(distance[:-1] >= apart) & (distance[1:] >= apart)]] = True
@@ -80,8 +97,11 @@ def single_outliers(y: Array, noise: Noise, factor: float, apart: int) -> Flags:
 
 def running_sum(y: Array) -> Array:
     """Return the sums of the samples before each, shape (n + 1, channels), from which means are differences."""
-    total = np.zeros((len(y) + 1, y.shape[1]), order="F")
-    np.cumsum(y, axis=0, out=total[1:])
+    total = columns(len(y) + 1, y.shape[1])
+    total[0] = 0.0
+    for x, own in zip(y.T, total.T, strict=True):
+        for first, stop in batches(x, own[:-1]):
+            np.add.accumulate(np.concatenate((own[first : first + 1], x[first:stop])), out=own[first : stop + 1])
     return total
 
 
@@ -124,7 +144,7 @@ class Jumps:
 
     def at(self, places: Indices) -> Array:
         """Return the jumps at places counted from sample w, shape (channels, k)."""
-        before, middle, after = (self.total[places + i * self.w] for i in range(3))
+        before, middle, after = (rows_taken(self.total, places + i * self.w) for i in range(3))
         jumps: Array = np.abs(after - middle - middle + before).T * (1.0 / self.w)
         return jumps
 
@@ -137,6 +157,7 @@ class Jumps:
             part, room = self.total[first : stop + 2 * self.w, channel], np.empty(ROOM, dtype=np.int64)
             while (count := fill_above(part, self.w, float(limit[channel]), room)) > len(room):
                 room = np.empty(count, dtype=np.int64)
+            release(part)
             return room[:count] + first
 
         every = [(k, *share) for k in range(len(limit)) for share in shares(len(self))]
@@ -220,16 +241,20 @@ def covered(start: Indices, stop: Indices, n: int) -> Flags:
     """Return which of n samples lie in one of the stretches [start, stop), both ascending, shape (n,)."""
     start, stop = np.clip(start, 0, n), np.clip(stop, 0, n)
     if len(start) <= FEW_STRETCHES:
-        few = np.zeros(n, dtype=bool)
+        few = zeros(n, bool)
         for a, b in zip(start.tolist(), stop.tolist(), strict=True):
-            few[a:b] = True
+            for first, last in batches(few[a:b]):
+                few[a + first : a + last] = True
         return few
-    flags = np.zeros(n + 1, dtype=np.int8)
+    flags = zeros(n + 1, np.int8)
     if len(start):
         apart = start[1:] > stop[:-1]
         flags[start[np.r_[True, apart]]] += 1
         flags[stop[np.r_[apart, True]]] -= 1
-    inside: Flags = np.cumsum(flags[:n], dtype=np.int8) > 0
+    inside, level = empty(n, bool), 0
+    for one, last in batches(inside, flags[:n]):
+        depth = np.cumsum(flags[one:last], dtype=np.int8) + np.int8(level)
+        inside[one:last], level = depth > 0, int(depth[-1])
     return inside
 
 
@@ -239,35 +264,58 @@ def loud(y: Array, noise: Noise, w: int, tail: float, start: Indices, stop: Indi
     Windows lie inside the stretches at one level, ascending and disjoint; ``tail`` is the false-alarm probability of
     one.
     """
-    inside = covered(start, stop, len(y))
     cuts = np.concatenate(([0], np.cumsum(stop - start)))
     size = max(0, int(cuts[-1]) - w + 1)
-    whole = ~covered(cuts[1:-1] - w + 1, cuts[1:-1], size)
-    found = np.zeros(len(y), dtype=bool)
-    if not whole.any():
+    ends = covered(cuts[1:-1] - w + 1, cuts[1:-1], size)
+    whole = made(size, bool, lambda first, stop: ~ends[first:stop], ends)
+    found = zeros(len(y), bool)
+    if every(whole, lambda part: not part.any()):
         return found
-    hot, loops = np.zeros(size, dtype=bool), loops_for(len(y))
-    many = int(np.count_nonzero(whole))
-    every = max(1, w // 2, many // PROBES)
-    probes = np.arange(0, size, every) if many == size else np.flatnonzero(whole)[::every]
+    inside = covered(start, stop, len(y))
+    hot, loops = zeros(size, bool), loops_for(len(y))
+    many = count(whole, lambda part: part)
+    apart = max(1, w // 2, many // PROBES)
+    probes = np.arange(0, size, apart) if many == size else _thinned_places(whole, apart)
     for k in range(y.shape[1]):
-        x = y[:, k] if len(y) == cuts[-1] else y[inside, k]
+        x = kept(y[:, k], inside)
         usual, dof = (0.0, w - 1.0)
         if not noise.stated:
-            usual, dof = _usual_variance(sliding_window_view(x, w)[probes].var(axis=1, ddof=1), w)
+            usual, dof = _usual_variance(_windows(x, probes, w).var(axis=1, ddof=1), w)
         limit = float(f_upper(tail, dof, noise.dof[k])) * max(float(noise.scale[k]) ** 2, usual)
 
         def mark(share: tuple[int, int], x: Array = x, limit: float = limit) -> None:
             first, stop = share
             last = stop + w - 1
             loops.mark_loud(x[first:last], np.clip(cuts, first, last) - first, w, limit, hot[first:stop])
+            release(x[first:stop])
+            release(hot[first:stop])
 
         each_of(mark, shares(size), size)
-    hot &= whole
-    at = np.flatnonzero(hot)
+    at = np.concatenate([first + np.flatnonzero(hot[first:stop] & whole[first:stop])
+                         for first, stop in batches(hot, whole)])  # fmt: skip
     if len(at):
-        found[inside] = covered(at, at + w, int(cuts[-1]))
+        marked = covered(at, at + w, int(cuts[-1]))
+        for a, b, own in zip(start.tolist(), stop.tolist(), cuts[:-1].tolist(), strict=True):
+            for first, last in batches(found[a:b], marked[own : own + b - a]):
+                found[a + first : a + last] = marked[own + first : own + last]
     return found
+
+
+def _windows(x: Array, first: Indices, w: int) -> Array:
+    """Return w samples from each place on, shape (k, w)."""
+    if not is_stored(x):
+        return np.asarray(sliding_window_view(x, w)[first])
+    return np.stack([taken(x, first + i) for i in range(w)], axis=1)
+
+
+def _thinned_places(flags: Flags, step: int) -> Indices:
+    """Return every so manieth place that is flagged, ascending."""
+    found, before = [], 0
+    for first, stop in batches(flags):
+        own = first + np.flatnonzero(flags[first:stop])
+        found.append(own[-before % step :: step].copy())  # a part would hold all
+        before += len(own)
+    return np.concatenate(found)
 
 
 def _usual_variance(variance: Array, w: int) -> tuple[float, float]:
@@ -295,8 +343,10 @@ def settled_ends(
     in, if no other stretch holds it. No end moves across a wall (0, long gaps and n), and an end there stays. ``total``
     (n + 1, channels) is the running sum of the samples.
     """
-    first = (total[start + RAMP + LEVEL_SAMPLES] - total[start + RAMP]) / LEVEL_SAMPLES
-    last = (total[stop - RAMP] - total[stop - RAMP - LEVEL_SAMPLES]) / LEVEL_SAMPLES
+    first, last = (
+        (rows_taken(total, at + LEVEL_SAMPLES) - rows_taken(total, at)) / LEVEL_SAMPLES
+        for at in (start + RAMP, stop - RAMP - LEVEL_SAMPLES)
+    )
     limit = EDGE * noise.scale * np.sqrt(1.0 + 1.0 / LEVEL_SAMPLES)
     start = _settled(start, 1, y, first, limit, walls, np.concatenate(([0], stop[:-1])))
     stop = _settled(stop, -1, y, last, limit, walls, np.concatenate((start[1:], [len(y)])))
@@ -310,7 +360,7 @@ def _settled(
     inner, outer = (0, -1) if inward > 0 else (-1, 0)
 
     def fits(at: Indices) -> Flags:
-        off = np.abs(y[np.clip(at, 0, len(y) - 1)] - level)
+        off = np.abs(rows_taken(y, np.clip(at, 0, len(y) - 1)) - level)
         return np.asarray((off <= limit).all(axis=1))
 
     free = ~np.isin(edge, walls)
@@ -356,7 +406,9 @@ def _differ(
 ) -> Flags:
     """Which pairs of stretches have different means in any channel, shape (k,)."""
     sizes = [(b - a)[:, None] for a, b in (one, other)]
-    means = [(total[b] - total[a]) / size for (a, b), size in zip((one, other), sizes, strict=True)]
+    means = [
+        (rows_taken(total, b) - rows_taken(total, a)) / size for (a, b), size in zip((one, other), sizes, strict=True)
+    ]
     sigma = noise.scale * np.sqrt(1.0 / sizes[0] + 1.0 / sizes[1])
     far: Flags = (np.abs(means[0] - means[1]) > np.maximum(quantile * sigma, noise.feigned)).any(axis=1)
     return far
@@ -377,10 +429,14 @@ def stretches(start: Indices, stop: Indices, keep: Flags) -> tuple[Indices, Indi
     start, stop : ndarray of int
         Half-open, ascending.
     """
-    kept = covered(start, stop, len(keep)) & keep
-    begins = np.flatnonzero(kept & ~np.concatenate(([False], kept[:-1])))
-    inner = start[kept[start]] if len(start) else start
-    first = _joined(begins, inner)
-    ends = np.flatnonzero(kept & ~np.concatenate((kept[1:], [False]))) + 1
-    outer = stop[kept[stop - 1]] if len(stop) else stop
-    return first, _joined(ends, outer)
+    inside = covered(start, stop, len(keep))
+    begins, ends, before = [start[:0]], [start[:0]], False
+    for first, last in batches(inside, keep):
+        inside[first:last] &= keep[first:last]
+        steps = np.diff(inside[first:last].astype(np.int8), prepend=np.int8(before))
+        before = bool(inside[last - 1])
+        begins.append(first + np.flatnonzero(steps > 0))
+        ends.append(first + np.flatnonzero(steps < 0))
+    ends.append(np.array([len(keep)] if before else [], dtype=np.int64))
+    inner, outer = start[taken(inside, start)], stop[taken(inside, stop - 1)]
+    return _joined(np.concatenate(begins), inner), _joined(np.concatenate(ends), outer)

@@ -22,6 +22,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...core.batches import batches, count, is_long_stretch, made
+from ...core.batches.summaries import Moments
 from ...core.errors import PlanError
 from ...core.estimate import Array
 from ..time.samples import Flags, Samples
@@ -109,6 +111,8 @@ def dwell_of(samples: Samples, start: int, stop: int, drop_edge: int = 1, distur
     """
     if drop_edge < 0:
         raise PlanError(f"drop_edge {drop_edge}, need 0 or more")
+    if is_long_stretch(samples.values, stop - start):
+        return _dwell_by_batches(samples, start, stop, drop_edge, disturbed)
     good = np.flatnonzero(samples.finite[start:stop] & ~samples.outlier[start:stop]) + start
     used = good[drop_edge : len(good) - drop_edge]
     if len(used) < 2:
@@ -135,6 +139,50 @@ def dwell_of(samples: Samples, start: int, stop: int, drop_edge: int = 1, distur
     )
 
 
+def _dwell_by_batches(samples: Samples, start: int, stop: int, drop_edge: int, disturbed: int) -> Dwell | None:
+    """Reduce a stretch that is longer than a batch, as `dwell_of` does, in two passes."""
+    finite, outlier, gap = (one[start:stop] for one in (samples.finite, samples.outlier, samples.gap))
+    good = made(stop - start, bool, lambda a, b: finite[a:b] & ~outlier[a:b], finite, outlier)
+    n = count(good, lambda part: part) - 2 * drop_edge
+    if n < 2:
+        return None
+    first, last = 0, len(good) - 1
+    for _ in range(drop_edge + 1):
+        first += int(np.argmax(good[first:])) + 1
+        last -= int(np.argmax(good[last::-1])) + 1
+    first, last = first - 1, last + 1
+    x = samples.values[start + first : start + last + 1]
+    good, finite, gap = (one[first : last + 1] for one in (good, finite, gap))
+    of = [Moments() for _ in x.T]
+    for a, b in batches(x, good):
+        of = [one.with_more(own[a:b][good[a:b]]) for one, own in zip(of, x.T, strict=True)]
+    mean, squares = np.array([one.mean for one in of]), np.array([one.squares for one in of])
+    pairs, products = 0, np.zeros(len(of))
+    for a, b in batches(x[1:], good[1:], gap[1:]):
+        follows = good[a:b] & good[a + 1 : b + 1] & ~gap[a + 1 : b + 1]
+        pairs += int(np.count_nonzero(follows))
+        left, right = x[a:b][follows] - mean, x[a + 1 : b + 1][follows] - mean
+        products += np.einsum("ij,ij->j", left, right)
+    variance = np.where([one.high == one.low for one in of], 0.0, squares / n)
+    missing = len(finite) - count(finite, lambda part: part)
+    first, last = start + first, start + last
+    return Dwell(
+        start=first,
+        stop=last + 1,
+        mean=mean,
+        scatter=np.sqrt(squares / (n - 1)),
+        n=n,
+        n_effective=_worth(n, variance, products, pairs),
+        time_ns=None if samples.time_ns is None else (int(samples.time_ns[first]), int(samples.time_ns[last])),
+        edge_dropped=2 * drop_edge,
+        missing=missing,
+        outliers=last + 1 - first - n - missing,
+        gaps=count(gap[1:], lambda part: part),
+        stuck=np.array([one.high == one.low for one in of]),
+        disturbed=disturbed,
+    )
+
+
 def effective_size(x: Array, neighbours: Flags | None = None) -> Array:
     """Return how many independent samples, 1 to n, those of one stretch (n, channels) are worth for their mean.
 
@@ -145,10 +193,15 @@ def effective_size(x: Array, neighbours: Flags | None = None) -> Array:
     residual = x - x.mean(axis=0)
     variance = np.einsum("ij,ij->j", residual, residual) / n
     variance[x.max(axis=0) == x.min(axis=0)] = 0.0  # what is left there is rounding
-    if n < FEWEST or not pairs.any():
-        return np.full(x.shape[1], float(n))
-    products = np.einsum("ij,ij,i->j", residual[:-1], residual[1:], pairs.astype(np.float64)) / pairs.sum()
-    raw = np.divide(products, variance, out=np.zeros_like(variance), where=variance > 0.0)
+    products = np.einsum("ij,ij,i->j", residual[:-1], residual[1:], pairs.astype(np.float64))
+    return _worth(n, variance, products, int(pairs.sum()))
+
+
+def _worth(n: int, variance: Array, products: Array, pairs: int) -> Array:
+    """Return the effective size of n samples from their variance, and the sum of products of so many neighbours."""
+    if n < FEWEST or not pairs:
+        return np.full(len(variance), float(n))
+    raw = np.divide(products / pairs, variance, out=np.zeros_like(variance), where=variance > 0.0)
     rho = np.clip((n * raw + 1.0) / (n - 4.0), 0.0, CORRELATED)
     worth = n / (1.0 + 2.0 * rho / (1.0 - rho) * (1.0 - (1.0 - rho**n) / (n * (1.0 - rho))))
     return np.where(variance > 0.0, np.clip(worth, 1.0, n), float(n))

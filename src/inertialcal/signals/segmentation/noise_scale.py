@@ -15,6 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.batches import batches, changed, count, empty, kept, release
+from ...core.batches.summaries import quantile
 from ...core.errors import PlanError
 from ...core.estimate import Array
 from ...statistics.quantiles import chi_square_quantile, chi_square_upper
@@ -62,27 +64,31 @@ def noise_scale(y: Array, stated: tuple[float, ...] | None = None) -> Noise:
     dof, live = np.full(y.shape[1], KNOWN), np.ones(y.shape[1], dtype=bool)
     for k in range(y.shape[1]):
         variance, different, step[k] = _blocks(y[:, k])
-        alive = different >= LIVE
+        alive = changed(different, lambda part: part >= LIVE, bool)
+        living = count(alive, lambda part: part)
         if stated is not None:
             scale[k] = stated[k]
-        elif np.count_nonzero(alive) < max(2.0, LIVE_BLOCKS * len(alive)):
+        elif living < max(2.0, LIVE_BLOCKS * len(alive)):
             scale[k], dof[k], live[k] = 0.0, (BLOCK - 1) * len(alive), False
         else:
-            pooled, kept = _pool_quiet(variance[alive])
-            scale[k], dof[k] = np.sqrt(pooled), kept * (BLOCK - 1)
+            pooled, quiet = _pool_quiet(kept(variance, alive))
+            scale[k], dof[k] = np.sqrt(pooled), quiet * (BLOCK - 1)
     return Noise(np.maximum(scale, 0.5 * step), dof, step, live & (scale >= 0.5 * step), stated is not None)
 
 
 def _blocks(y: Array) -> tuple[Array, NDArray[np.int64], float]:
     """Variances of blocks, differences in each that are not zero, smallest of all that is not; 0 if all are."""
-    count = len(y) // BLOCK
-    variance, different = np.empty(count), np.empty(count, dtype=np.int64)
+    size = len(y) // BLOCK
+    variance, different = empty(size, np.float64), empty(size, np.int64)
     fill_blocks = loops_for(len(y)).fill_blocks
 
     def step_of(share: tuple[int, int]) -> float:
         first, stop = share
         own = slice(first // BLOCK, stop // BLOCK)
-        return float(fill_blocks(y[first : stop + 1], BLOCK, variance[own], different[own]))
+        step = float(fill_blocks(y[first : stop + 1], BLOCK, variance[own], different[own]))
+        for one in (y[first:stop], variance[own], different[own]):
+            release(one)
+        return step
 
     steps = [step for step in each_of(step_of, shares(len(y)), len(y)) if step > 0.0]
     return variance, different, min(steps, default=0.0)
@@ -92,12 +98,15 @@ def _pool_quiet(variance: Array) -> tuple[float, int]:
     """Mean variance of the quiet blocks, and their number."""
     dof = BLOCK - 1
     limit = float(chi_square_upper(QUIET_TAIL, dof)) / dof
-    pooled = float(np.quantile(variance, QUIET) / (float(chi_square_quantile(QUIET, dof)) / dof))
-    kept = 0
+    pooled = float(quantile(variance, QUIET) / (float(chi_square_quantile(QUIET, dof)) / dof))
+    many = 0
     for _ in range(ROUNDS):
-        quiet = variance <= limit * pooled
-        now = int(np.count_nonzero(quiet))
-        if now in (0, kept):  # as many blocks are the same blocks: those below a limit
+        now, total = 0, 0.0
+        for first, stop in batches(variance):
+            part = variance[first:stop]
+            quiet = part <= limit * pooled
+            now, total = now + int(np.count_nonzero(quiet)), total + float(np.sum(part, where=quiet))
+        if now in (0, many):  # as many blocks are the same blocks: those below a limit
             break
-        kept, pooled = now, float(np.sum(variance, where=quiet)) / now
-    return pooled, max(1, kept)
+        many, pooled = now, total / now
+    return pooled, max(1, many)

@@ -22,9 +22,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core import batches
+from ...core.batches.summaries import Moments
 from ...core.errors import DataError
 from ...core.estimate import Array
-from ..time.samples import Indices
+from ..time.samples import Indices, all_finite
 from .segments import Segmentation, placement_groups
 
 LEAST, MOST = 1.0, 10.0  # [s]
@@ -77,7 +79,9 @@ def shortest_placement(segmentation: Segmentation) -> float:
     longest = still[int(np.argmax(length))]
     samples = segmentation.samples
     rows = slice(int(segmentation.start[longest]), int(segmentation.stop[longest]))
-    x = samples.values[rows][samples.finite[rows] & ~samples.outlier[rows]]
+    finite, outlier = samples.finite[rows], samples.outlier[rows]
+    good = batches.made(len(finite), bool, lambda a, b: finite[a:b] & ~outlier[a:b], finite, outlier)
+    x = batches.stacked([batches.kept(own, good) for own in samples.values[rows].T])
     sizes, deviation = _allan(x)
     if not len(sizes):
         return LEAST
@@ -88,13 +92,21 @@ def shortest_placement(segmentation: Segmentation) -> float:
 def _allan(x: Array) -> tuple[NDArray[np.int64], Array]:
     """Allan deviation of block means at octaves of their size, shapes (q,) and (q, channels)."""
     sizes, found = [], []
-    size, means = 1, np.asfortranarray(x)
+    size, means = 1, x
     while len(means) >= FEWEST_BLOCKS:
         sizes.append(size)
-        found.append(np.sqrt(0.5 * np.mean(np.diff(means, axis=0) ** 2, axis=0)))
-        size, pairs = 2 * size, len(means) // 2 * 2
-        means = 0.5 * (means[:pairs:2] + means[1:pairs:2])
+        found.append(np.sqrt(0.5 * np.array([_mean_square_step(own) for own in means.T])))
+        size, halves = 2 * size, []
+        for own in means.T:
+            even, odd = own[: len(own) // 2 * 2 : 2], own[1::2]
+            halves.append(batches.made(len(odd), float, lambda a, b, x=even, y=odd: 0.5 * (x[a:b] + y[a:b]), even, odd))  # type: ignore[misc]
+        means = np.stack(halves).T if not batches.is_stored(halves[0]) else batches.stacked(halves)
     return np.array(sizes, dtype=np.int64), np.array(found)
+
+
+def _mean_square_step(x: Array) -> float:
+    total = sum(float(np.sum(np.diff(x[a : b + 1]) ** 2)) for a, b in batches.batches(x[:-1]))
+    return total / (len(x) - 1)
 
 
 def placements(segmentation: Segmentation, min_duration: float, rates: Array | None = None) -> tuple[Placement, ...]:
@@ -121,7 +133,9 @@ def placements(segmentation: Segmentation, min_duration: float, rates: Array | N
     groups = placement_groups(segmentation, max(0.5 * shortest, TOUCH / interval), SAME_LEVEL)
     if rates is not None:
         rates = filled(rates)
-        rates = np.asfortranarray(rates - rates.mean(axis=0))
+        level = [batches.mean(own) for own in rates.T]
+        rates = batches.stacked([batches.changed(own, lambda part, m=m: part - m)  # type: ignore[misc]
+                                 for own, m in zip(rates.T, level, strict=True)])  # fmt: skip
         groups = _parted_by_turns(segmentation, groups, rates)
     longest = round(EDGE / interval)
     found = []
@@ -139,7 +153,7 @@ def placements(segmentation: Segmentation, min_duration: float, rates: Array | N
 
 def filled(values: Array) -> Array:
     """Return channels (n, k) with what is missing taken from its neighbours; zero where a channel holds nothing."""
-    if np.isfinite(values).all():
+    if batches.every(all_finite(values), lambda part: part.all()):
         return values
     at, found = np.arange(len(values)), np.zeros_like(values)
     for k, own in enumerate(values.T):
@@ -162,7 +176,7 @@ def _margins(rates: Array | None, first: int, last: int, most: int, interval: fl
 def _parted_by_turns(segmentation: Segmentation, groups: Sequence[Indices], rates: Array) -> list[Indices]:
     """Return the groups, parted where gyros turned by more than a small part of what is usual between groups."""
     length, still = segmentation.stop - segmentation.start, segmentation.still
-    sums = np.column_stack([np.add.reduceat(own, segmentation.start) for own in rates.T])  # of each stretch
+    sums = np.column_stack([_sums(own, segmentation) for own in rates.T])  # of each stretch
     rest = np.median(sums[still] / length[still, None], axis=0)
     total = np.vstack([np.zeros(rates.shape[1]), np.cumsum(sums - rest * length[:, None], axis=0)])
 
@@ -176,6 +190,14 @@ def _parted_by_turns(segmentation: Segmentation, groups: Sequence[Indices], rate
         apart = [turned(int(a), int(b)) > most for a, b in pairwise(group)]
         found += np.split(group, np.flatnonzero(apart) + 1)
     return found
+
+
+def _sums(x: Array, segmentation: Segmentation) -> Array:
+    """Return the sum of each stretch, shape (k,)."""
+    if not batches.is_stored(x):
+        return np.add.reduceat(x, segmentation.start)
+    ends = zip(segmentation.start.tolist(), segmentation.stop.tolist(), strict=True)
+    return np.array([batches.mean(x[a:b]) * (b - a) for a, b in ends])
 
 
 def _long(segmentation: Segmentation, group: Indices, edge: int) -> Indices:
@@ -193,9 +215,12 @@ def _touched(segmentation: Segmentation, group: Indices, shortest: int, brief: f
     length, scale = stop - start, segmentation.noise.scale
     best = int(np.argmax(length))
     rows = slice(int(start[0]), int(stop[-1]))
-    x = segmentation.samples.values[rows][segmentation.samples.finite[rows]]
-    far = np.abs(x - segmentation.level[group[best]]) > SIGMAS * scale
-    if int(np.count_nonzero(far.any(axis=1))) < FEWEST_TOUCHED:
+    x, level = segmentation.samples.values[rows], segmentation.level[group[best]]
+    far = 0  # what is missing is not
+    for a, b in batches.batches(x):
+        off = np.abs(x[a:b] - level) > SIGMAS * scale
+        far += int(np.count_nonzero(off.any(axis=1) & segmentation.samples.finite[rows][a:b]))
+    if far < FEWEST_TOUCHED:
         return 0, False
     lasting = np.flatnonzero(length >= shortest)
     apart = (start[1:] - stop[:-1] > brief)[lasting[0] : lasting[-1]]
@@ -227,20 +252,9 @@ def disturbed_inside(values: Array, placements: Sequence[Placement]) -> Flags:
     """
     if len(placements) < 3:
         return np.zeros(len(placements), dtype=bool)
-    rows = [np.arange(one.start, one.stop) for one in placements]
-    rows = [own[np.isfinite(values[own]).all(axis=1)] for own in rows]
-    few = np.array([len(own) < FEW for own in rows])
+    half, mean, std, few = (_halves_by_batches if batches.is_stored(values) else _halves)(values, placements)
     if few.all():
         return np.zeros(len(placements), dtype=bool)
-    half = np.array([max(len(own) // 2, 1) for own in rows])
-    x = values[
-        np.concatenate([own[: 2 * n] if len(own) > 1 else own[[0, 0]] for own, n in zip(rows, half, strict=True)])
-    ]
-    at = np.concatenate([[0], np.cumsum(np.repeat(half, 2))[:-1]])
-    size = np.repeat(half, 2)
-    mean = np.add.reduceat(x, at, axis=0) / size[:, None]
-    x = x - np.repeat(mean, size, axis=0)
-    std = np.sqrt(np.add.reduceat(x * x, at, axis=0) / size[:, None])
     scatter = 0.5 * (std[::2] + std[1::2])
     u = np.maximum(scatter, np.finfo(float).tiny) * np.sqrt(2.0 / half)[:, None]
     step = np.where(scatter > 0.0, np.abs(mean[::2] - mean[1::2]) / u, 0.0)
@@ -249,3 +263,43 @@ def disturbed_inside(values: Array, placements: Sequence[Placement]) -> Flags:
     usual_scatter = np.nanmedian(scatter, axis=0)
     with np.errstate(invalid="ignore"):
         return np.asarray(((step > DRIFTS * usual_step) | (scatter > LOUD * usual_scatter)).any(axis=1))
+
+
+Halves = tuple[NDArray[np.int64], Array, Array, Flags]
+
+
+def _halves_by_batches(values: Array, placements: Sequence[Placement]) -> Halves:
+    """Return what `_halves` does, of a record that is stored."""
+    good = all_finite(values)
+    sizes = np.array([batches.count(good[one.start : one.stop], lambda part: part) for one in placements])
+    half = np.maximum(sizes // 2, 1)
+    mean, std = np.empty((2, 2 * len(placements), values.shape[1]))
+    for k, one in enumerate(placements):
+        own, flags = values[one.start : one.stop], good[one.start : one.stop]
+        found, seen = [[Moments() for _ in own.T] for _ in range(2)], 0
+        for a, b in batches.batches(own, flags):
+            x = own[a:b][flags[a:b]]
+            for which, part in enumerate(found):
+                inside = x[max(which * half[k] - seen, 0) : max((which + 1) * half[k] - seen, 0)]
+                found[which] = [one.with_more(inside[:, c]) for c, one in enumerate(part)]
+            seen += len(x)
+        for which, part in enumerate(found if sizes[k] > 1 else [found[0], found[0]]):
+            mean[2 * k + which] = [one.mean for one in part]
+            std[2 * k + which] = [np.sqrt(one.squares / max(one.count, 1)) for one in part]
+    return half, mean, std, sizes < FEW
+
+
+def _halves(values: Array, placements: Sequence[Placement]) -> Halves:
+    """Return size, mean and standard deviation of both halves of each placement, and which have few samples."""
+    rows = [np.arange(one.start, one.stop) for one in placements]
+    rows = [own[np.isfinite(values[own]).all(axis=1)] for own in rows]
+    few = np.array([len(own) < FEW for own in rows])
+    half = np.array([max(len(own) // 2, 1) for own in rows])
+    x = values[
+        np.concatenate([own[: 2 * n] if len(own) > 1 else own[[0, 0]] for own, n in zip(rows, half, strict=True)])
+    ]
+    at = np.concatenate([[0], np.cumsum(np.repeat(half, 2))[:-1]])
+    size = np.repeat(half, 2)
+    mean = np.add.reduceat(x, at, axis=0) / size[:, None]
+    x = x - np.repeat(mean, size, axis=0)
+    return half, mean, np.sqrt(np.add.reduceat(x * x, at, axis=0) / size[:, None]), few

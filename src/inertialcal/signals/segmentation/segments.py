@@ -24,6 +24,8 @@ from typing import Literal
 
 import numpy as np
 
+from ...core import batches
+from ...core.batches.summaries import moments
 from ...core.errors import DataError
 from ...core.estimate import Array, Numbers
 from ...core.recording import Times
@@ -100,8 +102,8 @@ class Segmentation:
     @property
     def remarks(self) -> tuple[Remark, ...]:
         """Samples missing, outliers set aside, noise far from white, stretches in which a channel is stuck."""
-        missing = int(np.count_nonzero(~self.samples.finite))
-        outliers, stuck = int(np.count_nonzero(self.samples.outlier)), int(np.count_nonzero(self.stuck))
+        missing = len(self.samples.finite) - batches.count(self.samples.finite, lambda part: part)
+        outliers, stuck = batches.count(self.samples.outlier, lambda part: part), int(np.count_nonzero(self.stuck))
         found = []
         if missing:
             at = int(np.argmin(self.samples.finite))
@@ -158,8 +160,8 @@ def detect(
     plan = plan or Detection()
     samples = samples_of(signal, time_ns, sample_interval, place)
     n, channels = samples.values.shape
-    whole = bool(samples.finite.all())
-    rows = None if whole else np.flatnonzero(samples.finite)
+    whole = batches.every(samples.finite, lambda part: part.all())
+    rows = None if whole else _places(samples.finite)
     many = n if rows is None else len(rows)
     if not many and n:
         dead = [str(k) for k in range(channels) if not np.isfinite(samples.values[:, k]).any()]
@@ -176,8 +178,10 @@ def detect(
             why="the noise cannot be measured",
             code="too_short",
         )
-    good = samples.values if rows is None else samples.values[rows]
-    ticks = None if whole and time_ns is None else samples.ticks if rows is None else samples.ticks[rows]
+    good, ticks = samples.values, None if whole and time_ns is None else samples.ticks
+    if rows is not None and ticks is not None:
+        good = batches.stacked([batches.kept(own, samples.finite) for own in good.T])
+        ticks = batches.kept(ticks, samples.finite)
     return _segmentation(samples, rows, still_stretches(good, ticks, plan), plan)
 
 
@@ -189,8 +193,8 @@ def _segmentation(samples: Samples, rows: Indices | None, found: Found, plan: De
     n = len(samples.values)
     first, after, outlier = found.start, found.stop, found.outlier
     if rows is not None:
-        outlier = np.zeros(n, dtype=bool)
-        outlier[rows] = found.outlier
+        outlier = batches.zeros(n, bool)
+        outlier[rows[batches.where(found.outlier, lambda part: part)]] = True
         first, after = rows[found.start], rows[found.stop - 1] + 1
     samples = replace(samples, outlier=outlier)
     edges = np.unique(np.concatenate(([0, n], first, after)))
@@ -203,17 +207,44 @@ def _segmentation(samples: Samples, rows: Indices | None, found: Found, plan: De
 
 def _measured(samples: Samples, edges: Indices) -> tuple[Array, Array, Flags]:
     """Give mean and standard deviation of the good samples of each stretch, and whether all are equal."""
-    left_out = ~samples.finite | samples.outlier
+    finite, outlier = samples.finite, samples.outlier
+    left_out = batches.made(len(finite), bool, lambda a, b: ~finite[a:b] | outlier[a:b], finite, outlier)
+    some = not batches.every(left_out, lambda part: not part.any())
     shape = len(edges) - 1, samples.values.shape[1]
     level, variance, low, high = (np.empty(shape, order="F") for _ in range(4))
     count = np.empty(shape[0], dtype=np.int64)
     for k in range(shape[1]):
         x = samples.values[:, k]
-        if left_out.any():
-            x = np.where(left_out, np.nan, x)
-        out = (level[:, k], variance[:, k], low[:, k], high[:, k], count)
-        loops_for(len(x)).fill_moments(x, edges[:-1], edges[1:], *out)
+        if some:
+            x = batches.made(len(x), float, lambda a, b, x=x: np.where(left_out[a:b], np.nan, x[a:b]), left_out, x)  # type: ignore[misc]
+        for own in _together(edges, batches.SIZE if batches.is_stored(x) else len(x)):
+            first, stop = int(edges[own.start]), int(edges[own.stop])
+            if stop - first > batches.SIZE and batches.is_stored(x):
+                one = moments(x[first:stop])
+                level[own, k], low[own, k], high[own, k] = one.mean, one.low, one.high
+                variance[own, k] = one.squares / (one.count - 1) if one.count > 1 else np.nan
+                continue
+            out = (level[own, k], variance[own, k], low[own, k], high[own, k], count[own])
+            ends = edges[own.start : own.stop + 1] - first
+            loops_for(len(x)).fill_moments(x[first:stop], ends[:-1], ends[1:], *out)
+            batches.release(x[first:stop])
     return np.ascontiguousarray(level), np.sqrt(np.ascontiguousarray(variance)), low == high
+
+
+def _together(edges: Indices, most: int) -> list[slice]:
+    """Return neighbouring stretches that have no more samples together, or one alone that has more."""
+    found, first, n = [], 0, len(edges) - 1
+    while first < n:
+        after = max(int(np.searchsorted(edges, edges[first] + most, side="right")) - 1, first + 1)
+        found.append(slice(first, after))
+        first = after
+    return found
+
+
+def _places(flags: Flags) -> Indices:
+    """Return the samples that are flagged, ascending; stored where they are many."""
+    every = batches.made(len(flags), np.int64, np.arange)
+    return np.asarray(batches.kept(every, flags))
 
 
 def _samples_like(segmentation: Segmentation, signal: Numbers | None) -> Samples:
@@ -334,8 +365,9 @@ def placement_groups(segmentation: Segmentation, longest: float, same_level: flo
     at = np.flatnonzero(segmentation.still)
     if not len(at):
         return []
-    there = np.concatenate(([0], np.cumsum(segmentation.samples.finite)))  # what is missing has not moved
-    apart = there[segmentation.start[at[1:]]] - there[segmentation.stop[at[:-1]]]
+    finite = segmentation.samples.finite  # what is missing has not moved
+    apart = batches.counts_before(finite, segmentation.start[at[1:]])
+    apart -= batches.counts_before(finite, segmentation.stop[at[:-1]])
     step = np.abs(np.diff(segmentation.level[at], axis=0)) - same_level * segmentation.noise.scale
     new = (apart > longest) | (step > 0.0).any(axis=1)
     return np.split(at, np.flatnonzero(new) + 1)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...core.batches import batches, columns, kept, made, release, rows_taken, stacked, thinned, where, where_steps
 from ...core.errors import PlanError
 from ...core.estimate import Array
 from ...statistics.quantiles import t_upper
@@ -91,18 +92,23 @@ def still_stretches(x: Array, ticks: Array | None, plan: Detection) -> Found:
     PlanError
         If the noise is stated for another number of channels.
     """
-    y = np.asfortranarray(x - np.median(x.T[:, :: max(1, len(x) // 10_000)], axis=1))
+    y = columns(*x.shape)
+    for own, out in zip(x.T, y.T, strict=True):
+        level = np.median(thinned(own, max(1, len(x) // 10_000)))
+        for one, last in batches(own, out):
+            np.subtract(own[one:last], level, out=out[one:last])
     noise = noise_scale(y, plan.noise)
     # two-sided tail of one comparison of levels, and tail of one variance; each kind has half the risk
     variance_tail = 0.5 * plan.false_alarm / y.size
     quantile = t_upper(variance_tail / (2.0 * (len(plan.scales) + 1)), noise.dof)
     outlier = single_outliers(y, noise, float(quantile.max()), plan.shortest)
-    at = np.flatnonzero(outlier)
-    y[at] = 0.5 * (y[at - 1] + y[at + 1])
+    at = where(outlier, lambda part: part)
+    y[at] = 0.5 * (rows_taken(y, at - 1) + rows_taken(y, at + 1))
+    release(y)
     # first good sample after each long gap, with 0 and n
     walls = np.array([0, len(y)])
     if ticks is not None:
-        walls = np.concatenate(([0], np.flatnonzero(np.diff(ticks) > plan.longest_gap) + 1, [len(y)]))
+        walls = np.concatenate(([0], where_steps(ticks, lambda step: step > plan.longest_gap), [len(y)]))
     total = running_sum(y)
     start, stop, widening = _level_pieces(y, total, noise, plan, quantile, walls)
     start, stop = _long(*settled_ends(y, total, noise, start, stop, walls), plan.shortest)
@@ -113,8 +119,11 @@ def still_stretches(x: Array, ticks: Array | None, plan: Detection) -> Found:
     slope[short] = sloping(total, noise, quantile, start[short], stop[short])
     start, stop = start[~slope], stop[~slope]
     noisy = loud(y, noise, plan.shortest, variance_tail, start, stop)
-    start, stop = _long(*stretches(start, stop, ~noisy), plan.shortest)
-    return Found(start, stop, outlier & covered(start, stop, len(y)), noise, widening)
+    quiet = made(len(y), bool, lambda one, last: ~noisy[one:last], noisy)
+    start, stop = _long(*stretches(start, stop, quiet), plan.shortest)
+    inside = covered(start, stop, len(y))
+    outlier = made(len(y), bool, lambda one, last: outlier[one:last] & inside[one:last], outlier, inside)
+    return Found(start, stop, outlier, noise, widening)
 
 
 def _level_pieces(
@@ -130,12 +139,17 @@ def _level_pieces(
     first = np.concatenate(([0], np.cumsum(size[enough])))  # the cuts, counted in the samples kept
     skipped = begun - first[:-1]  # samples that are not kept before each of them
     cuts = first
-    rest = total if enough.all() else running_sum(y.T[:, np.repeat(enough, size)].T)
+    rest = total if enough.all() else running_sum(_rows(y, covered(begun, begun + size[enough], len(y))))
     if len(plan.scales) > 1:
         first, widening = level_changes(rest, noise, plan.scales[1:], quantile, first)
     own = skipped[np.searchsorted(cuts, first[:-1], side="right") - 1]
     start, stop = _long(first[:-1] + own, first[1:] + own, plan.shortest)
     return start, stop, widening
+
+
+def _rows(y: Array, flags: Flags) -> Array:
+    """Return the rows that are flagged, shape (k, channels)."""
+    return stacked([kept(own, flags) for own in y.T])
 
 
 def _long(start: Indices, stop: Indices, shortest: int) -> tuple[Indices, Indices]:

@@ -20,6 +20,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.batches import batches, changed, empty, made, zeros
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array, Numbers
 from ...core.recording import SECOND, Times
@@ -46,8 +47,9 @@ class Samples:
     def ticks(self) -> Array:
         """Time since the first sample [sample intervals], shape (n,); the index where there is no time."""
         if self.time_ns is None or self.sample_interval is None:
-            return np.arange(len(self.values), dtype=np.float64)
-        return np.asarray((self.time_ns - self.time_ns[0]) / (self.sample_interval * SECOND), dtype=np.float64)
+            return made(len(self.values), np.float64, lambda first, stop: np.arange(first, stop, dtype=np.float64))
+        start, interval = self.time_ns[0], self.sample_interval * SECOND
+        return changed(self.time_ns, lambda part: (part - start) / interval)
 
     def duration(self, samples: int | None, seconds: float | None, default: int) -> int:
         """Return a length in samples from whichever of the two is given.
@@ -90,15 +92,22 @@ def samples_of(
     n = len(values)
     if sample_interval is not None and not sample_interval > 0.0:
         raise DataError(f"a sample interval of {sample_interval} s", do="It must be positive")
-    gap = np.zeros(n, dtype=bool)
+    gap = zeros(n, bool)
     if time_ns is not None:
         axis = _checked_axis(time_ns, n, place)
         gap[axis.gaps.after + 1] = True
         sample_interval = sample_interval or axis.interval
-    finite = np.isfinite(values[:, 0])
-    for k in range(1, values.shape[1]):
-        finite &= np.isfinite(values[:, k])
-    return Samples(values, finite, np.zeros(n, dtype=bool), gap, time_ns, sample_interval)
+    return Samples(values, all_finite(values), zeros(n, bool), gap, time_ns, sample_interval)
+
+
+def all_finite(values: Array) -> Flags:
+    """Return where every channel has a value, shape (n,)."""
+    found = empty(len(values), bool)
+    for first, stop in batches(found, values):
+        np.isfinite(values[first:stop, 0], out=found[first:stop])
+        for own in values.T[1:]:
+            found[first:stop] &= np.isfinite(own[first:stop])
+    return found
 
 
 def _checked_axis(time_ns: Times, n: int, place: Callable[[int], str]) -> TimeAxis:
