@@ -24,6 +24,7 @@ from ...core.show.rounding import number
 from ...core.units import kind
 from ...core.unknowns import Unknowns
 from ...core.unknowns import joined as unknowns_joined
+from ...files.budget import ANALYSIS, claim_recording
 from ...signals.time.interpolation import interpolated
 from ...signals.time.samples import samples_of
 from ..corrections import between, corrected
@@ -60,7 +61,7 @@ def readings_of(plan: Plan, sources: Sequence[Source], corrections: Sequence[Cor
     Raises
     ------
     DataError
-        If a recording cannot be read; ``no_accelerometers``; ``clocks_differ``.
+        If a recording cannot be read; ``no_accelerometers``; ``clocks_differ``; ``too_large``, with gyros.
     PlanError
         ``plans_differ`` if a correction leaves the bias at another temperature than the plan refers to.
     """
@@ -77,6 +78,9 @@ def readings_of(plan: Plan, sources: Sequence[Source], corrections: Sequence[Cor
         made = corrected(corrections, [(one.source.name, one.recording) for one in parts])[0]
         parts = [replace(one, recording=recording) for one, recording in zip(parts, made, strict=True)]
     pairs = _paired(parts, sources[0].test)
+    for one in parts:
+        if one.kind == "gyro":
+            claim_recording(one.recording, ANALYSIS)  # interpolated and filled as a whole
     both = [_joined(pair) for pair in pairs]
     joined, gyros = [one for one, _ in both], [own for _, own in both]
     sections = [_sections(pair, one) for pair, one in zip(pairs, joined, strict=True)]
