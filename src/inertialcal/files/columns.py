@@ -79,7 +79,7 @@ class LongColumns:
     Parameters
     ----------
     rows : int
-        Of each column, in all.
+        Of each column, in all; about, where only a reading to the end shows it.
     """
 
     def __init__(self, rows: int) -> None:
@@ -94,6 +94,10 @@ class LongColumns:
             self._values = [empty(self._rows, one.values.dtype, self._stored) for one in columns]
             self._parts = [[] for _ in columns]
         first, stop = self._filled, self._filled + len(columns[0].values) if columns else self._filled
+        if stop > self._rows:
+            self._rows = stop + stop // 4
+            self._stored = self._stored or is_long(self._rows * sum(one.itemsize for one in self._values))
+            self._values = [self._converted(one, one.dtype) for one in self._values]
         for k, one in enumerate(columns):
             kind = np.result_type(self._values[k], one.values)
             if self._values[k].dtype != kind:  # an empty cell among whole numbers
@@ -109,7 +113,7 @@ class LongColumns:
         return tuple(
             replace(
                 parts[0],
-                values=values,
+                values=values[: self._filled],
                 empty=np.concatenate([part.empty for part in parts]),
                 not_a_number=np.concatenate([part.not_a_number for part in parts]),
                 naive=any(part.naive for part in parts),

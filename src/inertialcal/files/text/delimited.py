@@ -7,10 +7,13 @@ Arrow's reader gets a piece at a time; if any piece is not regular, or holds tex
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing, suppress
 from dataclasses import replace
-from typing import Any, cast
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +40,7 @@ from .layout import (
     BLANKS,
     CELL,
     CELL_BYTES,
+    PLAIN,
     SAMPLE,
     Decimal,
     Layout,
@@ -52,11 +56,16 @@ from .layout import (
 )
 from .layout import kind as kind_of
 
+T = TypeVar("T")
 ENDINGS = ("", ".asc", ".csv", ".dat", ".log", ".mat", ".prn", ".tab", ".tsv", ".txt")  # that text usually has
 SHOWN = 60  # characters of a cell in a message
 TOO_LARGE = "too_large"
-BLOCK = 2**22  # bytes that are looked at together
+BLOCK = 2**20  # bytes that are looked at together: a cache holds them
+LINE_END = ord("\n")
+SHORT = 2**20  # bytes of a text that is read whole: pieces of it would save nothing
+HEAD = 2**18  # bytes that tell the layout of a text that is read in pieces, if they hold the lines for it
 PIECE = 2**23  # bytes of a long file that are read together
+SPARE = 0.02  # of the rows of a file, more than the first piece makes likely
 ENOUGH = 32  # bytes of memory for each byte of a piece and its cells, at most
 
 
@@ -201,12 +210,17 @@ def column_names(layout: Layout, where: str) -> tuple[str, ...]:
 
 def fast(text: str, layout: Layout, names: tuple[str, ...], raw: bytes | None = None) -> Content | None:
     """Columns of a regular file by Arrow, or None where the file is not regular; ``raw``: the text as ASCII."""
-    body = _regular_body(text, layout, raw)
+    end = len(text)
+    while end > layout.start and text[end - 1] in "\n ":
+        end -= 1
+    rows = memoryview(text[layout.start : end].encode() if raw is None else raw)
+    rows = rows if raw is None else rows[layout.start : end]
+    body = _regular(rows, layout, _other_signs(rows, layout))
     table = None if body is None else _arrow(body, layout, names)
-    if table is None or body is None or len(table) != _line_ends(body) + 1:
+    if table is None:
         return None
     length, columns = len(table), []
-    del body
+    del body, rows
     for i, name in enumerate(names):
         column = _from_arrow(table.column(0), layout, name, i)
         if column is None:
@@ -216,8 +230,9 @@ def fast(text: str, layout: Layout, names: tuple[str, ...], raw: bytes | None = 
     return _content(columns, range(layout.row, layout.row + length), layout)
 
 
-def _line_ends(body: memoryview) -> int:
-    return sum(bytes(body[at : at + BLOCK]).count(b"\n") for at in range(0, len(body), BLOCK))
+def _line_ends(body: bytes | memoryview) -> int:
+    signs = np.frombuffer(body, dtype=np.uint8)
+    return sum(int(np.count_nonzero(signs[at : at + BLOCK] == LINE_END)) for at in range(0, len(signs), BLOCK))
 
 
 def exact(text: str, layout: Layout, names: tuple[str, ...], where: str) -> Content:
@@ -344,35 +359,39 @@ def text_in_numbers(
     )
 
 
-def _regular_body(text: str, layout: Layout, raw: bytes | None) -> memoryview | None:
-    """Rows of data without quotes, comments and blank lines; None where there are some."""
-    end = len(text)
-    while end > layout.start and text[end - 1] in "\n ":
-        end -= 1
-    return _regular(text, layout.start, end, layout, raw)
+def _other_signs(body: bytes | memoryview, layout: Layout) -> bytes:
+    """Return what rows hold besides plain numbers, separators and line ends; of most files nothing."""
+    usual = (PLAIN + "\n" + layout.decimal + (layout.separator or BLANKS)).encode()
+    view = memoryview(body)
+    return b"".join(bytes(view[at : at + BLOCK]).translate(None, usual) for at in range(0, len(view), BLOCK))
 
 
-def _regular(text: str, start: int, end: int, layout: Layout, raw: bytes | None) -> memoryview | None:
-    """Rows of data between two places of a text, as `_regular_body`."""
-    # One letter is found much faster than two. x: Arrow reads 0x1F as a number.
-    if any(text.find(sign, start, end) >= 0 for sign in ('"', "x", "X")) or text.find("\n\n", start, end) >= 0:
+def _regular(body: bytes | memoryview, layout: Layout, others: bytes) -> memoryview | None:
+    """Return rows of data for Arrow, without quotes and comments; None where there are some.
+
+    ``others``: what `_other_signs` says of them.
+    """
+    if any(sign in others for sign in (b'"', b"x", b"X")):  # x: Arrow reads 0x1F as a number
         return None
-    for mark in layout.comment:
-        if text.find(mark[0], start, end) >= 0 and text.find(f"\n{mark}", start, end) >= 0:
-            return None
-    if layout.separator is not None and raw is not None:
-        return memoryview(raw)[start:end]
-    body = text[start:end]
+    marks = [mark.encode() for mark in layout.comment if mark[0].encode() in others]
+    if marks and re.search(rb"(?:\A|\n)(?:" + b"|".join(map(re.escape, marks)) + b")", body):
+        return None
     if layout.separator is not None:
-        return memoryview(body.encode())
-    body = body.replace("\t", " ")
-    while "  " in body:
-        body = body.replace("  ", " ")
-    return memoryview(body.replace("\n ", "\n").replace(" \n", "\n").strip(" ").encode())
+        return memoryview(body)
+    if _holds_blank_line(body):  # before blanks are taken off
+        return None
+    squeezed = bytes(body).replace(b"\t", b" ")
+    while b"  " in squeezed:
+        squeezed = squeezed.replace(b"  ", b" ")
+    return memoryview(squeezed.replace(b"\n ", b"\n").replace(b" \n", b"\n").strip(b" "))
+
+
+def _holds_blank_line(body: bytes | memoryview) -> bool:
+    return re.search(rb"(?:\A|\n)\n", body) is not None
 
 
 def _arrow(body: memoryview, layout: Layout, names: tuple[str, ...], kinds: Mapping[str, Any] | None = None) -> Any:
-    """Arrow table of the rows, whose columns are whole numbers, numbers, text or null; None if ragged.
+    """Arrow table of the rows, whose columns are whole numbers, numbers, text or null; None if ragged, or a row blank.
 
     ``kinds``: types of columns, by their number from 0, that are known already.
     """
@@ -403,7 +422,8 @@ def _arrow(body: memoryview, layout: Layout, names: tuple[str, ...], kinds: Mapp
         plain = (pa.int64(), pa.float64(), pa.string(), pa.null())
         odd = [key for key, kind in zip(keys, table.schema.types, strict=True) if kind not in plain]
         if not odd:
-            return table
+            blank = all(column.null_count for column in table.columns) and _holds_blank_line(body)
+            return None if blank or len(table) != _line_ends(body) + 1 else table
         as_text |= dict.fromkeys(odd, pa.string())  # dates and times are judged by the clock
     return None
 
@@ -423,6 +443,8 @@ def _from_arrow(values: Any, layout: Layout, name: str, i: int) -> Column | None
     numbers, empty = arrow_numbers(values)
     if numbers.dtype.kind == "i":
         return _column(name, numbers, layout, i, empty, empty[:0])
+    if not len(empty) and np.isfinite(numbers).all():
+        return _column(name, numbers, layout, i, empty, empty)
     if np.isinf(numbers).any():
         return None
     nan = np.setdiff1d(np.flatnonzero(np.isnan(numbers)), empty, assume_unique=True)
@@ -453,9 +475,13 @@ def _instants(values: Any, layout: Layout, name: str, i: int) -> Column | None:
 def arrow_numbers(values: Any) -> tuple[NDArray[Any], Rows]:
     """Return the numbers of an Arrow column and the places of its nulls, which are NaN or NaT.
 
-    From Arrow's buffers: its own ``to_numpy`` imports pandas, a third of a second.
+    From Arrow's buffers: its own ``to_numpy`` imports pandas, a third of a second. Of one piece without nulls they are
+    Arrow's own memory, read-only.
     """
     kind = np.dtype(values.type.to_pandas_dtype())
+    if values.num_chunks == 1 and len(values) and not values.null_count:
+        (only,) = values.chunks
+        return np.frombuffer(only.buffers()[1], dtype=kind)[only.offset : only.offset + len(only)], no_rows()
     numbers = np.empty(len(values), dtype=kind)
     null = np.zeros(len(values), dtype=bool)
     begin = 0
@@ -507,19 +533,21 @@ def read_text(
     loaded: Loaded, variables: Sequence[str] | None = None, decimal: Decimal | None = None, skip: int = 0
 ) -> Content:
     """Return the columns of a text file, whatever variables are named; Raises as `parse` and ``layout.decode``."""
-    if isinstance(loaded.data, FileBytes):
-        try:
-            if skip:
-                raise _IrregularError
+    long = isinstance(loaded.data, FileBytes)
+    if not skip and (long or len(loaded.data) > SHORT):
+        with suppress(_IrregularError):
             return _piece_by_piece(loaded, decimal)
-        except _IrregularError:
-            return _read_whole(loaded, decimal)
+    return (_read_long if long else _read_whole)(loaded, decimal, skip)
+
+
+def _read_whole(loaded: Loaded, decimal: Decimal | None, skip: int) -> Content:
+    """Return the columns of a text in memory; Raises as `read_text`."""
     text, remarks = text_of(loaded)
     content = parse(text, loaded.path, loaded, decimal, skip)
     return replace(content, remarks=remarks + content.remarks)
 
 
-def _read_whole(loaded: Loaded, decimal: Decimal | None) -> Content:
+def _read_long(loaded: Loaded, decimal: Decimal | None, skip: int) -> Content:
     """Return the columns of a long text that is not regular; one that is too long is refused with what is wrong in it.
 
     Raises
@@ -528,9 +556,9 @@ def _read_whole(loaded: Loaded, decimal: Decimal | None) -> Content:
         As `read_text`; ``ragged_row``, ``text_in_numbers`` with ``file:row`` also where the whole takes too much.
     """
     try:
-        return read_text(whole(loaded), None, decimal)
+        return _read_whole(whole(loaded), decimal, skip)
     except DataError as error:
-        if error.problems[0].code != TOO_LARGE:
+        if error.problems[0].code != TOO_LARGE or skip:
             raise
         found = _found_in_pieces(loaded, decimal)
         if not found:
@@ -582,89 +610,136 @@ class _IrregularError(Exception):
 
 
 def _piece_by_piece(loaded: Loaded, decimal: Decimal | None) -> Content:
-    """Return the columns of a long text in place; Raises _IrregularError, and DataError where names appear twice."""
+    """Return the columns of a long text; Raises _IrregularError, and DataError where names appear twice."""
     first = next(_pieces(loaded), b"")
-    try:
-        head, remarks = decode(first, loaded.path)
-        layout = sniff(head, loaded.path, decimal)
-    except InertialcalError:
-        raise _IrregularError from None
-    unsure = layout.decimal == "," and decimal is None
-    if layout.across or unsure or head.count("\n", layout.start) < SAMPLE:
-        raise _IrregularError
+    layout, begin, remarks = _beginning(first, loaded.path, decimal)
     names = column_names(layout, loaded.path)
-    claim(loaded.path, loaded.on_disk, ENOUGH * min(PIECE, len(loaded.data)), f"pieces of {PIECE:,} bytes")
-    rows = 0
-    cut: tuple[Remark, ...] = ()
-    for body, incomplete in _bodies(loaded, layout, head, decimal):
-        rows, cut = rows + 1 + _line_ends(body), incomplete
-    what = f"{rows:,} rows of {layout.width} cells"
-    claim_room(loaded.path, loaded.on_disk, VALUE * rows * layout.width, what)
-    columns = _filled(loaded, layout, names, head, rows, decimal)
-    found = _content(columns, range(layout.row, layout.row + rows), layout)
+    rows = _claimed_rows(loaded, layout, begin)
+    columns, cut = _filled(loaded, layout, names, begin, rows)
+    count = len(columns[0].values)
+    found = _content(columns, range(layout.row, layout.row + count), layout)
     return replace(found, remarks=(*remarks, *found.remarks, *cut))
 
 
+def _beginning(first: bytes, path: str, decimal: Decimal | None) -> tuple[Layout, bytes, tuple[Remark, ...]]:
+    """Return the layout that the first piece tells, its rows, and what reading it brought up.
+
+    A few lines of it tell as much, if there are enough of them. Raises _IrregularError.
+    """
+    for size in (first.rfind(b"\n", 0, HEAD) + 1, len(first)):
+        try:
+            head, remarks = decode(first[:size], path)
+            layout = sniff(head, path, decimal)
+        except InertialcalError:
+            continue
+        unsure = layout.across or (layout.decimal == "," and decimal is None)
+        if unsure or holds_control(first[:size]) or head.count("\n", layout.start) < SAMPLE:
+            continue
+        rows = head[layout.start :].encode()
+        return layout, rows + first[size:], remarks
+    raise _IrregularError
+
+
+def _claimed_rows(loaded: Loaded, layout: Layout, begin: bytes) -> int:
+    """Return about how many rows a text has, and claim the memory and the room for them.
+
+    Raises
+    ------
+    DataError
+        ``too_large``.
+    """
+    size, where = len(loaded.data), loaded.path
+    if isinstance(loaded.data, FileBytes):
+        claim(where, loaded.on_disk, ENOUGH * min(PIECE, size), f"pieces of {PIECE:,} bytes")
+        rows = int((1 + begin.count(b"\n")) * max(size / max(len(begin), 1), 1.0) * (1.0 + SPARE))
+        claim_room(where, loaded.on_disk, VALUE * rows * layout.width, f"{rows:,} rows of {layout.width} cells")
+        return rows
+    rows = 1 + _line_ends(loaded.data)
+    try:  # and units and clock are found
+        claim(where, loaded.on_disk, size + ENOUGH * min(PIECE, size) + VALUE * rows * (layout.width + 8), "pieces")
+    except DataError:  # the whole may take less
+        raise _IrregularError from None
+    return rows
+
+
 def _filled(
-    loaded: Loaded, layout: Layout, names: tuple[str, ...], head: str, rows: int, decimal: Decimal | None
-) -> tuple[Column, ...]:
-    """Return the columns, filled a piece at a time: twice where one is whole numbers in some pieces only."""
+    loaded: Loaded, layout: Layout, names: tuple[str, ...], begin: bytes, rows: int
+) -> tuple[tuple[Column, ...], tuple[Remark, ...]]:
+    """Return the columns, filled a piece at a time, and the remark on a last row that is cut off.
+
+    Twice where one is whole numbers in its first pieces only. Raises _IrregularError.
+    """
     import pyarrow as pa  # noqa: PLC0415 - heavy import
 
     known: dict[str, Any] = {}
-    dates: dict[str, Any] = {}  # the column of dates, which are text for Arrow
-    for _ in range(2):
+    keys = [str(i) for i in range(len(names))]
+    while True:
         long = LongColumns(rows)
-        kinds: list[set[Any]] = [set() for _ in names]
-        for body, _ in _bodies(loaded, layout, head, decimal):
-            table = _arrow(body, layout, names, known | dates)
-            if table is None or len(table) != _line_ends(body) + 1:
-                raise _IrregularError
-            dates = {key: kind for key, kind in zip(map(str, range(len(names))), table.schema.types, strict=True)
-                     if kind == pa.string()}  # fmt: skip
-            if len(dates) > 1:
-                raise _IrregularError
-            made = [
-                (_instants if str(i) in dates else _from_arrow)(table.column(i), layout, name, i)
-                for i, name in enumerate(names)
-            ]
-            if None in made:
-                raise _IrregularError
-            for seen, kind in zip(kinds, table.schema.types, strict=True):
-                seen.add(kind)
-            long.add(cast("list[Column]", made))
-        known = {str(i): pa.float64() for i, seen in enumerate(kinds) if {pa.int64(), pa.float64()} <= seen}
-        if not known:
-            break
-    return long.columns()
+        kinds: dict[str, set[Any]] = {key: set() for key in keys}
+        cut: tuple[Remark, ...] = ()
+        with closing(_ahead(_bodies(loaded, layout, begin))) as bodies:
+            for body, cut in bodies:
+                if not len(body):  # the last piece was blank, or one row that was cut off
+                    break
+                table = _arrow(body, layout, names, known)
+                if table is None:
+                    raise _IrregularError
+                # Plain numbers stay so, and dates are text for Arrow
+                of_piece = dict(zip(keys, table.schema.types, strict=True))
+                known |= {key: kind for key, kind in of_piece.items() if kind in (pa.float64(), pa.string())}
+                dates = [key for key, kind in of_piece.items() if kind == pa.string()]
+                if dates and (len(dates) > 1 or not isinstance(loaded.data, FileBytes)):
+                    raise _IrregularError
+                for key, kind in of_piece.items():
+                    kinds[key].add(kind)
+                for batch in filter(len, table.to_batches()):
+                    part = pa.Table.from_batches([batch])
+                    made = [
+                        (_instants if key in dates else _from_arrow)(part.column(i), layout, names[i], i)
+                        for i, key in enumerate(keys)
+                    ]
+                    if None in made:
+                        raise _IrregularError
+                    long.add(cast("list[Column]", made))
+        if not any({pa.int64(), pa.float64()} <= seen for seen in kinds.values()):
+            return long.columns(), cut
 
 
 def _bodies(
-    loaded: Loaded, layout: Layout, head: str, decimal: Decimal | None
+    loaded: Loaded, layout: Layout, begin: bytes
 ) -> Iterator[tuple[memoryview, tuple[Remark, ...]]]:
     """Yield the rows of data of each piece, and the remark on a last row that is cut off; Raises _IrregularError."""
-    done, above = 0, 0
+    done, above = 0, layout.row - 1
     for piece in _pieces(loaded):
-        text = head[layout.start :] if done == 0 else piece.decode("ascii") if piece.isascii() else ""
-        above += layout.row - 1 if done == 0 else 0
+        rows = piece if done else begin
         done += len(piece)
         last = done == len(loaded.data)
-        cut: tuple[Remark, ...] = ()
-        comma = decimal is None and layout.separator != "," and "," in text  # of a file with decimal commas?
-        if not text.isascii() or not text or comma or holds_control(piece):
+        others = _other_signs(rows, layout)
+        comma = layout.decimal != "," and layout.separator != "," and b"," in others  # of a file with decimal commas?
+        if not rows or comma or not others.isascii() or holds_control(others):
             raise _IrregularError
-        text = text.replace("\r\n", "\n").replace("\r", "\n")
+        if b"\r" in others:
+            rows = rows.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+        cut: tuple[Remark, ...] = ()
         if last:
-            text, cut = _whole_rows(text.rstrip("\x1a"), replace(layout, start=-1), loaded.path, above)
-        above += text.count("\n")
-        end = len(text.rstrip("\n ")) if last else len(text) - 1
-        if end or not last:
-            body = _regular(f"\n{text}", 0, 1 + end, layout, None)  # the line end shows what begins a row
-            if body is None or not end:
-                raise _IrregularError
-            yield body[1:], cut
+            rows, cut = _complete(rows.rstrip(b"\x1a"), layout, loaded.path, above)
+            rows = rows.rstrip(b"\n ")
+        else:
+            above += _line_ends(rows)
+            rows = rows[:-1]
+        body = _regular(rows, layout, others) if rows or last else None
+        if body is None:
+            raise _IrregularError
+        yield body, cut
     if done != len(loaded.data):
         raise _IrregularError
+
+
+def _complete(rows: bytes, layout: Layout, path: str, above: int) -> tuple[bytes, tuple[Remark, ...]]:
+    """Return the last rows of a text as `_whole_rows`."""
+    at = rows.rfind(b"\n") + 1
+    tail, cut = _whole_rows(rows[at:].decode(), replace(layout, start=-1), path, above + rows.count(b"\n"))
+    return rows[:at] + tail.encode(), cut
 
 
 def _pieces(loaded: Loaded) -> Iterator[bytes]:
@@ -677,6 +752,15 @@ def _pieces(loaded: Loaded) -> Iterator[bytes]:
             return
         yield piece[:size]
         at += size
+
+
+def _ahead(items: Iterator[T]) -> Iterator[T]:
+    """Yield items each of which is made, by a thread, while the one before is worked on."""
+    with ThreadPoolExecutor(1) as thread:
+        coming = thread.submit(next, items, None)
+        while (item := coming.result()) is not None:
+            coming = thread.submit(next, items, None)
+            yield item
 
 
 READER = Reader("text", "CSV and other text", ENDINGS, looks_like_text, read_text, True)
