@@ -12,7 +12,8 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Any, TypeVar, cast
 
 import numpy as np
@@ -577,7 +578,7 @@ def _found_in_pieces(loaded: Loaded, decimal: Decimal | None) -> list[Problem]:
     numbers, words = [0] * layout.width, [0] * layout.width
     first: list[dict[int, str]] = [{} for _ in names]  # words of each column by their row
     for piece in _pieces(loaded):
-        text = piece.decode("utf-8", "replace").replace("\r\n", "\n").replace("\r", "\n")
+        text = bytes(piece).decode("utf-8", "replace").replace("\r\n", "\n").replace("\r", "\n")
         below = replace(layout, start=layout.start if row == 1 else 0, row=layout.row if row == 1 else row)
         row += text.count("\n")
         text = _whole_rows(text, replace(below, start=-1), loaded.path)[0] if not text.endswith("\n") else text
@@ -611,36 +612,45 @@ class _IrregularError(Exception):
 
 def _piece_by_piece(loaded: Loaded, decimal: Decimal | None) -> Content:
     """Return the columns of a long text; Raises _IrregularError, and DataError where names appear twice."""
-    first = next(_pieces(loaded), b"")
-    layout, begin, remarks = _beginning(first, loaded.path, decimal)
+    first = next(_pieces(loaded), memoryview(b""))
+    begin = _beginning(first, loaded.path, decimal)
+    layout, remarks = begin.layout, begin.remarks
     names = column_names(layout, loaded.path)
-    rows = _claimed_rows(loaded, layout, begin)
-    columns, cut = _filled(loaded, layout, names, begin, rows)
+    columns, cut = _filled(loaded, begin, names, _claimed_rows(loaded, layout, first))
     count = len(columns[0].values)
     found = _content(columns, range(layout.row, layout.row + count), layout)
     return replace(found, remarks=(*remarks, *found.remarks, *cut))
 
 
-def _beginning(first: bytes, path: str, decimal: Decimal | None) -> tuple[Layout, bytes, tuple[Remark, ...]]:
-    """Return the layout that the first piece tells, its rows, and what reading it brought up.
+@dataclass(frozen=True)
+class _Beginning:
+    """The first lines of a text that is read in pieces."""
 
-    A few lines of it tell as much, if there are enough of them. Raises _IrregularError.
+    layout: Layout
+    rows: bytes  # of data
+    size: int  # bytes, with what stands above the rows
+    remarks: tuple[Remark, ...]  # what reading them brought up
+
+
+def _beginning(first: memoryview, path: str, decimal: Decimal | None) -> _Beginning:
+    """Return a few lines of the first piece if there are enough of them to tell the layout, else all of it.
+
+    Raises _IrregularError.
     """
-    for size in (first.rfind(b"\n", 0, HEAD) + 1, len(first)):
+    for size in (bytes(first[:HEAD]).rfind(b"\n") + 1, len(first)):
+        head = bytes(first[:size])
         try:
-            head, remarks = decode(first[:size], path)
-            layout = sniff(head, path, decimal)
+            text, remarks = decode(head, path)
+            layout = sniff(text, path, decimal)
         except InertialcalError:
             continue
         unsure = layout.across or (layout.decimal == "," and decimal is None)
-        if unsure or holds_control(first[:size]) or head.count("\n", layout.start) < SAMPLE:
-            continue
-        rows = head[layout.start :].encode()
-        return layout, rows + first[size:], remarks
+        if not unsure and not holds_control(head) and text.count("\n", layout.start) >= SAMPLE:
+            return _Beginning(layout, text[layout.start :].encode(), size, remarks)
     raise _IrregularError
 
 
-def _claimed_rows(loaded: Loaded, layout: Layout, begin: bytes) -> int:
+def _claimed_rows(loaded: Loaded, layout: Layout, first: memoryview) -> int:
     """Return about how many rows a text has, and claim the memory and the room for them.
 
     Raises
@@ -651,7 +661,7 @@ def _claimed_rows(loaded: Loaded, layout: Layout, begin: bytes) -> int:
     size, where = len(loaded.data), loaded.path
     if isinstance(loaded.data, FileBytes):
         claim(where, loaded.on_disk, ENOUGH * min(PIECE, size), f"pieces of {PIECE:,} bytes")
-        rows = int((1 + begin.count(b"\n")) * max(size / max(len(begin), 1), 1.0) * (1.0 + SPARE))
+        rows = int((1 + _line_ends(first)) * size / len(first) * (1.0 + SPARE))
         claim_room(where, loaded.on_disk, VALUE * rows * layout.width, f"{rows:,} rows of {layout.width} cells")
         return rows
     rows = 1 + _line_ends(loaded.data)
@@ -663,7 +673,7 @@ def _claimed_rows(loaded: Loaded, layout: Layout, begin: bytes) -> int:
 
 
 def _filled(
-    loaded: Loaded, layout: Layout, names: tuple[str, ...], begin: bytes, rows: int
+    loaded: Loaded, begin: _Beginning, names: tuple[str, ...], rows: int
 ) -> tuple[tuple[Column, ...], tuple[Remark, ...]]:
     """Return the columns, filled a piece at a time, and the remark on a last row that is cut off.
 
@@ -671,13 +681,13 @@ def _filled(
     """
     import pyarrow as pa  # noqa: PLC0415 - heavy import
 
-    known: dict[str, Any] = {}
+    layout, known = begin.layout, dict[str, Any]()
     keys = [str(i) for i in range(len(names))]
     while True:
         long = LongColumns(rows)
         kinds: dict[str, set[Any]] = {key: set() for key in keys}
         cut: tuple[Remark, ...] = ()
-        with closing(_ahead(_bodies(loaded, layout, begin))) as bodies:
+        with closing(_ahead(_bodies(loaded, begin))) as bodies:
             for body, cut in bodies:
                 if not len(body):  # the last piece was blank, or one row that was cut off
                     break
@@ -705,29 +715,28 @@ def _filled(
             return long.columns(), cut
 
 
-def _bodies(
-    loaded: Loaded, layout: Layout, begin: bytes
-) -> Iterator[tuple[memoryview, tuple[Remark, ...]]]:
+def _bodies(loaded: Loaded, begin: _Beginning) -> Iterator[tuple[memoryview, tuple[Remark, ...]]]:
     """Yield the rows of data of each piece, and the remark on a last row that is cut off; Raises _IrregularError."""
-    done, above = 0, layout.row - 1
-    for piece in _pieces(loaded):
-        rows = piece if done else begin
-        done += len(piece)
+    layout, done = begin.layout, 0
+    above = layout.row - 1
+    for piece in chain([begin.rows], _pieces(loaded, begin.size)):
+        rows: bytes | memoryview = piece
+        done += len(piece) if done else begin.size
         last = done == len(loaded.data)
         others = _other_signs(rows, layout)
         comma = layout.decimal != "," and layout.separator != "," and b"," in others  # of a file with decimal commas?
-        if not rows or comma or not others.isascii() or holds_control(others):
+        if not len(rows) or comma or not others.isascii() or holds_control(others):
             raise _IrregularError
         if b"\r" in others:
-            rows = rows.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+            rows = bytes(rows).replace(b"\r\n", b"\n").replace(b"\r", b"\n")
         cut: tuple[Remark, ...] = ()
         if last:
-            rows, cut = _complete(rows.rstrip(b"\x1a"), layout, loaded.path, above)
+            rows, cut = _complete(bytes(rows).rstrip(b"\x1a"), layout, loaded.path, above)
             rows = rows.rstrip(b"\n ")
         else:
             above += _line_ends(rows)
-            rows = rows[:-1]
-        body = _regular(rows, layout, others) if rows or last else None
+            rows = memoryview(rows)[:-1]
+        body = _regular(rows, layout, others) if len(rows) or last else None
         if body is None:
             raise _IrregularError
         yield body, cut
@@ -742,16 +751,19 @@ def _complete(rows: bytes, layout: Layout, path: str, above: int) -> tuple[bytes
     return rows[:at] + tail.encode(), cut
 
 
-def _pieces(loaded: Loaded) -> Iterator[bytes]:
-    """Yield the bytes of a file in pieces of whole lines, as far as there are lines."""
-    at = 0
+def _pieces(loaded: Loaded, at: int = 0) -> Iterator[memoryview]:
+    """Yield the bytes of a file from a place on, in pieces of whole lines, as far as there are lines."""
+    held = not isinstance(loaded.data, FileBytes)
     while at < len(loaded.data):
-        piece = loaded.data[at : at + PIECE]
-        size = len(piece) if at + len(piece) == len(loaded.data) else piece.rfind(b"\n") + 1
-        if not size:
+        piece = loaded.data if held else loaded.data[at : at + PIECE]
+        first = at if held else 0
+        stop = min(first + PIECE, len(piece))
+        if at - first + stop < len(loaded.data):
+            stop = piece.rfind(b"\n", first, stop) + 1
+        if stop <= first:
             return
-        yield piece[:size]
-        at += size
+        yield memoryview(piece)[first:stop]
+        at += stop - first
 
 
 def _ahead(items: Iterator[T]) -> Iterator[T]:
