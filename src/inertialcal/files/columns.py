@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.batches import any_step, batches, empty, is_long, release
+from ..core.batches import any_step, batches, empty, is_long, put
 from ..core.errors import DataError
 from ..core.recording import Times
 from ..core.remarks import Remark
@@ -102,10 +102,10 @@ class LongColumns:
             kind = np.result_type(self._values[k], one.values)
             if self._values[k].dtype != kind:  # an empty cell among whole numbers
                 self._values[k] = self._converted(self._values[k], kind)
-            self._values[k][first:stop] = one.values
-            release(self._values[k][first:stop])
-            empty_cells, nan = one.empty + first, one.not_a_number + first
-            self._parts[k].append(replace(one, values=one.values[:0].copy(), empty=empty_cells, not_a_number=nan))
+            put(self._values[k], first, one.values)
+            if not self._parts[k] or not one.is_complete or one.naive:  # then more is to be kept than the values
+                gone, nan = one.empty + first, one.not_a_number + first
+                self._parts[k].append(replace(one, values=one.values[:0].copy(), empty=gone, not_a_number=nan))
         self._filled = stop
 
     def columns(self) -> tuple[Column, ...]:
@@ -124,7 +124,7 @@ class LongColumns:
     def _converted(self, values: NDArray[Any], kind: np.dtype[Any]) -> NDArray[Any]:
         out = empty(self._rows, kind, self._stored)
         for first, stop in batches(out[: self._filled], values[: self._filled]):
-            out[first:stop] = values[first:stop]
+            put(out, first, values[first:stop])
         return out
 
 

@@ -105,7 +105,7 @@ def _batch_by_batch(file: Any, paths: Sequence[str], path: str) -> list[Column |
         return []
     long = LongColumns(file.metadata.num_rows)
     left_out: dict[str, None] = {}
-    for batch in file.iter_batches(batch_size=BATCH, columns=list(paths), use_threads=False):
+    for batch in file.iter_batches(batch_size=BATCH, columns=list(paths), use_threads=True):
         table = pa.Table.from_batches([batch])
         while any(pa.types.is_struct(kind) for kind in table.schema.types):
             table = table.flatten()
@@ -277,7 +277,11 @@ def arrow_column(values: ChunkedArray, field: Field, path: str) -> Column | str:
     numbers, empty = arrow_numbers(values)
     if numbers.dtype.kind != "f":
         return Column(field.name, numbers, unit)
-    literal = np.setdiff1d(np.flatnonzero(~np.isfinite(numbers)), empty, assume_unique=True)  # NaN that is no null
+    there = np.isfinite(numbers)
+    if there.all():
+        return Column(field.name, numbers, unit)
+    literal = np.setdiff1d(np.flatnonzero(~there), empty, assume_unique=True)  # NaN that is no null
+    numbers = numbers if numbers.flags.writeable else numbers.copy()
     numbers[literal] = np.nan
     return Column(field.name, numbers, unit, empty=empty, not_a_number=literal)
 

@@ -217,7 +217,7 @@ def fast(text: str, layout: Layout, names: tuple[str, ...], raw: bytes | None = 
     rows = memoryview(text[layout.start : end].encode() if raw is None else raw)
     rows = rows if raw is None else rows[layout.start : end]
     body = _regular(rows, layout, _other_signs(rows, layout))
-    table = None if body is None else _arrow(body, layout, names)
+    table = None if body is None else _arrow(body, layout, names, 1 + _line_ends(rows))
     if table is None:
         return None
     length, columns = len(table), []
@@ -391,10 +391,12 @@ def _holds_blank_line(body: bytes | memoryview) -> bool:
     return re.search(rb"(?:\A|\n)\n", body) is not None
 
 
-def _arrow(body: memoryview, layout: Layout, names: tuple[str, ...], kinds: Mapping[str, Any] | None = None) -> Any:
+def _arrow(
+    body: memoryview, layout: Layout, names: tuple[str, ...], rows: int, kinds: Mapping[str, Any] | None = None
+) -> Any:
     """Arrow table of the rows, whose columns are whole numbers, numbers, text or null; None if ragged, or a row blank.
 
-    ``kinds``: types of columns, by their number from 0, that are known already.
+    ``rows``: how many lines they are; ``kinds``: types of columns, by their number from 0, that are known already.
     """
     import pyarrow as pa  # noqa: PLC0415 - heavy import
     from pyarrow import csv  # noqa: PLC0415 - heavy import
@@ -424,7 +426,7 @@ def _arrow(body: memoryview, layout: Layout, names: tuple[str, ...], kinds: Mapp
         odd = [key for key, kind in zip(keys, table.schema.types, strict=True) if kind not in plain]
         if not odd:
             blank = all(column.null_count for column in table.columns) and _holds_blank_line(body)
-            return None if blank or len(table) != _line_ends(body) + 1 else table
+            return None if blank or len(table) != rows else table
         as_text |= dict.fromkeys(odd, pa.string())  # dates and times are judged by the clock
     return None
 
@@ -687,17 +689,12 @@ def _filled(
         long = LongColumns(rows)
         kinds: dict[str, set[Any]] = {key: set() for key in keys}
         cut: tuple[Remark, ...] = ()
-        with closing(_ahead(_bodies(loaded, begin))) as bodies:
-            for body, cut in bodies:
-                if not len(body):  # the last piece was blank, or one row that was cut off
-                    break
-                table = _arrow(body, layout, names, known)
+        with closing(_ahead(_tables(_ahead(_bodies(loaded, begin)), layout, names, known))) as tables:
+            for table, cut in tables:
                 if table is None:
-                    raise _IrregularError
-                # Plain numbers stay so, and dates are text for Arrow
+                    continue
                 of_piece = dict(zip(keys, table.schema.types, strict=True))
-                known |= {key: kind for key, kind in of_piece.items() if kind in (pa.float64(), pa.string())}
-                dates = [key for key, kind in of_piece.items() if kind == pa.string()]
+                dates = [key for key, kind in of_piece.items() if kind == pa.string()]  # which are text for Arrow
                 if dates and (len(dates) > 1 or not isinstance(loaded.data, FileBytes)):
                     raise _IrregularError
                 for key, kind in of_piece.items():
@@ -715,8 +712,32 @@ def _filled(
             return long.columns(), cut
 
 
-def _bodies(loaded: Loaded, begin: _Beginning) -> Iterator[tuple[memoryview, tuple[Remark, ...]]]:
-    """Yield the rows of data of each piece, and the remark on a last row that is cut off; Raises _IrregularError."""
+_Body = tuple[memoryview, int, tuple[Remark, ...]]  # rows, how many they are, and the remark on one that is cut off
+
+
+def _tables(
+    bodies: Iterator[_Body], layout: Layout, names: tuple[str, ...], known: dict[str, Any]
+) -> Iterator[tuple[Any, tuple[Remark, ...]]]:
+    """Yield Arrow's table of each piece, and the remark on a last row that is cut off; Raises _IrregularError.
+
+    ``known``: types of columns by their number; those that are certain from now on are added.
+    """
+    import pyarrow as pa  # noqa: PLC0415 - heavy import
+
+    for body, lines, cut in bodies:
+        if not lines:  # the last piece was blank, or one row that was cut off
+            yield None, cut
+            return
+        table = _arrow(body, layout, names, lines, known)
+        if table is None:
+            raise _IrregularError
+        known |= {name: kind for name, kind in zip(table.column_names, table.schema.types, strict=True)
+                  if kind in (pa.float64(), pa.string())}  # fmt: skip
+        yield table, cut
+
+
+def _bodies(loaded: Loaded, begin: _Beginning) -> Iterator[_Body]:
+    """Yield the rows of data of each piece, how many they are, and the remark on a last row that is cut off; Raises _IrregularError."""
     layout, done = begin.layout, 0
     above = layout.row - 1
     for piece in chain([begin.rows], _pieces(loaded, begin.size)):
@@ -734,12 +755,13 @@ def _bodies(loaded: Loaded, begin: _Beginning) -> Iterator[tuple[memoryview, tup
             rows, cut = _complete(bytes(rows).rstrip(b"\x1a"), layout, loaded.path, above)
             rows = rows.rstrip(b"\n ")
         else:
-            above += _line_ends(rows)
             rows = memoryview(rows)[:-1]
-        body = _regular(rows, layout, others) if len(rows) or last else None
+        lines = 1 + _line_ends(rows) if len(rows) or not last else 0
+        above += lines
+        body = _regular(rows, layout, others)
         if body is None:
             raise _IrregularError
-        yield body, cut
+        yield body, lines, cut
     if done != len(loaded.data):
         raise _IrregularError
 
