@@ -74,7 +74,7 @@ def csv(rows: int) -> Work:
     path = written(Path(folder.name) / "a.csv", rows)
     found, table = ic.read(path), pd.read_csv(path, engine="pyarrow")
     for name in NAMES[1:]:
-        np.testing.assert_array_equal(found.channel(name.split(" ")[0]).data, table[name])
+        np.testing.assert_array_equal(found.channel(name).data, table[name])
     return Work(Kept(folder, partial(ic.read, path)), partial(pd.read_csv, path, engine="pyarrow"), path.stat().st_size)
 
 
@@ -88,7 +88,7 @@ def of_parquet(rows: int) -> Work:
 
     found = ic.read(path)
     for name, values in zip(NAMES[1:], peer()[1:], strict=True):
-        np.testing.assert_array_equal(found.channel(name.split(" ")[0]).data, values)
+        np.testing.assert_array_equal(found.channel(name).data, values)
     return Work(Kept(folder, partial(ic.read, path)), peer, path.stat().st_size)
 
 

@@ -141,7 +141,7 @@ def release(x: NDArray[Any]) -> None:
 
 
 def put(x: NDArray[Any], first: int, values: NDArray[Any]) -> None:
-    """Write into an array, shape (n,), from one sample on; a stored one by its file: mapped pages take thrice as long."""
+    """Write into an array, shape (n,), from a sample on; a stored one by its file: mapped pages take thrice as long."""
     part = x[first : first + len(values)]
     found = _mapping_of(part) if _mapped and part.size else None
     file = _files.get(found[0]) if found is not None and x.flags.c_contiguous and hasattr(os, "pwrite") else None
@@ -151,7 +151,7 @@ def put(x: NDArray[Any], first: int, values: NDArray[Any]) -> None:
         return
     left = memoryview(np.ascontiguousarray(values, dtype=x.dtype).view(np.uint8))
     at = part.ctypes.data - found[0]
-    while len(left):
+    while left.nbytes:
         done = os.pwrite(file, left, at)
         left, at = left[done:], at + done
 

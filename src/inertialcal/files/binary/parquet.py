@@ -277,12 +277,10 @@ def arrow_column(values: ChunkedArray, field: Field, path: str) -> Column | str:
     numbers, empty = arrow_numbers(values)
     if numbers.dtype.kind != "f":
         return Column(field.name, numbers, unit)
-    there = np.isfinite(numbers)
-    if there.all():
-        return Column(field.name, numbers, unit)
-    literal = np.setdiff1d(np.flatnonzero(~there), empty, assume_unique=True)  # NaN that is no null
-    numbers = numbers if numbers.flags.writeable else numbers.copy()
-    numbers[literal] = np.nan
+    literal = np.setdiff1d(np.flatnonzero(~np.isfinite(numbers)), empty, assume_unique=True)  # NaN that is no null
+    if len(literal):
+        numbers = numbers.copy()  # Arrow's own memory is read-only
+        numbers[literal] = np.nan
     return Column(field.name, numbers, unit, empty=empty, not_a_number=literal)
 
 

@@ -690,7 +690,8 @@ def _filled(
         kinds: dict[str, set[Any]] = {key: set() for key in keys}
         cut: tuple[Remark, ...] = ()
         with closing(_ahead(_tables(_ahead(_bodies(loaded, begin)), layout, names, known))) as tables:
-            for table, cut in tables:
+            for table, incomplete in tables:
+                cut = incomplete
                 if table is None:
                     continue
                 of_piece = dict(zip(keys, table.schema.types, strict=True))
@@ -737,7 +738,7 @@ def _tables(
 
 
 def _bodies(loaded: Loaded, begin: _Beginning) -> Iterator[_Body]:
-    """Yield the rows of data of each piece, how many they are, and the remark on a last row that is cut off; Raises _IrregularError."""
+    """Yield the rows of data of each piece, how many they are, and the remark on one that is cut off; Raises _IrregularError."""
     layout, done = begin.layout, 0
     above = layout.row - 1
     for piece in chain([begin.rows], _pieces(loaded, begin.size)):
