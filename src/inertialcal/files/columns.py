@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from ..core.recording import Times
 from ..core.remarks import Remark
 
 Rows = NDArray[np.int64]
+T = TypeVar("T")
 
 
 def no_rows() -> Rows:
@@ -126,6 +128,15 @@ class LongColumns:
         for first, stop in batches(out[: self._filled], values[: self._filled]):
             put(out, first, values[first:stop])
         return out
+
+
+def ahead(items: Iterator[T]) -> Iterator[T]:
+    """Yield items each of which is made, by a thread, while the one before is worked on."""
+    with ThreadPoolExecutor(1) as thread:
+        coming = thread.submit(next, items, None)
+        while (item := coming.result()) is not None:
+            coming = thread.submit(next, items, None)
+            yield item
 
 
 def missing_remarks(name: str, empty: Rows, nan: Rows, where: Callable[[int], str]) -> tuple[Remark, ...]:

@@ -10,11 +10,10 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from itertools import chain
-from typing import Any, TypeVar, cast
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +21,7 @@ from numpy.typing import NDArray
 from ...core.errors import DataError, InertialcalError, Problem
 from ...core.remarks import Remark
 from ..budget import VALUE, claim, claim_room
-from ..columns import Column, Content, LongColumns, Rows, no_rows
+from ..columns import Column, Content, LongColumns, Rows, ahead, no_rows
 from ..reader import Reader
 from ..source import FileBytes, Loaded, whole
 from ..time.stamps import EARLIEST, ISO, LATEST
@@ -57,7 +56,6 @@ from .layout import (
 )
 from .layout import kind as kind_of
 
-T = TypeVar("T")
 ENDINGS = ("", ".asc", ".csv", ".dat", ".log", ".mat", ".prn", ".tab", ".tsv", ".txt")  # that text usually has
 SHOWN = 60  # characters of a cell in a message
 TOO_LARGE = "too_large"
@@ -689,7 +687,7 @@ def _filled(
         long = LongColumns(rows)
         kinds: dict[str, set[Any]] = {key: set() for key in keys}
         cut: tuple[Remark, ...] = ()
-        with closing(_ahead(_tables(_ahead(_bodies(loaded, begin)), layout, names, known))) as tables:
+        with closing(ahead(_tables(ahead(_bodies(loaded, begin)), layout, names, known))) as tables:
             for table, incomplete in tables:
                 cut = incomplete
                 if table is None:
@@ -738,7 +736,7 @@ def _tables(
 
 
 def _bodies(loaded: Loaded, begin: _Beginning) -> Iterator[_Body]:
-    """Yield the rows of data of each piece, how many they are, and the remark on one that is cut off; Raises _IrregularError."""
+    """Yield the rows of data of each piece; Raises _IrregularError."""
     layout, done = begin.layout, 0
     above = layout.row - 1
     for piece in chain([begin.rows], _pieces(loaded, begin.size)):
@@ -787,15 +785,6 @@ def _pieces(loaded: Loaded, at: int = 0) -> Iterator[memoryview]:
             return
         yield memoryview(piece)[first:stop]
         at += stop - first
-
-
-def _ahead(items: Iterator[T]) -> Iterator[T]:
-    """Yield items each of which is made, by a thread, while the one before is worked on."""
-    with ThreadPoolExecutor(1) as thread:
-        coming = thread.submit(next, items, None)
-        while (item := coming.result()) is not None:
-            coming = thread.submit(next, items, None)
-            yield item
 
 
 READER = Reader("text", "CSV and other text", ENDINGS, looks_like_text, read_text, True)
