@@ -149,7 +149,7 @@ def put(x: NDArray[Any], first: int, values: NDArray[Any]) -> None:
         part[...] = values
         release(part)
         return
-    left = memoryview(np.ascontiguousarray(values, dtype=x.dtype).view(np.uint8))
+    left = np.ascontiguousarray(values, dtype=x.dtype).view(np.uint8).data
     at = part.ctypes.data - found[0]
     while left.nbytes:
         done = os.pwrite(file, left, at)

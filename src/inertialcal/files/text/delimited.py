@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from itertools import chain
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ...core.errors import DataError, InertialcalError, Problem
 from ...core.remarks import Remark
-from ..budget import VALUE, claim, claim_room
+from ..budget import LINE, VALUE, claim, claim_room
 from ..columns import Column, Content, LongColumns, Rows, ahead, no_rows
 from ..reader import Reader
 from ..source import FileBytes, Loaded, whole
@@ -687,7 +687,10 @@ def _filled(
         long = LongColumns(rows)
         kinds: dict[str, set[Any]] = {key: set() for key in keys}
         cut: tuple[Remark, ...] = ()
-        with closing(ahead(_tables(ahead(_bodies(loaded, begin)), layout, names, known))) as tables:
+        several = len(loaded.data) > PIECE  # then one is read, and one parsed, while one is stored
+        bodies = ahead(_bodies(loaded, begin)) if several else _bodies(loaded, begin)
+        every = _tables(bodies, layout, names, known)
+        with closing(ahead(every) if several else every) as tables:
             for table, incomplete in tables:
                 cut = incomplete
                 if table is None:
@@ -716,7 +719,7 @@ _Body = tuple[memoryview, int, tuple[Remark, ...]]  # rows, how many they are, a
 
 def _tables(
     bodies: Iterator[_Body], layout: Layout, names: tuple[str, ...], known: dict[str, Any]
-) -> Iterator[tuple[Any, tuple[Remark, ...]]]:
+) -> Generator[tuple[Any, tuple[Remark, ...]]]:
     """Yield Arrow's table of each piece, and the remark on a last row that is cut off; Raises _IrregularError.
 
     ``known``: types of columns by their number; those that are certain from now on are added.
@@ -735,13 +738,13 @@ def _tables(
         yield table, cut
 
 
-def _bodies(loaded: Loaded, begin: _Beginning) -> Iterator[_Body]:
+def _bodies(loaded: Loaded, begin: _Beginning) -> Generator[_Body]:
     """Yield the rows of data of each piece; Raises _IrregularError."""
     layout, done = begin.layout, 0
     above = layout.row - 1
-    for piece in chain([begin.rows], _pieces(loaded, begin.size)):
-        rows: bytes | memoryview = piece
-        done += len(piece) if done else begin.size
+    pieces: Iterator[bytes | memoryview] = chain([begin.rows], _pieces(loaded, begin.size))
+    for rows in pieces:
+        done += len(rows) if done else begin.size
         last = done == len(loaded.data)
         others = _other_signs(rows, layout)
         comma = layout.decimal != "," and layout.separator != "," and b"," in others  # of a file with decimal commas?
@@ -751,8 +754,7 @@ def _bodies(loaded: Loaded, begin: _Beginning) -> Iterator[_Body]:
             rows = bytes(rows).replace(b"\r\n", b"\n").replace(b"\r", b"\n")
         cut: tuple[Remark, ...] = ()
         if last:
-            rows, cut = _complete(bytes(rows).rstrip(b"\x1a"), layout, loaded.path, above)
-            rows = rows.rstrip(b"\n ")
+            rows, cut = _complete(memoryview(rows), layout, loaded.path, above)
         else:
             rows = memoryview(rows)[:-1]
         lines = 1 + _line_ends(rows) if len(rows) or not last else 0
@@ -765,11 +767,27 @@ def _bodies(loaded: Loaded, begin: _Beginning) -> Iterator[_Body]:
         raise _IrregularError
 
 
-def _complete(rows: bytes, layout: Layout, path: str, above: int) -> tuple[bytes, tuple[Remark, ...]]:
-    """Return the last rows of a text as `_whole_rows`."""
-    at = rows.rfind(b"\n") + 1
-    tail, cut = _whole_rows(rows[at:].decode(), replace(layout, start=-1), path, above + rows.count(b"\n"))
-    return rows[:at] + tail.encode(), cut
+def _complete(rows: memoryview, layout: Layout, path: str, above: int) -> tuple[memoryview, tuple[Remark, ...]]:
+    """Return the last rows of a text as `_whole_rows`, without blanks behind them; Raises _IrregularError."""
+    rows = rows[: _end(rows, b"\x1a")]
+    near = max(len(rows) - LINE, 0)
+    at = near + bytes(rows[near:]).rfind(b"\n") + 1
+    if near and at == near:
+        raise _IrregularError
+    cut: tuple[Remark, ...] = ()
+    last = bytes(rows[at:]).decode()
+    if last:
+        kept, cut = _whole_rows(last, replace(layout, start=-1), path, above + _line_ends(rows[:at]))
+        rows = rows[: at + len(kept)]
+    return rows[: _end(rows, b"\n ")], cut
+
+
+def _end(rows: memoryview, signs: bytes) -> int:
+    """Return how many bytes there are without some at the end."""
+    end = len(rows)
+    while end and rows[end - 1] in signs:
+        end -= 1
+    return end
 
 
 def _pieces(loaded: Loaded, at: int = 0) -> Iterator[memoryview]:
