@@ -743,20 +743,21 @@ def _bodies(loaded: Loaded, begin: _Beginning) -> Generator[_Body]:
     layout, done = begin.layout, 0
     above = layout.row - 1
     pieces: Iterator[bytes | memoryview] = chain([begin.rows], _pieces(loaded, begin.size))
-    for rows in pieces:
-        done += len(rows) if done else begin.size
+    for piece in pieces:
+        rows = memoryview(piece)
+        done += len(piece) if done else begin.size
         last = done == len(loaded.data)
         others = _other_signs(rows, layout)
         comma = layout.decimal != "," and layout.separator != "," and b"," in others  # of a file with decimal commas?
-        if not len(rows) or comma or not others.isascii() or holds_control(others):
+        if not rows or comma or not others.isascii() or holds_control(others):
             raise _IrregularError
         if b"\r" in others:
-            rows = bytes(rows).replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+            rows = memoryview(bytes(rows).replace(b"\r\n", b"\n").replace(b"\r", b"\n"))
         cut: tuple[Remark, ...] = ()
         if last:
-            rows, cut = _complete(memoryview(rows), layout, loaded.path, above)
+            rows, cut = _complete(rows, layout, loaded.path, above)
         else:
-            rows = memoryview(rows)[:-1]
+            rows = rows[:-1]
         lines = 1 + _line_ends(rows) if len(rows) or not last else 0
         above += lines
         body = _regular(rows, layout, others)
