@@ -363,3 +363,67 @@ def test_a_csv_is_written_a_batch_at_a_time(tmp_path: Path, monkeypatch: pytest.
             write(tmp_path / "batches.csv", recording)
             assert (tmp_path / "batches.csv").read_bytes() == (tmp_path / "whole.csv").read_bytes()
         monkeypatch.undo()
+
+
+def held(path: Path, piece: int, **options: Any) -> Recording:
+    """Read a text in memory in pieces, its layout told by few lines."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(delimited, "SHORT", 0)
+        patch.setattr(delimited, "PIECE", piece)
+        patch.setattr(delimited, "HEAD", 4400)
+        return read(path, **options)
+
+
+@pytest.mark.parametrize("name", REGULAR)
+def test_a_regular_text_in_memory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    path = tmp_path / "a.csv"
+    path.write_bytes(REGULAR[name])
+    options = OPTIONS.get(name, {})
+    expected = read(path, **options)
+
+    def refused(*_: object) -> None:
+        raise AssertionError("read whole")
+
+    monkeypatch.setattr(delimited, "parse", refused)
+    least = len(REGULAR[name]) * 9 // 10
+    for piece in (least, least - 1, 10**6):
+        assert_same(held(path, piece, **options), expected)
+
+
+@pytest.mark.parametrize("name", ODD)
+@pytest.mark.parametrize("piece", [4600, 10**6])
+def test_any_other_text_in_memory(tmp_path: Path, name: str, piece: int) -> None:
+    path = tmp_path / "a.csv"
+    path.write_bytes(ODD[name])
+    expected = outcome(lambda: read(path, sample_rate=100.0))
+    found = outcome(lambda: held(path, piece, sample_rate=100.0))
+    if isinstance(expected, Recording) and isinstance(found, Recording):
+        assert_same(found, expected)
+    else:
+        assert found == expected
+
+
+def test_lines_above_the_table_that_were_stated_are_skipped_in_a_long_text_too(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_bytes(b"1,2,3\n4,5,6\n" + text())
+    assert_same(in_place(path, 4000, skip=2), read(path, skip=2))
+
+
+def test_a_last_piece_of_one_row_that_was_cut_off(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    content = text(last="\n1.3,0.2")
+    path.write_bytes(content)
+    expected = read(path)
+    assert "row_cut_off" in [one.code for one in expected.remarks]
+    assert_same(in_place(path, len(content) - len("1.3,0.2")), expected)
+
+
+@pytest.mark.usefixtures("pieces_only")
+def test_rows_that_become_shorter_are_more_than_the_first_piece_makes_likely(tmp_path: Path) -> None:
+    lines = [f"{i},0.{'5' * (20 if i < ROWS else 1)}" for i in range(20 * ROWS)]
+    path = tmp_path / "a.csv"
+    path.write_text("t [ms],gyro_x [deg/s]\n" + "\n".join(lines) + "\n")
+    expected = read(path)
+    found = in_place(path, 9000)
+    assert_same(found, expected)
+    assert batches.is_stored(found.channels[0].data)

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.batches import any_step, batches, empty, is_long, release
+from ..core.batches import any_step, batches, empty, is_long, put
 from ..core.errors import DataError
 from ..core.recording import Times
 from ..core.remarks import Remark
 
 Rows = NDArray[np.int64]
+T = TypeVar("T")
 
 
 def no_rows() -> Rows:
@@ -79,7 +81,7 @@ class LongColumns:
     Parameters
     ----------
     rows : int
-        Of each column, in all.
+        Of each column, in all; about, where only a reading to the end shows it.
     """
 
     def __init__(self, rows: int) -> None:
@@ -94,14 +96,18 @@ class LongColumns:
             self._values = [empty(self._rows, one.values.dtype, self._stored) for one in columns]
             self._parts = [[] for _ in columns]
         first, stop = self._filled, self._filled + len(columns[0].values) if columns else self._filled
+        if stop > self._rows:
+            self._rows = stop + stop // 4
+            self._stored = self._stored or is_long(self._rows * sum(one.itemsize for one in self._values))
+            self._values = [self._converted(one, one.dtype) for one in self._values]
         for k, one in enumerate(columns):
             kind = np.result_type(self._values[k], one.values)
             if self._values[k].dtype != kind:  # an empty cell among whole numbers
                 self._values[k] = self._converted(self._values[k], kind)
-            self._values[k][first:stop] = one.values
-            release(self._values[k][first:stop])
-            empty_cells, nan = one.empty + first, one.not_a_number + first
-            self._parts[k].append(replace(one, values=one.values[:0].copy(), empty=empty_cells, not_a_number=nan))
+            put(self._values[k], first, one.values)
+            if not self._parts[k] or not one.is_complete or one.naive:  # then more is to be kept than the values
+                gone, nan = one.empty + first, one.not_a_number + first
+                self._parts[k].append(replace(one, values=one.values[:0].copy(), empty=gone, not_a_number=nan))
         self._filled = stop
 
     def columns(self) -> tuple[Column, ...]:
@@ -109,7 +115,7 @@ class LongColumns:
         return tuple(
             replace(
                 parts[0],
-                values=values,
+                values=values[: self._filled],
                 empty=np.concatenate([part.empty for part in parts]),
                 not_a_number=np.concatenate([part.not_a_number for part in parts]),
                 naive=any(part.naive for part in parts),
@@ -120,8 +126,17 @@ class LongColumns:
     def _converted(self, values: NDArray[Any], kind: np.dtype[Any]) -> NDArray[Any]:
         out = empty(self._rows, kind, self._stored)
         for first, stop in batches(out[: self._filled], values[: self._filled]):
-            out[first:stop] = values[first:stop]
+            put(out, first, values[first:stop])
         return out
+
+
+def ahead(items: Iterator[T]) -> Generator[T]:
+    """Yield items each of which is made, by a thread, while the one before is worked on."""
+    with ThreadPoolExecutor(1) as thread:
+        coming = thread.submit(next, items, None)
+        while (item := coming.result()) is not None:
+            coming = thread.submit(next, items, None)
+            yield item
 
 
 def missing_remarks(name: str, empty: Rows, nan: Rows, where: Callable[[int], str]) -> tuple[Remark, ...]:

@@ -12,7 +12,8 @@ import shlex
 import stat
 import warnings
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +23,7 @@ from ..core import batches
 from ..core.errors import DataError, InertialcalError, UsageError
 from .budget import DOCUMENT, check_count, claim
 
+AT_ONCE = 2**20  # bytes that are hashed at once; more of them by a thread
 CHUNK = 2**22  # bytes that are unpacked at once
 FIRST, STEP = 2**10, 2**16  # bytes of a gzip member that are unpacked first, as members can be tiny, and then
 PIECE = 2**12  # bytes of a file in place that are read for one
@@ -38,9 +40,14 @@ class Loaded:
 
     path: str  # As given
     data: bytes  # Unpacked; of a file that stays in place, `FileBytes`
-    sha256: str  # Of the bytes of the file as it lies there, packed or not
+    hashed: str | Future[str]  # SHA-256 of the bytes of the file as it lies there, packed or not; or who works it out
     packed: bool = False  # Whether it was gzip
     size: int = 0  # Bytes of the file as it lies there
+
+    @property
+    def sha256(self) -> str:
+        """SHA-256 of the bytes of the file as it lies there, packed or not."""
+        return self.hashed if isinstance(self.hashed, str) else self.hashed.result()
 
     @property
     def on_disk(self) -> int:
@@ -84,14 +91,26 @@ def load(path: str | os.PathLike[str], *, document: bool = False, in_place: bool
     if in_place and (long := _in_place(path)) is not None:
         return long
     raw = read_bytes(path)
-    sha256 = hashlib.sha256(raw).hexdigest()
+    hashed = _hash(raw) if len(raw) <= AT_ONCE else _meanwhile(lambda: _hash(raw))
     packed = raw.startswith(GZIP)
     data = _unpack(raw, name) if packed else raw
     if not data:
         raise DataError("the file is empty", where=name, do="Record again, or name another", code="empty_file")
     if document or name.lower().endswith(".json"):
         claim(name, len(raw), DOCUMENT * len(data), f"{len(data):,} bytes of structured text")
-    return Loaded(name, data, sha256, packed, len(raw))
+    return Loaded(name, data, hashed, packed, len(raw))
+
+
+def _hash(raw: bytes) -> str:
+    return hashlib.sha256(raw).hexdigest()
+
+
+def _meanwhile(work: Callable[[], str]) -> Future[str]:
+    """Return what a thread works out while the file is read."""
+    thread = ThreadPoolExecutor(1)
+    result = thread.submit(work)
+    thread.shutdown(wait=False)
+    return result
 
 
 def whole(loaded: Loaded) -> Loaded:
@@ -129,6 +148,11 @@ class FileBytes:
             self._at, self._piece = at, self[at : at + PIECE]
         return self._piece[at - self._at]
 
+    def sha256(self) -> str:
+        """Return the SHA-256 of the file."""
+        self._file.seek(0)
+        return hashlib.file_digest(self._file, "sha256").hexdigest()
+
     def startswith(self, magic: bytes | tuple[bytes, ...]) -> bool:
         """Whether the file begins so."""
         return self[:PIECE].startswith(magic)
@@ -142,11 +166,10 @@ def _in_place(path: str | os.PathLike[str]) -> Loaded | None:
         data = FileBytes(path)
         if data.startswith((GZIP, ZIP)):
             return None
-        with open(path, "rb") as stream:
-            sha256 = hashlib.file_digest(stream, "sha256").hexdigest()
+        same = FileBytes(path)  # its place in the file is its own
     except (OSError, ValueError):  # said where it is read whole
         return None
-    return Loaded(str(path), cast("bytes", data), sha256, False, len(data))
+    return Loaded(str(path), cast("bytes", data), _meanwhile(same.sha256), False, len(data))
 
 
 def read_bytes(path: str | os.PathLike[str], most: int | None = None) -> bytes:

@@ -128,3 +128,15 @@ def test_a_map_of_the_user_is_let_go_of_and_not_changed(
     del x, mapped
     gc.collect()
     assert not b._mapped
+
+
+@given(first=st.integers(0, 900), n=st.integers(0, 100), at=st.integers(0, 50))
+@pytest.mark.parametrize("kind", ["f8", "i4", "M8[ns]", "?"])
+def test_what_is_put_into_a_stored_array_stands_there_at_once(kind: str, first: int, n: int, at: int) -> None:
+    x = b.empty(1_100, kind, stored=True)
+    x[:] = np.zeros(1_100).astype(kind)
+    expected = x.copy()
+    values = np.arange(1, n + 1).astype("i8" if kind == "i4" else kind)
+    expected[at + first : at + first + n] = values
+    b.put(x[at:], first, values)
+    np.testing.assert_array_equal(x, expected)

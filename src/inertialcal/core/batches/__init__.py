@@ -28,8 +28,9 @@ from ..errors import DataError
 
 HELD = 2**26  # bytes of an array that is kept in memory
 SIZE = 2**20  # samples of a batch
-NEAR = 2**16  # samples of a batch that is read twice: the nearest cache but one holds it
+NEAR = 2**16  # samples of a batch of which other arrays are made on the way: the nearest cache but one holds them
 _mapped: dict[int, tuple[int, weakref.ref[mmap.mmap]]] = {}  # address -> bytes, mapping
+_files: dict[int, int] = {}  # address -> descriptor of a temporary file
 
 
 def is_long(size: int) -> bool:
@@ -63,6 +64,7 @@ def empty(n: int, dtype: DTypeLike, stored: bool | None = None) -> NDArray[Any]:
             else:
                 file.truncate(size)
             mapping = mmap.mmap(file.fileno(), size)
+            written = os.dup(file.fileno())
     except OSError as error:
         full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
         raise DataError(
@@ -77,8 +79,9 @@ def empty(n: int, dtype: DTypeLike, stored: bool | None = None) -> NDArray[Any]:
 
     def forget(_: object) -> None:
         _mapped.pop(at, None)
+        os.close(_files.pop(at))
 
-    _mapped[at] = (size, weakref.ref(mapping, forget))
+    _mapped[at], _files[at] = (size, weakref.ref(mapping, forget)), written
     return found
 
 
@@ -160,6 +163,22 @@ def release(x: NDArray[Any]) -> None:
     mapping.madvise(mmap.MADV_DONTNEED, first, high - address - first)
 
 
+def put(x: NDArray[Any], first: int, values: NDArray[Any]) -> None:
+    """Write into an array, shape (n,), from a sample on; a stored one by its file: mapped pages take thrice as long."""
+    part = x[first : first + len(values)]
+    found = _mapping_of(part) if _mapped and part.size else None
+    file = _files.get(found[0]) if found is not None and x.flags.c_contiguous and hasattr(os, "pwrite") else None
+    if found is None or file is None:
+        part[...] = values
+        release(part)
+        return
+    left = np.ascontiguousarray(values, dtype=x.dtype).view(np.uint8).data
+    at = part.ctypes.data - found[0]
+    while left.nbytes:
+        done = os.pwrite(file, left, at)
+        left, at = left[done:], at + done
+
+
 def _mapping_of(x: NDArray[Any]) -> tuple[int, mmap.mmap] | None:
     at = x.ctypes.data
     for address, (size, known) in _mapped.items():
@@ -167,6 +186,11 @@ def _mapping_of(x: NDArray[Any]) -> tuple[int, mmap.mmap] | None:
         if mapping is not None:
             return address, mapping
     return None
+
+
+def near() -> int:
+    """Return the samples of a batch of which other arrays are made on the way: caches hold them."""
+    return min(NEAR, SIZE)
 
 
 def thinned(x: NDArray[Any], step: int) -> NDArray[Any]:
@@ -184,8 +208,8 @@ def thinned(x: NDArray[Any], step: int) -> NDArray[Any]:
 def made(n: int, dtype: DTypeLike, part: Callable[[int, int], NDArray[Any]], *read: NDArray[Any]) -> NDArray[Any]:
     """Return an array made batch by batch, shape (n,): ``part`` gives samples first to stop, of the arrays ``read``."""
     out = empty(n, dtype)
-    for first, stop in batches(out, *read):
-        out[first:stop] = part(first, stop)
+    for first, stop in batches(out, *read, size=near()):
+        put(out, first, part(first, stop))
     return out
 
 
@@ -219,24 +243,25 @@ def mean(x: NDArray[Any]) -> float:
 
 def every(x: NDArray[Any], holds: Callable[[NDArray[Any]], object]) -> bool:
     """Return whether something holds of all samples; no batch is read behind one of which it does not."""
-    return all(bool(holds(x[first:stop])) for first, stop in batches(x))
+    return all(bool(holds(x[first:stop])) for first, stop in batches(x, size=near()))
 
 
 def where(x: NDArray[Any], holds: Callable[[NDArray[Any]], NDArray[np.bool_]]) -> NDArray[np.int64]:
     """Return the samples of which something holds, ascending."""
-    found = [first + np.flatnonzero(holds(x[first:stop])) for first, stop in batches(x)]
+    found = [first + np.flatnonzero(holds(x[first:stop])) for first, stop in batches(x, size=near())]
     return np.concatenate(found) if found else np.empty(0, dtype=np.int64)
 
 
 def where_steps(x: NDArray[Any], holds: Callable[[NDArray[Any]], NDArray[np.bool_]]) -> NDArray[np.int64]:
     """Return the samples to which the step from the one before meets a condition, ascending."""
-    found = [first + 1 + np.flatnonzero(holds(np.diff(x[first : stop + 1]))) for first, stop in batches(x[:-1])]
+    steps = ((first, np.diff(x[first : stop + 1])) for first, stop in batches(x[:-1], size=near()))
+    found = [first + 1 + np.flatnonzero(holds(step)) for first, step in steps]
     return np.concatenate(found) if found else np.empty(0, dtype=np.int64)
 
 
 def any_step(x: NDArray[Any], holds: Callable[[NDArray[Any]], NDArray[np.bool_]]) -> bool:
     """Return whether any step from one sample to the next meets a condition."""
-    return any(bool(np.any(holds(np.diff(x[first : stop + 1])))) for first, stop in batches(x[:-1]))
+    return any(bool(np.any(holds(np.diff(x[first : stop + 1])))) for first, stop in batches(x[:-1], size=near()))
 
 
 def taken(x: NDArray[Any], at: NDArray[np.int64]) -> NDArray[Any]:

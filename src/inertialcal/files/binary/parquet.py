@@ -17,12 +17,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...core import batches
 from ...core.errors import DataError
 from ...core.remarks import Remark
 from ..budget import COLUMNS, PARTS, READ, VALUE, check_count, claim, claim_room
-from ..columns import Column, Content, LongColumns
+from ..columns import Column, Content, LongColumns, Rows, ahead
 from ..reader import Reader
 from ..source import FileBytes, Loaded, as_data_errors
 from ..text.delimited import arrow_numbers, text_in_numbers
@@ -105,7 +106,7 @@ def _batch_by_batch(file: Any, paths: Sequence[str], path: str) -> list[Column |
         return []
     long = LongColumns(file.metadata.num_rows)
     left_out: dict[str, None] = {}
-    for batch in file.iter_batches(batch_size=BATCH, columns=list(paths), use_threads=False):
+    for batch in ahead(file.iter_batches(batch_size=BATCH, columns=list(paths), use_threads=True)):
         table = pa.Table.from_batches([batch])
         while any(pa.types.is_struct(kind) for kind in table.schema.types):
             table = table.flatten()
@@ -278,8 +279,15 @@ def arrow_column(values: ChunkedArray, field: Field, path: str) -> Column | str:
     if numbers.dtype.kind != "f":
         return Column(field.name, numbers, unit)
     literal = np.setdiff1d(np.flatnonzero(~np.isfinite(numbers)), empty, assume_unique=True)  # NaN that is no null
-    numbers[literal] = np.nan
-    return Column(field.name, numbers, unit, empty=empty, not_a_number=literal)
+    return Column(field.name, _missing(numbers, literal), unit, empty=empty, not_a_number=literal)
+
+
+def _missing(numbers: NDArray[Any], at: Rows) -> NDArray[Any]:
+    """Return numbers with NaN in some places; Arrow's own memory stays as it is."""
+    if len(at):
+        numbers = numbers.copy()
+        numbers[at] = np.nan
+    return numbers
 
 
 def _text_column(values: Any, name: str, unit: str | None, path: str) -> Column:

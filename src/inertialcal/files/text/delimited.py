@@ -7,9 +7,12 @@ Arrow's reader gets a piece at a time; if any piece is not regular, or holds tex
 
 from __future__ import annotations
 
+import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Generator, Iterator, Mapping, Sequence
+from contextlib import closing, suppress
+from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Any, cast
 
 import numpy as np
@@ -17,8 +20,8 @@ from numpy.typing import NDArray
 
 from ...core.errors import DataError, InertialcalError, Problem
 from ...core.remarks import Remark
-from ..budget import VALUE, claim, claim_room
-from ..columns import Column, Content, LongColumns, Rows, no_rows
+from ..budget import LINE, VALUE, claim, claim_room
+from ..columns import Column, Content, LongColumns, Rows, ahead, no_rows
 from ..reader import Reader
 from ..source import FileBytes, Loaded, whole
 from ..time.stamps import EARLIEST, ISO, LATEST
@@ -37,6 +40,7 @@ from .layout import (
     BLANKS,
     CELL,
     CELL_BYTES,
+    PLAIN,
     SAMPLE,
     Decimal,
     Layout,
@@ -55,8 +59,12 @@ from .layout import kind as kind_of
 ENDINGS = ("", ".asc", ".csv", ".dat", ".log", ".mat", ".prn", ".tab", ".tsv", ".txt")  # that text usually has
 SHOWN = 60  # characters of a cell in a message
 TOO_LARGE = "too_large"
-BLOCK = 2**22  # bytes that are looked at together
+BLOCK = 2**20  # bytes that are looked at together: a cache holds them
+LINE_END = ord("\n")
+SHORT = 2**20  # bytes of a text that is read whole: pieces of it would save nothing
+HEAD = 2**18  # bytes that tell the layout of a text that is read in pieces, if they hold the lines for it
 PIECE = 2**23  # bytes of a long file that are read together
+SPARE = 0.02  # of the rows of a file, more than the first piece makes likely
 ENOUGH = 32  # bytes of memory for each byte of a piece and its cells, at most
 
 
@@ -201,12 +209,17 @@ def column_names(layout: Layout, where: str) -> tuple[str, ...]:
 
 def fast(text: str, layout: Layout, names: tuple[str, ...], raw: bytes | None = None) -> Content | None:
     """Columns of a regular file by Arrow, or None where the file is not regular; ``raw``: the text as ASCII."""
-    body = _regular_body(text, layout, raw)
-    table = None if body is None else _arrow(body, layout, names)
-    if table is None or body is None or len(table) != _line_ends(body) + 1:
+    end = len(text)
+    while end > layout.start and text[end - 1] in "\n ":
+        end -= 1
+    rows = memoryview(text[layout.start : end].encode() if raw is None else raw)
+    rows = rows if raw is None else rows[layout.start : end]
+    body = _regular(rows, layout, _other_signs(rows, layout))
+    table = None if body is None else _arrow(body, layout, names, 1 + _line_ends(rows))
+    if table is None:
         return None
     length, columns = len(table), []
-    del body
+    del body, rows
     for i, name in enumerate(names):
         column = _from_arrow(table.column(0), layout, name, i)
         if column is None:
@@ -216,8 +229,9 @@ def fast(text: str, layout: Layout, names: tuple[str, ...], raw: bytes | None = 
     return _content(columns, range(layout.row, layout.row + length), layout)
 
 
-def _line_ends(body: memoryview) -> int:
-    return sum(bytes(body[at : at + BLOCK]).count(b"\n") for at in range(0, len(body), BLOCK))
+def _line_ends(body: bytes | memoryview) -> int:
+    signs = np.frombuffer(body, dtype=np.uint8)
+    return sum(int(np.count_nonzero(signs[at : at + BLOCK] == LINE_END)) for at in range(0, len(signs), BLOCK))
 
 
 def exact(text: str, layout: Layout, names: tuple[str, ...], where: str) -> Content:
@@ -344,37 +358,43 @@ def text_in_numbers(
     )
 
 
-def _regular_body(text: str, layout: Layout, raw: bytes | None) -> memoryview | None:
-    """Rows of data without quotes, comments and blank lines; None where there are some."""
-    end = len(text)
-    while end > layout.start and text[end - 1] in "\n ":
-        end -= 1
-    return _regular(text, layout.start, end, layout, raw)
+def _other_signs(body: bytes | memoryview, layout: Layout) -> bytes:
+    """Return what rows hold besides plain numbers, separators and line ends; of most files nothing."""
+    usual = (PLAIN + "\n" + layout.decimal + (layout.separator or BLANKS)).encode()
+    view = memoryview(body)
+    return b"".join(bytes(view[at : at + BLOCK]).translate(None, usual) for at in range(0, len(view), BLOCK))
 
 
-def _regular(text: str, start: int, end: int, layout: Layout, raw: bytes | None) -> memoryview | None:
-    """Rows of data between two places of a text, as `_regular_body`."""
-    # One letter is found much faster than two. x: Arrow reads 0x1F as a number.
-    if any(text.find(sign, start, end) >= 0 for sign in ('"', "x", "X")) or text.find("\n\n", start, end) >= 0:
+def _regular(body: bytes | memoryview, layout: Layout, others: bytes) -> memoryview | None:
+    """Return rows of data for Arrow, without quotes and comments; None where there are some.
+
+    ``others``: what `_other_signs` says of them.
+    """
+    if any(sign in others for sign in (b'"', b"x", b"X")):  # x: Arrow reads 0x1F as a number
         return None
-    for mark in layout.comment:
-        if text.find(mark[0], start, end) >= 0 and text.find(f"\n{mark}", start, end) >= 0:
-            return None
-    if layout.separator is not None and raw is not None:
-        return memoryview(raw)[start:end]
-    body = text[start:end]
+    marks = [mark.encode() for mark in layout.comment if mark[0].encode() in others]
+    if marks and re.search(rb"(?:\A|\n)(?:" + b"|".join(map(re.escape, marks)) + b")", body):
+        return None
     if layout.separator is not None:
-        return memoryview(body.encode())
-    body = body.replace("\t", " ")
-    while "  " in body:
-        body = body.replace("  ", " ")
-    return memoryview(body.replace("\n ", "\n").replace(" \n", "\n").strip(" ").encode())
+        return memoryview(body)
+    if _holds_blank_line(body):  # before blanks are taken off
+        return None
+    squeezed = bytes(body).replace(b"\t", b" ")
+    while b"  " in squeezed:
+        squeezed = squeezed.replace(b"  ", b" ")
+    return memoryview(squeezed.replace(b"\n ", b"\n").replace(b" \n", b"\n").strip(b" "))
 
 
-def _arrow(body: memoryview, layout: Layout, names: tuple[str, ...], kinds: Mapping[str, Any] | None = None) -> Any:
-    """Arrow table of the rows, whose columns are whole numbers, numbers, text or null; None if ragged.
+def _holds_blank_line(body: bytes | memoryview) -> bool:
+    return re.search(rb"(?:\A|\n)\n", body) is not None
 
-    ``kinds``: types of columns, by their number from 0, that are known already.
+
+def _arrow(
+    body: memoryview, layout: Layout, names: tuple[str, ...], rows: int, kinds: Mapping[str, Any] | None = None
+) -> Any:
+    """Arrow table of the rows, whose columns are whole numbers, numbers, text or null; None if ragged, or a row blank.
+
+    ``rows``: how many lines they are; ``kinds``: types of columns, by their number from 0, that are known already.
     """
     import pyarrow as pa  # noqa: PLC0415 - heavy import
     from pyarrow import csv  # noqa: PLC0415 - heavy import
@@ -403,7 +423,8 @@ def _arrow(body: memoryview, layout: Layout, names: tuple[str, ...], kinds: Mapp
         plain = (pa.int64(), pa.float64(), pa.string(), pa.null())
         odd = [key for key, kind in zip(keys, table.schema.types, strict=True) if kind not in plain]
         if not odd:
-            return table
+            blank = all(column.null_count for column in table.columns) and _holds_blank_line(body)
+            return None if blank or len(table) != rows else table
         as_text |= dict.fromkeys(odd, pa.string())  # dates and times are judged by the clock
     return None
 
@@ -423,6 +444,8 @@ def _from_arrow(values: Any, layout: Layout, name: str, i: int) -> Column | None
     numbers, empty = arrow_numbers(values)
     if numbers.dtype.kind == "i":
         return _column(name, numbers, layout, i, empty, empty[:0])
+    if not len(empty) and np.isfinite(numbers).all():
+        return _column(name, numbers, layout, i, empty, empty)
     if np.isinf(numbers).any():
         return None
     nan = np.setdiff1d(np.flatnonzero(np.isnan(numbers)), empty, assume_unique=True)
@@ -453,9 +476,13 @@ def _instants(values: Any, layout: Layout, name: str, i: int) -> Column | None:
 def arrow_numbers(values: Any) -> tuple[NDArray[Any], Rows]:
     """Return the numbers of an Arrow column and the places of its nulls, which are NaN or NaT.
 
-    From Arrow's buffers: its own ``to_numpy`` imports pandas, a third of a second.
+    From Arrow's buffers: its own ``to_numpy`` imports pandas, a third of a second. Of one piece without nulls they are
+    Arrow's own memory, read-only.
     """
     kind = np.dtype(values.type.to_pandas_dtype())
+    if values.num_chunks == 1 and len(values) and not values.null_count:
+        (only,) = values.chunks
+        return np.frombuffer(only.buffers()[1], dtype=kind)[only.offset : only.offset + len(only)], no_rows()
     numbers = np.empty(len(values), dtype=kind)
     null = np.zeros(len(values), dtype=bool)
     begin = 0
@@ -507,19 +534,21 @@ def read_text(
     loaded: Loaded, variables: Sequence[str] | None = None, decimal: Decimal | None = None, skip: int = 0
 ) -> Content:
     """Return the columns of a text file, whatever variables are named; Raises as `parse` and ``layout.decode``."""
-    if isinstance(loaded.data, FileBytes):
-        try:
-            if skip:
-                raise _IrregularError
+    long = isinstance(loaded.data, FileBytes)
+    if not skip and (long or len(loaded.data) > SHORT):
+        with suppress(_IrregularError):
             return _piece_by_piece(loaded, decimal)
-        except _IrregularError:
-            return _read_whole(loaded, decimal)
+    return (_read_long if long else _read_whole)(loaded, decimal, skip)
+
+
+def _read_whole(loaded: Loaded, decimal: Decimal | None, skip: int) -> Content:
+    """Return the columns of a text in memory; Raises as `read_text`."""
     text, remarks = text_of(loaded)
     content = parse(text, loaded.path, loaded, decimal, skip)
     return replace(content, remarks=remarks + content.remarks)
 
 
-def _read_whole(loaded: Loaded, decimal: Decimal | None) -> Content:
+def _read_long(loaded: Loaded, decimal: Decimal | None, skip: int) -> Content:
     """Return the columns of a long text that is not regular; one that is too long is refused with what is wrong in it.
 
     Raises
@@ -528,9 +557,9 @@ def _read_whole(loaded: Loaded, decimal: Decimal | None) -> Content:
         As `read_text`; ``ragged_row``, ``text_in_numbers`` with ``file:row`` also where the whole takes too much.
     """
     try:
-        return read_text(whole(loaded), None, decimal)
+        return _read_whole(whole(loaded), decimal, skip)
     except DataError as error:
-        if error.problems[0].code != TOO_LARGE:
+        if error.problems[0].code != TOO_LARGE or skip:
             raise
         found = _found_in_pieces(loaded, decimal)
         if not found:
@@ -549,7 +578,7 @@ def _found_in_pieces(loaded: Loaded, decimal: Decimal | None) -> list[Problem]:
     numbers, words = [0] * layout.width, [0] * layout.width
     first: list[dict[int, str]] = [{} for _ in names]  # words of each column by their row
     for piece in _pieces(loaded):
-        text = piece.decode("utf-8", "replace").replace("\r\n", "\n").replace("\r", "\n")
+        text = bytes(piece).decode("utf-8", "replace").replace("\r\n", "\n").replace("\r", "\n")
         below = replace(layout, start=layout.start if row == 1 else 0, row=layout.row if row == 1 else row)
         row += text.count("\n")
         text = _whole_rows(text, replace(below, start=-1), loaded.path)[0] if not text.endswith("\n") else text
@@ -582,101 +611,199 @@ class _IrregularError(Exception):
 
 
 def _piece_by_piece(loaded: Loaded, decimal: Decimal | None) -> Content:
-    """Return the columns of a long text in place; Raises _IrregularError, and DataError where names appear twice."""
-    first = next(_pieces(loaded), b"")
-    try:
-        head, remarks = decode(first, loaded.path)
-        layout = sniff(head, loaded.path, decimal)
-    except InertialcalError:
-        raise _IrregularError from None
-    unsure = layout.decimal == "," and decimal is None
-    if layout.across or unsure or head.count("\n", layout.start) < SAMPLE:
-        raise _IrregularError
+    """Return the columns of a long text; Raises _IrregularError, and DataError where names appear twice."""
+    first = next(_pieces(loaded), memoryview(b""))
+    begin = _beginning(first, loaded.path, decimal)
+    layout, remarks = begin.layout, begin.remarks
     names = column_names(layout, loaded.path)
-    claim(loaded.path, loaded.on_disk, ENOUGH * min(PIECE, len(loaded.data)), f"pieces of {PIECE:,} bytes")
-    rows = 0
-    cut: tuple[Remark, ...] = ()
-    for body, incomplete in _bodies(loaded, layout, head, decimal):
-        rows, cut = rows + 1 + _line_ends(body), incomplete
-    what = f"{rows:,} rows of {layout.width} cells"
-    claim_room(loaded.path, loaded.on_disk, VALUE * rows * layout.width, what)
-    columns = _filled(loaded, layout, names, head, rows, decimal)
-    found = _content(columns, range(layout.row, layout.row + rows), layout)
+    columns, cut = _filled(loaded, begin, names, _claimed_rows(loaded, layout, first))
+    count = len(columns[0].values)
+    found = _content(columns, range(layout.row, layout.row + count), layout)
     return replace(found, remarks=(*remarks, *found.remarks, *cut))
 
 
+@dataclass(frozen=True)
+class _Beginning:
+    """The first lines of a text that is read in pieces."""
+
+    layout: Layout
+    rows: bytes  # of data
+    size: int  # bytes, with what stands above the rows
+    remarks: tuple[Remark, ...]  # what reading them brought up
+
+
+def _beginning(first: memoryview, path: str, decimal: Decimal | None) -> _Beginning:
+    """Return a few lines of the first piece if there are enough of them to tell the layout, else all of it.
+
+    Raises _IrregularError.
+    """
+    for size in (bytes(first[:HEAD]).rfind(b"\n") + 1, len(first)):
+        head = bytes(first[:size])
+        try:
+            text, remarks = decode(head, path)
+            layout = sniff(text, path, decimal)
+        except InertialcalError:
+            continue
+        unsure = layout.across or (layout.decimal == "," and decimal is None)
+        if not unsure and not holds_control(head) and text.count("\n", layout.start) >= SAMPLE:
+            return _Beginning(layout, text[layout.start :].encode(), size, remarks)
+    raise _IrregularError
+
+
+def _claimed_rows(loaded: Loaded, layout: Layout, first: memoryview) -> int:
+    """Return about how many rows a text has, and claim the memory and the room for them.
+
+    Raises
+    ------
+    DataError
+        ``too_large``.
+    """
+    size, where = len(loaded.data), loaded.path
+    if isinstance(loaded.data, FileBytes):
+        claim(where, loaded.on_disk, ENOUGH * min(PIECE, size), f"pieces of {PIECE:,} bytes")
+        rows = int((1 + _line_ends(first)) * size / len(first) * (1.0 + SPARE))
+        claim_room(where, loaded.on_disk, VALUE * rows * layout.width, f"{rows:,} rows of {layout.width} cells")
+        return rows
+    rows = 1 + _line_ends(loaded.data)
+    try:  # and units and clock are found
+        claim(where, loaded.on_disk, size + ENOUGH * min(PIECE, size) + VALUE * rows * (layout.width + 8), "pieces")
+    except DataError:  # the whole may take less
+        raise _IrregularError from None
+    return rows
+
+
 def _filled(
-    loaded: Loaded, layout: Layout, names: tuple[str, ...], head: str, rows: int, decimal: Decimal | None
-) -> tuple[Column, ...]:
-    """Return the columns, filled a piece at a time: twice where one is whole numbers in some pieces only."""
+    loaded: Loaded, begin: _Beginning, names: tuple[str, ...], rows: int
+) -> tuple[tuple[Column, ...], tuple[Remark, ...]]:
+    """Return the columns, filled a piece at a time, and the remark on a last row that is cut off.
+
+    Twice where one is whole numbers in its first pieces only. Raises _IrregularError.
+    """
     import pyarrow as pa  # noqa: PLC0415 - heavy import
 
-    known: dict[str, Any] = {}
-    dates: dict[str, Any] = {}  # the column of dates, which are text for Arrow
-    for _ in range(2):
+    layout, known = begin.layout, dict[str, Any]()
+    keys = [str(i) for i in range(len(names))]
+    while True:
         long = LongColumns(rows)
-        kinds: list[set[Any]] = [set() for _ in names]
-        for body, _ in _bodies(loaded, layout, head, decimal):
-            table = _arrow(body, layout, names, known | dates)
-            if table is None or len(table) != _line_ends(body) + 1:
-                raise _IrregularError
-            dates = {key: kind for key, kind in zip(map(str, range(len(names))), table.schema.types, strict=True)
-                     if kind == pa.string()}  # fmt: skip
-            if len(dates) > 1:
-                raise _IrregularError
-            made = [
-                (_instants if str(i) in dates else _from_arrow)(table.column(i), layout, name, i)
-                for i, name in enumerate(names)
-            ]
-            if None in made:
-                raise _IrregularError
-            for seen, kind in zip(kinds, table.schema.types, strict=True):
-                seen.add(kind)
-            long.add(cast("list[Column]", made))
-        known = {str(i): pa.float64() for i, seen in enumerate(kinds) if {pa.int64(), pa.float64()} <= seen}
-        if not known:
-            break
-    return long.columns()
-
-
-def _bodies(
-    loaded: Loaded, layout: Layout, head: str, decimal: Decimal | None
-) -> Iterator[tuple[memoryview, tuple[Remark, ...]]]:
-    """Yield the rows of data of each piece, and the remark on a last row that is cut off; Raises _IrregularError."""
-    done, above = 0, 0
-    for piece in _pieces(loaded):
-        text = head[layout.start :] if done == 0 else piece.decode("ascii") if piece.isascii() else ""
-        above += layout.row - 1 if done == 0 else 0
-        done += len(piece)
-        last = done == len(loaded.data)
+        kinds: dict[str, set[Any]] = {key: set() for key in keys}
         cut: tuple[Remark, ...] = ()
-        comma = decimal is None and layout.separator != "," and "," in text  # of a file with decimal commas?
-        if not text.isascii() or not text or comma or holds_control(piece):
+        several = len(loaded.data) > PIECE  # then one is read, and one parsed, while one is stored
+        bodies = ahead(_bodies(loaded, begin)) if several else _bodies(loaded, begin)
+        every = _tables(bodies, layout, names, known)
+        with closing(ahead(every) if several else every) as tables:
+            for table, incomplete in tables:
+                cut = incomplete
+                if table is None:
+                    continue
+                of_piece = dict(zip(keys, table.schema.types, strict=True))
+                dates = [key for key, kind in of_piece.items() if kind == pa.string()]  # which are text for Arrow
+                if dates and (len(dates) > 1 or not isinstance(loaded.data, FileBytes)):
+                    raise _IrregularError
+                for key, kind in of_piece.items():
+                    kinds[key].add(kind)
+                for batch in filter(len, table.to_batches()):
+                    part = pa.Table.from_batches([batch])
+                    made = [
+                        (_instants if key in dates else _from_arrow)(part.column(i), layout, names[i], i)
+                        for i, key in enumerate(keys)
+                    ]
+                    if None in made:
+                        raise _IrregularError
+                    long.add(cast("list[Column]", made))
+        if not any({pa.int64(), pa.float64()} <= seen for seen in kinds.values()):
+            return long.columns(), cut
+
+
+_Body = tuple[memoryview, int, tuple[Remark, ...]]  # rows, how many they are, and the remark on one that is cut off
+
+
+def _tables(
+    bodies: Iterator[_Body], layout: Layout, names: tuple[str, ...], known: dict[str, Any]
+) -> Generator[tuple[Any, tuple[Remark, ...]]]:
+    """Yield Arrow's table of each piece, and the remark on a last row that is cut off; Raises _IrregularError.
+
+    ``known``: types of columns by their number; those that are certain from now on are added.
+    """
+    import pyarrow as pa  # noqa: PLC0415 - heavy import
+
+    for body, lines, cut in bodies:
+        if not lines:  # the last piece was blank, or one row that was cut off
+            yield None, cut
+            return
+        table = _arrow(body, layout, names, lines, known)
+        if table is None:
             raise _IrregularError
-        text = text.replace("\r\n", "\n").replace("\r", "\n")
+        known |= {name: kind for name, kind in zip(table.column_names, table.schema.types, strict=True)
+                  if kind in (pa.float64(), pa.string())}  # fmt: skip
+        yield table, cut
+
+
+def _bodies(loaded: Loaded, begin: _Beginning) -> Generator[_Body]:
+    """Yield the rows of data of each piece; Raises _IrregularError."""
+    layout, done = begin.layout, 0
+    above = layout.row - 1
+    pieces: Iterator[bytes | memoryview] = chain([begin.rows], _pieces(loaded, begin.size))
+    for piece in pieces:
+        rows = memoryview(piece)
+        done += len(piece) if done else begin.size
+        last = done == len(loaded.data)
+        others = _other_signs(rows, layout)
+        comma = layout.decimal != "," and layout.separator != "," and b"," in others  # of a file with decimal commas?
+        if not rows or comma or not others.isascii() or holds_control(others):
+            raise _IrregularError
+        if b"\r" in others:
+            rows = memoryview(bytes(rows).replace(b"\r\n", b"\n").replace(b"\r", b"\n"))
+        cut: tuple[Remark, ...] = ()
         if last:
-            text, cut = _whole_rows(text.rstrip("\x1a"), replace(layout, start=-1), loaded.path, above)
-        above += text.count("\n")
-        end = len(text.rstrip("\n ")) if last else len(text) - 1
-        if end or not last:
-            body = _regular(f"\n{text}", 0, 1 + end, layout, None)  # the line end shows what begins a row
-            if body is None or not end:
-                raise _IrregularError
-            yield body[1:], cut
+            rows, cut = _complete(rows, layout, loaded.path, above)
+        else:
+            rows = rows[:-1]
+        lines = 1 + _line_ends(rows) if len(rows) or not last else 0
+        above += lines
+        body = _regular(rows, layout, others)
+        if body is None:
+            raise _IrregularError
+        yield body, lines, cut
     if done != len(loaded.data):
         raise _IrregularError
 
 
-def _pieces(loaded: Loaded) -> Iterator[bytes]:
-    """Yield the bytes of a file in pieces of whole lines, as far as there are lines."""
-    at = 0
+def _complete(rows: memoryview, layout: Layout, path: str, above: int) -> tuple[memoryview, tuple[Remark, ...]]:
+    """Return the last rows of a text as `_whole_rows`, without blanks behind them; Raises _IrregularError."""
+    rows = rows[: _end(rows, b"\x1a")]
+    near = max(len(rows) - LINE, 0)
+    at = near + bytes(rows[near:]).rfind(b"\n") + 1
+    if near and at == near:
+        raise _IrregularError
+    cut: tuple[Remark, ...] = ()
+    last = bytes(rows[at:]).decode()
+    if last:
+        kept, cut = _whole_rows(last, replace(layout, start=-1), path, above + _line_ends(rows[:at]))
+        rows = rows[: at + len(kept)]
+    return rows[: _end(rows, b"\n ")], cut
+
+
+def _end(rows: memoryview, signs: bytes) -> int:
+    """Return how many bytes there are without some at the end."""
+    end = len(rows)
+    while end and rows[end - 1] in signs:
+        end -= 1
+    return end
+
+
+def _pieces(loaded: Loaded, at: int = 0) -> Iterator[memoryview]:
+    """Yield the bytes of a file from a place on, in pieces of whole lines, as far as there are lines."""
+    held = not isinstance(loaded.data, FileBytes)
     while at < len(loaded.data):
-        piece = loaded.data[at : at + PIECE]
-        size = len(piece) if at + len(piece) == len(loaded.data) else piece.rfind(b"\n") + 1
-        if not size:
+        piece = loaded.data if held else loaded.data[at : at + PIECE]
+        first = at if held else 0
+        stop = min(first + PIECE, len(piece))
+        if at - first + stop < len(loaded.data):
+            stop = piece.rfind(b"\n", first, stop) + 1
+        if stop <= first:
             return
-        yield piece[:size]
-        at += size
+        yield memoryview(piece)[first:stop]
+        at += stop - first
 
 
 READER = Reader("text", "CSV and other text", ENDINGS, looks_like_text, read_text, True)

@@ -128,6 +128,8 @@ def split(line: str, separator: str | None) -> list[str]:
         parts = re.split(r"[ \t]+", line.strip(BLANKS))
     else:
         parts = line.split(separator)
+        if " " not in line and "\t" not in line:
+            return parts
     return [part.strip(BLANKS) for part in parts]
 
 
@@ -151,6 +153,8 @@ def _sniff(text: str, where: str, comment: tuple[str, ...], stated: Decimal | No
     if not lines:
         raise DataError("no rows of data", where=where, do="Record again", code="empty_file")
     for line in lines:
+        if len(lines) > 1 and len(line.text) < COLUMNS:  # it cannot have too many cells
+            continue
         cells = max(len(line.text.split()), *(1 + line.text.count(sign) for sign in ",;\t"))
         if len(lines) > 1 or cells < ACROSS:
             check_count(len(line.text), LINE, "characters in a line", f"{where}:{line.row}")

@@ -24,7 +24,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.batches import batches, taken, where_steps
+from ...core.batches import batches, near, taken, where_steps
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.recording import SECOND, Times
@@ -193,7 +193,7 @@ class Steps:
 def _steps_of(time_ns: Times) -> Steps:
     """Return the different steps of stamps, counted a batch at a time."""
     found = Steps(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))
-    for first, stop in batches(time_ns[:-1]):
+    for first, stop in batches(time_ns[:-1], size=near()):
         steps = np.diff(time_ns[first : stop + 1])
         least = int(steps.min())
         if int(steps.max()) - least < FEW_STEPS:
