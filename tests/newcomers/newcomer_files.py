@@ -83,7 +83,7 @@ def ros_2(topic: str, plugin: str, packed: str = "", store_name: str = "ROS2_IRO
         from rosbags.typesys import Stores, get_typestore
 
         store = get_typestore(Stores[store_name])
-        folder = path if not path.suffix else path.parent / f"{path.stem}_folder"
+        folder = path if not path.suffix else path.parent / f"{path.name}_bag"
         bag = Bag(folder, version=8, storage_plugin=StoragePlugin[plugin])
         if packed:
             bag.set_compression(CompressionMode[packed], CompressionFormat.ZSTD)
@@ -209,7 +209,7 @@ def dataflash_text(board: Board, path: Path) -> None:
     """Write the text of a ground station: an instance of the IMU, units as numbers of FMTU lines."""
     labels = "TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,T"
     lines = ["FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns", f"FMT, 150, 40, IMU, QBfffffff, {labels}",
-             "FMT, 151, 20, MODE, QMBB, TimeUS,Mode,ModeNum,Rsn", "MODE, 4000000, STABILIZE, 0, 1"]  # fmt: skip
+             "FMT, 151, 14, MODE, QMBB, TimeUS,Mode,ModeNum,Rsn", "MODE, 4000000, STABILIZE, 0, 1"]  # fmt: skip
     for i, t in enumerate(board.time):
         cells = [f"{one:.7f}" for one in (*board.gyro[i], *board.acc[i])]
         lines.append(f"IMU, {5_000_000 + round(t * 1e6)}, 0, {', '.join(cells)}, {board.temperature[i]:.2f}")
@@ -436,7 +436,7 @@ class Kept:
     write: Writer
     noun: str = "allan"
     sensors: tuple[str, ...] = ("gyro", "accelerometer")
-    in_units: bool = True  # whether the file says them
+    choice: bool = False  # whether it holds several recordings, of which one is to be named
 
 
 ACC = ("accelerometer",)
@@ -450,9 +450,9 @@ KEPT = (
     Kept("bench.mcap", "MCAP", mcap_ros_1),
     Kept("bench.ulg", "ULog", ulog_combined),
     Kept("faces.ulg", "ULog", ulog_combined, "positions"),
-    Kept("sensors.ulg", "ULog", ulog_sensors, sensors=ACC),
+    Kept("sensors.ulg", "ULog", ulog_sensors, sensors=ACC, choice=True),
     Kept("faces.bin", "DataFlash .bin", dataflash_old, "positions"),
-    Kept("raw.bin", "DataFlash .bin", dataflash_raw, sensors=("gyro",)),
+    Kept("raw.bin", "DataFlash .bin", dataflash_raw, sensors=("gyro",), choice=True),
     Kept("bench.log", "DataFlash .log", dataflash_text),
     Kept("bench.xlsx", "Excel", excel_pandas),
     Kept("faces.xlsx", "Excel", excel_german, "positions"),
@@ -460,13 +460,13 @@ KEPT = (
     Kept("faces.tdms", "TDMS", tdms_time_channel, "positions"),
     Kept("faces.uff", "UFF 58", uff(1, 1), "positions", ACC),
     Kept("bench.unv", "UFF 58", uff(0, 0), sensors=ACC),
-    Kept("bench.wav", "WAV", wav_floats, sensors=ACC, in_units=False),
+    Kept("bench.wav", "WAV", wav_floats, sensors=ACC),
     Kept("bench.feather", "Feather", feather),
     Kept("faces.feather", "Feather", feather_floats, "positions"),
     Kept("faces.mf4", "MDF 4", mdf_4, "positions"),
     Kept("bench.mdf", "MDF 3", mdf_3),
     Kept("bench.lvm", "LVM", lvm),
-    Kept("bench.mseed", "miniSEED", miniseed, sensors=ACC, in_units=False),
+    Kept("bench.mseed", "miniSEED", miniseed, sensors=ACC),
     Kept("bench.sqlite", "SQLite", sqlite_pandas),
     Kept("faces.db", "SQLite", sqlite_phone, "positions"),
     Kept("bench.mat", "MATLAB", matlab),
