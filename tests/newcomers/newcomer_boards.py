@@ -1,7 +1,7 @@
-"""An inertial board as people carry it about: at rest, on its six faces, in a chamber, with truths of its own equations.
+"""An inertial board as people carry it about: at rest, and laid on its faces, with truths of its own equations.
 
-``reading = (1 + error) f + bias`` for the accelerometer; a gyro at rest is white noise beside its bias. Both sensors are
-in every recording, for that is what loggers write.
+``reading = (1 + error) f + bias`` for the accelerometer; a gyro at rest is white noise beside its
+bias. Both sensors are in every recording, for that is what loggers write.
 """
 
 from __future__ import annotations

@@ -278,7 +278,8 @@ def uff(binary: int, spacing: int) -> Writer:
                     binary=binary, func_type=1, rsp_node=1, rsp_dir=i + 1, ref_dir=0, ref_node=0, data=board.acc[:, i],
                     x=board.time, id1="board", abscissa_spacing=spacing, abscissa_inc=1.0 / board.sample_rate,
                     abscissa_min=0.0, abscissa_spec_data_type=17, ordinate_spec_data_type=12,
-                    ordinate_axis_units_lab="m/s2", orddenom_spec_data_type=0, num_pts=len(board.time), z_axis_value=0.0,
+                    ordinate_axis_units_lab="m/s2", orddenom_spec_data_type=0, num_pts=len(board.time),
+                    z_axis_value=0.0,
                 ), "add")  # fmt: skip
             gc.collect()
 

@@ -58,9 +58,7 @@ def obeyed(capsys: pytest.CaptureFixture[str], first: Sequence[str], sheet: Mapp
     raise AssertionError(f"{MOST} commands: {words}")
 
 
-def next_command(
-    capsys: pytest.CaptureFixture[str], path: str, sheet: Mapping[str, str], *options: str
-) -> list[str]:
+def next_command(capsys: pytest.CaptureFixture[str], path: str, sheet: Mapping[str, str], *options: str) -> list[str]:
     """Return the words of the command that ``info`` says to type next, of a file and what is said of it."""
     status, out, err = call(capsys, "info", path, *options, "--json")
     assert status == 0, err

@@ -65,8 +65,8 @@ def check_positions(rows: list[dict[str, Any]], kept: Kept) -> None:
                 if (row["quantity"], row["axis"]) == (quantity, axis) and row["sensor"].startswith(sensor[:3])
                 and row["u"] is not None
             ]  # fmt: skip
-            true = np.degrees(true) if one["unit"] == "deg/s" else true
-            assert abs(one["value"] - true) <= FEW * one["u"] + scale, (sensor, quantity, axis, one["value"], true)
+            wanted = np.degrees(true) if one["unit"] == "deg/s" else true
+            assert abs(one["value"] - wanted) <= FEW * one["u"] + scale, (sensor, quantity, axis, one["value"], true)
 
 
 @pytest.mark.parametrize("kept", [one for one in KEPT if one.kind != "WAV"], ids=lambda kept: kept.name)
@@ -95,7 +95,9 @@ def test_the_next_command_says_again_what_was_said_of_the_file(
     assert found == pytest.approx([true] * 3, rel=NEAR)
 
 
-def test_the_unit_that_no_header_of_a_sound_has_is_asked_for(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_unit_that_no_header_of_a_sound_has_is_asked_for(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     (kept,) = [one for one in KEPT if one.kind == "WAV"]
     path = tmp_path / kept.name
     kept.write(recorded("allan"), path)
@@ -105,3 +107,44 @@ def test_the_unit_that_no_header_of_a_sound_has_is_asked_for(tmp_path: Path, cap
     status, out, err = call(capsys, "allan", str(path), *words, "--json")
     assert status == 0, err
     check_white(json.loads(out)["results"], kept)
+
+
+TABLE = (Path(__file__).resolve().parents[2] / "docs/formats.md").read_text().split("## Which command takes what")[1]
+CELLS = [[cell.strip() for cell in line.split("|")[1:-1]] for line in TABLE.split("\n## ")[0].splitlines()
+         if line.startswith("| ")]  # fmt: skip
+OPTIONS = {
+    ("WAV", "allan"): [word for i in (1, 2, 3) for word in ("--unit", f"channel_{i}=g")],
+    ("WAV", "positions"): [word for i, axis in enumerate("xyz", 1)
+                           for word in ("--column", f"acc_{axis}=channel_{i}", "--unit", f"channel_{i}=g")],
+    ("miniSEED", "positions"): [word for axis, one in zip("xyz", "ENZ", strict=True)
+                                for word in ("--column", f"acc_{axis}=GR_BOARD__H_N_{one}")] + ["--unit", "acc=count"],
+}  # fmt: skip
+OPTIONS["WAV", "psd"] = OPTIONS["WAV", "allan"]
+
+
+def test_the_table_of_the_manual_has_every_format() -> None:
+    assert [row[0] for row in CELLS[1:]] == list(dict.fromkeys(kept.kind for kept in KEPT))
+
+
+@pytest.mark.parametrize("row", CELLS[1:], ids=lambda row: row[0])
+def test_the_table_of_the_manual_is_true(row: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    kind, *cells, written = row
+    kept = next(one for one in KEPT if one.kind == kind)
+    made = {noun: tmp_path / f"{noun}{Path(kept.name).suffix}" for noun in ("allan", "positions")}
+    kept.write(board_at_rest(seconds=15.0), made["allan"])
+    kept.write(recorded("positions"), made["positions"])
+    for word, cell in zip(("info", "allan", "psd", "positions", "convert"), cells, strict=True):
+        path = made.get(word, made["allan"])
+        words = [word, str(path), *([str(tmp_path / "out.csv")] if word == "convert" else [])]
+        if cell != "yes":
+            content = json.loads(call(capsys, *words, "--json")[1])
+            said = " ".join(one["do"] for one in [*content["errors"], *content.get("remarks", [])])
+            assert cell.split("`")[1] in said
+            words += OPTIONS[kind, word]
+        status, _, err = call(capsys, *words)
+        assert status == 0, (word, err)
+    if written:
+        target = tmp_path / f"made{written.strip('`')}"
+        status, _, err = call(capsys, "convert", str(made["allan"]), str(target))
+        assert status == 0, err
+        assert call(capsys, "info", str(target))[0] == 0

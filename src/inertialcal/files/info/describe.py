@@ -120,7 +120,7 @@ def _from_header(column: Column, path: str, remarks: list[Remark]) -> Described:
 
 
 def _readings_alone(described: Sequence[Described]) -> list[Described]:
-    """Return the columns, of which those beside a triad that are about its sensor (``gyro_clipping``) are no readings."""
+    """Return the columns; those beside a triad that are about its sensor (``gyro_clipping``) are no readings."""
     found = list(described)
     for quantity, kind in READINGS.items():
         own = [one for one in described if one.quantity == quantity]
