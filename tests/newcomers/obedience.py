@@ -58,9 +58,9 @@ def obeyed(capsys: pytest.CaptureFixture[str], first: Sequence[str], sheet: Mapp
     raise AssertionError(f"{MOST} commands: {words}")
 
 
-def next_command(capsys: pytest.CaptureFixture[str], path: str, sheet: Mapping[str, str]) -> list[str]:
-    """Return the words of the command that ``info`` says to type next."""
-    status, out, err = call(capsys, "info", path, "--json")
+def next_command(capsys: pytest.CaptureFixture[str], path: str, sheet: Mapping[str, str], *options: str) -> list[str]:
+    """Return the words of the command that ``info`` says to type next, of a file and what is said of it."""
+    status, out, err = call(capsys, "info", path, *options, "--json")
     assert status == 0, err
     (found,) = json.loads(out)["results"]
     words = shlex.split(found["next"])

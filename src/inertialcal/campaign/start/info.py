@@ -6,6 +6,7 @@ import shlex
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from ...core.campaign_text import FILE
 from ...core.estimate import Array
@@ -25,6 +26,7 @@ CHAIN = {
     "V": '--reference "NUMBER V" --scale-factor "NUMBER V/(UNIT)"',
 }
 PLACEHOLDER = "UNIT"  # for the user to fill in
+OPTIONS = {"start": "from", "stop": "to", "units": "unit", "topics": "topic"}  # whose names are not those in Python
 
 
 def info(
@@ -57,16 +59,35 @@ def info(
     DataError, UsageError
         As ``files.read``.
     """
-    recording = read(
-        path, units=units, sample_rate=sample_rate, time_column=time_column, start=start, stop=stop,
-        mission_start=mission_start, frame=frame, decimal=decimal, skip=skip, dates=dates, topics=topics,
-    )  # fmt: skip
+    said: dict[str, Any] = {
+        "units": units, "sample_rate": sample_rate, "time_column": time_column, "start": start, "stop": stop,
+        "mission_start": mission_start, "frame": frame, "decimal": decimal, "skip": skip, "dates": dates,
+        "topics": topics,
+    }  # fmt: skip
+    recording = read(path, **said)
     found = survey_recording(recording)
-    return replace(found, next=next_command(recording, found, commands))
+    return replace(found, next=next_command(recording, found, commands, _said(said)))
 
 
-def next_command(recording: Recording, survey: Survey, commands: Collection[str]) -> str | None:
-    """Return the next command to type, of those that the tool has; None where there is none."""
+def _said(said: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return what was said of a file as options, to be said again to the next command."""
+    found = []
+    for name, value in said.items():
+        option = f"--{OPTIONS.get(name, name).replace('_', '-')}"
+        if isinstance(value, Mapping):
+            found += [f"{option} {shlex.quote(f'{key}={one}')}" for key, one in value.items()]
+        elif value is not None:
+            found += [f"{option} {shlex.quote(str(one))}" for one in (value if name == "topics" else [value])]
+    return tuple(found)
+
+
+def next_command(
+    recording: Recording, survey: Survey, commands: Collection[str], said: Sequence[str] = ()
+) -> str | None:
+    """Return the next command to type, of those that the tool has; None where there is none.
+
+    ``said`` are the options that the file was read with.
+    """
     if not recording.source.path or all(channel.quantity == "index" for channel in recording.channels):
         return None
     source = Path(recording.source.path)
@@ -75,7 +96,7 @@ def next_command(recording: Recording, survey: Survey, commands: Collection[str]
     folder = f"inertialcal {word} {shlex.quote(str(home or source.parent))}" if word in commands else None
     every = suggestions(recording, survey)
     found = [(name, one) for name, one in every if home is None or one.in_campaign]
-    path = shlex.quote(recording.source.path)
+    path = " ".join([shlex.quote(recording.source.path), *said])
     raw = () if home is not None else _raw(recording, survey)
     sure = [(name, one) for name, one in found if one.strength == Strength.SURE]
     if (words := _first(sure, path, commands, raw)) is not None:

@@ -131,7 +131,7 @@ def screened(
     return replace(survey, screening=found)
 
 
-def channel_remarks(survey: ChannelSurvey, place: Callable[[int], str]) -> tuple[Remark, ...]:
+def channel_remarks(survey: ChannelSurvey, place: Callable[[int], str], aside: bool = False) -> tuple[Remark, ...]:
     """Return what a user should know about a channel.
 
     Parameters
@@ -140,9 +140,11 @@ def channel_remarks(survey: ChannelSurvey, place: Callable[[int], str]) -> tuple
         Of the channel.
     place : callable
         Gives ``file:row`` of a sample.
+    aside : bool
+        Whether the sensors of the file are in other channels: one that is constant is no loss.
     """
     if survey.is_constant:
-        severity: Severity = "info" if survey.quantity in NO_CODES else "warning"
+        severity: Severity = "info" if aside or survey.quantity in NO_CODES else "warning"
         what = f"{survey.name!r} is {survey.minimum:g} throughout"
         return (Remark("constant_channel", severity, what, place(0), subject=survey.name),)
 
@@ -227,17 +229,22 @@ def _norm(channels: Sequence[Channel]) -> Hint | None:
     """Gravity in the median norm of a triad; in the median of a single axis it may hide."""
     if len(channels) != 3:
         return None
+    norm = median_norm(channels)
+    for unit, low, high in AT_REST:
+        if low <= norm <= high:
+            return Hint("acc", unit, f"median |acc| {norm:.4g}")
+    return None
+
+
+def median_norm(channels: Sequence[Channel]) -> float:
+    """Return the median length of the vectors whose axes are channels, in their unit."""
     axes = [one.data for one in channels]
 
     def norms(first: int, stop: int) -> Array:
         with np.errstate(over="ignore"):
             return np.asarray(np.sqrt(sum(x[first:stop].astype(np.float64) ** 2 for x in axes)))
 
-    norm = median_made(norms, *axes)
-    for unit, low, high in AT_REST:
-        if low <= norm <= high:
-            return Hint("acc", unit, f"median |acc| {norm:.4g}")
-    return None
+    return median_made(norms, *axes)
 
 
 def _counts(target: str, surveys: Sequence[ChannelSurvey]) -> Hint | None:

@@ -30,6 +30,7 @@ GROUPS = {
     "time": "time",
 }
 OF_AXES = ("gyro", "acc", "magnetometer")  # quantities of which a matrix of three columns is x, y, z
+READINGS = {"gyro": "angular_rate", "acc": "acceleration"}  # kind of unit of the readings of a sensor
 TESTED = ("voltage", "count")  # kinds of unit that a built-in test may be recorded in
 COUNTED_FROM = 3  # rows from which 0, 1, 2, ... is a count of rows
 
@@ -73,7 +74,7 @@ def describe(
         If its unit is not known.
     """
     remarks: list[Remark] = []
-    described = [_from_header(column, path, remarks) for column in columns]
+    described = _readings_alone([_from_header(column, path, remarks) for column in columns])
     by_group = {key: unit for key, unit in flags.items() if not _named(described, key)}
     by_column = {key: unit for key, unit in flags.items() if key not in by_group}
     for key, unit in (*by_group.items(), *by_column.items()):  # a column goes before its group
@@ -116,6 +117,19 @@ def _from_header(column: Column, path: str, remarks: list[Remark]) -> Described:
     unit = said.unit if kept else None
     axis = said.axis or (column.axis if quantity in OF_AXES else "")
     return Described(column, axis, quantity, unit, "header" if unit else "")
+
+
+def _readings_alone(described: Sequence[Described]) -> list[Described]:
+    """Return the columns; those beside a triad that are about its sensor (``gyro_clipping``) are no readings."""
+    found = list(described)
+    for quantity, kind in READINGS.items():
+        own = [one for one in described if one.quantity == quantity]
+        if {one.axis for one in own} >= {"x", "y", "z"}:
+            aside = [i for i, one in enumerate(found) if one in own and not one.axis]
+            for i in aside:
+                if found[i].unit is None or units.kind(found[i].unit or "") != kind:
+                    found[i] = replace(found[i], quantity="")
+    return found
 
 
 def _counts_rows(column: Column, quantity: str) -> bool:

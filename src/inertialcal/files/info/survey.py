@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -21,6 +22,7 @@ from .channel_survey import ChannelSurvey, Hint, channel_remarks, screened, surv
 from .motion import is_sensed, motion_remarks
 from .sense import sense_remarks
 
+SENSORS = ("gyro", "acc")
 HEADS = ("channel", "axis", "what", "unit", "min", "max", "mean", "std", "missing", "")
 
 
@@ -207,7 +209,7 @@ def survey_recording(recording: Recording) -> Survey:
         (
             *recording.remarks,
             *time_remarks(recording),
-            *(remark for channel in channels for remark in channel_remarks(channel, place)),
+            *(remark for one in channels for remark in channel_remarks(one, place, _is_aside(one, channels))),
             *sense_remarks(recording),
             *motion,
         )
@@ -221,6 +223,11 @@ def survey_recording(recording: Recording) -> Survey:
         remarks=remarks,
         compensated_by=recording.compensated_by,
     )
+
+
+def _is_aside(channel: ChannelSurvey, channels: Sequence[ChannelSurvey]) -> bool:
+    """Whether nobody knows what a channel is, in a file whose sensors are known."""
+    return not channel.quantity and any(one.axis and one.quantity in SENSORS for one in channels)
 
 
 def _time(recording: Recording) -> TimeSurvey:

@@ -28,6 +28,7 @@ VOLTAGE = {"voltage", "volt", "volts", "vref", "spannung", "tension"}
 TIME = {"time", "timestamp", "timestamps", "stamp", "unix", "epoch", "utc", "datetime", "walltime", "date"}
 TIME |= {"zeit", "zeitstempel", "datum", "uhrzeit", "messzeit", "heure", "horodatage"}
 NOT_TIME = {"sigma", "std", "deviation", "error", "constant", "interval", "step", "delta", "diff", "duration"}
+OFFSET = {"relative"}  # of a stamp to another one, where a sensor is named beside it
 NOT_TIME |= {"konstante", "abstand", "dauer", "constante", "intervalle", "duree"}
 SPREAD = {"std", "stdev", "stddev", "sd", "sigma", "standardabweichung", "stabw", "streuung", "ecarttype"}
 STATUS = {"status", "state", "flag", "flags", "valid", "validity", "mode", "quality"}
@@ -195,7 +196,7 @@ def _plain(name: str) -> str:
 def sensor_of_stamps(name: str) -> str:
     """Return the sensor, ``"gyro"`` or ``"acc"``, whose stamps a column holds by its name (``acc_time``), or ``""``."""
     words = [word.lower() for word in WORD.findall(bare_name(name))]
-    if not TIME.intersection(words) or NOT_TIME.intersection(words) or _axis(words):
+    if not TIME.intersection(words) or (NOT_TIME | OFFSET).intersection(words) or _axis(words):
         return ""
     return next((one for one, known in (("gyro", GYRO), ("acc", ACC)) if known.intersection(words)), "")
 

@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ...core.batches.summaries import median
 from ...core.campaign_text import Noted
 from ...core.errors import InertialcalError, UsageError
 from ...core.key import AXES
@@ -16,6 +15,7 @@ from ...core.recording import Recording
 from ...core.remarks import Remark
 from ...core.units import factor, kind
 from ...files import read
+from ...files.info.channel_survey import median_norm
 from ...files.info.motion import accelerometers, gyros, triad
 from ...files.info.survey import Survey
 from ...files.pad.pairs import pairs_of
@@ -53,8 +53,9 @@ def _floats(recording: Recording) -> bool:
     """Whether this is a triad of accelerometers, and nothing of gyros, that feels next to nothing of gravity."""
     if recording.time_ns is None or any(one.quantity == "gyro" for one in recording.channels):
         return False
-    sizes = [abs(median(one.data)) * factor(one.unit or "", "g") for one in triad(recording)]
-    return len(sizes) == len(AXES) and max(sizes) < FREE_FALL
+    channels = triad(recording)
+    in_g = [factor(one.unit or "", "g") for one in channels]
+    return len(channels) == len(AXES) and max(in_g) * median_norm(channels) < FREE_FALL
 
 
 def claims(file: FolderFile) -> Claim | None:
