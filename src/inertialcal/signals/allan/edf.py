@@ -96,9 +96,9 @@ def _total_edf(kind: Kind, m: int, terms: int, power: int) -> float:
     """Return the degrees of freedom of a total variance: published for long windows, else by those without mirrors.
 
     Published ones hold from about `LONG` samples on. Below, the degrees of freedom without mirrors are raised by what
-    mirrors add at `LONG` samples; windows of one sample have no mirrors that tell. Of the modified total variance beyond
-    an eighth of the record, 2,000 simulated records have fewer than published (random walk at 3/16: 2.5, not 3.7): a
-    third is taken of what mirrors add to those without.
+    mirrors add at `LONG` samples; windows of one sample have no mirrors that tell. Of the modified total variance
+    beyond an eighth of the record, 2,000 simulated records have fewer than published (random walk at 3/16: 2.5, not
+    3.7): a third is taken of what mirrors add to those without.
     """
     n = _samples(kind, m, terms)
     known = PUBLISHED[kind.words].get(power)
