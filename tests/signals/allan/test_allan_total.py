@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.estimate import Array
-from inertialcal.signals.allan import _kernels_total as loops
 from inertialcal.signals.allan import Allan, allan
+from inertialcal.signals.allan import _kernels_total as loops
 from inertialcal.signals.allan.deviations import KINDS
 from inertialcal.signals.allan.edf import bias_of, degrees_of_freedom
 from inertialcal.signals.allan.total import TOTALS, Total, total_deviations

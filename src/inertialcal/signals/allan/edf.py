@@ -91,7 +91,7 @@ def _plain_edf(kind: Kind, m: int, terms: int, power: int) -> float:
 
 
 def _total_edf(kind: Kind, m: int, terms: int, power: int) -> float:
-    """Return the degrees of freedom of a total variance: as published for long windows, by those without mirrors for short.
+    """Return the degrees of freedom of a total variance: as published, for short windows from those without mirrors.
 
     Published ones hold from about `LONG` samples on. Below, the degrees of freedom without mirrors are raised by what
     mirrors add at `LONG` samples; windows of one sample have no mirrors that tell.
@@ -103,14 +103,15 @@ def _total_edf(kind: Kind, m: int, terms: int, power: int) -> float:
 
     def published(size: int) -> float:
         one, other = known
-        return one * n / size - other if kind.order == ALLAN else n / size / (one + other * size / n)
+        ratio = n / size
+        return one * ratio - other if kind.order == ALLAN else ratio / (one + other / ratio)
 
     def plain(size: int) -> float:
         return _plain_edf(kind, size, int(terms_of(replace(kind, total=False), n + 1, np.array([size]))[0]), power)
 
     if m >= LONG:
         return published(m)
-    return plain(m) * (published(LONG) / plain(LONG) if m > 1 and 4 * LONG <= n else 1.0)
+    return plain(m) * (published(LONG) / plain(LONG) if m > 1 and n >= 4 * LONG else 1.0)
 
 
 def _samples(kind: Kind, m: int, terms: int) -> int:
@@ -127,7 +128,7 @@ def bias_of(kind: Kind, m: int, terms: int, power: int) -> float:
     quadratic form, by the autocovariance of the noise; beyond `SETTLED` samples it no longer changes.
     """
     if kind.order == ALLAN and not kind.modified:
-        return 1.0 - TOTAL_LOSS.get(power, 0.0) * m / _samples(kind, m, terms)
+        return float(1.0 - TOTAL_LOSS.get(power, 0.0) * m / _samples(kind, m, terms))
     return 1.0 if m == 1 and not kind.modified else _mirrored(kind.modified, min(m, SETTLED), power)
 
 

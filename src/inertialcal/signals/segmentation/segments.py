@@ -182,7 +182,7 @@ def detect(
 
 
 def _segmentation(samples: Samples, rows: Indices | None, found: Found, plan: Detection) -> Segmentation:
-    """Fill what lies between the still stretches with moving ones, and measure them all; ``rows`` None: all are good."""
+    """Fill what lies between the still stretches with moving ones, and measure all; ``rows`` None: all are good."""
     n = len(samples.values)
     outlier, first, after = found.outlier, found.start, found.stop
     if rows is not None:

@@ -16,7 +16,7 @@ PART = 2048  # frequencies whose products lie in the nearest cache
 def sums_of_windows(
     level: Array, fourth: Array, order: Whole, m: Whole, neighbours: Array, sums: Array, spread: Array
 ) -> None:
-    """Fill the sum of level times sin^4(pi order m / n) / m^2 for each m, and the variance of such a sum, but for scale.
+    """Fill the sums of level times sin^4(pi order m / n) / m^2 for each m, and their variances, but for scale.
 
     ``fourth`` (n): of sin^4(pi k / n); ``neighbours``: correlation of values so many places apart, 1 first.
     """
