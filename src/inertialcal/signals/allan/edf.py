@@ -107,7 +107,8 @@ def _total_edf(kind: Kind, m: int, terms: int, power: int) -> float:
 
     def published(size: int) -> float:
         one, other = known
-        return one * n / size - other if kind.order == ALLAN else n / size / (one + other * size / n)
+        ratio = n / size
+        return one * ratio - other if kind.order == ALLAN else ratio / (one + other / ratio)
 
     def plain(size: int) -> float:
         return _plain_edf(kind, size, int(terms_of(replace(kind, total=False), n + 1, np.array([size]))[0]), power)
