@@ -60,7 +60,7 @@ def described(given: GivenFile) -> Described:
 def _with_columns(given: GivenFile) -> GivenFile:
     """Return what was given with the columns of ``--column`` where its own options do not name them."""
     columns = given.said.columns
-    own = {name: columns[name] for name in ("applied", "run", "group", "scatter") if name in columns}
+    own: dict[str, Any] = {name: columns[name] for name in ("applied", "run", "group", "scatter") if name in columns}
     reading = {axis: columns[axis] for axis in AXES if axis in columns}
     own |= {"reading": reading} if reading else {}
     return replace(given, own={**own, **{name: value for name, value in given.own.items() if value}}) if own else given
