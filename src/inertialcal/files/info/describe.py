@@ -79,7 +79,7 @@ def describe(
     for key, unit in (*by_group.items(), *by_column.items()):  # a column goes before its group
         chosen = _chosen(described, key)
         raw = (
-            key in by_group and units.kind(normal_unit(unit, "")) in TESTED
+            key in by_group and units.kind(normal_unit(unit, described[chosen[0]].quantity)) in TESTED
         )  # counts beside a rate of the table in deg/s
         chosen = [i for i in chosen if described[i].unit is None] or chosen if raw else chosen
         for i in chosen:
