@@ -79,8 +79,10 @@ def describe(
     by_column = {key: unit for key, unit in flags.items() if key not in by_group}
     for key, unit in (*by_group.items(), *by_column.items()):  # a column goes before its group
         chosen = _chosen(described, key)
-        if key in by_group:  # it is for those that do not say their own, where there are some
-            chosen = [i for i in chosen if described[i].unit is None] or chosen
+        raw = (
+            key in by_group and units.kind(normal_unit(unit, described[chosen[0]].quantity)) in TESTED
+        )  # counts beside a rate of the table in deg/s
+        chosen = [i for i in chosen if described[i].unit is None] or chosen if raw else chosen
         for i in chosen:
             described[i] = _with_flag(described[i], unit, path, remarks)
     return tuple(described), tuple(remarks)
