@@ -11,7 +11,7 @@ import pytest
 from newcomer_tables import DATA_SHEET, FILES, Made
 from newcomer_texts import FORMS, Form
 from newcomer_truths import BIASES, ERRORS, NOISE, SLOPES, chamber, rate_table
-from obedience import next_command, obeyed
+from obedience import next_command, obeyed, options_of
 
 import inertialcal as ic
 from inertialcal.core.errors import PlanError
@@ -114,6 +114,35 @@ def test_dates_that_can_be_read_in_two_ways_are_asked_for(tmp_path: Path, capsys
     for order, start in (("month-first", "2024-03-12"), ("day-first", "2024-12-03")):
         _, out, _ = call(capsys, "info", str(path), "--dates", order, "--json")
         assert json.loads(out)["results"][0]["time"]["start"].startswith(start)
+
+
+@pytest.mark.parametrize("name", ["Datum", "Date/Time", "Zeit"])
+def test_days_of_a_spreadsheet_are_dates(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Read as such where the column is called a date; asked for where it could be seconds."""
+    log = chamber(hours=0.5)
+    path = tmp_path / "log.csv"
+    rows = [[f"{45363.4 + t / 86400.0:.10f}", *(f"{log.readings[axis][i]:.5f}" for axis in "xyz"),
+             f"{log.temperature[i]:.2f}"] for i, t in enumerate(log.time)]  # fmt: skip
+    head = f"{name},gyro_x [deg/s],gyro_y [deg/s],gyro_z [deg/s],temperature [degC]"
+    path.write_text("\n".join([head, *map(",".join, rows)]) + "\n")
+    words = next_command(capsys, str(path), SHEET)
+    options: list[str] = []
+    if name == "Zeit":
+        assert words == ["info", str(path), "--unit", "Zeit=UNIT"]
+        _, out, _ = call(capsys, "info", str(path), "--json")
+        said = next(one["do"] for one in json.loads(out)["results"][0]["remarks"] if one["code"] == "time_unit_unknown")
+        options = options_of(said)[0].split()
+        words = next_command(capsys, str(path), SHEET, *options)
+    _, out, _ = call(capsys, "info", str(path), *options, "--json")
+    time = json.loads(out)["results"][0]["time"]
+    assert time["start"].startswith("2024-03-12T09:36:00")
+    assert time["sample_interval"] == pytest.approx(1.0, abs=1e-5)
+    assert words[0] == "thermal"
+    content, commands = obeyed(capsys, words, SHEET)
+    assert commands == 1
+    found = estimates(content)
+    for axis in "xyz":
+        near(found, "bias_temperature1", axis, (1.0 + ERRORS[axis]) * SLOPES[axis], 0.0)
 
 
 @pytest.mark.parametrize("kind", ["units", "volts", "counts"])

@@ -63,11 +63,11 @@ def test_a_sound_recording(file: Path) -> None:
 def test_the_next_command_is_one_of_those_there_are(file: Path) -> None:
     write(file, **{"t_s": np.arange(N) / 100}, **rest())
     known = {"gyro": "deg/s", "acc": "g"}
-    path = f"'{file}'"
-    assert survey(file, units=known, commands=["info", "allan", "psd"]).next == f"inertialcal allan {path}"
-    assert survey(file, units=known, commands=["info", "psd"]).next == f"inertialcal psd {path}"
+    path, said = f"'{file}'", "--unit gyro=deg/s --unit acc=g"
+    assert survey(file, units=known, commands=["info", "allan", "psd"]).next == f"inertialcal allan {path} {said}"
+    assert survey(file, units=known, commands=["info", "psd"]).next == f"inertialcal psd {path} {said}"
     assert survey(file, units=known, commands=["init"]).next == f"inertialcal init {file.parent}"
-    asked = f"inertialcal info {path} --unit gyro=deg/s --unit acc=g"
+    asked = f"inertialcal info {path} {said}"
     assert survey(file, commands=["info", "allan"]).next == asked
     assert survey(file, commands=["allan"]).next is None
 
@@ -252,7 +252,7 @@ def test_a_sensor_that_moves(file: Path) -> None:
         commands=["allan", "positions"],
     )  # fmt: skip
     assert codes(found) == ["not_at_rest"]
-    assert found.next == f"inertialcal positions '{file}'"
+    assert found.next == f"inertialcal positions '{file}' --unit gyro=deg/s --unit acc=g"
 
 
 def test_a_temperature_that_swings_faster_than_anything_can(file: Path) -> None:

@@ -145,7 +145,7 @@ def channel_remarks(survey: ChannelSurvey, place: Callable[[int], str], aside: b
     """
     if survey.is_constant:
         severity: Severity = "info" if aside or survey.quantity in NO_CODES else "warning"
-        what = f"{survey.name!r} is {survey.minimum:g} throughout"
+        what = f"{survey.name!r} is {survey.minimum or 0.0:g} throughout"
         return (Remark("constant_channel", severity, what, place(0), subject=survey.name),)
 
     def shown(value: float) -> str:

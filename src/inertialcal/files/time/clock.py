@@ -4,7 +4,9 @@ A column is time because it is named so (``t``, ``time``, ``timestamp``, ``unix`
 or is told to be. Without any header the first column is time only if it is strictly increasing and not in
 whole steps. A count of rows is never time. The unit comes from flag or header; without one only two things
 are taken, and remarked: numbers that are an epoch of 2001 to 2099 by their digits, and fractions as seconds.
-Whole numbers without a unit stay untaken: the remark says what each unit would mean.
+Whole numbers without a unit stay untaken: the remark says what each unit would mean. Days as spreadsheets count
+them (45363.4 is a morning in March 2024) are dates where the column is called so or no sensor is as fast as their
+steps were in seconds; where both could be, the user is asked.
 """
 
 from __future__ import annotations
@@ -25,15 +27,17 @@ from ...core.remarks import Remark
 from ..columns import Content
 from ..info.describe import Described, find_column
 from .dates import as_iso, looks_clock, looks_dated, since_midnight, with_times_of_day
-from .stamps import beyond_epoch, digits, epoch_unit, from_iso, is_utc, looks_iso, to_ns
+from .stamps import beyond_epoch, digits, epoch_unit, from_iso, is_serial, is_utc, looks_iso, serial_ns, to_ns
 
 FEWEST = 10  # rows from which an unnamed first column can be time
 BACKWARD = 0.1  # share of backward steps from which a column is no time
 LARGEST_STEP = 1000  # largest step of stamps that are taken for seconds with a digit too many
 SLOWEST, FASTEST = 0.01, 1e5  # sample rates that come into question [Hz]
+DAY, DAY_LENGTH = "day", 86_400.0  # [s]
 UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}  # of stamps [s]
 ALIKE = 0.25  # relative difference of two steps that are alike
 SAID_UTC = re.compile(r"(?:^|[^A-Za-z])(?:unix|epoch|utc)(?:[^A-Za-z]|$)", re.IGNORECASE)
+SAID_DATE = re.compile(r"(?:^|[^a-z])(?:date|datetime|datum)(?:[^a-z]|$)", re.IGNORECASE)
 SAID_FROM = 10**8 * SECOND  # 1973: a smaller number in a column of that name counts from the start of a record
 
 
@@ -217,7 +221,10 @@ def _from_numbers(described: Described, place: _Place) -> tuple[Times, tuple[Rem
         raise _NotTimeError(Remark("not_time", "warning", f"{described.name!r} is in {unit}", place.path))
     if unit == "s":
         _refuse_digits(described, place, beyond_epoch(values))
-    time_ns = to_ns(values, unit)
+    if unit == DAY and is_serial(values):
+        time_ns, remarks = serial_ns(values), (*remarks, *_without_zone(described, place))
+    else:
+        time_ns = to_ns(values, unit)
     if time_ns is None:
         what = f"stamps of {described.name!r} in {unit} span more than 292 years"
         raise _NotTimeError(Remark("not_time", "warning", what, where=place.path, do="Check the unit"))
@@ -234,11 +241,31 @@ def _unit(described: Described, place: _Place) -> tuple[str, tuple[Remark, ...]]
         what = f"{name!r} has no unit; its digits make it an epoch in {epoch}, from {first}Z"
         return epoch, (Remark("epoch_inferred", "info", what, where=place.path),)
     _refuse_surplus(described, place)
+    if is_serial(values) and (found := _serial(described, place)):
+        return found
     if every(values, lambda part: np.all(part == np.rint(part))):
         raise _NotTimeError(_unit_unknown(name, values, place.path))
     what = f"{name!r} has no unit: seconds are assumed"
     do = f"Otherwise add --unit {name}=ms"
     return "s", (Remark("time_unit_assumed", "warning", what, where=place.path, do=do),)
+
+
+def _serial(described: Described, place: _Place) -> tuple[str, tuple[Remark, ...]] | None:
+    """Return days as the unit of numbers that can be dates of a spreadsheet; None where they are none."""
+    values, name = described.column.values.astype(np.float64), described.name
+    step = float(np.median(np.abs(np.diff(values)))) if len(values) > 1 else 0.0
+    if step == 0.0 or np.all(values == np.rint(values)):
+        return None
+    first = np.datetime64(int(serial_ns(values[:1])[0]), "ns").astype("datetime64[s]")  # type: ignore[index]
+    if SAID_DATE.search(name) or step * FASTEST < 1.0:
+        what = f"{name!r} has no unit; taken as days of a spreadsheet, from {first}"
+        return DAY, (Remark("epoch_inferred", "info", what, where=place.path),)
+    if step * DAY_LENGTH * SLOWEST > 1.0:
+        return None
+    what = f"{name!r} has no unit, so it is not used as time: as dates of a spreadsheet it begins {first}, with "
+    what += f"{1.0 / (step * DAY_LENGTH):.4g} Hz; in s it has {1.0 / step:.4g} Hz"
+    do = f"Say which: --unit {name}={DAY}, or --unit {name}=s"
+    raise _NotTimeError(Remark("time_unit_unknown", "warning", what, where=place.path, do=do))
 
 
 def unit_rates(described: Sequence[Described]) -> dict[str, float]:

@@ -22,6 +22,9 @@ from ...core.remarks import Remark
 
 EPOCH_FIRST, EPOCH_LAST = 1_000_000_000, 4_102_444_800  # 2001-09-09 and 2100-01-01 [s]
 EPOCH_UNITS = {"s": 1, "ms": 1_000, "us": 1_000_000, "ns": 1_000_000_000}
+SERIAL_FIRST, SERIAL_LAST = 36_526, 73_051  # 2000-01-01 and 2100-01-01 as spreadsheets count days, from 1899-12-30
+SERIAL_EPOCH = 25_569  # 1970-01-01, in such days
+MICROSECOND = 1_000  # [ns]: float64 holds no less of a day of such a number
 WIDEST = 9.2e18  # [ns]
 ISO = re.compile(
     r"[0-9]{4}-[0-9]{2}-[0-9]{2}[T ][0-9]{2}:[0-9]{2}(?::[0-9]{2}(?:[.,][0-9]{1,9})?)?"
@@ -39,6 +42,22 @@ def epoch_unit(values: Numbers) -> str | None:
         if low >= EPOCH_FIRST * per_second and high < EPOCH_LAST * per_second:
             return unit
     return None
+
+
+def is_serial(values: Numbers) -> bool:
+    """Whether all numbers can be dates of 2000 to 2099 as a spreadsheet keeps them: days with their fraction."""
+    if not len(values):
+        return False
+    low, high = extremes(values)
+    return low >= SERIAL_FIRST and high < SERIAL_LAST
+
+
+def serial_ns(values: Numbers) -> Times | None:
+    """Return days of a spreadsheet as nanoseconds since 1970, to the microsecond."""
+    time_ns = to_ns(changed(values, lambda part: part.astype(np.float64) - SERIAL_EPOCH, np.float64), "day")
+    if time_ns is None:
+        return None
+    return changed(time_ns, lambda part: (part + MICROSECOND // 2) // MICROSECOND * MICROSECOND, np.int64)
 
 
 def is_utc(time_ns: Times) -> bool:
