@@ -222,9 +222,8 @@ def _from_numbers(described: Described, place: _Place) -> tuple[Times, tuple[Rem
     if unit == "s":
         _refuse_digits(described, place, beyond_epoch(values))
     if unit == DAY and is_serial(values):
-        time_ns, remarks = serial_ns(values), (*remarks, *_without_zone(described, place))
-    else:
-        time_ns = to_ns(values, unit)
+        return serial_ns(values), (*remarks, *_without_zone(described, place))
+    time_ns = to_ns(values, unit)
     if time_ns is None:
         what = f"stamps of {described.name!r} in {unit} span more than 292 years"
         raise _NotTimeError(Remark("not_time", "warning", what, where=place.path, do="Check the unit"))
@@ -256,7 +255,7 @@ def _serial(described: Described, place: _Place) -> tuple[str, tuple[Remark, ...
     step = float(np.median(np.abs(np.diff(values)))) if len(values) > 1 else 0.0
     if step == 0.0 or np.all(values == np.rint(values)):
         return None
-    first = np.datetime64(int(serial_ns(values[:1])[0]), "ns").astype("datetime64[s]")  # type: ignore[index]
+    first = np.datetime64(int(serial_ns(values[:1])[0]), "ns").astype("datetime64[s]")
     if SAID_DATE.search(name) or step * FASTEST < 1.0:
         what = f"{name!r} has no unit; taken as days of a spreadsheet, from {first}"
         return DAY, (Remark("epoch_inferred", "info", what, where=place.path),)
