@@ -175,7 +175,7 @@ def _noise(
             remarks += _lines(one.facts.kind, {axis.axis: axis.terms for axis in one.result.axes})
     if not rest:
         what = "no sensor with a known unit: a filter needs rad/s and m/s^2"
-        raise DataError(what, str(path), do="Give the unit: --unit gyro=deg/s --unit acc=g", code="no_unit")
+        raise DataError(what, str(path), do="Give the unit: --unit gyro=UNIT --unit acc=UNIT", code="no_unit")
     return rest, 1.0 / found.tested[0].readings.records[0].interval
 
 

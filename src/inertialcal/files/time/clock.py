@@ -12,6 +12,7 @@ steps were in seconds; where both could be, the user is asked.
 from __future__ import annotations
 
 import re
+import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
@@ -222,9 +223,8 @@ def _from_numbers(described: Described, place: _Place) -> tuple[Times, tuple[Rem
     if unit == "s":
         _refuse_digits(described, place, beyond_epoch(values))
     if unit == DAY and is_serial(values):
-        time_ns, remarks = serial_ns(values), (*remarks, *_without_zone(described, place))
-    else:
-        time_ns = to_ns(values, unit)
+        return serial_ns(values), (*remarks, *_without_zone(described, place))
+    time_ns = to_ns(values, unit)
     if time_ns is None:
         what = f"stamps of {described.name!r} in {unit} span more than 292 years"
         raise _NotTimeError(Remark("not_time", "warning", what, where=place.path, do="Check the unit"))
@@ -246,7 +246,7 @@ def _unit(described: Described, place: _Place) -> tuple[str, tuple[Remark, ...]]
     if every(values, lambda part: np.all(part == np.rint(part))):
         raise _NotTimeError(_unit_unknown(name, values, place.path))
     what = f"{name!r} has no unit: seconds are assumed"
-    do = f"Otherwise add --unit {name}=ms"
+    do = f"Otherwise add {_option(name, 'ms')}"
     return "s", (Remark("time_unit_assumed", "warning", what, where=place.path, do=do),)
 
 
@@ -256,7 +256,7 @@ def _serial(described: Described, place: _Place) -> tuple[str, tuple[Remark, ...
     step = float(np.median(np.abs(np.diff(values)))) if len(values) > 1 else 0.0
     if step == 0.0 or np.all(values == np.rint(values)):
         return None
-    first = np.datetime64(int(serial_ns(values[:1])[0]), "ns").astype("datetime64[s]")  # type: ignore[index]
+    first = np.datetime64(int(serial_ns(values[:1])[0]), "ns").astype("datetime64[s]")
     if SAID_DATE.search(name) or step * FASTEST < 1.0:
         what = f"{name!r} has no unit; taken as days of a spreadsheet, from {first}"
         return DAY, (Remark("epoch_inferred", "info", what, where=place.path),)
@@ -264,7 +264,7 @@ def _serial(described: Described, place: _Place) -> tuple[str, tuple[Remark, ...
         return None
     what = f"{name!r} has no unit, so it is not used as time: as dates of a spreadsheet it begins {first}, with "
     what += f"{1.0 / (step * DAY_LENGTH):.4g} Hz; in s it has {1.0 / step:.4g} Hz"
-    do = f"Say which: --unit {name}={DAY}, or --unit {name}=s"
+    do = f"Say which: {_option(name, DAY)}, or {_option(name, 's')}"
     raise _NotTimeError(Remark("time_unit_unknown", "warning", what, where=place.path, do=do))
 
 
@@ -300,8 +300,13 @@ def _unit_unknown(name: str, values: NDArray[Any], path: str) -> Remark:
         "warning",
         f"{name!r} has whole numbers without a unit, so it is not used as time: {'; '.join(meant) or 'no unit fits'}",
         where=path,
-        do=f"Add --unit {name}=UNIT",
+        do=f"Add {_option(name, 'UNIT')}",
     )
+
+
+def _option(name: str, unit: str) -> str:
+    """Return the option that gives a column a unit, as it is typed."""
+    return f"--unit {shlex.quote(f'{name}={unit}')}"
 
 
 def _refuse_surplus(described: Described, place: _Place) -> None:
@@ -322,11 +327,13 @@ def _refuse_digits(described: Described, place: _Place, at: NDArray[np.int64]) -
         return
     value = described.column.values[at[0]]
     more = f" ({len(at)} such stamps)" if len(at) > 1 else ""
+    unit = epoch_unit(described.column.values)
+    do = f"Give its unit: {_option(described.name, unit)}" if unit else "Correct the stamps"
     raise DataError(
         f"stamp {value:.0f} in {described.name!r} has {digits(value)} digits{more}",
         where=place.row(int(at[0])),
         why="seconds since 1970 have 10 digits, milliseconds 13: one digit too many?",
-        do=f"Correct the stamp, or give its unit: --unit {described.name}=ns",
+        do=do,
         code="epoch_digits",
     )
 

@@ -52,12 +52,14 @@ def is_serial(values: Numbers) -> bool:
     return low >= SERIAL_FIRST and high < SERIAL_LAST
 
 
-def serial_ns(values: Numbers) -> Times | None:
-    """Return days of a spreadsheet as nanoseconds since 1970, to the microsecond."""
-    time_ns = to_ns(changed(values, lambda part: part.astype(np.float64) - SERIAL_EPOCH, np.float64), "day")
-    if time_ns is None:
-        return None
-    return changed(time_ns, lambda part: (part + MICROSECOND // 2) // MICROSECOND * MICROSECOND, np.int64)
+def serial_ns(values: Numbers) -> Times:
+    """Return days that are such dates (`is_serial`) as nanoseconds since 1970, to the microsecond."""
+
+    def in_ns(part: Numbers) -> Times:
+        time_ns = _in_ns(part.astype(np.float64) - SERIAL_EPOCH, units.factor("day", "s") * SECOND)
+        return (time_ns + MICROSECOND // 2) // MICROSECOND * MICROSECOND
+
+    return changed(values, in_ns, np.int64)
 
 
 def is_utc(time_ns: Times) -> bool:

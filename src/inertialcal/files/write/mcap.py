@@ -87,7 +87,7 @@ def write_mcap(path: Path, recording: Recording) -> tuple[Remark, ...]:
         raise DataError(
             "no angular rate or acceleration with axis and unit, as sensor_msgs/Imu needs them",
             where=where,
-            do="Give the units: --unit gyro=deg/s --unit acc=g; counts need a model first: inertialcal compensate",
+            do="Give the units: --unit gyro=UNIT --unit acc=UNIT; counts need a model first: inertialcal compensate",
             code="no_channel",
         )
     names = {name for _, columns in taken for name in columns.values()}

@@ -54,7 +54,7 @@ def filter_block(found: Reduced, target: str, horizon: float | None = None, take
     }
     if not by_kind:
         what = f"no sensor with a known unit: {target} needs rad/s and m/s^2"
-        raise DataError(what, do="Give the unit: --unit gyro=deg/s --unit acc=g", code="no_unit")
+        raise DataError(what, do="Give the unit: --unit gyro=UNIT --unit acc=UNIT", code="no_unit")
     said = [line for axes in by_kind.values() for _, lines in axes for line in lines]
     gyro, accelerometer = (
         _axes([terms for terms, _ in by_kind.get(kind, ())], kind) for kind in ("gyro", "accelerometer")

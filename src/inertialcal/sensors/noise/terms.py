@@ -465,5 +465,5 @@ def converted(value: float, unit: str, wanted: str) -> float:
         With code ``unit_mismatch``, if the units measure different things.
     """
     if unit in {"", "-"}:
-        raise DataError("the samples have no unit", do="Say which: --unit gyro=deg/s", code="unit_mismatch")
+        raise DataError("the samples have no unit", do="Say which: --unit gyro=UNIT", code="unit_mismatch")
     return value * factor(unit, wanted)
