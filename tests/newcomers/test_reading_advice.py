@@ -87,7 +87,7 @@ def test_a_file_without_time_is_asked_for_its_sample_rate(tmp_path: Path, capsys
     path.write_text(text_of(Advised("no_time", "", (), "")))
     words = [word.replace("HZ", "100") for word in next_command(capsys, str(path), {})]
     assert words == ["info", str(path), "--sample-rate", "100"]
-    words = next_command(capsys, *words[1:2], {}, *words[2:])
+    words = next_command(capsys, str(path), {}, *words[2:])
     assert words == ["allan", str(path), "--sample-rate", "100.0"]
     assert call(capsys, *words)[0] == 0
 
