@@ -88,7 +88,7 @@ def to_ns(values: Numbers, unit: str) -> Times | None:
         Of time.
     """
     per_unit = units.factor(unit, "s") * SECOND
-    if len(values) and not max(np.abs(extremes(values))) * per_unit < WIDEST:
+    if len(values) and not every(values, lambda part: np.abs(part.astype(np.float64)).max() * per_unit < WIDEST):
         return None
     return changed(values, lambda part: _in_ns(part, per_unit), np.int64)
 
