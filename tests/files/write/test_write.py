@@ -426,3 +426,19 @@ def test_names_that_the_format_cannot_hold_are_told(tmp_path: Path, ending: str)
     again = read(tmp_path / f"out{ending}")
     assert len(set(again.names)) == len(again.channels) == 5
     assert {remark.code for remark in remarks} == {"column_renamed"}
+
+
+@pytest.mark.parametrize("ending", [".npz", ".h5", ".mat"])
+def test_names_that_the_format_needs_itself_lose_no_channel(tmp_path: Path, ending: str) -> None:
+    names = ("units", "sample_rate", "sample_rate_hz", "gyro_x")
+    channels = [Channel(name, np.array([i + 0.5, i + 1.5]), "V") for i, name in enumerate(names)]
+    again = there_and_back(tmp_path, ending, recording(*channels, sample_interval=0.01, interval_from="flag"))
+    assert [one.data[0] for one in again.channels] == [0.5, 1.5, 2.5, 3.5]
+    assert [one.unit for one in again.channels] == ["V"] * 4
+    assert again.sample_rate == 100.0
+
+
+def test_units_of_no_variable_are_told(tmp_path: Path) -> None:
+    savemat(tmp_path / "in.mat", {"gyro_x": np.arange(5.0), "units": {"gyro": "deg/s"}})
+    again = read(tmp_path / "in.mat")
+    assert "units.gyro" in next(one.what for one in again.remarks if one.code == "variables_left_out")

@@ -80,6 +80,7 @@ def _read(loaded: Loaded, version: str, variables: Sequence[str] | None) -> Cont
             found = {name: None if stored.get(name) is None else value for name, value in found.items()}
     arrays = [NamedArray(name, value, units.get(name)) for name, value in found.items() if value is not None]
     skipped = [name for name, value in found.items() if value is None]
+    skipped += [f"{UNITS}.{name}" for name in units if name not in found]
     return columns_of(arrays, f"MATLAB {version}", loaded.path, variables=variables, skipped=skipped)
 
 

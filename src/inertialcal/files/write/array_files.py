@@ -111,8 +111,10 @@ def _arrays(
             code="too_short",
         )
     columns, remarks = file_columns(recording, in_names, instants, legal)
-    rate, names = stated_rate(recording), {column.name for column in columns}
-    return columns, {} if rate is None else {RATE if RATE not in names else f"{RATE}_hz": np.array(rate)}, remarks
+    rate, name = stated_rate(recording), RATE
+    while any(column.name == name for column in columns):
+        name += "_"  # which reads as a sample rate all the same
+    return columns, {} if rate is None else {name: np.array(rate)}, remarks
 
 
 def _of_hdf5(name: str) -> str:
@@ -124,7 +126,8 @@ def _of_matlab(name: str) -> str:
     """Return a name that a variable of MATLAB can have; its unit stands apart."""
     plain = unicodedata.normalize("NFKD", bare_name(name)).encode("ascii", "ignore").decode()
     plain = re.sub(r"\W+", "_", plain).strip("_")
-    return (plain if plain[:1].isalpha() else f"x_{plain}")[:LONGEST] if plain else ""
+    plain = f"{plain}_" if plain == UNITS else plain if plain[:1].isalpha() or not plain else f"x_{plain}"
+    return plain[:LONGEST]
 
 
 def _for_matlab(values: NDArray[Any]) -> NDArray[Any]:
