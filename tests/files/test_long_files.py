@@ -18,7 +18,7 @@ from inertialcal.core.recording import Recording
 from inertialcal.files import read
 from inertialcal.files.binary import arrays
 from inertialcal.files.source import FileBytes
-from inertialcal.files.text import delimited
+from inertialcal.files.text import pieces
 from inertialcal.files.write import csv
 from inertialcal.files.write.recording import write
 
@@ -30,7 +30,7 @@ def in_place(path: Path, piece: int, **options: Any) -> Recording:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(batches, "HELD", 0)
         patch.setattr(batches, "SIZE", max(piece // 8, 50))
-        patch.setattr(delimited, "PIECE", piece)
+        patch.setattr(pieces, "PIECE", piece)
         patch.setattr(arrays, "AT_ONCE", piece)
         return read(path, **options)
 
@@ -77,7 +77,7 @@ def pieces_only(monkeypatch: pytest.MonkeyPatch) -> None:
         assert not isinstance(loaded.data, FileBytes), "read whole"
         return loaded
 
-    monkeypatch.setattr(delimited, "whole", refused)
+    monkeypatch.setattr(pieces, "whole", refused)
 
 
 def rows(separator: str = ",", cells: Callable[[int], Sequence[str]] | None = None) -> list[str]:
@@ -244,7 +244,7 @@ def test_what_is_wrong_in_a_text_too_long_to_be_held_is_said_with_its_row(
     def too_long(loaded: Any) -> Any:
         raise DataError("needs more memory", loaded.path, code="too_large")
 
-    monkeypatch.setattr(delimited, "whole", too_long)
+    monkeypatch.setattr(pieces, "whole", too_long)
     for piece in (3900, 10**6):
         found = outcome(lambda one=piece: in_place(path, one))  # type: ignore[misc]
         assert isinstance(found, tuple)
@@ -263,7 +263,7 @@ def test_a_column_of_labels_in_a_text_too_long_to_be_held_is_no_mistake(
     def too_long(loaded: Any) -> Any:
         raise DataError("needs more memory", loaded.path, code="too_large")
 
-    monkeypatch.setattr(delimited, "whole", too_long)
+    monkeypatch.setattr(pieces, "whole", too_long)
     found = outcome(lambda: in_place(path, 3900))
     assert isinstance(found, tuple)
     assert found[1][0].code == "too_large"
@@ -368,9 +368,9 @@ def test_a_csv_is_written_a_batch_at_a_time(tmp_path: Path, monkeypatch: pytest.
 def held(path: Path, piece: int, **options: Any) -> Recording:
     """Read a text in memory in pieces, its layout told by few lines."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(delimited, "SHORT", 0)
-        patch.setattr(delimited, "PIECE", piece)
-        patch.setattr(delimited, "HEAD", 4400)
+        patch.setattr(pieces, "SHORT", 0)
+        patch.setattr(pieces, "PIECE", piece)
+        patch.setattr(pieces, "HEAD", 4400)
         return read(path, **options)
 
 
@@ -384,7 +384,7 @@ def test_a_regular_text_in_memory(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     def refused(*_: object) -> None:
         raise AssertionError("read whole")
 
-    monkeypatch.setattr(delimited, "parse", refused)
+    monkeypatch.setattr(pieces, "parse", refused)
     least = len(REGULAR[name]) * 9 // 10
     for piece in (least, least - 1, 10**6):
         assert_same(held(path, piece, **options), expected)

@@ -30,7 +30,7 @@ from .time.window import cut
 
 TEXT = "text"  # what no other reader knows
 BUILT_IN = {  # name -> module and attribute, in the order in which they are asked
-    TEXT: "text.delimited:READER",
+    TEXT: "text.pieces:READER",
     "parquet": "binary.parquet:READER",
     "mat5": "binary.matlab:VERSION_5",
     "hdf5": "binary.hdf5:READER",
@@ -121,7 +121,7 @@ def _text_as_said(loaded: Loaded, reader: Reader, request: Request) -> Content:
     if reader.name != TEXT:
         problem, why = f"{loaded.path}: --{option} given", f"{reader.title} has no {what}"
         raise UsageError(problem, why=why, do=f"Leave --{option} out", code="wrong_value")
-    from .text.delimited import read_text  # noqa: PLC0415 - loaded where it is needed
+    from .text.pieces import read_text  # noqa: PLC0415 - loaded where it is needed
 
     return read_text(loaded, None, sign_of(request.decimal), lines_of(request.skip))
 

@@ -22,7 +22,7 @@ from ..columns import Content
 from ..formats import ZIP, members
 from ..reader import Reader
 from ..source import Loaded
-from ..text.delimited import read_text
+from ..text.pieces import read_text
 from .topics import NO_NUMBERS, OTHER, Topic, choose, library, other_topics
 
 OLD = b"\xd0\xcf\x11\xe0"

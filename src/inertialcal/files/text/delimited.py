@@ -1,29 +1,25 @@
 """Separated text: CSV, tabs, semicolons, blanks; with or without header; decimal point or comma.
 
 A regular file goes through Arrow's reader; whatever that does not take as plain numbers goes cell by cell,
-which is slower and knows the row of each problem. Both give the same columns. Of a long file that stays in place,
-Arrow's reader gets a piece at a time; if any piece is not regular, or holds text, the file is read whole.
+which is slower and knows the row of each problem. Both give the same columns.
 """
 
 from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Generator, Iterator, Mapping, Sequence
-from contextlib import closing, suppress
-from dataclasses import dataclass, replace
-from itertools import chain
-from typing import Any, cast
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import DataError, InertialcalError, Problem
+from ...core.errors import DataError, Problem
 from ...core.remarks import Remark
-from ..budget import LINE, VALUE, claim, claim_room
-from ..columns import Column, Content, LongColumns, Rows, ahead, no_rows
-from ..reader import Reader
-from ..source import FileBytes, Loaded, whole
+from ..budget import VALUE, claim
+from ..columns import Column, Content, Rows, no_rows
+from ..source import Loaded
 from ..time.stamps import EARLIEST, ISO, LATEST
 from .grouped import (
     CODE,
@@ -41,31 +37,22 @@ from .layout import (
     CELL,
     CELL_BYTES,
     PLAIN,
-    SAMPLE,
     Decimal,
     Layout,
-    decode,
-    holds_control,
     is_blank,
     judge,
-    looks_like_text,
     sniff,
     split,
-    text_of,
     without_first,
 )
-from .layout import kind as kind_of
 
-ENDINGS = ("", ".asc", ".csv", ".dat", ".log", ".mat", ".prn", ".tab", ".tsv", ".txt")  # that text usually has
+if TYPE_CHECKING:
+    from pyarrow import ChunkedArray as ArrowColumn
+    from pyarrow import Table as ArrowTable
+
 SHOWN = 60  # characters of a cell in a message
-TOO_LARGE = "too_large"
 BLOCK = 2**20  # bytes that are looked at together: a cache holds them
 LINE_END = ord("\n")
-SHORT = 2**20  # bytes of a text that is read whole: pieces of it would save nothing
-HEAD = 2**18  # bytes that tell the layout of a text that is read in pieces, if they hold the lines for it
-PIECE = 2**23  # bytes of a long file that are read together
-SPARE = 0.02  # of the rows of a file, more than the first piece makes likely
-ENOUGH = 32  # bytes of memory for each byte of a piece and its cells, at most
 
 
 def parse(
@@ -99,7 +86,7 @@ def parse(
     same = (
         not skip and raw.isascii() and b"\r" not in raw and len(raw) >= len(text)
     )  # then the text needs no copy for Arrow
-    text, cut = _whole_rows(text, layout, where)
+    text, cut = whole_rows(text, layout, where)
     rows = 1 + text.count("\n", layout.start)
     held, cells = len(raw) + len(text) * (1 if same else 2), rows * layout.width
     on_disk = len(text) if loaded is None else loaded.on_disk
@@ -164,7 +151,7 @@ def _at(cells: Iterator[str], places: tuple[int | None, ...]) -> Iterator[tuple[
     return ((index, cell) for index, cell in enumerate(cells) if index in places)
 
 
-def _whole_rows(text: str, layout: Layout, where: str, above: int = 0) -> tuple[str, tuple[Remark, ...]]:
+def whole_rows(text: str, layout: Layout, where: str, above: int = 0) -> tuple[str, tuple[Remark, ...]]:
     """Return the text without a last row that was not written to its end, with the remark that says so.
 
     ``above``: lines of the file above the text.
@@ -214,22 +201,23 @@ def fast(text: str, layout: Layout, names: tuple[str, ...], raw: bytes | None = 
         end -= 1
     rows = memoryview(text[layout.start : end].encode() if raw is None else raw)
     rows = rows if raw is None else rows[layout.start : end]
-    body = _regular(rows, layout, _other_signs(rows, layout))
-    table = None if body is None else _arrow(body, layout, names, 1 + _line_ends(rows))
+    body = regular_rows(rows, layout, other_signs(rows, layout))
+    table = None if body is None else arrow_table(body, layout, names, 1 + line_ends(rows))
     if table is None:
         return None
     length, columns = len(table), []
     del body, rows
     for i, name in enumerate(names):
-        column = _from_arrow(table.column(0), layout, name, i)
+        column = from_arrow(table.column(0), layout, name, i)
         if column is None:
             return None
         columns.append(column)
         table = table.remove_column(0)  # frees its memory
-    return _content(columns, range(layout.row, layout.row + length), layout)
+    return content_of(columns, range(layout.row, layout.row + length), layout)
 
 
-def _line_ends(body: bytes | memoryview) -> int:
+def line_ends(body: bytes | memoryview) -> int:
+    """Return how many lines end in a text."""
     signs = np.frombuffer(body, dtype=np.uint8)
     return sum(int(np.count_nonzero(signs[at : at + BLOCK] == LINE_END)) for at in range(0, len(signs), BLOCK))
 
@@ -260,7 +248,7 @@ def exact(text: str, layout: Layout, names: tuple[str, ...], where: str) -> Cont
         columns.append(_column(name, judged.values, layout, i, judged.empty, judged.not_a_number))
     if problems:
         raise DataError(problems)
-    found = _content(columns, rows, layout)
+    found = content_of(columns, rows, layout)
     return replace(found, remarks=(*found.remarks, *remarks))
 
 
@@ -358,17 +346,17 @@ def text_in_numbers(
     )
 
 
-def _other_signs(body: bytes | memoryview, layout: Layout) -> bytes:
+def other_signs(body: bytes | memoryview, layout: Layout) -> bytes:
     """Return what rows hold besides plain numbers, separators and line ends; of most files nothing."""
     usual = (PLAIN + "\n" + layout.decimal + (layout.separator or BLANKS)).encode()
     view = memoryview(body)
     return b"".join(bytes(view[at : at + BLOCK]).translate(None, usual) for at in range(0, len(view), BLOCK))
 
 
-def _regular(body: bytes | memoryview, layout: Layout, others: bytes) -> memoryview | None:
+def regular_rows(body: bytes | memoryview, layout: Layout, others: bytes) -> memoryview | None:
     """Return rows of data for Arrow, without quotes and comments; None where there are some.
 
-    ``others``: what `_other_signs` says of them.
+    ``others``: what `other_signs` says of them.
     """
     if any(sign in others for sign in (b'"', b"x", b"X")):  # x: Arrow reads 0x1F as a number
         return None
@@ -389,9 +377,9 @@ def _holds_blank_line(body: bytes | memoryview) -> bool:
     return re.search(rb"(?:\A|\n)\n", body) is not None
 
 
-def _arrow(
+def arrow_table(
     body: memoryview, layout: Layout, names: tuple[str, ...], rows: int, kinds: Mapping[str, Any] | None = None
-) -> Any:
+) -> ArrowTable | None:
     """Arrow table of the rows, whose columns are whole numbers, numbers, text or null; None if ragged, or a row blank.
 
     ``rows``: how many lines they are; ``kinds``: types of columns, by their number from 0, that are known already.
@@ -429,7 +417,7 @@ def _arrow(
     return None
 
 
-def _from_arrow(values: Any, layout: Layout, name: str, i: int) -> Column | None:
+def from_arrow(values: ArrowColumn, layout: Layout, name: str, i: int) -> Column | None:
     """One column; None where only the exact way can judge it."""
     import pyarrow as pa  # noqa: PLC0415 - heavy import
 
@@ -452,7 +440,7 @@ def _from_arrow(values: Any, layout: Layout, name: str, i: int) -> Column | None
     return _column(name, numbers, layout, i, empty, nan)
 
 
-def _instants(values: Any, layout: Layout, name: str, i: int) -> Column | None:
+def instants_from_arrow(values: ArrowColumn, layout: Layout, name: str, i: int) -> Column | None:
     """Return a column of dates that may be the time of a file; None where one cell is none, or only some say a zone."""
     import pyarrow as pa  # noqa: PLC0415 - heavy import
     import pyarrow.compute as pc  # noqa: PLC0415 - heavy import
@@ -502,7 +490,7 @@ def _column(name: str, values: Any, layout: Layout, i: int, empty: Rows, nan: Ro
     return Column(name, values, layout.units[i] or None, bool(layout.names[i]), empty=empty, not_a_number=nan)
 
 
-def _content(columns: Sequence[Column], rows: Rows | range, layout: Layout) -> Content:
+def content_of(columns: Sequence[Column], rows: Rows | range, layout: Layout) -> Content:
     """All columns but those without name and without value (a separator at the line's end)."""
     kept = [column for column in columns if column.named or len(column.empty) < len(rows)]
     remarks = layout.remarks
@@ -525,285 +513,6 @@ def _across(text: str, layout: Layout, where: str) -> Content:
             rows = np.full(len(cells), layout.row, dtype=np.int64)
             raise DataError(text_in_numbers("column_1", cells, judged.text, rows, where))
         column = _column("column_1", judged.values, downward, 0, judged.empty, judged.not_a_number)
-        content = _content([column], np.arange(len(cells)), downward)
+        content = content_of([column], np.arange(len(cells)), downward)
     remark = Remark("values_across", "info", f"one line of {len(cells)} numbers: read as one column", where)
     return replace(content, rows=None, format=layout.words, remarks=(*content.remarks, remark))
-
-
-def read_text(
-    loaded: Loaded, variables: Sequence[str] | None = None, decimal: Decimal | None = None, skip: int = 0
-) -> Content:
-    """Return the columns of a text file, whatever variables are named; Raises as `parse` and ``layout.decode``."""
-    long = isinstance(loaded.data, FileBytes)
-    if not skip and (long or len(loaded.data) > SHORT):
-        with suppress(_IrregularError):
-            return _piece_by_piece(loaded, decimal)
-    return (_read_long if long else _read_whole)(loaded, decimal, skip)
-
-
-def _read_whole(loaded: Loaded, decimal: Decimal | None, skip: int) -> Content:
-    """Return the columns of a text in memory; Raises as `read_text`."""
-    text, remarks = text_of(loaded)
-    content = parse(text, loaded.path, loaded, decimal, skip)
-    return replace(content, remarks=remarks + content.remarks)
-
-
-def _read_long(loaded: Loaded, decimal: Decimal | None, skip: int) -> Content:
-    """Return the columns of a long text that is not regular; one that is too long is refused with what is wrong in it.
-
-    Raises
-    ------
-    DataError
-        As `read_text`; ``ragged_row``, ``text_in_numbers`` with ``file:row`` also where the whole takes too much.
-    """
-    try:
-        return _read_whole(whole(loaded), decimal, skip)
-    except DataError as error:
-        if error.problems[0].code != TOO_LARGE or skip:
-            raise
-        found = _found_in_pieces(loaded, decimal)
-        if not found:
-            raise
-        raise DataError(found) from None
-
-
-def _found_in_pieces(loaded: Loaded, decimal: Decimal | None) -> list[Problem]:
-    """Return what is wrong in the rows of a long text; nothing where pieces of lines do not show it."""
-    head = loaded.data[:PIECE]
-    try:
-        layout = sniff(decode(head[: head.rfind(b"\n") + 1], loaded.path)[0], loaded.path, decimal)
-    except InertialcalError:
-        return []
-    names, row = column_names(layout, loaded.path), 1
-    numbers, words = [0] * layout.width, [0] * layout.width
-    first: list[dict[int, str]] = [{} for _ in names]  # words of each column by their row
-    for piece in _pieces(loaded):
-        text = bytes(piece).decode("utf-8", "replace").replace("\r\n", "\n").replace("\r", "\n")
-        below = replace(layout, start=layout.start if row == 1 else 0, row=layout.row if row == 1 else row)
-        row += text.count("\n")
-        text = _whole_rows(text, replace(below, start=-1), loaded.path)[0] if not text.endswith("\n") else text
-        quick = fast(text, below, names)
-        if quick is not None and all(one.is_number for one in quick.columns):
-            for one in quick.columns:
-                numbers[names.index(one.name)] += len(one.values) - len(one.empty) - len(one.not_a_number)
-            continue
-        try:
-            rows, cells = cell_columns(text, below, loaded.path)
-        except DataError as error:
-            return list(error.problems)
-        for i, column in enumerate(cells):
-            groups = np.array([kind_of(cell.strip(BLANKS), layout.decimal) for cell in column], dtype="U1")
-            at = np.flatnonzero(groups == "t")
-            numbers[i] += int(np.count_nonzero((groups == "i") | (groups == "f")))
-            words[i] += len(at)
-            first[i] |= {int(rows[k]): column[k] for k in at[: max(SHOWN - len(first[i]), 0)].tolist()}
-    return [
-        text_in_numbers(
-            name, [*first[i].values()], np.arange(len(first[i])), np.array([*first[i]]), loaded.path, words[i]
-        )
-        for i, (name, bad) in enumerate(zip(names, first, strict=True))
-        if 0 < words[i] <= numbers[i]
-    ]
-
-
-class _IrregularError(Exception):
-    """A text that only its whole can be judged of."""
-
-
-def _piece_by_piece(loaded: Loaded, decimal: Decimal | None) -> Content:
-    """Return the columns of a long text; Raises _IrregularError, and DataError where names appear twice."""
-    first = next(_pieces(loaded), memoryview(b""))
-    begin = _beginning(first, loaded.path, decimal)
-    layout, remarks = begin.layout, begin.remarks
-    names = column_names(layout, loaded.path)
-    columns, cut = _filled(loaded, begin, names, _claimed_rows(loaded, layout, first))
-    count = len(columns[0].values)
-    found = _content(columns, range(layout.row, layout.row + count), layout)
-    return replace(found, remarks=(*remarks, *found.remarks, *cut))
-
-
-@dataclass(frozen=True)
-class _Beginning:
-    """The first lines of a text that is read in pieces."""
-
-    layout: Layout
-    rows: bytes  # of data
-    size: int  # bytes, with what stands above the rows
-    remarks: tuple[Remark, ...]  # what reading them brought up
-
-
-def _beginning(first: memoryview, path: str, decimal: Decimal | None) -> _Beginning:
-    """Return a few lines of the first piece if there are enough of them to tell the layout, else all of it.
-
-    Raises _IrregularError.
-    """
-    for size in (bytes(first[:HEAD]).rfind(b"\n") + 1, len(first)):
-        head = bytes(first[:size])
-        try:
-            text, remarks = decode(head, path)
-            layout = sniff(text, path, decimal)
-        except InertialcalError:
-            continue
-        unsure = layout.across or (layout.decimal == "," and decimal is None)
-        if not unsure and not holds_control(head) and text.count("\n", layout.start) >= SAMPLE:
-            return _Beginning(layout, text[layout.start :].encode(), size, remarks)
-    raise _IrregularError
-
-
-def _claimed_rows(loaded: Loaded, layout: Layout, first: memoryview) -> int:
-    """Return about how many rows a text has, and claim the memory and the room for them.
-
-    Raises
-    ------
-    DataError
-        ``too_large``.
-    """
-    size, where = len(loaded.data), loaded.path
-    if isinstance(loaded.data, FileBytes):
-        claim(where, loaded.on_disk, ENOUGH * min(PIECE, size), f"pieces of {PIECE:,} bytes")
-        rows = int((1 + _line_ends(first)) * size / len(first) * (1.0 + SPARE))
-        claim_room(where, loaded.on_disk, VALUE * rows * layout.width, f"{rows:,} rows of {layout.width} cells")
-        return rows
-    rows = 1 + _line_ends(loaded.data)
-    try:  # and units and clock are found
-        claim(where, loaded.on_disk, size + ENOUGH * min(PIECE, size) + VALUE * rows * (layout.width + 8), "pieces")
-    except DataError:  # the whole may take less
-        raise _IrregularError from None
-    return rows
-
-
-def _filled(
-    loaded: Loaded, begin: _Beginning, names: tuple[str, ...], rows: int
-) -> tuple[tuple[Column, ...], tuple[Remark, ...]]:
-    """Return the columns, filled a piece at a time, and the remark on a last row that is cut off.
-
-    Twice where one is whole numbers in its first pieces only. Raises _IrregularError.
-    """
-    import pyarrow as pa  # noqa: PLC0415 - heavy import
-
-    layout, known = begin.layout, dict[str, Any]()
-    keys = [str(i) for i in range(len(names))]
-    while True:
-        long = LongColumns(rows)
-        kinds: dict[str, set[Any]] = {key: set() for key in keys}
-        cut: tuple[Remark, ...] = ()
-        several = len(loaded.data) > PIECE  # then one is read, and one parsed, while one is stored
-        bodies = ahead(_bodies(loaded, begin)) if several else _bodies(loaded, begin)
-        every = _tables(bodies, layout, names, known)
-        with closing(ahead(every) if several else every) as tables:
-            for table, incomplete in tables:
-                cut = incomplete
-                if table is None:
-                    continue
-                of_piece = dict(zip(keys, table.schema.types, strict=True))
-                dates = [key for key, kind in of_piece.items() if kind == pa.string()]  # which are text for Arrow
-                if dates and (len(dates) > 1 or not isinstance(loaded.data, FileBytes)):
-                    raise _IrregularError
-                for key, kind in of_piece.items():
-                    kinds[key].add(kind)
-                for batch in filter(len, table.to_batches()):
-                    part = pa.Table.from_batches([batch])
-                    made = [
-                        (_instants if key in dates else _from_arrow)(part.column(i), layout, names[i], i)
-                        for i, key in enumerate(keys)
-                    ]
-                    if None in made:
-                        raise _IrregularError
-                    long.add(cast("list[Column]", made))
-        if not any({pa.int64(), pa.float64()} <= seen for seen in kinds.values()):
-            return long.columns(), cut
-
-
-_Body = tuple[memoryview, int, tuple[Remark, ...]]  # rows, how many they are, and the remark on one that is cut off
-
-
-def _tables(
-    bodies: Iterator[_Body], layout: Layout, names: tuple[str, ...], known: dict[str, Any]
-) -> Generator[tuple[Any, tuple[Remark, ...]]]:
-    """Yield Arrow's table of each piece, and the remark on a last row that is cut off; Raises _IrregularError.
-
-    ``known``: types of columns by their number; those that are certain from now on are added.
-    """
-    import pyarrow as pa  # noqa: PLC0415 - heavy import
-
-    for body, lines, cut in bodies:
-        if not lines:  # the last piece was blank, or one row that was cut off
-            yield None, cut
-            return
-        table = _arrow(body, layout, names, lines, known)
-        if table is None:
-            raise _IrregularError
-        known |= {name: kind for name, kind in zip(table.column_names, table.schema.types, strict=True)
-                  if kind in (pa.float64(), pa.string())}  # fmt: skip
-        yield table, cut
-
-
-def _bodies(loaded: Loaded, begin: _Beginning) -> Generator[_Body]:
-    """Yield the rows of data of each piece; Raises _IrregularError."""
-    layout, done = begin.layout, 0
-    above = layout.row - 1
-    pieces: Iterator[bytes | memoryview] = chain([begin.rows], _pieces(loaded, begin.size))
-    for piece in pieces:
-        rows = memoryview(piece)
-        done += len(piece) if done else begin.size
-        last = done == len(loaded.data)
-        others = _other_signs(rows, layout)
-        comma = layout.decimal != "," and layout.separator != "," and b"," in others  # of a file with decimal commas?
-        if not rows or comma or not others.isascii() or holds_control(others):
-            raise _IrregularError
-        if b"\r" in others:
-            rows = memoryview(bytes(rows).replace(b"\r\n", b"\n").replace(b"\r", b"\n"))
-        cut: tuple[Remark, ...] = ()
-        if last:
-            rows, cut = _complete(rows, layout, loaded.path, above)
-        else:
-            rows = rows[:-1]
-        lines = 1 + _line_ends(rows) if len(rows) or not last else 0
-        above += lines
-        body = _regular(rows, layout, others)
-        if body is None:
-            raise _IrregularError
-        yield body, lines, cut
-    if done != len(loaded.data):
-        raise _IrregularError
-
-
-def _complete(rows: memoryview, layout: Layout, path: str, above: int) -> tuple[memoryview, tuple[Remark, ...]]:
-    """Return the last rows of a text as `_whole_rows`, without blanks behind them; Raises _IrregularError."""
-    rows = rows[: _end(rows, b"\x1a")]
-    near = max(len(rows) - LINE, 0)
-    at = near + bytes(rows[near:]).rfind(b"\n") + 1
-    if near and at == near:
-        raise _IrregularError
-    cut: tuple[Remark, ...] = ()
-    last = bytes(rows[at:]).decode()
-    if last:
-        kept, cut = _whole_rows(last, replace(layout, start=-1), path, above + _line_ends(rows[:at]))
-        rows = rows[: at + len(kept)]
-    return rows[: _end(rows, b"\n ")], cut
-
-
-def _end(rows: memoryview, signs: bytes) -> int:
-    """Return how many bytes there are without some at the end."""
-    end = len(rows)
-    while end and rows[end - 1] in signs:
-        end -= 1
-    return end
-
-
-def _pieces(loaded: Loaded, at: int = 0) -> Iterator[memoryview]:
-    """Yield the bytes of a file from a place on, in pieces of whole lines, as far as there are lines."""
-    held = not isinstance(loaded.data, FileBytes)
-    while at < len(loaded.data):
-        piece = loaded.data if held else loaded.data[at : at + PIECE]
-        first = at if held else 0
-        stop = min(first + PIECE, len(piece))
-        if at - first + stop < len(loaded.data):
-            stop = piece.rfind(b"\n", first, stop) + 1
-        if stop <= first:
-            return
-        yield memoryview(piece)[first:stop]
-        at += stop - first
-
-
-READER = Reader("text", "CSV and other text", ENDINGS, looks_like_text, read_text, True)
