@@ -44,7 +44,7 @@ def check_ending(path: str | os.PathLike[str]) -> str:
 def write_figure(
     path: str | os.PathLike[str], pictures: Sequence[Picture], inputs: Iterable[str | os.PathLike[str]] = ()
 ) -> None:
-    """Write pictures to a file, one below the other.
+    """Write pictures to a file, side by side.
 
     Parameters
     ----------
@@ -62,13 +62,13 @@ def write_figure(
     """
     from matplotlib import rc_context  # noqa: PLC0415 - heavy: only where one is drawn
 
-    from .figures.drawing.picture import on_new_figure, stacked  # noqa: PLC0415 - heavy
+    from .figures.drawing.picture import on_new_figure, side_by_side  # noqa: PLC0415 - heavy
     from .figures.drawing.svg import SALT  # noqa: PLC0415 - heavy
 
     ending = check_ending(path)
     shown = pictures[:MOST]
     with atomic_write(path, inputs) as aside, rc_context({"svg.hashsalt": SALT}), warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph .* missing")  # a name in a script that the font has not
-        figure = on_new_figure(shown[0], titled=True) if len(shown) == 1 else stacked(shown)
+        figure = on_new_figure(shown[0], titled=True) if len(shown) == 1 else side_by_side(shown)
         metadata = dict.fromkeys(FORMATS[ending])
         figure.savefig(aside, format=ending[1:], dpi=DPI, metadata=metadata)

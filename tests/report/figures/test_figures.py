@@ -533,7 +533,7 @@ def test_hostile_texts_stay_texts(text: str) -> None:
         assert svg is not None, name
         root = ET.fromstring(svg)
         tags = {element.tag.rpartition("}")[2] for element in root.iter()}
-        assert tags <= {"svg", "title", "defs", "g", "path", "use", "text", "clipPath", "rect", "pattern"}
+        assert tags <= {"svg", "title", "defs", "g", "path", "use", "text", "clipPath", "rect", "pattern", "marker"}
         for element in root.iter():
             assert not any(key.startswith("on") for key in element.attrib)
             assert element.attrib.get("href", "#").startswith("#")

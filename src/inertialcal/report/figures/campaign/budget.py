@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from ....core.show.rows import quantity_name
+from ....core.show.wording import counted
 from ..drawing.data import distinct
 from ..drawing.picture import Picture
 from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title
@@ -23,6 +24,7 @@ SHOWS = "One bar per quantity, divided into the share of the variance from each 
 ROLES = ("blue", "orange", "green", "vermilion", "sky", "purple", "yellow")
 ROW = 0.3  # height of a bar with its gap [in]
 LEAST = 0.6  # height of the panel [in]
+MOST = 12  # bars: what fits beside its text on a page
 
 Rows = Sequence[Mapping[str, Any]]
 
@@ -52,11 +54,15 @@ def of_rows(every: Rows, test: str) -> Picture:
     """Return the picture of the budgets of one test; what has no share is not drawn."""
     rows = [row for row in every if row.get("share") is not None]
 
-    def paint(axes: Sequence[Axes], title: str) -> None:
-        draw(axes[0], rows, title)
+    shown = _quantities(rows)[:MOST]
+    drawn = [row for row in rows if _of(row) in shown]
 
-    height = LEAST + ROW * len(_quantities(rows))
-    return Picture(NAME, test, "", finding(rows), SHOWS, (height,), paint, data=every)
+    def paint(axes: Sequence[Axes], title: str) -> None:
+        draw(axes[0], drawn, title)
+
+    rest = len(_quantities(rows)) - len(shown)
+    note = (f" {counted(rest, 'quantity').capitalize()} more: see the tables.",) if rest else ()
+    return Picture(NAME, test, "", finding(rows), SHOWS, (LEAST + ROW * len(shown),), paint, data=every, note=note)
 
 
 def finding(rows: Rows) -> str:

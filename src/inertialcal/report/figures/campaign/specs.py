@@ -27,7 +27,7 @@ FIGURES = (
     FigureSpec(
         "budget",
         DRAWN + "budget",
-        "Share of each source in the variance of each quantity.",
+        "Share of each source in the variance of each quantity.{note}",
         order=910,
         place="budgets",
     ),

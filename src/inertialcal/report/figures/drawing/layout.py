@@ -20,11 +20,10 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 
 from .metrics import LEADING, folded, height, shortened, width
-from .style import COLOURS, TEXT, WIDTH, legend_size
+from .style import COLOURS, TEXT, legend_size
 
 INCH = 72.0  # [pt]
 MARK, PAD = 3.5, 3.5  # length of a tick, and the gap to its label [pt]
-WHOLE = WIDTH * INCH
 EDGE = 4.0  # free at every edge of the figure [pt]
 BETWEEN = 12.0  # panels: half a tick label of each [pt]
 TICK = MARK + PAD
@@ -50,25 +49,26 @@ def place(figure: Figure, axes: Sequence[Axes], heights: Sequence[float]) -> Non
     Parameters
     ----------
     figure : Figure
-        Of the width of the house, without title.
+        Of the width that it is to have, without title.
     axes : sequence of Axes
         Its panels, drawn, from the top.
     heights : sequence of float
         Of the panels [in].
     """
     tall = [INCH * one for one in heights]
+    broad = figure.get_figwidth() * INCH
     for ax, high in zip(axes, tall, strict=True):
         ax.yaxis.label.set_text(folded(ax.get_ylabel(), TEXT, high + BETWEEN))
-        ax.xaxis.label.set_text(folded(ax.get_xlabel(), TEXT, WHOLE * 0.7))
+        ax.xaxis.label.set_text(folded(ax.get_xlabel(), TEXT, broad * 0.7))
     legend = legend_size(axes[-1])
     around = [_around(ax) for ax in axes]
     gaps = [max(a.below + b.above, BETWEEN) for a, b in pairwise(around)]
     under = around[-1].below + (GAP + legend[1] if legend[1] else 0.0) + EDGE
     whole = around[0].above + EDGE + sum(tall) + sum(gaps) + under
-    figure.set_size_inches(WIDTH, whole / INCH)
+    figure.set_size_inches(broad / INCH, whole / INCH)
     bottoms = [under + sum(tall[i + 1 :]) + sum(gaps[i:]) for i in range(len(tall))]
-    left = _across(axes, [(bottom / whole, high / whole) for bottom, high in zip(bottoms, tall, strict=True)])
-    _put_legend(figure, axes[-1], min(left, WHOLE - EDGE - legend[0]), under - around[-1].below - GAP, whole)
+    left = _across(axes, broad, [(bottom / whole, high / whole) for bottom, high in zip(bottoms, tall, strict=True)])
+    _put_legend(figure, axes[-1], min(left, broad - EDGE - legend[0]), under - around[-1].below - GAP, whole)
 
 
 def _around(ax: Axes) -> Around:
@@ -80,7 +80,7 @@ def _around(ax: Axes) -> Around:
     return Around(title + both, half) if is_on_top(ax.xaxis) else Around(max(title, half), max(both, half))
 
 
-def _across(axes: Sequence[Axes], rows: Sequence[tuple[float, float]]) -> float:
+def _across(axes: Sequence[Axes], broad: float, rows: Sequence[tuple[float, float]]) -> float:
     """Set the panels between their tick labels and the right edge; return where they begin [pt]."""
     for ax, (bottom, high) in zip(axes, rows, strict=True):
         ax.set_position((0.15, bottom, 0.8, high))
@@ -91,7 +91,7 @@ def _across(axes: Sequence[Axes], rows: Sequence[tuple[float, float]]) -> float:
     left = EDGE + label + GAP + widest + TICK
     right = max(2.0 * EDGE, *(width(label, TICK_TEXT) / 2.0 + 1.0 for _, labels in level for label in labels[-1:]), 0.0)
     for ax, (bottom, high), x, y in zip(axes, rows, level, upright, strict=True):
-        ax.set_position((left / WHOLE, bottom, (WHOLE - left - right) / WHOLE, high))
+        ax.set_position((left / broad, bottom, (broad - left - right) / broad, high))
         draw_ticks(ax.xaxis, x, LEADING * TICK_TEXT)
         draw_ticks(ax.yaxis, y, widest)
     return left
@@ -100,7 +100,7 @@ def _across(axes: Sequence[Axes], rows: Sequence[tuple[float, float]]) -> float:
 def _put_legend(figure: Figure, ax: Axes, left: float, top: float, whole: float) -> None:
     legend = ax.get_legend()
     if legend is not None:
-        place = (max(left, EDGE) / WHOLE, top / whole)
+        place = (max(left, EDGE) / (figure.get_figwidth() * INCH), top / whole)
         legend.set_bbox_to_anchor(place, transform=figure.transFigure)
 
 

@@ -33,6 +33,9 @@ class Picture:
     # axis
     data: Sequence[Mapping[str, Any]] = ()
     note: tuple[str, ...] = ()  # what the caption of its figure says of these data; names of the user's are ``Quoted``
+    width: float = WIDTH  # [in]
+    # the same as several pictures, one a panel: a page has them side by side where it is wide, else below each other
+    apart: tuple[Picture, ...] = ()
 
     @property
     def label(self) -> str:
@@ -40,14 +43,14 @@ class Picture:
         return f"{self.finding}. {self.shows}"
 
 
-def stacked(pictures: Sequence[Picture]) -> Figure:
-    """Return one figure with several pictures, one below the other, each with its title."""
+def side_by_side(pictures: Sequence[Picture]) -> Figure:
+    """Return one figure with several pictures beside each other, each with its title."""
     from matplotlib.figure import Figure as NewFigure  # noqa: PLC0415 - only where one is drawn
 
-    heights = [sum(picture.heights) + GAP for picture in pictures]
+    high = max(sum(picture.heights) for picture in pictures) + GAP
     with look():
-        whole = NewFigure(figsize=(WIDTH, sum(heights)), layout="constrained", facecolor="white")
-        parts = whole.subfigures(len(pictures), 1, height_ratios=heights, squeeze=False)[:, 0]
+        whole = NewFigure(figsize=(WIDTH * len(pictures), high), layout="constrained", facecolor="white")
+        parts = whole.subfigures(1, len(pictures), squeeze=False)[0]
         for part, picture in zip(parts, pictures, strict=True):
             _fill(part, picture)
             set_heading(part, picture.finding)
@@ -60,7 +63,7 @@ def on_new_figure(picture: Picture, titled: bool, figure: Figure | None = None) 
 
     with look():
         fig = NewFigure() if figure is None else figure
-        fig.set_size_inches(WIDTH, sum(picture.heights) + GAP)
+        fig.set_size_inches(picture.width, sum(picture.heights) + GAP)
         fig.set_facecolor("white")
         if titled:
             fig.set_layout_engine("constrained")

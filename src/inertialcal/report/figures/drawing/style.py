@@ -32,7 +32,8 @@ TEXT = 10.0  # [pt]
 LINE = 62  # characters in a line of a title
 LONGEST = 40  # characters of a name from the data
 BELOW = -38.0  # of the legend under the axes, clear of their label [pt]
-LEGEND = 300.0  # width of a legend [pt]
+LEGEND = 300.0  # most that a legend is wide [pt]
+BESIDE = 24.0  # of a figure, that its legend leaves free [pt]
 LEGEND_TEXT = TEXT - 1.0  # [pt]
 MOST_COLUMNS = 3  # of a legend
 HANDLE = 2.5 * LEGEND_TEXT  # width of what stands before a label of the legend [pt]
@@ -146,11 +147,12 @@ def set_legend(ax: Axes, handles: Sequence[Artist] | None = None, below: float =
     given, labels = ax.get_legend_handles_labels() if handles is None else (handles, [h.get_label() for h in handles])
     if not given:
         return
-    texts = [folded(str(label), LEGEND_TEXT, LEGEND - HANDLE) for label in labels]
+    room = _room(ax)
+    texts = [folded(str(label), LEGEND_TEXT, room - HANDLE) for label in labels]
     place = offset_copy(ax.transAxes, ax.get_figure(root=True), 0.0, below, units="points")
     legend = ax.legend(
         given, [f"{i}" for i in range(len(given))], loc="upper left", bbox_to_anchor=(0.0, 0.0), bbox_transform=place,
-        ncols=len(_columns(texts)), borderaxespad=0.0, borderpad=0.0, columnspacing=COLUMN_GAP / LEGEND_TEXT,
+        ncols=len(_columns(texts, room)), borderaxespad=0.0, borderpad=0.0, columnspacing=COLUMN_GAP / LEGEND_TEXT,
         handletextpad=0.5, handlelength=2.0, labelspacing=ROW_GAP / LEGEND_TEXT,
     )  # fmt: skip
     for shown, text in zip(legend.get_texts(), texts, strict=True):
@@ -163,18 +165,24 @@ def legend_size(ax: Axes) -> tuple[float, float]:
     legend = ax.get_legend()
     if legend is None:
         return 0.0, 0.0
-    columns = _columns([text.get_text() for text in legend.get_texts()])
+    columns = _columns([text.get_text() for text in legend.get_texts()], _room(ax))
     high = max(sum(height(text, LEGEND_TEXT) + ROW_GAP for text in column) for column in columns)
     return _wide(columns), high
 
 
-def _columns(texts: Sequence[str]) -> list[list[str]]:
+def _room(ax: Axes) -> float:
+    """Return how wide a legend of axes may be, in points."""
+    figure = ax.get_figure(root=True)
+    return LEGEND if figure is None else min(LEGEND, figure.get_figwidth() * 72.0 - BESIDE)
+
+
+def _columns(texts: Sequence[str], room: float) -> list[list[str]]:
     """Return the columns of a legend, as many as there is room for; the first ones are the longer ones."""
     for count in range(min(MOST_COLUMNS, len(texts)), 0, -1):
         sizes = [len(texts) // count + (i < len(texts) % count) for i in range(count)]
         rest = iter(texts)
         columns = [list(islice(rest, size)) for size in sizes]
-        if _wide(columns) <= LEGEND:
+        if _wide(columns) <= room:
             break
     return columns
 

@@ -10,9 +10,11 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from numpy.typing import NDArray
 
 from ....core.estimate import Array
 from ....core.show.rounding import number
+from ....core.show.wording import listed
 from ..drawing.data import Curve, curves, finite, flags, numbers, scale_to, unit
 from ..drawing.layout import count
 from ..drawing.picture import Picture
@@ -23,6 +25,8 @@ SHOWS = (
     "Residual of each position in the order of time, filled with it in the fit, hollow from the fit without it;"
     " the band is twice the scatter between positions"
 )
+FAR, NORMAL = 3.5, 1.4826  # times the scatter; scatter of a normal distribution over the median size
+MOST_NAMED = 4  # positions in a title
 MILLI = 1e3  # [ug], above which mg are shown
 ACROSS = (("residual_across_1", "across, 1"), ("residual_across_2", "across, 2"))
 
@@ -61,9 +65,30 @@ def finding(curve: Curve) -> str:
     ]
     said = f"residuals rms {number(rms[0], 3)} {name}"
     said += f", from the fit without it {number(rms[1], 3)} {name}" if len(rms) > 1 else ""
+    named = stand_out(without if len(finite(without[used])) else inside, used)
+    if named:
+        who = f"positions {listed(list(map(str, named)))} stand" if len(named) > 1 else f"position {named[0]} stands"
+        return f"{said}; {who} out"
     worst = np.where(used, np.abs(inside), -1.0)
     place = f"; largest in position {int(np.nanargmax(worst)) + 1}" if len(finite(inside[used])) else ""
     return said + place
+
+
+def stand_out(values: Array, used: NDArray[np.bool_]) -> list[int]:
+    """Return the positions, from 1, whose residuals are far beyond those of the others, the largest first.
+
+    Far: more than `FAR` times the scatter that the median size of all tells (of a normal distribution) [1]_.
+
+    References
+    ----------
+    .. [1] B. Iglewicz and D. C. Hoaglin, "How to Detect and Handle Outliers", ASQC 1993: modified z-score over 3.5.
+    """
+    sizes = np.where(used & np.isfinite(values), np.abs(values), 0.0)
+    known = np.abs(finite(values[used]))
+    if not len(known):
+        return []
+    far = np.flatnonzero(sizes > FAR * NORMAL * float(np.median(known)))
+    return [int(one) + 1 for one in far[np.argsort(-sizes[far], kind="stable")]][:MOST_NAMED]
 
 
 def draw(ax: Axes, curve: Curve, title: str = "") -> None:

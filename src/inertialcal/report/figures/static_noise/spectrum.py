@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from ....core.results import case_of
+from ....core.show.rounding import number
 from ....core.show.wording import listed
 from ..drawing.data import Curve, curves, finite, flags, numbers, unit
 from ..drawing.picture import Picture
@@ -48,15 +49,20 @@ def _picture(results: Mapping[str, Any], test: str, axis: str, mine: Sequence[Cu
     def paint(axes: Sequence[Axes], title: str) -> None:
         draw(axes[0], mine, title, lines)
 
-    return Picture(NAME, test, axis, finding(results, test, axis), SHOWS, (HEIGHT,), paint)
+    return Picture(NAME, test, axis, finding(results, test, axis, mine), SHOWS, (HEIGHT,), paint)
 
 
-def finding(results: Mapping[str, Any], test: str, axis: str) -> str:
-    """Return the finding: lines that stand out of the noise, by their frequency."""
+def finding(results: Mapping[str, Any], test: str, axis: str, mine: Sequence[Curve]) -> str:
+    """Return the finding: lines that stand out of the noise, by their frequency; the range without any."""
     named = list(_lines(results, test, axis))
-    few = [*named[:NAMED], *([f"{len(named) - NAMED} more"] if len(named) > NAMED else [])]
-    said = f"{'lines' if len(named) > 1 else 'line'} at {listed(few)} Hz" if few else "no line found"
-    return f"{plain(axis)}: {said.replace(' more Hz', ' more')}"
+    if not named:
+        every = np.concatenate([finite(numbers(one, "frequency")) for one in mine])
+        return (
+            f"{plain(axis)}: no line found from {number(float(every.min()), 2)} to {number(float(every.max()), 3)} Hz"
+        )
+    first, rest = named[:NAMED], len(named) - NAMED
+    at = f"{', '.join(first)} Hz and {rest} more" if rest > 0 else f"{listed(first)} Hz"
+    return f"{plain(axis)}: {'lines' if len(named) > 1 else 'line'} at {at}"
 
 
 def _lines(results: Mapping[str, Any], test: str, axis: str) -> dict[str, float]:
@@ -70,16 +76,16 @@ def _lines(results: Mapping[str, Any], test: str, axis: str) -> dict[str, float]
 
 def draw(ax: Axes, mine: Sequence[Curve], title: str = "", lines: Sequence[float] = ()) -> None:
     """Draw the spectra of all records of an axis, and the terms."""
-    for number, curve in enumerate(mine):
+    for place, curve in enumerate(mine):
         frequency, density = numbers(curve, "frequency"), numbers(curve, "density")
         lo, hi = numbers(curve, "lo"), numbers(curve, "hi")
         band = np.isfinite(lo) & np.isfinite(hi) & (lo > 0.0)
         if band.any():
             ax.fill_between(frequency, lo, hi, where=band.tolist(), color=COLOURS["sky"], alpha=0.35, linewidth=0.0,
-                            zorder=1, label="95 % interval" if number == 0 else None)  # fmt: skip
+                            zorder=1, label="95 % interval" if place == 0 else None)  # fmt: skip
         name = plain(curve.get("recording", "")) if len(mine) > 1 else "measured"
         ax.plot(frequency, np.where(density > 0.0, density, np.nan), color=COLOURS["blue"], linewidth=0.9, zorder=2,
-                linestyle=STROKES[number % len(STROKES)], label=name)  # fmt: skip
+                linestyle=STROKES[place % len(STROKES)], label=name)  # fmt: skip
     draw_terms(ax, numbers(mine[0], "frequency"), mine[0])
     _mark(ax, [(one, max(_height(curve, one) for curve in mine)) for one in lines], "line", LINE)
     _mark(ax, [peak for curve in mine for peak in _broad(curve, lines)], "broad peak", BROAD)

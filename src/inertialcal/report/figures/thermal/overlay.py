@@ -10,10 +10,11 @@ from matplotlib.axes import Axes
 
 from ..drawing.data import Curve, curves, finite, numbers, unit
 from ..drawing.picture import Picture
-from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, with_unit
+from ..drawing.style import COLOURS, WIDTH, plain, set_labels, set_legend, set_title, with_unit
 
 NAME = "overlay"
 SHOWS = "Bias on power-ups held out over temperature: raw, and after compensation, a panel an axis"
+APART, TALL = 3.6, 2.0  # of the panel of one axis that stands alone [in]
 HEIGHT = 1.5  # of a panel [in]
 DRAWN = {
     "raw": ("raw", "quiet", "."),
@@ -29,11 +30,13 @@ def pictures(results: Mapping[str, Any]) -> list[Picture]:
             for test in dict.fromkeys(one["test"] for one in every)]  # fmt: skip
 
 
-def _picture(test: str, found: Sequence[Curve]) -> Picture:
+def _picture(test: str, found: Sequence[Curve], width: float = WIDTH) -> Picture:
     def paint(axes: Sequence[Axes], title: str) -> None:
         draw(axes, found, title)
 
-    return Picture(NAME, test, "", finding(found), SHOWS, (HEIGHT,) * len(found), paint)
+    apart = tuple(_picture(test, [one], APART) for one in found) if len(found) > 1 else ()
+    heights = (HEIGHT if width == WIDTH else TALL,) * len(found)
+    return Picture(NAME, test, "", finding(found), SHOWS, heights, paint, width=width, apart=apart)
 
 
 def finding(found: Sequence[Curve]) -> str:

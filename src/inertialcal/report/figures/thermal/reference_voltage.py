@@ -16,7 +16,7 @@ from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, w
 NAME = "reference_voltage"
 SHOWS = "Reference voltage less its mean over temperature, a panel a voltage, with the fitted curve of each axis"
 HEIGHT = 1.5  # of a panel [in]
-MOST = 300  # cells drawn of an axis
+MOST = 150  # cells drawn of an axis
 LOOKS = (("blue", "o"), ("vermilion", "s"), ("green", "^"))
 
 

@@ -14,12 +14,13 @@ from matplotlib.axes import Axes
 from ....core.show.rounding import number, with_uncertainty
 from ..drawing.data import Curve, curves, distinct, finite, flags, numbers, thinned, unit, words
 from ..drawing.picture import Picture
-from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, with_unit
+from ..drawing.style import COLOURS, WIDTH, plain, set_labels, set_legend, set_title, with_unit
 
 NAME = "start_up"
 SHOWS = "Reading after power-up less its settled level, a panel an axis, with the fitted transient; hollow: left out"
+APART, TALL = 3.6, 2.0  # of the panel of one axis that stands alone [in]
 HEIGHT = 1.2  # of a panel [in]
-MOST = 800  # means drawn a panel
+MOST = 400  # means drawn a panel
 
 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
@@ -34,11 +35,14 @@ def pictures(results: Mapping[str, Any]) -> list[Picture]:
     return found
 
 
-def _picture(test: str, mine: Sequence[Curve], rows: Sequence[Mapping[str, Any]]) -> Picture:
+def _picture(test: str, mine: Sequence[Curve], rows: Sequence[Mapping[str, Any]], width: float = WIDTH) -> Picture:
     def paint(axes: Sequence[Axes], title: str) -> None:
         draw(axes, mine, title)
 
-    return Picture(NAME, test, "", finding(mine, rows), SHOWS, (HEIGHT,) * len(mine), paint)
+    alone = [([one], [row for row in rows if row["axis"] == one.get("axis")]) for one in mine]
+    apart = tuple(_picture(test, *one, APART) for one in alone) if len(mine) > 1 else ()
+    heights = (HEIGHT if width == WIDTH else TALL,) * len(mine)
+    return Picture(NAME, test, "", finding(mine, rows), SHOWS, heights, paint, width=width, apart=apart)
 
 
 def finding(mine: Sequence[Curve], rows: Sequence[Mapping[str, Any]]) -> str:

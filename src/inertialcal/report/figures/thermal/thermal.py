@@ -24,7 +24,7 @@ SHOWS = (
     "Above, mean reading of each bin over temperature with the polynomial; below, what it leaves after the offset of"
     " each run; filled where it warmed, hollow where it cooled"
 )
-MOST = 1200  # cells drawn
+MOST = 600  # cells drawn
 PATHS: dict[str, dict[str, Any]] = {
     "warming": {"marker": "o", "color": COLOURS["vermilion"], "markersize": 3.2},
     "cooling": {
