@@ -36,6 +36,7 @@ OPERATORS: dict[str, Callable[[float, float], bool]] = {
 COMPARISON = re.compile(r"\s*(?:abs\(\s*(?P<sized>\w+)\s*\)|(?P<plain>\w+))\s*(?P<op>>=|<=|>|<)\s*(?P<value>.+?)\s*")
 ROUNDING = 1e-9  # relative: 0.1 deg/s in a table and in a condition are the same rate
 
+Readings = Literal["as_read", "compensated"]
 RuleName = Literal["interval", "simple_acceptance", "guard_factor", "false_accept_risk", "test_uncertainty_ratio"]
 
 
@@ -272,3 +273,5 @@ class Verdict:
     at_unit: str = "rad/s"
     sensor: str = ""  # Kind of sensor where one test has several
     basis: Basis = field(default_factory=Basis)  # Rule, acceptance limits, risk
+    readings: Readings = "as_read"  # Of what readings: as they are, or after compensation
+    as_read: Verdict | None = None  # Of compensated readings: the same as they were read, by the same rule

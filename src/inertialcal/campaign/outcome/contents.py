@@ -204,6 +204,19 @@ def _verdict_row(verdict: Verdict, sensor_unit: str, quantity: str) -> dict[str,
         "verdict": verdict.verdict, "reason": verdict.reason, "rule": basis.rule,
         "accept_lower": scaled(basis.accept_lower, scale), "accept_upper": scaled(basis.accept_upper, scale),
         "risk": basis.risk, "ratio": basis.ratio,
+        "readings": verdict.readings,
+        "as_read": None if verdict.as_read is None else _as_read(verdict.as_read, scale, lower, upper),
+    }  # fmt: skip
+
+
+def _as_read(verdict: Verdict, scale: float, lower: float | None, upper: float | None) -> dict[str, Any]:
+    """Return what was read before compensation, in the unit of the verdict that it stands beside."""
+    interval, compared = (scaled_interval(one, scale) for one in (verdict.interval, verdict.basis.compared))
+    return {
+        "value": finite(scaled(verdict.value, scale)), "u": finite(scaled(verdict.u, scale)),
+        "interval": None if interval is None else
+        {"lo": finite(interval.lo), "hi": finite(interval.hi), "p": interval.p},
+        "margin": margin(compared or interval, lower, upper), "verdict": verdict.verdict,
     }  # fmt: skip
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...core.key import PLAIN, Method
 from ...core.remarks import Remark
+from ...core.show.requirement_lines import HEADS, requirement_lines
 from ...core.show.result_tables import degrees, figure, figure_beside, interval, not_estimated
 from ...core.show.rounding import number
 from ...core.show.rows import (
@@ -24,7 +26,9 @@ from ...core.show.rows import (
 )
 from ...procedures import compared_in
 from .. import figures
-from .output import clean, cleaned, json_out, table, wrapped
+from .output import clean, cleaned, json_out, table, width, wrapped
+
+NARROWEST = 24  # columns of a requirement's words
 
 if TYPE_CHECKING:
     from ...campaign.outcome.budget import Budgets
@@ -114,6 +118,20 @@ def verdicts_text(results: Mapping[str, Any]) -> str:
     whose = {rule: "its own rule" if len(names) == 1 else "their own rule" for rule, names in own.items()}
     rules = [wrapped(f"  {', '.join(own[rule])} by {one}: {clean(rule)}", "    ") for rule, one in whose.items()]
     return "\n".join([shown, *rules])
+
+
+def requirement_table(results: Mapping[str, Any]) -> str:
+    """Return a line a requirement, raw and compensated: what was asked for, what was found, and the verdict on all."""
+    cells = [cleaned(one.cells) for one in requirement_lines(results)]
+    if not cells:
+        return ""
+    heads, last = HEADS, f"overall: {results['verdict']}"
+    rest = sum(2 + max(len(row[i]) for row in [heads, *cells]) for i in range(1, len(heads)))
+    rows = []
+    for name, *others in cells:
+        first, *more = textwrap.wrap(name, max(width() - rest, NARROWEST), subsequent_indent="  ") or [""]
+        rows += [[first, *others], *([line, *("" for _ in others)] for line in more)]
+    return f"{table(rows, heads)}\n{last}"
 
 
 def _counts(verdicts: Sequence[Mapping[str, Any]]) -> tuple[str, str]:

@@ -57,7 +57,7 @@ def outcome_content(outcome: Outcome) -> dict[str, Any]:
 
 def print_outcome(outcome: Outcome) -> None:
     """Print figures, remarks, closed loop and verdicts of a run."""
-    from ..shown.summary import closed_loop_text, remarks_text, results_text, verdicts_text
+    from ..shown.summary import closed_loop_text, remarks_text, requirement_table, results_text, verdicts_text
 
     results = outcome.results
     print(results_text(results))
@@ -69,7 +69,6 @@ def print_outcome(outcome: Outcome) -> None:
     if results["verdicts"]:
         print(f"\nrequirements ({clean(results['decision_rule'])})")
         print(verdicts_text(results))
-        print(f"overall: {outcome.verdict}")
     if outcome.changed:
         print(f"\nchanged since the last run: {len(outcome.changed)}")
         for line in outcome.changed[:20]:
@@ -78,6 +77,8 @@ def print_outcome(outcome: Outcome) -> None:
         print()
     for note in outcome.notes:
         print(wrapped(str(note)))
+    if shown := requirement_table(results):
+        print(f"\n{shown}")
     print(f"\n{where_text(outcome)}")
 
 

@@ -76,7 +76,7 @@ def _of_others(row: Any) -> bool:
 
 def _print_scored(outcome: Any, found: Any) -> None:
     """Print the model beside the truth, not every figure of every test; those where no model is made."""
-    from ..shown.summary import closed_loop_text
+    from ..shown.summary import closed_loop_text, requirement_table
     from .twins import held_text, truth_table
 
     model = [row for row in found.rows if row["test"] == "model" or _of_others(row)]
@@ -86,4 +86,5 @@ def _print_scored(outcome: Any, found: Any) -> None:
     print(truth_table(model or found.rows))
     print(f"\n{held_text(found)}")
     print(f"\n{closed_loop_text(outcome.results)}")
-    print(f"overall: {outcome.verdict}\n\n{where_text(outcome)}")
+    shown = requirement_table(outcome.results)
+    print("\n".join([*([f"\n{shown}"] if shown else []), f"\n{where_text(outcome)}"]))

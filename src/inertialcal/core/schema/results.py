@@ -214,6 +214,16 @@ class Remark(Part):
     do: str
 
 
+class AsRead(Part):
+    """Beside a verdict on compensated readings: the same readings without compensation, by the same rule."""
+
+    value: Number | None
+    u: Number | None
+    interval: Interval | None
+    margin: Number | None
+    verdict: Words
+
+
 class Verdict(Part):
     """A requirement judged at one place."""
 
@@ -241,6 +251,8 @@ class Verdict(Part):
         description="Of a PASS, probability that the true value lies outside the limits; of a FAIL, inside."
     )
     ratio: Number | None = Field(description="Test uncertainty ratio: span of two limits over 2 U.")
+    readings: Literal["as_read", "compensated"]
+    as_read: AsRead | None = Field(description="Of compensated readings: the same as they were read.")
 
 
 class LoopAxis(Part):
