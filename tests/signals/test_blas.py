@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from threading import Barrier, Thread
+from typing import Any
 
 import numpy as np
 import pytest
 
+import inertialcal as ic
+from inertialcal.campaign.calls import call
 from inertialcal.signals.blas import _libraries, one_blas_thread
 
 
@@ -61,5 +64,18 @@ def test_of_two_at_once_the_last_puts_it_back() -> None:
         began.wait()
     ended.wait()
     thread.join()
+    assert set(seen) == {1}
+    assert set(threads()) == {2}
+
+
+def test_a_call_has_one_thread_and_puts_it_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    reduce, seen = call.reduce_campaign, []
+
+    def seeing(*given: Any) -> Any:
+        seen.extend(threads())
+        return reduce(*given)
+
+    monkeypatch.setattr(call, "reduce_campaign", seeing)
+    ic.allan(np.random.default_rng(1).normal(size=1000), sample_rate=1.0)
     assert set(seen) == {1}
     assert set(threads()) == {2}

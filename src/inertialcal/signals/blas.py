@@ -1,8 +1,9 @@
-"""Small matrices on one core.
+"""Linear algebra on one core: every call and every run asks for it, for as long as it takes.
 
 OpenBLAS, which numpy and scipy each bring, shares out matrices from about a hundred columns. At a few hundred that
-gains nothing on an idle machine, and costs tenfold on a busy one: each step waits for the slowest thread. The last
-digits, too, depend on how many threads there are. With another library of linear algebra nothing is changed.
+gains nothing on an idle machine, and costs tenfold on a busy one: each step waits for the slowest thread, and threads
+that wait for the next step keep a core from those of ours. The last digits, too, depend on how many threads there are.
+With another library of linear algebra nothing is changed.
 """
 
 from __future__ import annotations
@@ -11,10 +12,12 @@ import ctypes
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
+from importlib.machinery import PathFinder
 from importlib.util import find_spec
+from pathlib import Path
 from threading import Lock
 
-MODULES = ("numpy.linalg._umath_linalg", "scipy.linalg._fblas")  # which are linked to the library of each
+MODULES = (("numpy", "_umath_linalg"), ("scipy", "_fblas"))  # of their linalg; linked to the library of each
 NAMES = ("scipy_openblas_{}_num_threads64_", "scipy_openblas_{}_num_threads", "openblas_{}_num_threads")
 
 _lock = Lock()
@@ -46,9 +49,10 @@ def one_blas_thread() -> Iterator[None]:
 def _libraries() -> tuple[tuple[Callable[[], int], Callable[[int], None]], ...]:
     """Return what tells, and what sets, the number of threads of each library that can be told."""
     found = []
-    for module in MODULES:
+    for package, module in MODULES:  # without importing them: what is reduced already is not worth it
+        folder = Path(getattr(find_spec(package), "origin", None) or package).parent / "linalg"
         try:
-            library = ctypes.CDLL(getattr(find_spec(module), "origin", None) or module)
+            library = ctypes.CDLL(getattr(PathFinder.find_spec(module, [str(folder)]), "origin", None) or module)
         except (ImportError, OSError):
             continue
         name = next((one for one in NAMES if hasattr(library, one.format("set"))), None)

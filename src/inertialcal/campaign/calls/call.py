@@ -35,6 +35,7 @@ from ...files.write.exchange import file_digest
 from ...procedures import procedure_of
 from ...procedures.given import GROUP, GivenFile, Said
 from ...procedures.protocol import Procedure, Tested
+from ...signals.blas import one_blas_thread
 from ..engine.engine import ReducedTest, computable
 from ..engine.status import EXIT
 from ..engine.whole import Whole, reduce_campaign
@@ -252,6 +253,7 @@ class Reduced:
         return write_campaign(self.document, self.files, Path(folder))
 
 
+@one_blas_thread()
 def call(
     name: str,
     given: Given | Sequence[Given],

@@ -17,6 +17,7 @@ from ...core.show.tables import Block, Table, html, text
 from ...files.binary.curves import FILE as CURVES
 from ...files.binary.curves import curves_bytes
 from ...files.source import checked_path
+from ...signals.blas import one_blas_thread
 from ..file.load import Campaign, load
 from ..inputs.changed import check_unchanged, one_digest, stamps
 from ..inputs.gate import Gate
@@ -88,6 +89,7 @@ class Checked(NamedTuple):
         return html(self.parts())
 
 
+@one_blas_thread()
 def check(folder: str | Path) -> Checked:
     """Judge the inputs of a campaign without reducing them.
 
@@ -123,6 +125,7 @@ def check(folder: str | Path) -> Checked:
     return Checked(campaign, inputs, gather(remarks))
 
 
+@one_blas_thread()
 def work(
     campaign: Campaign, given: str, progress: Progress | None, write: bool, cache: Cache
 ) -> tuple[Whole, dict[str, Any], dict[str, str | bytes], list[str], tuple[Remark, ...]]:
@@ -188,6 +191,7 @@ class Whole:
     inputs: dict[str, str]
 
     @cached_property
+    @one_blas_thread()
     def _content(self) -> tuple[dict[str, Any], list[Verdict]]:
         with computable(self.campaign.file.campaign.id, "campaign"):
             return results_content(self.campaign, self.prepared, self.tested, self.modelled, self.remarks)
@@ -219,6 +223,7 @@ class Whole:
         return next((word for word in ("FAIL", "INCONCLUSIVE", "PASS") if word in stated), "")
 
 
+@one_blas_thread()
 def reduce_campaign(
     campaign: Campaign, store: Store | None = None, progress: Progress | None = None, cache: Cache | None = None
 ) -> Whole:
