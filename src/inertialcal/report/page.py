@@ -20,6 +20,7 @@ from markupsafe import Markup
 
 from ..core.show import wording
 from ..core.show.output_tables import OutputTable, output_tables
+from ..core.show.requirement_lines import HEADS, requirement_lines
 from ..core.show.rows import case_name, case_words, quantity_name, verdict_of
 from . import drawings, findings, numbers, record_length, sections
 from .coefficients import delivered
@@ -30,7 +31,7 @@ from .numbers import Text
 from .page_file import about_text, sealed_page
 
 FOLDER = Path(__file__).parent / "templates"
-LARGEST = 1_900_000  # bytes of the page
+LARGEST = 590_000  # bytes of the page
 MOST_FIGURES = 21  # drawn on a page: each takes time
 USES = ("fit", "hold_out", "report_only")  # figures of the first are wanted most, after those of tests that are judged
 NO_ROOM = 20_000  # bytes left, with which no further figure is drawn
@@ -67,7 +68,7 @@ def report_html(
     draw : callable, optional
         Gives the markup of figures by their key; each is drawn here if not given.
     """
-    page = _content(results, model, provenance)
+    page = content_of(results, model, provenance)
     page["svg"] = draw(page["pictures"]["drawn"]) if draw is not None else {}
     whole = environment().get_template("page.html")
     room = Room(LARGEST - _size(whole.render(page, blocks={})), {})
@@ -87,7 +88,7 @@ class Room:
     blocks: dict[str, Markup]
 
 
-def _content(
+def content_of(
     results: Mapping[str, Any], model: Mapping[str, Any] | None, provenance: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Return what the templates are handed: every number with its pointer."""
@@ -95,6 +96,7 @@ def _content(
     lists = {name: r[name] for name in ("results", "sequence", "verdicts", "remarks", "budgets", "exclusions")}
     found = sections.sections(lists["results"], lists["sequence"], lists["verdicts"], lists["remarks"])
     sensor_of = {f"{sections.MODEL}_{name}": str(name) for name in r["sensors"]}
+    glance = requirement_lines(results)
     modelled = None if model is None else numbers.wrap(model, "model:")
     return {
         "r": r,
@@ -105,12 +107,16 @@ def _content(
         "sections": found,
         "models": [(sensor_of[one.test], one) for one in found if one.test in sensor_of],
         "model_lines": sections.table(row for row in lists["results"] if row["test"] == sections.MODEL),
-        "highlights": highlights(r),
+        "glance": glance[: sections.FEW],
+        "glance_heads": HEADS,
+        "unlisted": wording.count(len(glance) - sections.FEW) if len(glance) > sections.FEW else "",
+        "highlights": [] if glance else highlights(r),
         "output": _of_several(output_tables(results["sensors"], results["sequence"], lists["results"])),
         "reaches": record_length.reaches(numbers.wrap(results["curves"], "curves:"), lists["results"]),
         "budgets": _named(sections.grouped(lists["budgets"], "test"), "budget"),
         "totals": sections.budgeted(lists["results"]),
         "judged": _named(sections.grouped(lists["verdicts"], "requirement", "test", "sensor", "axis"), "verdicts"),
+        "recordings": sum(len(step["recordings"]) for step in lists["sequence"]),
         "lists": lists,
         "pictures": _pictures(results),
         "find": findings,
@@ -154,14 +160,14 @@ def _pictures(results: Mapping[str, Any]) -> dict[str, Any]:
     budgets = {sections.MODEL: budgets[sections.MODEL]} if sections.MODEL in budgets else budgets
     judged = {one["test"] for one in results["verdicts"]}
     first = [one for one in found if one.spec.first and one is not top]
-    others: list[tuple[bool, int, int, Drawing]] = []
+    others: list[tuple[bool, bool, int, int, Drawing]] = []
     for step in results["sequence"]:
         kinds: dict[str, int] = {}  # of figures of the test, in the order in which they stand there
         for one in of_tests.get(step["test"], []):
+            kind = kinds.setdefault(one.spec.name, len(kinds))
             if one not in first:
-                kind = kinds.setdefault(one.spec.name, len(kinds))
-                others.append((step["test"] not in judged, USES.index(step["use"]), kind, one))
-    others.sort(key=lambda found: found[:3])
+                others.append((kind > 0, step["test"] not in judged, USES.index(step["use"]), kind, one))
+    others.sort(key=lambda found: found[:4])  # the first kind of each test before any second
     wanted = [top, partner, *first, matrix, *budgets.values(), *(one for *_, one in others)]
     drawn = [one for one in wanted if one is not None][:MOST_FIGURES]
     return {"top": top, "partner": partner, "tests": of_tests, "budgets": budgets, "matrix": matrix, "drawn": drawn}
@@ -173,22 +179,30 @@ def _blocks(page: dict[str, Any], room: Room) -> Iterator[tuple[str, Markup]]:
     yield from _drawn([top] if top else [], page, room)
     for section in page["sections"]:
         yield from _of_section(section, page)
-    if page["output"]:
-        yield "output", _block("output", tables=page["output"])
     if page["reaches"]:
         yield "noise", _block("noise", tests=record_length.by_test(page["reaches"]))
+    yield from _drawn(others, page, room)
+    yield from _lists(page)
+    for one in page["pictures"]["drawn"]:
+        if room.left > NO_ROOM:
+            yield f"data-{one.key}", _block("data", key=one.key, tables=one.data())
+
+
+def _lists(page: dict[str, Any]) -> Iterator[tuple[str, Markup]]:
+    """Yield the long tables that stand folded."""
     for name, _, rows in page["judged"]:
         yield name, _block("verdicts", rows=rows)
-    yield from _budgets(page, True)
+    if page["output"]:
+        yield "output", _block("output", tables=page["output"])
     yield "exclusions", _block("exclusions", rows=page["lists"]["exclusions"])
     for section in page["sections"]:
         if section.step is not None:
             yield f"recordings-{section.anchor}", _block("recordings", step=section.step)
-    yield from _drawn(others, page, room)
+    yield from _budgets(page, True)
+    for section in page["sections"]:
+        if section.more_lines:
+            yield _lines(f"more-lines-{section.anchor}", section.more_lines, section, page)
     yield from _budgets(page, False)
-    for one in page["pictures"]["drawn"]:
-        if room.left > NO_ROOM:
-            yield f"data-{one.key}", _block("data", key=one.key, tables=one.data())
 
 
 def _budgets(page: dict[str, Any], of_model: bool) -> Iterator[tuple[str, Markup]]:
@@ -200,8 +214,7 @@ def _budgets(page: dict[str, Any], of_model: bool) -> Iterator[tuple[str, Markup
 
 def _of_section(section: sections.Section, page: dict[str, Any]) -> Iterator[tuple[str, Markup]]:
     """Yield the tables of a test: its quantities, those of single recordings, the comparison with another test."""
-    elsewhere = record_length.explained(page["reaches"])
-    yield f"lines-{section.anchor}", _block("lines", lines=section.together, ways=section.ways, elsewhere=elsewhere)
+    yield _lines(f"lines-{section.anchor}", section.first_lines, section, page)
     if section.alone:
         own = [line for line in section.lines if any(way in line.alternatives for way, _ in section.alone)]
         yield f"alone-{section.anchor}", _block("alone", lines=own, names=section.alone)
@@ -209,6 +222,14 @@ def _of_section(section: sections.Section, page: dict[str, Any]) -> Iterator[tup
         other = section.step["against"] if section.step else ""
         names = {"test": section.test, "caption": section.pairs_caption, "other": other}
         yield f"pairs-{section.anchor}", _block("pairs", pairs=section.pairs, verdict_of=verdict_of, **names)
+
+
+def _lines(
+    name: str, lines: list[sections.Line], section: sections.Section, page: dict[str, Any]
+) -> tuple[str, Markup]:
+    elsewhere = record_length.explained(page["reaches"])
+    ways = [way for way in section.ways if any(way in line.alternatives for line in lines)]
+    return name, _block("lines", lines=lines, ways=ways, elsewhere=elsewhere)
 
 
 def _drawn(wanted: Iterable[Drawing], page: dict[str, Any], room: Room) -> Iterator[tuple[str, Markup]]:
@@ -236,6 +257,9 @@ def environment() -> Environment:
     script = (FOLDER / "copy.js").read_text(encoding="utf-8")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
     made.globals |= {
+        "count": wording.count,
+        "counted": wording.counted,
+        "most": sections.FEW,
         "script": Markup(script),  # noqa: S704 - our own file
         "style": Markup((FOLDER / "style.css").read_text(encoding="utf-8")),  # noqa: S704 - our own file
         "light": variables(),

@@ -16,6 +16,7 @@ from .findings import Finding, of_test
 from .numbers import Branch, Text
 
 MODEL = "model"
+FEW, SLACK = 10, 2  # lines of a list that stand open; that a few more do too
 MANY = 1e5  # degrees of freedom that make no difference to infinitely many
 
 
@@ -54,6 +55,20 @@ class Section:
         return [
             line for line in self.lines if line.row is not None or not line.alternatives.keys().isdisjoint(self.ways)
         ]
+
+    @property
+    def first_lines(self) -> list[Line]:
+        """The ten lines that matter most: of the whole test before those of a part or condition of it."""
+        return self._ordered[:FEW] if len(self.together) > FEW + SLACK else self.together
+
+    @property
+    def more_lines(self) -> list[Line]:
+        """The other lines."""
+        return self._ordered[len(self.first_lines) :]
+
+    @property
+    def _ordered(self) -> list[Line]:
+        return sorted(self.together, key=lambda line: (line.row is None, bool(line.case)))
 
 
 def anchor(kind: str, name: str, number: int) -> str:

@@ -66,6 +66,8 @@ def _lines(results: Mapping[str, Any]) -> Iterator[RequirementLine]:
         elif row["requirement"] == CLOSED_LOOP:
             loop = results["closed_loop"]
             yield _loop_line(row, [*loop["axes"], *loop["over_temperature"]])
+        else:
+            yield RequirementLine(row["requirement"], row["text"], "", "", "", "no test", row["verdict"])
 
 
 def _line(row: Mapping[str, Any], verdicts: Sequence[Mapping[str, Any]]) -> RequirementLine:

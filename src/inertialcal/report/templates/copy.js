@@ -50,12 +50,4 @@
   function fit() { contents.open = wide.matches; }
   fit();
   wide.addEventListener("change", fit);
-  var opened = [];
-  window.addEventListener("beforeprint", function () {
-    opened = Array.prototype.slice.call(document.querySelectorAll("main details:not([open]):not(.data)"));
-    opened.forEach(function (one) { one.open = true; });
-  });
-  window.addEventListener("afterprint", function () {
-    opened.forEach(function (one) { one.open = false; });
-  });
 })();
