@@ -7,7 +7,8 @@ import pytest
 from inertialcal.core.key import Key, Reason
 from inertialcal.core.remarks import Remark
 from inertialcal.core.results import Interval, Row, not_estimated
-from inertialcal.core.show.result_tables import dof, estimate_table, folded, remarks_line
+from inertialcal.core.show.result_tables import estimate_table, folded, remarks_line
+from inertialcal.core.show.rounding import dof
 from inertialcal.core.show.tables import WIDTH, Block, Details, Table, aligned, clean, ending, html, short, text
 
 HOSTILE = (
@@ -122,7 +123,7 @@ def test_figures_are_rounded_to_their_uncertainty_and_reasons_told_once() -> Non
     grid, reason = estimate_table([row.to_dict() for row in rows], "test")
     assert isinstance(grid, Table)
     assert list(grid.rows) == [
-        ("bias", "x", "0.00748 ± 0.00029", "deg/s", "0.0068988 .. 0.0080657", "93.7"),
+        ("bias", "x", "0.00748 ± 0.00029", "deg/s", "0.00690 .. 0.00807", "93.7"),
         ("linearity_error", "x", "< 0.265 ± 0.043", "%", "", "inf"),
     ]
     assert reason == "not estimated: misalignment yx, misalignment zx: no readings"

@@ -28,8 +28,7 @@ from .errors import DataError
 from .key import Key, Origin
 from .results import Curvature
 from .show.frames import frame
-from .show.result_tables import dof
-from .show.rounding import with_uncertainty
+from .show.rounding import dof, with_uncertainty
 from .show.tables import Block, Table, html, text
 
 if TYPE_CHECKING:

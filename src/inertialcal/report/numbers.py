@@ -20,7 +20,8 @@ from typing import Any
 
 from markupsafe import Markup
 
-from ..core.show.rounding import DIGITS, number, with_uncertainty
+from ..core.show.rounding import dof, number, with_uncertainty
+from ..core.show.rounding import uncertainty as two_digits
 from ..core.units import factor
 from ..sensors.noise.fitting.noise_fit import duration
 
@@ -168,7 +169,17 @@ def uncertainty(value: Number | None, u: Number | None) -> Markup | str:
     if u is None:
         return DASH
     shown = _split(value, u)[1] if value is not None else ""
-    return u.tag(shown or number(u.raw, DIGITS))
+    return u.tag(shown or two_digits(u.raw))
+
+
+def alone(u: Number | None) -> Markup | str:
+    """Return a standard uncertainty that stands without its value, or a dash."""
+    return DASH if u is None else u.tag(two_digits(u.raw))
+
+
+def freedom(value: Number) -> Markup:
+    """Return degrees of freedom."""
+    return value.tag(dof(value.raw))
 
 
 def both(value: Number | None, u: Number | None) -> Markup | str:

@@ -38,6 +38,8 @@ NO_ROOM = 20_000  # bytes left, with which no further figure is drawn
 FILTERS: dict[str, Callable[..., Any]] = {
     "rounded": numbers.rounded,
     "uncertainty": numbers.uncertainty,
+    "alone": numbers.alone,
+    "freedom": numbers.freedom,
     "digits": numbers.digits,
     "both": numbers.both,
     "sentence": findings.html,

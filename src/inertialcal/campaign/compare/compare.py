@@ -16,7 +16,7 @@ from ...core.judging import Rule
 from ...core.remarks import Remark
 from ...core.results import Interval, Row, finite, identity_fields
 from ...core.show.result_tables import folded, remarks_line
-from ...core.show.rounding import number, settled, settled_number
+from ...core.show.rounding import number, settled, settled_ends
 from ...core.show.tables import Block, Table, html, text
 from ...files.source import checked_path
 from ...statistics.decision import Verdict, decide_by, no_change, overall
@@ -278,7 +278,7 @@ def is_beside(one: Difference) -> bool:
 def line(one: Difference, judged: bool) -> list[str]:
     """Return the cells of a figure under ``HEADS``, and ``JUDGED`` where changes are judged."""
     figures = [_figure(row) for row in (one.first, one.second, one.row)]
-    cells = [_name(one.row), one.row.axis, *figures, one.row.unit, _interval(one.row, 5), one.word]
+    cells = [_name(one.row), one.row.axis, *figures, one.row.unit, _interval(one.row), one.word]
     return [*cells, *_words(one)] if judged else cells
 
 
@@ -286,16 +286,16 @@ def _narrow(one: Difference, judged: bool) -> list[str]:
     """Return the difference alone, to fit a notebook and a terminal."""
     row = one.row
     name = f"{_name(row)} {row.axis}".strip()
-    return [name, _figure(row), row.unit, _interval(row, 3), *(_words(one) if judged else (one.word,))]
+    return [name, _figure(row), row.unit, _interval(row), *(_words(one) if judged else (one.word,))]
 
 
 def _name(row: Row) -> str:
     return f"{row.quantity} ({case})" if (case := str(row.case)) else row.quantity
 
 
-def _interval(row: Row, digits: int) -> str:
+def _interval(row: Row) -> str:
     ends = row.interval
-    return "" if ends is None else f"{settled_number(ends.lo, digits)} .. {settled_number(ends.hi, digits)}"
+    return "" if ends is None else settled_ends(row.value, row.u, ends.lo, ends.hi)
 
 
 def _words(one: Difference) -> tuple[str, str]:

@@ -22,7 +22,7 @@ from typing import Any
 from ...core.errors import DataError, UsageError
 from ...core.results import Interval, case_of, key_of
 from ...core.show.result_tables import degrees
-from ...core.show.rounding import number
+from ...core.show.rounding import dof, number, settled_u
 from ...core.show.rows import quantity_name
 from ...core.show.tables import Block, Table, html, text
 from ...core.units import Quantity, factor, parse_quantity, same_dimension
@@ -54,7 +54,7 @@ class Change:
         """Return it in words."""
         if self.influence:
             return (
-                f"{self.influence} from {number(self.u_from, 3)} to {number(self.u_to, 3)} {_shown(self.unit)}".strip()
+                f"{self.influence} from {settled_u(self.u_from)} to {settled_u(self.u_to)} {_shown(self.unit)}".strip()
             )
         repeats = "repeats" if self.level in ("", "hidden") else f"{self.level.removesuffix('s')}s"
         repeats = repeats.removeprefix("between_").removeprefix("within_")
@@ -95,7 +95,7 @@ class Advice:
         floor = ""
         if self.scatter >= self.wanted:
             floor = (
-                f"no better standard would suffice, scatter alone gives {number(self.scatter, 3)} {_shown(self.unit)}; "
+                f"no better standard would suffice, scatter alone gives {settled_u(self.scatter)} {_shown(self.unit)}; "
             )
         needed = " and ".join(map(str, self.together))
         return f"{floor}{needed}" if len(self.together) == 1 else f"{floor}no source would suffice alone: {needed}"
@@ -158,8 +158,8 @@ class Budgets:
         lines = []
         for one in self.figures:
             if (found := one.advice) is not None:
-                now = f"u = {number(found.u, 3)} {_shown(found.unit)}".strip()
-                aim = f"wanted {number(found.wanted, 3)} {_shown(found.unit)}".strip()
+                now = f"u = {settled_u(found.u)} {_shown(found.unit)}".strip()
+                aim = f"wanted {number(found.wanted)} {_shown(found.unit)}".strip()
                 lines.append(f"{one.row['test']}, {one.name}: {now}, {aim}: {found}")
         return [*lines, *self.undecided]
 
@@ -343,14 +343,22 @@ def _lines(one: Budgeted) -> Iterator[tuple[str, ...]]:
     for source, certificate in shown:
         stated = "" if not source["influence"] else source["influence"]
         if source["influence"] and source["stated_u"] is not None:
-            stated += f" {number(source['stated_u'], 3)} {_shown(source['stated_unit'])}"
-        dof = "inf" if source["dof"] is None else number(source["dof"], 3)
+            stated += f" {settled_u(source['stated_u'])} {_shown(source['stated_unit'])}"
         share = f"{100.0 * source['share']:.3g} %"
-        yield (name, source["source"], number(source["u"], 3), source["unit"], share, dof, stated.strip(), certificate)
+        yield (
+            name,
+            source["source"],
+            settled_u(source["u"]),
+            source["unit"],
+            share,
+            dof(source["dof"]),
+            stated.strip(),
+            certificate,
+        )
         name = ""
     row = one.row
     rest = len(one.sources) - len(shown)
-    yield (name, f"combined{f', {rest} more below 0.1 %' if rest else ''}", number(row["u"], 3), row["unit"], "",
+    yield (name, f"combined{f', {rest} more below 0.1 %' if rest else ''}", settled_u(row["u"]), row["unit"], "",
            degrees(row), "", "")  # fmt: skip
 
 

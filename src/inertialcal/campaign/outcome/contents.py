@@ -13,6 +13,7 @@ from ...core.key import Key, Method
 from ...core.remarks import Remark, condensed
 from ...core.results import SCHEMA, Row, finite, key_fields
 from ...core.schema.standards import STANDARDS
+from ...core.show.rounding import uncertainty
 from ...core.times import instant_text
 from ...core.units import Quantity, convert, divide, factor
 from ...procedures import loaded_procedures, procedure_of
@@ -235,7 +236,7 @@ def _with_advice(verdicts: list[dict[str, Any]], results: Mapping[str, Any], ask
         one = known.get((verdict["test"], quantity, verdict["axis"], verdict["sensor"]))
         if verdict["deciding_u"] is not None and one is not None:
             found = advice(one.sources, verdict["deciding_u"], verdict["unit"])
-            size = f"{verdict['deciding_u']:.2g} {verdict['unit']}".removesuffix(" 1")
+            size = f"{uncertainty(verdict['deciding_u'])} {verdict['unit']}".removesuffix(" 1")
             verdict["reason"] += f"; u = {size} would decide: {found}"
 
 

@@ -24,6 +24,7 @@ from typing import Any
 
 from ...core.errors import StoreError
 from ...core.remarks import Remark
+from ...core.show.rounding import uncertainty
 from ...core.show.rows import case_name, quantity_name
 from ...core.show.tables import csv_cell
 from ...files.write.exchange import Kept, recover, replace_folder
@@ -183,7 +184,7 @@ def _shown(row: Any, name: str) -> str:
     value = row.get(name)
     u = row.get("u") if name == "value" else None
     text = f"{value:.9g}" if isinstance(value, float) else str(value)
-    return f"{text} ± {u:.2g} {row.get('unit', '')}".strip() if isinstance(u, float) else text
+    return f"{text} ± {uncertainty(u)} {row.get('unit', '')}".strip() if isinstance(u, float) else text
 
 
 PACKAGES = ("inertialcal", "numpy", "scipy", "numba", "pyarrow", "h5py", "pydantic")

@@ -16,7 +16,7 @@ from ...core.errors import DataError, InertialcalError, UsageError
 from ...core.influence import influence_of
 from ...core.key import PLAIN, Case, Key
 from ...core.results import Interval, case_of, key_fields, key_of
-from ...core.show.rounding import number, with_uncertainty
+from ...core.show.rounding import near, with_uncertainty
 from ...core.show.rows import quantity_name
 from ...core.show.tables import Block, Table, html, text
 from ...core.units import convert
@@ -155,7 +155,7 @@ def _cells(row: Mapping[str, Any]) -> tuple[str, ...]:
     word = {True: "yes", False: "NO", None: "-"}[row["inside"]]
     case = str(case_of(row)._replace(condition=""))
     quantity = f"{quantity_name(row)} ({case})" if case else quantity_name(row)
-    return row["test"], quantity, row["axis"], estimate, number(row["truth"]), row["unit"], word
+    return row["test"], quantity, row["axis"], estimate, near(row["truth"], row["u"]), row["unit"], word
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ import numpy as np
 from ...campaign.compare.compare import HEADS, JUDGED, Comparison, is_beside, is_shown, line, not_compared, rule_lines
 from ...campaign.models.flight_replay import FlightReplay
 from ...core.results import finite, key_of
-from ...core.show.rounding import number, settled, settled_number, with_uncertainty
+from ...core.show.rounding import dof, number, settled, settled_number, settled_u, with_uncertainty
 from ...core.show.rows import names_of, reason_text
 from ...core.units import factor
 from ...sensors.flight import Step
@@ -42,9 +42,9 @@ def model_text(model: SensorModel, rows: Sequence[Mapping[str, Any]]) -> str:
         [
             f"  {key_of(row)}",
             repr(row["value"]),
-            "-" if row["u"] is None else settled_number(row["u"], 3),
+            "-" if row["u"] is None else settled_u(row["u"]),
             row["unit"],
-            "" if row["u"] is None else "inf" if row["dof"] is None else number(row["dof"], 3),
+            "" if row["u"] is None else dof(row["dof"]),
             "; ".join(text for text in (row["test"], reason_text(row)) if text),
         ]
         for row in rows

@@ -11,11 +11,10 @@ from typing import Any
 from ..key import Method
 from ..remarks import Remark
 from ..results import WrittenRow, case_of
-from .rounding import PLAIN, near, number, settled, settled_number
+from .rounding import PLAIN, dof, near, number, settled, settled_ends, settled_number
 from .rows import case_words, full_name, missing_of, quantity_name
 from .tables import Block, Details, Table, clean
 
-MANY = 1e5  # degrees of freedom that make no difference to infinitely many
 FEW = 3  # digits of an upper limit
 WHOLE = 1e3  # values from here on are told with more than three digits
 HEADS = ("quantity", "axis", "value ± u", "unit", "95 % interval", "dof")
@@ -41,17 +40,12 @@ def figure_beside(row: Mapping[str, Any] | None, result: Mapping[str, Any] | Non
 def interval(row: Mapping[str, Any] | None) -> str:
     """Return the ends of the interval; nothing where there is none."""
     ends = row["interval"] if row is not None else None
-    return "" if ends is None else f"{settled_number(ends['lo'], 5)} .. {settled_number(ends['hi'], 5)}"
+    return "" if row is None or ends is None else settled_ends(row["value"], row["u"], ends["lo"], ends["hi"])
 
 
 def degrees(row: Mapping[str, Any] | None) -> str:
     """Return the degrees of freedom."""
     return "" if row is None else dof(row["dof"])
-
-
-def dof(value: float | None) -> str:
-    """Return degrees of freedom; None, and a number beyond any difference, is ``"inf"``."""
-    return "inf" if value is None or value > MANY else number(value, 3)
 
 
 def estimate_table(rows: Sequence[Mapping[str, Any]], caption: str = "") -> tuple[Block, ...]:

@@ -1,7 +1,11 @@
-"""Figures for people: a value rounded to its uncertainty, two digits of it (JCGM 100, 7.2.6).
+"""Figures for people, by one rule: an uncertainty has two significant digits, and its value ends where it ends.
+
+The ends of an interval stand at the same decimal place; at one more where a place fewer would make them alike, or an
+end zero that is not. Degrees of freedom have three digits, from 1000 on those of a whole number (JCGM 100:2008, 7.2.6).
 
 Inside ``digits_shown`` (``--digits``) the figures of results stand with as many digits as said: tables of results take
-their cells from `settled`, `settled_number` and `near`, and nothing else does, so that texts stay as they are.
+their cells from `settled`, `settled_ends`, `settled_u`, `settled_number` and `near`, and nothing else does, so that
+texts stay as they are.
 """
 
 from __future__ import annotations
@@ -10,6 +14,8 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from decimal import Context, Decimal
+from typing import NamedTuple
 
 from ..errors import UsageError
 
@@ -17,7 +23,9 @@ DIGITS = 2  # significant digits of an uncertainty
 PLAIN = 6  # significant digits of a figure without uncertainty
 SMALLEST, LARGEST = -4, 6  # decades written without an exponent
 MOST = 17  # significant digits that a double has
+MANY = 1e5  # degrees of freedom that make no difference to infinitely many
 FULL = "full"
+_EXACT = Context(prec=1100)  # digits that any double needs
 _digits: ContextVar[int | None] = ContextVar("digits", default=None)
 
 
@@ -64,6 +72,26 @@ def settled_number(value: float | None, digits: int = PLAIN) -> str:
     return repr(float(value)).removesuffix(".0") if asked > MOST else f"{value:.{asked}g}"
 
 
+class Place(NamedTuple):
+    """Where figures end."""
+
+    last: int  # Decade of the last digit
+    decade: int | None  # Taken out as a power of ten; None: written without
+
+
+def place(value: float, u: float) -> Place:
+    """Return where a value with a standard uncertainty ends: two significant digits of it."""
+    last = _decade(float(f"{u:.{DIGITS - 1}e}")) - DIGITS + 1
+    decade = max(_decade(float(_at(value, last))), last + DIGITS - 1)
+    return Place(last, None if SMALLEST <= decade < LARGEST and last <= 0 else decade)
+
+
+def _at(value: float, last: int, decade: int = 0) -> str:
+    """Return a value rounded at a decade, half to even, over a power of ten; zero has no sign."""
+    found = _EXACT.quantize(Decimal(value), Decimal(1).scaleb(last, _EXACT)).scaleb(-decade, _EXACT)
+    return f"{abs(found) if found.is_zero() else found:f}"
+
+
 def with_uncertainty(value: float | None, u: float | None) -> str:
     """Return ``"1.00125 ± 0.00042"``, or the value alone with six digits where it has no uncertainty.
 
@@ -80,13 +108,60 @@ def with_uncertainty(value: float | None, u: float | None) -> str:
         return "-"
     if u is None or not math.isfinite(u) or u <= 0.0:
         return f"{value:.{PLAIN}g}"
-    decade = max(_decade(value), _decade(u))
-    last = _decade(float(f"{u:.{DIGITS - 1}e}")) - DIGITS + 1  # decade of the last digit shown
-    if SMALLEST <= decade < LARGEST and last <= 0:
-        return f"{value:.{-last}f} ± {u:.{-last}f}"
-    places = max(decade - last, 0)
-    scale = 10.0**-decade
-    return f"({value * scale:.{places}f} ± {u * scale:.{places}f})e{decade:+03d}"
+    last, decade = place(value, u)
+    shown, shown_u = (_at(one, last, decade or 0) for one in (value, u))
+    return f"{shown} ± {shown_u}" if decade is None else f"({shown} ± {shown_u})e{decade:+03d}"
+
+
+def ends(value: float | None, u: float | None, lo: float | None, hi: float | None) -> str:
+    """Return the ends of the interval of a value, at its decimal place; of one without ``u``, by a quarter of it.
+
+    Examples
+    --------
+    >>> ends(-1255.991791, 0.00096, -1255.993672, -1255.989909)
+    '-1255.99367 .. -1255.98991'
+    >>> ends(0.51, 0.32, 0.003, 1.1)
+    '0.003 .. 1.100'
+    """
+    known = [one for one in (lo, hi) if one is not None and math.isfinite(one)]
+    if len(known) == 2 and not (u is not None and 0.0 < u < math.inf):
+        u = (known[1] - known[0]) / 4.0
+    if not known or u is None or not 0.0 < u < math.inf:
+        return " .. ".join(number(one) for one in (lo, hi))
+    middle = value if value is not None and math.isfinite(value) else max(known, key=abs)
+    last, decade = place(middle, u)
+    shown = [_at(one, last) for one in known]
+    if len(set(shown)) < len(known) or any(one and not float(text) for one, text in zip(known, shown, strict=True)):
+        last -= 1
+    texts = ["-" if one not in known else _at(one, last, decade or 0) for one in (lo, hi)]
+    found = " .. ".join(texts)
+    return found if decade is None else f"({found})e{decade:+03d}"
+
+
+def uncertainty(u: float | None) -> str:
+    """Return a standard uncertainty that stands without its value.
+
+    Examples
+    --------
+    >>> uncertainty(0.1), uncertainty(0.012345), uncertainty(2.04e-7)
+    ('0.10', '0.012', '2.0e-07')
+    """
+    if u is None or not math.isfinite(u) or u <= 0.0:
+        return number(u)
+    last, decade = place(u, u)
+    return _at(u, last) if decade is None else f"{_at(u, last, decade)}e{decade:+03d}"
+
+
+def settled_u(u: float | None) -> str:
+    """Return a standard uncertainty of a result: as `uncertainty`, or with the digits that were asked for."""
+    return uncertainty(u) if _digits.get() is None else settled_number(u)
+
+
+def settled_ends(value: float | None, u: float | None, lo: float | None, hi: float | None) -> str:
+    """Return the ends of the interval of a result: as `ends`, or with the digits that were asked for."""
+    if _digits.get() is None:
+        return ends(value, u, lo, hi)
+    return " .. ".join(settled_number(one) for one in (lo, hi))
 
 
 def near(value: float | None, u: float | None) -> str:
@@ -101,10 +176,21 @@ def near(value: float | None, u: float | None) -> str:
         return settled(value, None)
     if value is None or u is None or not (math.isfinite(u) and math.isfinite(value) and u > 0.0):
         return with_uncertainty(value, None)
-    last = _decade(float(f"{u:.{DIGITS - 1}e}")) - DIGITS
-    if SMALLEST <= max(_decade(value), last) < LARGEST and last <= 0:
-        return f"{value:.{-last}f}"
-    return f"{value:.{max(_decade(value) - last, 0)}e}"
+    last, decade = place(value, u)
+    return _at(value, last - 1) if decade is None else f"{_at(value, last - 1, decade)}e{decade:+03d}"
+
+
+def dof(value: float | None) -> str:
+    """Return degrees of freedom; None, and a number beyond any difference, is ``"inf"``.
+
+    Examples
+    --------
+    >>> dof(4.2849), dof(49912.0), dof(None)
+    ('4.28', '49912', 'inf')
+    """
+    if value is None or not value <= MANY:
+        return "inf"
+    return f"{value:.0f}" if value > 999.0 else f"{value:.3g}"
 
 
 def number(value: float | None, digits: int = PLAIN) -> str:

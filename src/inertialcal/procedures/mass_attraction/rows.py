@@ -15,7 +15,7 @@ from ...core.errors import DataError
 from ...core.key import NO_REASON, Key, Member, Method, Reason
 from ...core.remarks import Remark
 from ...core.results import Interval, Row, not_estimated
-from ...core.show.rounding import freedom, number
+from ...core.show.rounding import freedom, number, uncertainty, with_uncertainty
 from ...physics.mass_shape.bound import largest_field
 from ...signals.correlation import autocorrelation
 from ...statistics.intervals import coverage_factor, t_interval
@@ -84,7 +84,8 @@ def _rows_of_run(result: Result, one: Response) -> Iterator[Row]:
         yield _row(Key(SCALE, axis), one.scale_factor, one.u_scale_factor, UNIT, one.dof, noise, member=alone)
     else:
         limit = t_interval(abs(one.amplitude), one.u, one.dof, 0.9).hi
-        below = f"below {result.plan.floor:g} times the noise floor of {one.u:.3g} count/s: cannot be told from noise"
+        floor = f"{result.plan.floor:g} times the noise floor of {uncertainty(one.u)} count/s"
+        below = f"below {floor}: cannot be told from noise"
         reason = Reason("not_told", below)
         yield Row(Key("response_amplitude", axis), limit, None, "count/s", None, Interval(0.0, limit), "upper_limit",
                   reason, member=alone)  # fmt: skip
@@ -329,7 +330,7 @@ def _on_comparisons(result: Result) -> Iterator[Remark]:
         value, u, dof = (float(one[i]) for one in (result.estimate.values, result.estimate.u, result.estimate.dof))
         off = abs(value) > coverage_factor(dof) * u
         if key.quantity == DIFFERENCE and off:
-            what = f"the scale factor differs by {100.0 * value:+.3g} % from that at high g (+- {100.0 * u:.2g} %)"
+            what = f"the scale factor differs from that at high g by {with_uncertainty(100.0 * value, 100.0 * u)} %"
             do = "Is the instrument not linear down to here, or does something else follow the mass: tilt of the pad?"
             yield Remark("disagrees_with_high_g", "warning", what, do=do)
         if key.quantity == ERROR and abs(value) > FAR and off:

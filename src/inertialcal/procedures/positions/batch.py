@@ -35,7 +35,7 @@ from ...core.key import AXES
 from ...core.remarks import Remark
 from ...core.show.frames import frame
 from ...core.show.result_tables import remarks_line
-from ...core.show.rounding import near, number
+from ...core.show.rounding import near, uncertainty
 from ...core.show.tables import Block, Table, html, text
 from ...files.memory import numbers_of
 
@@ -50,7 +50,6 @@ OK, FEW, NO_SCATTER, ILL_POSED, NOT_CONVERGED, OTHER_UNIT = range(6)
 LARGEST_CONDITION = 1e4  # of the Jacobian in units of gravity; recordings held by hand have 2 to 1,300
 UNIT_SLIP = 3.0  # readings this many times too long or too short are in another unit
 BY_LENGTH = 9  # parameters, where only the size of gravity is known
-DIGITS = 3
 SOURCE = "scatter between positions"
 STATUS = (
     "estimated",
@@ -389,7 +388,7 @@ class PositionsBatch:
             (
                 name,
                 near(float(columns[0][i]), float(columns[1][i])),
-                *(number(float(c[i]), DIGITS) for c in columns[1:]),
+                *(uncertainty(float(c[i])) for c in columns[1:]),
                 unit,
             )
             for i, (name, unit) in enumerate(zip(self.names, self.units, strict=True))

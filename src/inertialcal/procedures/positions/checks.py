@@ -21,6 +21,7 @@ from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.key import AXES
 from ...core.remarks import Remark
+from ...core.show.rounding import uncertainty
 from .fit.fixture import ASSUMED, FACE, FACE_FOUND
 from .fit.linear_sensor import HIDDEN as JUDGED_BY_NOTHING
 from .fit.linear_sensor import Observability
@@ -288,7 +289,7 @@ def _prior_remarks(result: Result) -> list[Remark]:
         return found + _hardly_determined(result)
     sizes = {name: float(np.sqrt(np.mean(errors**2))) for name, errors in judged.left_out.items()}
     own, alone, raw = (sizes[name] for name in ("prior", "without_prior", "as_read"))
-    prior = ", ".join(f"{name} {u:.3g} {PRIOR_UNIT[name]}".strip() for name, u in judged.stated.items())
+    prior = ", ".join(f"{name} {uncertainty(u)} {PRIOR_UNIT[name]}".strip() for name, u in judged.stated.items())
     what = (
         f"prior on the accelerometers: {prior}. In a position left out, gravity is off by {own:.2g} m/s^2 with it, "
         f"{alone:.2g} without it, {raw:.2g} as read"

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...core.results import Row, finite
 from ...core.show.result_tables import figure, interval, not_estimated
-from ...core.show.rounding import freedom, number, with_uncertainty
+from ...core.show.rounding import freedom, near, number, settled_ends, with_uncertainty
 from ...core.show.tables import aligned, clean, csv_cell, ending, short
 from ...core.units import FILE_UNIT, factor
 from ...sensors.noise.fitting.noise_fit import duration
@@ -122,7 +122,13 @@ def _nothing(test: Test, rows: Sequence[Row]) -> Iterator[str]:
     unit = test.facts.unit or FILE_UNIT
     scale = factor(sample_unit(test.facts.kind), unit) if test.facts.kind else 1.0
     cells = [
-        (f"  {short(axis.axis)}", number(tau, 4), number(value, 4), unit, f"{number(lo, 4)} .. {number(hi, 4)}")
+        (
+            f"  {short(axis.axis)}",
+            number(tau, 4),
+            near(value, 0.25 * (hi - lo)),
+            unit,
+            settled_ends(value, None, lo, hi),
+        )
         for axis in test.result.axes
         if axis.curve_alone
         for record in axis.records

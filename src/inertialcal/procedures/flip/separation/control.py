@@ -28,6 +28,7 @@ from ....core.errors import DataError
 from ....core.estimate import Estimate
 from ....core.key import Key
 from ....core.remarks import Remark
+from ....core.show.rounding import uncertainty
 from ....core.units import factor
 from ....statistics.decision import holm
 from ..plan import Plan
@@ -65,7 +66,7 @@ def control_axis(plan: Plan, readings: Readings, flips: Sequence[Flip], whole: F
     for (one, tested), p, rejected in zip(judged, chances, rejections, strict=True):
         if rejected:
             place = f"flip {one.label}" if one.label and len(flips) > 1 else ""
-            known = f"zero has p = {p:.2g} in white and 1/f noise (u = {tested.u[0] * UG:.3g} ug)"
+            known = f"zero has p = {p:.2g} in white and 1/f noise (u = {uncertainty(tested.u[0] * UG)} ug)"
             do = "Look for a disturbance, a drift (plan.drift), or another axis or angle; no requirement can PASS"
             what = f"{plan.axis} does not turn, but {_control(plan, one)}: {known}"
             remarks.append(Remark("control_axis_not_zero", "error", what, place, do=do, axis=plan.axis))

@@ -29,6 +29,7 @@ from ....core.constants import STANDARD_GRAVITY
 from ....core.errors import PlanError
 from ....core.estimate import Array
 from ....core.key import AXES, Key
+from ....core.show.rounding import uncertainty
 from ..fit.linear_sensor import observe
 
 MOST = 200  # positions that a person lays
@@ -319,9 +320,9 @@ def course(
             limited = np.isfinite(limits)
             worst = int(np.argmax(np.where(limited, found.u, 0.0) / np.where(limited, limits, 1.0)))
             blind = f"the candidates do not determine {found.undetermined[0]}" if np.isinf(found.u[worst]) else ""
-            u, unit = found.u[worst], found.units[worst]
+            u, unit = uncertainty(float(found.u[worst])), found.units[worst]
             raise PlanError(
-                f"{found.names[worst]}: {u:.3g} {unit} after {most} positions, {limits[worst]:.3g} wanted",
+                f"{found.names[worst]}: {u} {unit} after {most} positions, {limits[worst]:.3g} wanted",
                 why=blind
                 or "scatter falls with the root of their number, the error of a known direction laid again never",
                 do="Average longer in each position, or allow other positions",

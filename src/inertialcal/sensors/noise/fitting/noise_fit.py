@@ -10,7 +10,7 @@ from ....core.key import Key, Kind, Reason
 from ....core.remarks import Remark
 from ....core.results import Interval, Row
 from ....core.show.frames import frame
-from ....core.show.rounding import with_uncertainty
+from ....core.show.rounding import ends, with_uncertainty
 from ....core.show.tables import Block, Table, html, text
 from ..terms import TERMS, Term, converted, shown_units
 from .goodness import ChiSquare
@@ -206,8 +206,8 @@ def _row(one: Parameter, unit: str) -> tuple[str, str, str, str]:
     if one.u == 0.0:
         return one.name, f"{one.value * times:.6g}", unit, "given"
     lo, hi = one.interval.lo, one.interval.hi
-    between = f"{'0' if lo is None else f'{lo * times:.3g}'} to {'?' if hi is None else f'{hi * times:.3g}'}"
-    return one.name, with_uncertainty(one.value * times, one.u * times), unit, between
+    scaled = (one.value * times, one.u * times, 0.0 if lo is None else lo * times, None if hi is None else hi * times)
+    return one.name, with_uncertainty(*scaled[:2]), unit, ends(*scaled)
 
 
 def _missing(missing: list[TermEstimate], kind: Kind | None) -> Table:
