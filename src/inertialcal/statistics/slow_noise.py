@@ -174,8 +174,12 @@ def walk_covariance(times: Array, length: float) -> Array:
         Of a block [s].
     """
     lag = np.abs(np.subtract.outer(times, times))
-    ends = np.abs(lag + length) ** 3 + np.abs(lag - length) ** 3
-    return np.asarray((2.0 * lag**3 - ends) / (12.0 * length**2))
+    ends = _cubed(lag + length) + _cubed(np.abs(lag - length))
+    return np.asarray((2.0 * _cubed(lag) - ends) / (12.0 * length**2))
+
+
+def _cubed(x: Array) -> Array:
+    return x * x * x  # a power takes ten times as long
 
 
 FLICKER, WALK = "flicker", "walk"

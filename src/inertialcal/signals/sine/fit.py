@@ -37,7 +37,7 @@ from ...core.estimate import Array
 from ..blas import one_blas_thread
 from .drive import Drive
 from .noise import Noise, noise_of, same_noise
-from .smooth import LENGTH, OTHERS, Stretch
+from .smooth import LENGTH, OTHERS, Stretch, stretch_of
 
 CELLS = 12  # of a period, over which samples are averaged
 MANY = 1.5 * CELLS  # samples of a period, from which they are
@@ -212,7 +212,7 @@ def design_of(drive: Drive) -> Design:
     line = [drive.in_phase] if drive.quadrature is None else [drive.in_phase, drive.quadrature]
     columns = _means(np.column_stack([periods, *line]), cell, kept)
     parts = _parts(len(kept), step)
-    stretches = tuple(Stretch(columns[one, 0], columns[one, 1:], step) for one in parts)
+    stretches = tuple(stretch_of(columns[one, 0], columns[one, 1:], step) for one in parts)
     return Design(drive, stretches, parts, cell, kept)
 
 

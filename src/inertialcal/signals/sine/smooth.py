@@ -26,7 +26,7 @@ References
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy import linalg
@@ -46,6 +46,7 @@ DISTINCT = 1e-6  # part of the drive that drift must leave
 BAND = 4.0  # of the frequency of the drive: highest of contrasts of a sine
 SAMPLED = 8.0  # readings a period of a sine, from which that is below half of their frequency
 COARSE = 0.4  # of a period: steps of readings, from which drift in contrasts has the length below
+KEPT = 16  # stretches that are remembered, of 2 MB each
 LONG = 2.0  # [periods]: else two readings a period would leave hardly a contrast
 
 
@@ -75,8 +76,7 @@ class Stretch:
             ``rank_deficient`` if drive and drift cannot be separated at these readings.
         """
         columns = np.column_stack([self.line, self._trend])
-        own = np.eye(len(columns)) if noise is None else noise
-        root = linalg.cholesky(own + STRENGTH * self._kernel(length), lower=True)
+        root = self._root if length == LENGTH and noise is None else self._rooted(length, noise)
         white = linalg.solve_triangular(root, columns, lower=True)
         size = np.linalg.norm(white, axis=0)
         basis, upper = np.linalg.qr(white / size)
@@ -142,13 +142,21 @@ class Stretch:
     def drift(self, rest: Array) -> Array:
         """Return the drift in readings less the drive, shape (n, k)."""
         trend = self._trend
-        kernel = STRENGTH * self._kernel(LENGTH)
-        root = linalg.cholesky(np.eye(len(rest)) + kernel, lower=True)
+        root = self._root
         white, y = (linalg.solve_triangular(root, one, lower=True) for one in (trend, rest))
         size = np.linalg.norm(white, axis=0)
         by_trend = np.linalg.lstsq(white / size, y, rcond=None)[0] / size[:, None]
         left = linalg.solve_triangular(root, y - white @ by_trend, lower=True, trans="T")
         return np.asarray(rest - left)  # V^-1 of the residual is what is neither trend nor drift
+
+    @cached_property
+    def _root(self) -> Array:
+        return self._rooted(LENGTH, None)
+
+    def _rooted(self, length: float, noise: Array | None) -> Array:
+        """Return the lower triangle whose product with its transpose is V, shape (n, n)."""
+        own = np.eye(len(self.times)) if noise is None else noise
+        return np.asarray(linalg.cholesky(own + STRENGTH * self._kernel(length), lower=True))
 
     def _kernel(self, length: float) -> Array:
         return np.asarray(np.exp(-0.5 * (np.subtract.outer(self.times, self.times) / length) ** 2))
@@ -171,3 +179,13 @@ class Stretch:
     def _trend(self) -> Array:
         place = 2.0 * (self.times - self.times[0]) / np.ptp(self.times) - 1.0
         return np.asarray(np.polynomial.legendre.legvander(place, DEGREE))
+
+
+def stretch_of(times: Array, line: Array, step: float) -> Stretch:
+    """Return a stretch, shapes as `Stretch` has them; the same for the same values, as what it works out is dear."""
+    return _stretch(times.tobytes(), line.tobytes(), line.shape[1], step)
+
+
+@lru_cache(KEPT)
+def _stretch(times: bytes, line: bytes, columns: int, step: float) -> Stretch:
+    return Stretch(np.frombuffer(times), np.frombuffer(line).reshape(-1, columns), step)
