@@ -94,6 +94,36 @@ def test_figures_that_share_all_of_their_error_miss_together() -> None:
     assert expected_range([]) == (0, 0)
 
 
+@pytest.mark.parametrize("drawn_at", [0.0, 2.5, -4.0])
+def test_an_error_that_is_known_is_no_chance(drawn_at: float) -> None:
+    """Of 40 figures half feel a standard: where it is known to be far off they miss, and the others do as ever."""
+    rng = np.random.default_rng(23)
+    change = 0.9
+    rows = [
+        row(f"t{number}", "q", "x", 1.0, None, {"table.rate": change} if number < 20 else {}) for number in range(40)
+    ]
+    low, high = expected_range(rows, drawn={"table.rate": drawn_at})
+    own = np.sqrt(1.0 - change**2) * rng.standard_normal((CAMPAIGNS, 20)) + change * drawn_at
+    others = rng.standard_normal((CAMPAIGNS, 20))
+    counts = (np.abs(np.hstack([own, others])) <= 1.959963985).sum(axis=1)
+    inside = int(((counts >= low) & (counts <= high)).sum())
+    assert binomial_interval(inside, CAMPAIGNS, 0.999)[1] >= 0.95
+    assert high - low <= 12
+
+
+def test_a_model_is_as_far_off_as_the_test_that_it_is_taken_from() -> None:
+    tested = [row("t", f"q{number}", "x", 1.0, None, {}) for number in range(30)]
+    keys = [key(one) for one in tested]
+    covariance = {"test": "t", "keys": keys, "matrix": (0.9 + 0.1 * np.eye(30)).tolist()}
+    model = [one | {"test": "model", "value": one["value"] * 1.001} for one in tested]
+    both = expected_range([*tested, *model], [covariance], {"model": ["t"]})
+    alone = expected_range(tested, [covariance])
+    assert both[1] == 2 * alone[1] == 60
+    assert abs(both[0] - 2 * alone[0]) <= 4  # of what 20,000 draws leave uncertain
+    apart = expected_range([*tested, *model], [covariance])
+    assert apart[0] > both[0] + 6
+
+
 def test_the_same_results_give_the_same_range() -> None:
     rng = np.random.default_rng(5)
     rows, covariances, _ = drawn(rng, {"table.rate": 1.0}, 6.0)

@@ -78,9 +78,12 @@ class Score:
 
     @cached_property
     def expected(self) -> tuple[int, int]:
-        """Least and largest number of such rows in 95 % of campaigns, what figures share counted once."""
-        covariances = [] if self.brought.results is None else self.brought.results["covariances"]
-        return expected_range([row for row in self.rows if row["inside"] is not None], covariances)
+        """Least and largest number of such rows in 95 % of campaigns with the errors of these standards."""
+        content = self.brought.results or {"covariances": [], "occasions": {}}
+        made_of = {name: one["tests"] for name, one in content["occasions"].items()}
+        drawn = {one.influence: one.error for one in self.truth.errors}
+        rows = [row for row in self.rows if row["inside"] is not None]
+        return expected_range(rows, content["covariances"], made_of, drawn)
 
     @property
     def judged_apart(self) -> int:
@@ -135,7 +138,7 @@ class Score:
 
     def _held(self) -> str:
         low, high = self.expected
-        expected = f"{low} to {high} expected, errors that figures share counted once"
+        expected = f"{low} to {high} expected, with errors that figures share counted once"
         return f"{self.inside} of {self.estimated} stated 95 % intervals hold the truth; {expected}"
 
     def parts(self) -> tuple[Block, ...]:
