@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
@@ -34,10 +34,11 @@ def twin_of(seed: int, **change: Any) -> Twin:
     return short_twin(seed, **(AIR_ALONE | {"chamber_runs": 8, "chamber_fit_runs": 4} | change))
 
 
-def whole(twin: Twin, change: Change = lambda document: None, **files: Recording) -> Whole:
+def whole(twin: Twin, change: Change | None = None, files: Mapping[str, Recording] | None = None) -> Whole:
     document = tomllib.loads(twin.campaign.replace(SEED, str(twin.seed)))
-    change(document)
-    return reduce_campaign(campaign_of(document), Memory({**twin.recordings, **files}, {}))
+    if change is not None:
+        change(document)
+    return reduce_campaign(campaign_of(document), Memory({**twin.recordings, **(files or {})}, {}))
 
 
 def judged(found: Whole) -> list[dict[str, Any]]:
@@ -183,7 +184,7 @@ def test_a_copied_recording_is_refused(twin: Twin, original: str, shift: int) ->
     columns = tuple(replace(each, data=each.data + shift) if each.name == "unix_s" else each for each in one.channels)
     copy = replace(one, time_ns=one.time_ns + shift * 10**9, channels=columns)
     with pytest.raises(DataError) as caught:
-        whole(twin, **{"recordings/ambient_5.csv": copy})
+        whole(twin, files={"recordings/ambient_5.csv": copy})
     assert "duplicate_recording" in {problem.code for problem in caught.value.problems}
 
 
@@ -191,7 +192,7 @@ def test_temperatures_beyond_the_model_are_not_judged() -> None:
     narrow = twin_of(3, set_points=(23.0, -10.0, 40.0, 23.0))
     wide = twin_of(3)
     names = [f"recordings/ambient_{number}.csv" for number in range(1, 5)]
-    found = judged(whole(wide, **{name: narrow.recordings[name] for name in names}))
+    found = judged(whole(wide, files={name: narrow.recordings[name] for name in names}))
     beyond = [one for one in found if one["at"] < -11.0 or one["at"] > 41.0]
     assert beyond
     assert {one["verdict"] for one in beyond} == {"INCONCLUSIVE"}
@@ -202,7 +203,7 @@ def test_temperatures_beyond_the_model_are_not_judged() -> None:
 def test_a_model_that_readings_held_out_refute_compensates_nothing(twin: Twin) -> None:
     turned = twin_of(3, inverted=(1, -1, 1))
     names = [f"recordings/ambient_{number}.csv" for number in range(5, 9)]
-    found = whole(twin, **{name: turned.recordings[name] for name in names})
+    found = whole(twin, files={name: turned.recordings[name] for name in names})
     assert found.verdict == "FAIL"
     assert {one["reason"] for one in judged(found)} == {"no model is delivered that could compensate these readings"}
 

@@ -74,9 +74,9 @@ def judge(
     )  # fmt: skip
     about = [one for one in tested if _is_about(requirement, one)]
     if requirement.readings == "compensated":
-        found = list(compensated_verdicts(asked, about, compensation or Compensation()))
-        found = found or [replace(_open(asked), readings="compensated")]
-        return [replace(one, basis=replace(one.basis, rule=rule_text(rule))) for one in found], []
+        left = list(compensated_verdicts(asked, about, compensation or Compensation()))
+        left = left or [replace(_open(asked), readings="compensated")]
+        return [replace(one, basis=replace(one.basis, rule=rule_text(rule))) for one in left], []
     if asked.quantity in RECORDED:
         recorded, given = _recorded(asked, about)
         words = rule_text(rule)

@@ -86,7 +86,7 @@ def _figure(row: Row) -> tuple[Any, ...]:
 
 
 def _key(written: Mapping[str, Any]) -> Key:
-    return key_of(written)  # type: ignore[arg-type]
+    return key_of(written)
 
 
 def _stated(

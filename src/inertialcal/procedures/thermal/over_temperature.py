@@ -114,7 +114,8 @@ def bias_of(model: SensorModel, axis: str, temperature: Array) -> Array:
     at = model.axes.index(axis)
     powers = [] if model.bias_temperature is None else list(model.bias_temperature[:, at])
     reference = 0.0 if model.reference_temperature is None else float(model.reference_temperature[at])
-    return np.vander(temperature - reference, 1 + len(powers), increasing=True) @ np.array([model.bias[at], *powers])
+    columns = np.vander(temperature - reference, 1 + len(powers), increasing=True)
+    return np.asarray(columns @ np.array([model.bias[at], *powers]))
 
 
 def judged_over(
