@@ -10,7 +10,7 @@ PIP := $(BIN)/python -m pip install --quiet --no-compile
 # Compiled modules are kept: the next process, and every command that a test starts, need not compile them again.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo test slow long coverage mutants torture gate check bench docs pins clean
+.PHONY: demo test slow long coverage power mutants torture gate check bench docs pins clean
 
 demo: $(INSTALLED)  ## a simulated suite of rate sensors: built, run, scored
 	$(BIN)/inertialcal demo
@@ -31,6 +31,9 @@ coverage: long  ## do the 95 % intervals hold the truth, n = 1,000: RIGS="npsat1
 
 long: $(READY)  ## a record longer than memory through allan, under 1 GiB: ROWS=1e9 (needs 20 GB of disk)
 	$(BIN)/python tests/speed/long_record.py $(ROWS)
+
+power: $(READY)  ## how often the plan of the demonstration decides: verdicts of seeds 1 to 100, half an hour
+	PYTHONPATH=tests/rigs OMP_NUM_THREADS=1 $(BIN)/python -m demo_power $(SEEDS)
 
 mutants: $(READY)  ## wrong changes to the numerics, each of which a test must catch
 	$(BIN)/python tests/mutants.py --jobs 2

@@ -583,6 +583,7 @@ class Procedure(Generic[P, R, S]):
     compared: Compared | None = None
     gives: tuple[TermKind, ...] = ()  # kinds of terms (``model_terms.KINDS``) that its ``terms`` can hold
     judged_alone: bool = False  # each test held out by itself, on readings that nothing was taken off
+    compensated: tuple[str, ...] = ()  # quantities that a requirement can ask of compensated readings held out
     takes_corrections: bool = False  # readings may have taken off what another test found
     no_corrections: str = ""  # why they may not
 
@@ -704,6 +705,16 @@ class Procedure(Generic[P, R, S]):
         None leaves it to the general rule, which judges every row of that quantity by its interval.
         """
         return None
+
+    def judge_compensated(
+        self, asked: Asked, test: Tested[P, R, S], model: SensorModel
+    ) -> list[tuple[Verdict, Verdict | None]]:
+        """Return verdicts on readings held out once a model has compensated them, and the same as they were read.
+
+        For the quantities in ``compensated`` alone. The model is a given function here: what is not known of it shows
+        in the readings, and u is that of a test of its own.
+        """
+        return []
 
     def interval_at(self, result: S, row: Row, p: float) -> Interval | None:
         """Return the interval of another probability of a row that is a size; None where it has none."""

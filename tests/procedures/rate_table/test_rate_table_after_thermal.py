@@ -152,10 +152,10 @@ def test_errors_of_the_polynomial_cancel_at_the_temperature_of_the_table(
 
 
 def test_with_a_reading_at_rest_it_drops_out(twin: Twin) -> None:
-    referenced = twin.campaign.replace('use = "report_only"', 'use = "fit"')
-    referenced = referenced.replace('id = "rate_from_rest"\n', 'id = "rate_from_rest"\nafter = ["thermal_ambient"]\n')
-    assert referenced.count("after = ") == 3
-    result = {one.test.id: one for one in fitted_tests(replace(twin, campaign=referenced))}["rate_from_rest"].result
+    given = "plan = { attitude ="
+    assert twin.campaign.count("after = ") == twin.campaign.count(given) == 2
+    referenced = twin.campaign.replace(given, "plan = { zero_reference = true, attitude =")
+    result = {one.test.id: one for one in fitted_tests(replace(twin, campaign=referenced))}["rate"].result
     assert result.estimate is not None
     assert not any(one.source.startswith("thermal_ambient: ") for one in result.estimate.components)
 

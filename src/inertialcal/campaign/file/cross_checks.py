@@ -83,6 +83,28 @@ def requirement_checks(file: CampaignFile, at: At) -> Iterator[Problem]:
                 yield from _limit(one, known, text, at("requirements", number, key))
         yield from _spelling(one, known, _given(file), at("requirements", number, "quantity"))
         yield from _where(one, known, at("requirements", number, "where"))
+        if one.readings == "compensated":
+            yield from _compensated(file, one, at("requirements", number, "readings"))
+
+
+def _compensated(file: CampaignFile, one: Requirement, where: str) -> Iterator[Problem]:
+    """Find quantities that are not told of compensated readings, and tests that are not held out."""
+    able = {name: procedure_of(name).compensated for name in procedure_names()}
+    what = f"requirement {one.id!r}: readings = 'compensated'"
+    if one.quantity not in {quantity for each in able.values() for quantity in each}:
+        given = ", ".join(f"{quantity} of {name}" for name, each in able.items() for quantity in each)
+        why = "only of these is it known what compensation leaves"
+        yield Problem(f"{what} of {one.quantity}", where, why, f"There are: {given}", "wrong_value")
+        return
+    for test in file.tests:
+        if test.id in (one.tests or ()) and test.use != "hold_out":
+            why = "a model does well on the readings that it was fitted on"
+            do = 'Name tests with use = "hold_out"'
+            yield Problem(f"{what} of test {test.id!r}, use = {test.use!r}", where, why, do, "wrong_value")
+    held = (test for test in file.tests if test.use == "hold_out")
+    if one.tests is None and not any(one.quantity in able.get(test.procedure, ()) for test in held):
+        do = 'Hold out power-ups: a test with use = "hold_out"'
+        yield Problem(f"{what}: no test is held out that gives {one.quantity}", where, do=do, code="wrong_value")
 
 
 def decision_checks(file: CampaignFile, at: At) -> Iterator[Problem]:

@@ -140,6 +140,7 @@ class Requirement(Strict):
     lower: str | None = None
     upper: str | None = None
     where: Text = ""
+    readings: Literal["as_read", "compensated"] = "as_read"
     condition: Text | None = None
     tests: list[Name] | None = Field(default=None, min_length=1)
     decision: Decision | None = None

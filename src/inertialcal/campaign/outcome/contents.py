@@ -36,6 +36,7 @@ from ..inputs.sources import Origin
 from ..models.content import closed_loop_content, named_models, parameter_rows
 from ..models.judged import NOT_RUN, Modelled
 from .budget import advice, budgeted, deciding_u
+from .compensated import Compensation
 from .exclusions import LeftOut, exclusion_rows, left_out
 from .requirements import judge, margin, rule_text, worst
 
@@ -78,8 +79,9 @@ def results_content(
     tests = {one.test.id: one.test for one in tested}
     unit = campaign.file.sensors[next(iter(campaign.file.sensors))].unit
     general = campaign.file.decision.made()
+    compensation = Compensation(campaign.file, () if modelled is None else modelled.delivered)
     for requirement in campaign.file.requirements:
-        found, more = judge(requirement, tested, general)
+        found, more = judge(requirement, tested, general, compensation)
         judged += [(verdict, requirement.quantity) for verdict in found]
         known = {(row.test, row.key, row.case) for row in rows}
         stated = [replace(row, condition=tests[row.test].condition) if row.test in tests else row for row in more]

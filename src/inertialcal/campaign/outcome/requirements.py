@@ -31,6 +31,7 @@ from ...statistics.decision import decide, decide_by
 from ...statistics.guard_band import INTERVAL
 from ..engine.engine import ReducedTest
 from ..file.schema import Requirement
+from .compensated import Compensation, compensated_verdicts
 
 TOGETHER = "over several rates the 95 % hold for all together"
 OPEN = "OPEN"
@@ -46,7 +47,10 @@ def rule_text(rule: Rule) -> str:
 
 
 def judge(
-    requirement: Requirement, tested: Sequence[ReducedTest], general: Rule = INTERVAL
+    requirement: Requirement,
+    tested: Sequence[ReducedTest],
+    general: Rule = INTERVAL,
+    compensation: Compensation | None = None,
 ) -> tuple[list[Verdict], list[Row]]:
     """Return the verdicts of a requirement, and rows that follow from it (the resolution).
 
@@ -60,6 +64,8 @@ def judge(
         All tests that were run; those that the requirement is about are chosen here.
     general : Rule
         Decision rule of the campaign, for a requirement that names none.
+    compensation : Compensation, optional
+        Models that are delivered, for a requirement on compensated readings.
     """
     rule = general if requirement.decision is None else requirement.decision.made()
     asked = Asked(
@@ -67,6 +73,10 @@ def judge(
         requirement.upper, requirement.where, rule,
     )  # fmt: skip
     about = [one for one in tested if _is_about(requirement, one)]
+    if requirement.readings == "compensated":
+        left = list(compensated_verdicts(asked, about, compensation or Compensation()))
+        left = left or [replace(_open(asked), readings="compensated")]
+        return [replace(one, basis=replace(one.basis, rule=rule_text(rule))) for one in left], []
     if asked.quantity in RECORDED:
         recorded, given = _recorded(asked, about)
         words = rule_text(rule)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,7 @@ from ...statistics.intervals import binomial_interval, contains, covers, t_inter
 from ..engine.engine import ReducedTest
 from ..outcome.publish import OUT
 from ..outcome.results_file import find_results
+from .expected import expected_range
 from .faults import Brought, Named, brought_by, brought_from, brought_text, names_fault
 from .fitted import fitted_tests
 from .standards import apart, entering, standards_text
@@ -73,6 +75,15 @@ class Score:
     def inside(self) -> int:
         """Number of rows whose interval holds the truth."""
         return sum(row["inside"] is True for row in self.rows)
+
+    @cached_property
+    def expected(self) -> tuple[int, int]:
+        """Least and largest number of such rows in 95 % of campaigns with the errors of these standards."""
+        content = self.brought.results or {"covariances": [], "occasions": {}}
+        made_of = {name: one["tests"] for name, one in content["occasions"].items()}
+        drawn = {one.influence: one.error for one in self.truth.errors}
+        rows = [row for row in self.rows if row["inside"] is not None]
+        return expected_range(rows, content["covariances"], made_of, drawn)
 
     @property
     def judged_apart(self) -> int:
@@ -126,7 +137,9 @@ class Score:
         return lines
 
     def _held(self) -> str:
-        return f"{self.inside} of {self.estimated} stated 95 % intervals hold the truth"
+        low, high = self.expected
+        expected = f"{low} to {high} expected, with errors that figures share counted once"
+        return f"{self.inside} of {self.estimated} stated 95 % intervals hold the truth; {expected}"
 
     def parts(self) -> tuple[Block, ...]:
         """Return what is shown: estimates beside the truth, how many intervals hold it."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -14,6 +14,9 @@ from ..options import Json, Quiet, rigs_beginning
 from ..shown.output import json_out
 from ..shown.progress import progress
 from .campaigns import outcome_content, print_outcome, where_text
+
+if TYPE_CHECKING:
+    from ...campaign.twins.score import Score
 
 
 def demo(
@@ -62,9 +65,14 @@ def _one(name: str, folder: Path, as_json: bool, quiet: bool) -> dict[str, Any]:
     if not as_json and not quiet:
         print_outcome(outcome) if found is None else _print_scored(outcome, found)
         print("" if flown is None else f"\n{flight_text(flown)}", end="\n" if flown else "")
-    scored = {} if found is None else {"score": {"inside": found.inside, "estimated": found.estimated}}
+    scored = {} if found is None else _counted(found)
     flight = {} if flown is None else {"flight_c": flown.to_dict()}
     return {"example": name} | outcome_content(outcome) | scored | flight
+
+
+def _counted(found: Score) -> dict[str, Any]:
+    expected = {"lo": found.expected[0], "hi": found.expected[1], "p": 0.95}
+    return {"score": {"inside": found.inside, "estimated": found.estimated, "expected": expected}}
 
 
 WITH_MODEL = ("vacuum_offset", "angle_random_walk")  # shown with the model, which has no such terms

@@ -134,6 +134,7 @@ def _campaign(folder: Path, as_json: bool, quiet: bool) -> int:
         truth = {"rig": of.rig, "seed": of.seed, "fault": of.fault, "size": of.size, "truth_sha256": of.seal}
         counts = {
             "inside": found.inside, "estimated": found.estimated, "known": len(found.rows),
+            "expected": {"lo": found.expected[0], "hi": found.expected[1], "p": 0.95},
             "inside_apart": found.inside_apart, "judged_apart": found.judged_apart,
         }  # fmt: skip
         standards = [

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from .rounding import number
+from .tables import short
 from .wording import VERDICTS
 
 COMPENSATED = "compensated"  # of ``readings``: judged after compensation, on readings held out
@@ -101,8 +102,8 @@ def _worst_as_read(verdicts: Sequence[Mapping[str, Any]]) -> Mapping[str, Any] |
 
 
 def _order(one: Mapping[str, Any]) -> tuple[int, float]:
-    """Return what sorts the worst verdict first, of alike ones that with the smallest margin; none known is worst."""
-    return VERDICTS.index(one["verdict"]), -math.inf if one["margin"] is None else one["margin"]
+    """Return what sorts the worst verdict first, of alike ones that with the smallest margin; one without is last."""
+    return VERDICTS.index(one["verdict"]), math.inf if one["margin"] is None else one["margin"]
 
 
 def _figure(value: float | None, unit: str) -> str:
@@ -127,10 +128,10 @@ def _margin(one: Mapping[str, Any]) -> str:
     """Return the margin in words; why it is not decided, where no margin says so."""
     left = one["margin"]
     if left is None or (left >= 0.0 and one["verdict"] != "PASS"):
-        return str(one["reason"])
+        return short(str(one["reason"]))
     size = _with_unit(abs(left), one["unit"])
     if one["verdict"] == "PASS":
-        return f"{size} to spare" if left >= 0.0 else str(one["reason"])
+        return f"{size} to spare" if left >= 0.0 else short(str(one["reason"]))
     return f"{size} beyond" if one["verdict"] == "FAIL" else f"interval {size} beyond"
 
 

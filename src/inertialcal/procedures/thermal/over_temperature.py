@@ -21,6 +21,7 @@ from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.judging import LEVEL, Asked, Basis, Condition, Rule, Verdict
 from ...core.results import Interval
+from ...sensors.model.sensor_model import SensorModel
 from ...statistics.decision import decide
 from ...statistics.guard_band import INTERVAL
 from ...statistics.intervals import band_factor
@@ -33,6 +34,8 @@ from .reduction import Result
 
 PLACES = 13  # temperatures over a range
 CHANGE = "bias_over_temperature"
+LEAST_RUNS = 2  # power-ups that tell how they differ
+ONE_POWER_UP = "one power-up is held out: how another one differs was not observed"
 APART = 0.01  # [degC] from the reference temperature, where a change from there is judged
 
 
@@ -62,10 +65,57 @@ def judge_bias(asked: Asked, tests: Sequence[Tested[Plan, Readings, Result]]) ->
                 judged = judged_over(one.result.plan, sensor.law, axis, unit, asked.condition, lower, upper, asked.rule,
                                      change=asked.quantity == CHANGE)  # fmt: skip
                 for place in judged:
-                    yield Verdict(
-                        asked.id, one.id, axis, place.at, "expected", place.value, place.u, unit,
-                        place.interval, lower, upper, place.status, place.reason, "degC", basis=place.basis,
-                    )  # fmt: skip
+                    yield _verdict(asked, one.id, axis, place, unit, (lower, upper))
+
+
+def judge_less(
+    asked: Asked, one: Tested[Plan, Readings, Result], model: SensorModel
+) -> Iterator[tuple[Verdict, Verdict | None]]:
+    """Yield the verdicts on the bias of a test held out less that of a model, each with that on the bias as read.
+
+    The test has its own scatter of power-ups and its own errors of standards, in full: those of the model show in what
+    is left. One power-up does not tell how another differs: INCONCLUSIVE.
+
+    Raises
+    ------
+    DataError
+        If the limits are of another kind.
+    """
+    unit = one.result.readings.unit
+    limits = asked.limits(unit)
+    for axis, sensor in one.result.sensors.items():
+        if asked.axis not in (None, axis):
+            continue
+        plan, law, over = one.result.plan, sensor.law, asked.condition
+        raw = {place.at: place for place in judged_over(plan, law, axis, unit, over, *limits, asked.rule)}
+        if axis not in model.axes or one.readings.runs < LEAST_RUNS:
+            why = ONE_POWER_UP if axis in model.axes else f"the model has no axis {axis}"
+            left = [Place(at, None, None, None, "INCONCLUSIVE", why) for at in raw]
+        else:
+            left = list(judged_over(plan, law, axis, unit, over, *limits, asked.rule, less=model))
+        for place in left:
+            yield (
+                _verdict(asked, one.id, axis, place, unit, limits),
+                _verdict(asked, one.id, axis, raw[place.at], unit, limits),
+            )
+
+
+def _verdict(
+    asked: Asked, test: str, axis: str, place: Place, unit: str, limits: tuple[float | None, float | None]
+) -> Verdict:
+    return Verdict(
+        asked.id, test, axis, place.at, "expected", place.value, place.u, unit, place.interval, *limits, place.status,
+        place.reason, "degC", basis=place.basis,
+    )  # fmt: skip
+
+
+def bias_of(model: SensorModel, axis: str, temperature: Array) -> Array:
+    """Return the bias that a model takes off at temperatures [degC], shape (n,) [unit of the model]."""
+    at = model.axes.index(axis)
+    powers = [] if model.bias_temperature is None else list(model.bias_temperature[:, at])
+    reference = 0.0 if model.reference_temperature is None else float(model.reference_temperature[at])
+    columns = np.vander(temperature - reference, 1 + len(powers), increasing=True)
+    return np.asarray(columns @ np.array([model.bias[at], *powers]))
 
 
 def judged_over(
@@ -78,6 +128,7 @@ def judged_over(
     upper: float | None,
     rule: Rule = INTERVAL,
     change: bool = False,
+    less: SensorModel | None = None,
 ) -> Iterator[Place]:
     """Yield the verdicts at the temperatures that a condition takes in.
 
@@ -93,14 +144,22 @@ def judged_over(
         By which each place is decided.
     change : bool
         Whether the change from the reference temperature is judged, in place of the bias.
+    less : SensorModel, optional
+        Whose bias is taken off; nothing is known outside of its temperatures.
     """
     at, reference = temperatures_of(condition, law.domain), plan.reference_temperature
     if change:
         at = at[np.abs(at - reference) > APART]
-    inside = (at >= law.domain[0]) & (at <= law.domain[1])
     low, high = law.domain
+    beyond = f"outside the range of the ramps, {low:.4g} to {high:.4g} degC"
+    if less is not None and less.temperature_range is not None:
+        of_model = less.temperature_range
+        if of_model[0] > low or of_model[1] < high:
+            low, high = max(low, of_model[0]), min(high, of_model[1])
+            beyond = f"outside the temperatures of the ramps and of the model, {low:.4g} to {high:.4g} degC"
+    inside = (at >= low) & (at <= high)
     for one in at[~inside]:
-        reason = f"outside the range of the ramps, {low:.4g} to {high:.4g} degC"
+        reason = beyond
         yield Place(float(one), None, None, None, "INCONCLUSIVE", reason)
     known = at[inside]
     reason = "the bias has no uncertainty there"
@@ -113,7 +172,8 @@ def judged_over(
         if found is None:
             yield Place(float(one), None, None, None, "INCONCLUSIVE", reason)
             continue
-        value, u, dof = float(found.values[i]), float(found.u[i]), float(found.dof[i])
+        off = 0.0 if less is None else float(bias_of(less, axis, known[i : i + 1])[0])
+        value, u, dof = float(found.values[i]) - off, float(found.u[i]), float(found.dof[i])
         verdict = decide(value, u, dof, lower, upper, _p(len(known), law.order + 1, dof), rule)
         yield Place(float(one), value, u, verdict.interval, verdict.status, verdict.reason, verdict.basis)
 

@@ -91,6 +91,7 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
     uses = frozenset({"fit", "hold_out", "report_only"})
     gives = ("bias", "hysteresis")
     corrects = set_against = judged_alone = True
+    compensated = ("bias",)
     no_corrections = "it finds the bias itself, at all its temperatures: what was taken off would be found again"
     counts_dwells = False
     inputs = InputSpec(
@@ -193,6 +194,14 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
             return list(judge_error(asked, tests)), []
         over = asked.quantity == CHANGE or (asked.quantity == "bias" and asked.where)
         return (list(judge_bias(asked, tests)), []) if over else None
+
+    def judge_compensated(
+        self, asked: Asked, test: Tested[Plan, Readings, Result], model: SensorModel
+    ) -> list[tuple[Verdict, Verdict | None]]:
+        """Return the verdicts on the bias over temperature less that of a model, each with that on the bias as read."""
+        from .over_temperature import judge_less
+
+        return list(judge_less(asked, test, model))
 
     def needs(self, influence: str, result: Result) -> bool:
         """Return whether an influence would change this result; the latitude, where the attitude is known too."""

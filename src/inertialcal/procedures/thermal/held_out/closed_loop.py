@@ -35,6 +35,7 @@ from ....statistics.intervals import t_interval
 from ..fit.cells import Cells
 from ..fit.law import Law
 from ..fit.quantities import earth_along
+from ..over_temperature import bias_of
 from ..reduction import Result
 
 RESIDUAL = "residual_bias"
@@ -147,15 +148,16 @@ def _more(model: SensorModel | None, axis: str, warmth: Array, off: Array) -> tu
     """Return what a model has more of a bias than was taken off, and its Type A variance where that is something."""
     if model is None:
         return np.zeros(len(warmth)), None
-    at = model.axes.index(axis)
-    powers = [] if model.bias_temperature is None else list(model.bias_temperature[:, at])
-    reference = 0.0 if model.reference_temperature is None else float(model.reference_temperature[at])
-    columns = np.vander(warmth - reference, 1 + len(powers), increasing=True)
-    more = columns @ np.array([model.bias[at], *powers]) - off
+    more = bias_of(model, axis, warmth) - off
     if np.all(np.abs(more) <= SAME * np.max(np.abs(off))):
         return np.zeros(len(warmth)), None
     variance = np.zeros(len(warmth))
-    keys = [Key("bias", axis), *(Key("bias_temperature", axis, power=j + 1) for j in range(len(powers)))]
+    powers = 0 if model.bias_temperature is None else len(model.bias_temperature)
+    reference = (
+        0.0 if model.reference_temperature is None else float(model.reference_temperature[model.axes.index(axis)])
+    )
+    columns = np.vander(warmth - reference, 1 + powers, increasing=True)
+    keys = [Key("bias", axis), *(Key("bias_temperature", axis, power=j + 1) for j in range(powers))]
     if model.estimate is not None:
         known = [j for j, key in enumerate(keys) if key in model.estimate.keys]
         chosen = model.estimate.select([keys[j] for j in known])
