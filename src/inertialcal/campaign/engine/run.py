@@ -33,8 +33,8 @@ if TYPE_CHECKING:
 
 LAST = "run"
 PROVENANCE = "provenance.json"
-PAPER = {(False, False): "", (False, True): "", (True, False): " pdf", (True, True): " pdf, appendices"}
 KEPT = re.compile(r"kept-\d+")
+PAPER = {(False, False): "", (False, True): "", (True, False): " pdf", (True, True): " pdf, appendices"}
 
 
 @dataclass(frozen=True, eq=False)
