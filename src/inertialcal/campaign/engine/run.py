@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 LAST = "run"
 PROVENANCE = "provenance.json"
 KEPT = re.compile(r"kept-\d+")
+PAPER = {(False, False): "", (False, True): "", (True, False): " pdf", (True, True): " pdf, appendices"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +125,13 @@ class Outcome:
         return EXIT[self.verdict] if self.verdict else 0
 
 
-def run(folder: str | Path, progress: Progress | None = None, write: bool = True) -> Outcome:
+def run(
+    folder: str | Path,
+    progress: Progress | None = None,
+    write: bool = True,
+    pdf: bool = False,
+    appendices: bool = False,
+) -> Outcome:
     """Reduce every test of a campaign, judge its requirements, write ``out/``.
 
     What has not changed since the last run is not reduced again: see ``cache``.
@@ -137,9 +144,15 @@ def run(folder: str | Path, progress: Progress | None = None, write: bool = True
         Called with (tests done, tests in all, what comes next).
     write : bool
         Write ``out/``.
+    pdf : bool
+        Write the report as ``out/report.pdf`` too.
+    appendices : bool
+        With every quantity, verdict and input at the end of that.
 
     Raises
     ------
+    UsageError
+        If a PDF is wanted and typst, the extra ``pdf``, is not installed.
     PlanError, DataError
         If the campaign or a recording is refused, or changes meanwhile (``input_changed``); ``out/`` stays as it was.
     StoreError
@@ -148,17 +161,18 @@ def run(folder: str | Path, progress: Progress | None = None, write: bool = True
     root = Path(checked_path(folder, "campaign"))
     given = os.fsencode(folder).decode("utf-8", "replace")
     cache = Cache(root, write)
-    if write and (same := _unchanged(root, given, cache)) is not None:
+    paper = PAPER[pdf, appendices]
+    if write and (same := _unchanged(root, given + paper, cache)) is not None:
         return same
     from ..file.load import load  # noqa: PLC0415 - starts slowly
     from .whole import work  # noqa: PLC0415 - starts slowly
 
     campaign = load(folder)
-    whole, results, files, changed, notes = work(campaign, given, progress, write, cache)
+    whole, results, files, changed, notes = work(campaign, given, progress, write, cache, paper)
     outcome = Outcome(root, results, whole.inputs, whole.verdict, changed, notes)
     outcome.__dict__["campaign"] = campaign
     if write:
-        _keep(outcome, given, files, cache)
+        _keep(outcome, given + paper, files, cache)
     return outcome
 
 

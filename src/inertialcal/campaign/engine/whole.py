@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -127,7 +128,7 @@ def check(folder: str | Path) -> Checked:
 
 @one_blas_thread()
 def work(
-    campaign: Campaign, given: str, progress: Progress | None, write: bool, cache: Cache
+    campaign: Campaign, given: str, progress: Progress | None, write: bool, cache: Cache, paper: str = ""
 ) -> tuple[Whole, dict[str, Any], dict[str, str | bytes], list[str], tuple[Remark, ...]]:
     """Return a campaign reduced and judged: results, files of ``out/``, what changed since the last run, notes.
 
@@ -141,6 +142,8 @@ def work(
         As ``run`` takes them.
     cache : Cache
         Where reductions and figures are kept.
+    paper : str
+        One of ``run.PAPER``: whether the report is written as PDF too, and with appendices.
 
     Raises
     ------
@@ -151,11 +154,15 @@ def work(
     if write:
         check_writable(campaign.folder)
         notes = restore(campaign.folder)
+    if paper:
+        from ...report.paper import check_typst  # noqa: PLC0415 - draws, which starts slowly
+
+        check_typst()
     before = stamps(campaign)
     whole = reduce_campaign(campaign, None, progress, cache)
     curves = curves_bytes(whole.results["curves"])
     results = sealed(whole.results, curves)
-    files = _files(campaign, results, curves, whole.modelled, whole.inputs, given, cache) if write else {}
+    files = _files(campaign, results, curves, whole.modelled, whole.inputs, given, cache, paper) if write else {}
     check_unchanged(campaign.folder, whole.inputs, before)
     changed = changes(previous(campaign.folder), results)
     if write:
@@ -312,6 +319,7 @@ def _files(
     inputs: dict[str, str],
     folder: str,
     cache: Cache,
+    paper: str,
 ) -> dict[str, str | bytes]:
     from ...report.page import report_html  # noqa: PLC0415 - draws, which starts slowly; a call writes no report
     from .pictures import drawn  # noqa: PLC0415 - the same
@@ -319,12 +327,18 @@ def _files(
     record = provenance(inputs, folder, {}) | {"campaign": campaign.file.campaign.id}
     model: dict[str, str | bytes] = {} if modelled is None else dict(model_files(modelled))
     content = json.loads(model["model.json"]) if "model.json" in model else None
+    if paper:
+        from ...report.paper import date_of, report_pdf  # noqa: PLC0415 - draws, which starts slowly
+
+        draw = partial(drawn, cache=cache)
+        pdf = report_pdf(results, content, record, draw, "appendices" in paper, date_of(os.environ))
+        model["report.pdf"] = pdf
     return model | {
         "results.json": json_text({name: part for name, part in results.items() if name != "curves"}),
         CURVES: curves,
         "results.csv": csv_text([flat(row) for row in results["results"]], COLUMNS),
         "verdicts.csv": csv_text([row | (row["interval"] or {}) for row in results["verdicts"]], VERDICT_COLUMNS),
-        "report.html": report_html(results, content, record, lambda wanted: drawn(wanted, cache)),
+        "report.html": report_html(results, content, record, partial(drawn, cache=cache)),
         "provenance.json": json_text(record),
     }
 

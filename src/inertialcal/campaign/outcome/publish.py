@@ -33,7 +33,7 @@ OUT = "out"
 RESULTS = "results.json"
 # Names in out/ that are this tool's alone, also where a run writes no such file: an earlier model would mislead.
 RESERVED = re.compile(
-    r"(results|provenance|model|model_\w+)\.json|(results|verdicts)\.csv|report\.html|curves\.parquet|SHA256SUMS"
+    r"(results|provenance|model|model_\w+)\.json|(results|verdicts)\.csv|report\.(html|pdf)|curves\.parquet|SHA256SUMS"
 )
 FEW = 5  # names in a remark
 ROUNDING = 1e-9  # relative difference that is no change

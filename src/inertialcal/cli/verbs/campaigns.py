@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ...core.errors import UsageError
 from ..options import Folder, Json, Quiet
 from ..shown.output import clean, found, json_out, wrapped
 from ..shown.progress import progress
@@ -19,6 +20,12 @@ if TYPE_CHECKING:
 def run(
     folder: Folder,
     open_report: Annotated[bool, typer.Option("--open", help="Open the report in the browser.")] = False,
+    pdf: Annotated[
+        bool, typer.Option("--pdf", help="Write the report as out/report.pdf too: two pages, and one a test.")
+    ] = False,
+    appendices: Annotated[
+        bool, typer.Option("--appendices", help="With --pdf: every quantity, verdict and input at the end.")
+    ] = False,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -26,8 +33,10 @@ def run(
     from ...campaign.engine.run import run as run_campaign
     from ..opening import open_page
 
+    if appendices and not pdf:
+        raise UsageError("--appendices: they stand in the PDF", do="Add --pdf", code="wrong_value")
     with progress(quiet or as_json) as tell:
-        outcome = run_campaign(folder, tell)
+        outcome = run_campaign(folder, tell, pdf=pdf, appendices=appendices)
     found(outcome.exit_status)
     if as_json:
         json_out("run", outcome_content(outcome), outcome.exit_status)
