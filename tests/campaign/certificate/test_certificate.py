@@ -9,6 +9,7 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from certified import NAMESPACES, STATED, Schemas, compiled, made, state
 
@@ -18,9 +19,12 @@ from inertialcal.campaign.certificate.missing import NEEDED, OF_ITEM
 from inertialcal.campaign.certificate.periods import period_of
 from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.file.load import load
+from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.core.errors import DataError, InertialcalError, PlanError, UsageError
 from inertialcal.core.schema.checksum import checksum
 from inertialcal.files.xml_text import xml_root
+from inertialcal.rigs.twin import SEED
+from npsat1_small import short_twin
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 VALID = ('certificate = "C-1"', 'certificate = "C-1", valid = "2026-01-01 to 2026-12-31"')
@@ -319,6 +323,36 @@ def test_the_table_changes_no_digest_and_any_other_key_does(small: Path) -> None
     assert load(small).digest() == before
     replace(small, 'serial = "7"', 'serial = "8"')
     assert load(small).digest() != before
+
+
+# The suite in air and in vacuum
+
+
+@pytest.mark.slow
+def test_the_demo_is_certified_as_it_is_each_condition_with_its_own_figures(tmp_path: Path, shared: Path) -> None:
+    twin = short_twin(1)
+    (tmp_path / "recordings").mkdir()
+    (tmp_path / "campaign.toml").write_text(twin.campaign.replace(SEED, "1"), encoding="utf-8")
+    for file, recording in twin.recordings.items():
+        (tmp_path / file).write_text(csv_text(recording), encoding="utf-8")
+    run(tmp_path)
+    target = tmp_path / "c.xml"
+    ic.certificate(tmp_path, target)
+    schemas = compiled(shared, tmp_path)
+    assert schemas.problems(target.read_bytes()) == []
+    assert schemas.errors(target) == []
+    read = {one.name: one for one in ic.read_certificate(target).figures}
+    bias = {}
+    for name, condition in (("model", "air"), ("model_vacuum", "vacuum")):
+        estimate = ic.load_model(tmp_path, condition).estimate
+        assert estimate is not None
+        at = estimate.names.index("bias_x")
+        bias[condition] = read[name].values[read[name].labels.index("bias_x")]
+        assert bias[condition] == pytest.approx(np.degrees(estimate.values[at]), rel=1e-12)
+        np.testing.assert_allclose(
+            read[name].u[read[name].labels.index("bias_x")], np.degrees(estimate.u[at]), rtol=1e-12
+        )
+    assert bias["air"] != bias["vacuum"]
 
 
 # The page

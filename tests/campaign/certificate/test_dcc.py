@@ -179,6 +179,16 @@ def test_a_verdict_that_is_inconclusive_is_no_pass(folder: Path) -> None:
         assert conformity in wanted[verdict[1]]
 
 
+@pytest.mark.parametrize("folder", ["npsat2011"], indirect=True)
+def test_entries_of_the_matrix_that_no_test_gave_are_not_stated(folder: Path) -> None:
+    """The thesis turned each sensor about its own axis alone: its model has zeros there that nobody measured."""
+    root = xml_root(dcc_xml(content_of(folder)))
+    (matrix,) = root.findall(".//dcc:quantity[@refType='inertialcal_matrix']/si:realListXMLList", NAMESPACES)
+    assert matrix.findtext("si:labelXMLList", "", NAMESPACES) == "M_xx M_yy M_zz"
+    values = [float(one) for one in matrix.findtext("si:valueXMLList", "", NAMESPACES).split()]
+    np.testing.assert_array_equal(values, np.diag(ic.load_model(folder).matrix[0]))
+
+
 def test_a_name_with_markup_stays_text(tmp_path: Path, campaign: Callable[..., Path], schemas: Schemas) -> None:
     text = 'a</dcc:name>&lt;<!-- ]]> "\u202eb\x1b[31m  c '
     folder = state(made("small", tmp_path, campaign), {"item_condition": text, "number": "<&>", "methods": [text]})

@@ -66,7 +66,8 @@ class Figures:
     covariance : ndarray, shape (n, n), or None
         [products of units]; None where the test does not say it.
     matrix : tuple, or None
-        Of a model: names of its axes, and the matrix at the reference temperature, shape (axes, axes).
+        Of a model: names of its axes, and the matrix at the reference temperature, shape (axes, axes); an entry that no
+        test gave is no number.
     not_estimated : tuple of (str, str)
         What has no figure, and why.
     ranges : tuple of str
@@ -317,10 +318,9 @@ def _of_models(campaign: Campaign, sensor: str, rows: Mapping[str, Sequence[dict
         if estimate is None:
             continue
         of_model = [one for one in rows.get(name, []) if one["condition"] == condition or not condition]
-        axes = tuple(model.axes)
         what = f"{model.kind}, model" + (f", in {condition}" if condition else "")
         made = _joined(
-            name, condition, what, of_model, estimate, str(path), (axes, model.matrix[0]), tuple(_ranges(model))
+            name, condition, what, of_model, estimate, str(path), _matrix(model, estimate), tuple(_ranges(model))
         )
         if made is not None:
             yield made
@@ -330,6 +330,17 @@ def _of_models(campaign: Campaign, sensor: str, rows: Mapping[str, Sequence[dict
             made = _joined(f"{name}_noise", condition, what, of_tests, model.noise, str(path))
             if made is not None:
                 yield made
+
+
+def _matrix(model: SensorModel, estimate: Estimate) -> tuple[tuple[str, ...], Array]:
+    """Return axes and matrix; an entry that no test gave is no number."""
+    known = {(key.quantity, key.axis) for key in estimate.keys if not key.power}
+    matrix = np.array(model.matrix[0], dtype=float)
+    for i, row in enumerate(model.axes):
+        for j, column in enumerate(model.axes):
+            if (("scale_factor_error", row) if i == j else ("misalignment", row + column)) not in known:
+                matrix[i, j] = np.nan
+    return tuple(model.axes), matrix
 
 
 def _ranges(model: SensorModel) -> Iterator[str]:

@@ -215,15 +215,20 @@ def _result(parent: ET.Element, content: Content, figures: Figures, first: bool)
     units.set("refType", UNITS)
     _text(units, "name", "Units as results.json has them; a count is a number in the D-SI")
     _in(units, "charsXMLList", " ".join(figures.units))
-    if figures.matrix is not None:
+    if figures.matrix is not None and np.isfinite(figures.matrix[1]).any():
         axes, matrix = figures.matrix
+        known = np.isfinite(matrix).ravel()
         quantity = _in(data, "quantity")
         quantity.set("refType", MATRIX)
-        _text(quantity, "name", "Matrix, row by row: row = the sensor that reads, column = the axis that moves")
+        _text(
+            quantity,
+            "name",
+            "Entries of the matrix that were estimated: first the sensor that reads, then the axis that moves",
+        )
         made = _in(quantity, "realListXMLList", namespace=SI)
         labels = [f"M_{row}{column}" for row in axes for column in axes]
-        _in(made, "labelXMLList", " ".join(labels), SI)
-        _in(made, "valueXMLList", _numbers(matrix.ravel()), SI)
+        _in(made, "labelXMLList", " ".join(one for one, is_known in zip(labels, known, strict=True) if is_known), SI)
+        _in(made, "valueXMLList", _numbers(matrix.ravel()[known]), SI)
         _in(made, "unitXMLList", d_si("1"), SI)
     for what, why in figures.not_estimated:
         _rich(data, "text", f"{what}: not estimated" + (f": {why}" if why else ""))

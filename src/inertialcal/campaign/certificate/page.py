@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib.resources import files
+from math import isnan
 from typing import Any
 
 from ...core.show.rounding import with_uncertainty
@@ -22,7 +23,9 @@ from .words import (
 
 XML_NAME = "certificate.xml"
 TEMPLATE = "page.typ"
-MATRIX = "M at T_ref; row = sensor that reads, column = axis that moves; its uncertainty is that of the figures above"
+MATRIX = (
+    "M; row = sensor that reads, column = axis that moves; -: not estimated; its uncertainty is that of the figures"
+)
 
 
 def certificate_pdf(content: Content, xml: bytes) -> bytes:
@@ -128,7 +131,7 @@ def _figures(one: Figures) -> dict[str, Any]:
         "head": "value ± U" if symmetric else "value ± u, 95 % interval",
         "rows": rows,
         "axes": list(axes),
-        "matrix": [] if matrix is None else [[f"{entry:.7f}" for entry in row] for row in matrix],
+        "matrix": [] if matrix is None else [["-" if isnan(one) else f"{one:.7f}" for one in row] for row in matrix],
         "matrix_text": MATRIX,
         "lacking": [f"{what}: not estimated" + (f" ({why})" if why else "") for what, why in one.not_estimated],
     }
