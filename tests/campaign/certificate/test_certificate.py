@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import shutil
 from collections.abc import Callable
@@ -20,6 +21,7 @@ from inertialcal.campaign.certificate.periods import period_of
 from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.file.load import load
 from inertialcal.campaign.twins.twin import csv_text
+from inertialcal.cli.__main__ import main
 from inertialcal.core.errors import DataError, InertialcalError, PlanError, UsageError
 from inertialcal.core.schema.checksum import checksum
 from inertialcal.files.xml_text import xml_root
@@ -171,8 +173,6 @@ def test_edited_results_are_refused(small: Path) -> None:
 
 def resealed(folder: Path, name: str, content: dict[str, Any]) -> None:
     """Write a file of a run with its checksum and its line of SHA256SUMS, as somebody would who means it."""
-    import hashlib
-
     place, sums = folder / "out" / name, folder / "out" / "SHA256SUMS"
     old = hashlib.sha256(place.read_bytes()).hexdigest()
     if "checksum" in content:
@@ -445,6 +445,26 @@ def test_an_extra_that_is_missing_is_named_with_what_to_type(
 @pytest.mark.parametrize("name", ["c.txt", "c", "c.pdf.html"])
 def test_another_ending_is_refused(small: Path, name: str) -> None:
     assert code_of(lambda: ic.certificate(small, small / name)) == "unsupported_format"
+
+
+def test_the_command_says_what_it_wrote(small: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    target = small / "c.xml"
+    for words in ([], ["--json"], ["--quiet"]):
+        with pytest.raises(SystemExit) as ended:
+            main(["certificate", str(small), "-o", str(target), *words])
+        assert ended.value.code in (0, None)
+        out = capsys.readouterr().out
+        if words == ["--json"]:
+            said = json.loads(out)
+            assert (said["command"], said["exit"], said["number"]) == ("certificate", 0, "2026-014")
+            assert said["sha256"] == hashlib.sha256(target.read_bytes()).hexdigest()
+            assert said["traceable"] is False
+            assert said["warnings"]
+        elif words:
+            assert out == ""
+        else:
+            assert out.startswith("certificate 2026-014 written to ")
+            assert "not traceable" in out
 
 
 # Signature
