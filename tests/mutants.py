@@ -697,6 +697,17 @@ MUTANTS = (
         "test_attraction_lattice",
     ),
     Mutant("tilt.py", "line - moved[:, None, :]", "line + moved[:, None, :]", "test_tilt"),
+    Mutant("content.py", "elif period[1] < last:", "elif period[1] > last:", "test_certificate"),
+    Mutant("content.py", "if now != digest:", "if now and not digest:", "test_certificate"),
+    Mutant(
+        "content.py",
+        "covariance = estimate.covariance[np.ix_(index, index)] * np.outer(scales, scales)",
+        "covariance = estimate.covariance[np.ix_(index, index)] * scales",
+        "test_dcc",
+    ),
+    Mutant("content.py", 'column([row["u"] for row in rows])', 'column([-row["u"] for row in rows])', "test_dcc"),
+    Mutant("dcc.py", "figures.covariance[:, column]", "-figures.covariance[:, column]", "test_dcc"),
+    Mutant("signature.py", "if count != 1:", "if count < 1:", "test_certificate"),
     Mutant(
         "bound.py",
         '"sphere": (_sphere_volume, _sphere_field, 0.5)',

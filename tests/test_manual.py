@@ -26,6 +26,7 @@ from typer.main import get_command
 
 import inertialcal as ic
 from inertialcal.campaign.engine.whole import VERDICT_COLUMNS
+from inertialcal.campaign.file import certificate as schema_certificate
 from inertialcal.campaign.file import decisions as schema_decisions
 from inertialcal.campaign.file import recordings as schema_recordings
 from inertialcal.campaign.file import schema
@@ -88,6 +89,9 @@ CAMPAIGN_TABLES: dict[str, type[schema_words.Strict]] = {
     "`process`, normal": schema_decisions.ProcessEntry,
     "`[model]`": schema.Model,
     "`[[requirements]]`": schema.Requirement,
+    "`[certificate]`": schema_certificate.Certificate,
+    "`laboratory` and `customer`, of": schema_certificate.Address,
+    "`signatures`, of": schema_certificate.Signature,
 }
 
 

@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .campaign.calls.nouns import allan, flip, mass_attraction, positions, psd, rate_table, sine, thermal
+    from .campaign.certificate.issue import certificate
+    from .campaign.certificate.reading import read_certificate
     from .campaign.compare.compare import compare
     from .campaign.engine.run import run
     from .campaign.engine.whole import check
@@ -37,6 +39,7 @@ if TYPE_CHECKING:
 __all__ = [
     "allan",
     "budget",
+    "certificate",
     "check",
     "compare",
     "compensate",
@@ -55,6 +58,7 @@ __all__ = [
     "psd",
     "rate_table",
     "read",
+    "read_certificate",
     "read_table",
     "run",
     "score",
@@ -68,6 +72,8 @@ _HOMES = {
     "allan": ("campaign.calls.nouns", "allan"),
     "psd": ("campaign.calls.nouns", "psd"),
     "budget": ("campaign.outcome.budget", "budget"),
+    "certificate": ("campaign.certificate.issue", "certificate"),
+    "read_certificate": ("campaign.certificate.reading", "read_certificate"),
     "check": ("campaign.engine.whole", "check"),
     "compare": ("campaign.compare.compare", "compare"),
     "compensate": ("campaign.models.compensation", "compensate"),

@@ -28,7 +28,7 @@ VERBS = {
     "init": "verbs.init", "check": "verbs.campaigns", "run": "verbs.campaigns", "demo": "verbs.demos",
     "show": "verbs.models", "compensate": "verbs.models", "convert": "verbs.models", "export": "verbs.models",
     "budget": "verbs.campaigns", "compare": "verbs.models", "simulate": "verbs.twins", "score": "verbs.twins",
-    "programme-1969": "verbs.programme1969", "filter": "verbs.filters",
+    "programme-1969": "verbs.programme1969", "filter": "verbs.filters", "certificate": "verbs.certificate",
 }  # fmt: skip
 NO_FIGURES = (
     "info",
@@ -42,6 +42,7 @@ NO_FIGURES = (
     "budget",
     "simulate",
     "score",
+    "certificate",
 )
 READ_NOTHING = ("demo", "simulate")  # commands that read no file of a user
 Built = TyperCommand | TyperGroup

@@ -17,9 +17,11 @@ N, RATE = 1_200, 100.0
 RNG = np.random.default_rng(1)
 VALUES = RNG.normal(0.0, 0.01, (N, 3))
 NOUNS = sorted(ic._nouns())
-OTHERS = ("budget", "check", "compare", "compensate", "info", "load_model", "load_models", "plot", "positions_batch",
-          "programme_1969", "read", "read_table", "run", "score", "write")  # fmt: skip
+OTHERS = ("budget", "certificate", "check", "compare", "compensate", "info", "load_model", "load_models", "plot",
+          "positions_batch", "programme_1969", "read", "read_certificate", "read_table", "run", "score",
+          "write")  # fmt: skip
 NEEDED: dict[str, Callable[[Any], tuple[Any, ...]]] = {  # arguments of those that take more than a recording
+    "certificate": lambda one: (one, "c.xml"),
     "compare": lambda one: (one, one),
     "compensate": lambda one: ("no_model.json", one),
     "positions_batch": lambda one: (one, 9.8),
@@ -107,7 +109,10 @@ def test_several_recordings_are_surveyed_one_by_one() -> None:
     assert refused.value.problems[0].code == "wrong_type"
 
 
-@pytest.mark.parametrize("name", ["budget", "check", "compare", "load_model", "read_table", "run", "score"])
+@pytest.mark.parametrize(
+    "name",
+    ["budget", "certificate", "check", "compare", "load_model", "read_certificate", "read_table", "run", "score"],
+)
 @pytest.mark.usefixtures("folder")
 def test_what_is_named_by_a_path_says_so(name: str) -> None:
     with pytest.raises(UsageError) as refused:

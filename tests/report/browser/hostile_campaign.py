@@ -180,6 +180,7 @@ def document() -> dict[str, Any]:
             {"id": "R2", "quantity": "bias", "lower": "-1 deg/s", "upper": "1 deg/s"},
             {"id": "R3", "quantity": "scale_factor_error", "limit": "1 %"},
         ],
+        "certificate": {"laboratory": {}, "customer": {}, "methods": [""], "signatures": [{}]},
     }
 
 

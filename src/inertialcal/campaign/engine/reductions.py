@@ -32,7 +32,14 @@ from .status import Progress
 
 KIND = "test"
 WORTH_IT = 2**20  # bytes of recordings from which a second process is quicker than one
-ELSEWHERE = {"requirements", "tests", "recordings", "model", "decision"}  # parts that a reduction does not see
+ELSEWHERE = {
+    "requirements",
+    "tests",
+    "recordings",
+    "model",
+    "decision",
+    "certificate",
+}  # parts that a reduction does not see
 FIELDS = tuple(one.name for one in fields(Prepared) if one.name != "test")
 
 

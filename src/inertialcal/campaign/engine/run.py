@@ -20,7 +20,7 @@ from ...core.campaign_text import FILE
 from ...core.remarks import Remark
 from ...files.source import checked_path
 from ...files.write.exchange import MANIFEST, Manifest, file_digest
-from ..outcome.publish import OUT, RESERVED, RESULTS, check_writable, kept_remarks, restore
+from ..outcome.publish import OUT, PROVENANCE, RESERVED, RESULTS, check_writable, kept_remarks, restore
 from .cache import Cache
 from .status import EXIT, Progress
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 LAST = "run"
-PROVENANCE = "provenance.json"
+
 KEPT = re.compile(r"kept-\d+")
 PAPER = {(False, False): "", (False, True): "", (True, False): " pdf", (True, True): " pdf, appendices"}
 

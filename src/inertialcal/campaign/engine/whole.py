@@ -324,7 +324,8 @@ def _files(
     from ...report.page import report_html  # noqa: PLC0415 - draws, which starts slowly; a call writes no report
     from .pictures import drawn  # noqa: PLC0415 - the same
 
-    record = provenance(inputs, folder, {}) | {"campaign": campaign.file.campaign.id}
+    said = {"campaign": campaign.file.campaign.id, "of_campaign": campaign.digest()}
+    record = provenance(inputs, folder, {}) | said
     model: dict[str, str | bytes] = {} if modelled is None else dict(model_files(modelled))
     content = json.loads(model["model.json"]) if "model.json" in model else None
     if paper:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -34,6 +35,11 @@ class Campaign:
     standards: Standards  # By ``"standard.quantity"``
     lines: dict[KeyPath, int] | None  # Line of each key; None for a campaign that is in no file
     sha256: str  # Of campaign.toml
+
+    def digest(self) -> str:
+        """SHA-256 over all that it says but [certificate], which no figure depends on."""
+        said = self.file.model_dump(mode="json", by_alias=True, exclude={"certificate"})
+        return hashlib.sha256(json.dumps(said, sort_keys=True).encode("utf-8", "surrogatepass")).hexdigest()
 
     def at(self, *path: str | int) -> str:
         """Place of a key, for messages: ``"campaign.toml:12"``."""

@@ -15,6 +15,7 @@ from ...core.schema.quantities import Acceleration, Angle, Length, Name, Pressur
 from ...core.schema.standards import StandardEntry
 from ...core.times import read_instant
 from ...procedures.model_terms import TermKind
+from .certificate import Certificate
 from .decisions import Decision
 from .recordings import RecordingEntry
 from .sensors import Sensor
@@ -169,3 +170,4 @@ class CampaignFile(Strict):
     model: Model = Model()
     decision: Decision = Decision()
     requirements: list[Requirement] = Field(default=[])
+    certificate: Certificate = Certificate()

@@ -31,6 +31,7 @@ from ...files.write.exchange import Kept, recover, replace_folder
 
 OUT = "out"
 RESULTS = "results.json"
+PROVENANCE = "provenance.json"
 # Names in out/ that are this tool's alone, also where a run writes no such file: an earlier model would mislead.
 RESERVED = re.compile(
     r"(results|provenance|model|model_\w+)\.json|(results|verdicts)\.csv|report\.(html|pdf)|curves\.parquet|SHA256SUMS"
@@ -192,13 +193,15 @@ PACKAGES = ("inertialcal", "numpy", "scipy", "numba", "pyarrow", "h5py", "pydant
 
 def versions() -> dict[str, str]:
     """Return the versions of Python and of the packages that figures depend on."""
-    found = {"python": platform.python_version()}
-    for name in PACKAGES:
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            found[name] = "unknown"
-    return found
+    return {"python": platform.python_version()} | {name: version_of_package(name) for name in PACKAGES}
+
+
+def version_of_package(name: str = "inertialcal") -> str:
+    """Return the version of a package that is installed."""
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "unknown"
 
 
 def provenance(inputs: Mapping[str, str], folder: str, options: Mapping[str, Any]) -> dict[str, Any]:

@@ -10,11 +10,10 @@ from __future__ import annotations
 
 import math
 import re
-import xml.etree.ElementTree as ET  # types only; read_xml reads
+import xml.etree.ElementTree as ET  # types only; xml_root reads
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from xml.parsers import expat
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +25,7 @@ from ...core.remarks import Remark
 from ...core.times import instant_text, read_instant
 from ...physics.attitude import from_roll_pitch_yaw
 from ..source import read_bytes
+from ..xml_text import DocumentTypeError, xml_root
 
 FORMATS = {  # as the archive writes them -> type of a number; "" is text
     "binary 32 bit ieee float little endian": "<f4",
@@ -188,31 +188,22 @@ def read_xml(path: Path) -> ET.Element:
     if len(data) > LARGEST:
         raise bad_header(where, f"the header has more than {LARGEST} bytes; headers of the archive have about 1000")
     try:
-        _refuse_document_type(data, where)
-        return ET.fromstring(data)  # noqa: S314 - declares no document type
-    except (expat.ExpatError, ET.ParseError, ValueError, LookupError) as error:  # the last two: encodings
-        raise bad_header(where, f"the header is not XML: {error}") from None
-
-
-def bad_header(where: str, what: str) -> DataError:
-    """Return the error for a header that cannot be used."""
-    return DataError(what, where=where, do="Fetch it again from the archive", code="bad_header")
-
-
-def _refuse_document_type(data: bytes, where: str) -> None:
-    def refuse(*_: object) -> None:
+        return xml_root(data)
+    except DocumentTypeError:
         raise DataError(
             "the header declares a document type",
             where=where,
             why="entities could fill the memory or fetch other files; headers of the archive have none",
             do="Fetch it again from the archive",
             code="bad_header",
-        )
+        ) from None
+    except ValueError as error:
+        raise bad_header(where, f"the header is {error}") from None
 
-    parser = expat.ParserCreate()
-    parser.StartDoctypeDeclHandler = refuse
-    parser.EntityDeclHandler = refuse
-    parser.Parse(data, True)
+
+def bad_header(where: str, what: str) -> DataError:
+    """Return the error for a header that cannot be used."""
+    return DataError(what, where=where, do="Fetch it again from the archive", code="bad_header")
 
 
 BLOCK = 2**18  # stamps

@@ -7,7 +7,16 @@ from collections.abc import Iterator, Sequence
 from ...core.campaign_text import Noted, toml_text
 from ...core.key import AXES
 from ...sensors.catalogue import SLOPE, T_REFERENCE
-from ..parts.campaign import EACH_ERROR, Content, attitude, campaign_head, channel_entries, standard_tables
+from ..parts.campaign import (
+    CERTIFIED,
+    EACH_ERROR,
+    LABORATORY,
+    Content,
+    attitude,
+    campaign_head,
+    channel_entries,
+    standard_tables,
+)
 from ..parts.gyro_bench import suite_table
 from .recordings import BEGIN, DAY, column
 from .setup import (
@@ -79,6 +88,7 @@ def campaign_text(bench: Bench) -> str:
             "tests": tests,
             **_model(bench),
             "requirements": list(_requirements(bench)),
+            "certificate": Noted(LABORATORY, above=CERTIFIED),
         }
     )
 

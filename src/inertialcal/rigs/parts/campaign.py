@@ -19,6 +19,20 @@ PLACES = {f"{standard}.{name}": (standard, name) for standard, names in STANDARD
 TRUTH = (
     "The true values are in .truth/. Only `inertialcal score` reads them; `run` gives the same results without them."
 )
+CERTIFIED = "What a certificate states beside the figures, here invented: inertialcal certificate DIR -o FILE.pdf"
+LABORATORY: Content = {  # of an example
+    "number": "EXAMPLE-1",
+    "issued": "2011-01-10",
+    "received": "2010-04-20",
+    "performed": ["2010-04-28", "2010-12-31"],
+    "laboratory": {"name": "Example laboratory", "city": "Monterey", "country": "US"},
+    "customer": {"name": "Example customer", "city": "Monterey", "country": "US"},
+    "item_condition": "simulated",
+    "methods": ["IEEE Std 1431-2004, 12.9 to 12.12"],
+    "environment": "simulated; each result says its range",
+    "deviations": "none",
+    "signatures": [{"name": "A. Person", "function": "head of laboratory"}],
+}
 EACH_ERROR = "Each standard has one unknown error for the whole campaign."
 
 
