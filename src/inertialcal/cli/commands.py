@@ -22,6 +22,7 @@ from ..core.show.rounding import digits_shown
 from ..files.budget import max_memory
 from ..procedures import procedure_names, procedure_of
 from ..procedures.protocol import Command
+from .shown.screen import shown_whole
 
 FIRST = {"info": "verbs.info"}
 VERBS = {
@@ -46,6 +47,7 @@ NO_FIGURES = (
 READ_NOTHING = ("demo", "simulate")  # commands that read no file of a user
 Built = TyperCommand | TyperGroup
 MAX_MEMORY = "Memory that files may take: 4GiB, 500MB. 1 GiB and three times each file if not given."
+ALL = "Show long results whole on a terminal too; into a file or a pipe they always are."
 DIGITS = "Significant digits of the figures in tables, or full. As many as the uncertainty has if not given."
 PLAN = Command("plan", "What a test will give, before it is made: plan TEST.")
 
@@ -92,20 +94,23 @@ def _built(function: Callable[..., Any], word: str, about: str | None = None) ->
         found.params.append(_held("--max-memory", "SIZE", max_memory, MAX_MEMORY))
     if word not in NO_FIGURES:
         found.params.append(_held("--digits", "N", digits_shown, DIGITS))
+    found.params.append(_held("--all", None, shown_whole, ALL))
     return found
 
 
-def _held(name: str, metavar: str, holding: Callable[[str | None], AbstractContextManager[None]], about: str) -> Any:
-    """Return an option whose value holds until the command ends."""
+def _held(name: str, metavar: str | None, holding: Callable[[Any], AbstractContextManager[None]], about: str) -> Any:
+    """Return an option whose value holds until the command ends; without a metavar, a flag."""
 
-    def hold(ctx: typer.Context, said: str | None) -> None:
+    def hold(ctx: typer.Context, said: Any) -> None:
         if said is not None:
             ctx.with_resource(holding(said))
 
     option = typer.Option(None, name, metavar=metavar, callback=hold, expose_value=False, help=about)
 
-    def holder(said: str | None = option) -> None:
+    def holder(said: Any = option) -> None:
         """Have the parser make the option."""
+
+    holder.__annotations__ = {"said": (str if metavar else bool) | None, "return": None}
 
     made: Any = get_command_from_info(
         CommandInfo(name="holder", callback=holder), pretty_exceptions_short=True, rich_markup_mode=None
