@@ -7,7 +7,7 @@ none of the nouns: their line stands in the declaration.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from importlib import import_module
 from pathlib import Path
@@ -57,6 +57,37 @@ def words() -> tuple[str, ...]:
     return (*FIRST, *_nouns(), *VERBS)
 
 
+EXAMPLES = {  # word of a verb -> what may follow it, for its help
+    "info": ("imu.csv", "imu.csv --unit acc=m/s2"),
+    "init": ("gyros", "gyros --yes"),
+    "check": ("inertialcal-demo", "inertialcal-demo --json"),
+    "run": ("inertialcal-demo", "inertialcal-demo --plot"),
+    "demo": ("npsat2011", "rate_table"),
+    "show": ("inertialcal-demo", "inertialcal-demo -o matrix.png"),
+    "compensate": ("inertialcal-demo flight.csv -o true.csv --uncertainty", "flight_unit counts.csv --steps"),
+    "convert": ("inertialcal-demo/table10_x.csv table10.parquet", "inertialcal-demo/table10_x.csv table10.h5"),
+    "export": ("inertialcal-demo --to json -o gyro.json --unjudged", "inertialcal-demo --to c -o flight --unjudged"),
+    "budget": (
+        "inertialcal-demo-rate_table",
+        'inertialcal-demo-rate_table --test model --wanted "scale_factor_error=0.03 %"',
+    ),
+    "compare": (
+        "inertialcal-demo/out/model.json other/out/model.json",
+        'inertialcal-demo/out/model.json other/out/model.json --allowed bias="0.001 deg/s"',
+    ),
+    "simulate": ("rate_table -o twin --seed 1", "still_gyro --faults"),
+    "score": ("twin", "--rig rate_table --n 3"),
+    "programme-1969": (
+        "run1.cards",
+        'run1.csv --column pulses --period "480 s" --amplitude "23 ng" --wrong 41 -o run1',
+    ),
+    "filter": (
+        "inertialcal-demo rest.csv",
+        'inertialcal-demo rest.csv --motion "20 deg/s" --motion-time "0.5 s" --for px4',
+    ),
+}
+
+
 def _nouns() -> dict[str, tuple[str, Command]]:
     """Return procedure and declaration of each noun."""
     return {one.word: (name, one) for name in procedure_names() for one in procedure_of(name).commands}
@@ -85,9 +116,14 @@ def _function(name: str, default: str, word: str) -> Callable[..., Any]:
     return found
 
 
-def _built(function: Callable[..., Any], word: str, about: str | None = None) -> Built:
+def _epilog(words: str, examples: Sequence[str]) -> str:
+    """Return the last lines of the help of a command; the first mark keeps them as they are."""
+    return "\n".join(["\b", "Examples:", *(f"  inertialcal {words} {one}" for one in examples)]) if examples else ""
+
+
+def _built(function: Callable[..., Any], word: str, about: str | None = None, epilog: str = "") -> Built:
     """Return a command, for the parser."""
-    info = CommandInfo(name=word, callback=function, help=about)
+    info = CommandInfo(name=word, callback=function, help=about, epilog=epilog)
     made: Any = get_command_from_info(info, pretty_exceptions_short=True, rich_markup_mode=None)
     found: TyperCommand = made
     if word not in READ_NOTHING:  # built in one place: no command can lack it
@@ -123,7 +159,7 @@ def _held(name: str, metavar: str | None, holding: Callable[[Any], AbstractConte
 def _verb(word: str) -> Built:
     """Return a command that is no procedure's."""
     module = import_module(f".{(FIRST | VERBS)[word]}", __package__)
-    return _built(getattr(module, word.replace("-", "_")), word)
+    return _built(getattr(module, word.replace("-", "_")), word, epilog=_epilog(word, EXAMPLES[word]))
 
 
 class _Lazy(TyperGroup):
@@ -167,7 +203,7 @@ class Root(_Lazy):
             return Planners(name=PLAN.word, help=PLAN.help, no_args_is_help=True, rich_markup_mode=None)
         if cmd_name in _nouns():
             name, declared = _nouns()[cmd_name]
-            return _built(_noun(name, declared), cmd_name, declared.help)
+            return _built(_noun(name, declared), cmd_name, declared.help, _epilog(cmd_name, declared.examples))
         return _verb(cmd_name) if cmd_name in FIRST | VERBS else None
 
 
@@ -187,11 +223,12 @@ class Planners(_Lazy):
         if cmd_name not in _planners():
             return None
         name, declared = _planners()[cmd_name]
+        epilog = _epilog(f"{PLAN.word} {cmd_name}", declared.examples)
         if procedure_of(name).planner_type is not None:
             from .nouns.planner import planner_of
 
-            return _built(planner_of(procedure_of(name), declared), cmd_name, declared.help)
-        return _built(_function(name, f"{name}_plan", "plan"), cmd_name, declared.help)
+            return _built(planner_of(procedure_of(name), declared), cmd_name, declared.help, epilog)
+        return _built(_function(name, f"{name}_plan", "plan"), cmd_name, declared.help, epilog)
 
 
 __all__ = ["PLAN", "Planners", "Root", "words"]

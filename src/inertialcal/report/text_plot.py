@@ -14,6 +14,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..core.estimate import Array
 from ..core.show.tables import clean, short
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
     from .figures.drawing.picture import Picture
 
+Places = NDArray[np.int64]
 HEIGHT = 16  # rows of a panel
 NARROW = 20  # columns of a panel, at least
 MARKS = "*+xo#@%&"
@@ -101,7 +103,7 @@ def _words(label: str) -> str:
     return " ".join(label.split())
 
 
-def _cells(ax: Axes, columns: int, rows: int) -> Iterator[tuple[Array, Array]]:
+def _cells(ax: Axes, columns: int, rows: int) -> Iterator[tuple[Places, Places]]:
     """Yield columns and rows of the places that each curve takes."""
     for points, joined in _series(ax):
         at = points * (columns - 1, rows - 1)

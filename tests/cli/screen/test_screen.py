@@ -27,14 +27,15 @@ class Terminal(io.TextIOWrapper):
     """Standard output that is a terminal."""
 
     def __init__(self, encoding: str = "utf-8") -> None:
-        super().__init__(io.BytesIO(), encoding=encoding, errors="replace")
+        self.bytes = io.BytesIO()
+        super().__init__(self.bytes, encoding=encoding, errors="replace")
 
     def isatty(self) -> bool:
         return True
 
     def text(self) -> str:
         self.flush()
-        return self.buffer.getvalue().decode(self.encoding)  # type: ignore[attr-defined]
+        return self.bytes.getvalue().decode(self.encoding)
 
 
 def on_terminal(patch: pytest.MonkeyPatch, encoding: str = "utf-8") -> Terminal:
