@@ -230,6 +230,44 @@ def test_what_a_page_shows_is_what_happens(
         monkeypatch.setattr("inertialcal.report.page.report_html", lambda *parts: "")
     for block in FENCE.finditer(path.read_text(encoding="utf-8")):
         session.play(block["kind"], block["body"])
+    if path.parent.name == "commands":
+        try_examples(path, session)
+
+
+HELP_EXAMPLE = re.compile(r"^ +(inertialcal .+)$", re.MULTILINE)
+
+
+def examples_of(*words: str) -> list[str]:
+    """Commands that the help of a command ends with."""
+    shown = io.StringIO()
+    with pytest.raises(SystemExit), contextlib.redirect_stdout(shown):
+        main([*words, "--help"])
+    return HELP_EXAMPLE.findall(shown.getvalue().partition("Examples:")[2])
+
+
+def help_pages(name: str) -> list[tuple[str, ...]]:
+    """Words of the helps that belong to the page of a command."""
+    return [(name, test) for test in getattr(COMMANDS[name], "names", list)()] or [(name,)]
+
+
+def try_examples(page: Path, session: Session) -> None:
+    """Type what the help gives as examples, in the folder with the files that the page has named."""
+    played = {step.typed for block in FENCE.finditer(page.read_text("utf-8")) for step in steps(block["body"])}
+    for words in help_pages(page.stem):
+        for typed in examples_of(*words):
+            if typed not in played:
+                if words == ("init",):
+                    Path("gyros/campaign.toml").unlink(missing_ok=True)  # it writes none over another
+                printed = session.typed(typed)
+                assert session.status in {0, 1, 4}, (typed, printed)
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_help_ends_with_two_examples(name: str) -> None:
+    for words in help_pages(name):
+        found = examples_of(*words)
+        assert len(set(found)) == 2, words
+        assert all(one.startswith(f"inertialcal {' '.join(words)} ") for one in found)
 
 
 def test_an_output_may_leave_out_only_what_it_marks() -> None:

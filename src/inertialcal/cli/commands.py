@@ -7,7 +7,7 @@ none of the nouns: their line stands in the declaration.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from importlib import import_module
 from pathlib import Path
@@ -22,6 +22,7 @@ from ..core.show.rounding import digits_shown
 from ..files.budget import max_memory
 from ..procedures import procedure_names, procedure_of
 from ..procedures.protocol import Command
+from .shown.screen import shown_whole
 
 FIRST = {"info": "verbs.info"}
 VERBS = {
@@ -47,6 +48,7 @@ NO_FIGURES = (
 READ_NOTHING = ("demo", "simulate")  # commands that read no file of a user
 Built = TyperCommand | TyperGroup
 MAX_MEMORY = "Memory that files may take: 4GiB, 500MB. 1 GiB and three times each file if not given."
+ALL = "Show long results whole on a terminal too; into a file or a pipe they always are."
 DIGITS = "Significant digits of the figures in tables, or full. As many as the uncertainty has if not given."
 PLAN = Command("plan", "What a test will give, before it is made: plan TEST.")
 
@@ -54,6 +56,37 @@ PLAN = Command("plan", "What a test will give, before it is made: plan TEST.")
 def words() -> tuple[str, ...]:
     """Return the words of all commands but ``plan``, in the order of the help."""
     return (*FIRST, *_nouns(), *VERBS)
+
+
+EXAMPLES = {  # word of a verb -> what may follow it, for its help
+    "info": ("imu.csv", "imu.csv --unit acc=m/s2"),
+    "init": ("gyros", "gyros --yes"),
+    "check": ("inertialcal-demo", "inertialcal-demo --json"),
+    "run": ("inertialcal-demo", "inertialcal-demo --plot"),
+    "demo": ("npsat2011", "rate_table"),
+    "show": ("inertialcal-demo", "inertialcal-demo -o matrix.png"),
+    "compensate": ("inertialcal-demo flight.csv -o true.csv --uncertainty", "flight_unit counts.csv --steps"),
+    "convert": ("inertialcal-demo/table10_x.csv table10.parquet", "inertialcal-demo/table10_x.csv table10.h5"),
+    "export": ("inertialcal-demo --to json -o gyro.json --unjudged", "inertialcal-demo --to c -o flight --unjudged"),
+    "budget": (
+        "inertialcal-demo-rate_table",
+        'inertialcal-demo-rate_table --test model --wanted "scale_factor_error=0.03 %"',
+    ),
+    "compare": (
+        "inertialcal-demo/out/model.json other/out/model.json",
+        'inertialcal-demo/out/model.json other/out/model.json --allowed bias="0.001 deg/s"',
+    ),
+    "simulate": ("rate_table -o twin --seed 1", "still_gyro --faults"),
+    "score": ("twin", "--rig rate_table --n 3"),
+    "programme-1969": (
+        "run1.cards",
+        'run1.csv --column pulses --period "480 s" --amplitude "23 ng" --wrong 41 -o run1',
+    ),
+    "filter": (
+        "inertialcal-demo rest.csv",
+        'inertialcal-demo rest.csv --motion "20 deg/s" --motion-time "0.5 s" --for px4',
+    ),
+}
 
 
 def _nouns() -> dict[str, tuple[str, Command]]:
@@ -84,29 +117,37 @@ def _function(name: str, default: str, word: str) -> Callable[..., Any]:
     return found
 
 
-def _built(function: Callable[..., Any], word: str, about: str | None = None) -> Built:
+def _epilog(words: str, examples: Sequence[str]) -> str:
+    """Return the last lines of the help of a command; the first mark keeps them as they are."""
+    return "\n".join(["\b", "Examples:", *(f"  inertialcal {words} {one}" for one in examples)]) if examples else ""
+
+
+def _built(function: Callable[..., Any], word: str, about: str | None = None, epilog: str = "") -> Built:
     """Return a command, for the parser."""
-    info = CommandInfo(name=word, callback=function, help=about)
+    info = CommandInfo(name=word, callback=function, help=about, epilog=epilog)
     made: Any = get_command_from_info(info, pretty_exceptions_short=True, rich_markup_mode=None)
     found: TyperCommand = made
     if word not in READ_NOTHING:  # built in one place: no command can lack it
         found.params.append(_held("--max-memory", "SIZE", max_memory, MAX_MEMORY))
     if word not in NO_FIGURES:
         found.params.append(_held("--digits", "N", digits_shown, DIGITS))
+    found.params.append(_held("--all", None, shown_whole, ALL))
     return found
 
 
-def _held(name: str, metavar: str, holding: Callable[[str | None], AbstractContextManager[None]], about: str) -> Any:
-    """Return an option whose value holds until the command ends."""
+def _held(name: str, metavar: str | None, holding: Callable[[Any], AbstractContextManager[None]], about: str) -> Any:
+    """Return an option whose value holds until the command ends; without a metavar, a flag."""
 
-    def hold(ctx: typer.Context, said: str | None) -> None:
+    def hold(ctx: typer.Context, said: Any) -> None:
         if said is not None:
             ctx.with_resource(holding(said))
 
     option = typer.Option(None, name, metavar=metavar, callback=hold, expose_value=False, help=about)
 
-    def holder(said: str | None = option) -> None:
+    def holder(said: Any = option) -> None:
         """Have the parser make the option."""
+
+    holder.__annotations__ = {"said": (str if metavar else bool) | None, "return": None}
 
     made: Any = get_command_from_info(
         CommandInfo(name="holder", callback=holder), pretty_exceptions_short=True, rich_markup_mode=None
@@ -119,7 +160,7 @@ def _held(name: str, metavar: str, holding: Callable[[str | None], AbstractConte
 def _verb(word: str) -> Built:
     """Return a command that is no procedure's."""
     module = import_module(f".{(FIRST | VERBS)[word]}", __package__)
-    return _built(getattr(module, word.replace("-", "_")), word)
+    return _built(getattr(module, word.replace("-", "_")), word, epilog=_epilog(word, EXAMPLES[word]))
 
 
 class _Lazy(TyperGroup):
@@ -163,7 +204,7 @@ class Root(_Lazy):
             return Planners(name=PLAN.word, help=PLAN.help, no_args_is_help=True, rich_markup_mode=None)
         if cmd_name in _nouns():
             name, declared = _nouns()[cmd_name]
-            return _built(_noun(name, declared), cmd_name, declared.help)
+            return _built(_noun(name, declared), cmd_name, declared.help, _epilog(cmd_name, declared.examples))
         return _verb(cmd_name) if cmd_name in FIRST | VERBS else None
 
 
@@ -183,11 +224,12 @@ class Planners(_Lazy):
         if cmd_name not in _planners():
             return None
         name, declared = _planners()[cmd_name]
+        epilog = _epilog(f"{PLAN.word} {cmd_name}", declared.examples)
         if procedure_of(name).planner_type is not None:
             from .nouns.planner import planner_of
 
-            return _built(planner_of(procedure_of(name), declared), cmd_name, declared.help)
-        return _built(_function(name, f"{name}_plan", "plan"), cmd_name, declared.help)
+            return _built(planner_of(procedure_of(name), declared), cmd_name, declared.help, epilog)
+        return _built(_function(name, f"{name}_plan", "plan"), cmd_name, declared.help, epilog)
 
 
 __all__ = ["PLAN", "Planners", "Root", "words"]

@@ -10,34 +10,44 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..core.errors import UsageError
-from .shown.output import clean
+from .shown.output import clean, width
+from .shown.screen import encodes_braille
 
 if TYPE_CHECKING:
     from ..report.figures.drawing.picture import Picture
+
+WIDEST = 110  # columns of a plot in text
 
 FigureFile = Annotated[
     Path | None,
     typer.Option("--output", "-o", help="Write a figure: .png, .svg or .pdf, by the ending.", show_default=False),
 ]
+Show = Annotated[bool, typer.Option("--show", help="Open the figure in a viewer.")]
+Plot = Annotated[bool, typer.Option("--plot", help="Draw the figure in text.")]
 FigureName = Annotated[str | None, typer.Option("--figure", help="Which figure; the first that has data if not said.")]
 
 
-def check_figure(output: Path | None, asked: dict[str, str | None] | None = None) -> None:
-    """Refuse, before anything is computed, an ending that cannot be written, or a choice of a figure without -o.
+def check_figure(
+    output: Path | None, asked: dict[str, str | None] | None = None, drawn: bool = False, as_json: bool = False
+) -> None:
+    """Refuse, before anything is computed, an ending that cannot be written, or a choice of a figure that is not drawn.
 
     Raises
     ------
     UsageError
         With the endings there are, or the option that is missing.
     """
+    if drawn and as_json:
+        raise UsageError("--plot with --json: the JSON object stands alone", do="Leave one of them out")
     if output is not None:
         from ..report.figure_file import check_ending
 
         check_ending(output)
         return
     for option, value in (asked or {}).items():
-        if value is not None:
-            raise UsageError(f"{option} {value}: no file for the figure is named", do="Say it: -o figure.png")
+        if value is not None and not drawn:
+            do = "Say it: -o figure.png, or --plot to draw it in text"
+            raise UsageError(f"{option} {value}: no file for the figure is named", do=do)
 
 
 def write(
@@ -66,6 +76,33 @@ def write(
     if "test" not in chosen:  # of a noun, which has one
         found = [replace(one, test="") for one in found]
     return clean(f"written: {output} ({', '.join(map(_name, found[:most]))}){_others(found[most:])}")
+
+
+def print_plot(result: object, chosen: dict[str, str | None], most: int = 1) -> None:
+    """Print the figure of a result in text, as wide as the terminal.
+
+    Parameters
+    ----------
+    result, chosen, most
+        As `write`.
+    """
+    from ..report.plot import pictures
+    from ..report.text_plot import text_plot
+
+    print(f"\n{text_plot(pictures(result, **chosen)[:most], min(width(), WIDEST), encodes_braille())}")
+
+
+def show_figure(output: Path | None, result: object, chosen: dict[str, str | None], most: int = 1) -> None:
+    """Open the figure of a result in a viewer: the file that was written, or one in the folder for temporary files."""
+    import tempfile
+
+    from .opening import open_file
+
+    path = output
+    if path is None:
+        path = Path(tempfile.mkdtemp(prefix="inertialcal-")) / "figure.png"
+        write(path, result, [], chosen, most)
+    open_file(path)
 
 
 def _name(picture: Picture) -> str:

@@ -1,4 +1,4 @@
-"""Show a page in the browser of the one who typed."""
+"""Show a page or a picture to the one who typed."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from .shown.output import clean
 SCREENS = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
 
 
-def open_page(path: Path) -> bool:
-    """Open a file in the default browser; say on standard error where there is none.
+def open_file(path: Path) -> bool:
+    """Open a file in the viewer of its kind, or the browser; say on standard error where there is none.
 
     Returns
     -------
     bool
-        Whether a browser took it.
+        Whether a program took it.
     """
     opened = False
     if _has_screen():
@@ -27,7 +27,7 @@ def open_page(path: Path) -> bool:
         except webbrowser.Error:
             opened = False
     if not opened:
-        print(f"no browser here: open {clean(str(path))} in one", file=sys.stderr)
+        print(f"nothing here can show it: open {clean(str(path))} yourself", file=sys.stderr)
     return opened
 
 

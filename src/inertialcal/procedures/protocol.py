@@ -407,11 +407,12 @@ class Correction(Protocol):
 
 
 class Command(NamedTuple):
-    """A noun of the command line, or of ``plan``: its word, one line of help, the figure it draws by default."""
+    """A noun of the command line, or of ``plan``."""
 
     word: str
-    help: str
-    figure: str = ""
+    help: str  # One line
+    figure: str = ""  # That it draws by default
+    examples: tuple[str, ...] = ()  # What may follow the word, for its help
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ def test_a_browser_gets_the_address_of_the_file(monkeypatch: pytest.MonkeyPatch,
     asked: list[str] = []
     monkeypatch.setenv("DISPLAY", ":0")
     monkeypatch.setattr(webbrowser, "open", lambda address: not asked.append(address))  # type: ignore[func-returns-value]
-    assert opening.open_page(tmp_path / "a b.html")
+    assert opening.open_file(tmp_path / "a b.html")
     assert asked == [(tmp_path / "a b.html").as_uri()]
 
 
@@ -24,8 +24,8 @@ def test_without_a_screen_a_line_names_the_file(
     for name in opening.SCREENS:
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr("sys.platform", "linux")
-    assert not opening.open_page(Path("out/report.html"))
-    assert capsys.readouterr().err == "no browser here: open out/report.html in one\n"
+    assert not opening.open_file(Path("out/report.html"))
+    assert capsys.readouterr().err == "nothing here can show it: open out/report.html yourself\n"
 
 
 def test_a_browser_that_fails_is_no_error(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
@@ -34,5 +34,5 @@ def test_a_browser_that_fails_is_no_error(monkeypatch: pytest.MonkeyPatch, capsy
 
     monkeypatch.setenv("DISPLAY", ":0")
     monkeypatch.setattr(webbrowser, "open", refuse)
-    assert not opening.open_page(Path("report.html"))
-    assert "open report.html in one" in capsys.readouterr().err
+    assert not opening.open_file(Path("report.html"))
+    assert "open report.html yourself" in capsys.readouterr().err

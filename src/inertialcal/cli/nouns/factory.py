@@ -12,6 +12,7 @@ import typer
 from ...core.settings import Setting, grouped_settings
 from ...procedures.given import Said
 from ...procedures.protocol import Command, Procedure
+from .. import figures
 from ..options import Json, Quiet, with_options
 
 Files = Annotated[list[Path], typer.Argument(help="Recordings, or tables of readings.", show_default=False)]
@@ -19,6 +20,8 @@ OUTPUT = {
     "output": (Annotated[Path | None, typer.Option("--output", "-o", show_default=False,
                          help="Write a figure (.png, .svg, .pdf), the models (.json), or all into a folder.")], None),
     "figure": (Annotated[str | None, typer.Option(help="Which figure; the first that has data if not given.")], None),
+    "show": (figures.Show, False),
+    "plot": (figures.Plot, False),
     "figure_axis": (Annotated[str | None, typer.Option(help="Axis of the figure: x, y or z.")], None),
     "campaign": (Annotated[Path | None, typer.Option(show_default=False,
                            help="Write what was used as a campaign into this folder.")], None),

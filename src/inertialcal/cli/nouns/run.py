@@ -14,21 +14,25 @@ from .. import figures
 from ..options import pairs
 from ..shown.output import clean, json_out
 
+MOST = 3  # pictures of a noun, one below the other
+
 
 def run_noun(
     procedure: Procedure[Any, Any, Any], declared: Command, settings: Mapping[str, Setting], given: dict[str, Any]
 ) -> int:
     """Reduce files by a procedure, write what was asked for, print the figures; return the exit status."""
     from ...campaign.calls.call import call
+    from ..shown.screen import folded, say
     from ..shown.summary import closed_loop_text, print_reduced, remarks_text
 
-    output, figure, axis, campaign, as_json, quiet = (
-        given.pop(name) for name in ("output", "figure", "figure_axis", "campaign", "as_json", "quiet")
+    output, figure, axis, campaign, show, plot, as_json, quiet = (
+        given.pop(name) for name in ("output", "figure", "figure_axis", "campaign", "show", "plot", "as_json", "quiet")
     )
     files, held_out = given.pop("files"), given.pop("hold_out", None) or []
     to = given.pop("for_format", None)
     form = _form(procedure, output, to)
-    _check_output(form, output, {"--figure": figure, "--figure-axis": axis}, to)
+    _check_output(form, output, {"--figure": figure, "--figure-axis": axis}, to, show or plot)
+    figures.check_figure(None, {}, plot, plot and as_json)
     found = call(procedure.name, files, pairs_of(settings, given), held_out=held_out, options=True, word=declared.word)
     chosen = {"figure": figure or declared.figure or None, "axis": axis}
     exported, gone = found.exported(to) if to else ("", ())
@@ -51,13 +55,17 @@ def run_noun(
         if own is None:
             print_reduced(found.columns, rows, remarks, found=procedure.summary(found))
             if held_out:
-                print(closed_loop_text(found.results))
+                say(closed_loop_text(found.results))
         else:
-            print("\n".join([own, "", *remarks_text(remarks)]).rstrip())
+            say("\n".join([folded(own), "", *remarks_text(remarks)]).rstrip())
         if exported and output is None:
             print(f"\n{exported.rstrip()}")
         for line in written.values():
             print(line)
+    if plot:
+        figures.print_plot(found, chosen, MOST)
+    if show:
+        figures.show_figure(output if form == "figure" else None, found, chosen, MOST)
     return found.exit_status
 
 
@@ -70,7 +78,7 @@ def _form(procedure: Procedure[Any, Any, Any], output: Path | None, to: str | No
     return "models" if output is not None and output.suffix.lower() == ".json" and procedure.makes_model else "figure"
 
 
-def _check_output(form: str, output: Path | None, chosen: dict[str, str | None], to: str | None) -> None:
+def _check_output(form: str, output: Path | None, chosen: dict[str, str | None], to: str | None, drawn: bool) -> None:
     """Refuse what cannot be written, before anything is computed.
 
     Raises
@@ -87,7 +95,7 @@ def _check_output(form: str, output: Path | None, chosen: dict[str, str | None],
     elif form == "folder" and output is not None:
         check_folder(output, chosen["--figure"])
     elif form == "figure":
-        figures.check_figure(output, chosen)
+        figures.check_figure(output, chosen, drawn)
 
 
 def _write(
@@ -103,7 +111,7 @@ def _write(
         judged = all(one.judged for one in found.models.values())
         return {str(output): clean(f"written: {output} ({'judged' if judged else 'not judged'})")}
     if form == "figure":
-        return {str(output): figures.write(output, found, list(found.inputs), chosen, most=3)}
+        return {str(output): figures.write(output, found, list(found.inputs), chosen, MOST)}
     if form == "models":
         paths = [str(path) for path in found.write_models(output)]
     else:

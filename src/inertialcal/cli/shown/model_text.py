@@ -65,7 +65,7 @@ def steps_text(steps: Sequence[Step], axes: Sequence[str]) -> str:
 def flight_text(found: FlightReplay) -> str:
     """Return flight C beside compensation, on recordings held out."""
     of = f" in {clean(found.condition)}" if found.condition else ""
-    written = f"flight C of the model{of}, written to {clean(str(found.folder))}"
+    written = f"flight C of the model{of}, written to {clean(found.folder.name)} there"
     if found.reason:
         return wrapped(f"{written}; not replayed: {found.reason}")
     on = ", ".join(clean(one) for one in found.recordings)

@@ -13,12 +13,12 @@ from typing import Any
 from ...core.errors import Problem
 from ...core.results import SCHEMA
 from ...core.show.tables import aligned as table
-from ...core.show.tables import clean, cleaned, terminal_width
+from ...core.show.tables import clean, cleaned, short, terminal_width
 from ..encoding import json_text
 
 __all__ = [
     "ENDING", "clean", "cleaned", "errors_out", "errors_text", "found", "json_out", "package_version", "problem_text",
-    "table", "width", "wrapped",
+    "short", "table", "width", "wrapped",
 ]  # fmt: skip
 
 

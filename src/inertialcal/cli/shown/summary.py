@@ -11,12 +11,13 @@ from ...core.key import PLAIN, Method
 from ...core.remarks import Remark
 from ...core.show.requirement_lines import HEADS, requirement_lines
 from ...core.show.result_tables import degrees, figure, figure_beside, interval, not_estimated
-from ...core.show.rounding import number
+from ...core.show.rounding import items, number
 from ...core.show.rows import (
     Compared,
     case_words,
     columns_of,
     lines_of,
+    missing_of,
     names_of,
     own_rows,
     pairs_of,
@@ -26,7 +27,8 @@ from ...core.show.rows import (
 )
 from ...procedures import compared_in
 from .. import figures
-from .output import clean, cleaned, json_out, table, width, wrapped
+from .output import clean, cleaned, json_out, short, table, width, wrapped
+from .screen import folded, folds, say, screen
 
 NARROWEST = 24  # columns of a requirement's words
 
@@ -37,8 +39,16 @@ if TYPE_CHECKING:
     from ...core.show.output_tables import OutputTable
 
 
+MISSING = 6  # rows of reasons why figures were not estimated, on a terminal
+
+
 def results_text(results: Mapping[str, Any]) -> str:
     """Return the figures of a campaign, test by test, each result with what stands beside it."""
+    return screen(results_parts(results))
+
+
+def results_parts(results: Mapping[str, Any]) -> list[str]:
+    """Return the figures of a campaign, and on a terminal apart from them how many were not estimated."""
     results, blocks = cleaned({name: results.get(name, []) for name in ("results", "sequence")}), []
     tests = list(dict.fromkeys(row["test"] for row in results["results"]))
     against = {step["test"]: step.get("against") for step in results["sequence"]}
@@ -47,12 +57,20 @@ def results_text(results: Mapping[str, Any]) -> str:
         compared = compared_in(rows)
         own = own_rows(rows, compared)
         blocks.append(f"{test}\n{_estimated(own)}")
-        missing = "\n".join(part for part in (_in_doubt(own), _not_estimated(rows)) if part)
+        missing = "\n".join(part for part in (_in_doubt(own), "" if folds() else _not_estimated(rows)) if part)
         if missing:
             blocks[-1] += f"\n{missing}"
         if compared is not None:
             blocks[-1] += _side_by_side(rows, compared, test, str(against.get(test) or "the other"))
-    return "\n\n".join(blocks)
+    counted = _missing_counted(results["results"]) if folds() else ""
+    return ["\n\n".join(blocks), counted]
+
+
+def _missing_counted(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return how many figures were not estimated, a line a reason: the commonest first."""
+    counts = sorted(((len(found), reason) for reason, found in missing_of(rows).items()), key=lambda one: -one[0])
+    lines = [f"  not estimated: {items(n, 'figure')}: {clean(reason)}" for n, reason in counts]
+    return folded("\n".join(short(line, width()) for line in lines), MISSING)
 
 
 def _estimated(rows: Sequence[Mapping[str, Any]]) -> str:
@@ -220,6 +238,15 @@ def _over_temperature_text(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
         yield table(cells, ["  axis", "test", "rms bias", "compensated", "unit", "runs", "verdict", ""])
 
 
+def remarks_part(remarks: Sequence[Mapping[str, Any]]) -> str:
+    """Return the remarks of a run under a head; those to know, not to act on, are counted on a terminal."""
+    pressing = [one for one in remarks if one["severity"] != "info"] if folds() else remarks
+    lines = [f"  {text}" for text in remarks_text(pressing)]
+    rest = len(remarks) - len(pressing)
+    lines += [f"  ... {rest} more {'note' if rest == 1 else 'notes'}: --all"] if rest else []
+    return "\n".join(["remarks", *lines]) if lines else ""
+
+
 def remarks_text(remarks: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     """Yield each remark as text, the serious ones first."""
     order = {"error": 0, "warning": 1, "info": 2}
@@ -238,11 +265,7 @@ def print_reduced(
     print(wrapped("columns: " + ", ".join(f"{what} = {clean(name)}" for what, name in columns.items())))
     if found:
         print(wrapped(found))
-    print(results_text({"results": rows}))
-    for text in remarks_text(remarks):
-        print(text)
-    if line:
-        print(line)
+    say("\n".join([results_text({"results": rows}), *remarks_text(remarks), *([line] if line else [])]))
 
 
 def show_results(
@@ -272,18 +295,18 @@ def show_results(
         elif not quiet:
             for text in remarks_text([remark.to_dict() for remark in edited]):
                 print(text)
-            print(line or _text(found))
+            say(line or _text(found))
     return 0
 
 
 def _text(found: ResultsFile) -> str:
     content = found.content
-    parts = [results_text(content)]
+    parts = results_parts(content)
     if content.get("closed_loop"):
         parts.append(closed_loop_text(content))
     if content.get("verdicts"):
         parts.append(f"requirements ({clean(str(content['decision_rule']))})\n{verdicts_text(content)}")
-    return "\n\n".join(parts)
+    return screen(parts)
 
 
 def tables_text(tables: Sequence[OutputTable[WrittenRow]]) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ...core.errors import UsageError
+from .. import figures
 from ..options import Folder, Json, Quiet
 from ..shown.output import clean, found, json_out, wrapped
 from ..shown.progress import progress
@@ -19,7 +20,9 @@ if TYPE_CHECKING:
 
 def run(
     folder: Folder,
-    open_report: Annotated[bool, typer.Option("--open", help="Open the report in the browser.")] = False,
+    open_report: Annotated[bool, typer.Option("--open", "--show", help="Open the report in the browser.")] = False,
+    plot: figures.Plot = False,
+    figure: figures.FigureName = None,
     pdf: Annotated[
         bool, typer.Option("--pdf", help="Write the report as out/report.pdf too: two pages, and one a test.")
     ] = False,
@@ -31,10 +34,11 @@ def run(
 ) -> int:
     """Run a campaign: every test, every requirement, results and report into DIR/out/."""
     from ...campaign.engine.run import run as run_campaign
-    from ..opening import open_page
+    from ..opening import open_file
 
     if appendices and not pdf:
         raise UsageError("--appendices: they stand in the PDF", do="Add --pdf", code="wrong_value")
+    figures.check_figure(None, {"--figure": figure}, plot, plot and as_json)
     with progress(quiet or as_json) as tell:
         outcome = run_campaign(folder, tell, pdf=pdf, appendices=appendices)
     found(outcome.exit_status)
@@ -42,14 +46,16 @@ def run(
         json_out("run", outcome_content(outcome), outcome.exit_status)
     elif not quiet:
         print_outcome(outcome)
+    if plot:
+        figures.print_plot(outcome, {"figure": figure})
     if open_report:
-        open_page(report_path(outcome))
+        open_file(report_path(outcome))
     return outcome.exit_status
 
 
 def where_text(outcome: Outcome) -> str:
     """Return where the results of a run are, and which of them to read."""
-    return clean(f"results in {outcome.folder / 'out'}; to read: {report_path(outcome)}")
+    return clean(f"results are in {outcome.folder / 'out'}: open report.html there in a browser, or add --open")
 
 
 def report_path(outcome: Outcome) -> Path:
@@ -66,29 +72,20 @@ def outcome_content(outcome: Outcome) -> dict[str, Any]:
 
 def print_outcome(outcome: Outcome) -> None:
     """Print figures, remarks, closed loop and verdicts of a run."""
-    from ..shown.summary import closed_loop_text, remarks_text, requirement_table, results_text, verdicts_text
+    from ..shown.screen import say, screen
+    from ..shown.summary import closed_loop_text, remarks_part, requirement_table, results_parts, verdicts_text
 
     results = outcome.results
-    print(results_text(results))
-    if results["remarks"]:
-        print("\nremarks")
-        for text in remarks_text(results["remarks"]):
-            print(f"  {text}")
-    print(f"\n{closed_loop_text(results)}")
+    parts = [*results_parts(results), remarks_part(results["remarks"]), closed_loop_text(results)]
     if results["verdicts"]:
-        print(f"\nrequirements ({clean(results['decision_rule'])})")
-        print(verdicts_text(results))
+        rule = clean(results["decision_rule"])
+        parts += [f"requirements ({rule})\n{verdicts_text(results)}"]
     if outcome.changed:
-        print(f"\nchanged since the last run: {len(outcome.changed)}")
-        for line in outcome.changed[:20]:
-            print(f"  {clean(line)}")
-    if outcome.notes:
-        print()
-    for note in outcome.notes:
-        print(wrapped(str(note)))
-    if shown := requirement_table(results):
-        print(f"\n{shown}")
-    print(f"\n{where_text(outcome)}")
+        lines = [f"  {clean(line)}" for line in outcome.changed[:20]]
+        parts.append("\n".join([f"changed since the last run: {len(outcome.changed)}", *lines]))
+    notes = "\n".join(wrapped(str(note)) for note in outcome.notes)
+    parts += [notes, requirement_table(results), where_text(outcome)]
+    say(screen(parts))
 
 
 def budget(
@@ -103,6 +100,7 @@ def budget(
 ) -> int:
     """Where the uncertainty of each result comes from, and which standard must improve to reach a wanted one."""
     from ...campaign.outcome.budget import budget as budget_of
+    from ..shown.screen import folded, say
     from ..shown.summary import budgets_text
 
     found_budgets = budget_of(source, wanted, test)
@@ -114,13 +112,14 @@ def budget(
         }
         json_out("budget", content)
     elif not quiet:
-        print(budgets_text(found_budgets))
+        say(folded(budgets_text(found_budgets)))
     return 0
 
 
 def check(folder: Folder, as_json: Json = False, quiet: Quiet = False) -> int:
     """Judge the inputs of a campaign: the campaign file and every recording it names."""
     from ...campaign.engine.whole import check as check_campaign
+    from ..shown.screen import folded, say
 
     checked = check_campaign(folder)
     campaign, inputs, remarks = checked
@@ -129,8 +128,8 @@ def check(folder: Folder, as_json: Json = False, quiet: Quiet = False) -> int:
         content = {"inputs": listed, "remarks": [remark.to_dict() for remark in remarks]}
         json_out("check", content, checked.exit_status)
     elif not quiet:
-        for remark in remarks:
-            print(wrapped(str(remark), "    "))
+        if remarks:
+            say(folded("\n".join(wrapped(str(remark), "    ") for remark in remarks)))
         tests, recordings = len(campaign.file.tests), len(campaign.file.recordings)
         said = f"{tests} test{'s' * (tests != 1)}, {recordings} recording{'s' * (recordings != 1)}"
         state = "recordings disagree, no model is made" if checked.exit_status else "ok"

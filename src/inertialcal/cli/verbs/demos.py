@@ -57,7 +57,7 @@ def _one(name: str, folder: Path, as_json: bool, quiet: bool) -> dict[str, Any]:
 
     built = build(name, folder)
     if not as_json and not quiet:
-        print(f"{title(name)}, in {built}", file=sys.stderr)
+        print(title(name), file=sys.stderr)
     with progress(quiet or as_json) as tell:
         outcome = run_campaign(built, tell)
     found = score(built) if has_truth(built) else None
@@ -84,6 +84,7 @@ def _of_others(row: Any) -> bool:
 
 def _print_scored(outcome: Any, found: Any) -> None:
     """Print the model beside the truth, not every figure of every test; those where no model is made."""
+    from ..shown.screen import ROWS, folded, say
     from ..shown.summary import closed_loop_text, requirement_table
     from .twins import held_text, truth_table
 
@@ -91,8 +92,8 @@ def _print_scored(outcome: Any, found: Any) -> None:
     model = model if any(row["test"] == "model" for row in model) else []
     what = "the model" if model else "the results"
     print(f"\n{outcome.results['campaign']['title']}: {what} and the simulated truth")
-    print(truth_table(model or found.rows))
+    print(folded(truth_table(model or found.rows), ROWS // 2))
     print(f"\n{held_text(found)}")
-    print(f"\n{closed_loop_text(outcome.results)}")
+    say(f"\n{closed_loop_text(outcome.results)}")
     shown = requirement_table(outcome.results)
-    print("\n".join([*([f"\n{shown}"] if shown else []), f"\n{where_text(outcome)}"]))
+    say("\n".join([*([f"\n{shown}"] if shown else []), f"\n{where_text(outcome)}"]))

@@ -10,6 +10,7 @@ import typer
 
 from ..options import Json, Quiet, Units, pairs, with_options
 from ..shown.output import json_out
+from ..shown.screen import folded, say
 from .models import Condition, Model
 
 USE = {  # what is said of the use -> help, example
@@ -74,7 +75,7 @@ def _filter(**given: Any) -> int:
     if given["as_json"]:
         json_out("filter", filter_content(found))
     elif not given["quiet"]:
-        print(filter_text(found))
+        say(folded(filter_text(found)))
     return 0
 
 

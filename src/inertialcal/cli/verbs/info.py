@@ -10,6 +10,7 @@ import typer
 from .. import figures
 from ..options import Dates, Decimal, Frame, Json, MissionStart, Quiet, Skip, Start, Stop, Topics, Units, pairs
 from ..shown.output import json_out
+from ..shown.screen import folded, say
 
 Files = Annotated[list[Path], typer.Argument(help="Recordings or tables.", show_default=False)]
 
@@ -70,7 +71,7 @@ def info(
         json_out("info", content, 3 if errors else 0)
         return 3 if errors else 0
     if not quiet and found:
-        print("\n\n".join([*(survey_text(one) for one in found), *([line] if line else [])]))
+        say("\n\n".join([*(folded(survey_text(one)) for one in found), *([line] if line else [])]))
     if errors:
         raise InertialcalError(errors)
     return 0

@@ -14,6 +14,7 @@ from ...files.models.formats import BUILT_IN
 from .. import figures
 from ..options import Dates, Decimal, Frame, Json, MissionStart, Quiet, Skip, Start, Stop, Topics, Units, pairs
 from ..shown.output import clean, json_out, wrapped
+from ..shown.screen import folded, say
 
 Model = Annotated[
     Path,
@@ -42,6 +43,8 @@ def show(
     ],
     output: figures.FigureFile = None,
     figure: figures.FigureName = None,
+    open_figure: figures.Show = False,
+    plot: figures.Plot = False,
     test: Annotated[str | None, typer.Option(help="Figure of results: of which test.")] = None,
     axis: Annotated[str | None, typer.Option(help="Figure of results: of which axis.")] = None,
     condition: Condition = None,
@@ -60,23 +63,38 @@ def show(
     quiet: Quiet = False,
 ) -> int:
     """Show a model in words, results as a table, what a report is; with -o, a figure of a model or results."""
+    from ...campaign.models.find import find_model
     from ...campaign.outcome.results_file import edited_since, find_results
     from ...report.page_file import find_page
+    from ..opening import open_file
     from ..shown.summary import show_results
 
-    figures.check_figure(output, {"--figure": figure, "--test": test, "--axis": axis})
+    figures.check_figure(
+        output, {"--figure": figure, "--test": test, "--axis": axis}, open_figure or plot, plot and as_json
+    )
     chosen = {"figure": figure, "test": test, "axis": axis}
     if tables or orbit:
         return _show_suite(model, condition, tables, orbit, (averaging, latitude), as_json, quiet)
     if (page := find_page(model)) is not None:
-        if output is not None:
-            raise UsageError(f"-o {output}: a report gives no figure", do="Name results.json, or the folder")
+        if output is not None or plot:
+            said = "--plot" if output is None else f"-o {output}"
+            raise UsageError(f"{said}: a report gives no figure", do="Name results.json, or the folder")
+        if open_figure:
+            open_file(Path(page.path))
         return _show_page(page, as_json, quiet)
     edited = edited_since(model) if model.is_dir() else ()
     results = find_results(model, of_campaign=any(chosen.values()))
     if results is not None:
-        return show_results(results, edited, output, chosen, as_json, quiet)
-    return _show_model(model, condition, edited, output, chosen, as_json, quiet)
+        status = show_results(results, edited, output, chosen, as_json, quiet)
+        drawn: Any = results.content
+    else:
+        status = _show_model(model, condition, edited, output, chosen, as_json, quiet)
+        drawn = find_model(model, condition).model if open_figure or plot else None
+    if plot:
+        figures.print_plot(drawn, chosen)
+    if open_figure:
+        figures.show_figure(output, drawn, chosen)
+    return status
 
 
 def _of_option(option: str, said: str, unit: str) -> float:
@@ -137,7 +155,7 @@ def _show_suite(
     if as_json:
         json_out("show", {"inputs": inputs} | content)
     elif not quiet:
-        print("\n\n".join(blocks))
+        say(folded("\n\n".join(blocks)))
     return 0
 
 
@@ -148,7 +166,7 @@ def _show_page(page: Any, as_json: bool, quiet: bool) -> int:
     elif not quiet:
         _print_remarks(page.remarks)
         print(clean(f"{page.path}: report of campaign {page.campaign}, unchanged since it was written"))
-        print(f"verdict: {clean(page.verdict or 'no requirement stated')}")
+        say(f"verdict: {clean(page.verdict or 'no requirement stated')}")
         print(f"shows results.json, checksum {clean(page.results or 'not given')}")
         print(f"shows model.json, checksum {clean(page.model)}" if page.model else "no model delivered")
     return 0
@@ -195,7 +213,7 @@ def _show_model(
         json_out("show", content)
     elif not quiet:
         _print_remarks(remarks)
-        print(line or "\n\n".join(model_text(one, of_one) for one, of_one in zip(shown, rows, strict=True)))
+        say(line or folded("\n\n".join(model_text(one, of_one) for one, of_one in zip(shown, rows, strict=True))))
     return 0
 
 
@@ -435,7 +453,7 @@ def compare(
         }
         json_out("compare", content, found.exit_status)
     elif not quiet:
-        print(comparison_text(found))
+        say(folded(comparison_text(found)))
     return found.exit_status
 
 

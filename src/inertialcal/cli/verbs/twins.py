@@ -14,6 +14,7 @@ from ...rigs import RIGS
 from ..options import Json, Quiet, faults_beginning, rigs_beginning
 from ..shown.output import clean, json_out, table
 from ..shown.progress import progress
+from ..shown.screen import folded, say
 
 if TYPE_CHECKING:
     from ...campaign.twins.score import Coverage, FaultScore, Score
@@ -62,7 +63,7 @@ def simulate(
         json_out("simulate", content | {"rig": rig, "seed": seed, "fault": written.fault, "size": written.size})
     elif not quiet:
         print(clean(f"written: {written.folder} ({items(len(written.recordings), 'recording')})"))
-        print(clean(f"truth sealed in {written.folder / '.truth'}, SHA-256 {written.seal}"))
+        print(clean(f"the true values are sealed in .truth there, SHA-256 {written.seal}"))
         folder = shlex.quote(str(written.folder))
         print(clean(f"Next: inertialcal run {folder}, then inertialcal score {folder}"))
     return 0
@@ -145,8 +146,8 @@ def _campaign(folder: Path, as_json: bool, quiet: bool) -> int:
         json_out("score", content | truth | counts | _judged(found), status)
     elif not quiet:
         if found.rows:
-            print(f"{truth_table(found.rows)}\n")
-        print(held_text(found))
+            print(f"{folded(truth_table(found.rows))}\n")
+        say(held_text(found))
     return status
 
 

@@ -46,7 +46,14 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
     name = "flip"
     title = "Bias and ambient acceleration of a triaxial accelerometer head, from turning it in orbit."
     commands = (
-        Command("flip", "Bias and ambient acceleration of a triaxial accelerometer head, from turning it in orbit."),
+        Command(
+            "flip",
+            "Bias and ambient acceleration of a triaxial accelerometer head, from turning it in orbit.",
+            examples=(
+                'table03.csv --position "forward=0 deg" --position "reverse=180 deg"',
+                'table03.csv --position "forward=0 deg" --position "reverse=180 deg" --plot',
+            ),
+        ),
     )
     plan_type, influences = Plan, INFLUENCES
     said_type = Turned

@@ -44,6 +44,11 @@ QUANTITIES = {
     "tilt_amplitude": Quantity(("angle",)),
 }
 
+MOVED = (
+    "moved/recordings/run1.csv moved/recordings/run2.csv moved/recordings/null1.csv --null null1 --schedule"
+    ' moved/schedule.csv --column x=pulses --column tilt=tilt_rad --gate "100 s" --tilt known --mercury'
+)
+
 
 class MassAttraction(Procedure[Plan, "Readings", "Result"]):
     """Scale factor of an accelerometer from the attraction of a moved mass."""
@@ -54,10 +59,13 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
         Command(
             "mass-attraction",
             "Scale factor from a moved mass: its line in the drift, with the uncertainty of noise and of runs.",
+            examples=(MOVED, f"{MOVED} --plot"),
         ),
     )
     planner = Command(
-        "mass-attraction", "Source mass, drive, budget, and uncertainty of the scale factor against hours."
+        "mass-attraction",
+        "Source mass, drive, budget, and uncertainty of the scale factor against hours.",
+        examples=("moved.toml --schedule schedule.csv", '--set "orbit.mass=4 kg" --set "orbit.stand_off=10.2 cm"'),
     )
     plan_type, said_type, influences = Plan, SaidMass, INFLUENCES
     kind_of_test = "mass attraction"

@@ -70,10 +70,20 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
         Command(
             "positions",
             "Scale factors, misalignment, bias and g-sensitivity from static positions and rotations by hand.",
+            examples=(
+                "hand/recordings/hand1.csv --unit acc=m/s2 --unit gyro=rad/s"
+                ' --gravity "9.807 m/s2" --latitude "45.8 deg"',
+                "hand/recordings/hand1.csv --unit acc=m/s2 --unit gyro=rad/s --for px4",
+            ),
         ),
     )
     planner = Command(
-        "positions", "Positions of accelerometers to take, one after another, and the uncertainty to expect of them."
+        "positions",
+        "Positions of accelerometers to take, one after another, and the uncertainty to expect of them.",
+        examples=(
+            '--scatter "0.2 mg" --have faces --target bias="0.15 mg" --gravity-u "0.1 mg"',
+            '--scatter "0.2 mg" --target bias="0.15 mg" --json',
+        ),
     )
     plan_type, said_type, planner_type, influences = Plan, FileSettings, Wanted, INFLUENCES
     figures = FIGURES

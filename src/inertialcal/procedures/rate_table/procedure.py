@@ -69,6 +69,7 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
         Command(
             "rate-table",
             "Scale factor, bias, asymmetry and misalignment from dwells at known rates: a table, or a recording of it.",
+            examples=("gyro_z.csv", "gyro_z.csv -o gyro_z.png"),
         ),
     )
     plan_type, influences = Plan, INFLUENCES

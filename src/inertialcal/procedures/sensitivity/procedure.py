@@ -73,7 +73,16 @@ class Sensitivity(Procedure[Plan, "Readings", "Result"]):
 
     name, kind_of_test = "sensitivity", "sensitivity test"
     title = "Bias and scale factor against supply, temperature, pressure or any recorded condition, over power-ups."
-    commands = (Command("sensitivity", title),)
+    commands = (
+        Command(
+            "sensitivity",
+            title,
+            examples=(
+                'run1.csv run2.csv run3.csv --to supply --nominal supply="5 V"',
+                "run1.csv run2.csv --hold-out run3.csv --to supply -o model.json --quiet",
+            ),
+        ),
+    )
     plan_type, said_type, influences = Plan, OfFile, INFLUENCES
     figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})

@@ -41,6 +41,7 @@ class Sine(Procedure[Plan, "Readings", "Result"]):
             "sine",
             "Amplitude of a known drive in drift and noise, with an uncertainty from neighbouring lines; or an"
             " upper limit.",
+            examples=('pulses.csv --period "480 s" --phase "0 deg" -o sine.svg', "pulses.csv --schedule order.csv"),
         ),
     )
     plan_type, said_type, influences = Plan, Drive, INFLUENCES

@@ -49,12 +49,14 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
         Command(
             "allan",
             "Noise terms of a sensor at rest with error bars, what the record cannot tell, and how long to record.",
+            examples=("still.csv -o still.svg", "still.csv --for kalibr"),
         ),
         Command(
             "psd",
             "Spectrum of a sensor at rest: its lines by name, its noise terms, and a check against the Allan"
             " deviation.",
             "spectrum",
+            examples=("fan.csv -o fan.svg", "fan.csv --plot"),
         ),
     )
     plan_type, said_type, shown_type, influences = Plan, Samples, Filters, INFLUENCES

@@ -84,6 +84,7 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
         Command(
             "thermal",
             "Bias over temperature of a unit at rest: polynomial, warming against cooling, start-up, power-ups.",
+            examples=('run1.csv run2.csv run3.csv --at "0 degC" --at "70 degC"', "run1.csv run2.csv run3.csv --plot"),
         ),
     )
     plan_type, influences = Plan, INFLUENCES

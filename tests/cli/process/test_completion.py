@@ -1,0 +1,36 @@
+"""Completion in bash: the protocol that the shell speaks, with a process of its own."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from inertialcal.rigs import titles
+
+
+def completed(line: str) -> list[str]:
+    words = line.split(" ")
+    spoken = {"_INERTIALCAL_COMPLETE": "complete_bash", "COMP_WORDS": line, "COMP_CWORD": str(len(words) - 1)}
+    call = "import sys; sys.argv = ['inertialcal']; from inertialcal.cli.__main__ import entry; entry()"
+    found = subprocess.run(
+        [sys.executable, "-c", call], env=os.environ | spoken, capture_output=True, text=True, timeout=120, check=False
+    )
+    assert found.stderr == ""
+    return found.stdout.split()
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ("inertialcal rate", {"rate-table"}),
+        ("inertialcal allan --sample", {"--sample-rate"}),
+        ("inertialcal demo m", {name for name in titles() if name.startswith("m")}),
+        ("inertialcal simulate six", {name for name in titles() if name.startswith("six")}),
+    ],
+)
+def test_words_that_are_offered(line: str, expected: set[str]) -> None:
+    assert expected
+    assert set(completed(line)) == expected
