@@ -218,7 +218,7 @@ def _struct(data: bytes, at: int, depth: int = 0) -> tuple[dict[int, Any], int]:
         else:
             number, at = _varint(data, at)
             number >>= 1
-        if kind == 5 or kind == 6 or kind == 8:  # nearly all fields: here, as a call takes as long as their work
+        if kind in (5, 6, 8):  # nearly all fields: here, as a call takes as long as their work
             value = data[at]
             at += 1
             if value & 0x80:
