@@ -82,6 +82,8 @@ def median_made(part: Callable[[int, int], NDArray[Any]], *read: NDArray[Any]) -
     *read : ndarray, shape (n, ...)
         That it reads.
     """
+    if len(read[0]) <= AT_ONCE:
+        return _median_of(part(0, len(read[0])))
     count, low, high = 0, 2**64, 0
     for first, stop in batches(*read):
         keys = _keys(part(first, stop))
@@ -95,6 +97,17 @@ def median_made(part: Callable[[int, int], NDArray[Any]], *read: NDArray[Any]) -
     upper = _selected(part, read, count // 2, low, high, count)[0] if after is None else after
     with np.errstate(over="ignore"):
         return float(np.mean([lower, upper])) + 0.0
+
+
+def _median_of(x: NDArray[Any]) -> float:
+    numbers = np.array(x, dtype=np.float64)
+    numbers = numbers[~np.isnan(numbers)]
+    if not len(numbers):
+        return float("nan")
+    middle = (len(numbers) - 1) // 2, len(numbers) // 2
+    numbers.partition(middle)
+    with np.errstate(over="ignore"):
+        return float(np.mean(numbers[list(middle)])) + 0.0  # no -0.0
 
 
 def quantile(x: NDArray[Any], share: float) -> float:

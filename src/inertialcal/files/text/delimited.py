@@ -52,6 +52,7 @@ if TYPE_CHECKING:
 
 SHOWN = 60  # characters of a cell in a message
 BLOCK = 2**20  # bytes that are looked at together: a cache holds them
+AT_ONCE = 2**22  # bytes that Arrow parses at once
 LINE_END = ord("\n")
 
 
@@ -202,7 +203,7 @@ def fast(text: str, layout: Layout, names: tuple[str, ...], raw: bytes | None = 
     rows = memoryview(text[layout.start : end].encode() if raw is None else raw)
     rows = rows if raw is None else rows[layout.start : end]
     body = regular_rows(rows, layout, other_signs(rows, layout))
-    table = None if body is None else arrow_table(body, layout, names, 1 + line_ends(rows))
+    table = None if body is None else arrow_table(body, layout, names)
     if table is None:
         return None
     length, columns = len(table), []
@@ -378,11 +379,11 @@ def _holds_blank_line(body: bytes | memoryview) -> bool:
 
 
 def arrow_table(
-    body: memoryview, layout: Layout, names: tuple[str, ...], rows: int, kinds: Mapping[str, Any] | None = None
+    body: memoryview, layout: Layout, names: tuple[str, ...], kinds: Mapping[str, Any] | None = None
 ) -> ArrowTable | None:
     """Arrow table of the rows, whose columns are whole numbers, numbers, text or null; None if ragged, or a row blank.
 
-    ``rows``: how many lines they are; ``kinds``: types of columns, by their number from 0, that are known already.
+    ``kinds``: types of columns, by their number from 0, that are known already. The last row has no line end.
     """
     import pyarrow as pa  # noqa: PLC0415 - heavy import
     from pyarrow import csv  # noqa: PLC0415 - heavy import
@@ -393,7 +394,7 @@ def arrow_table(
         try:
             table = csv.read_csv(
                 pa.BufferReader(pa.py_buffer(body)),
-                read_options=csv.ReadOptions(column_names=keys),
+                read_options=csv.ReadOptions(column_names=keys, block_size=AT_ONCE),
                 parse_options=csv.ParseOptions(
                     delimiter=layout.separator or " ", quote_char=False, ignore_empty_lines=False
                 ),
@@ -412,7 +413,7 @@ def arrow_table(
         odd = [key for key, kind in zip(keys, table.schema.types, strict=True) if kind not in plain]
         if not odd:
             blank = all(column.null_count for column in table.columns) and _holds_blank_line(body)
-            return None if blank or len(table) != rows else table
+            return None if blank else table
         as_text |= dict.fromkeys(odd, pa.string())  # dates and times are judged by the clock
     return None
 

@@ -176,12 +176,11 @@ def _claimed_rows(loaded: Loaded, layout: Layout, first: memoryview) -> int:
         ``too_large``.
     """
     size, where = len(loaded.data), loaded.path
+    rows = int((1 + line_ends(first)) * size / len(first) * (1.0 + SPARE))
     if isinstance(loaded.data, FileBytes):
         claim(where, loaded.on_disk, ENOUGH * min(PIECE, size), f"pieces of {PIECE:,} bytes")
-        rows = int((1 + line_ends(first)) * size / len(first) * (1.0 + SPARE))
         claim_room(where, loaded.on_disk, VALUE * rows * layout.width, f"{rows:,} rows of {layout.width} cells")
         return rows
-    rows = 1 + line_ends(loaded.data)
     try:  # and units and clock are found
         claim(where, loaded.on_disk, size + ENOUGH * min(PIECE, size) + VALUE * rows * (layout.width + 8), "pieces")
     except DataError:  # the whole may take less
@@ -231,7 +230,7 @@ def _filled(
             return long.columns(), cut
 
 
-_Body = tuple[memoryview, int, tuple[Remark, ...]]  # rows, how many they are, and the remark on one that is cut off
+_Body = tuple[memoryview, tuple[Remark, ...]]  # rows, and the remark on one that is cut off
 
 
 def _tables(
@@ -243,49 +242,69 @@ def _tables(
     """
     import pyarrow as pa  # noqa: PLC0415 - heavy import
 
-    for body, lines, cut in bodies:
-        if not lines:  # the last piece was blank, or one row that was cut off
+    for rows, cut in bodies:
+        if not rows:  # the last piece was blank, or one row that was cut off
             yield None, cut
             return
-        table = arrow_table(body, layout, names, lines, known)
+        body = _regular(rows, layout) if layout.separator is None else rows
+        table = arrow_table(body, layout, names, known)
         if table is None:
             raise _IrregularError
+        if body is rows and not _is_plain(table, rows):
+            _regular(rows, layout)
         known |= {name: kind for name, kind in zip(table.column_names, table.schema.types, strict=True)
                   if kind in (pa.float64(), pa.string())}  # fmt: skip
         yield table, cut
 
 
+def _is_plain(table: Any, rows: memoryview) -> bool:
+    """Whether Arrow took all cells of rows for numbers, none of them for one because it is hexadecimal."""
+    import pyarrow as pa  # noqa: PLC0415 - heavy import
+
+    kinds = set(table.schema.types)
+    whole = bytes(rows) if pa.int64() in kinds else b""
+    return kinds <= {pa.float64(), pa.int64()} and b"x" not in whole and b"X" not in whole
+
+
+def _regular(rows: memoryview, layout: Layout) -> memoryview:
+    """Return rows for Arrow that hold more than plain numbers; Raises _IrregularError."""
+    others = other_signs(rows, layout)
+    comma = layout.decimal != "," and layout.separator != "," and b"," in others  # of a file with decimal commas?
+    if comma or not others.isascii() or holds_control(others):
+        raise _IrregularError
+    body = regular_rows(rows, layout, others)
+    if body is None:
+        raise _IrregularError
+    return body
+
+
 def _bodies(loaded: Loaded, begin: _Beginning) -> Generator[_Body]:
     """Yield the rows of data of each piece; Raises _IrregularError."""
     layout, done = begin.layout, 0
-    above = layout.row - 1
+    held = not isinstance(loaded.data, FileBytes)
+    returns = held and b"\r" in loaded.data
     pieces: Iterator[bytes | memoryview] = chain([begin.rows], _pieces(loaded, begin.size))
     for piece in pieces:
         rows = memoryview(piece)
         done += len(piece) if done else begin.size
         last = done == len(loaded.data)
-        others = other_signs(rows, layout)
-        comma = layout.decimal != "," and layout.separator != "," and b"," in others  # of a file with decimal commas?
-        if not rows or comma or not others.isascii() or holds_control(others):
+        if not rows:
             raise _IrregularError
-        if b"\r" in others:
-            rows = memoryview(bytes(rows).replace(b"\r\n", b"\n").replace(b"\r", b"\n"))
+        if returns if held else b"\r" in cast("bytes", rows.obj):
+            rows = _in_lines(rows)
         cut: tuple[Remark, ...] = ()
         if last:
-            rows, cut = _complete(rows, layout, loaded.path, above)
+            rows, cut = _complete(rows, loaded, layout)
+        elif rows[-2:] in (b"\n", b"\n\n"):  # a blank line, which Arrow leaves out here
+            raise _IrregularError
         else:
             rows = rows[:-1]
-        lines = 1 + line_ends(rows) if len(rows) or not last else 0
-        above += lines
-        body = regular_rows(rows, layout, others)
-        if body is None:
-            raise _IrregularError
-        yield body, lines, cut
+        yield rows, cut
     if done != len(loaded.data):
         raise _IrregularError
 
 
-def _complete(rows: memoryview, layout: Layout, path: str, above: int) -> tuple[memoryview, tuple[Remark, ...]]:
+def _complete(rows: memoryview, loaded: Loaded, layout: Layout) -> tuple[memoryview, tuple[Remark, ...]]:
     """Return the last rows of a text as `whole_rows`, without blanks behind them; Raises _IrregularError."""
     rows = rows[: _end(rows, b"\x1a")]
     near = max(len(rows) - LINE, 0)
@@ -293,11 +312,21 @@ def _complete(rows: memoryview, layout: Layout, path: str, above: int) -> tuple[
     if near and at == near:
         raise _IrregularError
     cut: tuple[Remark, ...] = ()
-    last = bytes(rows[at:]).decode()
+    end = bytes(rows[at:])
+    if not end.isascii():
+        raise _IrregularError
+    last = end.decode()
     if last:
-        kept, cut = whole_rows(last, replace(layout, start=-1), path, above + line_ends(rows[:at]))
+        kept, cut = whole_rows(last, replace(layout, start=-1), loaded.path)
+        if cut:  # seldom: only then lines are counted
+            above = sum(line_ends(_in_lines(piece)) for piece in _pieces(loaded))
+            cut = whole_rows(last, replace(layout, start=-1), loaded.path, above)[1]
         rows = rows[: at + len(kept)]
     return rows[: _end(rows, b"\n ")], cut
+
+
+def _in_lines(rows: memoryview) -> memoryview:
+    return memoryview(bytes(rows).replace(b"\r\n", b"\n").replace(b"\r", b"\n"))
 
 
 def _end(rows: memoryview, signs: bytes) -> int:

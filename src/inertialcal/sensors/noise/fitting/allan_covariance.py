@@ -28,6 +28,8 @@ References
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -57,7 +59,7 @@ def covariance_of_allan(phase: Phase, m: Array, n: Array, inflation: Array | Non
     row, column = np.triu_indices(len(m))
     m1, m2, n1, n2 = m[row], m[column], n[row], n[column]
     last = np.floor(np.maximum(np.minimum((n1 + n2) / 2.0 - 1.0, reach + m1 + m2), 0.0))
-    pair, distance, weight = _distances(m1, m2, last)
+    pair, distance, weight = _distances(m1.tobytes(), m2.tobytes(), last.tobytes())
     size, there = m1[pair] * m2[pair], np.minimum(np.minimum(n1, n2)[pair], (n1 + n2)[pair] / 2.0 - distance)
     more = np.ones(len(pair)) if inflation is None else np.sqrt(inflation[row] * inflation[column])[pair]
     s = _second_differences(distance, m1[pair], m2[pair], sizes, exponentials, more) / size
@@ -74,12 +76,15 @@ def covariance_of_allan(phase: Phase, m: Array, n: Array, inflation: Array | Non
     return out
 
 
-def _distances(m1: Array, m2: Array, last: Array) -> tuple[NDArray[np.int64], Array, Array]:
-    """Return which pair of averaging times, distance and weight of all that is summed, from 0 (half) to ``last``.
+@lru_cache(8)  # a fit asks for the same again and again
+def _distances(*given: bytes) -> tuple[NDArray[np.int64], Array, Array]:
+    """Return which pair of averaging times, distance and weight of all that is summed, not to be changed.
 
-    Each pair, m1 <= m2, has its kinks. Between them, and away from them, panels of distances are summed by the three
+    Distances of each pair go from 0 (half) to its ``last``; given are m1, m2 and last as bytes. A pair, m1 <= m2, has
+    its kinks. Between them, and away from them, panels of distances are summed by the three
     nodes that are exact for polynomials of degree five.
     """
+    m1, m2, last = map(np.frombuffer, given)
     number = np.arange(len(m1))
     kinks = np.minimum([0.0 * m1, np.minimum(m1, m2 - m1), np.maximum(m1, m2 - m1), m2, m2 + m1, last], last)
     part, pair = np.nonzero(kinks[1:] > kinks[:-1])
@@ -121,14 +126,14 @@ def _second_differences(t: Array, m1: Array, m2: Array, sizes: Array, exponentia
     total = np.zeros(len(t))
     for a, b, factor in LAGS:
         j = np.abs(t + b * m2 - a * m1)
-        found = j * (cubic * j * j - linear)
+        found = j * (cubic * j * j - linear) if cubic else -linear * j
         if flicker != 0.0:
             found += flicker * j * j * np.log(np.where(j > 0.0, j, 1.0))
         for part, u, gain, excess in exponentials:
             x = u * j
             series = -x * x * x * (1.0 - x * 0.25 * (1.0 - x * 0.2 * (1.0 - x / 6.0 * (1.0 - x / 7.0)))) / 6.0
             found -= part * (gain * np.where(x < SMALL, series, np.exp(-x) - 1.0 + x - 0.5 * x * x) + excess * j)
-        total += factor * np.where(j == 0.0, sizes[0], found)
+        total += factor * (np.where(j == 0.0, sizes[0], found) if sizes[0] else found)
     return total
 
 
