@@ -453,7 +453,9 @@ def spoken_unit(sensor: Kind, chain: Mapping[str, Any]) -> str:
 
 
 def _axes(recording: Recording, sensor: Kind) -> dict[str, str]:
-    found = [one for one in recording.channels if one.axis in AXES and one.quantity in (GROUP[sensor], "")]
+    lettered = [one for one in recording.channels if one.axis in AXES]
+    own = [one for one in lettered if one.quantity == GROUP[sensor]]
+    found = own or [one for one in lettered if not one.quantity]
     named = {one.axis: one.name for one in found}
     return named if len(named) == len(found) else {}
 
