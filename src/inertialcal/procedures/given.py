@@ -344,8 +344,9 @@ def chain_of_units(given: GivenFile, chain: Mapping[str, Any], units: Sequence[s
         If something of it would have no effect, or it lacks the scale factor.
     """
     kept = dict(chain)
-    if kept.get("kind") == "output" and all(unit and kind(unit) in KIND_OF_UNIT.values() for unit in units):
-        idle = [name for name in ("reference", "zero", "gain") if name in kept]
+    is_input = all(unit and kind(unit) in KIND_OF_UNIT.values() for unit in units)
+    if kept.get("kind") in ("adc", "output") and is_input:
+        idle = [name for name in ("lsb", "counts", "reference", "zero", "gain") if name in kept]
         if idle:
             what = f"{given.name}: {idle[0]} is given, and the readings are in {units[0]} already"
             raise UsageError(what, do="Leave it out, or correct the unit", code="option_without_effect")
