@@ -437,10 +437,10 @@ class Kept:
     write: Writer
     noun: str = "allan"
     sensors: tuple[str, ...] = ("gyro", "accelerometer")
-    choice: bool = False  # whether it holds several recordings, of which one is to be named
+    recordings: int = 1  # of one sensor each where there are several, in the order of `sensors`
 
 
-ACC = ("accelerometer",)
+ACC, GYRO = ("accelerometer",), ("gyro",)
 KEPT = (
     Kept("bench.bag", "ROS 1 bag", ros_1("/camera/imu", "BZ2")),
     Kept("faces.bag", "ROS 1 bag", ros_1("/mavros/imu/data_raw"), "positions"),
@@ -451,9 +451,9 @@ KEPT = (
     Kept("bench.mcap", "MCAP", mcap_ros_1),
     Kept("bench.ulg", "ULog", ulog_combined),
     Kept("faces.ulg", "ULog", ulog_combined, "positions"),
-    Kept("sensors.ulg", "ULog", ulog_sensors, sensors=ACC, choice=True),
+    Kept("sensors.ulg", "ULog", ulog_sensors, sensors=ACC + GYRO, recordings=2),
     Kept("faces.bin", "DataFlash .bin", dataflash_old, "positions"),
-    Kept("raw.bin", "DataFlash .bin", dataflash_raw, sensors=("gyro",), choice=True),
+    Kept("raw.bin", "DataFlash .bin", dataflash_raw, sensors=GYRO + ACC, recordings=2),
     Kept("bench.log", "DataFlash .log", dataflash_text),
     Kept("bench.xlsx", "Excel", excel_pandas),
     Kept("faces.xlsx", "Excel", excel_german, "positions"),

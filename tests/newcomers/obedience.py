@@ -58,13 +58,18 @@ def obeyed(capsys: pytest.CaptureFixture[str], first: Sequence[str], sheet: Mapp
     raise AssertionError(f"{MOST} commands: {words}")
 
 
+def next_commands(capsys: pytest.CaptureFixture[str], path: str, *options: str) -> list[str]:
+    """Return the commands that ``info`` says to type next, one for each recording of a file."""
+    status, out, err = call(capsys, "info", path, *options)
+    assert status == 0, err
+    return [line.removeprefix("next: ") for line in out.splitlines() if line.startswith("next: ")]
+
+
 def next_command(capsys: pytest.CaptureFixture[str], path: str, sheet: Mapping[str, str], *options: str) -> list[str]:
     """Return the words of the command that ``info`` says to type next, of a file and what is said of it."""
-    status, out, err = call(capsys, "info", path, *options, "--json")
-    assert status == 0, err
-    (found,) = json.loads(out)["results"]
-    words = shlex.split(found["next"])
-    assert words[0] == "inertialcal", found["next"]
+    (found,) = next_commands(capsys, path, *options)
+    words = shlex.split(found)
+    assert words[0] == "inertialcal", found
     found_words = list[str]()
     for one in words[1:]:
         option = found_words[-1].removeprefix("--").replace("-", "_") if found_words else ""

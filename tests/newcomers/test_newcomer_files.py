@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import shlex
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -21,7 +23,7 @@ from newcomer_boards import (
     six_faces,
 )
 from newcomer_files import KEPT, Kept
-from obedience import filled, next_command, obeyed, options_of
+from obedience import filled, next_command, next_commands, obeyed, options_of
 
 from typed_commands import call
 
@@ -33,7 +35,7 @@ WHITE = {
 FEW, NEAR = 5.0, 0.08  # standard uncertainties, and relative difference of white noise, that an estimate may be off
 ROUND = 2e-4  # m/s^2, and rad/s a hundredth of it: of numbers with few digits
 
-COUNTS = ("random_walk", 1e6 * ACC_NOISE / np.sqrt(100.0))
+UNSAID = {"miniSEED": 1e6, "WAV": 1.0 / G}  # what the numbers of m/s^2 are multiplied with, where no unit is said
 
 
 @cache
@@ -43,7 +45,9 @@ def recorded(noun: str) -> Board:
 
 def check_white(rows: list[dict[str, Any]], kept: Kept) -> None:
     for sensor in kept.sensors:
-        quantity, true = COUNTS if kept.kind == "miniSEED" else WHITE[sensor]
+        quantity, true = WHITE[sensor]
+        if kept.kind in UNSAID:
+            quantity, true = "random_walk", UNSAID[kept.kind] * ACC_NOISE / np.sqrt(100.0)
         found = [one for one in rows if one["quantity"] == quantity and one["value"] is not None]
         assert len(found) == 3, (sensor, [one["quantity"] for one in rows])
         for one in found:
@@ -69,15 +73,23 @@ def check_positions(rows: list[dict[str, Any]], kept: Kept) -> None:
             assert abs(one["value"] - wanted) <= FEW * one["u"] + scale, (sensor, quantity, axis, one["value"], true)
 
 
-@pytest.mark.parametrize("kept", [one for one in KEPT if one.kind != "WAV"], ids=lambda kept: kept.name)
-def test_what_info_says_to_type_gives_the_truth(kept: Kept, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("kept", KEPT, ids=lambda kept: kept.name)
+def test_what_info_prints_is_run_as_printed_and_gives_the_truth(
+    kept: Kept, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Two commands from file to result: ``info FILE``, and one that it prints for each recording of the file."""
     path = tmp_path / kept.name
     kept.write(recorded(kept.noun), path)
-    words = [kept.noun, str(path)] if kept.choice else next_command(capsys, str(path), SHEET)
-    assert words[0] == kept.noun
-    content, commands = obeyed(capsys, words, SHEET)
-    assert commands == (2 if kept.choice else 1)
-    (check_white if kept.noun == "allan" else check_positions)(content["results"], kept)
+    printed = next_commands(capsys, str(path))
+    assert len(printed) == kept.recordings
+    of_each = [(one,) for one in kept.sensors] if kept.recordings > 1 else [kept.sensors]
+    for command, sensors in zip(printed, of_each, strict=True):
+        program, noun, *words = shlex.split(command)
+        assert (program, noun) == ("inertialcal", kept.noun)
+        status, out, err = call(capsys, noun, *words, "--json")
+        assert status == 0, err
+        check = check_white if kept.noun == "allan" else check_positions
+        check(json.loads(out)["results"], replace(kept, sensors=sensors))
 
 
 @pytest.mark.parametrize("topic", ["sensor_gyro", "sensor_accel"])
@@ -106,45 +118,4 @@ def test_the_unit_that_no_header_of_a_sound_has_is_asked_for(
     words = [one.replace("UNIT", "g") for one in filled(options_of(warning["do"].replace("UNIT (", "g (")), SHEET)]
     status, out, err = call(capsys, "allan", str(path), *words, "--json")
     assert status == 0, err
-    check_white(json.loads(out)["results"], kept)
-
-
-TABLE = (Path(__file__).resolve().parents[2] / "docs/formats.md").read_text().split("## Which command takes what")[1]
-CELLS = [[cell.strip() for cell in line.split("|")[1:-1]] for line in TABLE.split("\n## ")[0].splitlines()
-         if line.startswith("| ")]  # fmt: skip
-OPTIONS = {
-    ("WAV", "allan"): [word for i in (1, 2, 3) for word in ("--unit", f"channel_{i}=g")],
-    ("WAV", "positions"): [word for i, axis in enumerate("xyz", 1)
-                           for word in ("--column", f"acc_{axis}=channel_{i}", "--unit", f"channel_{i}=g")],
-    ("miniSEED", "positions"): [word for axis, one in zip("xyz", "ENZ", strict=True)
-                                for word in ("--column", f"acc_{axis}=GR_BOARD__H_N_{one}")] + ["--unit", "acc=count"],
-}  # fmt: skip
-OPTIONS["WAV", "psd"] = OPTIONS["WAV", "allan"]
-
-
-def test_the_table_of_the_manual_has_every_format() -> None:
-    assert [row[0] for row in CELLS[1:]] == list(dict.fromkeys(kept.kind for kept in KEPT))
-
-
-@pytest.mark.parametrize("row", CELLS[1:], ids=lambda row: row[0])
-def test_the_table_of_the_manual_is_true(row: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    kind, *cells, written = row
-    kept = next(one for one in KEPT if one.kind == kind)
-    made = {noun: tmp_path / f"{noun}{Path(kept.name).suffix}" for noun in ("allan", "positions")}
-    kept.write(board_at_rest(seconds=15.0), made["allan"])
-    kept.write(recorded("positions"), made["positions"])
-    for word, cell in zip(("info", "allan", "psd", "positions", "convert"), cells, strict=True):
-        path = made.get(word, made["allan"])
-        words = [word, str(path), *([str(tmp_path / "out.csv")] if word == "convert" else [])]
-        if cell != "yes":
-            content = json.loads(call(capsys, *words, "--json")[1])
-            said = " ".join(one["do"] for one in [*content["errors"], *content.get("remarks", [])])
-            assert cell.split("`")[1] in said
-            words += OPTIONS[kind, word]
-        status, _, err = call(capsys, *words)
-        assert status == 0, (word, err)
-    if written:
-        target = tmp_path / f"made{written.strip('`')}"
-        status, _, err = call(capsys, "convert", str(made["allan"]), str(target))
-        assert status == 0, err
-        assert call(capsys, "info", str(target))[0] == 0
+    check_white(json.loads(out)["results"], replace(kept, kind="WAV with its unit"))

@@ -18,6 +18,7 @@ class Problem:
     why: str = ""  # Why it matters
     do: str = ""  # The way out
     code: str = "refused"  # Stable word for scripts: ``"unknown_unit"``
+    choices: tuple[str, ...] = ()  # Names of which one is to be chosen, for programs; the text says them too
 
     def __str__(self) -> str:
         """All parts on one line, the place first."""
@@ -27,7 +28,7 @@ class Problem:
 
     def to_dict(self) -> dict[str, str]:
         """Return the parts as plain text, for ``--json``."""
-        return asdict(self)
+        return {name: part for name, part in asdict(self).items() if name != "choices"}
 
 
 class InertialcalError(Exception):

@@ -53,7 +53,7 @@ class Pieces:
         if not isinstance(content, dict):
             raise EOFError
         if "refused" in content:
-            raise DataError([Problem(**one) for one in content["refused"]])
+            raise DataError([Problem(**(one | {"choices": tuple(one["choices"])})) for one in content["refused"]])
         return content
 
     def readinto(self, view: memoryview) -> int:
@@ -216,7 +216,7 @@ def main() -> NoReturn:
                 out.write(piece.view(np.uint8).data)
         say({})
     except InertialcalError as error:
-        say({"refused": [one.to_dict() for one in error.problems]})
+        say({"refused": [asdict(one) for one in error.problems]})
     out.flush()
     os._exit(0)  # a library need not take apart what is damaged
 

@@ -344,8 +344,9 @@ def chain_of_units(given: GivenFile, chain: Mapping[str, Any], units: Sequence[s
         If something of it would have no effect, or it lacks the scale factor.
     """
     kept = dict(chain)
-    if kept.get("kind") == "output" and all(unit and kind(unit) in KIND_OF_UNIT.values() for unit in units):
-        idle = [name for name in ("reference", "zero", "gain") if name in kept]
+    is_input = all(unit and kind(unit) in KIND_OF_UNIT.values() for unit in units)
+    if kept.get("kind") in ("adc", "output") and is_input:
+        idle = [name for name in ("lsb", "counts", "reference", "zero", "gain") if name in kept]
         if idle:
             what = f"{given.name}: {idle[0]} is given, and the readings are in {units[0]} already"
             raise UsageError(what, do="Leave it out, or correct the unit", code="option_without_effect")
@@ -453,7 +454,9 @@ def spoken_unit(sensor: Kind, chain: Mapping[str, Any]) -> str:
 
 
 def _axes(recording: Recording, sensor: Kind) -> dict[str, str]:
-    found = [one for one in recording.channels if one.axis in AXES and one.quantity in (GROUP[sensor], "")]
+    lettered = [one for one in recording.channels if one.axis in AXES]
+    own = [one for one in lettered if one.quantity == GROUP[sensor]]
+    found = own or [one for one in lettered if not one.quantity]
     named = {one.axis: one.name for one in found}
     return named if len(named) == len(found) else {}
 

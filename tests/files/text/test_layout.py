@@ -125,3 +125,9 @@ def test_a_lone_line_of_many_numbers_is_a_series() -> None:
 def test_quotes_keep_a_separator() -> None:
     assert split('"a,b", "c""d",5', ",") == ["a,b", 'c"d', "5"]
     assert split(' "a b"  5 ', None) == ["a b", "5"]
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_a_table_cut_in_the_first_cell_of_its_only_row_is_refused(separator: str) -> None:
+    with pytest.raises(DataError, match=r"header names 3 column"):
+        look(separator.join(("t_s", "gyro_x [deg/s]", "gyro_y [deg/s]")) + "\n0.00")

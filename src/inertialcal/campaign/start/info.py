@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ...core.campaign_text import FILE
+from ...core.errors import InertialcalError, Problem
 from ...core.estimate import Array
 from ...core.recording import Recording
 from ...core.remarks import Remark
@@ -67,6 +68,33 @@ def info(
     recording = read(path, **said)
     found = survey_recording(recording)
     return replace(found, next=next_command(recording, found, commands, _said(said)))
+
+
+def surveys(
+    path: str | Path, *, topics: Sequence[str] | None = None, commands: Collection[str] = ("info",), **said: Any
+) -> tuple[list[Survey], list[Problem]]:
+    """Return what a file holds, and what cannot be read of it: each of its recordings, where it has several.
+
+    Parameters
+    ----------
+    path, topics, commands, said
+        As ``info`` takes them. Where topics are named, they are one recording.
+    """
+    try:
+        return [info(path, topics=topics, commands=commands, **said)], []
+    except InertialcalError as error:
+        choices = error.problems[0].choices
+        if topics or not choices:
+            return [], list(error.problems)
+    found, problems = list[Survey](), list[Problem]()
+    for name in choices:
+        try:
+            one = info(path, topics=[name], commands=commands, **said)
+        except InertialcalError as error:
+            problems += error.problems
+            continue
+        found.append(replace(one, source=replace(one.source, format=f"{one.source.format}, {name}")))
+    return found, problems
 
 
 def _said(said: Mapping[str, Any]) -> tuple[str, ...]:

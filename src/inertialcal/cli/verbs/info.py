@@ -37,7 +37,7 @@ def info(
     quiet: Quiet = False,
 ) -> int:
     """Show what is in a file: channels, units, sample rate, gaps, stuck or clipped codes, what to type next."""
-    from ...campaign.start.info import info as survey
+    from ...campaign.start.info import surveys
     from ...core.errors import InertialcalError, UsageError
     from ..commands import words
     from ..shown.info_text import survey_text
@@ -52,10 +52,9 @@ def info(
     }  # fmt: skip
     found, errors = [], []
     for path in files:
-        try:
-            found.append(survey(path, commands=words(), **said))
-        except InertialcalError as error:
-            errors += list(error.problems)
+        own, problems = surveys(path, commands=words(), **said)
+        found += own
+        errors += problems
     line = ""
     if output is not None and not errors:
         from ...files import read
@@ -64,7 +63,10 @@ def info(
         line = figures.write(output, recording, files, {})
     if as_json:
         content = {
-            "inputs": [{"path": one.path, "sha256": one.sha256} for one in found],
+            "inputs": [
+                {"path": path, "sha256": digest}
+                for path, digest in dict.fromkeys((one.path, one.sha256) for one in found)
+            ],
             "results": [one.to_dict() for one in found],
             "errors": [problem.to_dict() for problem in errors],
         } | ({"written": str(output)} if line else {})

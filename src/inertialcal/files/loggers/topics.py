@@ -19,7 +19,7 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import DataError
+from ...core.errors import DataError, Problem
 from ...core.remarks import Remark
 from ..budget import PARTS, check_count
 from ..columns import Column, Content
@@ -79,11 +79,14 @@ def choose(topics: Sequence[Topic], wanted: Sequence[str] | None, path: str) -> 
     first = [one for one in readable if one.rank == highest]
     if len(first) > 1:
         raise DataError(
-            f"holds {len(first)} recordings: {_listed(first)}",
-            where=path,
-            why="each has a clock of its own",
-            do=f"Choose: --topic {shlex.quote(first[0].name)}",
-            code="several_topics",
+            Problem(
+                f"holds {len(first)} recordings: {_listed(first)}",
+                where=path,
+                why="each has a clock of its own",
+                do=f"Choose: --topic {shlex.quote(first[0].name)}",
+                code="several_topics",
+                choices=tuple(one.name for one in first[:LISTED]),
+            )
         )
     return first
 

@@ -167,6 +167,10 @@ def _sniff(text: str, where: str, comment: tuple[str, ...], stated: Decimal | No
     names, from_comment = _names(table, header, comments, separator, width)
     if header is not None and len(names) != width:
         raise _header_width(len(names), width, f"{where}:{lines[header].row}")
+    if header is not None and width == 1 and len(lines) == header + 2:  # a row alone, cut off in its first cell
+        wide = max(len(split(lines[header].text, sign)) for sign in ",;\t")
+        if wide > 1:
+            raise _header_width(wide, width, f"{where}:{lines[header].row}")
     units_row = _units(table, header, decimal, width)
     first += bool(units_row)
     if first >= len(lines):

@@ -1,0 +1,218 @@
+"""Each cell of the manual's table of formats and commands: one content in every format, and the same result.
+
+What the text file gives is the reference: a format differs from it by the roundings of its numbers.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import format_sheets
+import pytest
+from format_sheets import SHEETS, Sheet
+
+from inertialcal.core.units import parse_quantity, si_unit
+from inertialcal.files import apart
+from typed_commands import call
+
+pytestmark = pytest.mark.usefixtures("undrawn")
+PAGE = Path(__file__).resolve().parents[2] / "docs/formats.md"
+TABLE = PAGE.read_text(encoding="utf-8").split("## Which command takes what")[1].split("\n## ")[0]
+HEAD, *CELLS = [[cell.strip() for cell in line.split("|")[1:-1]] for line in TABLE.splitlines()
+                if line.startswith("| ")]  # fmt: skip
+WORDS = [one.strip("`") for one in HEAD[1:-1]]
+QUICK = ("CSV", "npz", "WAV", "ULog `sensor_gyro`")  # the others are slow
+GYRO = {axis: f"gyro_{axis}" for axis in "xyz"}
+ACC = {axis: f"acc_{axis}" for axis in "xyz"}
+UNSAID = ("WAV", "miniSEED")  # formats without units: figures in those of the file
+COMPARED = ("bias", "scale_factor", "amplitude", "noise_density", "angle_random_walk", "velocity_random_walk")
+NEAR = 0.5  # standard uncertainties that roundings of a format may move a figure
+
+
+class Noun:
+    """A command: the content it is shown, which column is what for it, and the options that it always needs."""
+
+    def __init__(self, sheet: str, roles: Mapping[str, str], *options: str, always: bool = False) -> None:
+        self.sheet, self.roles, self.options, self.always = sheet, roles, options, always
+
+
+NOUNS = {
+    "info": Noun("bench", {}),
+    "convert": Noun("bench", {}, "OUT"),
+    "allan": Noun("bench", GYRO, "--terms", "random_walk", "--no-lines"),
+    "psd": Noun("bench", GYRO, "--terms", "random_walk"),
+    "sine": Noun("bench", {"x": "gyro_x"}, "--period", "6 s", always=True),
+    "thermal": Noun("bench", GYRO | {"temperature": "temperature"}, "--order", "1"),
+    "sensitivity": Noun("bench", GYRO | {"supply": "supply"}, "--to", "supply", "--nominal", "supply=5 V"),
+    "rate-table": Noun("turned", GYRO | {"applied": "table_rate"}, "--axis", "z"),
+    "positions": Noun("faces", {name: name for name in (*ACC.values(), *GYRO.values())}),
+    "flip": Noun("bench", ACC, "--largest-bias", "2 g", "--window", "FIRST=0 deg", "--window", "SECOND=180 deg"),
+    "mass-attraction": Noun("bench", {"x": "pulses"}, "--schedule", "SCHEDULE", "--gate", "0.1 s", always=True),
+    "compensate": Noun("bench", GYRO | {"temperature": "temperature"}, "-o", "OUT"),
+}
+MESSAGES = {  # what messages with fixed fields call the axes
+    "ROS": ("angular_velocity.{}", "linear_acceleration.{}"),
+    "MCAP": ("angular_velocity.{}", "linear_acceleration.{}"),
+    "ULog `sensor_combined`": ("gyro_rad.{}", "accelerometer_m_s2.{}"),
+    "ULog `sensor_gyro`": ("{}", "{}"),
+    "DataFlash": ("Gyr{}", "Acc{}"),
+}
+UTC = tuple(f"2024-03-12T09:15:{a}Z..2024-03-12T09:15:{b}Z" for a, b in (("00", "25"), ("30", "59")))
+WINDOWS = {  # by the clock of a format
+    "ROS": UTC, "MCAP": UTC, "miniSEED": UTC, "ULog": ("30..55", "60..90"), "DataFlash": ("5..30", "35..65"),
+}  # fmt: skip
+
+
+@cache
+def content(name: str) -> Sheet:
+    """Return one of the three contents."""
+    made: Sheet = getattr(format_sheets, name)()
+    return made
+
+
+def named(kind: str, column: str, sheet: Sheet) -> str:
+    """Return what a format calls a column."""
+    for start, (gyro, acc) in MESSAGES.items():
+        if kind.startswith(start):
+            axis = column[-1].upper() if kind.startswith("DataFlash") else column[-1]
+            return (gyro if column.startswith("gyro") else acc).format(axis)
+    number = list(sheet.columns).index(column) + 1
+    if kind == "WAV":
+        return f"channel_{number}"
+    if kind == "miniSEED":
+        return f"GR_{column.replace('_', '').upper()}__H_N_Z"
+    if kind == "UFF 58":
+        return f"{column[:-2]}_1_{column[-1]}" if column[-2] == "_" else f"channel_{column[:10]}_1"
+    if kind == "MATLAB":
+        return f"{column}_{ {'deg/s': 'deg_s', 'm/s^2': 'm_s2'}.get(unit := sheet.columns[column][1], unit) }"
+    return column
+
+
+@cache
+def written(kind: str, name: str, folder: Path) -> Path:
+    """Return the file of a content in a format."""
+    ending, write = SHEETS[kind]
+    path = folder / f"{name}{ending}"
+    if not path.exists():
+        write(content(name), path)
+    return path
+
+
+def typed(kind: str, word: str, cell: str, folder: Path) -> list[str]:
+    """Return a command, with the options of a cell."""
+    noun = NOUNS[word]
+    sheet, path = content(noun.sheet), written(kind, noun.sheet, folder)
+    out = str(folder / "out.csv")
+    first, second = WINDOWS.get(kind.split(maxsplit=1)[0], ("0..25", "30..60"))
+    stand = {"OUT": out, "SCHEDULE": str(folder / "schedule.csv"), "FIRST=0 deg": f"{first}=0 deg",
+             "SECOND=180 deg": f"{second}=180 deg"}  # fmt: skip
+    words = [word, *([str(folder / "model.json")] if word == "compensate" else []), str(path)]
+    words += [stand.get(one, one) for one in noun.options]
+    roles = {role: named(kind, column, sheet) for role, column in noun.roles.items()}
+    if "--column" in cell or noun.always:
+        words += [part for role, name in roles.items() for part in ("--column", f"{role}={name}")]
+    if "--unit" in cell:
+        units = {named(kind, column, sheet): sheet.columns[column][1] for column in noun.roles.values()}
+        words += [part for name, unit in units.items() for part in ("--unit", f"{name}={unit}")]
+    if "--topic" in cell:
+        words += ["--topic", "sensor_accel" if word in ("positions", "flip") else "sensor_gyro"]
+    if "--scale-factor" in cell:
+        unit = sheet.columns[next(iter(noun.roles.values()))][1]
+        words += ["--scale-factor", f"1e6 count/({unit})"]
+    return words
+
+
+def names_unit(text: str | None) -> bool:
+    """Whether a unit is one of physics, not that of an unknown file."""
+    return text not in (None, "", "1") and "file unit" not in str(text)
+
+
+def figures(text: str) -> dict[tuple[Any, ...], tuple[float, float]]:
+    """Return figures that have an uncertainty, in SI units, by what they are."""
+    found = {}
+    for row in json.loads(text)["results"]:
+        if row.get("u") and row["value"] is not None and row["quantity"].startswith(COMPARED):
+            unit = row["unit"]
+            scale = parse_quantity(f"1 {unit}").to(si_unit(unit)) if names_unit(unit) else 1.0
+            key = (row["sensor"], row["quantity"], row["axis"], row["method"], json.dumps(row.get("power")))
+            found[key] = (scale * row["value"], scale * row["u"])
+    return found
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with a model and a schedule."""
+    made = tmp_path_factory.mktemp("formats")
+    rows = [f"{1.5 * i},{1.5 * i + 1.1},{i % 2},{10 * (-1) ** i}\n" for i in range(40)]
+    (made / "schedule.csv").write_text("start [s],stop [s],position [m],applied [ug]\n" + "".join(rows))
+    return made
+
+
+@pytest.fixture(autouse=True)
+def in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Read with foreign libraries in this process: starting Python anew for each cell takes a second."""
+    monkeypatch.setattr(apart, "is_possible", lambda: False)
+
+
+@pytest.fixture
+def reference(folder: Path, capsys: pytest.CaptureFixture[str]) -> Path:
+    """Return the folder, with a model that the text file gave."""
+    model = folder / "model.json"
+    if not model.exists():
+        words = typed("CSV", "thermal", "yes", folder)
+        assert call(capsys, *words, "-o", str(model))[0] == 0
+    return folder
+
+
+RESULTS: dict[str, dict[tuple[Any, ...], tuple[float, float]]] = {}
+
+
+def expected(word: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> dict[tuple[Any, ...], tuple[float, float]]:
+    """Return the figures that the text file gives."""
+    if word not in RESULTS:
+        status, out, err = call(capsys, *typed("CSV", word, "yes", folder), "--json")
+        assert status == 0, err
+        RESULTS[word] = figures(out)
+    return RESULTS[word]
+
+
+def test_the_table_has_every_format_and_every_noun() -> None:
+    assert [row[0] for row in CELLS] == list(SHEETS)
+    assert set(WORDS) == set(NOUNS)
+
+
+ROWS = [pytest.param(row, marks=[] if row[0] in QUICK else [pytest.mark.slow], id=row[0].replace("`", ""))
+        for row in CELLS]  # fmt: skip
+
+
+@pytest.mark.parametrize("row", ROWS)
+def test_each_cell_is_true(row: list[str], reference: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    kind, *cells, target = row
+    folder = reference / kind.replace(" ", "_").replace("`", "")
+    folder.mkdir(exist_ok=True)
+    for name in ("model.json", "schedule.csv"):
+        (folder / name).write_bytes((reference / name).read_bytes())
+    for word, cell in zip(WORDS, cells, strict=True):
+        status, out, err = call(capsys, *typed(kind, word, cell, folder), "--json")
+        if cell.startswith("no"):
+            assert status in (2, 3), (word, out)
+            assert json.loads(out)["errors"], word
+            continue
+        assert status == 0, (word, err, out[:500])
+        if word in ("info", "convert", "compensate"):
+            continue
+        same, found = expected(word, reference, capsys), figures(out)
+        compared = [key for key in found if key in same]
+        has_units = kind not in UNSAID or "--unit" in cell or "--scale-factor" in cell
+        assert compared or not has_units, (word, list(found), list(same))
+        for key in compared if has_units else ():
+            (value, u), (true, _) = found[key], same[key]
+            assert abs(value - true) <= NEAR * u + 1e-4 * abs(true), (word, key, value, true, u)
+    if target:
+        made = folder / f"made{target.strip('`')}"
+        assert call(capsys, "convert", str(written(kind, "bench", folder)), str(made))[0] == 0
+        assert call(capsys, "info", str(made))[0] == 0
