@@ -47,6 +47,12 @@ def test_compensated_figures_stand_beside_the_same_as_read() -> None:
     assert (line.raw_verdict, line.verdict) == ("FAIL", "PASS")
 
 
+def test_a_place_with_a_figure_comes_before_one_of_which_nothing_is_known() -> None:
+    places = [verdict("INCONCLUSIVE", None, None, reason="no reading"), verdict("INCONCLUSIVE", 0.06, -0.02)]
+    (line,) = requirement_lines(results(places, "INCONCLUSIVE"))
+    assert (line.raw, line.margin) == ("0.06 deg/s", "interval 0.02 deg/s beyond")
+
+
 @pytest.mark.parametrize(
     ("one", "said"),
     [
