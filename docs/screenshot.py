@@ -13,7 +13,7 @@ from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.file.example import copy_example
 
 HERE = Path(__file__).resolve().parent
-SIZE = {"width": 1180, "height": 900}  # [px]
+SIZE = {"width": 1440, "height": 900}  # [px]
 QUIET = ("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking")
 
 

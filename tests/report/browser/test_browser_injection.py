@@ -21,10 +21,12 @@ from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.file.load import load
 from inertialcal.core.errors import InertialcalError
 from inertialcal.core.schema.quantities import Text
+from inertialcal.report.page import LARGEST
 
 LONGEST = 1700  # characters: a text may have 2000, and its number follows
 GROUPS = batches(LONGEST)
 RUNS = 6
+WHOLE = 20 * LARGEST  # bytes of a page, with which nothing is left out whatever the length of its texts
 
 
 def numbered(group: tuple[str, ...]) -> Callable[[str], str]:
@@ -38,12 +40,14 @@ def numbered(group: tuple[str, ...]) -> Callable[[str], str]:
     return give
 
 
-def report(folder: Path, group: tuple[str, ...]) -> Path:
-    """Run a campaign with the texts everywhere, in a folder named by them; return its report."""
+def report(folder: Path, group: tuple[str, ...], largest: int = WHOLE) -> Path:
+    """Run a campaign with the texts everywhere, in a folder named by them; return its report, of that size at most."""
     name = letters(" ".join(group)).replace("/", "_")[:60]
     runs = tuple(" ".join([*group[i::RUNS], f"run {i}"]) for i in range(RUNS))
     made = write(folder / name, filled(numbered(group)), runs)
-    run(made)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("inertialcal.report.page.LARGEST", largest)
+        run(made)
     return made / "out" / "report.html"
 
 
@@ -95,6 +99,18 @@ def test_no_text_runs_loads_or_breaks_the_page(
     assert [cell for table in tables for row in csv.reader(StringIO(table)) for cell in row if is_formula(cell)] == []
     for path in made.parent.glob("*.json"):
         json.loads(path.read_text(encoding="utf-8"))
+
+
+def test_a_page_that_leaves_out_what_has_no_room_is_harmless_too(page: Visit, harmless: Path, tmp_path: Path) -> None:
+    page.open(harmless)
+    known = set(elements(page.page))
+    made = report(tmp_path, GROUPS[0], LARGEST)
+    assert made.stat().st_size <= LARGEST
+    page.open(made)
+    assert set(elements(page.page)) <= known
+    assert reactions(page) == []
+    assert bidi_leaks(page.page) == []
+    assert "results.csv" in page.page.evaluate("document.body.textContent")
 
 
 def test_texts_that_are_read_as_something_are_refused(tmp_path: Path) -> None:

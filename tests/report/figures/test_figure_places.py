@@ -79,3 +79,19 @@ def test_no_text_is_cut_or_lies_over_another(name: str, text: str) -> None:
         for other, two in found[:count]:
             over = min(one.x1, two.x1) - max(one.x0, two.x0), min(one.y1, two.y1) - max(one.y0, two.y0)
             assert min(over) < SLACK, f"{label!r} over {other!r}"
+
+
+@pytest.mark.parametrize("name", list(figures()))
+@pytest.mark.parametrize("text", ["", pytest.param("W" * 60, marks=pytest.mark.slow)])
+def test_no_legend_or_heading_of_a_file_is_cut(name: str, text: str) -> None:
+    """Files have titles, and another layout than pages."""
+    figure = on_new_figure(figures()[name].pictures(poisoned(text) if text else results())[0], titled=True)
+    figure.draw_without_rendering()
+    legends = [legend for ax in figure.axes if (legend := ax.get_legend()) is not None]
+    headings = [one for one in figure.texts if one.get_text()]
+    for one in (*headings, *(label for legend in legends for label in legend.get_texts())):
+        box = one.get_window_extent()
+        assert box.x0 > -SLACK, one.get_text()
+        assert box.x1 < figure.bbox.width + SLACK, one.get_text()
+        assert box.y0 > -SLACK, one.get_text()
+        assert box.y1 < figure.bbox.height + SLACK, one.get_text()
