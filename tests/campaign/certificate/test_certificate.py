@@ -195,6 +195,17 @@ def test_a_model_that_is_not_of_the_results_is_refused(small: Path) -> None:
         ic.certificate(small, small / "c.xml")
 
 
+def test_a_model_that_readings_held_out_refuted_is_not_certified_and_that_is_said(small: Path) -> None:
+    content = json.loads((small / "out" / "results.json").read_text(encoding="utf-8"))
+    content["closed_loop"]["verdict"] = "FAIL"
+    resealed(small, "results.json", content)
+    (small / "out" / "model.json").unlink()
+    ic.certificate(small, small / "c.xml")
+    read = ic.read_certificate(small / "c.xml")
+    assert "closed loop FAILs" in read.statements["Closed loop"]
+    assert [one.name for one in read.figures] == ["first"]  # those of the test remain
+
+
 def test_results_of_another_version_are_refused(small: Path) -> None:
     content = json.loads((small / "out" / "provenance.json").read_text(encoding="utf-8"))
     content["versions"]["inertialcal"] = "0.0.9"
