@@ -557,6 +557,24 @@ def test_a_signed_part_does_not_vouch_for_the_whole(signed: Path, signers: dict[
     assert code_of(lambda: ic.read_certificate(signed, signers["laboratory.pem"])) == "wrong_signature"
 
 
+def test_of_a_verified_certificate_only_what_is_signed_is_read(small: Path, signers: dict[str, Path]) -> None:
+    """A part that was signed by its name, inside of another certificate: the other one is not what is read."""
+    from lxml import etree
+    from signxml import XMLSigner
+
+    ic.certificate(small, small / "c.xml")
+    data = (small / "c.xml").read_bytes()
+    inner = etree.fromstring(data)
+    inner.set("Id", "part")
+    key, public = (signers[f"laboratory.{one}"].read_bytes() for one in ("key", "pem"))
+    part = XMLSigner().sign(inner, key=key, cert=public.decode(), reference_uri="#part")
+    outer = etree.fromstring(data.replace(b"2026-014", b"2026-666"))
+    etree.SubElement(outer, "{https://ptb.de/dcc}comment").append(part)
+    (small / "c.xml").write_bytes(etree.tostring(outer))
+    assert ic.read_certificate(small / "c.xml").number == "2026-666"  # not verified, and so it says
+    assert ic.read_certificate(small / "c.xml", signers["laboratory.pem"]).number == "2026-014"
+
+
 def test_a_key_and_a_certificate_that_do_not_belong_together_are_refused(small: Path, signers: dict[str, Path]) -> None:
     mixed = (signers["laboratory.key"], signers["other.pem"])
     assert code_of(lambda: ic.certificate(small, small / "c.xml", *mixed)) == "wrong_key"
