@@ -707,7 +707,7 @@ MUTANTS = (
     ),
     Mutant("content.py", 'column([row["u"] for row in rows])', 'column([-row["u"] for row in rows])', "test_dcc"),
     Mutant("dcc.py", "figures.covariance[:, column]", "-figures.covariance[:, column]", "test_dcc"),
-    Mutant("signature.py", "if count != 1:", "if count < 1:", "test_certificate"),
+    Mutant("signature.py", "return VERIFIED, read", "return VERIFIED, xml", "test_certificate"),
     Mutant(
         "bound.py",
         '"sphere": (_sphere_volume, _sphere_field, 0.5)',

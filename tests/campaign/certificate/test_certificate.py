@@ -195,6 +195,17 @@ def test_a_model_that_is_not_of_the_results_is_refused(small: Path) -> None:
         ic.certificate(small, small / "c.xml")
 
 
+def test_a_model_that_readings_held_out_refuted_is_not_certified_and_that_is_said(small: Path) -> None:
+    content = json.loads((small / "out" / "results.json").read_text(encoding="utf-8"))
+    content["closed_loop"]["verdict"] = "FAIL"
+    resealed(small, "results.json", content)
+    (small / "out" / "model.json").unlink()
+    ic.certificate(small, small / "c.xml")
+    read = ic.read_certificate(small / "c.xml")
+    assert "closed loop FAILs" in read.statements["Closed loop"]
+    assert [one.name for one in read.figures] == ["first"]  # those of the test remain
+
+
 def test_results_of_another_version_are_refused(small: Path) -> None:
     content = json.loads((small / "out" / "provenance.json").read_text(encoding="utf-8"))
     content["versions"]["inertialcal"] = "0.0.9"
@@ -544,6 +555,24 @@ def test_a_signed_part_does_not_vouch_for_the_whole(signed: Path, signers: dict[
     cut = forged.partition(b"<ds:Signature")[0]
     signed.write_bytes(cut + comment + b"</dcc:digitalCalibrationCertificate>")
     assert code_of(lambda: ic.read_certificate(signed, signers["laboratory.pem"])) == "wrong_signature"
+
+
+def test_of_a_verified_certificate_only_what_is_signed_is_read(small: Path, signers: dict[str, Path]) -> None:
+    """A part that was signed by its name, inside of another certificate: the other one is not what is read."""
+    import signxml
+    from lxml import etree
+
+    ic.certificate(small, small / "c.xml")
+    data = (small / "c.xml").read_bytes()
+    inner = etree.fromstring(data)
+    inner.set("Id", "part")
+    key, public = (signers[f"laboratory.{one}"].read_bytes() for one in ("key", "pem"))
+    part = signxml.signer.XMLSigner().sign(inner, key=key, cert=public.decode(), reference_uri="#part")
+    outer = etree.fromstring(data.replace(b"2026-014", b"2026-666"))
+    etree.SubElement(outer, "{https://ptb.de/dcc}comment").append(part)
+    (small / "c.xml").write_bytes(etree.tostring(outer))
+    assert ic.read_certificate(small / "c.xml").number == "2026-666"  # not verified, and so it says
+    assert ic.read_certificate(small / "c.xml", signers["laboratory.pem"]).number == "2026-014"
 
 
 def test_a_key_and_a_certificate_that_do_not_belong_together_are_refused(small: Path, signers: dict[str, Path]) -> None:

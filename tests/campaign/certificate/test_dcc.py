@@ -80,8 +80,8 @@ def same(row: dict[str, Any], value: float, u: float, unit: str) -> bool:
         scale = factor(row["unit"], unit, difference=True)
     except DataError:
         return False
-    close = {"rtol": 1e-12, "atol": 0.0}
-    return bool(np.isclose(row["value"] * scale, value, **close) and np.isclose(row["u"] * scale, u, **close))
+    wanted = np.array([row["value"] * scale, row["u"] * scale])
+    return bool(np.isclose(wanted, [value, u], rtol=1e-12, atol=0.0).all())
 
 
 def test_the_schema_and_the_rules_refuse_what_is_wrong(
@@ -119,11 +119,14 @@ def plain(tmp_path_factory: pytest.TempPathFactory) -> Content:
 @given(data=st.data())
 def test_any_number_comes_back(plain: Content, tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
     n = data.draw(st.integers(1, 4))
-    each = {"min_size": n, "max_size": n}
+
+    def each(size: st.SearchStrategy[float]) -> list[float]:
+        return data.draw(st.lists(size, min_size=n, max_size=n))
+
     entries = data.draw(st.lists(numbers, min_size=n * n, max_size=n * n))
     one = figures(
-        data.draw(st.lists(numbers, **each)), data.draw(st.lists(sizes, **each)),
-        data.draw(st.lists(st.floats(1.0, 1e30), **each)), np.array(entries).reshape(n, n),
+        each(numbers), each(sizes),
+        each(st.floats(1.0, 1e30)), np.array(entries).reshape(n, n),
     )  # fmt: skip
     target = tmp_path_factory.mktemp("any") / "c.xml"
     target.write_bytes(dcc_xml(replace(plain, figures=(one,))))

@@ -142,6 +142,7 @@ class Content:
     standards: tuple[Standard, ...]
     conformity: tuple[Conformity, ...]
     procedures: tuple[str, ...]  # With the tests of each
+    refuted: bool  # Whether readings held out refuted the model, so that none is delivered
     software: str  # Version
     results_checksum: str
     simulated: bool
@@ -201,6 +202,7 @@ def content_of(folder: str | os.PathLike[str]) -> Content:
         standards,
         tuple(_conformity(results)),
         tuple(_procedures(results)),
+        results["closed_loop"]["verdict"] == "FAIL",
         version,
         str(results["checksum"]),
         simulated,

@@ -29,6 +29,7 @@ from .words import (
     EQUATION,
     NOT_TRACEABLE,
     ONLY_THESE,
+    REFUTED,
     REPRODUCTION,
     SIMULATED,
     UNCERTAINTY,
@@ -148,6 +149,8 @@ def _statements(content: Content) -> Iterable[tuple[str, str]]:
         yield "Traceability", NOT_TRACEABLE
     if any(one.matrix is not None for one in content.figures):
         yield "Sensor equation", EQUATION
+    if content.refuted:
+        yield "Closed loop", REFUTED
     yield "Deviations from the methods", stated.deviations
     if stated.place_text:
         yield "Place of the calibration", stated.place_text

@@ -14,6 +14,7 @@ from .words import (
     EQUATION,
     NOT_TRACEABLE,
     ONLY_THESE,
+    REFUTED,
     REPRODUCTION,
     SIMULATED,
     TITLE,
@@ -97,7 +98,14 @@ def _data(content: Content) -> dict[str, Any]:
             ]
             for one in content.standards
         ],
-        "statements": [UNCERTAINTY, *equation, ONLY_THESE, REPRODUCTION, source],
+        "statements": [
+            UNCERTAINTY,
+            *equation,
+            *([REFUTED] if content.refuted else []),
+            ONLY_THESE,
+            REPRODUCTION,
+            source,
+        ],
         "signatures": [[one.name, one.function] for one in stated.signatures],
         "figures": [_figures(one) | {"column_break": i in breaks} for i, one in enumerate(content.figures)],
         "xml_name": XML_NAME,

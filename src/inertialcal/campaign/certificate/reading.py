@@ -161,9 +161,9 @@ def read_certificate(
     if root.tag != f"{{{DCC}}}digitalCalibrationCertificate" or root.get("schemaVersion") != VERSION:
         do = f"Give the XML that inertialcal certificate writes, a DCC {VERSION}"
         raise DataError("no digital calibration certificate of a version that is read", where, do=do, code=CODE)
-    signature = signature_of(loaded.data, where, certificate)
+    signature, read = signature_of(loaded.data, where, certificate)
     try:
-        return _read(root, where, loaded.sha256, signature)
+        return _read(xml_root(read), where, loaded.sha256, signature)
     except (ValueError, AttributeError, IndexError, DataError) as error:
         said = error.problems[0].what if isinstance(error, DataError) else str(error)
         raise DataError(f"no certificate that was written here: {said}", where, code=CODE) from None

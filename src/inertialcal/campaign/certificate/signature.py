@@ -60,8 +60,8 @@ def signed(xml: bytes, key: str | os.PathLike[str], certificate: str | os.PathLi
     return made
 
 
-def signature_of(xml: bytes, where: str, certificate: str | os.PathLike[str] | None = None) -> str:
-    """Return what is known of the signature of an XML.
+def signature_of(xml: bytes, where: str, certificate: str | os.PathLike[str] | None = None) -> tuple[str, bytes]:
+    """Return what is known of the signature of an XML, and what to read: of a verified one, what is signed alone.
 
     Parameters
     ----------
@@ -81,25 +81,22 @@ def signature_of(xml: bytes, where: str, certificate: str | os.PathLike[str] | N
     """
     count = len(xml_root(xml).findall(f".//{SIGNATURE}"))
     if certificate is None:
-        return NOT_VERIFIED if count else NOT_SIGNED
+        return (NOT_VERIFIED if count else NOT_SIGNED), xml
     if not count:
         do = "Ask the laboratory for the signed one"
         raise DataError("not signed", where, "nothing shows who made it", do, "not_signed")
     signxml = _signxml()
     public = load(certificate, document=True).data
     try:
-        if count != 1:
-            raise ValueError(f"{count} signatures")
         found = signxml.XMLVerifier().verify(_parsed(xml), x509_cert=public.decode("ascii"))
-        if xml_root(_bytes(found.signed_xml)).tag != xml_root(xml).tag:
-            raise ValueError("a part of it is signed, not the whole")
+        read = _bytes(found.signed_xml)
     except UsageError:
         raise
     except Exception as error:  # signxml and its libraries raise what they like
         said = " ".join(str(error).split())
         why = f"it was changed after it was signed, or another one signed it: {type(error).__name__}: {said}"
         raise DataError("the signature is wrong", where, why, "Do not use it", "wrong_signature") from None
-    return VERIFIED
+    return VERIFIED, read
 
 
 def _parsed(xml: bytes) -> Any:

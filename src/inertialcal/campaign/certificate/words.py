@@ -21,6 +21,7 @@ NOT_TRACEABLE = (
     "certificate that was valid at the time of the calibration."
 )
 EQUATION = f"From the true input x to the output v: {'; '.join(WORDS['equation'])}. M: {WORDS['matrix_order']}."
+REFUTED = "No model is certified where the closed loop FAILs: readings held out were worse with it than without."
 SIMULATED = (
     "SIMULATED DATA: no item was calibrated. This document shows the form of a certificate, and certifies nothing."
 )
