@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ...core.remarks import Remark
 from ...core.show.rounding import number
 from ...core.show.tables import short
 from .output import clean, table, wrapped
@@ -21,12 +24,19 @@ def survey_text(one: Survey) -> str:
         wrapped(str(one.time), "    "),
     ]
     parts += [wrapped(f"hint: {hint}", "    ") for hint in one.hints]
-    parts += [wrapped(str(remark), "    ") for remark in one.remarks]
+    parts += [wrapped(str(_short(remark, one.path)), "    ") for remark in one.remarks]
     if one.do:
         parts.append(wrapped(f"do: {one.do}", "    "))
     if one.next:
         parts.append(clean(f"next: {one.next}"))
     return "\n".join(part for part in parts if part)
+
+
+def _short(remark: Remark, path: str) -> Remark:
+    """Return a remark whose place has the name of the file alone: its folder stands in the first line."""
+    if not remark.where.startswith(path):
+        return remark
+    return replace(remark, where=Path(path).name + remark.where.removeprefix(path))
 
 
 def _channels(one: Survey) -> str:

@@ -1,0 +1,168 @@
+"""Execute the notebooks of the gallery, and write them as pages: ``python docs/notebooks.py``; ``--check`` compares.
+
+A notebook is made from the list of its cells here, so that its outputs are never older than its code. Its kernel runs
+in an empty folder; no path of a machine, no time and no count of a run is kept.
+"""
+
+from __future__ import annotations
+
+import argparse
+import base64
+import json
+import os
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import nbformat
+from nbclient import NotebookClient
+
+GALLERY = Path(__file__).parent / "gallery"
+FIRST_LINES, LAST_LINES = 12, 30  # of a long output on the page
+TEXTS = ("text/plain", "text/html")
+FIRST = [
+    (
+        "markdown",
+        """# A first calibration
+
+From the readings of a rate table to a model, its verdict, and compensated readings. The data are those of a published
+suite of three rate gyroscopes, which the package brings: `inertialcal demo npsat2011` copies them into a folder.""",
+    ),
+    (
+        "code",
+        """%matplotlib inline
+import subprocess
+import sys
+
+import numpy as np
+
+import inertialcal as ic
+
+copied = subprocess.run([sys.executable, "-m", "inertialcal", "demo", "npsat2011", "--quiet"], check=True)""",
+    ),
+    (
+        "markdown",
+        "## The readings\n\nA row is a dwell: the table turns at a known rate, and the mean reading is noted.",
+    ),
+    ("code", 'ic.read_table("inertialcal-demo/table10_x.csv")'),
+    (
+        "markdown",
+        """## One test
+
+Scale factor, bias and asymmetry of the x axis, each with its standard uncertainty and 95 % interval. What the table
+cannot give is not estimated, and the reason is said.""",
+    ),
+    (
+        "code",
+        """found = ic.rate_table(
+    "inertialcal-demo/table10_x.csv",
+    reading="reading_minus_ref_dps",
+    axis="x",
+    zero_reference=True,
+    input_range="5 deg/s",
+    scale_factor="0.5 V/(deg/s)",
+)
+found""",
+    ),
+    ("code", "ic.plot(found);"),
+    (
+        "markdown",
+        """## The campaign
+
+`campaign.toml` names all tests, and the requirements. A run judges each of them: PASS, FAIL, or INCONCLUSIVE where the
+data cannot tell.""",
+    ),
+    ("code", 'outcome = ic.run("inertialcal-demo")\noutcome'),
+    ("markdown", "## The model\n\nThe tests that are for the fit become one model of the sensor."),
+    ("code", 'model = ic.load_model("inertialcal-demo")\nmodel'),
+    ("code", "ic.plot(model);"),
+    (
+        "markdown",
+        """## Compensated readings
+
+The model undoes what the sensor does: readings, and the rates that they stand for. An axis is a column.""",
+    ),
+    (
+        "code",
+        """readings = np.array([[1.0, 0.0, 0.0], [0.0, 3.0, -3.0]])  # deg/s
+rates = ic.compensate(model, readings, sample_rate=1.0, units=dict.fromkeys("xyz", "deg/s"))
+rates""",
+    ),
+]
+NOTEBOOKS = {"first_calibration": FIRST}
+
+
+def executed(cells: list[tuple[str, str]]) -> Any:
+    """Return a notebook with its outputs, without what changes from run to run."""
+    made = nbformat.v4.new_notebook()
+    new = {"markdown": nbformat.v4.new_markdown_cell, "code": nbformat.v4.new_code_cell}
+    made.cells = [new[kind](source, id=f"cell-{i}") for i, (kind, source) in enumerate(cells)]
+    with tempfile.TemporaryDirectory() as folder:
+        resources = {"metadata": {"path": folder}}
+        NotebookClient(made, timeout=600, kernel_name="python3", resources=resources).execute()
+    made.metadata = {"kernelspec": {"name": "python3", "display_name": "Python 3", "language": "python"}}
+    for cell in made.cells:
+        cell.metadata = {}
+        if cell.cell_type == "code":
+            cell.outputs = [one for one in cell.outputs if one.output_type != "stream" or one.name == "stdout"]
+    return made
+
+
+def texts_of(notebook: Any) -> list[Any]:
+    """Return cells and the texts of their outputs: pictures differ between versions of libraries."""
+    found: list[Any] = []
+    for cell in notebook.cells:
+        outputs = cell.get("outputs", [])
+        parts = [{kind: one["data"][kind] for kind in TEXTS if kind in one.get("data", {})} or one.get("text", "")
+                 for one in outputs]  # fmt: skip
+        found.append((cell.cell_type, cell.source, parts))
+    return found
+
+
+def write_page(name: str, notebook: Any) -> None:
+    """Write a notebook as a page of the manual, its pictures next to it."""
+    lines: list[str] = []
+    for number, cell in enumerate(notebook.cells):
+        if cell.cell_type == "markdown":
+            lines += [cell.source, ""]
+            continue
+        lines += ["```{code-block} python", cell.source, "```", ""]
+        for one in cell.outputs:
+            data = one.get("data", {})
+            if "image/png" in data:
+                picture = f"{name}_{number}.png"
+                (GALLERY / picture).write_bytes(base64.b64decode(data["image/png"]))
+                lines += [f"![What the cell above draws]({picture})", ""]
+            elif text := data.get("text/plain", one.get("text", "")):
+                lines += ["```{code-block} text", *_ends(text.rstrip("\n").split("\n")), "```", ""]
+    lines += [f"The notebook: {{download}}`{name}.ipynb`. It is made, and tried, by `docs/notebooks.py`.", ""]
+    (GALLERY / f"{name}.md").write_text("\n".join(lines), encoding="utf-8")
+
+
+def _ends(lines: list[str]) -> list[str]:
+    """Return the first and the last lines of a long output; the notebook has them all."""
+    left = len(lines) - FIRST_LINES - LAST_LINES
+    return lines if left < 2 else [*lines[:FIRST_LINES], f"... {left} more lines", *lines[-LAST_LINES:]]
+
+
+def main() -> int:
+    """Make or check all notebooks; return the exit status."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--check", action="store_true")
+    check = parser.parse_args().check
+    os.environ.setdefault("PYTHONWARNINGS", "ignore")
+    wrong = 0
+    for name, cells in NOTEBOOKS.items():
+        path, made = GALLERY / f"{name}.ipynb", executed(cells)
+        if not check:
+            path.write_text(json.dumps(made, indent=1, ensure_ascii=False, sort_keys=True) + "\n", encoding="utf-8")
+            write_page(name, made)
+        elif texts_of(made) != texts_of(nbformat.read(path, as_version=4)):
+            print(f"{path.name} shows other outputs now: python docs/notebooks.py", file=sys.stderr)
+            wrong = 1
+    return wrong
+
+
+if __name__ == "__main__":
+    sys.exit(main())
