@@ -305,8 +305,8 @@ MUTANTS = (
     ),
     Mutant(
         "slow_noise.py",
-        "(2.0 * lag**3 - ends) / (12.0 * length**2)",
-        "(2.0 * lag**3 - ends) / (6.0 * length**2)",
+        "(2.0 * lag * lag * lag - ends) / (12.0 * length**2)",
+        "(2.0 * lag * lag * lag - ends) / (6.0 * length**2)",
         "test_slow_noise",
     ),
     Mutant(
