@@ -130,3 +130,11 @@ def test_means_of_a_random_walk_differ_as_a_wiener_process_does(apart: int) -> N
     contrast = np.array([1.0, -1.0])
     found = contrast @ walk_covariance(np.array([0.0, apart * BLOCK]), BLOCK) @ contrast
     assert found == pytest.approx(apart * BLOCK - BLOCK / 3.0, rel=1e-12)  # next to each other: twice tau / 3 of Allan
+
+
+@pytest.mark.parametrize("length", [0.3, 1.0, 7.0])
+def test_means_of_a_walk_over_neighbouring_blocks_differ_by_two_thirds_of_a_block(length: float) -> None:
+    """The Allan variance of a random walk, K^2 tau / 3 (IEEE 952), is half of that."""
+    differ = np.diff(np.eye(5), axis=0)
+    found = differ @ walk_covariance(length * np.arange(5), length) @ differ.T
+    np.testing.assert_allclose(np.diag(found), 2.0 * length / 3.0, rtol=1e-12)

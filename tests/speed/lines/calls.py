@@ -11,6 +11,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+import pandas as pd
 from scipy.optimize import least_squares
 
 import inertialcal as ic
@@ -18,6 +19,7 @@ from inertialcal.core.estimate import Array
 from inertialcal.core.recording import Channel, Recording
 
 from ..comparison import Work, line
+from .files import Kept
 
 GRAVITY = 9.807  # m/s^2
 SAMPLES, EVERY = 5_000, 2  # of a record over temperature [s]
@@ -67,3 +69,14 @@ def thermal() -> Work:
         np.concatenate([one.channel(name).data for one in recordings]) for name in ("temperature", "x", "y", "z")
     )
     return Work(partial(ic.thermal, recordings), lambda: [np.polyfit(warm, one, ORDER) for one in outputs])
+
+
+@line("ic.run of a campaign, cold, 39 files", peer="pandas.read_csv, pyarrow, of its recordings", goal=0.0)
+def cold_run() -> Work:
+    folder = TemporaryDirectory()
+    campaign = Path(folder.name) / "npsat1"
+    ic.simulate("npsat1", campaign, 1)
+    recordings = sorted((campaign / "recordings").rglob("*.csv"))
+    assert ic.check(campaign).inputs
+    own = partial(ic.run, campaign, write=False)  # then nothing is kept for the next
+    return Work(Kept(folder, own), lambda: [pd.read_csv(one, engine="pyarrow") for one in recordings])
