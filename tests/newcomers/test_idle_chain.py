@@ -66,5 +66,5 @@ def test_a_command_refuses_it(
 def test_a_campaign_names_it(chain: str, tmp_path: Path) -> None:
     written(tmp_path, "rest_units.csv")
     (tmp_path / "campaign.toml").write_text(CAMPAIGN.replace("CHAIN", chain))
-    with pytest.raises(PlanError, match="deg/s|does not use reference"):
+    with pytest.raises(PlanError, match=r"deg/s|does not use reference"):
         ic.check(tmp_path)
