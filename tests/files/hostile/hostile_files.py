@@ -31,7 +31,7 @@ OF_LOGGERS = {
     "miniseed": "steim.mseed", "sqlite": "table.db",
 }  # fmt: skip
 # Formats whose records follow one another without a count or an end: one that is cut between two of them looks whole.
-NO_END = ("text", "dataflash", "dataflash_text", "ulog", "lvm", "miniseed", "uff")
+NO_END = ("text", "mat4", "mat5", "dataflash", "dataflash_text", "ulog", "lvm", "miniseed", "uff")
 
 
 def _columns() -> dict[str, Any]:
