@@ -10,7 +10,7 @@ PIP := $(BIN)/python -m pip install --quiet --no-compile
 # Compiled modules are kept: the next process, and every command that a test starts, need not compile them again.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo test slow long coverage power mutants torture gate check bench docs pins clean
+.PHONY: demo test slow long coverage power mutants fuzz torture gate check bench docs pins clean
 
 demo: $(INSTALLED)  ## a simulated suite of rate sensors: built, run, scored
 	$(BIN)/inertialcal demo
@@ -37,6 +37,9 @@ power: $(READY)  ## how often the plan of the demonstration decides: verdicts of
 
 mutants: $(READY)  ## wrong changes to the numerics, each of which a test must catch
 	$(BIN)/python tests/mutants.py --jobs 2
+
+fuzz: $(READY)  ## 300 files changed and 100 cut off of every reader, read with limits
+	PYTHONPATH=tests/files/hostile $(BIN)/python tests/files/hostile/fuzz.py
 
 torture: export OMP_NUM_THREADS := 1
 torture: $(READY)  ## 5,000 commands on mutated inputs, kills at every file-system call: RESUME=--resume goes on

@@ -30,7 +30,7 @@ GYRO = {axis: f"gyro_{axis}" for axis in "xyz"}
 ACC = {axis: f"acc_{axis}" for axis in "xyz"}
 UNSAID = ("WAV", "miniSEED")  # formats without units: figures in those of the file
 COMPARED = ("bias", "scale_factor", "amplitude", "noise_density", "angle_random_walk", "velocity_random_walk")
-NEAR = 0.5  # standard uncertainties that roundings of a format may move a figure
+NEAR = 1.0  # standard uncertainties that roundings of a format may move a figure
 
 
 class Noun:

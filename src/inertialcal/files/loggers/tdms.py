@@ -20,9 +20,9 @@ from ..budget import PARTS, VALUE, check_count, claim_room
 from ..columns import Column, Content, LongColumns
 from ..reader import Reader
 from ..source import Loaded
-from .topics import NO_NUMBERS, OTHER, Topic, choose, left_out, library, on_disk, other_topics, unique
+from .topics import NO_NUMBERS, OTHER, Topic, choose, left_out, library, on_disk, other_topics, torn, unique
 
-MAGIC = b"TDSm"
+MAGIC, LEAD_IN = b"TDSm", 28  # bytes
 WAVEFORM = ("wf_increment", "wf_start_time", "wf_start_offset")
 UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit")
 SET = np.datetime64("1971-01-01", "ns")  # starts before it were never set
@@ -73,7 +73,7 @@ def read_tdms(loaded: Loaded, variables: Sequence[str] | None = None) -> Content
         clock, rate = _clock(taken[0].properties, rows)
         remarks = (
             *left_out(others, loaded.path),
-            *_torn(file, loaded.path),
+            *_torn(file, loaded),
             *other_topics(topics, chosen, loaded.path),
         )
         return Content((*clock, *long.columns()), "TDMS", None, rate, remarks)
@@ -111,15 +111,27 @@ def _clock(properties: Any, rows: int) -> tuple[tuple[Column, ...], float | None
     return (Column("time", time_ns.view("datetime64[ns]")),), None
 
 
-def _torn(file: Any, path: str) -> tuple[Remark, ...]:
-    status = file.file_status
-    if not status.incomplete_final_segment:
-        return ()
+def _torn(file: Any, loaded: Loaded) -> tuple[Remark, ...]:
+    status, path = file.file_status, loaded.path
+    if not status.incomplete_final_segment:  # one that is cut off before its values is passed over by npTDMS
+        whole, size = _whole_until(loaded.data), len(loaded.data)
+        return torn(path, size - whole, whole, "the last segment is not whole") if whole < size else ()
     there = status.channel_statuses or {}
     lost = max((one.expected_length - one.read_length for one in there.values()), default=0)
     what = "the last segment is not whole" + (f": {lost:,} rows of it are missing" if lost > 0 else "")
     do = "Was the logger switched off while it wrote?"
     return (Remark("torn_file", "warning", what, where=path, count=max(lost, 1), do=do),)
+
+
+def _whole_until(data: bytes) -> int:
+    """Return the byte at which the last whole segment ends: a lead-in says where the next begins (ni.com, TDMS)."""
+    at, size = 0, len(data)
+    while data[at : at + 4] == MAGIC and at + LEAD_IN <= size:
+        following = at + LEAD_IN + int.from_bytes(data[at + 12 : at + 20], "little")
+        if following > size:
+            break
+        at = following
+    return at
 
 
 READER = Reader(
