@@ -10,6 +10,7 @@ import pytest
 
 import inertialcal as ic
 from inertialcal.campaign.calls import call
+from inertialcal.campaign.engine.whole import reduce_campaign
 from inertialcal.signals.blas import _libraries, one_blas_thread
 
 
@@ -69,7 +70,7 @@ def test_of_two_at_once_the_last_puts_it_back() -> None:
 
 
 def test_a_call_has_one_thread_and_puts_it_back(monkeypatch: pytest.MonkeyPatch) -> None:
-    reduce, seen = call.reduce_campaign, []
+    reduce, seen = reduce_campaign, []
 
     def seeing(*given: Any) -> Any:
         seen.extend(threads())

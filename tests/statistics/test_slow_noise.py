@@ -136,5 +136,5 @@ def test_means_of_a_random_walk_differ_as_a_wiener_process_does(apart: int) -> N
 def test_means_of_a_walk_over_neighbouring_blocks_differ_by_two_thirds_of_a_block(length: float) -> None:
     """The Allan variance of a random walk, K^2 tau / 3 (IEEE 952), is half of that."""
     differ = np.diff(np.eye(5), axis=0)
-    found = differ @ walk_covariance(length * np.arange(5), length) @ differ.T
+    found = differ @ walk_covariance(length * np.arange(5.0), length) @ differ.T
     np.testing.assert_allclose(np.diag(found), 2.0 * length / 3.0, rtol=1e-12)

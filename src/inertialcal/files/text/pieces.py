@@ -295,7 +295,7 @@ def _bodies(loaded: Loaded, begin: _Beginning) -> Generator[_Body]:
         cut: tuple[Remark, ...] = ()
         if last:
             rows, cut = _complete(rows, loaded, layout)
-        elif rows[-2:] in (b"\n", b"\n\n"):  # a blank line, which Arrow leaves out here
+        elif bytes(rows[-2:]) in (b"\n", b"\n\n"):  # a blank line, which Arrow leaves out here
             raise _IrregularError
         else:
             rows = rows[:-1]
