@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import os
 import select
+import signal
 import sys
 import time
 import tomllib
@@ -34,6 +35,7 @@ def on_terminal(words: Sequence[str], answers: Sequence[str]) -> tuple[str, int]
     """Run a command on a terminal, an answer for each prompt; return what it showed, and how it ended."""
     child, terminal = pty.fork()
     if child == 0:  # pragma: no cover - another process
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # a runner in the background ignores it
         os.environ["COLUMNS"] = "200"
         os.execv(sys.executable, [sys.executable, "-m", "inertialcal", *words])
     shown, left, end = "", list(answers), time.monotonic() + LONGEST
@@ -52,7 +54,10 @@ def on_terminal(words: Sequence[str], answers: Sequence[str]) -> tuple[str, int]
         if last.startswith("  ") and last.endswith((") ", "? ", "] ")) and len(shown) > asked and left:
             asked = len(shown)
             os.write(terminal, f"{left.pop(0)}\n".encode())
+    else:
+        os.kill(child, signal.SIGKILL)
     _, status = os.waitpid(child, 0)
+    os.close(terminal)
     assert not left, f"never asked for: {left}\n{shown}"
     return shown, os.waitstatus_to_exitcode(status)
 
