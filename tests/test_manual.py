@@ -207,7 +207,7 @@ def shows(shown: list[str], printed: list[str]) -> bool:
     return len(parts) > 1 or at == len(printed)
 
 
-LONG = ("commands/demo.md",)  # half a minute
+LONG = ("commands/demo.md", "commands/certificate.md")  # half a minute: they simulate the suite
 READS_REPORTS = ("show.md",)  # for all others campaigns are run without their page, which takes half of the time
 PLAYED = [pytest.param(path, marks=[pytest.mark.slow] * path.as_posix().endswith(LONG)) for path in PAGES]
 

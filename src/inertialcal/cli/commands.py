@@ -64,6 +64,7 @@ EXAMPLES = {  # word of a verb -> what may follow it, for its help
     "check": ("inertialcal-demo", "inertialcal-demo --json"),
     "run": ("inertialcal-demo", "inertialcal-demo --plot"),
     "demo": ("npsat2011", "rate_table"),
+    "certificate": ("inertialcal-demo-npsat1 -o certificate.pdf", "inertialcal-demo-npsat1 -o certificate.xml"),
     "show": ("inertialcal-demo", "inertialcal-demo -o matrix.png"),
     "compensate": ("inertialcal-demo flight.csv -o true.csv --uncertainty", "flight_unit counts.csv --steps"),
     "convert": ("inertialcal-demo/table10_x.csv table10.parquet", "inertialcal-demo/table10_x.csv table10.h5"),
