@@ -356,6 +356,7 @@ def test_the_way_from_codes_to_the_input_of_the_code_is_said(thesis: Files) -> N
     assert "pulses per second are codes divided by a gate of 100 s" in said(report_html(results, model, provenance))
 
 
+@pytest.mark.usefixtures("roomy")
 def test_exclusions_of_many_are_in_the_plural(thesis: Files) -> None:
     results, model, provenance = copy.deepcopy(thesis)
     results["exclusions"][0] |= {"count": 22, "counts": "sample"}
