@@ -46,12 +46,16 @@ def test_an_input_is_never_replaced(tmp_path: Path) -> None:
         write_figure(tmp_path / "no" / "a.png", [picture()])
 
 
-def test_several_pictures_stand_below_each_other(tmp_path: Path) -> None:
+def test_several_pictures_stand_side_by_side(tmp_path: Path) -> None:
     one, three = tmp_path / "1.svg", tmp_path / "3.svg"
     write_figure(one, [picture()])
     write_figure(three, [picture(), picture(), picture()])
-    heights = [float(path.read_text().split('height="')[1].split("pt")[0]) for path in (one, three)]
-    assert heights[1] == pytest.approx(3 * heights[0])
+    sizes = [
+        [float(path.read_text().split(f'{side}="')[1].split("pt")[0]) for side in ("width", "height")]
+        for path in (one, three)
+    ]
+    assert sizes[1][0] > 2.0 * sizes[0][0]
+    assert sizes[1][1] < 1.5 * sizes[0][1]
 
 
 def test_a_name_in_another_script_is_no_warning(tmp_path: Path) -> None:

@@ -112,7 +112,8 @@ def test_the_spectrum_marks_lines_and_names_them() -> None:
     assert found["line"] == [pytest.approx(OVER * 2e-3)]
     assert finding == "z: line at 12.8 Hz"
     (other,) = figures()["spectrum"].pictures({"curves": [spectrum("x")], "results": ROWS})
-    assert other.finding == "x: no line found"
+    band = [spectrum("x")["columns"]["frequency"]["values"][at] for at in (0, -1)]
+    assert other.finding == f"x: no line found from {band[0]:g} to {band[1]:g} Hz"
 
 
 def test_a_line_is_marked_at_its_frequency_and_a_broad_peak_once() -> None:
