@@ -44,7 +44,7 @@ def test_one_standard_goes_to_what_the_rest_leaves() -> None:
     to = math.sqrt(0.35**2 - 0.3**2)
     (one,) = found.alone
     assert (one.u_from, one.u_to) == pytest.approx((0.8, 0.8 * to / 0.4))
-    assert str(found) == "rate_table.rate from 0.8 to 0.361 % would suffice"
+    assert str(found) == "rate_table.rate from 0.80 to 0.36 % would suffice"
 
 
 def test_either_of_two_suffices_alone() -> None:
@@ -58,8 +58,8 @@ def test_scatter_that_no_standard_makes_good_is_named() -> None:
     assert found.alone == ()
     assert [one.influence for one in found.together] == ["rate_table.rate", ""]
     assert str(found) == (
-        "no better standard would suffice, scatter alone gives 0.3 %; no source would suffice alone:"
-        " rate_table.rate from 0.4 to 0.2 % and scatter between runs: 4 times as many runs"
+        "no better standard would suffice, scatter alone gives 0.30 %; no source would suffice alone:"
+        " rate_table.rate from 0.40 to 0.20 % and scatter between runs: 4 times as many runs"
     )
 
 
@@ -122,7 +122,7 @@ def test_a_requirement_that_is_not_decided_says_what_would(campaign: Write) -> N
     (one,) = [verdict for verdict in results["verdicts"] if verdict["requirement"] == "R2"]
     assert one["verdict"] == "INCONCLUSIVE"
     assert one["deciding_u"] == pytest.approx((1.05 - one["value"]) / 1.959964, rel=1e-4)
-    assert "would decide: rate_table.rate from 0.05 to" in one["reason"]
+    assert "would decide: rate_table.rate from 0.050 to" in one["reason"]
     assert all(verdict["deciding_u"] is None for verdict in results["verdicts"] if verdict["requirement"] == "R1")
 
 
@@ -138,7 +138,7 @@ def test_the_command_and_its_refusals(campaign: Write, capsys: pytest.CaptureFix
         budget(tmp_path / "nothing")
     run(folder)
     out = printed("--wanted", WANTED)
-    assert "first, scale_factor_error x: u = 0.0505 %, wanted 0.02 %: rate_table.rate from 0.05 to 0.0198 %" in out
+    assert "first, scale_factor_error x: u = 0.051 %, wanted 0.02 %: rate_table.rate from 0.050 to 0.019 %" in out
     assert "R2, first x: the interval reaches over a limit" in out
     content = json.loads(printed("--json"))
     assert content["budgets"][0]["sources"][0]["level"] == "run"

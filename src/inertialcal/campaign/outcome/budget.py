@@ -22,7 +22,7 @@ from typing import Any
 from ...core.errors import DataError, UsageError
 from ...core.results import Interval, case_of, key_of
 from ...core.show.result_tables import degrees
-from ...core.show.rounding import dof, number, settled_u
+from ...core.show.rounding import dof, number, rounded_down, settled_u
 from ...core.show.rows import quantity_name
 from ...core.show.tables import Block, Table, html, text
 from ...core.units import Quantity, factor, parse_quantity, same_dimension
@@ -53,9 +53,8 @@ class Change:
     def __str__(self) -> str:
         """Return it in words."""
         if self.influence:
-            return (
-                f"{self.influence} from {settled_u(self.u_from)} to {settled_u(self.u_to)} {_shown(self.unit)}".strip()
-            )
+            to = settled_u(rounded_down(self.u_to))  # what is typed back must suffice
+            return f"{self.influence} from {settled_u(self.u_from)} to {to} {_shown(self.unit)}".strip()
         repeats = "repeats" if self.level in ("", "hidden") else f"{self.level.removesuffix('s')}s"
         repeats = repeats.removeprefix("between_").removeprefix("within_")
         return f"{self.source}: {_times(self.times)} times as many {repeats}"

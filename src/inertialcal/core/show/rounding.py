@@ -14,7 +14,7 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from decimal import Context, Decimal
+from decimal import ROUND_FLOOR, Context, Decimal
 from typing import NamedTuple
 
 from ..errors import UsageError
@@ -111,6 +111,17 @@ def with_uncertainty(value: float | None, u: float | None) -> str:
     last, decade = place(value, u)
     shown, shown_u = (_at(one, last, decade or 0) for one in (value, u))
     return f"{shown} ± {shown_u}" if decade is None else f"({shown} ± {shown_u})e{decade:+03d}"
+
+
+def rounded_down(u: float) -> float:
+    """Return the largest uncertainty of two significant digits that is no larger.
+
+    Examples
+    --------
+    >>> rounded_down(0.0198)
+    0.019
+    """
+    return float(Context(prec=DIGITS, rounding=ROUND_FLOOR).create_decimal(Decimal(u)))
 
 
 def ends(value: float | None, u: float | None, lo: float | None, hi: float | None) -> str:
