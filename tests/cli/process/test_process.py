@@ -421,7 +421,7 @@ def test_a_narrow_terminal_loses_no_number(table: list[str]) -> None:
     numbers = re.compile(r"(?<![\w.])-?\d+\.\d+")
     wide = set(numbers.findall(ended(*table).stdout.decode()))
     for columns in (20, 1):
-        status, shown = on_terminal(columns, *table)
+        status, shown = on_terminal(columns, *table, "--all")
         assert status == 0
         missing = wide - set(numbers.findall(shown))
         assert not missing, (columns, missing)
