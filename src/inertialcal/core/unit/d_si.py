@@ -44,7 +44,7 @@ def d_si(unit: str) -> str:
     Examples
     --------
     >>> print(d_si("deg/sqrt(h)"), d_si("V/(m/s^2)"), d_si("1"))
-    \degree\hour\tothe{-0.5} \volt\metre\tothe{-1}\second\tothe{2} \one
+    \degree\hour\tothe{-0.5} \volt\second\tothe{2}\metre\tothe{-1} \one
     """
     parts = []
     for symbol, exponent in sorted(read_unit(unit), key=lambda one: (one[1] < 0, one[0] == "s")):
