@@ -20,6 +20,7 @@ import numpy as np
 from ...core.errors import DataError
 from ...core.estimate import Array, Estimate
 from ...core.results import key_of
+from ...core.show.rounding import settled_u
 from ...core.show.rows import full_name
 from ...core.show.tables import clean
 from ...core.unit.d_si import CODE as NOT_IN_D_SI
@@ -508,7 +509,7 @@ def certified_unit(unit: str) -> str:
 
 def _standards(results: Mapping[str, Any], last: date, first: date) -> Iterator[Standard]:
     for name, one in results["influences"].items():
-        u = "exact: " + clean(one["reason"]) if one.get("reason") else f"{one['u']:.4g} {one['unit']}"
+        u = "exact: " + clean(one["reason"]) if one.get("reason") else f"{settled_u(one['u'])} {one['unit']}"
         certificate, valid = one_line(one["certificate"]), one_line(one["valid"])
         why = "no certificate is stated"
         if certificate.strip() not in NO_CERTIFICATE:

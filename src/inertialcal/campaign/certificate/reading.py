@@ -13,7 +13,7 @@ from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.results import Interval
 from ...core.show.frames import frame
-from ...core.show.rounding import settled, settled_number
+from ...core.show.rounding import settled, settled_ends
 from ...core.show.tables import Block, Table, html, text
 from ...core.unit.d_si import d_si
 from ...core.units import multiply
@@ -122,7 +122,7 @@ class ReadCertificate:
 def _table(one: CertifiedFigures) -> Table:
     rows = [
         [label, settled(float(one.values[i]), float(one.u[i])),
-         f"{settled_number(one.intervals[i].lo)} .. {settled_number(one.intervals[i].hi)}", one.units[i]]
+         settled_ends(float(one.values[i]), float(one.u[i]), one.intervals[i].lo, one.intervals[i].hi), one.units[i]]
         for i, label in enumerate(one.labels)
     ]  # fmt: skip
     return Table(("figure", "value ± u", "95 % interval", "unit"), rows, one.what, right=(1, 2))

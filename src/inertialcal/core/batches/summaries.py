@@ -107,7 +107,7 @@ def _median_of(x: NDArray[Any]) -> float:
     middle = (len(numbers) - 1) // 2, len(numbers) // 2
     numbers.partition(middle)
     with np.errstate(over="ignore"):
-        return float(np.mean(numbers[list(middle)])) + 0.0  # no -0.0
+        return float(np.mean(numbers[sorted(set(middle))])) + 0.0  # no -0.0; one number is not summed: it may be large
 
 
 def quantile(x: NDArray[Any], share: float) -> float:
