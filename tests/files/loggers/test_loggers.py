@@ -169,10 +169,12 @@ def test_several_recordings_are_listed_and_one_command_chooses(
 ) -> None:
     path = tmp_path / "a.ulg"
     WRITERS["px4.ulg"](path)
-    status, _, said = call(capsys, "info", str(path))
-    assert status == 3
-    for part in ("holds 3 recordings", "sensor_accel[0]", "sensor_accel[1]", "400 rows", "Choose: --topic"):
-        assert part in said
+    status, said, _ = call(capsys, "info", str(path))
+    assert status == 0
+    for part in ("sensor_accel[0], 400 rows", "sensor_accel[1], 400 rows", "sensor_gyro, 400 rows"):
+        assert f"PX4 ULog, {part}" in said
+    for topic in ("'sensor_accel[0]'", "'sensor_accel[1]'", "sensor_gyro"):  # the command for each
+        assert f"{path} --topic {topic}\n" in said
     assert call(capsys, "info", str(path), "--topic", "sensor_accel[1]")[0] == 0
     assert call(capsys, "allan", str(path), "--topic", "sensor_gyro", "--quiet")[0] == 0
 
