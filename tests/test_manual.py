@@ -258,6 +258,9 @@ def try_examples(page: Path, session: Session) -> None:
             if typed not in played:
                 if words == ("init",):
                     Path("gyros/campaign.toml").unlink(missing_ok=True)  # it writes none over another
+                if words == ("check",):  # the page has broken its campaign
+                    shutil.rmtree("inertialcal-demo")
+                    session.command(["inertialcal", "demo", "npsat2011", "--quiet"])
                 printed = session.typed(typed)
                 assert session.status in {0, 1, 4}, (typed, printed)
 

@@ -46,7 +46,8 @@ QUANTITIES = {
 
 MOVED = (
     "moved/recordings/run1.csv moved/recordings/run2.csv moved/recordings/null1.csv --null null1 --schedule"
-    ' moved/schedule.csv --column x=pulses --column tilt=tilt_rad --gate "100 s" --tilt known --mercury'
+    ' moved/schedule.csv --column x=pulses --column tilt=tilt_rad --gate "100 s" --tilt known'
+    ' --mercury "9.2e-10 rad" --scale-factor "10.21 count/s/ug"'
 )
 
 

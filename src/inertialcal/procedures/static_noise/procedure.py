@@ -49,7 +49,7 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
         Command(
             "allan",
             "Noise terms of a sensor at rest with error bars, what the record cannot tell, and how long to record.",
-            examples=("still.csv -o still.svg", "still.csv --for kalibr"),
+            examples=("still.csv -o still.svg", "still.csv --column gyro_x --for kalibr"),
         ),
         Command(
             "psd",
