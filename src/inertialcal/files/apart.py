@@ -53,7 +53,8 @@ class Pieces:
         if not isinstance(content, dict):
             raise EOFError
         if "refused" in content:
-            raise DataError([Problem(**(one | {"choices": tuple(one.get("choices", ()))})) for one in content["refused"]])
+            problems = [one | {"choices": tuple(one.get("choices", ()))} for one in content["refused"]]
+            raise DataError([Problem(**one) for one in problems])
         return content
 
     def readinto(self, view: memoryview) -> int:

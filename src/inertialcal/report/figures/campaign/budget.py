@@ -16,14 +16,17 @@ from matplotlib.patches import Patch
 from ....core.show.rows import quantity_name
 from ....core.show.wording import counted
 from ..drawing.data import distinct
+from ..drawing.metrics import folded, shortened
 from ..drawing.picture import Picture
-from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title
+from ..drawing.style import COLOURS, TEXT, plain, set_labels, set_legend, set_title
 
 NAME = "budget"
 SHOWS = "One bar per quantity, divided into the share of the variance from each source"
 ROLES = ("blue", "orange", "green", "vermilion", "sky", "purple", "yellow")
 ROW = 0.3  # height of a bar with its gap [in]
 LEAST = 0.6  # height of the panel [in]
+WIDEST = 120.0  # of the name of a quantity [pt]
+ROOM = 180.0  # beside it, for the name of a source [pt]
 MOST = 12  # bars: what fits beside its text on a page
 
 Rows = Sequence[Mapping[str, Any]]
@@ -40,7 +43,7 @@ class Source:
     @property
     def label(self) -> str:
         """Name and type."""
-        return f"{self.name} ({self.kind})"
+        return folded(f"{self.name} ({self.kind})", TEXT - 1.0, ROOM)
 
 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
@@ -121,7 +124,7 @@ def _quantities(rows: Rows) -> list[tuple[str, str, str]]:
 def _label(quantity: tuple[str, str, str]) -> str:
     name, axis, sensor = quantity
     short = {"accelerometer": "acc"}.get(sensor, sensor)
-    return plain(" ".join(filter(None, (short, name.replace("_", " "), axis))), 36)
+    return shortened(plain(" ".join(filter(None, (short, name.replace("_", " "), axis))), 36), TEXT - 1.0, WIDEST)
 
 
 def _look(source: Source) -> dict[str, Any]:

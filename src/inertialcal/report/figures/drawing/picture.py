@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure, SubFigure
 
 GAP = 0.9  # height that title, labels and legend take [in]
+HEADING = 0.2  # height of a line of a heading beyond the second [in]
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +69,8 @@ def on_new_figure(picture: Picture, titled: bool, figure: Figure | None = None) 
         if titled:
             fig.set_layout_engine("constrained")
             _fill(fig, picture)
-            set_heading(fig, picture.finding)
+            more = set_heading(fig, picture.finding) - 2
+            fig.set_size_inches(picture.width, sum(picture.heights) + GAP + max(more, 0) * HEADING)
         else:
             place(fig, _fill(fig, picture), picture.heights)
     return fig

@@ -128,10 +128,12 @@ def set_ticks(ax: Axes) -> None:
     ax.tick_params(labelsize=TEXT - 1.0, color=COLOURS["quiet"], labelcolor=COLOURS["ink"])
 
 
-def set_heading(figure: Figure | SubFigure, text: str) -> None:
-    """Give a figure a title over its whole width; the text is taken as it is."""
-    shown = fill(plain(text, 400), LINE)
-    figure.suptitle(shown, x=0.01, ha="left", fontsize=TEXT + 0.5, parse_math=False)
+def set_heading(figure: Figure | SubFigure, text: str) -> int:
+    """Give a figure a title over its whole width; the text is taken as it is. Return its number of lines."""
+    size = TEXT + 0.5
+    shown = folded(plain(text, 400), size, 0.94 * figure.bbox.width / figure.dpi * 72.0)
+    figure.suptitle(shown, x=0.01, ha="left", fontsize=size, parse_math=False)
+    return shown.count("\n") + 1
 
 
 def set_labels(ax: Axes, x: str = "", y: str = "") -> None:
