@@ -1,12 +1,14 @@
-"""How many campaigns a test of coverage draws: all of them in ``make coverage``, fewer in ``make slow``."""
+"""How much a slow test takes: all in ``make coverage``, a part of it in ``make slow``."""
 
 from __future__ import annotations
 
 import os
+from typing import TypeVar
 
 FULL = os.environ.get("INERTIALCAL_COVERAGE") == "full"
+T = TypeVar("T")
 
 
-def sized(full: int, slow: int) -> int:
-    """Return how many: seeds are 1 to n in both, never selected."""
+def sized(full: T, slow: T) -> T:
+    """Return the number of seeds, 1 to n in both and never selected, or the cases to try."""
     return full if FULL else slow

@@ -24,6 +24,7 @@ from inertialcal.rigs.six_faces.rig import FAULTS, RIG
 from inertialcal.rigs.six_faces_over_temperature.rig import FAULTS as FAULTS_WARM
 from inertialcal.rigs.six_faces_over_temperature.rig import RIG as WARM
 from inertialcal.rigs.twin import Twin
+from sized import sized
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
@@ -145,11 +146,11 @@ def test_temperatures_change_nothing_else() -> None:
 
 @pytest.mark.slow
 def test_intervals_over_temperature_hold_the_truth() -> None:
-    assert not [one for one in score_rig(WARM.name, 60, 1) if one.verdict == "FAIL"]
+    assert not [one for one in score_rig(WARM.name, sized(60, 20), 1) if one.verdict == "FAIL"]
 
 
 @pytest.mark.slow
 def test_intervals_hold_the_truth_and_clean_records_raise_no_alarm(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(RIGS, "short", Rig("short", "", lambda seed, changes: build(SHORT, seed)))
-    assert not [one for one in score_rig("short", 300, 1) if one.verdict == "FAIL"]
+    assert not [one for one in score_rig("short", sized(300, 80), 1) if one.verdict == "FAIL"]
     assert sum(bool(codes(build(SHORT, seed))) for seed in range(1, 101)) <= 100 * RISK

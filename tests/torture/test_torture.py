@@ -7,11 +7,12 @@ from pathlib import Path
 import pytest
 from forked import warm
 
+from sized import sized
 from torture import judged_trial, seeds_in
 
 pytestmark = pytest.mark.usefixtures("drawn_anew")  # figures that are kept would be writes outside
 FEW = 20
-SOME = 400  # with `make slow`
+SOME = sized(400, 100)  # with `make slow`; `make torture` has 5,000
 
 
 @pytest.fixture(scope="module")

@@ -74,11 +74,10 @@ def fit_own_offsets(
     """
     weights = np.ones(len(readings)) if weights is None else weights
     first, numbers = np.unique(groups, return_index=True, return_inverse=True)[1:]
-    spare = len(readings) - len(first) - slopes.shape[1]
-    white = whitened(np.column_stack([slopes, readings]), weights, numbers, np.inf)
-    if spare < 1 or not _told(white[:, :-1], slopes, weights):
+    found = _within(slopes, readings, numbers, weights)
+    if found is None:
         return None
-    within = fit(white[:, :-1], white[:, -1])
+    within, spare = found
     mean_square = float(within.residuals @ within.residuals) / spare
     covariance, dof, repeated = _of_slopes(within, clusters, mean_square, float(spare))
     solve = within.transform @ within.basis.T * np.sqrt(weights)  # no mean of a group is in the basis
@@ -109,6 +108,31 @@ def fit_own_offsets(
         mean_square,
         float(spare),
     )
+
+
+def mean_square_within(slopes: Array, readings: Array, numbers: NDArray[np.intp], weights: Array) -> float | None:
+    """Return the mean square of readings of weight 1 about slopes within the groups, as `fit_own_offsets` does.
+
+    Parameters
+    ----------
+    slopes : ndarray, shape (n, q)
+        Columns, without one for the intercept.
+    readings, weights : ndarray, shape (n,)
+        In one unit; relative weights.
+    numbers : ndarray of int, shape (n,)
+        Group of each, from 0.
+    """
+    found = _within(slopes, readings, numbers, weights)
+    return None if found is None else float(found[0].residuals @ found[0].residuals) / found[1]
+
+
+def _within(slopes: Array, readings: Array, numbers: NDArray[np.intp], weights: Array) -> tuple[Fit, int] | None:
+    """Return the fit of slopes within the groups, and its degrees of freedom, where there are any."""
+    spare = len(readings) - int(numbers.max()) - 1 - slopes.shape[1]
+    white = whitened(np.column_stack([slopes, readings]), weights, numbers, np.inf)
+    if spare < 1 or not _told(white[:, :-1], slopes, weights):
+        return None
+    return fit(white[:, :-1], white[:, -1]), spare
 
 
 def _sums(columns: Array, numbers: NDArray[np.intp]) -> Array:
@@ -166,14 +190,15 @@ def _mean(values: Array, own: Array, place: Array, slopes: Array) -> tuple[Array
         return np.full(count, 1.0 / count), shared + float(np.mean(own)) / count
     if count > MANY:
         return np.full(count, 1.0 / count), shared + float(np.var(values, ddof=1)) / count
-    unit = values / np.sqrt(scale)
     spread = (np.diag(own) + place @ slopes @ place.T) / scale + ROUNDING * np.eye(count)
+    size, turn = np.linalg.eigh(spread)
+    ones, unit = turn.sum(axis=0), values @ turn / np.sqrt(scale)
 
     def weighed(between: float) -> tuple[float, Array, float]:
-        inverse = np.linalg.inv(spread + between * np.eye(count))
-        sums, total = inverse.sum(axis=0), float(inverse.sum())
-        left = unit - sums @ unit / total
-        return float(left @ inverse @ left) / (count - 1.0), sums / total, scale / total
+        inverse = 1.0 / (size + between)
+        total = float(ones @ (inverse * ones))
+        left = unit - ones * (ones @ (inverse * unit) / total)
+        return float(left @ (inverse * left)) / (count - 1.0), turn @ (inverse * ones) / total, scale / total
 
     low, high = 0.0, 10.0 * count
     if weighed(0.0)[0] > 1.0:

@@ -100,7 +100,7 @@ def test_no_difference_seldom_fails(runs: int) -> None:
 
 @pytest.mark.slow
 def test_no_difference_seldom_fails_long() -> None:
-    n = sized(1000, 400)
+    n = sized(1000, 200)
     assert binomial_interval(false_alarms(n, 3), n)[0] <= RISK
 
 

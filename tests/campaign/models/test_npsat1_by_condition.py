@@ -18,6 +18,7 @@ from inertialcal.rigs.npsat1.unit import SETTLED_AIR, SETTLED_VACUUM
 from inertialcal.rigs.twin import Twin
 from inertialcal.statistics.intervals import coverage_factor, covers
 from npsat1_small import short_twin
+from sized import sized
 
 AXES = ("x", "y", "z")
 HELD = {"air": ("ambient_6", "ambient_7"), "vacuum": ("vacuum_6", "vacuum_7")}
@@ -147,7 +148,7 @@ def test_a_test_in_vacuum_after_one_in_air_is_refused(campaign: tuple[Twin, Path
 def test_power_ups_held_out_lie_where_the_models_say(tmp_path: Path) -> None:
     reach = coverage_factor(RUNS - 1.0)
     hits = {condition: [0, 0] for condition in HELD}
-    for seed in range(1, 13):
+    for seed in range(1, sized(12, 4) + 1):
         for condition, rest, u in inside(seed, tmp_path / str(seed)):
             hits[condition][0] += int(np.count_nonzero(np.abs(rest) <= reach * u))
             hits[condition][1] += len(AXES)

@@ -74,7 +74,7 @@ def test_intervals_hold_the_truth_and_the_control_axis_alarms_in_1_percent(corne
 @pytest.mark.slow
 def test_intervals_hold_the_truth_with_standards_that_are_off() -> None:
     size = math.hypot(*TRUTH.ambient[1:])  # what standards.py takes it for
-    coverage(0.01, sized(1000, 300), Plan(standards=STANDARDS), along=size)
+    coverage(0.01, sized(1000, 100), Plan(standards=STANDARDS), along=size)
 
 
 @pytest.mark.slow
@@ -82,7 +82,7 @@ def test_intervals_of_pairs_hold_the_truth() -> None:
     """The record must be long against the dwells: the level at each position is taken off before."""
     plan, truth = Plan(noise="pairs"), replace(TRUTH, corner=0.01, record=7200.0, dwell=100.0)
     hits = {"ambient_acceleration_y": 0, "control_error_x": 0}
-    n = sized(1000, 300)
+    n = sized(1000, 100)
     for seed in range(1, n + 1):
         found = held(reduce(plan, simulate(plan, truth, np.random.default_rng(seed))), truth)
         hits = {name: hits[name] + found[name] for name in hits}
@@ -299,11 +299,12 @@ def in_one_record(seed: int, count: int, corner: float) -> Readings:
 def test_flips_of_one_record_share_its_slow_noise() -> None:
     """Without it, two thirds of the intervals of a bias hold the truth."""
     hits: dict[str, int] = {}
-    for seed in range(1, 61):
+    n = sized(60, 25)
+    for seed in range(1, n + 1):
         result = reduce(Plan(), in_one_record(seed, 6, 0.1))
         for name, hit in held(result, replace(TRUTH, corner=0.1)).items():
             hits[name] = hits.get(name, 0) + hit
-    assert all(covers(hit, 60, 0.93, 1.0) for hit in hits.values()), hits
+    assert all(covers(hit, n, 0.93, 1.0) for hit in hits.values()), hits
     assert result.estimate is not None
     assert "have in common" in result.estimate.components[1].source
 

@@ -17,6 +17,7 @@ from inertialcal.procedures.mass_attraction.readings import Readings, Run
 from inertialcal.procedures.mass_attraction.reduction import Result, reduce
 from inertialcal.procedures.mass_attraction.response import response_of
 from inertialcal.statistics.intervals import coverage_factor, covers
+from sized import sized
 
 A, S, NOISE, DWELLS = 2.25e-7, 1.04e6, 0.056, 100  # [m/s^2], [count/s/(m/s^2)], [count/s]
 PLAN = Plan(tilt="ignored")
@@ -155,12 +156,13 @@ def test_intervals_with_an_alternating_phase_hold_the_truth() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("starts", [[0, 180, 0, 180], [0, 180, 0], [0, 90, 180, 270], [0, 90, 0, 90, 0, 90]])
-@pytest.mark.parametrize(("spread", "grows"), [(0.0, 0.0), (0.05, 0.0), (0.0, 0.02)])
+@pytest.mark.parametrize(("spread", "grows"), sized([(0.0, 0.0), (0.05, 0.0), (0.0, 0.02)], [(0.05, 0.02)]))
 def test_intervals_with_phases_hold_the_truth_if_gains_differ_or_the_drift_grows(
     starts: list[int], spread: float, grows: float
 ) -> None:
-    held, _ = hits(300, starts, spread, grows)
-    assert covers(held, 300), held
+    n = sized(1000, 100)
+    held, _ = hits(n, starts, spread, grows)
+    assert covers(held, n), held
 
 
 def test_a_gain_that_differs_with_the_phase_looks_like_drift_and_is_remarked() -> None:
@@ -172,8 +174,8 @@ def test_a_gain_that_differs_with_the_phase_looks_like_drift_and_is_remarked() -
 
 @pytest.mark.slow
 def test_runs_of_another_length_count_what_repeats_as_scatter() -> None:
-    held = 0
-    for seed in range(200):
+    held, n = 0, sized(1000, 80)
+    for seed in range(n):
         runs = campaign(seed, [0, 180, 0, 180], SAWTOOTH).series
         longer = runs[0].schedule
         short = type(longer)(longer.start[:60], 100.0, 20.0, longer.position[:60], longer.applied[:60],
@@ -181,7 +183,7 @@ def test_runs_of_another_length_count_what_repeats_as_scatter() -> None:
         cut = Run("short", short, runs[0].reading[:60])
         value, u, dof = scale_factor(reduce(PLAN, Readings((cut, *runs[1:]))))
         held += abs(value - S) <= coverage_factor(dof) * u
-    assert covers(held, 200), held
+    assert covers(held, n), held
 
 
 @pytest.mark.parametrize("runs", [2, 3])

@@ -17,6 +17,7 @@ from inertialcal.procedures.positions.reduction import Plan, Truth, reduce, simu
 from inertialcal.procedures.positions.simulation import spread
 from inertialcal.statistics.intervals import binomial_interval, coverage_factor
 from positions_truths import BY_HAND, BY_HAND_PLAN, FIXTURE_PLAN, TURNED, true_values
+from sized import sized
 
 TESTS = {
     "by hand": (BY_HAND_PLAN, replace(BY_HAND, directions=spread(16), sample_interval=0.05, duration=1.5)),
@@ -46,5 +47,5 @@ def test_a_few(name: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", TESTS)
-def test_a_thousand(name: str) -> None:
-    check(*TESTS[name], NUMBERS[name], 1000)
+def test_many(name: str) -> None:
+    check(*TESTS[name], NUMBERS[name], sized(1000, 200))

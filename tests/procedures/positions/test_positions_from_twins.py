@@ -12,6 +12,7 @@ from inertialcal.procedures.positions.reduction import Plan, Section, readings_f
 from inertialcal.rigs.hand_held.rig import Bench, draw_unit, held, true_values
 from inertialcal.rigs.parts.campaign import drawn_error
 from inertialcal.statistics.intervals import coverage_factor, covers
+from sized import sized
 
 SHORT = replace(Bench(), dwell=2.5, first=5.0, sample_rate=50.0)
 BENCHES = {"tumble": SHORT, "ferraris": replace(SHORT, variant="ferraris")}
@@ -63,8 +64,8 @@ def test_a_few(name: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", BENCHES)
-def test_three_hundred(name: str) -> None:
-    check(name, 300)
+def test_many(name: str) -> None:
+    check(name, sized(1000, 100))
 
 
 def test_faces_laid_once_do_not_show_how_they_repeat() -> None:

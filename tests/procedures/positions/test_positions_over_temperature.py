@@ -12,6 +12,7 @@ from inertialcal.core.errors import DataError
 from inertialcal.core.influence import Influence
 from inertialcal.procedures.positions.reduction import Plan, Readings, Result, Triad, reduce
 from inertialcal.statistics.intervals import covers
+from sized import sized
 
 STANDARDS = {
     "gravity.value": Influence(3e-4, "m/s^2", standard="gravity", quantity="value"),
@@ -50,7 +51,7 @@ def hits(bench: Bench, seeds: range, known: bool = True) -> dict[str, int]:
 
 
 SMALL = replace(BENCH, temperatures=(-20.0, 20.0, 60.0, 40.0, 0.0, 50.0), rounds=1)
-SLOW = 60  # campaigns
+SLOW = sized(200, 25)  # campaigns
 FAR = 8.0  # standard uncertainties, of four degrees of freedom: once in 1,000 of a figure
 
 

@@ -80,12 +80,12 @@ def test_intervals_hold_the_truth() -> None:
 
 @pytest.mark.slow
 def test_intervals_of_what_is_observed_hold_the_truth() -> None:
-    check(SCATTER, sized(1000, 300))
+    check(SCATTER, sized(1000, 100))
 
 
 @pytest.mark.slow
 def test_intervals_hold_the_truth_a_thousand_times() -> None:
-    check(PLAN, sized(1000, 500))
+    check(PLAN, sized(1000, 150))
 
 
 def offsets_held(n: int) -> dict[str, int]:
@@ -124,7 +124,7 @@ def test_intervals_of_the_vacuum_offset_hold_it() -> None:
 
 @pytest.mark.slow
 def test_intervals_of_the_vacuum_offset_hold_it_a_thousand_times() -> None:
-    n = sized(1000, 300)
+    n = sized(1000, 100)
     held = offsets_held(n)
     assert all(covers(hits, n) for hits in held.values()), held
 

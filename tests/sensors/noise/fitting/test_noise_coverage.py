@@ -21,6 +21,7 @@ from inertialcal.sensors.noise.terms import (
 )
 from inertialcal.signals.allan import allan
 from inertialcal.statistics.intervals import contains, covers
+from sized import sized
 
 Case = tuple[tuple[Term, ...], int, float, float | None, bool]  # terms, n, interval, averaging, terms chosen
 
@@ -69,18 +70,19 @@ MANY: dict[str, Case] = {
 @pytest.mark.slow
 @pytest.mark.parametrize("name", MANY)
 def test_intervals_cover_the_truth_in_many_records(name: str) -> None:
-    check_coverage(MANY[name], 1000)
+    check_coverage(MANY[name], sized(1000, 250))
 
 
 @pytest.mark.slow
 def test_intervals_of_runs_fitted_together_cover_the_truth() -> None:
     terms, counts = (RandomWalk(1.0), RateRandomWalk(2.0)), [0, 0]
-    for seed in range(1, 1001):
+    n = sized(1000, 300)
+    for seed in range(1, n + 1):
         runs = [curve(terms, n, 0.01, 10 * seed + i) for i, n in enumerate((1000, 2000))]
         found = fit(runs, "gyro", terms=names(terms))
         for i, hit in enumerate(hits(found, terms).values()):
             counts[i] += hit
-    assert all(covers(count, 1000) for count in counts), counts
+    assert all(covers(count, n) for count in counts), counts
 
 
 def gmwm_scatter(records: int) -> dict[str, float]:
@@ -115,7 +117,7 @@ def test_scatter_is_like_that_of_gmwm() -> None:
 
 @pytest.mark.slow
 def test_scatter_is_that_of_gmwm_over_many_records() -> None:
-    check_gmwm(400, 1.15)
+    check_gmwm(*sized((400, 1.15), (150, 1.25)))
 
 
 def named_on_white(n: int, records: int) -> int:
@@ -130,7 +132,7 @@ def test_pure_white_noise_names_no_other_term() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("n", "records"), [(4000, 300), (100_000, 200)])
+@pytest.mark.parametrize(("n", "records"), [(4000, 300), (100_000, sized(200, 60))])
 def test_pure_white_noise_names_no_other_term_in_many_records(n: int, records: int) -> None:
     assert named_on_white(n, records) >= 0.95 * records
 
@@ -190,7 +192,7 @@ def test_a_tenth_of_samples_missing_changes_little() -> None:
 
 @pytest.mark.slow
 def test_a_tenth_of_samples_missing_changes_little_in_many_records() -> None:
-    check_missing(400, 1.15)
+    check_missing(*sized((400, 1.15), (150, 1.2)))
 
 
 @pytest.mark.slow
@@ -198,7 +200,7 @@ def test_a_tenth_of_samples_missing_changes_little_in_many_records() -> None:
 @pytest.mark.parametrize("terms", [(RandomWalk(1.0),), (RandomWalk(1.0), RateRandomWalk(5.0))], ids=["white", "walk"])
 def test_intervals_cover_the_truth_with_samples_missing(terms: tuple[Term, ...], share: float) -> None:
     counts: dict[str, list[bool]] = {}
-    for seed in range(1, 401):
+    for seed in range(1, sized(400, 150) + 1):
         y = record(terms, 4000, 0.01, seed)
         y[np.random.default_rng(seed).random(len(y)) < share] = np.nan
         found = fit(allan(y, 0.01, quantity="rate"), "gyro", terms=names(terms))

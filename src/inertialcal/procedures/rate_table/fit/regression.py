@@ -50,7 +50,7 @@ from ....core.estimate import Array
 from ....core.key import AXES
 from ....statistics.clustered import clustered_covariance
 from ....statistics.least_squares import Fit, fit
-from ....statistics.own_offsets import OwnOffsets, fit_own_offsets
+from ....statistics.own_offsets import OwnOffsets, fit_own_offsets, mean_square_within
 from ....statistics.random_offsets import group_moments, offset_ratio, whitened, whitening
 from ..plan import Plan
 from ..readings import Labels, Readings
@@ -178,9 +178,9 @@ Solved = tuple[Solution, Array | None, Array, str]
 def _solved(readings: Readings, sensor: str, columns: Array, y: Array, plain: Fit) -> Solved:
     """Return coefficients with covariance, degrees of freedom and the level that those of the slopes come from."""
     groups, clusters = recordings_of(readings)
-    weights = _weights(readings, sensor, columns, y, groups)
-    own = fit_own_offsets(columns[:, 1:], y, groups, clusters, weights)
     numbers = np.unique(groups, return_inverse=True)[1]
+    weights = _weights(readings, sensor, columns, y, numbers)
+    own = fit_own_offsets(columns[:, 1:], y, groups, clusters, weights)
     ratio = offset_ratio(group_moments(columns, y, weights, numbers)) if plain.dof >= 2 else 0.0
     white = fit(whitened(columns, weights, numbers, ratio), whitened(y[:, None], weights, numbers, ratio)[:, 0])
     many = readings.runs >= MANY and own is not None and _cost(own, white) > COST
@@ -235,7 +235,7 @@ def _with_random_offsets(
     return found, None, np.full(p, np.nan), ""
 
 
-def _weights(readings: Readings, sensor: str, columns: Array, y: Array, groups: Labels) -> Array:
+def _weights(readings: Readings, sensor: str, columns: Array, y: Array, numbers: NDArray[np.intp]) -> Array:
     """Return the weights of dwells, shape (n,): equal, or by their number of samples where these differ much.
 
     The variance of a mean is that of a sample over their number and that of a dwell, the latter such that the
@@ -249,9 +249,8 @@ def _weights(readings: Readings, sensor: str, columns: Array, y: Array, groups: 
     within = float(np.sum(samples * scatter**2) / np.sum(samples)) / samples
 
     def left(dwell: float) -> float:
-        weights = 1.0 / (within + dwell)
-        own = fit_own_offsets(columns[:, 1:], y, groups, np.zeros(len(y)), weights)
-        return 0.0 if own is None else own.mean_square - 1.0
+        square = mean_square_within(columns[:, 1:], y, numbers, 1.0 / (within + dwell))
+        return 0.0 if square is None else square - 1.0
 
     low, high = 0.0, float(np.var(y - columns @ np.linalg.lstsq(columns, y, rcond=None)[0])) * len(y)
     if left(0.0) > 0.0:
