@@ -41,14 +41,14 @@ class Told:
     ----------
     said : Said
         Units, chain, site, how texts are read.
-    axis : str
-        That was turned on a rate table.
+    axis : str, optional
+        That was turned on a rate table; empty where the answer is to be filled in.
     item : mapping of str to str
         Maker, part and serial number of the sensor.
     """
 
     said: Said = field(default_factory=Said)
-    axis: str = ""
+    axis: str | None = None
     item: Mapping[str, str] = field(default_factory=dict[str, str])
 
     def answered(self, question: Question, text: str) -> Told:
@@ -247,7 +247,7 @@ def starter_text(name: str, found: Found, published: PublishedSensor | None = No
         document["item"] = Noted(said, above=unjudged(published))
         parts["sensors"] = with_facts(parts["sensors"], published)
     tests = [test for draft in drafts for test in draft.tests]
-    settle(parts, tests, told.said, told.axis)
+    settle(parts, tests, told.said, told.axis or "")
     document |= parts
     if parts["standards"]:
         document["standards"] = Noted(parts["standards"], above=RELATIVE)
