@@ -243,13 +243,13 @@ CASES = (
     ),
     Case(
         "--applied COLUMN",
-        "rate-table dwells_named.csv --axis x --reading out --unit deg/s --unit deg/s",
+        "rate-table dwells_named.csv --axis x --reading out --unit deg/s",
         "+ --applied given",
         "bias x 0.3542",
     ),
     Case(
         "--reading COLUMN",
-        "rate-table dwells_named.csv --axis x --applied given --unit deg/s --unit deg/s",
+        "rate-table dwells_named.csv --axis x --applied given --unit deg/s",
         "+ --reading out",
         "bias x 0.3542",
     ),
@@ -281,7 +281,7 @@ CASES = (
     ),
     Case(
         "Add: --reading x=COLUMN",
-        "rate-table turned_abc.csv --applied table_rate --axis x --unit a=deg/s --unit a=deg/s",
+        "rate-table turned_abc.csv --applied table_rate --axis x --unit a=deg/s",
         "+ --reading x=a",
         "bias x 0.3542",
     ),
