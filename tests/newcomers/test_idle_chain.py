@@ -74,6 +74,8 @@ def test_a_chain_of_readings_in_units_is_refused(
     """Whatever part of it is said, and alone too: it would have no effect."""
     parts = {"lsb": CHAIN, "scale_factor": CHAIN[2:], "chain": ("--chain", TEXT), "gain": ("--gain", "10"),
              "reference": ("--reference", "2.5 V", *CHAIN[2:]), "counts": ("--counts", "0, 4095")}  # fmt: skip
+    if words[1] == "dwells_units.csv":  # there it is the nominal one: the result is in V/(deg/s) too
+        del parts["scale_factor"]
     for name, said in parts.items():
         status, content = typed(capsys, folder, words, *said)
         assert status == 2, said

@@ -335,8 +335,10 @@ def chain_said(given: GivenFile, sensor: Kind | None = None) -> dict[str, Any]:
     return {"kind": "adc" if "lsb" in own else "output"} | chain | own
 
 
-def chain_of_units(given: GivenFile, chain: Mapping[str, Any], units: Sequence[str | None]) -> dict[str, Any]:
-    """Return a chain as it goes with readings in these units.
+def chain_of_units(
+    given: GivenFile, chain: Mapping[str, Any], units: Sequence[str | None], *, nominal: bool = False
+) -> dict[str, Any]:
+    """Return a chain as it goes with readings in these units; ``nominal``: its scale factor alone scales a result.
 
     Raises
     ------
@@ -346,6 +348,8 @@ def chain_of_units(given: GivenFile, chain: Mapping[str, Any], units: Sequence[s
     kept = dict(chain)
     is_input = bool(units) and all(unit and kind(unit) in KIND_OF_UNIT.values() for unit in units)
     if kept.get("kind") in ("adc", "output") and is_input:
+        if nominal and not kept.keys() - {"kind", "scale_factor"}:
+            return kept | {"kind": "none"}
         idle = [name for name in ("lsb", "counts", "reference", "zero", "gain", "scale_factor") if name in kept]
         raise without_effect(given, "chain" if given.said.chain is not None else idle[0], units[0])
     if kept.get("kind") in ("adc", "output") and not kept.get("scale_factor"):

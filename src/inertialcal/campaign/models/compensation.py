@@ -100,7 +100,7 @@ def compensate(
     if bare := [name for name in axes.values() if recording.channel(name).unit is None]:
         options = " ".join(f"--unit {shlex.quote(f'{name}=UNIT')}" for name in bare)
         raise DataError(
-            f"unit of column{'s' * (len(bare) > 1)} {', '.join(map(repr, bare))} not given",
+            f"unit of column {bare[0]!r} not given{', nor of ' * (len(bare) > 1)}{', '.join(map(repr, bare[1:]))}",
             where=recording.source.path,
             why=f"the model takes {_takes(model)}",
             do=f"Say what it is: {options} (UNIT: {_takes(model)})",

@@ -115,7 +115,8 @@ def _table(given: GivenFile, names: Guess) -> Described:
     if unit is None and reading is not None:
         missing.append(("unit of rate and reading not given", given.add("unit", "UNIT"), "no_unit"))
         notes.append("UNIT: deg/s, rad/s, V, count, ...")
-    chain = chain_said(given, "gyro") if unit is None else chain_of_units(given, chain_said(given, "gyro"), [unit])
+    chain = chain_said(given, "gyro")
+    chain = chain if unit is None else chain_of_units(given, chain, [unit], nominal=given.said.chain is None)
     if unit is not None and kind(unit) in RAW and kind(unit) not in raw_units(chain):
         missing.append(("counts and volts need the chain of the sensor", "", "no_unit"))
         raw = raw_advice(given, [unit], "deg/s")
