@@ -271,7 +271,7 @@ def test_what_cannot_be_told_is_refused(
         (("--deviation", "theo1"), "'overlapping'"),
         (("--for", "rocket"), "--for = 'rocket': should be 'kalibr'"),
         (("--for", "gtsam", "--gravity", "down"), "gravity"),
-        (("--scale-factor", "131"), "does not make it a rate"),
+        (("--scale-factor", "131"), "the readings are in deg/s already"),
         (("--quantity", "angle"), "a rate, not an angle"),
         (("--figure", "allan"), "no file for the figure is named"),
         (("--figure", "allan", "-o", "folder"), "a folder takes all figures"),

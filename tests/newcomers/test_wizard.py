@@ -123,6 +123,15 @@ def test_yes_takes_every_suggestion(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert value == pytest.approx((1.0 + ERRORS["z"]) * BIASES["z"], abs=5 * u)
 
 
+def test_a_question_without_a_suggestion_is_asked_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Which axis was turned is nowhere in a table of dwells of one: it is left to be filled in."""
+    folder = put(tmp_path / "dwells", "dwells_units.csv")
+    status, out, err = call(capsys, "init", str(folder), "--yes")
+    assert status == 0, err
+    assert "FILL IN" in out
+    assert "FILL IN" in (folder / "campaign.toml").read_text()
+
+
 def test_no_number_of_the_data_sheet_is_invented(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = put(tmp_path / "open", "turned_volts.csv")
     assert call(capsys, "init", str(folder), "--yes")[0] == 0

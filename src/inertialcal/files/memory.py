@@ -18,6 +18,7 @@ from ..core.key import AXES
 from ..core.recording import Channel, Recording
 from ..core.unit.magnitudes import check_sample_rate
 from ..core.units import normalise
+from .info.describe import overridden
 
 Taken = str | Path | Recording | Array
 
@@ -125,7 +126,10 @@ def _contiguous(column: NDArray[Any], whole: NDArray[Any]) -> NDArray[Any]:
 
 def with_named_units(recording: Recording, units: Mapping[str, str]) -> Recording:
     """Return a recording in memory with the units of its columns or groups that were said."""
-    stated = [units.get(one.name) or units.get(one.quantity) for one in recording.channels]
-    channels = [one if unit is None else replace(one, unit=normalise(unit), unit_from="flag")
+    said = [units.get(one.name) or units.get(one.quantity) for one in recording.channels]
+    stated = [None if unit is None else normalise(unit) for unit in said]
+    channels = [one if unit is None else replace(one, unit=unit, unit_from="flag")
                 for one, unit in zip(recording.channels, stated, strict=True)]  # fmt: skip
-    return replace(recording, channels=tuple(channels))
+    remarks = tuple(remark for one, unit in zip(recording.channels, stated, strict=True) if unit is not None
+                    for remark in overridden(one.name, one.unit, unit, recording.source.path))  # fmt: skip
+    return replace(recording, channels=tuple(channels), remarks=(*recording.remarks, *remarks))

@@ -335,28 +335,35 @@ def chain_said(given: GivenFile, sensor: Kind | None = None) -> dict[str, Any]:
     return {"kind": "adc" if "lsb" in own else "output"} | chain | own
 
 
-def chain_of_units(given: GivenFile, chain: Mapping[str, Any], units: Sequence[str | None]) -> dict[str, Any]:
-    """Return a chain as it goes with readings in these units: none where they are in units of input already.
+def chain_of_units(
+    given: GivenFile, chain: Mapping[str, Any], units: Sequence[str | None], *, nominal: bool = False
+) -> dict[str, Any]:
+    """Return a chain as it goes with readings in these units; ``nominal``: its scale factor alone scales a result.
 
     Raises
     ------
     UsageError
-        If something of it would have no effect, or it lacks the scale factor.
+        ``option_without_effect`` where they are in units of input already; ``no_scale_factor``.
     """
     kept = dict(chain)
-    is_input = all(unit and kind(unit) in KIND_OF_UNIT.values() for unit in units)
+    is_input = bool(units) and all(unit and kind(unit) in KIND_OF_UNIT.values() for unit in units)
     if kept.get("kind") in ("adc", "output") and is_input:
-        idle = [name for name in ("lsb", "counts", "reference", "zero", "gain") if name in kept]
-        if idle:
-            what = f"{given.name}: {idle[0]} is given, and the readings are in {units[0]} already"
-            raise UsageError(what, do="Leave it out, or correct the unit", code="option_without_effect")
-        return kept | {"kind": "none"}
+        if nominal and not kept.keys() - {"kind", "scale_factor"}:
+            return kept | {"kind": "none"}
+        idle = [name for name in ("lsb", "counts", "reference", "zero", "gain", "scale_factor") if name in kept]
+        raise without_effect(given, "chain" if given.said.chain is not None else idle[0], units[0])
     if kept.get("kind") in ("adc", "output") and not kept.get("scale_factor"):
         volts = "V" if kept["kind"] == "adc" or "voltage" in {kind(unit) for unit in units if unit} else "count"
         what = f"{given.name}: counts and volts need the scale factor of the sensor"
         do = f"Add that of its data sheet: {given.add('scale_factor', f'NUMBER {volts}/(UNIT)')}"
         raise UsageError(what, do=do, code="no_scale_factor")
     return kept
+
+
+def without_effect(given: GivenFile, name: str, unit: str | None) -> UsageError:
+    """Return the error of a part of the chain that is said of readings in units of input."""
+    what = f"{given.name}: {name} is given, and the readings are in {unit} already"
+    return UsageError(what, do="Leave it out, or correct the unit", code="option_without_effect")
 
 
 def chain_remarks(given: GivenFile, chain: Mapping[str, Any], units: Sequence[str | None]) -> tuple[Remark, ...]:

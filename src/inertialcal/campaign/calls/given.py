@@ -18,7 +18,7 @@ from ...core.recording import Recording
 from ...core.units import kind, normalise
 from ...files import read, read_table
 from ...files.budget import ANALYSIS, AS_WIDE, STREAMED, claim_recording
-from ...files.info.describe import is_volts
+from ...files.info.describe import is_raw, overridden
 from ...files.memory import numbers_of, of_array, with_named_units
 from ...files.source import load as load_file
 from ...files.text.table import Table
@@ -173,14 +173,17 @@ def _with_unit(recording: Recording, unit: str | None) -> Recording:
         return recording
     group = GROUPS.get(kind(unit), "")  # counts and volts are those of any axis
     axes = [one for one in recording.channels if one.axis in AXES]
-    named = {one.name for one in recording.channels if group and one.quantity == group}
-    named = {one.name for one in recording.channels if one.name in named and not is_volts(one.unit, unit)}
-    if not named and group and any(one.quantity == group and is_volts(one.unit, unit) for one in axes):
-        return recording  # volts in its header: they become rates by a chain alone
-    named = named or {one.name for one in axes if not one.quantity or (not group and one.quantity in GROUPS.values())}
-    channels = [replace(one, unit=normalise(unit), unit_from="flag", quantity=group or one.quantity)
+    every = [one for one in recording.channels if group and one.quantity == group]
+    own = [one for one in every if not is_raw(one.unit, unit)]
+    if not own and any(one in every for one in axes):
+        return recording  # counts or volts by its header: they become rates by a chain alone
+    own = [one for one in own if one.unit is None or one.axis] or own  # not the rate of the table, which states its own
+    own = own or [one for one in axes if not one.quantity or (not group and one.quantity in GROUPS.values())]
+    named, unit = {one.name for one in own}, normalise(unit)
+    channels = [replace(one, unit=unit, unit_from="flag", quantity=group or one.quantity)
                 if one.name in named else one for one in recording.channels]  # fmt: skip
-    return replace(recording, channels=tuple(channels))
+    said = tuple(one for channel in own for one in overridden(channel.name, channel.unit, unit, recording.source.path))
+    return replace(recording, channels=tuple(channels), remarks=(*recording.remarks, *said))
 
 
 __all__ = ["Files", "Given", "files_of", "given_items"]

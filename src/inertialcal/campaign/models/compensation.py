@@ -97,18 +97,18 @@ def compensate(
     chosen = taken(model, recording, columns, temperature)
     axes = {axis: chosen.columns[axis] for axis in model.axes}
     # Refuse axes without a unit, or with one of another kind, with the file and the way out
+    if bare := [name for name in axes.values() if recording.channel(name).unit is None]:
+        options = " ".join(f"--unit {shlex.quote(f'{name}=UNIT')}" for name in bare)
+        raise DataError(
+            f"unit of column {bare[0]!r} not given{', nor of ' * (len(bare) > 1)}{', '.join(map(repr, bare[1:]))}",
+            where=recording.source.path,
+            why=f"the model takes {_takes(model)}",
+            do=f"Say what it is: {options} (UNIT: {_takes(model)})",
+            code="no_unit",
+        )
     for name in axes.values():
-        unit = recording.channel(name).unit
-        if unit is None:
-            raise DataError(
-                f"unit of column {name!r} not given",
-                where=recording.source.path,
-                why=f"the model takes {_takes(model)}",
-                do=f"Say what it is: --unit {shlex.quote(name + '=UNIT')} (UNIT: {_takes(model)})",
-                code="no_unit",
-            )
         try:
-            check_item(model, unit=unit)
+            check_item(model, unit=recording.channel(name).unit)
         except DataError as error:
             problem = replace(error.problems[0], where=recording.source.path)
             raise DataError(replace(problem, what=f"column {name!r}: {problem.what}")) from None

@@ -29,7 +29,9 @@ Answers = Mapping[str, str]
 Contents = Mapping[str, Mapping[str, object]]  # what procedures make of files, by procedure and file
 
 
-def questions(found: Contents, ambiguous: Sequence[str], said: Said, axis: str, item: Answers) -> Iterator[Question]:
+def questions(
+    found: Contents, ambiguous: Sequence[str], said: Said, axis: str | None, item: Answers
+) -> Iterator[Question]:
     """Yield what is to be asked, as far as answers and options leave it open.
 
     Parameters
@@ -51,7 +53,7 @@ def questions(found: Contents, ambiguous: Sequence[str], said: Said, axis: str, 
     for procedure, contents in found.items():
         for question in procedure_of(procedure).asks(contents) if contents else ():
             known = axis if question.name == "axis" else getattr(said, question.name, None)
-            if not known:
+            if known is None:
                 yield question
     for name, ask in ITEM.items():
         if name not in item:

@@ -17,8 +17,15 @@ Parts = dict[str, dict[str, object]]
 
 
 def settle(parts: Parts, tests: Sequence[object], said: Said, axis: str) -> None:
-    """Put what was said into sensors, recordings, tests and site of a draft; what is then complete is not marked."""
+    """Put what was said into sensors, recordings, tests and site of a draft; what is then complete is not marked.
+
+    Raises
+    ------
+    UsageError
+        ``option_without_effect`` for a chain where every reading is in a unit of input.
+    """
     recordings = parts["recordings"]
+    every: list[str] = []
     for name, table in parts["sensors"].items():
         sensor = _plain_table(table)
         word = sensor["kind"]
@@ -28,8 +35,13 @@ def settle(parts: Parts, tests: Sequence[object], said: Said, axis: str) -> None
         settled = {key: _with_unit(entry, None if stated is None else normalise(stated)) for key, entry in own.items()}
         recordings |= settled
         units = [unit for entry in settled.values() for unit in _units(entry)]
+        every += units
         found = _with_chain(sensor, sensor_kind, units, said)
         parts["sensors"][name] = Noted(found, table.note, table.above) if isinstance(table, Noted) else found
+    if every and not any(unit in OPEN or kind(unit) in RAW for unit in every):
+        files = ", ".join(str(_plain_table(entry)["file"]) for entry in recordings.values())
+        given = GivenFile(files, said, {}, {}, _never, _never)
+        chain_of_units(given, chain_said(given), every)
     reading = _reading(said)
     for key, entry in recordings.items():
         recordings[key] = _read_as(entry, reading)

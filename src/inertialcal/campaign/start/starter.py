@@ -41,14 +41,14 @@ class Told:
     ----------
     said : Said
         Units, chain, site, how texts are read.
-    axis : str
-        That was turned on a rate table.
+    axis : str, optional
+        That was turned on a rate table; empty where the answer is to be filled in.
     item : mapping of str to str
         Maker, part and serial number of the sensor.
     """
 
     said: Said = field(default_factory=Said)
-    axis: str = ""
+    axis: str | None = None
     item: Mapping[str, str] = field(default_factory=dict[str, str])
 
     def answered(self, question: Question, text: str) -> Told:
@@ -125,6 +125,8 @@ def _found(folder: str | Path, told: Told) -> tuple[Found, list[Remark]]:
         do = "Add recordings with gyro or accelerometer channels, tables with columns of rate and reading (a row per "
         do += "dwell), or tables of means (a row per axis and orientation)"
         what = f"No recording or table in {root} that a test can use"
+        if unread := [one for one in remarks if one.code == "not_read"]:
+            what, do = f"{what}; {unread[0].where}: {unread[0].what}", unread[0].do
         raise PlanError(what, do=do, code="nothing_found")
     return found, remarks
 
@@ -170,10 +172,11 @@ def _take(found: Found, taken: dict[str, _Taken], path: Path, name: str, files: 
 
     It is the one that `info` suggests, where that one claims it.
     """
-    table = files.table(str(path))
+    table, overruled = files.table(str(path)), list[Remark]()
     claimed = _claims(FolderFile(table))
     if not claimed:
         recording = files.read(str(path))
+        overruled = [one for one in recording.remarks if one.code == "unit_overridden"]
         claimed = [] if recording.time_ns is None else _claims(FolderFile(table, recording))
         if len(claimed) > 1:
             clear = [one for one, suggested in suggestions(recording, survey_recording(recording))
@@ -189,7 +192,7 @@ def _take(found: Found, taken: dict[str, _Taken], path: Path, name: str, files: 
             taken[name] = _Taken(claimed[0][0], "", claimed[0][1])
     procedure, claim = claimed[0]
     found[procedure][name], remarks = claim.take()
-    return [one.at(name) for one in remarks]
+    return [*(one.at(name) for one in remarks), *(replace(one, where=name) for one in overruled)]
 
 
 def _claims(file: FolderFile) -> list[tuple[str, Claim]]:
@@ -244,7 +247,7 @@ def starter_text(name: str, found: Found, published: PublishedSensor | None = No
         document["item"] = Noted(said, above=unjudged(published))
         parts["sensors"] = with_facts(parts["sensors"], published)
     tests = [test for draft in drafts for test in draft.tests]
-    settle(parts, tests, told.said, told.axis)
+    settle(parts, tests, told.said, told.axis or "")
     document |= parts
     if parts["standards"]:
         document["standards"] = Noted(parts["standards"], above=RELATIVE)

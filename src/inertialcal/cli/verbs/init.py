@@ -48,7 +48,7 @@ def _init(**given: Any) -> int:
 
     folder, sensor, as_json, quiet, yes = (given.pop(name) for name in ("folder", "sensor", "as_json", "quiet", "yes"))
     item = {name: text for name in ("maker", "part", "serial") if (text := given.pop(name)) is not None}
-    axis = given.pop("axis") or ""
+    axis = given.pop("axis")
     settings = {one.name: one for one in settings_of(Said)}
     told = Told(Said(**_checked(settings, pairs_of(settings, given))), axis, item)
     if yes or (not as_json and not quiet and sys.stdin.isatty() and sys.stdout.isatty()):

@@ -79,10 +79,8 @@ def describe(
     by_column = {key: unit for key, unit in flags.items() if key not in by_group}
     for key, unit in (*by_group.items(), *by_column.items()):  # a column goes before its group
         chosen = _chosen(described, key)
-        raw = (
-            key in by_group and units.kind(normal_unit(unit, described[chosen[0]].quantity)) in TESTED
-        )  # counts beside a rate of the table in deg/s
-        chosen = [i for i in chosen if described[i].unit is None] or chosen if raw else chosen
+        if key in by_group:  # the rate of a table, which has no axis, keeps the unit of its header
+            chosen = [i for i in chosen if described[i].unit is None or described[i].axis] or chosen
         for i in chosen:
             described[i] = _with_flag(described[i], unit, path, remarks)
     return tuple(described), tuple(remarks)
@@ -190,25 +188,36 @@ def _with_flag(described: Described, text: str, path: str, remarks: list[Remark]
             do="Name the column itself, or another unit",
             code="unit_mismatch",
         )
-    if is_volts(described.unit, unit):
-        raise UsageError(
-            f"{described.name!r} is in {described.unit} by its header: another unit makes no {unit} of it",
-            where=path,
-            why="volts become readings by the scale factor of the sensor",
-            do="Give that of its data sheet: --scale-factor, and what it gives without input: --reference",
-            code="unit_mismatch",
-        )
-    if described.unit not in (None, unit):
-        what = f"{described.name!r} is {described.unit} by its header, {unit} by the option: the option wins"
-        remarks.append(Remark("unit_overridden", "warning", what, where=path, subject=described.name))
+    remarks += overridden(described.name, described.unit, unit, path)
     return replace(described, unit=unit, unit_from="flag")
 
 
-def is_volts(header: str | None, unit: str) -> bool:
-    """Whether a column in volts by its header is said to be in a unit of rate or acceleration."""
-    return (
-        header is not None and units.kind(header) == "voltage" and units.kind(unit) in ("angular_rate", "acceleration")
-    )
+def overridden(name: str, header: str | None, unit: str, path: str) -> tuple[Remark, ...]:
+    """Return the remark on a column whose header states another unit than the caller, whose word holds.
+
+    Raises
+    ------
+    UsageError
+        ``unit_mismatch`` for volts and counts that are said to be a rate or an acceleration.
+    """
+    if is_raw(header, unit):
+        raise UsageError(
+            f"{name!r} is in {header} by its header: another unit makes no {unit} of it",
+            where=path,
+            why="counts and volts become readings by the scale factor of the sensor",
+            do="Give that of its data sheet: --scale-factor, and what it gives without input: --reference",
+            code="unit_mismatch",
+        )
+    if header in (None, unit):
+        return ()
+    what = f"{name!r} is {header} by its header, {unit} by the option: the option wins"
+    do = f"If the header is right, leave {unit} out"
+    return (Remark("unit_overridden", "warning", what, where=path, subject=name, do=do),)
+
+
+def is_raw(header: str | None, unit: str) -> bool:
+    """Whether a column in counts or volts by its header is said to be in a unit of rate or acceleration."""
+    return header is not None and units.kind(header) in TESTED and units.kind(unit) in READINGS.values()
 
 
 RATES_AGREE = 0.01  # relative difference of two sample rates that is passed over

@@ -22,6 +22,7 @@ from ...core.remarks import Remark
 from ...core.times import elapsed_text, instant_text
 from ...core.unit.magnitudes import check_readings
 from ...core.units import convert_as_wide, factor, kind, normalise, parse_quantity
+from ...files.info.describe import overridden
 from ...files.pad.pairs import sensor_frame
 from ...files.text.table import Table
 from ...files.time.window import Window as Between
@@ -66,10 +67,12 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
             what = f"{given.name}: a table of means has no windows"
             raise UsageError(what, do="Leave them out", code="wrong_value")
         means, columns = means_columns(given)
+        stated = given.table.unit(means["mean"])
+        remarks = overridden(means["mean"], stated and normalise(stated), means["unit"], given.name)
         values = given.table.numbers(means["mean"]) * factor(means["unit"], "g")
         axes = [axis for axis in AXES if axis in {one.lower() for one in given.table.text(means["axis"])}] or [*AXES]
         sensor = {"kind": "accelerometer", "axes": axes, "unit": _shown(means["unit"], [values])}
-        return Described({"means": means}, sensor, columns)
+        return Described({"means": means}, sensor, columns, remarks=remarks)
     if given.own.get("positions") and not any(is_means_file(one) for one in given.together):
         what = f"{given.name}: positions are those of a table of means: this is a recording"
         raise UsageError(what, do=f"Add: {_windows_text(given)}", code="wrong_value")

@@ -23,9 +23,11 @@ from ...files.text.headers import full_name
 from ..given import (
     EXAMPLE,
     KIND_OF_UNIT,
+    RAW,
     Described,
     GivenFile,
     bare,
+    chain_of_units,
     chain_said,
     own_clock,
     raw_units,
@@ -97,6 +99,7 @@ def described(given: GivenFile) -> list[Described]:
         if len(warm) == 1:
             channels[TEMPERATURE] = {"column": warm[0].name, "unit": str(warm[0].unit)}
         chain = chain_said(given, KINDS[sensor])
+        chain = chain if kind(units[sensor]) in RAW else chain_of_units(given, chain, [units[sensor]])
         alone = not chain.keys() - {"kind", "scale_factor"} and chain.get("kind") == "output"
         chain = chain | ({"kind": "none"} if alone else {})  # readings stay in counts or volts: their scale is found
         through = kind(units[sensor]) in raw_units(chain)

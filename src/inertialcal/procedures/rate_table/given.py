@@ -16,7 +16,9 @@ from ...core.errors import UsageError
 from ...core.estimate import Array
 from ...core.key import AXES
 from ...core.recording import Recording
+from ...core.remarks import Remark
 from ...core.units import convert, kind, normalise
+from ...files.info.describe import overridden
 from ...files.info.table_columns import Guess, guess
 from ...files.text.headers import bare_name, full_name
 from ..given import (
@@ -109,11 +111,12 @@ def _table(given: GivenFile, names: Guess) -> Described:
         missing.append(("axis not given", given.add("axis", "AXIS"), "no_axis"))
         notes.append("AXIS: x, y or z, the one that was turned")
     applied = said.get("applied") or names.applied
-    unit, applied_unit = _units(given, names, applied, reading)
+    unit, applied_unit, overruled = _units(given, names, applied, reading)
     if unit is None and reading is not None:
         missing.append(("unit of rate and reading not given", given.add("unit", "UNIT"), "no_unit"))
         notes.append("UNIT: deg/s, rad/s, V, count, ...")
-    chain = chain_said(given, "gyro") if unit is None else chain_of_units(given, chain_said(given, "gyro"), [unit])
+    chain = chain_said(given, "gyro")
+    chain = chain if unit is None else chain_of_units(given, chain, [unit], nominal=given.said.chain is None)
     if unit is not None and kind(unit) in RAW and kind(unit) not in raw_units(chain):
         missing.append(("counts and volts need the chain of the sensor", "", "no_unit"))
         raw = raw_advice(given, [unit], "deg/s")
@@ -131,13 +134,14 @@ def _table(given: GivenFile, names: Guess) -> Described:
     if kind(spoken) != "angular_rate":
         do = f"Add: {given.add('unit', 'deg/s')}"
         raise UsageError(f"unit {unit!r} is not a unit of angular rate", do=do, code="no_unit")
-    if counted:
-        rows["applied_unit"] = applied_unit or spoken
+    if counted or normalise(applied_unit or spoken) != rows["unit"]:
+        rows["applied_unit"] = normalise(applied_unit or spoken)
     shown = {f"{what} {key}".strip(): str(name) for what, value in rows.items()
              for key, name in (value.items() if isinstance(value, dict) else [("", value)])}  # fmt: skip
     plan = {"axis": axis} if axis else {}
     sensor = sensor_said(given, "gyro", AXES, spoken, chain)
-    return Described({"rows": rows}, sensor, shown | plan, plan, remarks=chain_remarks(given, chain, [unit]))
+    remarks = (*overruled, *chain_remarks(given, chain, [unit]))
+    return Described({"rows": rows}, sensor, shown | plan, plan, remarks=remarks)
 
 
 def _scatter(names: Guess, reading: str | dict[str, str] | None) -> str | dict[str, str] | None:
@@ -159,8 +163,11 @@ def _missing(given: GivenFile, missing: Sequence[tuple[str, str, str]], notes: S
 
 def _units(
     given: GivenFile, names: Guess, applied: str | None, reading: str | dict[str, str] | None
-) -> tuple[str | None, str | None]:
+) -> tuple[str | None, str | None, tuple[Remark, ...]]:
     """Return the unit of readings, and that of the rate of the table: as said, by column or for all, else by the file.
+
+    A unit that is said of no column is that of the readings; a rate of the table keeps the one of its header. With a
+    remark on each column whose header states another unit.
 
     Raises
     ------
@@ -181,7 +188,10 @@ def _units(
         do = raw_advice(given, [header], "deg/s")
         raise UsageError(what, "", "counts and volts need the chain of the sensor", do, "unit_mismatch")
     of_table = table.unit(applied) if applied in table.names else None
-    return unit or names.unit or header, own.get(applied or "") or of_table
+    stated = {one: unit for one in columns if unit} | {one: own[one] for one in (applied,) if one and own[one]}
+    remarks = tuple(remark for one, said_unit in stated.items() if one in table.names and said_unit
+                    for remark in overridden(one, table.unit(one), normalise(said_unit), given.name))  # fmt: skip
+    return unit or names.unit or header, own.get(applied or "") or of_table, remarks
 
 
 def _reading(said: Mapping[str, str] | None, names: Guess) -> str | dict[str, str] | None:
@@ -203,7 +213,7 @@ def _recorded(given: GivenFile, applied: str) -> Described:
         raise UsageError(what, do=f"Add: {given.add('reading', 'x=COLUMN')}", code="no_column")
     unit = bare(given.said.units)
     own = {name: recording.channel(name).unit for name in (applied, *by_axis.values())}
-    own = {name: unit if unit and kind(one or unit) == kind(unit) else one for name, one in own.items()}
+    own = {name: unit if one is None else one for name, one in own.items()}
     chain = chain_of_units(given, chain_said(given, "gyro"), [own[name] for name in by_axis.values()])
     raw = raw_units(chain)
     own |= {name: "count" for name in by_axis.values() if own[name] is None and "count" in raw}

@@ -17,7 +17,18 @@ from ...core.recording import Channel
 from ...core.remarks import Remark
 from ...core.units import divide, kind, normalise, parse_quantity, si_unit
 from ...files.info.channel_survey import survey_channel, unit_hints
-from ..given import Described, GivenFile, bare, chain_said, described, named_columns, own_clock, sensor_said
+from ..given import (
+    KIND_OF_UNIT,
+    Described,
+    GivenFile,
+    bare,
+    chain_said,
+    described,
+    named_columns,
+    own_clock,
+    sensor_said,
+    without_effect,
+)
 from ..protocol import InputSpec
 
 SENSED = {"gyro": "gyro", "acc": "accelerometer", "": ""}  # quantities of channels that may be a sensor's
@@ -127,6 +138,8 @@ def _taken(given: GivenFile, channel: Channel, scale_factor: str | None) -> _Tak
     unit, quantity, where = channel.unit or "", given.own.get("quantity"), f"{given.name}: {channel.name!r}"
     meant = unit
     if scale_factor is not None:
+        if kind(unit or "1") in KIND_OF_UNIT.values():
+            raise without_effect(given, "scale_factor", unit)
         meant = divide(unit or "count", parse_quantity(scale_factor).unit)
         if si_unit(meant) not in {*RATES, *ADDED} or parse_quantity(scale_factor).unit == "1":
             what = f"{where} is in {unit or 'counts'}: a scale factor of {scale_factor!r} does not make it a rate"

@@ -1,0 +1,97 @@
+"""Every advice that the sources give: texts of messages that name an option, or a command to type.
+
+Found by walking the syntax trees. A text with fields is known by a template, ``Add --unit {}``, and matches what it
+becomes. Left out are texts that give no advice: help of options, examples (they have tests of their own), docstrings,
+and what a message says is wrong.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import inertialcal
+
+SOURCES = Path(inertialcal.__file__).parent
+NAMED = re.compile(r"(?<![\w-])--[a-z][a-z-]+|\binertialcal [a-z]|\bpip install\b")
+HELP = {"Option", "Argument", "option", "setting", "Command", "Example", "Group"}  # calls that describe options
+NOT_SAID = ("cli/commands.py", "report/figures/drawing/", "report/paper.py", "files/write/exchange.py")
+FIELD = "{}"
+
+
+@dataclass(frozen=True)
+class Advice:
+    """An advice: where it stands, and its text with ``{}`` for what is filled in."""
+
+    where: str
+    template: str
+
+    def gave(self, text: str) -> bool:
+        """Whether a message holds it."""
+        parts = [re.escape(one) for one in self.template.split(FIELD)]
+        return re.search(r"[\s\S]*?".join(parts).replace(r"\ ", r"\s+"), text) is not None
+
+
+def advices() -> list[Advice]:
+    """Return every advice of the sources, each text once."""
+    found: dict[str, Advice] = {}
+    for path in sorted(SOURCES.rglob("*.py")):
+        name = path.relative_to(SOURCES).as_posix()
+        text = path.read_text(encoding="utf-8")
+        if not name.startswith(NOT_SAID) and (NAMED.search(text) or ".add(" in text):
+            for line, template in _in_module(ast.parse(text)):
+                found.setdefault(template, Advice(f"{name}:{line}", template))
+    return list(found.values())
+
+
+def _in_module(tree: ast.Module) -> Iterator[tuple[int, str]]:
+    """Yield line and template of each advice of a module."""
+    skipped: set[ast.AST] = set()
+    for node in ast.walk(tree):  # parents come before their children
+        if _is_no_advice(node):
+            skipped |= set(ast.walk(node))
+        elif isinstance(node, ast.Call) and _called(node).endswith(("Error", "Remark")):
+            said = 0 if _called(node).endswith("Error") else 2
+            skipped |= {one for part in node.args[said : said + 1] for one in ast.walk(part)}
+        if node in skipped:
+            continue
+        template = _template(node)
+        is_option = template.startswith("--")
+        if template.strip("-{}") and (NAMED.search(template) if not is_option else " " in template):
+            yield node.lineno, template  # type: ignore[attr-defined]
+            skipped |= set(ast.walk(node))
+
+
+def _is_no_advice(node: ast.AST) -> bool:
+    """Whether a node holds a docstring, help of an option, an example, or what is wrong."""
+    if isinstance(node, ast.Expr):
+        return isinstance(node.value, ast.Constant)
+    if isinstance(node, ast.Assign):
+        return any(isinstance(one, ast.Name) and one.id == "what" for one in node.targets)
+    if isinstance(node, ast.keyword):
+        return node.arg in ("help", "examples", "example", "what", "metavar")
+    return isinstance(node, ast.Call) and _called(node) in HELP
+
+
+def _called(node: ast.Call) -> str:
+    """Return the name of what is called."""
+    function = node.func
+    return function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
+
+
+def _template(node: ast.AST) -> str:
+    """Return the text of a node, ``{}`` for its fields; options that ``given.add`` makes as they are typed."""
+    if isinstance(node, ast.Constant):
+        return node.value if isinstance(node.value, str) else ""
+    if isinstance(node, ast.JoinedStr):
+        return "".join(_template(one.value) if isinstance(one, ast.FormattedValue) else _template(one)
+                       for one in node.values)  # fmt: skip
+    if isinstance(node, ast.Call) and _called(node) == "add" and len(node.args) == 2:
+        option, value = (_template(one) for one in node.args)
+        if option:
+            quoted = f'"{value}"' if " " in value else value
+            return f"--{option.replace('_', '-')} {quoted}"
+    return FIELD if isinstance(node, ast.expr) else ""

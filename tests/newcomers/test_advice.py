@@ -1,0 +1,139 @@
+"""Every advice of the messages is obeyed on the file that caused it, and the result is right.
+
+`advice_found` walks the sources for advices; each has a case of `advised_cases`, or stands in OPEN with the reason.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from advice_found import Advice, advices
+from advised_cases import CASES, OPEN, OPEN_AT_MOST, Case
+from files_for_advice import write_files
+
+from typed_commands import call
+
+FEW = 5.0  # standard uncertainties that an estimate may be off
+ROUND = 3e-3  # deg/s: of readings rounded to counts
+SQRT_RATE = np.sqrt(50.0)
+MODELS = ("rate-table turned_units.csv --axis x -o model.json", "thermal chamber_units.csv -o thermal.json",
+          'rate-table turned_counts.csv --axis x --lsb "5 V / 4095" --reference "2.5 V" '
+          '--scale-factor "0.02 V/(deg/s)" -o counts.json')  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder with all files."""
+    found = tmp_path_factory.mktemp("advised")
+    write_files(found)
+    return found
+
+
+def strings(content: Any) -> Iterator[str]:
+    """Yield every text of an object."""
+    if isinstance(content, dict):
+        content = list(content.values())
+    if isinstance(content, list):
+        for one in content:
+            yield from strings(one)
+    elif isinstance(content, str):
+        yield content
+
+
+def typed(capsys: pytest.CaptureFixture[str], line: str) -> tuple[int, Any, str]:
+    """Type a command; return exit status, its object, and all that it says. ``text`` before it: without ``--json``."""
+    words = shlex.split(line)
+    plain = words[0] == "text"
+    if plain or words[-1] == "--help":
+        status, out, err = call(capsys, *words[plain:])
+        return status, {}, f"{out}\n{err}"
+    status, out, err = call(capsys, *words, "--json")
+    content = json.loads(out)
+    return status, content, "\n".join([*strings(content), err])
+
+
+def need(line: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Make the models and campaigns that a line speaks of, once."""
+    for command in MODELS:
+        name = command.split()[-1]
+        if re.search(rf"\b{name}\b", line) and not (folder / name).exists():
+            assert call(capsys, *shlex.split(command))[0] == 0
+
+
+def check(right: str, content: Any, said: str, folder: Path) -> None:
+    """Check what came out against what the files were made of."""
+    what, *rest = right.split(" ")
+    if what in ("bias", "white", "amplitude"):
+        rows = [one for one in content["results"] if one["axis"] == rest[0] and one["method"] == "result"]
+        own = [one for one in rows if one["quantity"] == what or (what == "white" and "random_walk" in one["quantity"])]
+        value, u, true = own[0]["value"], own[0]["u"], float(rest[1])
+        if what == "white":
+            true = true / SQRT_RATE * (60.0 if own[0]["unit"] == "deg/sqrt(h)" else 1.0)
+            assert value == pytest.approx(true, rel=0.2)
+        else:
+            assert abs(value - true) <= FEW * u + ROUND, own[0]
+    elif what in ("rate", "start", "unit", "mean"):
+        (found, *_) = content["results"]
+        channel = next((one for one in found["channels"] if one["name"].split(" ")[0] == rest[0]), {})
+        if what == "rate":
+            assert found["time"]["sample_rate"] == pytest.approx(float(rest[0]), rel=1e-3)
+        elif what == "start":
+            assert found["time"]["start"].startswith(rest[0])
+        elif what == "unit":
+            assert channel["unit"] == rest[1]
+        else:
+            assert channel["mean"] == pytest.approx(float(rest[1]), rel=1e-9)
+    elif what == "has":
+        assert " ".join(rest) in said
+    elif what == "zero":  # at rest, a compensated gyro reads zero; turned, what the table turned
+        head, *lines = (folder / rest[0]).read_text().splitlines()
+        column = next(i for i, name in enumerate(head.split(",")) if re.match(r"(gyro_)?x\b|a\b", name))
+        values = np.array([float(line.split(",")[column]) for line in lines])
+        assert abs(np.median(values)) < 0.05
+    else:
+        assert what == "done"
+
+
+def obey(case: Case, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Type, get the advice, do what it says, and look whether the result is right."""
+    need(f"{case.typed} {case.obeyed}", folder, capsys)
+    _, _, said = typed(capsys, case.typed)
+    assert Advice("", case.advice).gave(said), said
+    obeyed = case.typed.removeprefix("text ") + case.obeyed[1:] if case.obeyed.startswith("+") else case.obeyed
+    flat = " ".join(said.split())
+    for option in set(re.findall(r"(?<=\s)--?[a-z][a-z-]*", obeyed)) - set(
+        re.findall(r"(?<=\s)--?[a-z][a-z-]*", case.typed)
+    ):
+        assert re.search(rf"(?<![\w-]){option}\b", flat) or option in ("--yes", "--help", "-o"), (option, flat)
+    status, content, after = 0, {}, ""
+    for line in obeyed.split(" ; "):
+        status, content, after = typed(capsys, line)
+        assert status == 0, (line, after)
+    check(case.right, content, after, folder)
+
+
+@pytest.mark.parametrize(
+    "case", [pytest.param(one, marks=() if one.quick else pytest.mark.slow, id=one.typed[:60]) for one in CASES]
+)
+def test_an_advice_that_is_obeyed_gives_what_is_right(
+    case: Case, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(folder)
+    obey(case, folder, capsys)
+
+
+def test_every_advice_of_the_sources_is_obeyed_or_stands_open_with_a_reason() -> None:
+    found = {one.template: one.where for one in advices()}
+    obeyed, left_open = {one.advice for one in CASES}, {text for texts in OPEN.values() for text in texts}
+    left = {template: where for template, where in found.items() if template not in obeyed | left_open}
+    assert not left, f"write a case for: {left}"
+    assert not (gone := (obeyed | left_open) - found.keys()), f"no message says it any more: {gone}"
+    assert not obeyed & left_open, "no longer open"
+    assert len(left_open) <= OPEN_AT_MOST, "this list may only shrink"
