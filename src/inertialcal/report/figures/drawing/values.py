@@ -15,7 +15,7 @@ from ....core.show.rounding import number
 from .layout import INCH
 from .metrics import shortened
 
-MOST = 120  # points of a figure that show their values: each takes room on the page
+MOST = 60  # points of a figure that show their values: each takes room on the page
 DIGITS = 4
 SIZE = 8.0  # of the type [pt]
 ABOVE = 7.0  # base line of the values below the top of the figure [pt]
