@@ -141,15 +141,9 @@ def test_highlights_are_those_of_their_rules() -> None:
         row("misalignment", "xy", -0.02, 0.001, unit="rad"),  # 0.02 rad counts as 2 %
         row("scale_factor_error", "z", 7.0, **fields("as_published")),
     ]
-    judged = [
-        verdict("PASS", 4.0),
-        verdict("INCONCLUSIVE", -0.5, lower=-5.0),
-        verdict("PASS", -0.4, upper=1.0, lower=None),
-    ]
-    first, second, third = highlights(results(closed_loop=loop, results=rows, verdicts=judged))
+    first, second = highlights(results(closed_loop=loop, results=rows))
     assert "rms error of y" in plain(first.label)
     assert plain(second.figure) == "-0.0200 ± 0.0010 rad"
-    assert pointers(third.figure) == ["/verdicts/2/margin"]  # 0.4 beyond a limit of 1 is worse than 0.5 beyond one of 5
 
 
 def test_highlights_fall_back_where_there_is_no_loop_and_no_requirement() -> None:

@@ -81,8 +81,9 @@ def rigs_beginning(incomplete: str) -> list[tuple[str, str]]:
 
 def faults_beginning(ctx: typer.Context, incomplete: str) -> list[tuple[str, str]]:
     """Return the mistakes of the rig that was typed whose name begins so, each with what is wrong in it."""
-    rig = str(ctx.params.get("rig", ""))
-    faults = RIGS[rig].every_fault if rig in RIGS else {}
+    words = (str(ctx.params.get("rig", "")), *ctx.args)  # an option that lacks its value ends the parsing of arguments
+    rig = next((word for word in words if word in RIGS), None)
+    faults = {} if rig is None else RIGS[rig].every_fault
     return [(name, fault.what) for name, fault in faults.items() if name.startswith(incomplete)]
 
 

@@ -36,8 +36,8 @@ class Drawing:
     def svg(self) -> Markup:
         """Return it as markup, with ids of its own; its texts are escaped where it is made."""
         if not self.picture.apart:
-            return Markup(to_svg(self.picture, self.key))  # noqa: S704 - written by an XML writer
-        parts = "\n".join(to_svg(one, f"{self.key}-p{i}") for i, one in enumerate(self.picture.apart))
+            return Markup(to_svg(self.picture, self.key, with_values=True))  # noqa: S704 - written by an XML writer
+        parts = "\n".join(to_svg(one, f"{self.key}-p{i}", with_values=True) for i, one in enumerate(self.picture.apart))
         return Markup(f'<div class="panels">\n{parts}\n</div>')  # noqa: S704 - the same
 
 

@@ -268,11 +268,11 @@ class Highlight:
 
 
 def highlights(results: Branch) -> list[Highlight]:
-    """Return up to three highlights of results.json."""
+    """Return up to three highlights of results.json, for a campaign in which nothing is required."""
     rows = [row for row in results["results"] if not case_of(row).beside]
     tests = {str(step["test"]) for step in results["sequence"]}
     delivered = [row for row in rows if str(row["test"]) not in tests] or rows  # of the models
-    found = [_closed_loop(results["closed_loop"]), _largest_error(delivered), _smallest_margin(results["verdicts"])]
+    found = [_closed_loop(results["closed_loop"]), _largest_error(delivered)]
     chosen = [one for one in found if one is not None]
     others = () if chosen else dict.fromkeys(str(row["quantity"]) for row in delivered)  # of whatever was tested
     for quantity in dict.fromkeys([*FALLBACKS, *others]):
@@ -305,27 +305,6 @@ def _largest_error(rows: Sequence[Branch]) -> Highlight | None:
     known = [row for quantity in ERRORS for row in estimated(rows, quantity, any_case=True)]
     row = max(known, key=size, default=None)
     return None if row is None else _of_row(row, "largest of all scale factor errors and misalignments")
-
-
-def _smallest_margin(verdicts: Sequence[Branch]) -> Highlight | None:
-    """Return the verdict with the smallest margin relative to its limits; negative = no PASS."""
-
-    def relative(one: Branch) -> float:
-        limits = [abs(float(end.raw)) for end in (one["lower"], one["upper"]) if end is not None and end.raw]
-        return float(one["margin"].raw) / (min(limits) if limits else 1.0)
-
-    one = min((one for one in verdicts if one["margin"] is not None), key=relative, default=None)
-    if one is None:
-        return None
-    at: Finding = () if one["at"] is None else (" at ", Figure(one["at"], None, one["at_unit"]))
-    lower, upper, unit = one["lower"], one["upper"], one["unit"]
-    end = upper if lower is None else lower
-    limits: Finding = () if end is None else ("; limit ", Figure(end, None, unit))
-    if lower is not None and upper is not None:
-        limits = ("; limits ", Figure(lower), " to ", Figure(upper, None, unit))
-    label = ("margin of ", one["requirement"], ", ", one["test"], " ", one["axis"], *at, ": ", one["verdict"], *limits)
-    rule = "smallest margin to a limit; negative = no PASS"
-    return Highlight(label, (Figure(one["margin"], None, unit),), rule)
 
 
 def _of_row(row: Branch, rule: str) -> Highlight:

@@ -34,6 +34,7 @@ FOLDER = Path(__file__).parent / "templates"
 LARGEST = 590_000  # bytes of the page
 MOST_FIGURES = 21  # drawn on a page: each takes time
 USES = ("fit", "hold_out", "report_only")  # figures of the first are wanted most, after those of tests that are judged
+ZOOM = Markup('<label class="zoom"><input type="checkbox"> enlarge</label>')  # the style sheet does the rest
 NO_ROOM = 20_000  # bytes left, with which no further figure is drawn
 FILTERS: dict[str, Callable[..., Any]] = {
     "rounded": numbers.rounded,
@@ -237,7 +238,7 @@ def _lines(
 def _drawn(wanted: Iterable[Drawing], page: dict[str, Any], room: Room) -> Iterator[tuple[str, Markup]]:
     for one in wanted:
         if room.left > NO_ROOM:
-            yield one.key, Markup(page["svg"][one.key]) if one.key in page["svg"] else one.svg()  # noqa: S704 - as there
+            yield one.key, Markup(page["svg"].get(one.key) or one.svg()) + ZOOM  # noqa: S704 - as there
 
 
 def _block(name: str, **content: Any) -> Markup:

@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from inertialcal.rigs import titles
+from inertialcal.rigs import RIGS, titles
 
 
 def completed(line: str) -> list[str]:
@@ -22,6 +22,9 @@ def completed(line: str) -> list[str]:
     return found.stdout.split()
 
 
+FAULTS = {name for name in RIGS["rate_table"].every_fault if name.startswith("s")}
+
+
 @pytest.mark.parametrize(
     ("line", "expected"),
     [
@@ -29,6 +32,7 @@ def completed(line: str) -> list[str]:
         ("inertialcal allan --sample", {"--sample-rate"}),
         ("inertialcal demo m", {name for name in titles() if name.startswith("m")}),
         ("inertialcal simulate six", {name for name in titles() if name.startswith("six")}),
+        ("inertialcal simulate rate_table --fault s", FAULTS),
     ],
 )
 def test_words_that_are_offered(line: str, expected: set[str]) -> None:

@@ -16,7 +16,7 @@ LEADING = 0.15  # of the size of a line: its box is that much larger than its le
 SLACK = 1.0  # px
 
 # Every text that is seen: boxes of its lines, and the box that ancestors cut it to, hard (hidden) or soft (scrolled).
-TEXTS = """() => {
+TEXTS = """root => {
   const everything = [-1e9, -1e9, 1e9, 1e9], frames = new Map();
   const within = (a, b) => [Math.max(a[0], b[0]), Math.max(a[1], b[1]), Math.min(a[2], b[2]), Math.min(a[3], b[3])];
   const box = r => [r.left, r.top, r.right, r.bottom];
@@ -36,7 +36,7 @@ TEXTS = """() => {
     frames.set(element, {hard, soft, hidden});
     return {hard, soft, hidden};
   };
-  const found = [], walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  const found = [], walker = document.createTreeWalker(document.querySelector(root), NodeFilter.SHOW_TEXT);
   const range = document.createRange();
   while (walker.nextNode()) {
     const node = walker.currentNode, owner = node.parentElement;
@@ -85,9 +85,9 @@ def sideways(page: Page) -> list[str]:
     return [f"{found['content']} px of content in {found['wide']} px: {', '.join(found['out'])}"]
 
 
-def seen_texts(page: Page) -> Texts:
-    """Return every text that is seen, for the checks below; one look serves all of them."""
-    found: Texts = page.evaluate(TEXTS)
+def seen_texts(page: Page, root: str = "body") -> Texts:
+    """Return every text of a part that is seen, for the checks below; one look serves all of them."""
+    found: Texts = page.evaluate(TEXTS, root)
     return found
 
 

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.text import Text
@@ -14,8 +18,9 @@ from matplotlib.textpath import text_to_path
 from matplotlib.transforms import Affine2D
 from test_figures import poisoned, results
 
-from inertialcal.report.figures import figures, on_new_figure
+from inertialcal.report.figures import Picture, figures, on_new_figure
 from inertialcal.report.figures.drawing.metrics import _advance, folded, shortened, width
+from inertialcal.report.figures.drawing.scales import signed_log
 
 SLACK = 2.0  # pt: kerning, rounding
 FINE = 10  # dots a point: letters then stand where they do in a file of shapes
@@ -95,3 +100,23 @@ def test_no_legend_or_heading_of_a_file_is_cut(name: str, text: str) -> None:
         assert box.x1 < figure.bbox.width + SLACK, one.get_text()
         assert box.y0 > -SLACK, one.get_text()
         assert box.y1 < figure.bbox.height + SLACK, one.get_text()
+
+
+@pytest.mark.parametrize("wide", [2.5, 3.6, 5.0])
+def test_labels_of_decades_do_not_touch(wide: float) -> None:
+    rates = np.array([-3.0, -0.1, -0.01, 0.0, 0.01, 0.1, 3.0])
+
+    def draw(axes: Sequence[Axes], title: str) -> None:
+        assert signed_log(axes[0], "x", rates)
+        axes[0].plot(rates, rates, "o")
+
+    figure = on_new_figure(Picture("made", "t", "x", "found", "shows", (1.5,), draw, width=wide), titled=False)
+    figure.canvas.draw()
+    ax = figure.axes[0]
+    upright = ax.bbox.y0
+    boxes = [text.get_window_extent() for text in ax.texts if text.get_text() and text.get_window_extent().y1 < upright]
+    edges = sorted((box.x0, box.x1) for box in boxes)
+    texts = {text.get_text() for text in ax.texts}
+    assert {"−1", "0", "1"} <= texts
+    assert all(b[0] - a[1] > 2.0 for a, b in pairwise(edges))
+    assert ("−0.01" in texts) == (wide > 3.0)

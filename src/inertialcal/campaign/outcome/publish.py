@@ -24,7 +24,7 @@ from typing import Any
 
 from ...core.errors import StoreError
 from ...core.remarks import Remark
-from ...core.show.rounding import uncertainty
+from ...core.show.rounding import uncertainty, with_uncertainty
 from ...core.show.rows import case_name, quantity_name
 from ...core.show.tables import csv_cell
 from ...files.write.exchange import Kept, recover, replace_folder
@@ -149,8 +149,12 @@ def changes(before: Mapping[str, Any] | None, after: Mapping[str, Any]) -> list[
     for table, name_of, shown in (("results", _figure, "value"), ("verdicts", _verdict, "verdict")):
         old, new = ({name_of(row): row for row in content[table]} for content in (before, after))
         for name in [*old, *(name for name in new if name not in old)]:
-            if _differs(old.get(name), new.get(name), shown):
-                lines.append(f"{name}: {_shown(old.get(name), shown)} -> {_shown(new.get(name), shown)}")
+            one, other = old.get(name), new.get(name)
+            if _differs(one, other, shown):
+                first, second = (_shown(row, shown) for row in (one, other))
+                if first == second:  # a change that rounding hides
+                    first, second = (_shown(row, shown, digits=9) for row in (one, other))
+                lines.append(f"{name}: {first} -> {second}")
     return lines
 
 
@@ -179,13 +183,18 @@ def _same(a: Any, b: Any) -> bool:
     return bool(a == b)
 
 
-def _shown(row: Any, name: str) -> str:
+def _shown(row: Any, name: str, digits: int = 0) -> str:
+    """Return a value by the rule of all figures, or with that many digits; or a verdict."""
     if row is None:
         return "(none)"
     value = row.get(name)
+    if not isinstance(value, float):
+        return str(value)
     u = row.get("u") if name == "value" else None
-    text = f"{value:.9g}" if isinstance(value, float) else str(value)
-    return f"{text} ± {uncertainty(u)} {row.get('unit', '')}".strip() if isinstance(u, float) else text
+    if not isinstance(u, float):
+        return f"{value:.9g}"
+    text = f"{value:.{digits}g} ± {uncertainty(u)}" if digits else with_uncertainty(value, u)
+    return f"{text} {row.get('unit', '')}".strip()
 
 
 PACKAGES = ("inertialcal", "numpy", "scipy", "numba", "pyarrow", "h5py", "pydantic")

@@ -92,9 +92,24 @@ def _across(axes: Sequence[Axes], broad: float, rows: Sequence[tuple[float, floa
     right = max(2.0 * EDGE, *(width(label, TICK_TEXT) / 2.0 + 1.0 for _, labels in level for label in labels[-1:]), 0.0)
     for ax, (bottom, high), x, y in zip(axes, rows, level, upright, strict=True):
         ax.set_position((left / broad, bottom, (broad - left - right) / broad, high))
-        draw_ticks(ax.xaxis, x, LEADING * TICK_TEXT)
+        draw_ticks(ax.xaxis, _legible(ax, x, broad) if ax.get_xscale() == "symlog" else x, LEADING * TICK_TEXT)
         draw_ticks(ax.yaxis, y, widest)
     return left
+
+
+def _legible(ax: Axes, ticks: Ticks, broad: float) -> Ticks:
+    """Return ticks over decades of both signs; of labels that would touch, the one nearer to zero is left out."""
+    places, labels = list(ticks[0]), list(ticks[1])
+    shares = ax.transAxes.inverted().transform(ax.get_xaxis_transform().transform([(one, 0.0) for one in places]))[:, 0]
+    at = shares * ax.get_position().width * broad
+    first = sorted(range(len(places)), key=lambda i: (places[i] != 0.0, -abs(places[i])))  # zero, then the largest
+    kept: list[int] = []
+    for i in first:
+        if all(
+            abs(at[i] - at[k]) >= (width(labels[i], TICK_TEXT) + width(labels[k], TICK_TEXT)) / 2.0 + GAP for k in kept
+        ):
+            kept.append(i)
+    return places, [label if i in kept else "" for i, label in enumerate(labels)]
 
 
 def _put_legend(figure: Figure, ax: Axes, left: float, top: float, whole: float) -> None:

@@ -1,7 +1,8 @@
 """A picture as SVG inside a page: colours by CSS variables, ids of its own, the same bytes every time.
 
 What stands in it: shapes, and texts as texts in the page's font. What does not: a prolog, a date, the name of a
-program, a style sheet (it would hold for the whole page), a script, a reference to anything outside the figure.
+program, a style sheet (it would hold for the whole page), a script, a reference to anything outside the figure; nor a
+title, which browsers would show over the values of its marks.
 """
 
 from __future__ import annotations
@@ -17,12 +18,17 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 
 from .picture import Picture, on_new_figure
 from .style import COLOURS
+from .values import ABOVE, Values, values
 
 SALT = "inertialcal"
 FONT = "var(--fig-font, 'DejaVu Sans', Verdana, 'Segoe UI', sans-serif)"
 XLINK = "{http://www.w3.org/1999/xlink}href"
 NAMESPACE = "http://www.w3.org/2000/svg"
-WHOLE = "stroke-linejoin: round; stroke-linecap: butt; display: block; width: 100%; height: auto"
+INK = f"fill: var(--fig-ink, {COLOURS['ink']})"
+SIZE = "font-size: 9px"  # of most texts
+WHOLE = f"stroke-linejoin: round; stroke-linecap: butt; display: block; width: 100%; height: auto; {SIZE}; {INK}"
+DEFAULT = {SIZE, INK, "text-anchor: start"}  # of texts
+UNSEEN = "fill: none"
 GEOMETRY = ("d", "x", "y", "width", "height", "transform", "points", "cx", "cy", "r")
 _HREF = re.compile(r"url\(#([^)]+)\)")
 _COLOUR = re.compile("|".join(re.escape(light) for light in COLOURS.values()), re.IGNORECASE)
@@ -31,28 +37,39 @@ _LONG = re.compile(r"-?\d+\.\d{2,}")
 _FAMILY = re.compile(r"; font-family:[^;]*|(?<=font): (?=[\d.]+px)([\d.]+px) '[^;]*")
 _STEP = re.compile(r"([MLQCZz])([^MLQCZz]*)")
 _NUMBER = re.compile(r"-?\d*\.?\d+(?:e[+-]?\d+)?")
+_STROKE = re.compile(r"M0 0[hv][^a-z]+")  # a mark of one stroke, as those of ticks
 MANY = 8  # marks of one kind, from which they are the corners of one path
 
 
-def to_svg(picture: Picture, prefix: str) -> str:
-    """Return a picture as an ``<svg>`` element."""
-    root = ET.fromstring(_saved(picture))  # noqa: S314 - written by matplotlib a line ago
+def to_svg(picture: Picture, prefix: str, with_values: bool = False) -> str:
+    """Return a picture as an ``<svg>`` element.
+
+    Parameters
+    ----------
+    picture : Picture
+        What to draw.
+    prefix : str
+        Of its ids.
+    with_values : bool
+        Whether its marks show what they stand for, on a page whose style sheet hides it until then.
+    """
+    drawn, found = _saved(picture)
+    root = ET.fromstring(drawn)  # noqa: S314 - written by matplotlib a line ago
     _strip(root)
     _gather_styles(root)
     _gather_marks(root)
     _rename(root, re.sub(r"[^A-Za-z0-9]+", "-", prefix))
     _unwrap(root)
-    title = ET.Element("title")
-    title.text = picture.label
-    root.insert(0, title)
+    if with_values and found is not None:
+        root.append(_shown(found))
     root.attrib = {
         "xmlns": NAMESPACE, "viewBox": root.attrib["viewBox"], "role": "img", "aria-label": picture.label,
         "class": "figure", "style": f"{WHOLE}; font-family: {FONT}",
     }  # fmt: skip
-    return ET.tostring(root, encoding="unicode")
+    return ET.tostring(root, encoding="unicode").replace(" />", "/>")
 
 
-def _saved(picture: Picture) -> bytes:
+def _saved(picture: Picture) -> tuple[bytes, Values | None]:
     out = io.BytesIO()
     with rc_context({"svg.fonttype": "none", "svg.hashsalt": SALT}), warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph .* missing")  # the reader's fonts have it, or not
@@ -60,14 +77,25 @@ def _saved(picture: Picture) -> bytes:
         figure.set_facecolor("none")
         nothing = dict.fromkeys(("Date", "Creator", "Format", "Type"))
         FigureCanvasSVG(figure).print_svg(out, metadata=nothing)  # type: ignore[no-untyped-call]
-    return out.getvalue()
+    return out.getvalue(), values(figure)
+
+
+def _shown(found: Values) -> ET.Element:
+    """Return a group of places, each with the text that is seen when the pointer is there; all end at one place."""
+    whole = ET.Element("g", {"class": "v", "transform": f"translate({found.end:.0f} {ABOVE:.0f})"})
+    for point in found.points:
+        group = ET.SubElement(whole, "g")
+        places = ((round(10.0 * (x - round(found.end))), round(10.0 * (y - ABOVE))) for x, y in point.places)
+        ET.SubElement(group, "path", {"d": "".join(f"M{_pair(x, y)}h0" for x, y in places)})
+        ET.SubElement(group, "text").text = point.text
+    return whole
 
 
 def _strip(root: ET.Element) -> None:
     """Take away namespaces, metadata and style sheets; shorten numbers; name colours by their role."""
     for parent in list(root.iter()):
         for child in list(parent):
-            if child.tag.rpartition("}")[2] in {"metadata", "style"}:
+            if child.tag.rpartition("}")[2] in {"metadata", "style"} or child.attrib.get("style") == UNSEEN:
                 parent.remove(child)
     for element in root.iter():
         element.tag = element.tag.rpartition("}")[2]
@@ -77,7 +105,12 @@ def _strip(root: ET.Element) -> None:
             element.attrib[name] = _attribute(name, value)
         if element.attrib.get("transform", "").startswith("rotate(-0 "):
             del element.attrib["transform"]
-        if element.tag != "text":
+        if element.tag == "text":
+            said = [one for one in element.attrib.get("style", "").split("; ") if one not in DEFAULT]
+            element.attrib["style"] = "; ".join(said)
+            if not said:
+                del element.attrib["style"]
+        else:
             element.text = None
         element.tail = None
 
@@ -100,6 +133,13 @@ def _short(tenths: int) -> str:
     return f"-{digits}" if tenths < 0 else digits
 
 
+def _pair(x: int, y: int) -> str:
+    """Return a place in tenths of a point: ``3.5-2``; nothing stands between where it is clear without."""
+    first, second = _short(x), _short(y)
+    apart = second[0] == "-" or (second[0] == "." and "." in first)
+    return f"{first}{'' if apart else ' '}{second}"
+
+
 def _short_path(value: str) -> str:
     """Return a path in steps from point to point, in tenths of a point; a place is never off by more than half."""
     x = y = start_x = start_y = 0
@@ -111,8 +151,11 @@ def _short_path(value: str) -> str:
             continue
         places = [round(10.0 * float(one)) for one in _NUMBER.findall(rest)]
         steps = [one - (y if i % 2 else x) for i, one in enumerate(places)]
-        said.append(command.lower() if said else command)
-        said += [("" if i == 0 or one < 0 else " ") + _short(one) for i, one in enumerate(steps)]
+        if command == "L" and 0 in steps:
+            said.append(f"h{_short(steps[0])}" if steps[1] == 0 else f"v{_short(steps[1])}")
+        else:
+            said.append(command.lower() if said else command)
+            said.append(" ".join(_pair(*both) for both in zip(steps[::2], steps[1::2], strict=True)))
         x, y = places[-2:]
         if command == "M":
             start_x, start_y = x, y
@@ -139,14 +182,23 @@ def _unwrap(parent: ET.Element) -> None:
 
 
 def _gather_marks(root: ET.Element) -> None:
-    """Let many marks of one kind be the corners of one path, which takes a sixth of the room."""
+    """Let many marks of one kind be the corners of one path, ticks its pieces: that takes a sixth of the room."""
     shapes = {one.attrib["id"]: one for group in root.iter("defs") for one in group if "id" in one.attrib}
     for number, group in enumerate(list(root.iter("g"))):
         which = {child.attrib.get("href", "") if child.tag == "use" else "" for child in group}
         shape = shapes.get(min(which, default="")[1:])
-        if len(group) < MANY or len(which) != 1 or shape is None or any("style" in child.attrib for child in group):
+        if len(which) != 1 or shape is None or any("style" in child.attrib for child in group):
             continue
-        style = "; ".join(filter(None, (group.attrib.pop("style", ""), shape.attrib.get("style", ""))))
+        stroke = _STROKE.fullmatch(shape.attrib["d"])
+        if not stroke and len(group) < MANY:
+            continue
+        style = _joined(group.attrib.pop("style", ""), shape.attrib.get("style", ""))
+        if stroke:
+            pieces = "".join(f"M{child.attrib['x']} {child.attrib['y']}{stroke[0][4:]}" for child in group)
+            for child in list(group):
+                group.remove(child)
+            ET.SubElement(group, "path", {"d": pieces, "style": style})
+            continue
         name = f"{shape.attrib['id']}-{number}"
         marker = ET.Element("marker", {"id": name, "overflow": "visible", "markerUnits": "userSpaceOnUse"})
         ET.SubElement(marker, "path", {"d": shape.attrib["d"], "style": style})
@@ -157,6 +209,12 @@ def _gather_marks(root: ET.Element) -> None:
         group.append(marker)
         ET.SubElement(group, "path", {"d": _short_path(f"M {places}"), "fill": "none", **ends})
     _drop_unused(root, shapes)
+
+
+def _joined(*styles: str) -> str:
+    """Return styles as one; of two declarations of one property the last holds."""
+    said = [one.split(": ", 1) for style in styles for one in style.split("; ") if one]
+    return "; ".join(f"{name}: {value}" for name, value in dict(said).items())
 
 
 def _drop_unused(root: ET.Element, shapes: Mapping[str, ET.Element]) -> None:
