@@ -634,8 +634,8 @@ MUTANTS = (
     ),
     Mutant(
         "_kernels_levels.py",
-        "if share * abs(after[i] - middle[i] - middle[i] + before[i]) > limit",
-        "if share * abs(after[i] - middle[i] - before[i]) > limit",
+        "jumps[i] = share * abs(later[i] - sums[i])",
+        "jumps[i] = share * abs(later[i] + sums[i])",
         "test_kernels_levels",
     ),
     Mutant(

@@ -10,7 +10,8 @@ from scipy.signal import find_peaks
 
 from inertialcal.core.estimate import Array
 from inertialcal.signals.segmentation import _kernels_levels as kernels
-from inertialcal.signals.segmentation.change_points import Jumps, _highest
+from inertialcal.signals.segmentation.change_points import Jumps, _highest, single_outliers
+from inertialcal.signals.segmentation.noise_scale import Noise
 
 NAMES = [name for name in vars(kernels) if hasattr(getattr(kernels, name), "py_func")]
 
@@ -34,32 +35,62 @@ def noise(n: int, seed: int = 1) -> Array:
 @pytest.mark.parametrize("room", [2, 400])
 def test_jumps_are_differences_of_means(run: Any, room: int) -> None:
     x, w, limit = noise(400) + np.repeat([0.0, 5.0], 200), 4, 1.0
-    total = np.concatenate([[0.0], np.cumsum(x)])
     expected = np.array([abs(x[i : i + w].mean() - x[i - w : i].mean()) for i in range(w, len(x) - w + 1)])
-    assert Jumps(total[:, None], w).at(np.arange(len(expected)))[0] == pytest.approx(expected)
+    assert Jumps(x[:, None], w).at(np.arange(len(expected)))[0] == pytest.approx(expected)
     assert int(np.argmax(expected)) + w == 200
     above = np.flatnonzero(expected > limit)
     at = np.empty(room, dtype=np.int64)
-    assert run.fill_above(total, w, limit, at) == len(above) > 2
+    assert run.fill_above(x, w, limit, at) == len(above) > 2
     assert at[: len(above)].tolist() == above[:room].tolist()
 
 
 def test_jumps_of_any_channel_count() -> None:
     x = np.column_stack([noise(20_000), noise(20_000, 2)])
-    total = np.concatenate([np.zeros((1, 2)), np.cumsum(x, axis=0)])
-    jumps, limit = Jumps(np.asfortranarray(total), 2), np.array([0.5, 2.0])  # more places than there is room at first
+    jumps, limit = Jumps(np.asfortranarray(x), 2), np.array([0.5, 2.0])  # more places than there is room at first
     every = jumps.at(np.arange(len(jumps)))
     assert jumps.above(limit).tolist() == np.flatnonzero((every > limit[:, None]).any(axis=0)).tolist()
 
 
-def test_a_sample_far_from_calm_neighbours(run: Any) -> None:
-    x = np.array([0.0, 9.0, 0.0, 0.0, 9.0, 9.0])
-    calm, far = np.array([True, True, True, False]), np.array([False, False, True, False])
-    run.mark_alone(x, 1.0, 5.0, calm, far)
-    assert calm.tolist() == [True, False, False, False]
-    assert far.tolist() == [True, False, True, False]
-    run.mark_alone(x, 10.0, 4.0, calm, far)
-    assert far.tolist() == [True, True, True, True]
+@pytest.mark.parametrize("n", [9, 40, 13_000])
+def test_jumps_at_a_few_places_are_those_at_all(run: Any, n: int) -> None:
+    x, w = noise(n) + 1e6, 4
+    means = np.lib.stride_tricks.sliding_window_view(x, w).mean(axis=1)
+    every = np.abs(means[w:] - means[:-w])
+    for step in (1, 3, 500):
+        at = np.arange(0, n - 2 * w + 1, step)
+        jumps = np.empty(len(at))
+        run.fill_jumps(x, w, at, jumps)
+        np.testing.assert_allclose(jumps, every[at], atol=1e-9)
+
+
+@pytest.mark.parametrize("n", [3, 40, 13_000])
+def test_jumps_of_all_widths_are_counted_in_one_look(run: Any, n: int) -> None:
+    x, limits = noise(n), np.array([2.0, np.inf, 1.0, 0.7])
+    counts = np.ones(4, dtype=np.int64)
+    run.count_above(x, limits, counts)
+    expected = np.ones(4, dtype=np.int64)
+    for k, limit in enumerate(limits):
+        means = np.lib.stride_tricks.sliding_window_view(x, min(2**k, n)).mean(axis=1)
+        expected[k] += np.count_nonzero(np.abs(means[2**k :] - means[: -(2**k)]) > limit) if n >= 2 * 2**k else 0
+    assert counts.tolist() == expected.tolist()
+
+
+@pytest.mark.parametrize("room", [1, 8])
+def test_samples_far_from_the_mean_of_their_neighbours(run: Any, room: int) -> None:
+    x = np.tile([0.0, 9.0, 0.0, 0.0, 9.0, 9.0], 40)
+    off = np.abs(x[1:-1] - 0.5 * (x[:-2] + x[2:]))
+    for away in (5.0, 4.0, 9.0):
+        at, expected = np.zeros(room, dtype=np.int64), np.flatnonzero(off > away) + 1
+        assert run.fill_far(x, away, at) == len(expected)
+        assert at[: len(expected)].tolist() == expected[:room].tolist()
+
+
+def test_an_outlier_has_neighbours_that_agree_in_every_channel() -> None:
+    y = np.asfortranarray(0.1 * noise(600).reshape(300, 2))
+    y[[50, 100, 150, 155], 0] += 9.0
+    y[100:102, 1] += 9.0
+    found = single_outliers(y, Noise(np.full(2, 0.1), np.full(2, 1e6), np.zeros(2), np.ones(2, dtype=bool)), 6.0, 12)
+    assert found.tolist() == [50]  # at 100 the other channel steps; 150 and 155 are too near to each other
 
 
 def test_clear_of_cuts(run: Any) -> None:
@@ -97,13 +128,12 @@ def test_loud_windows_by_the_level_of_their_piece(run: Any) -> None:
     y, cuts = noise(n) + np.repeat([1e6, -1e6], [20, n - 20]), np.array([0, 20, 20, n])
     level = np.repeat([y[:20].mean(), y[20:].mean()], [20, n - 20])
     variance = np.lib.stride_tricks.sliding_window_view(y - level, w).var(axis=1, ddof=1)
-    hot = np.zeros(n - w + 1, dtype=bool)
-    hot[3] = True
-    run.mark_loud(y, cuts, w, limit, hot)
-    expected = variance > limit
-    expected[3] = True
     assert np.abs(variance - limit).min() > 1e-9
-    assert hot.tolist() == expected.tolist()
+    expected = np.flatnonzero(variance > limit)
+    for room in (2, n):
+        at = np.empty(room, dtype=np.int64)
+        assert run.fill_loud(y, cuts, w, limit, at) == len(expected) > 2
+        assert at[: len(expected)].tolist() == expected[:room].tolist()
 
 
 @pytest.mark.parametrize("w", [1, 2, 12, 13, 31])
@@ -120,8 +150,8 @@ def test_loud_windows_longer_than_a_batch(w: int) -> None:
     y = noise(15_000)
     variance = np.lib.stride_tricks.sliding_window_view(y, w).var(axis=1, ddof=1)
     limit = 0.5 * float(np.sum(np.quantile(variance, (0.5, 0.51))))
-    hot = np.zeros(len(variance), dtype=bool)
-    kernels.mark_loud(y, np.array([0, len(y)]), w, limit, hot)
+    hot, at = np.zeros(len(variance), dtype=bool), np.empty(len(variance), dtype=np.int64)
+    hot[at[: kernels.fill_loud(y, np.array([0, len(y)]), w, limit, at)]] = True
     assert np.count_nonzero(hot != (variance > limit)) <= np.count_nonzero(np.abs(variance - limit) < 1e-12)
 
 
@@ -147,5 +177,6 @@ def test_margin_reaches_a_block_beyond_what_moves(run: Any, slow: tuple[int, ...
 
 
 def test_every_kernel_is_here() -> None:
-    assert sorted(NAMES) == ["drop_lower", "fill_above", "fill_blocks", "fill_clear", "fill_moments", "fill_peaks",
-                             "fill_sums", "margin", "mark_alone", "mark_loud", "sum_of"]  # fmt: skip
+    assert sorted(NAMES) == ["_filled", "_sums", "count_above", "drop_lower", "fill_above", "fill_blocks", "fill_clear",
+                             "fill_far", "fill_jumps", "fill_loud", "fill_moments", "fill_peaks", "fill_sums", "margin",
+                             "sum_of"]  # fmt: skip

@@ -15,7 +15,7 @@ from inertialcal.core.batches import summaries
 from inertialcal.core.estimate import Array
 from inertialcal.core.recording import Times
 from inertialcal.signals import threads
-from inertialcal.signals.segmentation import change_points, noise_scale
+from inertialcal.signals.segmentation import noise_scale
 from inertialcal.signals.segmentation.dwells import dwell_of
 from inertialcal.signals.segmentation.placements import disturbed_inside, placements, shortest_placement
 from inertialcal.signals.segmentation.segments import detect
@@ -92,12 +92,9 @@ def test_a_quantile_of_a_stored_array(numbers: list[float], share: float) -> Non
 
 @given(st.lists(st.booleans(), min_size=1, max_size=60), st.integers(1, 70), st.data())
 @settings(max_examples=50, deadline=None)
-def test_flags_are_counted_and_thinned_in_batches(flags: list[bool], size: int, data: st.DataObject) -> None:
+def test_flags_are_counted_in_batches(flags: list[bool], size: int, data: st.DataObject) -> None:
     own = np.array(flags)
     at = np.array(sorted(data.draw(st.lists(st.integers(0, len(own))))), dtype=np.int64)
-    step = data.draw(st.integers(1, 5))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(batches, "SIZE", size)
         np.testing.assert_array_equal(batches.counts_before(own, at), [own[:one].sum() for one in at])
-        thinned = change_points._thinned_places(own, step)
-    np.testing.assert_array_equal(thinned, np.flatnonzero(own)[::step])

@@ -20,18 +20,24 @@ def _signal(request: pytest.FixtureRequest) -> np.ndarray:
 
 @pytest.mark.parametrize("w", [1, 4, 32])
 def test_changes_of_level(signal: np.ndarray, w: int) -> None:
-    running = np.concatenate(([0.0], np.cumsum(signal)))
     above = [np.zeros(len(signal), dtype=np.int64) for _ in range(2)]
-    found = [module.fill_above(running, w, 0.4, at) for module, at in zip((kernels, loops), above, strict=True)]
+    found = [module.fill_above(signal, w, 0.4, at) for module, at in zip((kernels, loops), above, strict=True)]
     assert found[0] == found[1] > 0
     np.testing.assert_array_equal(above[0], above[1])
     at = above[0][: found[0]]
-    score = np.round(Jumps(running[:, None], w).at(at)[0], 1)  # neighbours that score alike
+    jumps, counts = np.empty((2, len(at))), np.zeros((2, 6), dtype=np.int64)
+    for module, own, count in zip((kernels, loops), jumps, counts, strict=True):
+        module.fill_jumps(signal, w, at, own)
+        module.count_above(signal, np.full(6, 0.4), count)
+    np.testing.assert_array_equal(jumps[0], jumps[1])
+    np.testing.assert_array_equal(counts[0], counts[1])
+    assert counts[0, w.bit_length() - 1] == len(at)
+    score = np.round(Jumps(signal[:, None], w).at(at)[0], 1)  # neighbours that score alike
     room = [np.empty(len(at), dtype=np.int64) for _ in range(2)]
-    counts = [module.fill_peaks(at, score, one) for module, one in zip((kernels, loops), room, strict=True)]
-    assert counts[0] == counts[1]
-    peaks = room[0][: counts[0]]
-    np.testing.assert_array_equal(peaks, room[1][: counts[1]])
+    many = [module.fill_peaks(at, score, one) for module, one in zip((kernels, loops), room, strict=True)]
+    assert many[0] == many[1]
+    peaks = room[0][: many[0]]
+    np.testing.assert_array_equal(peaks, room[1][: many[1]])
     kept = [np.zeros(len(peaks), dtype=bool) for _ in range(2)]
     for module, flags in zip((kernels, loops), kept, strict=True):
         module.drop_lower(at[peaks], np.argsort(score[peaks]), w, flags)
@@ -46,22 +52,22 @@ def test_changes_of_level(signal: np.ndarray, w: int) -> None:
 def test_variances_and_moments(signal: np.ndarray) -> None:
     n, w, size = len(signal), 12, 8
     cuts = np.array([0, 17, n // 2, n])
-    hot = [np.zeros(n - w + 1, dtype=bool) for _ in range(2)]
-    marks = [(np.ones(n - 2, dtype=bool), np.zeros(n - 2, dtype=bool)) for _ in range(2)]
+    hot, far = np.zeros((2, 2, n), dtype=np.int64)
     blocks = [(np.empty(n // size), np.empty(n // size, dtype=np.int64)) for _ in range(2)]
     holed = np.where(np.arange(n) % 7 == 0, np.nan, signal)
     holed[17:20] = np.nan
     edges = np.array([0, 17, 19, 20, 22, n // 2, n])
     moments = [[*(np.empty(6) for _ in range(4)), np.empty(6, dtype=np.int64)] for _ in range(2)]
-    steps = []
+    steps: list[float] = []
+    many: list[tuple[int, int]] = []
     for i, module in enumerate((kernels, loops)):
-        module.mark_loud(signal, cuts, w, 5.0, hot[i])
-        module.mark_alone(signal, 1.0, 2.0, *marks[i])
+        many.append((module.fill_loud(signal, cuts, w, 5.0, hot[i]), module.fill_far(signal, 2.0, far[i])))
         steps.append(module.fill_blocks(signal, size, *blocks[i]))
         module.fill_moments(holed, edges[:-1], edges[1:], *moments[i])
-    assert 0 < np.count_nonzero(hot[0]) < len(hot[0])
+    assert many[0] == many[1]
+    assert all(0 < one < n - w + 1 for one in many[0])
     assert steps[0] == steps[1] > 0.0
-    every = [(hot[i], *marks[i], *blocks[i], *moments[i]) for i in range(2)]
+    every = [(hot[i], far[i], *blocks[i], *moments[i]) for i in range(2)]
     for one, other in zip(*every, strict=True):
         np.testing.assert_array_equal(one, other)
 

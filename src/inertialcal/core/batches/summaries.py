@@ -112,11 +112,13 @@ def _median_of(x: NDArray[Any]) -> float:
 
 def quantile(x: NDArray[Any], share: float) -> float:
     """Return the quantile of finite numbers, shape (n,), a straight line between the two nearest ranks."""
+    rank = int(share * (len(x) - 1))
     if not is_stored(x):
-        return float(np.quantile(x, share))
+        numbers = np.partition(x, rank)  # of several ranks it takes thrice as long
+        apart = numbers[rank + 1 :].min() - numbers[rank] if rank + 1 < len(x) else 0.0
+        return float(numbers[rank] + (share * (len(x) - 1) - rank) * apart)
     ends = moments(x)
     low, high = (int(_keys(np.array([one]))[0]) for one in (ends.low, ends.high))
-    rank = int(share * (len(x) - 1))
 
     def at(k: int) -> tuple[float, float | None]:
         return _selected(lambda first, stop: x[first:stop], (x,), k, low, high, len(x))

@@ -10,8 +10,8 @@ from ...statistics._kernels import compiled
 from .._kernels import fill_moments
 
 __all__ = [
-    "drop_lower", "fill_above", "fill_blocks", "fill_clear", "fill_moments", "fill_peaks", "fill_sums", "margin",
-    "mark_alone", "mark_loud", "sum_of",
+    "count_above", "drop_lower", "fill_above", "fill_blocks", "fill_clear", "fill_far", "fill_jumps", "fill_loud",
+    "fill_moments", "fill_peaks", "fill_sums", "margin", "sum_of",
 ]  # fmt: skip
 
 Flags = NDArray[np.bool_]
@@ -22,33 +22,114 @@ LOUD = 4096  # samples that windows move over at a time
 
 
 @compiled
-def mark_alone(x: Array, near: float, away: float, calm: Flags, far: Flags) -> None:
-    """Unmark as calm where the neighbours differ by more than ``near``; mark as far what is off their mean."""
-    here, after = x[1:], x[2:]
-    for i in range(len(calm)):
-        calm[i] &= abs(after[i] - x[i]) <= near
-        far[i] |= abs(here[i] - 0.5 * (x[i] + after[i])) > away
+def fill_far(x: Array, away: float, at: Indices) -> int:
+    """Fill which samples, the first and the last left out, are off the mean of their neighbours by more than a limit.
+
+    Returns how many there are, room or not.
+    """
+    found, n = 0, len(x) - 2
+    for first in range(0, n, SCANNED):
+        size, many = min(SCANNED, n - first), 0
+        before, here, after = x[first:], x[first + 1 :], x[first + 2 :]
+        for i in range(size):
+            many += abs(here[i] - 0.5 * (before[i] + after[i])) > away
+        if many > 0:
+            for i in range(size):
+                if abs(here[i] - 0.5 * (before[i] + after[i])) > away:
+                    if found < len(at):
+                        at[found] = first + i + 1
+                    found += 1
+    return found
 
 
 @compiled
-def fill_above(running: Array, w: int, limit: float, at: Indices) -> int:
+def count_above(x: Array, limits: Array, counts: Indices) -> None:
+    """Count, for w = 1, 2, 4, ..., the samples w .. n - w with means of w samples after and before that differ by more.
+
+    More than the limit of that w. Sums of 2 w samples are those of two sums of w: one look at ``x`` gives all.
+    """
+    widest = 1 << (len(limits) - 1)
+    batch = max(LOUD, 8 * widest)
+    room, more = np.empty(batch + 2 * widest), np.empty(batch + 2 * widest)
+    for begin in range(0, len(x), batch):
+        there = min(len(room), len(x) - begin)
+        sums, out, w = x[begin : begin + there], room, 1
+        for k in range(len(limits)):
+            size, limit, many = min(batch, there - 2 * w + 1), limits[k] * w, 0
+            later = sums[w:]
+            for i in range(size):
+                here, after = sums[i], later[i]
+                out[i] = here + after
+                many += abs(after - here) > limit
+            for i in range(max(size, 0), there - 2 * w + 1):
+                out[i] = sums[i] + later[i]
+            counts[k] += many
+            sums, out, more = out, more, out
+            w *= 2
+
+
+@compiled
+def fill_above(x: Array, w: int, limit: float, at: Indices) -> int:
     """Fill where the means of w samples after and before samples w .. n - w differ by more than a limit.
 
-    ``running`` (n + 1): sum of the samples before each; w a power of two. Returns how many there are, room or not.
+    Places are counted from sample w; w is a power of two. Returns how many there are, room or not.
     """
-    found, n, share = 0, len(running) - 2 * w, 1.0 / w
-    for first in range(0, n, SCANNED):
-        size, many = min(SCANNED, n - first), 0
-        before, middle, after = running[first:], running[first + w :], running[first + 2 * w :]
+    found, share, batch = 0, 1.0 / w, max(LOUD, 8 * w)
+    one, other = np.empty(batch + 2 * w), np.empty(batch + 2 * w)
+    for begin in range(0, len(x) - 2 * w + 1, batch):
+        there = min(len(one), len(x) - begin)
+        sums, jumps = _sums(x[begin : begin + there], w, one, other)
+        later, size = sums[w:], min(batch, there - 2 * w + 1)
         for i in range(size):
-            many += share * abs(after[i] - middle[i] - middle[i] + before[i]) > limit
-        if many > 0:
-            for i in range(size):
-                if share * abs(after[i] - middle[i] - middle[i] + before[i]) > limit:
-                    if found < len(at):
-                        at[found] = first + i
-                    found += 1
+            jumps[i] = share * abs(later[i] - sums[i])
+        found = _filled(jumps[:size], limit, begin, at, found)
     return found
+
+
+@compiled
+def fill_jumps(x: Array, w: int, at: Indices, jumps: Array) -> None:
+    """Fill by how much the means of w samples after and before differ, at places counted from sample w, ascending."""
+    batch, i, share = max(LOUD, 8 * w), 0, 1.0 / w
+    one, other = np.empty(batch + 2 * w), np.empty(batch + 2 * w)
+    while i < len(at):
+        begin, stop = at[i], i + 1
+        while stop < len(at) and at[stop] - begin < batch and at[stop] - at[stop - 1] < 2 * w:
+            stop += 1
+        there = at[stop - 1] - begin + 2 * w
+        sums, _ = _sums(x[begin : begin + there], w, one, other)
+        for j in range(i, stop):
+            jumps[j] = share * abs(sums[at[j] - begin + w] - sums[at[j] - begin])
+        i = stop
+
+
+@compiled
+def _filled(x: Array, limit: float, first: int, at: Indices, found: int) -> int:
+    """Add the places of what exceeds a limit, counted on from ``first``, to those found before; return their number."""
+    many = 0
+    for i in range(len(x)):
+        many += x[i] > limit
+    if many > 0:
+        for i in range(len(x)):
+            if x[i] > limit:
+                if found < len(at):
+                    at[found] = first + i
+                found += 1
+    return found
+
+
+@compiled
+def _sums(x: Array, w: int, one: Array, other: Array) -> tuple[Array, Array]:
+    """Return the sums of w samples from each on, and room for more: w a power of two, as `count_above` adds them."""
+    for i in range(len(x)):
+        one[i] = x[i]
+    width = 1
+    while width < w:
+        later = one[width:]
+        for i in range(len(x) - 2 * width + 1):
+            other[i] = one[i] + later[i]
+        one, other = other, one
+        width *= 2
+    return one, other
 
 
 @compiled
@@ -103,11 +184,13 @@ def drop_lower(at: Indices, order: Indices, w: int, kept: Flags) -> None:
 
 
 @compiled
-def mark_loud(y: Array, cuts: Indices, w: int, limit: float, hot: Flags) -> None:
-    """Mark the windows i .. i + w whose variance (w - 1) exceeds a limit; levels between cuts keep its digits.
+def fill_loud(y: Array, cuts: Indices, w: int, limit: float, at: Indices) -> int:
+    """Fill the windows i .. i + w whose variance (w - 1) exceeds a limit; levels between cuts keep its digits.
 
-    Sums of w samples are those of 1, 2, 4, ... samples put together: none waits for the one before it.
+    Sums of w samples are those of 1, 2, 4, ... samples put together: none waits for the one before it. Returns how many
+    there are, room or not.
     """
+    found = 0
     room = LOUD + w
     residual, squared, doubled, again = np.empty(room), np.empty(room), np.empty(room), np.empty(room)
     first, second = np.empty(LOUD), np.empty(LOUD)
@@ -134,14 +217,15 @@ def mark_loud(y: Array, cuts: Indices, w: int, limit: float, hot: Flags) -> None
         if size > 0:
             fill_sums(residual[:there], w, doubled, again, first[:size])
             fill_sums(squared[:there], w, doubled, again, second[:size])
-            out = hot[stop - w + 1 - size : stop - w + 1]
             for j in range(size):
-                out[j] |= second[j] - share * first[j] * first[j] > limit
+                second[j] -= share * first[j] * first[j]
+            found = _filled(second[:size], limit, stop - w + 1 - size, at, found)
             held = w - 1
             for j in range(held):
                 residual[j] = residual[size + j]
         else:
             held = there
+    return found
 
 
 @compiled

@@ -21,6 +21,7 @@ References
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 
@@ -28,20 +29,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from ...core.batches import (
-    batches,
-    columns,
-    count,
-    empty,
-    every,
-    is_stored,
-    kept,
-    made,
-    release,
-    rows_taken,
-    taken,
-    zeros,
-)
+from ...core.batches import batches, empty, is_stored, kept, near, release, rows_taken, taken, zeros
 from ...core.estimate import Array
 from ...statistics.quantiles import chi_square_quantile, f_upper
 from ..threads import each_of, shares
@@ -66,67 +54,95 @@ LEVEL_SAMPLES = 8  # samples after the ramp that give the level there
 SHORTEST = RAMP + LEVEL_SAMPLES + 1  # samples that a stretch needs
 
 
-def single_outliers(y: Array, noise: Noise, factor: float, apart: int) -> Flags:
-    """Return which samples, shape (n,), stand alone: far from two neighbours that agree with each other.
+def single_outliers(y: Array, noise: Noise, factor: float, apart: int) -> Indices:
+    """Return the samples that stand alone, ascending: far from two neighbours that agree with each other.
 
     ``factor`` is in standard deviations of ``y`` (n, channels). Outliers nearer to each other than ``apart`` samples
     are motion or noise, and stay.
     """
-    alone = zeros(len(y), bool)
-    calm = made(len(y) - 2, bool, lambda first, stop: np.ones(stop - first, dtype=bool))
-    far = zeros(len(y) - 2, bool)
-    loops = loops_for(len(y))
-    for k in range(y.shape[1]):
-        sigma, feigned = factor * noise.scale[k], noise.feigned[k]
-        limits = np.sqrt(2.0) * sigma + feigned, np.sqrt(1.5) * sigma + feigned
+    sigma = factor * noise.scale
+    near, away = (np.sqrt(size) * sigma + noise.feigned for size in (2.0, 1.5))
+    fill_far = loops_for(len(y)).fill_far
 
-        def mark(share: tuple[int, int], x: Array = y[:, k], limits: tuple[float, float] = limits) -> None:
-            first, stop = share
-            loops.mark_alone(x[first : stop + 2], *limits, calm[first:stop], far[first:stop])
-            for one in (x, calm, far):
-                release(one[first:stop])
+    def far(share: tuple[int, int, int]) -> Indices:
+        channel, first, stop = share
+        part = y[first : stop + 2, channel]
+        at = _filled(lambda room: fill_far(part, float(away[channel]), room))
+        release(part)
+        return at + first
 
-        each_of(mark, shares(len(calm)), len(calm))
-    at = np.concatenate([first + np.flatnonzero(far[first:stop] & calm[first:stop])
-                         for first, stop in batches(far, calm)]) + 1  # fmt: skip
+    at = _of_shares(far, len(y) - 2, y.shape[1])
     if at.size:
-        distance = np.diff(at, prepend=at[0] - apart, append=at[-1] + apart)
-        alone[at[(distance[:-1] >= apart) & (distance[1:] >= apart)]] = True
-    return alone
+        at = at[(np.abs(rows_taken(y, at + 1) - rows_taken(y, at - 1)) <= near).all(axis=1)]
+    if not at.size:
+        return at
+    distance = np.diff(at, prepend=at[0] - apart, append=at[-1] + apart)
+    return at[(distance[:-1] >= apart) & (distance[1:] >= apart)]
 
 
-def running_sum(y: Array) -> Array:
-    """Return the sums of the samples before each, shape (n + 1, channels), from which means are differences."""
-    total = columns(len(y) + 1, y.shape[1])
-    total[0] = 0.0
-    for x, own in zip(y.T, total.T, strict=True):
-        for first, stop in batches(x, own[:-1]):
-            np.add.accumulate(np.concatenate((own[first : first + 1], x[first:stop])), out=own[first : stop + 1])
-    return total
+def _filled(fill: Callable[[Indices], int]) -> Indices:
+    """Return the places that a loop fills, which returns how many there are, room or not."""
+    room = np.empty(ROOM, dtype=np.int64)
+    while (count := fill(room)) > len(room):
+        room = np.empty(count, dtype=np.int64)
+    return room[:count]
+
+
+def _of_shares(places: Callable[[tuple[int, int, int]], Indices], n: int, channels: int) -> Indices:
+    """Return the places of all channels and shares of n samples, ascending, each once."""
+    every = [(k, *share) for k in range(channels) for share in shares(n)]
+    found = np.concatenate(each_of(places, every, channels * n))
+    return found if channels == 1 else np.unique(found)
 
 
 def level_changes(
-    total: Array, noise: Noise, scales: tuple[int, ...], quantile: Array, cuts: Indices
+    y: Array, noise: Noise, scales: tuple[int, ...], quantile: Array, cuts: Indices
 ) -> tuple[Indices, Array]:
     """Return where the level changes, with 0 and n, and by how much more than white noise the widest means scatter.
 
     Parameters
     ----------
-    total : ndarray, shape (n + 1, channels)
-        Running sum of the samples.
+    y : ndarray, shape (n, channels)
+        The samples.
     scales : tuple of int
-        Widths of the windows, ascending [samples].
+        Widths of the windows, powers of two, ascending [samples].
     quantile : ndarray, shape (channels,)
         Threshold for the difference of two window means, in units of its standard deviation.
     cuts : ndarray of int, shape (k,)
         Changes that are known beforehand: 0, gaps, n.
     """
-    widening = np.ones(total.shape[1])
-    for w in scales:
-        if len(total) <= 2 * w:
-            break
-        cuts, widening = _changes_at_scale(Jumps(total, w), noise, w, quantile, cuts, widening)
+    scales = tuple(w for w in scales if len(y) >= 2 * w)
+    widening, limits = np.ones(y.shape[1]), [_limit(noise, w, quantile) for w in scales]
+    for w, some in zip(scales, _any_above(y, scales, limits), strict=True):
+        cuts, widening = _changes_at_scale(Jumps(y, w), noise, w, quantile, cuts, widening, some)
     return cuts, widening
+
+
+def _limit(noise: Noise, w: int, quantile: Array, wide: Array | float = 1.0) -> Array:
+    """Return the threshold for the difference of two means of w samples, shape (channels,)."""
+    limit: Array = np.maximum(quantile * (noise.scale * np.sqrt(2.0 / w)) * wide, noise.feigned)
+    return limit
+
+
+def _any_above(y: Array, scales: tuple[int, ...], limits: list[Array]) -> list[bool]:
+    """Return at which scales any jump exceeds the limit of its channel, in one look at the samples."""
+    if not scales:
+        return []
+    count_above, widest = loops_for(len(y)).count_above, scales[-1]
+    wanted = np.full((y.shape[1], widest.bit_length()), np.inf)
+    order = [w.bit_length() - 1 for w in scales]
+    wanted[:, order] = np.stack(limits, axis=1)
+
+    def counted(share: tuple[int, int, int]) -> Indices:
+        channel, first, stop = share
+        part, counts = y[first : stop + 2 * widest - 1, channel], np.zeros(wanted.shape[1], dtype=np.int64)
+        count_above(part, wanted[channel], counts)
+        release(part)
+        return counts
+
+    every = [(k, *share) for k in range(y.shape[1]) for share in shares(len(y))]
+    counts = np.sum(each_of(counted, every, y.size), axis=0)
+    return [bool(one) for one in counts[order]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,48 +152,54 @@ class Jumps:
     They are worked out where they are looked at: no scale keeps those of the whole record.
     """
 
-    total: Array  # running sum of the samples, shape (n + 1, channels)
+    y: Array  # the samples, shape (n, channels)
     w: int
 
     def __len__(self) -> int:
-        return len(self.total) - 2 * self.w
+        return len(self.y) - 2 * self.w + 1
 
     def at(self, places: Indices) -> Array:
-        """Return the jumps at places counted from sample w, shape (channels, k)."""
-        before, middle, after = (rows_taken(self.total, places + i * self.w) for i in range(3))
-        jumps: Array = np.abs(after - middle - middle + before).T * (1.0 / self.w)
+        """Return the jumps at places counted from sample w, ascending, shape (channels, k)."""
+        jumps, fill_jumps = np.empty((self.y.shape[1], len(places))), loops_for(len(self.y)).fill_jumps
+        parts = shares(len(self))
+        ends = np.searchsorted(places, [first for first, _ in parts[1:]])
+        own = list(zip(parts, np.split(places, ends), np.split(jumps, ends, axis=1), strict=True))
+        for (first, stop), some, out in own if len(places) else ():
+            for x, jump in zip(self.y[first : stop + 2 * self.w - 1].T, out, strict=True):
+                if len(some):
+                    fill_jumps(x, self.w, some - first, jump)
+                    release(x)
         return jumps
 
     def above(self, limit: Array) -> Indices:
         """Return the places at which the jump of any channel exceeds its limit, ascending."""
-        fill_above = loops_for(len(self.total)).fill_above
+        fill_above = loops_for(len(self.y)).fill_above
 
         def places(share: tuple[int, int, int]) -> Indices:
             channel, first, stop = share
-            part, room = self.total[first : stop + 2 * self.w, channel], np.empty(ROOM, dtype=np.int64)
-            while (count := fill_above(part, self.w, float(limit[channel]), room)) > len(room):
-                room = np.empty(count, dtype=np.int64)
+            part = self.y[first : stop + 2 * self.w - 1, channel]
+            at = _filled(lambda room: fill_above(part, self.w, float(limit[channel]), room))
             release(part)
-            return room[:count] + first
+            return at + first
 
-        every = [(k, *share) for k in range(len(limit)) for share in shares(len(self))]
-        found = np.concatenate(each_of(places, every, len(limit) * len(self)))
-        return found if len(limit) == 1 else np.unique(found)
+        return _of_shares(places, len(self), len(limit))
 
 
 def _changes_at_scale(
-    jumps: Jumps, noise: Noise, w: int, quantile: Array, cuts: Indices, widening: Array
+    jumps: Jumps, noise: Noise, w: int, quantile: Array, cuts: Indices, widening: Array, some: bool
 ) -> tuple[Indices, Array]:
-    """Add the changes seen at one scale; carry the widening on where the scale cannot measure its own."""
+    """Add the changes seen at one scale; carry the widening on where the scale cannot measure its own.
+
+    ``some``: whether any jump exceeds the limit of white noise.
+    """
     white = noise.scale * np.sqrt(2.0 / w)
     found, wide = cuts, np.ones(len(white))
-    at = jumps.above(np.maximum(quantile * white, noise.feigned))  # limits only grow
+    at = jumps.above(_limit(noise, w, quantile)) if some else np.arange(0)  # limits only grow
     for _ in range(ROUNDS):
-        found = _exceedances(jumps, at, np.maximum(quantile * white * wide, noise.feigned), w, cuts)
+        found = _exceedances(jumps, at, _limit(noise, w, quantile, wide), w, cuts)
         measured = _measured_widening(jumps, white, w, found)
         if measured is None:
-            limit = np.maximum(quantile * white * np.maximum(wide, widening), noise.feigned)
-            return _exceedances(jumps, at, limit, w, cuts), widening
+            return _exceedances(jumps, at, _limit(noise, w, quantile, np.maximum(wide, widening)), w, cuts), widening
         if w == 1:
             measured = np.minimum(measured, BLUE)
         if np.all(measured <= WIDEN * wide):
@@ -188,6 +210,8 @@ def _changes_at_scale(
 
 def _exceedances(jumps: Jumps, at: Indices, limit: Array, w: int, cuts: Indices) -> Indices:
     """Cuts with those of places ``at`` added whose jump exceeds its limit and is the largest for w samples around."""
+    if not len(at):
+        return cuts
     hits = at[(jumps.at(at) > limit[:, None]).any(axis=0)] + w
     if w == 1:
         return _joined(cuts, hits)
@@ -258,47 +282,43 @@ def covered(start: Indices, stop: Indices, n: int) -> Flags:
     return inside
 
 
-def loud(y: Array, noise: Noise, w: int, tail: float, start: Indices, stop: Indices) -> Flags:
-    """Return the samples, shape (n,), in windows of ``w`` samples that scatter more than noise does in any channel.
+def loud(y: Array, noise: Noise, w: int, tail: float, start: Indices, stop: Indices) -> Indices:
+    """Return the first samples, ascending, of windows of ``w`` samples that scatter more than noise in any channel.
 
     Windows lie inside the stretches at one level, ascending and disjoint; ``tail`` is the false-alarm probability of
     one.
     """
     cuts = np.concatenate(([0], np.cumsum(stop - start)))
-    size = max(0, int(cuts[-1]) - w + 1)
-    ends = covered(cuts[1:-1] - w + 1, cuts[1:-1], size)
-    whole = made(size, bool, lambda first, stop: ~ends[first:stop], ends)
-    found = zeros(len(y), bool)
-    if every(whole, lambda part: not part.any()):
-        return found
-    inside = covered(start, stop, len(y))
-    hot, loops = zeros(size, bool), loops_for(len(y))
-    many = count(whole, lambda part: part)
-    apart = max(1, w // 2, many // PROBES)
-    probes = np.arange(0, size, apart) if many == size else _thinned_places(whole, apart)
+    windows = np.maximum(stop - start - w + 1, 0)  # of each stretch
+    ends = np.cumsum(windows)
+    many, n = int(windows.sum()), int(cuts[-1])
+    if not many:
+        return start[:0]
+    probes = np.arange(0, many, max(1, w // 2, many // PROBES))
+    own = np.searchsorted(ends, probes, side="right")
+    probes += (cuts[:-1] - ends + windows)[own]
+    inside = None if n == len(y) else covered(start, stop, len(y))
+    found, fill_loud = [], loops_for(len(y)).fill_loud
     for k in range(y.shape[1]):
-        x = kept(y[:, k], inside)
+        x = y[:, k] if inside is None else kept(y[:, k], inside)
         usual, dof = (0.0, w - 1.0)
         if not noise.stated:
             usual, dof = _usual_variance(_windows(x, probes, w).var(axis=1, ddof=1), w)
         limit = float(f_upper(tail, dof, noise.dof[k])) * max(float(noise.scale[k]) ** 2, usual)
 
-        def mark(share: tuple[int, int], x: Array = x, limit: float = limit) -> None:
-            first, stop = share
+        def hot(share: tuple[int, int, int], x: Array = x, limit: float = limit) -> Indices:
+            _, first, stop = share
             last = stop + w - 1
-            loops.mark_loud(x[first:last], np.clip(cuts, first, last) - first, w, limit, hot[first:stop])
-            release(x[first:stop])
-            release(hot[first:stop])
+            part = x[first:last]
+            at = _filled(lambda room: fill_loud(part, np.clip(cuts, first, last) - first, w, limit, room))
+            release(part)
+            return at + first
 
-        each_of(mark, shares(size), size)
-    at = np.concatenate([first + np.flatnonzero(hot[first:stop] & whole[first:stop])
-                         for first, stop in batches(hot, whole)])  # fmt: skip
-    if len(at):
-        marked = covered(at, at + w, int(cuts[-1]))
-        for a, b, own in zip(start.tolist(), stop.tolist(), cuts[:-1].tolist(), strict=True):
-            for first, last in batches(found[a:b], marked[own : own + b - a]):
-                found[a + first : a + last] = marked[own + first : own + last]
-    return found
+        found.append(_of_shares(hot, n - w + 1, 1))
+    at = np.unique(np.concatenate(found)) if len(found) > 1 else found[0]
+    own = np.searchsorted(cuts, at, side="right") - 1
+    at, own = at[at + w <= cuts[own + 1]], own[at + w <= cuts[own + 1]]
+    return np.asarray(at + (start - cuts[:-1])[own])
 
 
 def _windows(x: Array, first: Indices, w: int) -> Array:
@@ -306,16 +326,6 @@ def _windows(x: Array, first: Indices, w: int) -> Array:
     if not is_stored(x):
         return np.asarray(sliding_window_view(x, w)[first])
     return np.stack([taken(x, first + i) for i in range(w)], axis=1)
-
-
-def _thinned_places(flags: Flags, step: int) -> Indices:
-    """Return every so manieth place that is flagged, ascending."""
-    found, before = [], 0
-    for first, stop in batches(flags):
-        own = first + np.flatnonzero(flags[first:stop])
-        found.append(own[-before % step :: step].copy())  # a part would hold all
-        before += len(own)
-    return np.concatenate(found)
 
 
 def _usual_variance(variance: Array, w: int) -> tuple[float, float]:
@@ -334,19 +344,13 @@ def _spread_of_variance() -> tuple[Array, Array]:
     return chi_square_quantile(LOW, dof) / chi_square_quantile(0.5, dof), dof
 
 
-def settled_ends(
-    y: Array, total: Array, noise: Noise, start: Indices, stop: Indices, walls: Indices
-) -> tuple[Indices, Indices]:
+def settled_ends(y: Array, noise: Noise, start: Indices, stop: Indices, walls: Indices) -> tuple[Indices, Indices]:
     """Return stretches whose ends lie where the samples settle at the level inside, three samples off at most.
 
     A sample at an end that does not fit the level just inside is given up; one before the end that does fit is taken
-    in, if no other stretch holds it. No end moves across a wall (0, long gaps and n), and an end there stays. ``total``
-    (n + 1, channels) is the running sum of the samples.
+    in, if no other stretch holds it. No end moves across a wall (0, long gaps and n), and an end there stays.
     """
-    first, last = (
-        (rows_taken(total, at + LEVEL_SAMPLES) - rows_taken(total, at)) / LEVEL_SAMPLES
-        for at in (start + RAMP, stop - RAMP - LEVEL_SAMPLES)
-    )
+    first, last = (_means(y, at, at + LEVEL_SAMPLES) for at in (start + RAMP, stop - RAMP - LEVEL_SAMPLES))
     limit = EDGE * noise.scale * np.sqrt(1.0 + 1.0 / LEVEL_SAMPLES)
     start = _settled(start, 1, y, first, limit, walls, np.concatenate(([0], stop[:-1])))
     stop = _settled(stop, -1, y, last, limit, walls, np.concatenate((start[1:], [len(y)])))
@@ -376,7 +380,7 @@ def _settled(
 
 
 def joined_where_equal(
-    total: Array, noise: Noise, quantile: Array, start: Indices, stop: Indices, walls: Indices, longest: int
+    y: Array, noise: Noise, quantile: Array, start: Indices, stop: Indices, walls: Indices, longest: int
 ) -> tuple[Indices, Indices]:
     """Return stretches joined where they touch and their levels, over the widest windows, do not differ.
 
@@ -387,18 +391,18 @@ def joined_where_equal(
     edge = stop[at]
     left = np.minimum(stop[at] - start[at], longest)
     right = np.minimum(stop[at + 1] - start[at + 1], longest)
-    same = at[~_differ(total, noise, quantile, (edge - left, edge), (edge, edge + right))]
+    same = at[~_differ(y, noise, quantile, (edge - left, edge), (edge, edge + right))]
     return np.delete(start, same + 1), np.delete(stop, same)
 
 
-def sloping(total: Array, noise: Noise, quantile: Array, start: Indices, stop: Indices) -> Flags:
+def sloping(y: Array, noise: Noise, quantile: Array, start: Indices, stop: Indices) -> Flags:
     """Return which stretches, of two samples or more, have two halves at different levels, shape (k,)."""
     half = (stop - start) // 2
-    return _differ(total, noise, quantile, (start, start + half), (stop - half, stop))
+    return _differ(y, noise, quantile, (start, start + half), (stop - half, stop))
 
 
 def _differ(
-    total: Array,
+    y: Array,
     noise: Noise,
     quantile: Array,
     one: tuple[Indices, Indices],
@@ -406,12 +410,23 @@ def _differ(
 ) -> Flags:
     """Which pairs of stretches have different means in any channel, shape (k,)."""
     sizes = [(b - a)[:, None] for a, b in (one, other)]
-    means = [
-        (rows_taken(total, b) - rows_taken(total, a)) / size for (a, b), size in zip((one, other), sizes, strict=True)
-    ]
+    means = [_means(y, *stretch) for stretch in (one, other)]
     sigma = noise.scale * np.sqrt(1.0 / sizes[0] + 1.0 / sizes[1])
-    far: Flags = (np.abs(means[0] - means[1]) > np.maximum(quantile * sigma, noise.feigned)).any(axis=1)
-    return far
+    return np.asarray((np.abs(means[0] - means[1]) > np.maximum(quantile * sigma, noise.feigned)).any(axis=1))
+
+
+def _means(y: Array, start: Indices, stop: Indices) -> Array:
+    """Return the means of short stretches [start, stop), shape (k, channels)."""
+    means, size = np.empty((len(start), y.shape[1])), stop - start
+    widest = int(size.max(initial=1))
+    for first, last in batches(start, size=max(1, near() // widest)):
+        at = start[first:last, None] + np.arange(widest)
+        inside = at < stop[first:last, None]
+        at = np.where(inside, at, start[first:last, None])
+        for x, mean in zip(y.T, means.T, strict=True):
+            mean[first:last] = np.sum(x[at], axis=1, where=inside) / size[first:last]
+    release(y)
+    return means
 
 
 def stretches(start: Indices, stop: Indices, keep: Flags) -> tuple[Indices, Indices]:

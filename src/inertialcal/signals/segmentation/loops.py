@@ -30,22 +30,42 @@ def loops_for(samples: int) -> ModuleType:
     return _kernels_levels
 
 
-def mark_alone(x: Array, near: float, away: float, calm: Flags, far: Flags) -> None:
-    """Unmark as calm where the neighbours differ by more than ``near``; mark as far what is off their mean."""
-    before, here, after = x[:-2], x[1:-1], x[2:]
-    calm &= np.abs(after - before) <= near
-    far |= np.abs(here - 0.5 * (before + after)) > away
+def fill_far(x: Array, away: float, at: Indices) -> int:
+    """Fill which samples are off the mean of their neighbours by more than a limit."""
+    return _filled(np.abs(x[1:-1] - 0.5 * (x[:-2] + x[2:])) > away, at, 1)
 
 
-def fill_above(running: Array, w: int, limit: float, at: Indices) -> int:
+def count_above(x: Array, limits: Array, counts: Indices) -> None:
+    """Count, for w = 1, 2, 4, ..., the places at which the means of w samples after and before differ by more."""
+    sums, w = x, 1
+    for k, limit in enumerate(limits.tolist()):
+        counts[k] += np.count_nonzero(np.abs(sums[w:] - sums[:-w]) > limit * w)
+        sums, w = sums[:-w] + sums[w:], 2 * w
+
+
+def fill_above(x: Array, w: int, limit: float, at: Indices) -> int:
     """Fill where the means of w samples after and before samples w .. n - w differ by more than a limit."""
-    middle = running[w:-w]
-    jump = running[2 * w :] - middle
-    jump -= middle
-    jump += running[: -2 * w]
-    found = np.flatnonzero(np.abs(jump, out=jump) * (1.0 / w) > limit)
+    return _filled(_jumps(x, w) > limit, at)
+
+
+def fill_jumps(x: Array, w: int, at: Indices, jumps: Array) -> None:
+    """Fill by how much the means of w samples after and before differ, at places counted from sample w, ascending."""
+    jumps[:] = _jumps(x, w)[at]
+
+
+def _jumps(x: Array, w: int) -> Array:
+    sums, width = x, 1
+    while width < w:
+        sums, width = sums[:-width] + sums[width:], 2 * width
+    jumps: Array = np.abs(sums[w:] - sums[:-w]) * (1.0 / w)
+    return jumps
+
+
+def _filled(flags: Flags, at: Indices, first: int = 0) -> int:
+    """Fill the places that are flagged, as far as there is room, counted from ``first``; return their number."""
+    found = np.flatnonzero(flags)
     room = min(len(found), len(at))
-    at[:room] = found[:room]
+    at[:room] = found[:room] + first
     return len(found)
 
 
@@ -79,8 +99,8 @@ def drop_lower(at: Indices, order: Indices, w: int, kept: Flags) -> None:
             kept[i] = True
 
 
-def mark_loud(y: Array, cuts: Indices, w: int, limit: float, hot: Flags) -> None:
-    """Mark the windows i .. i + w whose variance (w - 1) exceeds a limit; levels between cuts keep its digits."""
+def fill_loud(y: Array, cuts: Indices, w: int, limit: float, at: Indices) -> int:
+    """Fill the windows i .. i + w whose variance (w - 1) exceeds a limit; levels between cuts keep its digits."""
     residual = np.empty(len(y))
     for a, b in zip(cuts[:-1].tolist(), cuts[1:].tolist(), strict=True):
         if b > a:
@@ -93,7 +113,7 @@ def mark_loud(y: Array, cuts: Indices, w: int, limit: float, hot: Flags) -> None
         return np.cumsum(steps)[w - 1 :: 2]
 
     first, second = running(residual), running(residual * residual)
-    hot |= second - first * first / w > limit * (w - 1)
+    return _filled(second - first * first / w > limit * (w - 1), at)
 
 
 def fill_blocks(y: Array, size: int, variance: Array, different: Indices) -> float:

@@ -11,6 +11,7 @@ Arrays are time-first, (n, channels), finite; column-major order is fastest.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,18 +95,23 @@ def _blocks(y: Array) -> tuple[Array, NDArray[np.int64], float]:
     return variance, different, min(steps, default=0.0)
 
 
+@cache
+def _of_quiet_blocks() -> tuple[float, float]:
+    """Return the largest variance of a block that counts as quiet, and the first quantile, of those of unit noise."""
+    dof = BLOCK - 1
+    return float(chi_square_upper(QUIET_TAIL, dof)) / dof, float(chi_square_quantile(QUIET, dof)) / dof
+
+
 def _pool_quiet(variance: Array) -> tuple[float, int]:
     """Mean variance of the quiet blocks, and their number."""
-    dof = BLOCK - 1
-    limit = float(chi_square_upper(QUIET_TAIL, dof)) / dof
-    pooled = float(quantile(variance, QUIET) / (float(chi_square_quantile(QUIET, dof)) / dof))
+    limit, usual = _of_quiet_blocks()
+    pooled = quantile(variance, QUIET) / usual
     many = 0
     for _ in range(ROUNDS):
         now, total = 0, 0.0
         for first, stop in batches(variance):
-            part = variance[first:stop]
-            quiet = part <= limit * pooled
-            now, total = now + int(np.count_nonzero(quiet)), total + float(np.sum(part, where=quiet))
+            quiet = variance[first:stop][variance[first:stop] <= limit * pooled]
+            now, total = now + len(quiet), total + float(np.sum(quiet))
         if now in (0, many):  # as many blocks are the same blocks: those below a limit
             break
         many, pooled = now, total / now

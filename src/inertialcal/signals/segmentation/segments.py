@@ -191,31 +191,34 @@ def _segmentation(samples: Samples, rows: Indices | None, found: Found, plan: De
     ``rows`` are the good samples; None where all are good.
     """
     n = len(samples.values)
-    first, after, outlier = found.start, found.stop, found.outlier
+    first, after, outlier = found.start, found.stop, batches.zeros(n, bool)
+    outlier[found.outlier if rows is None else rows[found.outlier]] = True
     if rows is not None:
-        outlier = batches.zeros(n, bool)
-        outlier[rows[batches.where(found.outlier, lambda part: part)]] = True
         first, after = rows[found.start], rows[found.stop - 1] + 1
     samples = replace(samples, outlier=outlier)
     edges = np.unique(np.concatenate(([0, n], first, after)))
     start, stop = edges[:-1], edges[1:]
     still = np.isin(start, first)
-    level, scatter, frozen = _measured(samples, edges)
+    level, scatter, frozen = _measured(samples, edges, rows is None and not len(found.outlier))
     stuck = still & (frozen & found.noise.live).any(axis=1)
     return Segmentation(start, stop, still, level, scatter, found.noise, found.widening, samples, stuck, plan)
 
 
-def _measured(samples: Samples, edges: Indices) -> tuple[Array, Array, Flags]:
-    """Give mean and standard deviation of the good samples of each stretch, and whether all are equal."""
+def _measured(samples: Samples, edges: Indices, whole: bool) -> tuple[Array, Array, Flags]:
+    """Give mean and standard deviation of the good samples of each stretch, and whether all are equal.
+
+    ``whole``: whether all samples are good.
+    """
     finite, outlier = samples.finite, samples.outlier
-    left_out = batches.made(len(finite), bool, lambda a, b: ~finite[a:b] | outlier[a:b], finite, outlier)
-    some = not batches.every(left_out, lambda part: not part.any())
+    left_out = None
+    if not whole:
+        left_out = batches.made(len(finite), bool, lambda a, b: ~finite[a:b] | outlier[a:b], finite, outlier)
     shape = len(edges) - 1, samples.values.shape[1]
     level, variance, low, high = (np.empty(shape, order="F") for _ in range(4))
     count = np.empty(shape[0], dtype=np.int64)
     for k in range(shape[1]):
         x = samples.values[:, k]
-        if some:
+        if left_out is not None:
             x = batches.made(len(x), float, lambda a, b, x=x: np.where(left_out[a:b], np.nan, x[a:b]), left_out, x)  # type: ignore[misc]
         for own in _together(edges, batches.SIZE if batches.is_stored(x) else len(x)):
             first, stop = int(edges[own.start]), int(edges[own.stop])

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...core.batches import batches, columns, kept, made, release, rows_taken, stacked, thinned, where, where_steps
+from ...core.batches import kept, made, release, rows_taken, stacked, where_steps
 from ...core.errors import PlanError
 from ...core.estimate import Array
 from ...statistics.quantiles import t_upper
@@ -21,7 +21,6 @@ from .change_points import (
     joined_where_equal,
     level_changes,
     loud,
-    running_sum,
     settled_ends,
     single_outliers,
     sloping,
@@ -76,7 +75,7 @@ class Found:
     # start, stop: still stretches, half-open, ascending, shape (k,)
     start: Indices
     stop: Indices
-    outlier: Flags  # single outliers inside them, shape (n,)
+    outlier: Indices  # single outliers inside them, ascending
     noise: Noise  # scatter of a sample where nothing happens
     # by how much more than white noise the means of the widest windows scatter between changes, shape (channels,)
     widening: Array
@@ -92,45 +91,42 @@ def still_stretches(x: Array, ticks: Array | None, plan: Detection) -> Found:
     PlanError
         If the noise is stated for another number of channels.
     """
-    y = columns(*x.shape)
-    for own, out in zip(x.T, y.T, strict=True):
-        level = np.median(thinned(own, max(1, len(x) // 10_000)))
-        for one, last in batches(own, out):
-            np.subtract(own[one:last], level, out=out[one:last])
+    y = x if x.T.flags.c_contiguous and x.flags.writeable else stacked(list(x.T))
     noise = noise_scale(y, plan.noise)
     # two-sided tail of one comparison of levels, and tail of one variance; each kind has half the risk
     variance_tail = 0.5 * plan.false_alarm / y.size
     quantile = t_upper(variance_tail / (2.0 * (len(plan.scales) + 1)), noise.dof)
     outlier = single_outliers(y, noise, float(quantile.max()), plan.shortest)
-    at = where(outlier, lambda part: part)
-    y[at] = 0.5 * (rows_taken(y, at - 1) + rows_taken(y, at + 1))
-    release(y)
+    if len(outlier):
+        y = stacked(list(x.T)) if y is x else y
+        y[outlier] = 0.5 * (rows_taken(y, outlier - 1) + rows_taken(y, outlier + 1))
+        release(y)
     # first good sample after each long gap, with 0 and n
     walls = np.array([0, len(y)])
     if ticks is not None:
         walls = np.concatenate(([0], where_steps(ticks, lambda step: step > plan.longest_gap), [len(y)]))
-    total = running_sum(y)
-    start, stop, widening = _level_pieces(y, total, noise, plan, quantile, walls)
-    start, stop = _long(*settled_ends(y, total, noise, start, stop, walls), plan.shortest)
+    start, stop, widening = _level_pieces(y, noise, plan, quantile, walls)
+    start, stop = _long(*settled_ends(y, noise, start, stop, walls), plan.shortest)
     quantile = quantile * np.maximum(widening, 1.0)
-    start, stop = joined_where_equal(total, noise, quantile, start, stop, walls, plan.longest_window)
+    start, stop = joined_where_equal(y, noise, quantile, start, stop, walls, plan.longest_window)
     short = stop - start < 2 * plan.longest_window  # a longer one would have shown its slope to the windows
     slope = np.zeros(len(start), dtype=bool)
-    slope[short] = sloping(total, noise, quantile, start[short], stop[short])
+    slope[short] = sloping(y, noise, quantile, start[short], stop[short])
     start, stop = start[~slope], stop[~slope]
     noisy = loud(y, noise, plan.shortest, variance_tail, start, stop)
-    quiet = made(len(y), bool, lambda one, last: ~noisy[one:last], noisy)
-    start, stop = _long(*stretches(start, stop, quiet), plan.shortest)
-    inside = covered(start, stop, len(y))
-    outlier = made(len(y), bool, lambda one, last: outlier[one:last] & inside[one:last], outlier, inside)
-    return Found(start, stop, outlier, noise, widening)
+    if len(noisy):
+        marked = covered(noisy, noisy + plan.shortest, len(y))
+        quiet = made(len(y), bool, lambda one, last: ~marked[one:last], marked)
+        start, stop = _long(*stretches(start, stop, quiet), plan.shortest)
+    inside = np.searchsorted(start, outlier, side="right") > np.searchsorted(stop, outlier, side="right")
+    return Found(start, stop, outlier[inside], noise, widening)
 
 
 def _level_pieces(
-    y: Array, total: Array, noise: Noise, plan: Detection, quantile: Array, walls: Indices
+    y: Array, noise: Noise, plan: Detection, quantile: Array, walls: Indices
 ) -> tuple[Indices, Indices, Array]:
     """Pieces between changes of level, long enough to be still; wide windows skip what is cut to shreds."""
-    first, widening = level_changes(total, noise, plan.scales[:1], quantile, walls)
+    first, widening = level_changes(y, noise, plan.scales[:1], quantile, walls)
     size = np.diff(first)
     enough = size >= plan.shortest
     if not enough.any():
@@ -139,7 +135,7 @@ def _level_pieces(
     first = np.concatenate(([0], np.cumsum(size[enough])))  # the cuts, counted in the samples kept
     skipped = begun - first[:-1]  # samples that are not kept before each of them
     cuts = first
-    rest = total if enough.all() else running_sum(_rows(y, covered(begun, begun + size[enough], len(y))))
+    rest = y if enough.all() else _rows(y, covered(begun, begun + size[enough], len(y)))
     if len(plan.scales) > 1:
         first, widening = level_changes(rest, noise, plan.scales[1:], quantile, first)
     own = skipped[np.searchsorted(cuts, first[:-1], side="right") - 1]
