@@ -11,9 +11,10 @@ from pathlib import Path
 
 import pytest
 
+from inertialcal.core import batches
 from inertialcal.core.errors import DataError
 from inertialcal.files.budget import max_memory
-from inertialcal.files.source import load
+from inertialcal.files.source import load, settled
 
 
 def refused(path: Path | str) -> tuple[str, str]:
@@ -104,3 +105,15 @@ def test_a_pipe_a_socket_a_device_are_no_files(tmp_path: Path) -> None:
 def test_a_file_that_says_it_is_empty_is(tmp_path: Path) -> None:
     if Path("/proc/self/maps").exists():
         assert refused("/proc/self/maps") == ("the file is empty", "empty_file")
+
+
+def test_a_long_file_that_changes_while_it_is_read_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "a.csv"
+    path.write_bytes(b"1,2\n")
+    monkeypatch.setattr(batches, "HELD", 0)
+    loaded = load(path, in_place=True)
+    assert settled(loaded) == hashlib.sha256(b"1,2\n").hexdigest()
+    path.write_bytes(b"1,2\n3,4\n")
+    with pytest.raises(DataError, match="changed while it was read") as caught:
+        settled(loaded)
+    assert [one.code for one in caught.value.problems] == ["input_changed"]

@@ -180,7 +180,7 @@ def _timed(
         return Recording(
             (), clock.time_ns, interval, None, clock.epoch, source, remarks=remarks, cut_off=content.cut_off
         )
-    axis = analyse(clock.time_ns)
+    axis = analyse(clock.time_ns, steps=clock.steps)
     remarks = axis_remarks(axis, clock.time_ns, lambda index: content.place(path, index))
     if interval is None:
         interval, source, column = axis.interval, "column", described[clock.column].name

@@ -174,7 +174,7 @@ def nan_in_required(name: str, cell: str, count: int, where: str) -> DataError:
 
 
 FEWEST = 2  # rows of zeros, columns
-AT_ONCE = 2**16  # rows
+AT_ONCE = 2**16  # rows, where the last few are zeros
 
 
 def without_unfilled_end(content: Content, path: str) -> Content:
@@ -200,7 +200,7 @@ def _unfilled(columns: Sequence[Column]) -> int:
     n = len(columns[0].values)
     filled, first = 0, n
     while first > 0 and not filled:  # from the end, which is filled in most records
-        stop, first = first, max(first - AT_ONCE, 0)
+        stop, first = first, max(first - (AT_ONCE if first < n else FEWEST), 0)
         for column in columns:
             used = np.flatnonzero(column.values[first:stop] != 0)
             filled = max(filled, first + int(used[-1]) + 1 if len(used) else 0)

@@ -25,7 +25,7 @@ from .formats import ZIP, ZIP_MEMBER, refusal
 from .loggers import bag_folder
 from .pad import reader as pad
 from .reader import ArchiveReader, Reader, Request, wrong_frame
-from .source import Loaded, as_data_errors, load, whole
+from .source import Loaded, as_data_errors, load, settled, whole
 from .time.window import cut
 
 TEXT = "text"  # what no other reader knows
@@ -86,9 +86,11 @@ def read_recording(path: str | Path, request: Request, parsed: Parsed | None = N
     variables = tuple(request.topics or ()) or None
     key = (str(path), variables, request.decimal, request.skip)
     known = None if parsed is None else parsed.get(key)
-    content, source = _columns(path, request) if known is None else known
-    if parsed is not None:
-        parsed[key] = content, source
+    loaded = None
+    if known is None:
+        content, source, loaded = _columns(path, request)
+    else:
+        content, source = known
     recording = assemble(
         content,
         source,
@@ -98,11 +100,16 @@ def read_recording(path: str | Path, request: Request, parsed: Parsed | None = N
         required=request.required,
         dates=request.dates,
     )
+    if loaded is not None:  # units and clock were found while a thread hashed the file
+        source = replace(source, sha256=settled(loaded))
+        recording = replace(recording, source=source)
+    if parsed is not None:
+        parsed[key] = content, source
     return cut(recording, request.window)
 
 
-def _columns(path: str | Path, request: Request) -> tuple[Content, Source]:
-    """Return the columns of a file, and where they come from."""
+def _columns(path: str | Path, request: Request) -> tuple[Content, Source, Loaded]:
+    """Return the columns of a file, where they come from (without the SHA-256), and the file."""
     loaded = load(path, in_place=True)
     reader = find_reader(loaded)
     loaded = loaded if reader.in_place else whole(loaded)
@@ -112,7 +119,7 @@ def _columns(path: str | Path, request: Request) -> tuple[Content, Source]:
         content = _text_as_said(loaded, reader, request)
     check_count(len(content.columns), COLUMNS, "columns", loaded.path)
     packed = ", gzip" if loaded.packed else ""
-    return content, Source(loaded.path, loaded.sha256, content.format + packed, reader.name)
+    return content, Source(loaded.path, "", content.format + packed, reader.name), loaded
 
 
 def _text_as_said(loaded: Loaded, reader: Reader, request: Request) -> Content:

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import cast, overload
 
 from ..core import batches
-from ..core.errors import DataError, InertialcalError, UsageError
+from ..core.errors import DataError, InertialcalError, Problem, UsageError
 from .budget import DOCUMENT, check_count, claim
 
 AT_ONCE = 2**20  # bytes that are hashed at once; more of them by a thread
@@ -32,6 +32,7 @@ NO_WAIT = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0) | getattr(os
 CAMPAIGN = "campaign.toml"
 FEW = 3  # names of files told
 GZIP, ZIP = b"\x1f\x8b", b"PK\x03\x04"
+SOUGHT = b"PAR1"  # format whose library reads what it needs, where it lies
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,8 @@ def load(path: str | os.PathLike[str], *, document: bool = False, in_place: bool
     document : bool
         Whether it is parsed whole, as JSON is.
     in_place : bool
-        Whether a long file that is no archive may stay where it is, as `FileBytes`.
+        Whether a long file that is no archive may stay where it is, as `FileBytes`; `settled` then says, after it was
+        read, whether it was still the same.
 
     Raises
     ------
@@ -122,8 +124,10 @@ class FileBytes:
     """Bytes of a file that stay there: a piece is read where one is asked for."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
+        self._path = path
         self._file = open(path, "rb")  # noqa: SIM115 - as long as somebody holds the bytes
-        self._size = os.fstat(self._file.fileno()).st_size
+        about = os.fstat(self._file.fileno())
+        self._size, self._stamps = about.st_size, _stamps(about)
         self._at, self._piece = 0, b""
 
     def __del__(self) -> None:
@@ -153,18 +157,50 @@ class FileBytes:
         self._file.seek(0)
         return hashlib.file_digest(self._file, "sha256").hexdigest()
 
+    def is_unchanged(self) -> bool:
+        """Whether the file of that path is the one that was opened, and was not written to since."""
+        try:
+            return _stamps(os.stat(self._path)) == self._stamps
+        except OSError:
+            return False
+
     def startswith(self, magic: bytes | tuple[bytes, ...]) -> bool:
         """Whether the file begins so."""
         return self[:PIECE].startswith(magic)
 
 
+def _stamps(about: os.stat_result) -> tuple[int, ...]:
+    return about.st_dev, about.st_ino, about.st_size, about.st_mtime_ns, about.st_ctime_ns
+
+
+def settled(loaded: Loaded) -> str:
+    """Return the SHA-256 of a file that was read.
+
+    Raises
+    ------
+    DataError
+        ``input_changed``, if it stayed in place, and is no longer what it was when it was opened.
+    """
+    digest = loaded.sha256
+    if isinstance(loaded.data, FileBytes) and not loaded.data.is_unchanged():
+        raise DataError(changed_input(loaded.path))
+    return digest
+
+
+def changed_input(path: str, what: str = "the file changed while it was read") -> Problem:
+    """Return the problem of an input that is no longer what was read."""
+    why = "the results would be of a mixture"
+    return Problem(what, path, why, "Wait until it is complete, then run again", "input_changed")
+
+
 def _in_place(path: str | os.PathLike[str]) -> Loaded | None:
     """Return the content of a long file that stays where it is; None of a short one, and of an archive."""
     try:
-        if os.stat(path).st_size <= batches.HELD or not os.path.isfile(path):
+        size = os.stat(path).st_size
+        if size <= min(AT_ONCE, batches.HELD) or not os.path.isfile(path):
             return None
         data = FileBytes(path)
-        if data.startswith((GZIP, ZIP)):
+        if data.startswith((GZIP, ZIP)) or (size <= batches.HELD and not data.startswith(SOUGHT)):
             return None
         same = FileBytes(path)  # its place in the file is its own
     except (OSError, ValueError):  # said where it is read whole

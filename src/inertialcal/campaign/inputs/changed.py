@@ -8,6 +8,7 @@ from pathlib import Path
 from ...core.campaign_text import FILE
 from ...core.errors import DataError, Problem
 from ...files.pad.pairs import pairs_of
+from ...files.source import changed_input
 from ...files.write.exchange import file_digest
 from ..file.load import Campaign
 
@@ -70,7 +71,4 @@ def one_digest(inputs: Iterable[tuple[str, str]]) -> dict[str, str]:
 
 
 def _problem(path: str) -> Problem:
-    why = "the results would be of a mixture"
-    do = "Wait until it is complete, then run again"
-    what = "the file was edited during the run" if path == FILE else "the file changed while it was read"
-    return Problem(what, path, why, do, "input_changed")
+    return changed_input(path, "the file was edited during the run") if path == FILE else changed_input(path)

@@ -34,8 +34,8 @@ _files: dict[int, int] = {}  # address -> descriptor of a temporary file
 
 
 def is_long(size: int) -> bool:
-    """Return whether so many bytes are too many to be kept in memory."""
-    return size > HELD
+    """Return whether arrays that are read together, of so many bytes in all, are too many to be kept in memory."""
+    return size > 2 * HELD
 
 
 def empty(n: int, dtype: DTypeLike, stored: bool | None = None) -> NDArray[Any]:
@@ -55,7 +55,7 @@ def empty(n: int, dtype: DTypeLike, stored: bool | None = None) -> NDArray[Any]:
     """
     kind = np.dtype(dtype)
     size = n * kind.itemsize
-    if not (is_long(size) if stored is None else stored and size) or kind.hasobject:
+    if not (size > HELD if stored is None else stored and size) or kind.hasobject:
         return np.empty(n, dtype=kind)
     try:
         with tempfile.TemporaryFile(prefix="inertialcal-") as file:

@@ -11,6 +11,7 @@ References
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -33,6 +34,15 @@ if TYPE_CHECKING:
     from pyarrow import ChunkedArray, Field
 
 MAGIC = b"PAR1"
+HEADER, LONGEST = 2**9, 2**24  # bytes in which the header of a page ends: usually, and at most
+VARINT = rb"[\x80-\xff]{0,4}[\x00-\x7f]"  # of 32 bits
+TEXT, WHOLE = (b"[%b]" % bytes(16 * delta + kind for delta in range(1, 16)) for kind in (8, 6))  # heads of fields
+# Header of a data page of numbers as it usually is: type, sizes, sum, values, encodings, statistics.
+USUAL = re.compile(
+    rb"\x15\x00\x15(%b)\x15(%b)(?:\x15%b\x1c|\x2c)\x15(%b)\x15(%b)\x15%b\x15%b" % ((VARINT,) * 7)
+    + rb"(?:\x1c(?:%b(?:\x08.{8}|\x04.{4})|%b[\x80-\xff]{0,9}[\x00-\x7f]|[\x11\x12])*\x00)?\x00\x00" % (TEXT, WHOLE),
+    re.DOTALL,
+)
 DEEPEST = 8  # structures within structures in the header of a page
 FOOTER = 20 * COLUMNS  # entries of a list in the footer: each takes a kilobyte
 TEXT_CELL = 128  # bytes of a cell of text while it is judged
@@ -67,7 +77,7 @@ def read_parquet(loaded: Loaded, variables: Sequence[str] | None = None) -> Cont
         leaves = [about.schema.column(i) for i in range(about.num_columns)]
         read = [i for i, leaf in enumerate(leaves) if _is_readable(leaf)]
         large = [i for i in read if leaves[i].physical_type != "BYTE_ARRAY"]
-        large = large if VALUE * about.num_rows * len(large) > batches.HELD else []
+        large = large if batches.is_long(VALUE * about.num_rows * len(large)) else []
         slow = _claim(loaded, about, leaves, [i for i in read if i not in large])
         claim_room(loaded.path, loaded.on_disk, VALUE * about.num_rows * len(large), f"{about.num_rows:,} rows")
         _check_pages(loaded, about, large)
@@ -78,12 +88,15 @@ def read_parquet(loaded: Loaded, variables: Sequence[str] | None = None) -> Cont
         quick = [leaves[i].path for i in read if i not in slow and i not in large]
         texts = [leaf.path for leaf in leaves if leaf.physical_type == "BYTE_ARRAY" and leaf.path in quick]
         file = parquet.ParquetFile(
-            opened(), read_dictionary=texts, buffer_size=BUFFER if large else 0, pre_buffer=not large
+            opened(), metadata=about, read_dictionary=texts, buffer_size=BUFFER if large else 0, pre_buffer=not large
         )
         table = file.read(columns=quick)
         while any(pa.types.is_struct(kind) for kind in table.schema.types):
             table = table.flatten()
-        columns = [arrow_column(table.column(i), table.schema.field(i), loaded.path) for i in range(table.num_columns)]
+        columns: list[Column | str] = []
+        for field in table.schema:
+            columns.append(arrow_column(table.column(0), field, loaded.path))
+            table = table.remove_column(0)  # frees its memory
         columns += [_front_coded(file, leaves[i].path, batch, loaded) for i, batch in slow.items()]
         columns += _batch_by_batch(file, [leaves[i].path for i in large], loaded.path)
         order = {leaf.path: i for i, leaf in enumerate(leaves)}
@@ -182,7 +195,8 @@ class _Page:
     """Header of a page."""
 
     size: int  # Unpacked [byte]
-    values: int
+    packed: int  # As it lies there [byte]
+    values: int  # 0 of a dictionary
     encoding: int
 
 
@@ -195,15 +209,38 @@ def _pages(data: bytes, chunk: Any) -> Iterator[_Page]:
     end = at + chunk.total_compressed_size
     found = 0
     while at < end and found < chunk.num_values:
-        fields, at = _struct(data, at)
-        about = fields.get(5) or fields.get(7) or fields.get(8) or {}
-        size, packed, values = fields.get(2, -1), fields.get(3, -1), about.get(1, 0)
-        if min(size, packed, values) < 0 or at + packed > len(data):
+        page, at = _header(data, at)
+        if min(page.size, page.packed, page.values) < 0 or at + page.packed > len(data):
             raise ValueError("a page that does not fit into the file")
-        is_dictionary = 7 in fields
-        found += 0 if is_dictionary else values
-        yield _Page(size, 0 if is_dictionary else values, about.get(4 if 8 in fields else 2, 0))
-        at += packed
+        found += page.values
+        yield page
+        at += page.packed
+
+
+def _header(data: bytes, at: int) -> tuple[_Page, int]:
+    """Return what the header of a page says, and the place behind it."""
+    head = data[at : at + HEADER]
+    usual = USUAL.match(head)
+    if usual:
+        size, packed, values, encoding = (_signed(one) for one in usual.groups())
+        return _Page(size, packed, values, encoding), at + usual.end()
+    try:
+        fields, length = _struct(head, 0)
+    except IndexError:  # it is longer
+        head = data[at : at + LONGEST]
+        fields, length = _struct(head, 0)
+    about = fields.get(5) or fields.get(7) or fields.get(8) or {}
+    values = 0 if 7 in fields else about.get(1, 0)
+    page = _Page(fields.get(2, -1), fields.get(3, -1), values, about.get(4 if 8 in fields else 2, 0))
+    return page, at + length
+
+
+def _signed(varint: bytes) -> int:
+    """Return the number that a zigzag varint of Thrift means."""
+    value = 0
+    for k, byte in enumerate(varint):
+        value |= (byte & 0x7F) << 7 * k
+    return (value >> 1) ^ -(value & 1)
 
 
 def _struct(data: bytes, at: int, depth: int = 0) -> tuple[dict[int, Any], int]:
@@ -286,8 +323,15 @@ def arrow_column(values: ChunkedArray, field: Field, path: str) -> Column | str:
     numbers, empty = arrow_numbers(values)
     if numbers.dtype.kind != "f":
         return Column(field.name, numbers, unit)
-    literal = np.setdiff1d(np.flatnonzero(~np.isfinite(numbers)), empty, assume_unique=True)  # NaN that is no null
+    literal = _literal(numbers, empty)
     return Column(field.name, _missing(numbers, literal), unit, empty=empty, not_a_number=literal)
+
+
+def _literal(numbers: NDArray[Any], empty: Rows) -> Rows:
+    """Return the places of NaN and infinity that are no null."""
+    if not len(empty) and np.isfinite(numbers.sum()):  # one pass
+        return empty
+    return np.setdiff1d(np.flatnonzero(~np.isfinite(numbers)), empty, assume_unique=True)
 
 
 def _missing(numbers: NDArray[Any], at: Rows) -> NDArray[Any]:

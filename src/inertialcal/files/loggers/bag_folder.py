@@ -16,7 +16,7 @@ from ...core.errors import DataError
 from ...core.recording import Recording, Source
 from ..assemble import assemble
 from ..reader import ArchiveReader, Request, wrong_frame
-from ..source import as_data_errors, load
+from ..source import as_data_errors, load, settled
 from ..time.window import cut
 from .bags import Bag, Message, bag_in_sqlite, bag_of, content_of
 from .database import whole_pages
@@ -42,13 +42,15 @@ def read_folder(path: str | Path, request: Request) -> Recording | None:
         raise wrong_frame(path)
     digest = hashlib.sha256()
     with ExitStack() as opened, as_data_errors(str(path), "a ROS 2 bag"):
-        bags = []
+        bags, held = [], []
         for file in files:
             loaded = load(file, in_place=True)
-            digest.update(bytes.fromhex(loaded.sha256))
+            held.append(loaded)
             place = opened.enter_context(on_disk(whole_pages(loaded), ".db3")) if file.suffix == ".db3" else ""
             bags.append(bag_in_sqlite(place, loaded) if place else bag_of(loaded))
         content = content_of(_joined(bags, str(path)), list(request.topics or ()) or None)
+        for loaded in held:
+            digest.update(bytes.fromhex(settled(loaded)))
     source = Source(str(path), digest.hexdigest(), content.format, "rosbag2")
     recording = assemble(
         content, source, units=request.units, sample_rate=request.sample_rate, time_column=request.time_column,

@@ -41,9 +41,10 @@ from .layout import BLANKS, SAMPLE, Decimal, Layout, decode, holds_control, kind
 ENDINGS = ("", ".asc", ".csv", ".dat", ".log", ".mat", ".prn", ".tab", ".tsv", ".txt")  # that text usually has
 TOO_LARGE = "too_large"
 SHORT = 2**20  # bytes of a text that is read whole: pieces of it would save nothing
-HEAD = 2**18  # bytes that tell the layout of a text that is read in pieces, if they hold the lines for it
+HEAD = 2**16  # bytes that tell the layout of a text that is read in pieces, if they hold the lines for it
 PIECE = 2**23  # bytes of a long file that are read together
-SPARE = 0.02  # of the rows of a file, more than the first piece makes likely
+COUNTED = 2**20  # bytes at the beginning whose lines are counted
+SPARE = 0.02  # of the rows of a file, more than its beginning makes likely
 ENOUGH = 32  # bytes of memory for each byte of a piece and its cells, at most
 
 
@@ -176,7 +177,8 @@ def _claimed_rows(loaded: Loaded, layout: Layout, first: memoryview) -> int:
         ``too_large``.
     """
     size, where = len(loaded.data), loaded.path
-    rows = int((1 + line_ends(first)) * size / len(first) * (1.0 + SPARE))
+    some = first[:COUNTED]
+    rows = int((1 + line_ends(some)) * size / len(some) * (1.0 + SPARE))
     if isinstance(loaded.data, FileBytes):
         claim(where, loaded.on_disk, ENOUGH * min(PIECE, size), f"pieces of {PIECE:,} bytes")
         claim_room(where, loaded.on_disk, VALUE * rows * layout.width, f"{rows:,} rows of {layout.width} cells")

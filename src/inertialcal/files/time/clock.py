@@ -21,10 +21,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core import units
-from ...core.batches import any_step, changed, every, where_steps
+from ...core.batches import changed, every
 from ...core.errors import DataError
 from ...core.recording import SECOND, Times
 from ...core.remarks import Remark
+from ...signals.time.time_axis import Steps, steps_of
 from ..columns import Content
 from ..info.describe import Described, find_column
 from .dates import as_iso, looks_clock, looks_dated, since_midnight, with_times_of_day
@@ -50,6 +51,7 @@ class Clock:
     time_ns: Times | None = None  # shape (n,): stamps [ns]
     epoch: Literal["utc", "elapsed"] = "elapsed"  # What time zero is
     remarks: tuple[Remark, ...] = ()  # What was taken, and what was not
+    steps: Steps | None = None  # Of the stamps, where they were counted
 
 
 @dataclass(frozen=True)
@@ -138,10 +140,10 @@ def _clock(described: Described, at: int, place: _Place) -> Clock:
         time_ns, remarks = _from_text(described, place)
     else:
         time_ns, remarks = _from_numbers(described, place)
-    _require_forward(described, time_ns, place)
+    steps = _require_forward(described, time_ns, place)
     dated = kind == "M" or (kind == "O" and not looks_clock(described.column.values))
     utc = dated or is_utc(time_ns) or _said_utc(described.name, time_ns)
-    return Clock(at, time_ns, "utc" if utc else "elapsed", remarks)
+    return Clock(at, time_ns, "utc" if utc else "elapsed", remarks, steps)
 
 
 def _said_utc(name: str, time_ns: Times) -> bool:
@@ -164,11 +166,11 @@ def _require_complete(described: Described, place: _Place) -> None:
         )
 
 
-def _require_forward(described: Described, time_ns: Times, place: _Place) -> None:
-    """Time goes forward, most of the time."""
-    steps = max(len(time_ns) - 1, 1)
-    backward = len(where_steps(time_ns, lambda step: step < 0)) / steps
-    forward = any_step(time_ns, lambda step: step > 0)
+def _require_forward(described: Described, time_ns: Times, place: _Place) -> Steps:
+    """Return the steps of a time that goes forward, most of the time."""
+    steps = steps_of(time_ns)
+    backward = int(steps.count[steps.length < 0].sum()) / max(len(time_ns) - 1, 1)
+    forward = bool(np.any(steps.length > 0))
     if len(time_ns) > 1 and (not forward or backward > BACKWARD):
         share = f"{100 * backward:.0f} % of its steps go backward" if forward else "it stands still"
         raise _NotTimeError(
@@ -180,6 +182,7 @@ def _require_forward(described: Described, time_ns: Times, place: _Place) -> Non
                 do="Name the time column (--time-column), or sort the rows",
             )
         )
+    return steps
 
 
 def _from_text(described: Described, place: _Place) -> tuple[Times, tuple[Remark, ...]]:

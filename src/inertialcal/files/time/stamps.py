@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core import units
-from ...core.batches import changed, every, extremes, mean, near, where
+from ...core.batches import batches, changed, every, extremes, mean, near, where
 from ...core.batches.summaries import median, median_made
 from ...core.estimate import Numbers
 from ...core.recording import SECOND, Channel, Recording, Times
@@ -26,6 +26,7 @@ SERIAL_FIRST, SERIAL_LAST = 36_526, 73_051  # 2000-01-01 and 2100-01-01 as sprea
 SERIAL_EPOCH = 25_569  # 1970-01-01, in such days
 MICROSECOND = 1_000  # [ns]: float64 holds no less of a day of such a number
 WIDEST = 9.2e18  # [ns]
+EXACT = 2.0**44  # [ns]: smaller products of float64 are right to a thousandth of a nanosecond
 ISO = re.compile(
     r"[0-9]{4}-[0-9]{2}-[0-9]{2}[T ][0-9]{2}:[0-9]{2}(?::[0-9]{2}(?:[.,][0-9]{1,9})?)?"
     r"\s*(?P<zone>Z|UTC|[+-][0-9]{2}:?[0-9]{2})?"
@@ -64,11 +65,13 @@ def serial_ns(values: Numbers) -> Times:
 
 def is_utc(time_ns: Times) -> bool:
     """Whether stamps lie in 2001 to 2099."""
-    return epoch_unit(time_ns) == "ns"
+    return bool(len(time_ns)) and epoch_unit(time_ns[:1]) == "ns" and epoch_unit(time_ns) == "ns"
 
 
 def beyond_epoch(values: Numbers) -> NDArray[np.int64]:
     """Return the index of each stamp [s] that is later than 2099: it has digits too many."""
+    if len(values) and max(np.abs(np.array(extremes(values), dtype=np.float64))) < EPOCH_LAST:
+        return np.empty(0, dtype=np.int64)
     return where(values, lambda part: np.abs(part.astype(np.float64)) >= EPOCH_LAST)
 
 
@@ -88,14 +91,23 @@ def to_ns(values: Numbers, unit: str) -> Times | None:
         Of time.
     """
     per_unit = units.factor(unit, "s") * SECOND
-    if len(values) and not every(values, lambda part: np.abs(part.astype(np.float64)).max() * per_unit < WIDEST):
-        return None
-    return changed(values, lambda part: _in_ns(part, per_unit), np.int64)
+    most = 0.0
+    for first, stop in batches(values, size=near()):
+        part = values[first:stop]
+        largest = max(abs(float(part.min())), abs(float(part.max()))) * per_unit
+        if not largest < WIDEST:  # NaN too
+            return None
+        most = max(most, largest)
+    return changed(values, lambda part: _in_ns(part, per_unit, most), np.int64)
 
 
-def _in_ns(values: Numbers, per_unit: float) -> Times:
+def _in_ns(values: Numbers, per_unit: float, most: float = WIDEST) -> Times:
+    """Return stamps in nanoseconds, of which ``most`` is the largest."""
     if values.dtype.kind in "iu" and per_unit == round(per_unit):
         return values.astype(np.int64) * int(per_unit)
+    if most < EXACT:  # the product is as fine as the number itself
+        product = np.multiply(values, per_unit, dtype=np.float64)
+        return np.rint(product, out=product).astype(np.int64)
     numbers = values.astype(np.float64)
     whole = np.floor(numbers)
     # Apart, so that a stamp of 1e9 s keeps the nanoseconds that float64 holds of it.

@@ -96,7 +96,7 @@ class TimeAxis:
         return int(self.gaps.missing.sum())
 
 
-def analyse(time_ns: Times, averaging: float | None = None) -> TimeAxis:
+def analyse(time_ns: Times, averaging: float | None = None, steps: Steps | None = None) -> TimeAxis:
     """Return what the stamps say about interval, jitter, gaps and order.
 
     Parameters
@@ -105,6 +105,8 @@ def analyse(time_ns: Times, averaging: float | None = None) -> TimeAxis:
         Stamps [ns].
     averaging : float, optional
         Length of the window that each sample is the mean of [s].
+    steps : Steps, optional
+        Of the stamps (`steps_of`), where they are known.
 
     Raises
     ------
@@ -117,7 +119,7 @@ def analyse(time_ns: Times, averaging: float | None = None) -> TimeAxis:
     first, last = min(low for low, _ in ends), max(high for _, high in ends)
     if last - first > WIDEST:
         raise DataError(f"stamps span {(last - first) / SECOND:.3g} s, more than 292 years", code="time_range")
-    steps = _steps_of(time_ns)
+    steps = steps_of(time_ns) if steps is None else steps
     forward = steps.where(steps.length > 0)
     none = np.empty(0, dtype=np.int64)
     repeated = where_steps(time_ns, lambda step: step == 0) if np.any(steps.length == 0) else none
@@ -190,18 +192,23 @@ class Steps:
         return float(0.5 * (size[low] + size[high]))
 
 
-def _steps_of(time_ns: Times) -> Steps:
+def steps_of(time_ns: Times) -> Steps:
     """Return the different steps of stamps, counted a batch at a time."""
     found = Steps(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))
     for first, stop in batches(time_ns[:-1], size=near()):
         steps = np.diff(time_ns[first : stop + 1])
-        least = int(steps.min())
-        if int(steps.max()) - least < FEW_STEPS:
+        least, largest = int(steps.min()), int(steps.max())
+        if least == largest:  # an even clock
+            one = Steps(steps[:1], np.array([len(steps)]))
+        elif largest - least < FEW_STEPS:
             counted = np.bincount(steps - least)
             length = np.flatnonzero(counted)
             one = Steps(length + least, counted[length])
         else:
             one = Steps(*np.unique(steps, return_counts=True))
+        if np.array_equal(found.length, one.length):
+            found = Steps(found.length, found.count + one.count)
+            continue
         length, at = np.unique(np.concatenate((found.length, one.length)), return_inverse=True)
         count = np.zeros(len(length), dtype=np.int64)
         np.add.at(count, at, np.concatenate((found.count, one.count)))
