@@ -1084,7 +1084,7 @@ MUTANTS = (
     Mutant("linearity.py", "mean) + between * float", "mean) + 0.0 * between * float", "test_rate_table_offsets"),
     Mutant("linearity.py", "residuals - square * parts", "residuals", "test_rate_table_offsets"),
     Mutant("own_offsets.py", "len(weight) - 1.0 if seen", "len(weight) - 0.0 if seen", "test_rate_table_offsets"),
-    Mutant("own_offsets.py", "spread + between * np.eye(count)", "spread", "test_rate_table_offsets"),
+    Mutant("own_offsets.py", "1.0 / (size + between)", "1.0 / size", "test_rate_table_offsets"),
     Mutant("quantities.py", "other.size**2 * np.outer", "0.0 * np.outer", "test_rate_table_offsets"),
     Mutant("regression.py", "1.0 / (within + dwell)", "1.0 + 0.0 * (within + dwell)", "test_rate_table_offsets"),
     Mutant(
