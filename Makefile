@@ -21,13 +21,13 @@ test slow: export OMP_NUM_THREADS := 1
 test: $(READY)  ## the default suite
 	$(BIN)/python -m pytest -m "not slow and not bench" -n 2 --dist worksteal --benchmark-disable --durations=20
 
-slow: $(READY)  ## long coverage runs
+slow: $(READY)  ## a part of each long run; make coverage has all of it
 	$(BIN)/python -m pytest -m "slow and not bench" -n 2 --dist worksteal --benchmark-disable --durations=20
 
 coverage: long  ## do the 95 % intervals hold the truth, n = 1,000: RIGS="npsat1 mesa", TESTS=tests/procedures/flip
 	$(BIN)/python tests/coverage_runs.py $(RIGS)
 	PYTHONPATH=tests OMP_NUM_THREADS=1 $(BIN)/python -m independent.coverage --n 1000 --resume
-	INERTIALCAL_COVERAGE=full $(BIN)/python -m pytest -m "slow and not bench" --durations=20 $(or $(TESTS),tests/procedures tests/rigs tests/campaign)
+	INERTIALCAL_COVERAGE=full $(BIN)/python -m pytest -m "slow and not bench" --durations=20 $(or $(TESTS),tests)
 
 long: $(READY)  ## a record longer than memory through allan, under 1 GiB: ROWS=1e9 (needs 20 GB of disk)
 	$(BIN)/python tests/speed/long_record.py $(ROWS)

@@ -81,7 +81,7 @@ def check(right: str, content: Any, said: str, folder: Path) -> None:
             assert abs(value - true) <= FEW * u + ROUND, own[0]
     elif what in ("rate", "start", "unit", "mean"):
         (found, *_) = content["results"]
-        channel = next((one for one in found["channels"] if one["name"].split(" ")[0] == rest[0]), {})
+        channel: dict[str, Any] = next((one for one in found["channels"] if one["name"].split(" ")[0] == rest[0]), {})
         if what == "rate":
             assert found["time"]["sample_rate"] == pytest.approx(float(rest[0]), rel=1e-3)
         elif what == "start":
@@ -112,7 +112,8 @@ def obey(case: Case, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
         re.findall(r"(?<=\s)--?[a-z][a-z-]*", case.typed)
     ):
         assert re.search(rf"(?<![\w-]){option}\b", flat) or option in ("--yes", "--help", "-o"), (option, flat)
-    status, content, after = 0, {}, ""
+    content: dict[str, Any] = {}
+    status, after = 0, ""
     for line in obeyed.split(" ; "):
         status, content, after = typed(capsys, line)
         assert status == 0, (line, after)

@@ -34,6 +34,7 @@ from inertialcal.procedures.thermal.correction import ThermalCorrection
 from inertialcal.procedures.thermal.terms import model_terms as thermal_terms
 from inertialcal.sensors.noise.terms import RandomWalk, RateRandomWalk
 from inertialcal.statistics.intervals import contains, covers, t_interval
+from sized import sized
 
 G = 9.80665
 NG = 1e-9 * G
@@ -141,7 +142,7 @@ def test_intervals_of_scale_factors_hold_the_truth(case: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_intervals_of_scale_factors_hold_the_truth_in_95_percent(case: str) -> None:
-    check_scale_factor(case, 60)
+    check_scale_factor(case, sized(60, 25))
 
 
 # A sensor at rest
@@ -239,7 +240,7 @@ def test_positions_after_a_thermal_test_hold_over_temperature_and_best_where_the
 
 @pytest.mark.slow
 def test_the_model_after_both_holds_the_truth_in_95_percent() -> None:
-    every = [calibrated(seed) for seed in range(1, 61)]
+    every = [calibrated(seed) for seed in range(1, sized(60, 25) + 1)]
     for temperature in (REFERENCE, WARM, 0.0):
         for k, axis in enumerate("xyz"):
             true = float(HEAT.bias(temperature)[k])

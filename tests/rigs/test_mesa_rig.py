@@ -122,7 +122,7 @@ def test_files_give_the_figures_of_what_is_in_memory(tmp_path: Path) -> None:
 
 
 def test_the_interval_holds_the_truth_in_a_few_campaigns() -> None:
-    (scale,) = coverage(mesa.RIG.twin, 20)
+    (scale,) = coverage(mesa.RIG.twin, 8)
     assert covers(scale.hits, scale.n)
     assert scale.missing == 0
 

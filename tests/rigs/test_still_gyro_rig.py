@@ -18,6 +18,7 @@ from inertialcal.core.units import factor
 from inertialcal.rigs.still_gyro import rig as still_gyro
 from inertialcal.rigs.still_gyro.rig import Bench, build
 from inertialcal.rigs.twin import SEAL, SEED, Twin
+from sized import sized
 
 SMALL = Bench(records=1, samples=3_000, skipped=0.0)
 
@@ -83,5 +84,5 @@ def test_files_give_the_figures_of_what_is_in_memory(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_the_stated_intervals_hold_the_truth() -> None:
     bench = replace(SMALL, samples=2_000)
-    for one in coverage(lambda seed: build(bench, seed), 100):
+    for one in coverage(lambda seed: build(bench, seed), sized(100, 40)):
         assert one.verdict == "PASS", (one.key, one.hits, one.n)

@@ -15,6 +15,7 @@ from inertialcal.core.estimate import Array
 from inertialcal.statistics.clustered import clustered_contrasts, clustered_covariance
 from inertialcal.statistics.intervals import contains, covers, t_interval
 from inertialcal.statistics.least_squares import fit, fit_correlated
+from sized import sized
 
 EXACT = 1e-9  # relative
 
@@ -160,7 +161,7 @@ def test_an_own_constant_of_each_run_leaves_the_slope_estimated() -> None:
     assert dof[-1] == pytest.approx(alone_dof[0], rel=EXACT)
 
 
-@pytest.mark.parametrize("n", [300, pytest.param(3000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("n", [300, pytest.param(sized(3000, 1000), marks=pytest.mark.slow)])
 def test_intervals_from_unequal_runs_keep_their_promise(n: int) -> None:
     hits = np.zeros(2, dtype=int)
     for seed in range(1, n + 1):

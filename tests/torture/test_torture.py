@@ -11,7 +11,7 @@ from sized import sized
 from torture import judged_trial, seeds_in
 
 pytestmark = pytest.mark.usefixtures("drawn_anew")  # figures that are kept would be writes outside
-FEW = 20
+FEW = 8
 SOME = sized(400, 100)  # with `make slow`; `make torture` has 5,000
 
 

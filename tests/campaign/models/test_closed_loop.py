@@ -95,7 +95,7 @@ def false_alarms(n: int, runs: int) -> int:
 
 @pytest.mark.parametrize("runs", [pytest.param(1, marks=pytest.mark.slow), 3])
 def test_no_difference_seldom_fails(runs: int) -> None:
-    assert binomial_interval(false_alarms(80, runs), 80)[0] <= RISK
+    assert binomial_interval(false_alarms(40, runs), 40)[0] <= RISK
 
 
 @pytest.mark.slow

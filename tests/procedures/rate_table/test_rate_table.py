@@ -342,7 +342,7 @@ def test_coverage_long(plan: Plan) -> None:
 
 
 def test_dwell_mean_interval_holds_a_new_dwell_in_a_new_run() -> None:
-    held, n = 0, 150
+    held, n = 0, 60
     for seed in range(1, n + 1):
         rng = np.random.default_rng(seed)
         truth = replace(random_truth(rng), run_scale_std=1e-3)

@@ -17,6 +17,7 @@ from inertialcal.core.results import Row
 from inertialcal.procedures.sensitivity.levels import PressureLevels, pressure_levels
 from inertialcal.procedures.sensitivity.readings import ConditionRecording
 from inertialcal.statistics.intervals import contains, covers
+from sized import sized
 
 PLAIN = Chamber()
 THERE = ("x", "temperature", "pressure", "pump")
@@ -143,7 +144,7 @@ def test_intervals_hold_the_truth() -> None:
     replace(PLAIN, warms=8.0, slope=1e-3), replace(PLAIN, runs=3),
 ], ids=["plain", "walk", "scatter", "warms", "three"])  # fmt: skip
 def test_intervals_hold_the_truth_of_many(truth: Chamber) -> None:
-    n = 60
+    n = sized(60, 25)
     hits, counts = held(truth, n)
     if truth.walk:  # the walk inside a block counts as noise of a sample
         hits = Counter({name: one for name, one in hits.items() if name.startswith("bias")})

@@ -16,6 +16,7 @@ from inertialcal.core.errors import DataError
 from inertialcal.procedures.sensitivity.warm_up import warm_up_curves, warm_up_loops, warm_up_rows
 from inertialcal.procedures.sensitivity.warm_up_model import PowerUps, WarmUpModel, stretches_of, warm_up_model
 from inertialcal.statistics.intervals import contains, covers, t_interval
+from sized import sized
 
 SPREAD = starts(-20.0, 40.0, 6)
 PLAIN = Chamber()
@@ -227,7 +228,7 @@ def test_intervals_hold_the_truth() -> None:
     ids=["plain", "scatter", "walk", "three", "two_times", "by_start", "heated", "bent", "sizes", "half_the_record"],
 )
 def test_intervals_hold_the_truth_of_many(truth: Chamber) -> None:
-    n = 60
+    n = sized(60, 25)
     hits, counts = held(truth, n)
     assert counts["warm_up_time_1"] >= 0.9 * n
     assert all(covers(hits[name], counts[name]) for name in counts), (hits, counts)

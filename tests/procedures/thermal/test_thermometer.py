@@ -18,8 +18,9 @@ from inertialcal.procedures.thermal.plan import Plan, Thermometer
 from inertialcal.procedures.thermal.recordings import Readings, Sweep
 from inertialcal.procedures.thermal.thermometer import judge_error, thermometer_rows
 from inertialcal.statistics.intervals import covers
+from sized import sized
 
-CAMPAIGNS, FEW = 60, 12
+CAMPAIGNS, FEW = sized(60, 30), 12
 BENCH = Bench()
 NOMINAL = Thermometer(0.0264, -0.5, 25.0)
 STATED = {"thermometer.temperature": Influence(0.2, "degC", standard="thermometer", quantity="temperature")}

@@ -12,6 +12,7 @@ from inertialcal.sensors.noise.fitting.estimator import fit
 from inertialcal.sensors.noise.fitting.noise_fit import NoiseFit
 from inertialcal.sensors.noise.terms import BiasInstability, Quantization, RandomWalk, RateRandomWalk, Term
 from inertialcal.statistics.intervals import contains, covers
+from sized import sized
 
 SHORT = (RandomWalk(1.0), BiasInstability(0.3), RateRandomWalk(0.04))  # 20 Hz: flicker, a walk, or both
 ROUNDED = (*SHORT[:1], Quantization(0.02), BiasInstability(0.25), RateRandomWalk(0.02))  # an angle: hidden by N
@@ -72,6 +73,6 @@ def test_the_interval_of_white_noise_allows_for_a_rounded_angle_that_stays_hidde
     ids=["short", "rounded", "walk", "flicker", "both"],
 )  # fmt: skip
 def test_intervals_and_limits_hold_the_truth_where_terms_are_chosen(terms: tuple[Term, ...], n: int) -> None:
-    found = rates(terms, n, 400)
+    found = rates(terms, n, sized(400, 100))
     kept = {name: covers(sum(held), len(held)) or np.mean(held) > 0.95 for name, held in found.items()}
     assert all(kept.values()), {name: (np.mean(held), len(held)) for name, held in found.items()}

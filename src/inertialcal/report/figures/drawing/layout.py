@@ -100,6 +100,8 @@ def _across(axes: Sequence[Axes], broad: float, rows: Sequence[tuple[float, floa
 def _legible(ax: Axes, ticks: Ticks, broad: float) -> Ticks:
     """Return ticks over decades of both signs; of labels that would touch, the one nearer to zero is left out."""
     places, labels = list(ticks[0]), list(ticks[1])
+    if not places:
+        return ticks
     shares = ax.transAxes.inverted().transform(ax.get_xaxis_transform().transform([(one, 0.0) for one in places]))[:, 0]
     at = shares * ax.get_position().width * broad
     first = sorted(range(len(places)), key=lambda i: (places[i] != 0.0, -abs(places[i])))  # zero, then the largest
