@@ -135,7 +135,11 @@ def test_what_adds_up_to_a_rate_is_asked_for(quantity: Any) -> None:
     [
         ({"quantity": "increment"}, UsageError, "is in deg/s: a rate, not an increment"),
         ({"quantity": "phase"}, UsageError, "quantity"),
-        ({"scale_factor": {"gyro": "2 V/g"}}, UsageError, "does not make it a rate"),
+        (
+            {"scale_factor": {"gyro": "2 V/g"}},
+            UsageError,
+            "scale_factor is given, and the readings are in deg/s already",
+        ),
         ({"scale_factor": {"mag": "2 count/(deg/s)"}}, UsageError, "no channel or group"),
         ({"deviation": "theo1"}, UsageError, "deviation"),
         ({"taus": "every"}, UsageError, "taus"),
