@@ -433,7 +433,9 @@ def from_arrow(values: ArrowColumn, layout: Layout, name: str, i: int) -> Column
     numbers, empty = arrow_numbers(values)
     if numbers.dtype.kind == "i":
         return _column(name, numbers, layout, i, empty, empty[:0])
-    if not len(empty) and np.isfinite(numbers.sum()):  # one pass
+    with np.errstate(over="ignore", invalid="ignore"):
+        finite = not len(empty) and np.isfinite(numbers.sum())  # one pass
+    if finite:
         return _column(name, numbers, layout, i, empty, empty)
     if np.isinf(numbers).any():
         return None
