@@ -18,6 +18,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import numpy as np
 
@@ -181,14 +182,14 @@ def _read(path: Path) -> tuple[str, int, int, Counter[str]]:
     from inertialcal.core.errors import InertialcalError
     from inertialcal.files import apart, read
 
-    apart.is_possible = lambda: False  # this process is one of its own
     try:
-        try:
-            found = read(path)
-        except InertialcalError as error:
-            if not error.problems[0].choices:
-                raise
-            found = read(path, topics=error.problems[0].choices[:1])
+        with mock.patch.object(apart, "is_possible", return_value=False):  # this process is one of its own
+            try:
+                found = read(path)
+            except InertialcalError as error:
+                if not error.problems[0].choices:
+                    raise
+                found = read(path, topics=error.problems[0].choices[:1])
     except InertialcalError as error:
         problem = error.problems[0]
         return f"refused: {problem.code}", 0, 0, Counter([problem.what])
