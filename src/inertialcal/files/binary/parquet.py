@@ -27,7 +27,7 @@ from ..budget import COLUMNS, PARTS, READ, VALUE, check_count, claim, claim_room
 from ..columns import Column, Content, LongColumns, Rows, ahead
 from ..reader import Reader
 from ..source import FileBytes, Loaded, as_data_errors
-from ..text.delimited import arrow_numbers, text_in_numbers
+from ..text.delimited import arrow_numbers, sum_is_finite, text_in_numbers
 from ..text.layout import BLANKS, judge
 
 if TYPE_CHECKING:
@@ -329,7 +329,7 @@ def arrow_column(values: ChunkedArray, field: Field, path: str) -> Column | str:
 
 def _literal(numbers: NDArray[Any], empty: Rows) -> Rows:
     """Return the places of NaN and infinity that are no null."""
-    if not len(empty) and np.isfinite(numbers.sum()):  # one pass
+    if not len(empty) and sum_is_finite(numbers):
         return empty
     return np.setdiff1d(np.flatnonzero(~np.isfinite(numbers)), empty, assume_unique=True)
 

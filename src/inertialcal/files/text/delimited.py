@@ -433,9 +433,7 @@ def from_arrow(values: ArrowColumn, layout: Layout, name: str, i: int) -> Column
     numbers, empty = arrow_numbers(values)
     if numbers.dtype.kind == "i":
         return _column(name, numbers, layout, i, empty, empty[:0])
-    with np.errstate(over="ignore", invalid="ignore"):
-        finite = not len(empty) and np.isfinite(numbers.sum())  # one pass
-    if finite:
+    if not len(empty) and sum_is_finite(numbers):
         return _column(name, numbers, layout, i, empty, empty)
     if np.isinf(numbers).any():
         return None
@@ -519,3 +517,9 @@ def _across(text: str, layout: Layout, where: str) -> Content:
         content = content_of([column], np.arange(len(cells)), downward)
     remark = Remark("values_across", "info", f"one line of {len(cells)} numbers: read as one column", where)
     return replace(content, rows=None, format=layout.words, remarks=(*content.remarks, remark))
+
+
+def sum_is_finite(numbers: NDArray[Any]) -> bool:
+    """Return whether the sum is finite, and so each number: one pass. False decides nothing: sums may overflow."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return bool(np.isfinite(numbers.sum()))
