@@ -129,7 +129,7 @@ def test_the_interval_holds_the_truth_in_a_few_campaigns() -> None:
 
 @pytest.mark.slow
 def test_the_interval_holds_the_truth_without_bias_and_null_runs_are_zero() -> None:
-    n, held, alarms, errors = sized(1000, 100), 0, 0, []
+    n, held, alarms, errors = sized(1000, 60), 0, 0, []
     for seed in range(1, n + 1):
         twin = mesa.RIG.twin(seed)
         (result,) = fit_results(twin)
