@@ -223,7 +223,7 @@ def test_coverage_of_a_few_twins() -> None:
 
 @pytest.mark.slow
 def test_coverage_of_the_suite() -> None:
-    n = sized(300, 12)
+    n = sized(300, 20)
     found = coverage(npsat1.RIG.twin, n)
     assert missed(found) == []
     assert all(one.n == n for one in found if one.key.quantity in COVERED)

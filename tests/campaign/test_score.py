@@ -202,7 +202,7 @@ def failures(found: tuple[Coverage, ...]) -> dict[str, Any]:
     return {str(one.key): (one.hits, one.n) for one in found if not covers(one.hits, one.n, KNOWN)}
 
 
-@pytest.mark.parametrize("n", [8, pytest.param(sized(1000, 60), marks=pytest.mark.slow)])
+@pytest.mark.parametrize("n", [8, pytest.param(sized(1000, 100), marks=pytest.mark.slow)])
 def test_coverage_of_the_rig(n: int) -> None:
     """Bias and all nine matrix entries; earth rate, tilt, and scatter at every level (DESIGN, coverage)."""
     assert not failures(coverage(lambda seed: rate_table.build(BENCH, seed), n))
@@ -216,4 +216,4 @@ def test_coverage_with_balanced_standards_long() -> None:
         unit = draw_gyro(bench.inverted, np.random.default_rng([seed, 1]))
         return rate_table.build(bench, seed, replace(unit, walk=WALK))
 
-    assert not failures(coverage(make, sized(1000, 60)))
+    assert not failures(coverage(make, sized(1000, 100)))

@@ -83,7 +83,7 @@ def test_a_rough_end_of_an_interval_at_the_estimate_is_no_endless_loop() -> None
 @pytest.mark.parametrize("name", sorted(NAMES))
 def test_clean_files_hold_the_truth_in_more_campaigns(name: str) -> None:
     held = stated = 0
-    for seed in range(1, sized(40, 8) + 1):
+    for seed in range(1, sized(40, 15) + 1):
         a, b = hits(case := BASES[name](seed), tried(case))
         held, stated = held + a, stated + b
     low, high = binomial(held, stated)

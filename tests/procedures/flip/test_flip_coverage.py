@@ -22,7 +22,7 @@ from inertialcal.statistics.intervals import covers
 from sized import FULL, sized
 
 CORNERS = (0.0, 0.01, 0.1)  # of the 1/f noise [Hz]; 0: white alone
-LONG, FURTHER = range(1, sized(1000, 25) + 1), range(1, sized(1000, 30) + 1)
+LONG, FURTHER = range(1, sized(1000, 40) + 1), range(1, sized(1000, 60) + 1)
 SHORT = range(1, 8)  # shows gross mistakes alone
 MINUTES = 8.0  # for 3,000 flips on PROCESSES
 PROCESSES = 2

@@ -51,7 +51,7 @@ def hits(bench: Bench, seeds: range, known: bool = True) -> dict[str, int]:
 
 
 SMALL = replace(BENCH, temperatures=(-20.0, 20.0, 60.0, 40.0, 0.0, 50.0), rounds=1)
-SLOW = sized(200, 15)  # campaigns
+SLOW = sized(200, 25)  # campaigns
 FAR = 8.0  # standard uncertainties, of four degrees of freedom: once in 1,000 of a figure
 
 
