@@ -19,7 +19,7 @@ from ...core.batches import release
 from ...core.estimate import Array
 from ..time.samples import Flags, Indices
 from .blocks import Blocks, pieces, together
-from .loops import loops
+from .loops import exact_loops
 
 FEWEST = 64  # samples that a scale needs
 FAR = 7.0  # scales
@@ -63,7 +63,7 @@ def scale_of(x: NDArray[Any]) -> Scale:
     first, rows = pieces(x)
     off = np.empty_like(rows)
     for own in together(len(first)):
-        loops(len(x)).fill_pieces(x, first[own], off[own])
+        exact_loops(len(x)).fill_pieces(x, first[own], off[own])
         release(x)
     apart = np.abs(np.diff(rows, axis=1))
     apart = apart[np.isfinite(apart) & (apart > 0.0)]
@@ -100,7 +100,7 @@ def far_samples(blocks: Blocks, scale: Scale, at_rest: bool) -> tuple[Stretches,
     room = ROOM
     while True:
         at, off = np.empty(room, dtype=np.int64), np.empty(room)
-        found = loops(len(blocks.x)).fill_far(blocks.x, blocks.size, which, scale.limit, SKIRT * scale.limit, at, off)
+        found = exact_loops(len(blocks.x)).fill_far(blocks.x, blocks.size, which, scale.limit, SKIRT * scale.limit, at, off)
         release(blocks.x)
         if found <= room:
             break

@@ -17,7 +17,7 @@ from ...core.batches import batches
 from ...core.estimate import Array
 from ..time.samples import Indices
 from .blocks import Blocks, pieces
-from .loops import PRINT, loops
+from .loops import PRINT, exact_loops
 
 CHANCE = 1e-5  # of stuck stretches and copies each, a record
 PILED = 4e-4  # of a pile at an end: four samples of noise lie on its last code by chance at times
@@ -172,7 +172,7 @@ def _rail(blocks: Blocks, habits: Habits, skip: Indices, step: float, sign: floa
         return None
     whole = np.flatnonzero(extreme == end)
     starts, stops = np.empty((2, ROOM), dtype=np.int64)
-    runs = int(loops(len(blocks.x)).fill_runs(blocks.x, blocks.size, whole, sign * end, starts, stops))
+    runs = int(exact_loops(len(blocks.x)).fill_runs(blocks.x, blocks.size, whole, sign * end, starts, stops))
     starts, stops = starts[: min(runs, ROOM)], stops[: min(runs, ROOM)]
     kept = ~np.isin(starts, skip)
     starts, stops = starts[kept], stops[kept]
@@ -305,14 +305,14 @@ def stuck(blocks: Blocks, habits: Habits, ends: tuple[float, ...]) -> tuple[Held
     runs = set()
     for i in order.tolist():
         a, b = int(likely[first[i]]) * size, min((int(likely[last[i]]) + 1) * size, n)
-        runs.add(loops(n).longest_equal(blocks.bits, a, b))
+        runs.add(exact_loops(n).longest_equal(blocks.bits, a, b))
     found = [
         Held(np.array([[a, b - 1]]), float(blocks.x[a]), b - a)
         for a, b in runs
         if b - a >= least and np.isfinite(float(blocks.x[a])) and float(blocks.x[a]) not in ends
     ]
     found.sort(key=lambda one: (-one.count, int(one.places[0, 0])))
-    others, squares = float(n), float(loops(n).squared_runs(blocks.x)) if found else 0.0
+    others, squares = float(n), float(exact_loops(n).squared_runs(blocks.x)) if found else 0.0
     for i, one in enumerate(found):
         others, squares = others - one.count, squares - float(one.count) ** 2
         if one.count < LONGER * squares / max(others, 1.0):
@@ -332,7 +332,7 @@ def copies(blocks: Blocks, habits: Habits) -> tuple[Copy, ...]:
     prints, place = np.empty(-(-n // size), dtype=np.uint64), np.empty(-(-n // size), dtype=np.int32)
     for first, stop in batches(bits, whole=size):
         own = slice(first // size, -(-stop // size))
-        loops(n).fill_prints(bits[first : stop + PRINT], size, prints[own], place[own])
+        exact_loops(n).fill_prints(bits[first : stop + PRINT], size, prints[own], place[own])
     ordered = np.sort(prints)
     twice = ordered[1:][(ordered[1:] == ordered[:-1]) & (ordered[1:] != 0)]
     if not len(twice):

@@ -1,10 +1,11 @@
 """The loops of ``_kernels`` for short records, in numpy: a compiler takes longer to load than they take to run.
 
-The functions take and fill what those of their names in ``_kernels`` do.
+The functions take and fill what those of their names in ``_kernels`` do: all but sums of samples, to the last bit.
 """
 
 from __future__ import annotations
 
+import itertools
 from typing import Any, cast
 
 import numpy as np
@@ -17,6 +18,8 @@ from ..time.samples import Flags, Indices
 Whole = np.integer[Any]
 
 SHORT = 2**17  # samples
+FEW = 500  # calls, some 20 records: after so many compiled loops pay, however short the records
+_calls = itertools.count()
 SUB, SIDE = 16, 15  # samples in which a glitch is looked for at once, and of a running median on each side
 WINDOW = 2 * SIDE + 1
 PRINT, CHANGES = 24, 6  # samples of a fingerprint, and changes of value that it needs
@@ -200,3 +203,8 @@ def loops(samples: int) -> type[Loops]:
     from . import _kernels  # noqa: PLC0415 - loads the compiler
 
     return cast("type[Loops]", _kernels)
+
+
+def exact_loops(samples: int) -> type[Loops]:
+    """Return the loops for a record of which no sum is taken, which are equal to the last bit; compiled after many."""
+    return loops(samples if next(_calls) < FEW else SHORT + 1)

@@ -61,6 +61,7 @@ Flags = NDArray[np.bool_]
 Prior = Mapping[str, tuple[Array, Array]]
 LOWER = ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2))
 ROW, COLUMN = np.array(LOWER).T
+FLAT = 3 * ROW + COLUMN
 STEPS, HALVINGS = 60, 12
 NAMES = tuple(MATRIX[3 * i + j] for i, j in LOWER) + BIAS  # of the parameters of T and b, named as those of A
 COARSE = 0.02  # singular value over the largest, below which the first steps leave a combination alone
@@ -432,9 +433,9 @@ def nominal(g: float) -> Array:
 
 def parts(theta: Array, g: float) -> tuple[Array, Array]:
     """Return T and b of scaled parameters."""
-    T = np.zeros((3, 3))
-    T[ROW, COLUMN] = theta[:6] / g
-    return T, theta[6:]
+    T = np.zeros(9)
+    T[FLAT] = theta[:6] / g
+    return T.reshape(3, 3), theta[6:]
 
 
 def lengths(theta: Array, r: Array, g: float) -> tuple[Array, Array, Array]:
