@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy import special
 
 from inertialcal.core.errors import DataError
-from inertialcal.core.estimate import Array, Component, Estimate, joined_dof, joins_to_fewer
+from inertialcal.core.estimate import Array, Component, Estimate, fewer_joined, joined_dof
 
 NAMES = ("scale_factor", "bias")
 UNITS = ("V/(deg/s)", "deg/s")
@@ -83,7 +83,7 @@ def test_whether_parts_join_to_fewer_degrees_of_freedom_than_asked() -> None:
     each, asked = np.exp(rng.uniform(-1.0, 8.0, size=(2, 2000)))
     joined = joined_dof(list(variances), [each] * 3)
     clear = np.abs(joined - asked) > 1e-6 * asked
-    assert np.array_equal(joins_to_fewer(variances, each, asked)[clear], (joined < asked)[clear])
+    assert np.array_equal(fewer_joined(variances, asked)(each)[clear], (joined < asked)[clear])
 
 
 def test_degrees_of_freedom_of_each_value() -> None:

@@ -15,7 +15,9 @@ from inertialcal.statistics.random_offsets import (
     TOLERANCE,
     Grouped,
     fit_with_offsets,
+    group_moments,
     offset_ratio,
+    restricted_deviance,
     whitened,
     whitening,
 )
@@ -41,6 +43,33 @@ def test_whitening_is_that_of_the_explicit_covariance(ratio: float, seed: int) -
     assert found.coefficients == pytest.approx(expected.coefficients, abs=1e-8)
     solve = whitening(found.transform @ found.basis.T, weights, numbers, ratio)
     assert solve @ y == pytest.approx(found.coefficients, abs=1e-8)
+
+
+@given(ratio=st.floats(1e-3, 1e3), seed=st.integers(0, 10_000))
+@settings(max_examples=30, deadline=None)
+def test_the_likelihood_is_that_of_the_explicit_covariance(ratio: float, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    numbers = np.repeat([0, 1, 2], [4, 6, 5])
+    weights, x, y = rng.uniform(0.2, 3.0, 15), rng.normal(size=15), rng.normal(size=15)
+    X = line(x)  # noqa: N806 - as in the module
+
+    def explicit(of: float) -> float:
+        inverse = np.linalg.inv(np.diag(1.0 / weights) + of * (numbers[:, None] == numbers))
+        left = y - X @ np.linalg.solve(X.T @ inverse @ X, X.T @ inverse @ y)
+        square = np.log(left @ inverse @ left)
+        return float(np.linalg.slogdet(X.T @ inverse @ X)[1] - np.linalg.slogdet(inverse)[1] + 13.0 * square)
+
+    moments = group_moments(X, y, weights, numbers)
+    change = restricted_deviance(moments, ratio) - restricted_deviance(moments, 1.0)
+    assert change == pytest.approx(explicit(ratio) - explicit(1.0), rel=1e-8, abs=1e-8)
+
+
+@pytest.mark.parametrize("design", [line(np.arange(6.0)), np.ones((6, 2))])
+def test_the_likelihood_where_nothing_is_left_or_the_design_is_singular(design: Array) -> None:
+    moments = group_moments(design, design @ np.array([2.0, 3.0]), np.ones(6), np.repeat([0, 1], 3))
+    values = [restricted_deviance(moments, ratio) for ratio in (0.0, 0.1, 10.0)]
+    assert np.all(np.isfinite(values))
+    assert (values[0] > 1e100) == (np.linalg.matrix_rank(design) < 2)
 
 
 def test_with_equal_designs_the_ratio_changes_nothing_and_the_uncertainty_is_that_of_the_groups_own_fits() -> None:

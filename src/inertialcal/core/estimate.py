@@ -16,7 +16,7 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
@@ -97,17 +97,20 @@ def joined_dof(variances: Sequence[Array], dofs: Sequence[Array | float], total:
     return np.asarray(np.where(alone, fewest, joined))
 
 
-def joins_to_fewer(variances: Array, each: Array, dof: Array) -> NDArray[np.bool_]:
+def fewer_joined(variances: Array, dof: Array) -> Callable[[Array], NDArray[np.bool_]]:
     """Return whether parts with the same degrees of freedom join to fewer than so many, without what they join to.
 
     Parameters
     ----------
     variances : ndarray, shape (parts, k)
         Of each part.
-    each : ndarray, shape (k,)
-        Finite degrees of freedom of all parts.
     dof : ndarray, shape (k,)
         Those of the sum that are asked about.
+
+    Returns
+    -------
+    callable
+        Of finite degrees of freedom of all parts, shape (k,): whether they join to fewer, shape (k,).
     """
     from scipy import special  # noqa: PLC0415 - as in `joined_dof`
 
@@ -115,12 +118,16 @@ def joins_to_fewer(variances: Array, each: Array, dof: Array) -> NDArray[np.bool
     whole = np.asarray(sum(variances), dtype=float)
     z_square = float(special.ndtri(p)) ** 2
     share = np.divide(variances, whole, out=np.zeros(variances.shape), where=(variances > 0.0) & (whole > 0.0))
-    own = special.stdtrit(each, p) ** 2 - z_square
-    excess = np.sum(share ** np.maximum(1.0, 2.0 - FEW / each), axis=0) * own
-    alone = excess >= own * (1.0 - SYMMETRY)
-    largest = special.stdtrit(dof, p) ** 2
-    between = (excess > NO_EXCESS) & (excess > largest - z_square)
-    return np.asarray((each < dof) & (alone | between) & np.any(share > 0.0, axis=0))
+    least = np.maximum(special.stdtrit(dof, p) ** 2 - z_square, NO_EXCESS)
+    acts = np.any(share > 0.0, axis=0)
+
+    def fewer(each: Array) -> NDArray[np.bool_]:
+        own = special.stdtrit(each, p) ** 2 - z_square
+        excess = np.sum(share ** np.maximum(1.0, 2.0 - FEW / each), axis=0) * own
+        found: NDArray[np.bool_] = (each < dof) & ((excess >= own * (1.0 - SYMMETRY)) | (excess > least)) & acts
+        return found
+
+    return fewer
 
 
 @dataclass(frozen=True, eq=False)

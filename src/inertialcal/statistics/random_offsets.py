@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import log
 from typing import Any
 
 import numpy as np
@@ -34,6 +35,7 @@ from .least_squares import Fit, fit
 LOGS = (-4.0, 6.0)  # of ratio times the weight of a group, powers of ten that are searched
 ROUNDING = 1e-14  # of the sum of squares, below which residuals are none
 LARGEST = 1e300
+TINY = float(np.finfo(float).tiny)
 TOLERANCE = 0.1  # of the logarithm, in powers of ten
 
 
@@ -132,23 +134,41 @@ def offset_ratio(moments: Grouped) -> float:
         return 0.0
     scale = float(np.mean(moments.weights))
     found = optimize.minimize_scalar(
-        lambda q: _cost(moments, 10.0**q / scale), bounds=LOGS, method="bounded", options={"xatol": TOLERANCE}
+        lambda q: restricted_deviance(moments, 10.0**q / scale),
+        bounds=LOGS,
+        method="bounded",
+        options={"xatol": TOLERANCE},
     )
     return float(10.0**found.x / scale)
 
 
-def _cost(moments: Grouped, ratio: float) -> float:
-    """Twice the negative restricted log likelihood, up to a constant."""
+def restricted_deviance(moments: Grouped, ratio: float) -> float:
+    """Return twice the negative logarithm of the restricted likelihood [2]_ of a ratio, up to a constant."""
     grown = 1.0 + ratio * moments.weights
     taken = moments.means * ((1.0 - 1.0 / grown) * moments.weights)[:, None]
     square = moments.square - moments.means.T @ taken
     p = len(square) - 1
-    sign, log_design = np.linalg.slogdet(square[:p, :p])
-    if sign <= 0.0:
-        return LARGEST
-    left = square[p, p] - square[p, :p] @ np.linalg.solve(square[:p, :p], square[:p, p])
-    left = max(float(left), ROUNDING * float(moments.square[p, p]), np.finfo(float).tiny)
-    return float(np.sum(np.log(grown)) + log_design + (moments.count - p) * np.log(left))
+    log_design, left = _factored(square)
+    left = max(left, ROUNDING * float(moments.square[p, p]), TINY)
+    return (
+        LARGEST if log_design is None else float(np.sum(np.log(grown)) + log_design + (moments.count - p) * log(left))
+    )
+
+
+def _factored(square: Array) -> tuple[float | None, float]:
+    """Return the logarithm of the determinant of a square without its last row and column, and what these leave.
+
+    No logarithm where it is not positive. Both stand on the diagonal of the Cholesky factor.
+    """
+    p = len(square) - 1
+    try:
+        root = np.diagonal(np.linalg.cholesky(square))
+        return 2.0 * float(np.sum(np.log(root[:p]))), float(root[p]) ** 2
+    except np.linalg.LinAlgError:  # nothing is left, or the design is singular
+        sign, log_design = np.linalg.slogdet(square[:p, :p])
+        if sign <= 0.0:
+            return None, 0.0
+        return float(log_design), float(square[p, p] - square[p, :p] @ np.linalg.solve(square[:p, :p], square[:p, p]))
 
 
 def group_moments(design: Array, readings: Array, weights: Array, numbers: NDArray[np.intp]) -> Grouped:

@@ -22,9 +22,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
-from scipy import optimize, stats
+from scipy import optimize, special
 
 from ..core.errors import DataError
 from ..core.estimate import Array
@@ -253,13 +254,19 @@ def _interval(known: Array, pull: Array, largest: float) -> tuple[float, float]:
         return float(np.sum(pull / np.maximum(known + square, nothing))) - quantile
 
     found = []
-    for quantile in stats.chi2.ppf([0.975, 0.025], len(pull)):
+    for quantile in _quantiles(len(pull)):
         if beyond(0.0, quantile) <= 0.0:
             found.append(0.0)
             continue
         high = largest + float(np.sum(pull)) / quantile  # there the sum is below the quantile
         found.append(float(np.sqrt(optimize.brentq(beyond, 0.0, high, args=(quantile,), xtol=1e-9 * largest))))
     return found[0], found[1]
+
+
+@lru_cache
+def _quantiles(dof: int) -> tuple[float, ...]:
+    """Return the values that chi-square does not exceed with 97.5 and 2.5 %."""
+    return tuple(special.chdtri(dof, [0.025, 0.975]).tolist())
 
 
 def _projector(design: Array, fixed: Array, square: float) -> Array:

@@ -100,7 +100,9 @@ def far_samples(blocks: Blocks, scale: Scale, at_rest: bool) -> tuple[Stretches,
     room = ROOM
     while True:
         at, off = np.empty(room, dtype=np.int64), np.empty(room)
-        found = exact_loops(len(blocks.x)).fill_far(blocks.x, blocks.size, which, scale.limit, SKIRT * scale.limit, at, off)
+        found = exact_loops(len(blocks.x)).fill_far(
+            blocks.x, blocks.size, which, scale.limit, SKIRT * scale.limit, at, off
+        )
         release(blocks.x)
         if found <= room:
             break

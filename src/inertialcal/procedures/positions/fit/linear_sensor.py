@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-from ....core.estimate import Array, joined_dof, joins_to_fewer
+from ....core.estimate import Array, fewer_joined, joined_dof
 from ....core.influence import Influence
 from ....core.key import AXES, Key, Origin, Reason
 from ....core.unknowns import Unknowns
@@ -220,9 +220,10 @@ def dof_of_each(shares: Array, dof: Array) -> Array:
     if not np.any(dof < MOST_DOF):
         return np.full(len(dof), np.inf)
     low, high = np.log(np.full(len(dof), LEAST_DOF)), np.log(dof.clip(LEAST_DOF, MOST_DOF))
+    fewer_with = fewer_joined(shares, dof)
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        fewer = joins_to_fewer(shares, np.exp(middle), dof)
+        fewer = fewer_with(np.exp(middle))
         low, high = np.where(fewer, middle, low), np.where(fewer, high, middle)
     return np.where(dof < MOST_DOF, np.exp(high), np.inf)
 
