@@ -51,7 +51,7 @@ def test_the_likelihood_is_that_of_the_explicit_covariance(ratio: float, seed: i
     rng = np.random.default_rng(seed)
     numbers = np.repeat([0, 1, 2], [4, 6, 5])
     weights, x, y = rng.uniform(0.2, 3.0, 15), rng.normal(size=15), rng.normal(size=15)
-    X = line(x)  # noqa: N806 - as in the module
+    X = line(x)
 
     def explicit(of: float) -> float:
         inverse = np.linalg.inv(np.diag(1.0 / weights) + of * (numbers[:, None] == numbers))

@@ -62,7 +62,8 @@ Prior = Mapping[str, tuple[Array, Array]]
 LOWER = ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2))
 ROW, COLUMN = np.array(LOWER).T
 FLAT = 3 * ROW + COLUMN
-STEPS, HALVINGS = 60, 12
+STEPS = 60
+SIZES = 0.5 ** np.arange(12.0)[:, None]  # of a step that are tried
 NAMES = tuple(MATRIX[3 * i + j] for i, j in LOWER) + BIAS  # of the parameters of T and b, named as those of A
 COARSE = 0.02  # singular value over the largest, below which the first steps leave a combination alone
 PLANE = 0.06  # spread of the positions across a plane [gravities], below which they lie in it
@@ -440,21 +441,16 @@ def parts(theta: Array, g: float) -> tuple[Array, Array]:
 
 def lengths(theta: Array, r: Array, g: float) -> tuple[Array, Array, Array]:
     """Return errors of length (m,), derivatives by the scaled parameters (m, 9), unit vectors (m, 3)."""
-    T, d, x, length = _forces(theta, r, g)
+    T, b = parts(theta, g)
+    d = r - b
+    x = d @ T.T
+    length = np.sqrt(np.einsum("mi,mi->m", x, x))
     jacobian = np.empty((len(r), 9))
     with np.errstate(divide="ignore", invalid="ignore"):  # a reading of no length has no direction: no solution
         u = x / length[:, None]
         jacobian[:, :6] = u[:, ROW] * d[:, COLUMN] / g
         jacobian[:, 6:] = -(u @ T)
     return length - g, jacobian, u
-
-
-def _forces(theta: Array, r: Array, g: float) -> tuple[Array, Array, Array, Array]:
-    """Return T, the readings less their offset, the specific forces and their lengths."""
-    T, b = parts(theta, g)
-    d = r - b
-    x = d @ T.T
-    return T, d, x, np.sqrt(np.einsum("mi,mi->m", x, x))
 
 
 def converged(
@@ -468,23 +464,30 @@ def converged(
         also = () if prior is None else prior(at).values()
         return np.concatenate([e, *(q for _, q in also)]), np.vstack([jacobian, *(rows for rows, _ in also)])
 
-    def cost_of(at: Array) -> float:
-        e = root * (_forces(at, r, g)[3] - g) if prior is None else errors(at)[0]
-        return float(e @ e)
+    def costs(trials: Array) -> Array:
+        """Return the cost of each of some parameters, shape (k,)."""
+        T = np.zeros((len(trials), 9))
+        T[:, FLAT] = trials[:, :6] / g
+        x = (r - trials[:, None, 6:]) @ T.reshape(-1, 3, 3).transpose(0, 2, 1)
+        e = root * (np.sqrt(np.einsum("kmi,kmi->km", x, x)) - g)
+        found: Array = np.einsum("km,km->k", e, e)
+        if prior is not None:
+            found += [sum(float(q @ q) for _, q in prior(at).values()) for at in trials]
+        return found
 
     e, jacobian = errors(theta)
-    cost = float(e @ e)
+    cost = float(costs(theta[None])[0])
     for _ in range(STEPS):
         step = np.linalg.lstsq(jacobian, -e, rcond=cut)[0]
-        for _ in range(HALVINGS):
-            trial = theta + step
-            new = cost_of(trial)  # at the minimum, where rounding decides, no step of all is taken
-            if new <= cost:
+        for sizes in (SIZES[:1], SIZES[1:]):  # the first is most often right
+            new = costs(theta + sizes * step)
+            lower = np.flatnonzero(new <= cost)  # at the minimum, where rounding decides, no step of all is taken
+            if len(lower):
                 break
-            step = 0.5 * step
         else:
             break
-        theta, cost = trial, new
+        step = float(sizes[lower[0], 0]) * step
+        theta, cost = theta + step, float(new[lower[0]])
         e, jacobian = errors(theta)
         if np.max(np.abs(step)) <= SETTLED * g:
             break
