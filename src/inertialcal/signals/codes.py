@@ -63,7 +63,7 @@ def _hardly_repeats(values: NDArray[np.generic], most: int) -> bool:
     """Return whether marks show more different values."""
     from ._kernels import count_marks  # noqa: PLC0415 - numba starts slowly
 
-    room, found = min(max(8 * len(values), 64).bit_length(), MARKS), 0
+    room, found = min(len(values).bit_length(), MARKS), 0  # few enough that a cache holds most of them
     marks = np.zeros(2 ** (room - 6), dtype=np.uint64)
     for first, stop in batches(values, size=CHUNK):
         found += count_marks(_bits(values[first:stop]), room, most - found, marks)
@@ -91,9 +91,11 @@ def _levels_in(values: NDArray[np.generic], most: int) -> Array | None:
 
 def _bits(part: NDArray[np.generic]) -> NDArray[np.uint64]:
     """Return the bits of finite values: -0.0 for 0.0, so that none are zero."""
-    values = part.astype(np.float64)
-    values = values[np.isfinite(values)]
-    values[values == 0.0] = -0.0
+    values = np.ascontiguousarray(part, dtype=np.float64)
+    if not (good := np.isfinite(values)).all():
+        values = values[good]
+    if not values.all():
+        values = np.where(values == 0.0, -0.0, values)
     return values.view(np.uint64)
 
 

@@ -308,7 +308,7 @@ def finite(x: NDArray[Any]) -> NDArray[np.bool_]:
 
 def count(x: NDArray[Any], holds: Callable[[NDArray[Any]], NDArray[np.bool_]]) -> int:
     """Return of how many samples something holds."""
-    return sum(int(np.count_nonzero(holds(x[first:stop]))) for first, stop in batches(x))
+    return sum(int(np.count_nonzero(holds(x[first:stop]))) for first, stop in batches(x, size=near()))
 
 
 def kept(x: NDArray[Any], flags: NDArray[np.bool_]) -> NDArray[Any]:

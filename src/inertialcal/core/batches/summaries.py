@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import batches, is_stored
+from . import batches, is_stored, near
 
 AT_ONCE = 2**20  # numbers that are held to take their median
 DIGIT = 16  # bits that are looked at in one pass
@@ -44,13 +44,14 @@ class Moments:
     def with_more(self, part: NDArray[Any]) -> Moments:
         """Return them with those of another batch, shape (k,)."""
         numbers = part.astype(np.float64, copy=False)
-        there = np.isfinite(numbers)
-        numbers = numbers if there.all() else numbers[there]
-        if not len(numbers):
-            return self
         with np.errstate(over="ignore", invalid="ignore"):  # values near the end of float64
+            if not np.isfinite(numbers.sum()):
+                numbers = numbers[np.isfinite(numbers)]
+            if not len(numbers):
+                return self
             mean = float(numbers.mean())
-            squares = float(np.sum((numbers - mean) ** 2))
+            deviation = numbers - mean
+            squares = float(deviation @ deviation)
             low, high, n = float(numbers.min()), float(numbers.max()), len(numbers)
             if not self.count:
                 return Moments(n, mean, squares, low, high)
@@ -62,7 +63,7 @@ class Moments:
 def moments(x: NDArray[Any]) -> Moments:
     """Return number, mean, scatter and extremes of the finite numbers of an array, shape (n,), in one pass."""
     found = Moments()
-    for first, stop in batches(x):
+    for first, stop in batches(x, size=near()):
         found = found.with_more(x[first:stop])
     return found
 
