@@ -43,15 +43,15 @@ def levels_of(values: NDArray[np.generic]) -> Levels:
     return Levels(*np.unique(values.astype(np.float64), return_counts=True))
 
 
-def resolution_of_values(values: NDArray[np.generic]) -> float | None:
+def resolution_of_values(values: NDArray[np.generic], finite: int | None = None) -> float | None:
     """Return the step of values, shape (n,), as `resolution` of their levels; None where there is none.
 
     Those that are not finite are left out. Of a long record nothing is sorted but its levels: a set holds them, unless
-    marks, one for each value, show before that they are too many.
+    marks, one for each value, show before that they are too many. ``finite``: how many are finite, where it is known.
     """
     if len(values) <= SORTED:
         return resolution(levels_of(values[np.isfinite(values)]))
-    finite = count(values, np.isfinite)
+    finite = count(values, np.isfinite) if finite is None else finite
     most = min(int(finite / REPEATS), LEVELS) + 1
     if finite < 2 or _hardly_repeats(values, most):
         return None

@@ -386,12 +386,13 @@ class Ready:
             raise DataError(what, entry.file, why, 'Say frame = "sensor"', "not_sensor_axes")
         chain = self.chain if self.chain is not None else chain_of(entry, sensor)
         kept = spec.ground_model == "bias_kept"
-        for channel in {one.column for one in (entry.channels or {}).values()} & {*self.raw.names}:
-            given = self.raw.channel(channel)
+        read = {one.column for one in (entry.channels or {}).values()} & {*self.raw.names}
+        for given in (self.raw.channel(channel) for channel in read):
             check_readings(given.name, given.data, given.unit, self.raw.place)
         body = in_body_axes(self.raw, self.name, entry, sensor, chain, self.model, kept, spec.as_wide)
+        looked_at = {id(self.raw.channel(channel).data) for channel in read}
         for one in body.channels:
-            if one.name in AXES:
+            if one.name in AXES and id(one.data) not in looked_at:
                 check_readings(one.name, one.data, one.unit, body.place)
         chosen = in_windows(body, self.of_test.windows)
         still = spec.still or spec.screening != "moving"

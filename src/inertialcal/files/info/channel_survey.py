@@ -98,7 +98,7 @@ def survey_channel(channel: Channel) -> ChannelSurvey:
         maximum=found.high,
         mean=found.mean,
         std=found.std,
-        resolution=resolution_of_values(channel.data),
+        resolution=resolution_of_values(channel.data, found.count),
     )
 
 

@@ -16,7 +16,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.batches import batches, changed, count, empty, kept, release
+from ...core.batches import batches, changed, count, empty, kept, near, release
 from ...core.batches.summaries import quantile
 from ...core.errors import PlanError
 from ...core.estimate import Array
@@ -109,9 +109,10 @@ def _pool_quiet(variance: Array) -> tuple[float, int]:
     many = 0
     for _ in range(ROUNDS):
         now, total = 0, 0.0
-        for first, stop in batches(variance):
-            quiet = variance[first:stop][variance[first:stop] <= limit * pooled]
-            now, total = now + len(quiet), total + float(np.sum(quiet))
+        for first, stop in batches(variance, size=near()):
+            part = variance[first:stop]
+            quiet = part <= limit * pooled
+            now, total = now + np.count_nonzero(quiet), total + float(np.sum(np.where(quiet, part, 0.0)))
         if now in (0, many):  # as many blocks are the same blocks: those below a limit
             break
         many, pooled = now, total / now

@@ -20,7 +20,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.batches import batches, changed, empty, made, zeros
+from ...core.batches import batches, changed, empty, made, near, zeros
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array, Numbers
 from ...core.recording import SECOND, Times
@@ -103,7 +103,7 @@ def samples_of(
 def all_finite(values: Array) -> Flags:
     """Return where every channel has a value, shape (n,)."""
     found = empty(len(values), bool)
-    for first, stop in batches(found, values):
+    for first, stop in batches(found, values, size=near()):
         np.isfinite(values[first:stop, 0], out=found[first:stop])
         for own in values.T[1:]:
             found[first:stop] &= np.isfinite(own[first:stop])
