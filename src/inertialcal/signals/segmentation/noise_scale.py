@@ -112,7 +112,7 @@ def _pool_quiet(variance: Array) -> tuple[float, int]:
         for first, stop in batches(variance, size=near()):
             part = variance[first:stop]
             quiet = part <= limit * pooled
-            now, total = now + np.count_nonzero(quiet), total + float(np.sum(np.where(quiet, part, 0.0)))
+            now, total = now + int(np.count_nonzero(quiet)), total + float(np.sum(np.where(quiet, part, 0.0)))
         if now in (0, many):  # as many blocks are the same blocks: those below a limit
             break
         many, pooled = now, total / now

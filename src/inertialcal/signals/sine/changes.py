@@ -75,8 +75,10 @@ def jumps(records: Sequence[Array], chance: float) -> list[Jump | None]:
     """
     widths = (*WINDOWS, 2 * WINDOWS[-1])
 
+    sums = [_sums_of(x) for x in records]
+
     def seen(w: int) -> tuple[list[Array], list[float]]:
-        own = [contrast(x, w) for x in records]
+        own = [_contrast_of(one, w) for one in sums]
         return own, [_scale(one) for one in own]
 
     every_width = each_of(seen, widths, len(widths) * sum(map(len, records)))
@@ -115,15 +117,28 @@ def _shown(size: float, noise: float) -> float:
 
 def contrast(x: Array, w: int) -> Array:
     """Return the contrast of four windows of w readings around the first of the third; NaN where some lack readings."""
-    found = np.full(len(x), np.nan)
-    many = min(len(x) - 2 * w, len(x) - 4 * w + 1)
-    if many < 1:
-        return found
-    part, good = found[2 * w : 2 * w + many], np.isfinite(x)
+    return _contrast_of(_sums_of(x), w)
+
+
+def _sums_of(x: Array) -> tuple[Array, NDArray[np.int64] | None]:
+    """Return the running sum of readings, and of how many there are; None where there are all."""
+    good = np.isfinite(x)
     if good.all():
-        _kernels.four_windows(_running(x), w, part)
+        return _running(x), None
+    return _running(np.where(good, x, 0.0)), _running(good.astype(np.int64))
+
+
+def _contrast_of(running: tuple[Array, NDArray[np.int64] | None], w: int) -> Array:
+    sums, counts = running
+    n = len(sums) - 1
+    many = max(min(n - 2 * w, n - 4 * w + 1), 0)
+    found = np.empty(n)
+    found[: 2 * w] = found[2 * w + many :] = np.nan
+    part = found[2 * w : 2 * w + many]
+    if counts is None:
+        _kernels.four_windows(sums, w, part)
     else:
-        _kernels.four_windows_with_gaps(_running(np.where(good, x, 0.0)), _running(good.astype(np.int64)), w, part)
+        _kernels.four_windows_with_gaps(sums, counts, w, part)
     return found
 
 
@@ -153,11 +168,19 @@ def cycle_amplitudes(rest: Array, drive: Array, cycle: NDArray[np.int64]) -> tup
     cycle : ndarray of int, shape (n,)
         Number of the cycle of each reading, ascending.
     """
-    seen = np.where(np.isfinite(rest), drive, 0.0)
-    power = np.bincount(cycle, seen**2)
-    each = np.bincount(cycle, np.nan_to_num(rest) * seen) / np.where(power > 0.0, power, 1.0)
+    first = np.searchsorted(cycle, np.arange(int(cycle[-1]) + 1)).astype(np.int64)
+    there = np.isfinite(rest)
+    if not there.all():
+        rest, drive = np.where(there, rest, 0.0), np.where(there, drive, 0.0)
+    power, product = (_summed(values, first) for values in (drive**2, rest * drive))
+    each = product / np.where(power > 0.0, power, 1.0)
     enough = power > 0.5 * np.median(power)
-    return each[enough], np.searchsorted(cycle, np.flatnonzero(enough)).astype(np.int64)
+    return each[enough], first[enough]
+
+
+def _summed(values: Array, first: NDArray[np.int64]) -> Array:
+    """Return the sums of values from each of some places, ascending, to the next; 0 where they are one."""
+    return np.where(np.diff(first, append=len(values)) > 0, np.add.reduceat(values, first), 0.0)
 
 
 def response_changes(amplitudes: Sequence[Array], chance: float) -> list[ResponseChange | None]:

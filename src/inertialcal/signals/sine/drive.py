@@ -20,6 +20,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...core.batches.summaries import median
 from ...core.errors import DataError
 from ...core.estimate import Array
 
@@ -38,9 +39,14 @@ class Drive:
     phase_known: bool  # whether the sign of what is in phase means anything
 
     @cached_property
+    def apart(self) -> Array:
+        """Time from sample to sample [s], shape (n - 1,)."""
+        return np.diff(self.times)
+
+    @cached_property
     def step(self) -> float:
         """Median time from sample to sample [s]."""
-        return float(np.median(np.diff(self.times)))
+        return median(self.apart)
 
     @property
     def span(self) -> float:
@@ -143,7 +149,7 @@ def averaging_response(frequency: float, averaging: float) -> float:
 
 def _ascending(times: ArrayLike) -> Array:
     t = np.asarray(times, dtype=np.float64)
-    if t.ndim != 1 or len(t) < 2 or not np.all(np.isfinite(t)) or not np.all(np.diff(t) > 0.0):
+    if t.ndim != 1 or len(t) < 2 or not np.isfinite(t[[0, -1]]).all() or not np.all(t[1:] > t[:-1]):
         raise DataError(f"times of shape {t.shape}", do="Need two or more, finite and ascending [s]", code="bad_time")
     return t
 
@@ -151,7 +157,7 @@ def _ascending(times: ArrayLike) -> Array:
 def _visible_components(drive: Drive) -> Drive:
     """Return the drive without the quadrature where no sample shows it; refuse what samples cannot tell."""
     turn = drive.frequency * drive.step
-    even = np.ptp(np.diff(drive.times)) < 1e-3 * drive.step
+    even = np.ptp(drive.apart) < 1e-3 * drive.step
     half_line = 0.5 / len(drive.times)
     if even and turn > 0.5 + half_line:
         what = f"a period of {1.0 / drive.frequency:.6g} s, samples every {drive.step:.6g} s"

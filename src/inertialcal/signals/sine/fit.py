@@ -210,7 +210,7 @@ def design_of(drive: Drive) -> Design:
         cell = np.where(enough[cell], np.cumsum(enough)[cell] - 1, -1)
     kept = counts[enough].astype(np.float64)
     line = [drive.in_phase] if drive.quadrature is None else [drive.in_phase, drive.quadrature]
-    columns = _means(np.column_stack([periods, *line]), cell, kept)
+    columns = np.column_stack([_means(one, cell, kept) for one in (periods, *line)])
     parts = _parts(len(kept), step)
     stretches = tuple(stretch_of(columns[one, 0], columns[one, 1:], step) for one in parts)
     return Design(drive, stretches, parts, cell, kept)
@@ -221,7 +221,7 @@ def _means(values: Array, cell: NDArray[np.int64], counts: Array) -> Array:
         return values
     own = values if cell.min() >= 0 else values[cell >= 0]
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64)
-    return np.asarray(np.add.reduceat(own, starts, axis=0) / counts[:, None])
+    return np.asarray((np.add.reduceat(own, starts, axis=0).T / counts).T)
 
 
 def _parts(n: int, step: float) -> tuple[slice, ...]:
