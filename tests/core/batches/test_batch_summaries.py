@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from inertialcal.core import batches as b
 from inertialcal.core.batches import summaries
-from inertialcal.core.batches.summaries import median, moments
+from inertialcal.core.batches.summaries import median, medians, moments
 from inertialcal.core.estimate import Array
 
 ROUNDING = 1e-12
@@ -60,3 +60,10 @@ def test_moments_are_those_of_all_finite_numbers(level: float, n: int, size: int
 def test_integers_and_the_largest_numbers() -> None:
     assert moments(np.array([1, 2, 4], dtype=np.int16)).mean == pytest.approx(7 / 3)
     assert not np.isfinite(moments(np.array([1.7e308, 1.7e308])).std or 0.0)
+
+
+@given(rows=st.integers(1, 3), values=st.lists(st.floats(-1e9, 1e9), min_size=1, max_size=40))
+@settings(max_examples=60, deadline=None)
+def test_medians_are_those_of_each_row(rows: int, values: list[float]) -> None:
+    x = np.stack([np.roll(values, k) + k for k in range(rows)])
+    np.testing.assert_array_equal(medians(x), np.median(x, axis=1))

@@ -142,6 +142,32 @@ def test_short_records_show_what_long_ones_do(kind: str, monkeypatch: pytest.Mon
             np.testing.assert_allclose(one.size, other.size, rtol=1e-9)
 
 
+@pytest.mark.parametrize("kind", ["f8", "f4", "i4"])
+def test_loops_that_take_no_sum_are_equal_to_the_last_bit(kind: str) -> None:
+    draw = rng(4)
+    for _ in range(4):
+        x = np.rint(30.0 * draw.standard_normal(3_001)).astype(kind)
+        x[200:230], x[2_000:2_300] = 7, x[1_000:1_300]
+        if kind != "i4":
+            x[draw.integers(0, len(x), 60)] = np.nan
+        bits = x.view(f"i{x.dtype.itemsize}") if kind != "i4" else x
+        first, which = np.arange(0, 2_900, 97), np.arange(0, 94, 2)
+        outs: list[list[np.ndarray[Any, Any]]] = []
+        for loops in (Loops, _kernels):
+            off = np.empty((len(first), 64))
+            at, size, starts, stops = np.zeros((4, 500), dtype=np.int64)
+            far = size.astype(float)
+            prints, place = np.zeros(94, dtype=np.uint64), np.zeros(94, dtype=np.int32)
+            loops.fill_pieces(x, first, off)
+            counts = [loops.fill_far(x, 32, which, 60.0, 50.0, at, far)]
+            counts += [loops.fill_runs(x, 32, which, 7.0, starts, stops), *loops.longest_equal(bits, 190, 240)]
+            counts += [loops.squared_runs(bits)]
+            loops.fill_prints(bits, 32, prints, place)
+            outs.append([off, at, far, starts, stops, prints, place, np.array(counts)])
+        for own, compiled in zip(*outs, strict=True):
+            np.testing.assert_array_equal(own, compiled)
+
+
 def test_a_step_contrast_shows_two_thirds_of_a_step_and_nothing_of_a_slope() -> None:
     out = np.empty(60 - 16 + 1)
     for y, expected in ((np.arange(60.0), 0.0), (np.where(np.arange(60) < 30, 0.0, 1.5), 1.0)):

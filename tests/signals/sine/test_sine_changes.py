@@ -112,3 +112,19 @@ def test_a_contrast_is_one_of_means_over_windows_with_half_of_their_readings(val
             a, b, c, d = (float(np.nanmean(one)) for one in windows)
             expected = (c - b) - (d - a) / 3.0
         np.testing.assert_allclose(found[i], expected, atol=1e-9)
+
+
+@given(seed=st.integers(0, 10_000), cycles=st.integers(1, 12), missing=st.floats(0.0, 0.7))
+def test_the_amplitude_of_a_cycle_is_that_of_its_own_least_squares(seed: int, cycles: int, missing: float) -> None:
+    rng = np.random.default_rng(seed)
+    cycle = np.sort(rng.integers(0, cycles, 60))  # some may have no reading
+    rest, drive = rng.normal(size=60), rng.normal(size=60)
+    rest[rng.random(60) < missing] = np.nan
+    found, first = cycle_amplitudes(rest, drive, cycle)
+    good = np.isfinite(rest)
+    power = np.array([np.sum(drive[good & (cycle == k)] ** 2) for k in range(cycle[-1] + 1)])
+    there = np.flatnonzero(power > 0.5 * np.median(power))
+    assert first.tolist() == [int(np.flatnonzero(cycle == k)[0]) for k in there]
+    own = [good & (cycle == k) for k in there]
+    expected = [float(rest[one] @ drive[one] / (drive[one] @ drive[one])) for one in own]
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12)

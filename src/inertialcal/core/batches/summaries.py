@@ -112,6 +112,14 @@ def _median_of(x: NDArray[Any]) -> float:
         return float(np.mean(both)) + 0.0  # no -0.0; one number is not summed: it may be large
 
 
+def medians(rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the median of each row, shape (k,), none of them empty; all are finite."""
+    half = rows.shape[1] // 2
+    parted = np.partition(rows, half, axis=1)  # of two ranks it takes thrice as long
+    upper: NDArray[np.float64] = parted[:, half]
+    return upper if rows.shape[1] % 2 else 0.5 * (parted[:, :half].max(axis=1) + upper)
+
+
 def quantile(x: NDArray[Any], share: float) -> float:
     """Return the quantile of finite numbers, shape (n,), a straight line between the two nearest ranks."""
     rank = int(share * (len(x) - 1))

@@ -30,6 +30,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ...core.batches import batches, empty, is_stored, kept, near, release, rows_taken, taken, zeros
+from ...core.batches.summaries import medians
 from ...core.estimate import Array
 from ...statistics.quantiles import chi_square_quantile, f_upper
 from ..threads import each_of, shares
@@ -253,11 +254,7 @@ def _measured_widening(jumps: Jumps, white: Array, w: int, cuts: Indices) -> Arr
     if len(free) < FEWEST:
         return None
     rows = jumps.at(free)
-    half = rows.shape[1] // 2
-    parted = np.partition(rows, half, axis=1)
-    upper: Array = parted[:, half]
-    median = upper if rows.shape[1] % 2 else 0.5 * (parted[:, :half].max(axis=1) + upper)
-    ratio: Array = np.divide(median, HALF_NORMAL * white, out=np.zeros(len(white)), where=white > 0.0)
+    ratio: Array = np.divide(medians(rows), HALF_NORMAL * white, out=np.zeros(len(white)), where=white > 0.0)
     return ratio
 
 

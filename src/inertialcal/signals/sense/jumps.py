@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.batches.summaries import medians
 from ...core.estimate import Array
 from ..time.samples import Indices
 
@@ -177,7 +178,7 @@ def candidates(x: Array) -> list[int]:
         means = _block_means(columns, size) if size > 1 else columns
         gap = 1 if size == 1 else 2  # the block of the jump itself is a mixture
         step = np.abs(means[:, gap:] - means[:, :-gap])
-        typical = np.maximum(np.median(step, axis=1), 1e-9 * np.abs(means).max(axis=1))[:, None]
+        typical = np.maximum(medians(step), 1e-9 * np.abs(means).max(axis=1))[:, None]
         beside = np.zeros_like(step)
         width = NEIGHBOURS
         widest = _widest(step, width)
@@ -186,7 +187,8 @@ def candidates(x: Array) -> list[int]:
         beside[:, :-shift] = np.maximum(beside[:, :-shift], widest[:, shift:])
         with np.errstate(divide="ignore", invalid="ignore"):
             excess = np.max(np.where(typical > 0.0, (step - ABRUPT * beside) / typical, 0.0), axis=0)
-        for row in np.argsort(excess)[: -CANDIDATES - 1 : -1].tolist():
+        most = np.argpartition(excess, -min(CANDIDATES, len(excess)))[-CANDIDATES:]
+        for row in most[np.argsort(-excess[most])].tolist():
             if excess[row] > 3.0:
                 place = row + 1 if size == 1 else _best_split(x, row * size, (row + gap + 1) * size)
                 near = [one for one in found if abs(place - one) <= SIDE[0]]  # shorter means tell the sample better
@@ -231,8 +233,8 @@ def _whole(jump: Jump, columns: Array, size: int, means: Array) -> Jump:
         return jump
     before, after = means[:, : jump.at // size], _block_means(columns[:, jump.at :], size)
     for part, n in ((before, jump.at), (after, total - jump.at)):
-        level = np.median(part, axis=1)
-        scatter = 1.4826 * np.median(np.abs(part - level[:, None]), axis=1)
+        level = medians(part)
+        scatter = 1.4826 * medians(np.abs(part - level[:, None]))
         lines.append(Line(level, 0.5 * scatter, scatter * np.sqrt(size), n))
     whole = Jump(jump.at, *lines)
     # The record has to jump there, too: what was laid on another side before or after is no jump

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...core.batches.summaries import medians
 from ...core.estimate import Array
 from ..time.samples import Flags
 
@@ -64,7 +65,7 @@ class Noise:
 def middle_of(logs: Array) -> Array:
     """Return the median of each channel's finite logarithms; NaN where there are none."""
     finite = [column[np.isfinite(column)] for column in logs.T]
-    return np.array([np.median(column) if len(column) else np.nan for column in finite])
+    return np.array([medians(column[None])[0] if len(column) else np.nan for column in finite])
 
 
 def refined(x: Array, at: int, size: int, noise: Noise) -> int:
