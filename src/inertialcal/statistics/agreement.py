@@ -126,7 +126,10 @@ def repeated_median_line(x: ArrayLike, y: ArrayLike) -> tuple[float, float]:
         return float("nan"), float("nan")
     run, rise = (values[:, np.newaxis] - values[np.newaxis] for values in (first, second))
     slopes = np.divide(rise, run, out=np.full_like(rise, np.nan), where=run != 0.0)
-    slope = float(np.median(np.nanmedian(slopes, axis=1)))
+    slopes.sort(axis=1)  # NaN last
+    known = np.count_nonzero(run, axis=1)[:, np.newaxis]
+    middle = (np.take_along_axis(slopes, at, axis=1) for at in ((known - 1) // 2, known // 2))
+    slope = float(np.median(0.5 * sum(middle)))
     return slope, float(np.median(second - slope * first))
 
 

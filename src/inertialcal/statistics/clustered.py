@@ -24,6 +24,7 @@ References
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -87,16 +88,34 @@ def clustered_contrasts(fit: Fit, clusters: NDArray[Any], contrasts: Array) -> t
     DataError
         As `clustered_covariance`.
     """
+    return clustered(fit, clusters).contrasts(contrasts)
+
+
+@dataclass(frozen=True, eq=False)
+class Clustered:
+    """A fit, and what its clusters disagree about: for several contrasts of one fit."""
+
+    fit: Fit
+    gram: Array  # Q_g' Q_g of the basis in each cluster, shape (R, p, p)
+    adjust: Array  # A_g Q_g = Q_g F_g, shape (R, p, p)
+    score: Array  # what each moves the coefficients of the basis by, shape (R, p)
+
+    def contrasts(self, rows: Array) -> tuple[Array, Array]:
+        """Return covariance and degrees of freedom of combinations, rows (m, p), as `clustered_contrasts`."""
+        to_contrast = rows @ self.fit.transform
+        spread = to_contrast @ self.score.T
+        return spread @ spread.T, _satterthwaite(self.gram, self.adjust, to_contrast)
+
+
+def clustered(fit: Fit, clusters: NDArray[Any]) -> Clustered:
+    """Return a fit with what its clusters, labels (n,), disagree about; raises as `clustered_covariance`."""
     order, starts = _clusters(fit, clusters)
     Q = fit.basis[order]
     root = 1.0 if fit.weights is None else np.sqrt(fit.weights)
     e = (fit.residuals * root)[order]
-    gram = np.add.reduceat(Q[:, :, None] * Q[:, None, :], starts)  # Q_g' Q_g, (R, p, p)
-    adjust = _inverse_root(gram)  # A_g Q_g = Q_g F_g
-    score = np.einsum("gij,gj->gi", adjust, np.add.reduceat(Q * e[:, None], starts))
-    to_contrast = contrasts @ fit.transform
-    spread = to_contrast @ score.T
-    return spread @ spread.T, _satterthwaite(gram, adjust, to_contrast)
+    gram = np.add.reduceat(Q[:, :, None] * Q[:, None, :], starts)
+    adjust = _inverse_root(gram)
+    return Clustered(fit, gram, adjust, np.einsum("gij,gj->gi", adjust, np.add.reduceat(Q * e[:, None], starts)))
 
 
 def _clusters(fit: Fit, clusters: NDArray[Any]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

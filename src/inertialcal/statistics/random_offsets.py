@@ -27,6 +27,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize
+from scipy.linalg import lapack
 
 from ..core.errors import DataError
 from ..core.estimate import Array
@@ -161,14 +162,14 @@ def _factored(square: Array) -> tuple[float | None, float]:
     No logarithm where it is not positive. Both stand on the diagonal of the Cholesky factor.
     """
     p = len(square) - 1
-    try:
-        root = np.diagonal(np.linalg.cholesky(square))
-        return 2.0 * float(np.sum(np.log(root[:p]))), float(root[p]) ** 2
-    except np.linalg.LinAlgError:  # nothing is left, or the design is singular
-        sign, log_design = np.linalg.slogdet(square[:p, :p])
-        if sign <= 0.0:
-            return None, 0.0
-        return float(log_design), float(square[p, p] - square[p, :p] @ np.linalg.solve(square[:p, :p], square[:p, p]))
+    factor, failed = lapack.dpotrf(square, lower=1)
+    if not failed:
+        *root, last = factor.diagonal().tolist()
+        return 2.0 * sum(map(log, root)), float(last) ** 2
+    sign, log_design = np.linalg.slogdet(square[:p, :p])  # nothing is left, or the design is singular
+    if sign <= 0.0:
+        return None, 0.0
+    return float(log_design), float(square[p, p] - square[p, :p] @ np.linalg.solve(square[:p, :p], square[:p, p]))
 
 
 def group_moments(design: Array, readings: Array, weights: Array, numbers: NDArray[np.intp]) -> Grouped:

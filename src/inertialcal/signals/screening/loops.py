@@ -18,7 +18,7 @@ from ..time.samples import Flags, Indices
 Whole = np.integer[Any]
 
 SHORT = 2**17  # samples
-FEW = 500  # calls, some 20 records: after so many compiled loops pay, however short the records
+FEW = 1_500  # calls, some 100 records: after so many compiled loops pay, however short the records
 _calls = itertools.count()
 SUB, SIDE = 16, 15  # samples in which a glitch is looked for at once, and of a running median on each side
 WINDOW = 2 * SIDE + 1

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -99,18 +100,18 @@ class Cells:
     def __len__(self) -> int:
         return len(self.temperature)
 
-    @property
+    @cached_property
     def runs(self) -> int:
         """Number of runs that have a cell."""
         return len(np.unique(self.run))
 
-    @property
+    @cached_property
     def shared_bins(self) -> Indices:
         """Bins that were seen on both paths."""
         warm, cool = (np.unique(self.bin[self.path == way]) for way in (WARMING, COOLING))
         return np.asarray(np.intersect1d(warm, cool))
 
-    @property
+    @cached_property
     def ways(self) -> tuple[int, ...]:
         """Paths that there are."""
         return tuple(int(one) for one in np.unique(self.path))

@@ -40,7 +40,7 @@ from numpy.typing import ArrayLike
 
 from ....core.errors import DataError
 from ....core.estimate import Array
-from ....statistics.clustered import clustered_contrasts
+from ....statistics.clustered import Clustered, clustered, clustered_contrasts
 from ....statistics.intervals import coverage_factor
 from ....statistics.least_squares import Fit, fit
 from ....statistics.polynomial import Polynomial
@@ -107,17 +107,25 @@ class Law:
 
     def contrasts(self, rows: Array) -> tuple[Array, Array]:
         """Covariance and degrees of freedom of combinations of P, shapes (m, m) and (m,); dof 0: not known."""
-        return self._of(self.fit, rows, 0)
+        return self._of(self._clustered, rows, 0)
 
     def path_contrasts(self, rows: Array) -> tuple[Array, Array, Array]:
         """Values, covariance and degrees of freedom of combinations of D."""
-        covariance, dof = self._of(self.path_fit, rows, self.order + 1)
+        covariance, dof = self._of(self._path_clustered, rows, self.order + 1)
         return rows @ self.path_fit.coefficients[self.order + 1 :], covariance, dof
 
-    def _of(self, found: Fit, rows: Array, start: int) -> tuple[Array, Array]:
-        whole = np.zeros((len(rows), found.coefficients.size))
+    @cached_property
+    def _clustered(self) -> Clustered:
+        return clustered(self.fit, self.clusters)
+
+    @cached_property
+    def _path_clustered(self) -> Clustered:
+        return self._clustered if self.path_fit is self.fit else clustered(self.path_fit, self.clusters)
+
+    def _of(self, found: Clustered, rows: Array, start: int) -> tuple[Array, Array]:
+        whole = np.zeros((len(rows), found.fit.coefficients.size))
         whole[:, start : start + rows.shape[1]] = rows
-        return clustered_contrasts(found, self.clusters, whole)
+        return found.contrasts(whole)
 
 
 def law_of(cells: Cells, order: int) -> Law:
