@@ -8,7 +8,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import ArrayLike
 
-from inertialcal.signals.codes import SORTED, coarse_steps, levels_of, resolution, resolution_of_values
+from inertialcal.signals.codes import (
+    MARKED,
+    REPEATS,
+    SORTED,
+    _hardly_repeats,
+    coarse_steps,
+    levels_of,
+    resolution,
+    resolution_of_values,
+)
 
 
 def _step(values: ArrayLike) -> float | None:
@@ -69,3 +78,14 @@ def test_a_long_record_has_the_step_of_its_levels(step: float) -> None:
     x = np.round(x / step) * step if step else x
     assert resolution_of_values(x) == resolution(levels_of(x))
     assert (resolution_of_values(x) is None) == (step < 1e-3)
+
+
+@pytest.mark.parametrize("kind", ["floats", "codes", "whole numbers"])
+def test_a_look_at_part_of_the_values_says_that_they_hardly_repeat_only_where_they_do(kind: str) -> None:
+    rng, n = np.random.default_rng(3), 2 * MARKED
+    for share, marked in ((0.49, False), (0.5, False), (0.6, True), (1.0, True)):
+        many = int(share * n)
+        each = {"floats": rng.normal(size=many), "codes": 1.2e-5 * np.arange(many) - 3.0}.get(
+            kind, np.arange(many) * 1.0
+        )
+        assert _hardly_repeats(rng.permutation(np.resize(each, n)), int(n / REPEATS) + 1) == marked

@@ -33,16 +33,20 @@ def fill_first(time_ns: NDArray[np.int64], length: int, first: NDArray[np.int64]
 
 
 @compiled
-def count_marks(words: NDArray[np.uint64], room: int, most: float, marks: NDArray[np.uint64]) -> int:
-    """Mark a place of 2^room for each word, by a hash of it; return how many are marked, once they are more than most.
+def count_marks(words: NDArray[np.uint64], room: int, fold: int, most: float, marks: NDArray[np.uint64]) -> int:
+    """Mark a place of 2^room for words, by a hash of each; return how many are marked, once they are more than most.
 
-    Equal words have one place, so that as many words differ at least. ``marks``: a bit a place, 0 at first.
+    Equal words have one place, so that as many words differ at least. Of 2^fold different words one counts, by other
+    bits of its hash. ``marks``: a bit a place, 0 at first.
     """
     found = 0
-    shift = np.uint64(64 - room)
+    shift, rest = np.uint64(64 - room - fold), np.uint64((1 << fold) - 1)
     for word in words:
         mixed = (word ^ (word >> np.uint64(32))) * np.uint64(0x9E3779B97F4A7C15)
-        place = ((mixed ^ (mixed >> np.uint64(29))) * np.uint64(0xBF58476D1CE4E5B9)) >> shift
+        mixed = ((mixed ^ (mixed >> np.uint64(29))) * np.uint64(0xBF58476D1CE4E5B9)) >> shift
+        if mixed & rest:
+            continue
+        place = mixed >> np.uint64(fold)
         at, bit = place >> np.uint64(6), np.uint64(1) << (place & np.uint64(63))
         if not marks[at] & bit:
             marks[at] |= bit

@@ -14,7 +14,10 @@ from ..core.show.rounding import number
 
 REPEATS = 2.0  # a step is looked for where values occur at least this often on average
 SORTED = 100_000  # values up to which they are sorted without a look whether they repeat
-MARKS = 28  # places for marks at most, as a power of 2: 32 MiB
+MARKED = 2**19  # values of which each different one is marked; of more one in 2, 4, ..., that a cache holds the marks
+SURE = (
+    1.05  # of the different values that are looked for: by so many of those that are marked it is beyond 6 deviations
+)
 CHUNK = 2**15  # samples looked at together
 LEVELS = 2**24  # most levels that a converter has
 OFF_STEP = 0.02  # largest distance from a whole number of steps, in steps
@@ -63,11 +66,12 @@ def _hardly_repeats(values: NDArray[np.generic], most: int) -> bool:
     """Return whether marks show more different values."""
     from ._kernels import count_marks  # noqa: PLC0415 - numba starts slowly
 
-    room, found = min(len(values).bit_length(), MARKS), 0  # few enough that a cache holds most of them
-    marks = np.zeros(2 ** (room - 6), dtype=np.uint64)
+    fold = max((len(values) // MARKED).bit_length() - 1, 0)
+    room, found, enough = (len(values) >> fold).bit_length() + 2, 0, most * (SURE if fold else 1.0) / 2**fold
+    marks = np.zeros(2 ** max(room - 6, 0), dtype=np.uint64)
     for first, stop in batches(values, size=CHUNK):
-        found += count_marks(_bits(values[first:stop]), room, most - found, marks)
-        if found > most:
+        found += count_marks(_bits(values[first:stop]), room, fold, enough - found, marks)
+        if found > enough:
             return True
     return False
 
