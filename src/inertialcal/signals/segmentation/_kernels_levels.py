@@ -55,17 +55,28 @@ def count_above(x: Array, limits: Array, counts: Indices) -> None:
         there = min(len(room), len(x) - begin)
         sums, out, w = x[begin : begin + there], room, 1
         for k in range(len(limits)):
-            size, limit, many = min(batch, there - 2 * w + 1), limits[k] * w, 0
-            later = sums[w:]
-            for i in range(size):
-                here, after = sums[i], later[i]
-                out[i] = here + after
-                many += abs(after - here) > limit
-            for i in range(max(size, 0), there - 2 * w + 1):
-                out[i] = sums[i] + later[i]
-            counts[k] += many
+            left = max(there - 2 * w + 1, 0)
+            size = min(batch, left)
+            counts[k] += _far_apart(sums[:size], sums[w : w + size], limits[k] * w)
+            _add(sums[:left], sums[w : w + left], out[:left])
             sums, out, more = out, more, out
             w *= 2
+
+
+@compiled
+def _far_apart(here: Array, later: Array, limit: float) -> int:
+    """Return how many samples are further apart than a limit; a loop by itself takes many at once."""
+    many = 0
+    for i in range(len(here)):
+        many += abs(later[i] - here[i]) > limit
+    return many
+
+
+@compiled
+def _add(here: Array, later: Array, out: Array) -> None:
+    """Fill the sums of samples."""
+    for i in range(len(out)):
+        out[i] = here[i] + later[i]
 
 
 @compiled
@@ -124,9 +135,8 @@ def _sums(x: Array, w: int, one: Array, other: Array) -> tuple[Array, Array]:
         one[i] = x[i]
     width = 1
     while width < w:
-        later = one[width:]
-        for i in range(len(x) - 2 * width + 1):
-            other[i] = one[i] + later[i]
+        left = max(len(x) - 2 * width + 1, 0)
+        _add(one[:left], one[width : width + left], other[:left])
         one, other = other, one
         width *= 2
     return one, other
@@ -253,9 +263,8 @@ def fill_sums(x: Array, w: int, one: Array, other: Array, out: Array) -> None:
             done += width
         if done == w:
             return
-        to, later = one[: len(x) - width], x[width:]
-        for i in range(len(to)):
-            to[i] = x[i] + later[i]
+        to = one[: len(x) - width]
+        _add(x, x[width:], to)
         x, one, other = to, other, one
         width *= 2
 

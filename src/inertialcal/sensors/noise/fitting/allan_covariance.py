@@ -131,8 +131,11 @@ def _second_differences(t: Array, m1: Array, m2: Array, sizes: Array, exponentia
             found += flicker * j * j * np.log(np.where(j > 0.0, j, 1.0))
         for part, u, gain, excess in exponentials:
             x = u * j
-            series = -x * x * x * (1.0 - x * 0.25 * (1.0 - x * 0.2 * (1.0 - x / 6.0 * (1.0 - x / 7.0)))) / 6.0
-            found -= part * (gain * np.where(x < SMALL, series, np.exp(-x) - 1.0 + x - 0.5 * x * x) + excess * j)
+            decay = np.exp(-x) - 1.0 + x - 0.5 * x * x
+            small = np.flatnonzero(x < SMALL)
+            x = x[small]
+            decay[small] = -x * x * x * (1.0 - x * 0.25 * (1.0 - x * 0.2 * (1.0 - x / 6.0 * (1.0 - x / 7.0)))) / 6.0
+            found -= part * (gain * decay + excess * j)
         total += factor * (np.where(j == 0.0, sizes[0], found) if sizes[0] else found)
     return total
 
