@@ -269,8 +269,8 @@ MUTANTS = (
     ),
     Mutant(
         "two_levels.py",
-        "stats.chi2.ppf([0.975, 0.025], len(pull))",
-        "stats.chi2.ppf([0.975, 0.025], len(pull) + 3)",
+        "special.chdtri(dof, [0.025, 0.975])",
+        "special.chdtri(dof + 3, [0.025, 0.975])",
         "test_two_levels",
     ),
     Mutant(
@@ -390,6 +390,24 @@ MUTANTS = (
     ),
     Mutant(
         "edf.py", "exponent = BLUEST - power + 2 * modified", "exponent = BLUEST - power + modified", "test_allan_edf"
+    ),
+    Mutant(
+        "random_offsets.py",
+        "2.0 * sum(map(log, root)), float(last) ** 2",
+        "1.0 * sum(map(log, root)), float(last) ** 2",
+        "test_random_offsets",
+    ),
+    Mutant(
+        "summaries.py",
+        "0.5 * (parted[:, :half].max(axis=1) + upper)",
+        "0.5 * (parted[:, :half].min(axis=1) + upper)",
+        "test_batch_summaries",
+    ),
+    Mutant(
+        "changes.py",
+        "np.diff(first, append=len(values)) > 0",
+        "np.diff(first, append=len(values)) > -1",
+        "test_sine_changes",
     ),
     Mutant(
         "edf.py",

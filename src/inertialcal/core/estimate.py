@@ -118,7 +118,8 @@ def fewer_joined(variances: Array, dof: Array) -> Callable[[Array], NDArray[np.b
     whole = np.asarray(sum(variances), dtype=float)
     z_square = float(special.ndtri(p)) ** 2
     share = np.divide(variances, whole, out=np.zeros(variances.shape), where=(variances > 0.0) & (whole > 0.0))
-    least = np.maximum(special.stdtrit(dof, p) ** 2 - z_square, NO_EXCESS)
+    largest = special.stdtrit(dof, p) ** 2
+    least = np.maximum(largest - z_square, NO_EXCESS)
     acts = np.any(share > 0.0, axis=0)
 
     def fewer(each: Array) -> NDArray[np.bool_]:
