@@ -5,17 +5,19 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import re
 import shlex
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from advice_found import Advice, advices
-from advised_cases import CASES, OPEN, OPEN_AT_MOST, Case
+from advice_found import SOURCES, Advice, advices
+from advised_cases import CASES, INSTALLS, OPEN, OPEN_AT_MOST, Case
 from files_for_advice import write_files
 
 from typed_commands import call
@@ -133,8 +135,38 @@ def test_an_advice_that_is_obeyed_gives_what_is_right(
 def test_every_advice_of_the_sources_is_obeyed_or_stands_open_with_a_reason() -> None:
     found = {one.template: one.where for one in advices()}
     obeyed, left_open = {one.advice for one in CASES}, {text for texts in OPEN.values() for text in texts}
-    left = {template: where for template, where in found.items() if template not in obeyed | left_open}
+    left = {template: where for template, where in found.items()
+            if template not in obeyed | left_open and not INSTALLS.match(template)}  # fmt: skip
     assert not left, f"write a case for: {left}"
     assert not (gone := (obeyed | left_open) - found.keys()), f"no message says it any more: {gone}"
     assert not obeyed & left_open, "no longer open"
     assert len(left_open) <= OPEN_AT_MOST, "this list may only shrink"
+
+
+def test_an_extra_to_install_holds_what_was_missing() -> None:
+    """The network is not tried; what is imported where the advice stands is a package of the extra that it names."""
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())["project"]
+    extras = {name: {re.split(r"[<>=\[ ]", one)[0].lower() for one in packages}
+              for name, packages in project["optional-dependencies"].items()}  # fmt: skip
+    trees = {path: ast.parse(path.read_text(encoding="utf-8")) for path in SOURCES.rglob("*.py")
+             if "pip install" in (text := path.read_text(encoding="utf-8")) or "library(" in text}  # fmt: skip
+    read = {module for tree in trees.values() for module in _literals(tree, "library")}
+    advised = [one for one in advices() if INSTALLS.match(one.template)]
+    assert len(advised) >= len(extras.keys() & {"pdf", "sign", "frame", "formats"})
+    for one in advised:
+        extra = INSTALLS.match(one.template)[1]  # type: ignore[index]
+        path, line = SOURCES / one.where.split(":")[0], int(one.where.split(":")[1])
+        (tried,) = [node for node in ast.walk(trees[path]) if isinstance(node, ast.Try)
+                    and node.lineno < line <= (node.end_lineno or 0)]  # fmt: skip
+        named = {name.name for node in tried.body if isinstance(node, ast.Import) for name in node.names}
+        named |= {module for node in tried.body for module in _literals(node, "import_module")}
+        packages = {name.partition(".")[0].replace("_", "-") for name in named or read}
+        assert packages, one
+        assert packages <= extras[extra], one
+
+
+def _literals(tree: ast.AST, function: str) -> set[str]:
+    """Return the first arguments of the calls of a function."""
+    return {node.args[0].value for node in ast.walk(tree) if isinstance(node, ast.Call)
+            and getattr(node.func, "attr", getattr(node.func, "id", "")) == function
+            and isinstance(node.args[0], ast.Constant) and isinstance(node.args[0].value, str)}  # fmt: skip
