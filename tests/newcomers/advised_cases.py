@@ -487,7 +487,6 @@ OPEN: dict[str, tuple[str, ...]] = {  # by reason; this list may only shrink
     "no file yet that causes it": (
         "Name the column of each axis: --column {}=NAME. The file has: {}",
         "Convert them, or say the unit of those that have none: --unit NAME=V",
-        "Name a settings file. --write-example FILE writes one to begin with",
         "It is the driver's word, and used nowhere: inertialcal allan finds the noise",
         "To read another: --topic NAME",
         "Split it, or use: inertialcal programme-1969 FILE",
@@ -533,18 +532,8 @@ OPEN: dict[str, tuple[str, ...]] = {  # by reason; this list may only shrink
     ),
     "needs a PAD record or a head that is turned": ("Check plan.axis, columns and mounting (--axis {})",),
     "needs a record of a moved mass": (
-        "Write one with: inertialcal allan FILE --json > noise.json",
-        "Set body.stand_off, body.cube and body.count, or orbit; --write-example FILE shows all settings",
-        'Give it: --sample-time "NUMBER s"',
-        "If it is a recording and no deck of cards: --column COLUMN --half-period SAMPLES, or --period",
-        "Use: inertialcal sine, which takes each sample at its own time",
-        "Give --samples, or a longer series",
-        "Add: --column COLUMN",
-        "Use: inertialcal sine, which takes any period",
-        "Give a part: --from, --to or --samples",
-        "Add the column of the tilt meter: --tilt COLUMN",
         "Write a PDF: --build FILE.pdf",
         "Write the list alone: --build FILE.csv",
     ),
 }
-OPEN_AT_MOST = 52
+OPEN_AT_MOST = 41

@@ -176,7 +176,7 @@ LEVELS = (
     Case(
         'Give what a sample is the mean of, at most its interval: --averaging "{} s"',
         'sine wave.csv --column x=pulses --period "4 s" --averaging "1 s"',
-        'sine wave.csv --column x=pulses --period "4 s" --averaging "0 s"',
+        'sine wave.csv --column x=pulses --period "4 s"',
         "amplitude x 3",
     ),
     Case(
@@ -319,10 +319,76 @@ HEADS = (
 )
 MASSES = (
     Case(
+        "Add: --column COLUMN",
+        "programme-1969 series_tilt.csv --half-period 4",
+        "+ --column pulses",
+        "value amplitude 3",
+    ),
+    Case(
+        "If it is a recording and no deck of cards: --column COLUMN --half-period SAMPLES, or --period",
+        "programme-1969 series.csv",
+        "+ --column pulses --half-period 4",
+        "value amplitude 3",
+    ),
+    Case(
+        'Give it: --sample-time "NUMBER s"',
+        "programme-1969 series_no_time.csv --half-period 4",
+        '+ --sample-time "100 s"',
+        "value amplitude 3",
+    ),
+    Case(
+        "Use: inertialcal sine FILE --column x=COLUMN --period PERIOD",
+        "programme-1969 series_uneven.csv --half-period 4",
+        'sine series_uneven.csv --column x=pulses --period "800 s"',
+        "amplitude x 3",
+    ),
+    Case(
+        "Use: inertialcal sine FILE --column x=COLUMN --period PERIOD",
+        'programme-1969 series_other.csv --column pulses --period "750 s"',
+        'sine series_other.csv --column x=pulses --period "750 s"',
+        "amplitude x 3",
+    ),
+    Case(
+        "Give a part: --from, --to or --samples",
+        "programme-1969 series_long.csv --half-period 4",
+        "+ --samples 96",
+        "value amplitude 3",
+    ),
+    Case(
+        "Give --samples, or a longer series",
+        "programme-1969 series.csv --half-period 4 --samples 90",
+        "programme-1969 series.csv --half-period 4 --samples 88",
+        "value amplitude 3",
+    ),
+    Case(
+        "Add the column of the tilt meter: --tilt COLUMN",
+        'programme-1969 series_tilt.csv --column pulses --half-period 4 --reduction "tilt trace"',
+        "+ --tilt tilt",
+        "value amplitude 3",
+    ),
+    Case(
+        "Set body.stand_off, body.cube and body.count, or orbit; --write-example FILE shows all settings",
+        'plan mass-attraction --set "motion.stroke=10 cm, 40 cm" --set "motion.rig=0 cm, 60 cm" --set motion.direction=along',
+        '+ --set "body.cube=10 cm" --set body.count=8 --set "body.stand_off=7.6 cm"',
+        "done",
+    ),
+    Case(
+        "Write one with: inertialcal allan FILE --json > noise.json",
+        'plan mass-attraction --set "motion.stroke=10 cm, 40 cm" --set "motion.rig=0 cm, 60 cm" --set motion.direction=along --set "body.cube=10 cm" --set body.count=8 --set "body.stand_off=7.6 cm" --set noise.file=wave.csv --set noise.axis=x',
+        'allan acc_rest.csv --json > noise.json ; plan mass-attraction --set "motion.stroke=10 cm, 40 cm" --set "motion.rig=0 cm, 60 cm" --set motion.direction=along --set "body.cube=10 cm" --set body.count=8 --set "body.stand_off=7.6 cm" --set noise.file=noise.json --set noise.axis=x',
+        "done",
+    ),
+    Case(
+        "Name a settings file. --write-example FILE writes one to begin with",
+        "plan mass-attraction",
+        "plan mass-attraction --write-example moved.toml",
+        "done",
+    ),
+    Case(
         'Write --set GROUP.KEY=VALUE, like --set body.cube="5.08 cm"',
         "plan mass-attraction --set orbit.stand_off",
         'plan mass-attraction --set "orbit.stand_off=10.2 cm"',
-        "done",
+        "value attraction 1.28009",
     ),
     Case(
         "Add: --schedule schedule.csv",

@@ -72,7 +72,7 @@ def write_records(folder: Path) -> None:
     warm = replace(_model("air"), condition="", pressure_range=None, bias_temperature=np.full((1, 3), 1e-5),
                    reference_temperature=np.full(3, 20.0))  # fmt: skip
     write_model(folder / "no_range.json", warm)
-    for text in (_commas(), _pressures(), _temperatures(), _levels(), _faces(), _others()):
+    for text in (_series(), _commas(), _pressures(), _temperatures(), _levels(), _faces(), _others()):
         for name, content in text.items():
             (folder / name).write_text(content)
     _pads(folder)
@@ -104,6 +104,26 @@ def _commas() -> dict[str, str]:
     whole = [*cells[:7], "2", *cells[8:]]
     return {name: "time_ms;gyro_x [deg/s]\n" + "".join(f"{t};{one}\n" for t, one in zip(stamps, some, strict=True))
             for name, some in (("comma.csv", cells), ("comma_whole.csv", whole))}  # fmt: skip
+
+
+def _series() -> dict[str, str]:
+    """Return series of a drive of 3 at 800 s, 100 s apart, as the programme of 1969 takes them, or does not."""
+    rng, n = np.random.default_rng(51), 96
+
+    def wave(time: np.ndarray, period: float = 800.0) -> list[float]:
+        return rounded(1000.0 + 3.0 * np.sin(2.0 * np.pi * time / period) + 0.02 * rng.standard_normal(len(time)), 4)
+
+    time = 100.0 * np.arange(n)
+    uneven, long = time + np.where(np.arange(n) % 2, 17.0, 0.0), 100.0 * np.arange(4100)
+    even = {"time_s": rounded(time, 1), "pulses": wave(time)}
+    return {
+        "series.csv": csv(even),
+        "series_tilt.csv": csv({**even, "tilt": rounded(0.01 * rng.standard_normal(n), 5)}),
+        "series_no_time.csv": csv({"pulses": even["pulses"]}),
+        "series_uneven.csv": csv({"time_s": rounded(uneven, 1), "pulses": wave(uneven)}),
+        "series_other.csv": csv({"time_s": rounded(time, 1), "pulses": wave(time, 750.0)}),
+        "series_long.csv": csv({"time_s": rounded(long, 1), "pulses": wave(long)}),
+    }
 
 
 def _pressures() -> dict[str, str]:
@@ -199,6 +219,7 @@ def _others() -> dict[str, str]:
               for axis, values in warm.readings.items()}  # fmt: skip
     return {
         "warm.csv": csv({**time, "warm [degC]": rounded(NOISE * np.random.default_rng(7).standard_normal(1000), 6)}),
+        "acc_rest.csv": csv({**time, **{f"{name} [m/s2]": values for name, values in acc.items()}}),
         "acc_bare.csv": csv({**time, **acc}),
         "vibration.csv": csv({**time, **{name: rounded(np.array(one) / G, 7) for name, one in acc.items()}}),
         "acc_chamber.csv": csv(

@@ -75,7 +75,10 @@ def typed(capsys: pytest.CaptureFixture[str], line: str) -> tuple[int, Any, str]
     if plain or words[-1] == "--help":
         status, out, err = call(capsys, *words[plain:])
         return status, {}, f"{out}\n{err}"
-    status, out, err = call(capsys, *words, "--json")
+    into = Path(words.pop()) if words[-2:-1] == [">"] else None
+    status, out, err = call(capsys, *[one for one in words if one not in (">", "--json")], "--json")
+    if into is not None:
+        into.write_text(out, encoding="utf-8")
     content = json.loads(out)
     return status, content, "\n".join([*strings(content), err, _written(words)])
 
@@ -97,8 +100,9 @@ def need(line: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
 def check(right: str, content: Any, said: str, folder: Path) -> None:
     """Check what came out against what the files were made of."""
     what, *rest = right.split(" ")
+    results = content.get("results", [])
     sensor, _, quantity = what.rpartition(".")
-    rows = [one for one in content.get("results", ()) if one.get("method") == "result" and one["status"] == "estimated"]
+    rows = [one for one in results if one.get("method") == "result" and one["status"] == "estimated"]
     own = [one for one in rows if one["axis"] in rest and sensor in ("", one["sensor"])
            and (one["quantity"] == quantity or (what == "white" and "random_walk" in one["quantity"]))]  # fmt: skip
     if own:
@@ -108,21 +112,15 @@ def check(right: str, content: Any, said: str, folder: Path) -> None:
             assert value == pytest.approx(true, rel=0.2)
         else:
             assert abs(value - true) <= FEW * u + (ROUND if own[0]["unit"] == "deg/s" else 0.0), own[0]
+    elif what == "value":
+        values = [one["value"] for one in results if one["quantity"] == rest[0] and one["value"]]
+        assert any(one == pytest.approx(float(rest[1]), rel=0.01) for one in values), values
     elif what == "noise":
         (budget,) = content["budgets"]
         (line,) = [one for one in budget["lines"] if one["source"] == "noise at rest"]
         assert line["size"] == pytest.approx([np.radians(float(rest[0])) / SQRT_RATE] * 3, rel=0.2)
     elif what in ("rate", "start", "unit", "mean"):
-        (found, *_) = content["results"]
-        channel: dict[str, Any] = next((one for one in found["channels"] if one["name"].split(" ")[0] == rest[0]), {})
-        if what == "rate":
-            assert found["time"]["sample_rate"] == pytest.approx(float(rest[0]), rel=1e-3)
-        elif what == "start":
-            assert found["time"]["start"].startswith(rest[0])
-        elif what == "unit":
-            assert channel["unit"] == rest[1]
-        else:
-            assert channel["mean"] == pytest.approx(float(rest[1]), rel=1e-9)
+        check_info(what, rest, results[0])
     elif what == "has":
         assert " ".join(rest) in said
     elif what == "zero":  # at rest, a compensated gyro reads zero; turned, what the table turned
@@ -132,6 +130,19 @@ def check(right: str, content: Any, said: str, folder: Path) -> None:
         assert abs(np.median(values)) < 0.05
     else:
         assert what == "done"
+
+
+def check_info(what: str, rest: Sequence[str], found: dict[str, Any]) -> None:
+    """Check what ``info`` says of a file."""
+    channel: dict[str, Any] = next((one for one in found["channels"] if one["name"].split(" ")[0] == rest[0]), {})
+    if what == "rate":
+        assert found["time"]["sample_rate"] == pytest.approx(float(rest[0]), rel=1e-3)
+    elif what == "start":
+        assert found["time"]["start"].startswith(rest[0])
+    elif what == "unit":
+        assert channel["unit"] == rest[1]
+    else:
+        assert channel["mean"] == pytest.approx(float(rest[1]), rel=1e-9)
 
 
 def obey(case: Case, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
