@@ -7,6 +7,24 @@ from advised_cases import Case
 
 COMPENSATED = (
     Case(
+        "--column {}=NAME",
+        "compensate model.json turned_abc.csv -o o2.csv --unit a=deg/s --unit b=deg/s --unit c=deg/s",
+        "+ --column x=a --column y=b --column z=c",
+        "zero o2.csv",
+    ),
+    Case(
+        'Say it: --temperature {}, or --temperature "NUMBER degC"',
+        "compensate thermal.json abc_plain.csv -o all_out.csv",
+        '+ --column x=a --column y=b --column z=c --temperature "20 degC"',
+        "zero all_out.csv",
+    ),
+    Case(
+        "--column {}=NAME",
+        "compensate counts.json part_counts.csv -o part_out.csv",
+        "+ --column y=b --column z=c",
+        "zero part_out.csv",
+    ),
+    Case(
         'Write it like --standard \'{}={ u = "0.1 %", certificate = "C-1" }\'',
         "allan rest_units.csv --standard 'sensor.scale_factor={ u = 0.1 % }'",
         'allan rest_units.csv --standard \'sensor.scale_factor={ u = "0.1 %", certificate = "C-1" }\'',
@@ -136,6 +154,24 @@ COMPENSATED = (
     ),
 )
 LEVELS = (
+    Case(
+        "If they were clockwise, state it: --turn=-360deg; else check the signs of the gyros",
+        "positions clockwise.csv --sections parts.csv",
+        "+ --turn=-360deg",
+        "gyro.scale_factor_error x 0",
+    ),
+    Case(
+        "Leave --from and --to out: the sections say which part is used",
+        "positions clockwise.csv --sections parts.csv --turn=-360deg --from 0",
+        "positions clockwise.csv --sections parts.csv --turn=-360deg",
+        "gyro.scale_factor_error x 0",
+    ),
+    Case(
+        "Name the channel temperature of each recording, with its unit (as in --unit temperature=degC)",
+        "positions oven_0.csv oven_1.csv oven_2.csv --temperature-order 1",
+        "+ --unit temperature=degC",
+        "bias_temperature x 0.002",
+    ),
     Case(
         "Name its column: --column {}=COLUMN, or conditions = { {} = { column, unit } }",
         "sensitivity levels_two.csv --to supply",

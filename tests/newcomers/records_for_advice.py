@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
-from itertools import product
+from itertools import pairwise, product
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,7 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import rsa
 from cryptography.x509.oid import NameOID
 from files_for_advice import CAMPAIGN, csv
-from newcomer_boards import G, board_at_rest, six_faces
+from newcomer_boards import FACES, Board, G, board_at_rest, board_of, six_faces
 from newcomer_tables import rounded
 from newcomer_truths import BIASES, NOISE, at_rest, chamber
 
@@ -155,6 +155,12 @@ def _temperatures() -> dict[str, str]:
     columns |= {f"gyro_{axis} [deg/s]": rounded(values, 6) for axis, values in log.readings.items()}
     return {
         "rest_plain.csv": csv(columns),
+        "abc_plain.csv": csv(
+            {
+                name if name == "time_s" else f"{'abc'['xyz'.index(name[5])]} [deg/s]": values
+                for name, values in columns.items()
+            }
+        ),
         "rest_thermometers.csv": csv({**columns, "case [degC]": [20.0] * n, "board [degC]": [20.0] * n}),
     }
 
@@ -206,7 +212,37 @@ def _faces() -> dict[str, str]:
             {**time, **{f"{name} [m]": rounded(laid.acc[:, i], 6) for i, name in enumerate("abc")}}
         ),
         "faces_gyro_ns.csv": csv({"t": stamps["t"][::2], **{name: one[::2] for name, one in gyro.items()}}),
+        **_turns(),
     }
+
+
+def _turns() -> dict[str, str]:
+    """Return a board that is laid on its faces and turned clockwise about each axis, and one in an oven."""
+    up = [np.tile(face, (200, 1)) for face in FACES]
+    rates = [np.zeros((200, 3)) for _ in FACES]
+    labels = ["?"] * len(FACES)
+    turn = np.zeros(400)
+    turn[50:350] = -(np.pi**2) / 6.0 * np.sin(np.pi * (np.arange(300) + 0.5) / 300.0)  # rad/s: one turn in 6 s
+    for axis in np.tile(np.eye(3), (3, 1)):
+        up.append(np.tile(axis, (400, 1)))
+        rates.append(np.outer(turn, axis))
+        labels.append(f"{'xyz'[int(axis.argmax())]}_rot")
+    ends = np.cumsum([0, *map(len, up)])
+    parts = "".join(f"{label},{a},{b}\n" for label, (a, b) in zip(labels, pairwise(ends), strict=True))
+
+    def log(board: Board, **more: list[float]) -> str:
+        acc = {f"acc_{axis} [m/s2]": rounded(board.acc[:, i], 6) for i, axis in enumerate("xyz")}
+        gyro = {f"gyro_{axis} [rad/s]": rounded(board.gyro[:, i], 8) for i, axis in enumerate("xyz")}
+        return csv({"t [s]": rounded(board.time, 2), **acc, **({} if more else gyro), **more})
+
+    files = {"clockwise.csv": log(board_of(np.concatenate(up), np.concatenate(rates), 50.0, 8)),
+             "parts.csv": f"section,start,end\n{parts}"}  # fmt: skip
+    still = np.repeat(FACES, 150, axis=0)
+    for i, temperature in enumerate((0.0, 20.0, 40.0)):
+        board = board_of(still, np.zeros_like(still), 50.0, 60 + i)
+        board = replace(board, acc=board.acc + 0.002 * (temperature - 20.0))
+        files[f"oven_{i}.csv"] = log(board, temperature=[temperature] * len(still))
+    return files
 
 
 def _others() -> dict[str, str]:
@@ -286,6 +322,8 @@ def _keys(folder: Path) -> None:
 def _campaigns(folder: Path) -> None:
     """Write campaigns of a rate table: with what a certificate states, with a standard, of a head, and an empty one."""
     dwells = (folder / "dwells_units.csv").read_text()
+    _, turned = (folder / "turned_counts.csv").read_text().split("\n", 1)
+    (folder / "part_counts.csv").write_text(f"time_s,table_rate [deg/s],gyro_x [count],b [count],c [count]\n{turned}")
     head, *rows = dwells.splitlines()
     cells = [row.split(",") for row in rows]
     again = [head, *(",".join([one[0], str(float(one[1]) + 0.002), *one[2:]]) for one in cells)]
