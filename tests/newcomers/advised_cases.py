@@ -480,14 +480,11 @@ INSTALLS = re.compile(r"^Type: pip install 'inertialcal\[(\w+)\]'$")  # `test_ad
 OPEN: dict[str, tuple[str, ...]] = {  # by reason; this list may only shrink
     "no file yet that causes it": (
         "Convert them, or say the unit of those that have none: --unit NAME=V",
-        "It is the driver's word, and used nowhere: inertialcal allan finds the noise",
-        "To read another: --topic NAME",
         "Split it, or use: inertialcal programme-1969 FILE",
         "Add: --column {}=COLUMN",
         'state what is known of the unit: --prior-misalignment "0.02 rad", --prior-scale-factor "3 %", ...',
         "State a start among them: --reference-temperature '{} degC'",
         'Give what a sample is the mean of, at most --averaging "{} s"',
-        "Give the schedule of this record, or cut the record: --from, --to",
         "In words: inertialcal show",
     ),
     "needs a campaign of its own": (
@@ -498,22 +495,14 @@ OPEN: dict[str, tuple[str, ...]] = {  # by reason; this list may only shrink
         "Leave it out; for a gyro: inertialcal compensate",
         "Write one of them: inertialcal export MODEL --condition NAME --to json -o FILE",
         "Cut the record there (--from, --to), or record the gain as a channel",
-        "inertialcal run {}",
         "Type: inertialcal run DIR",
-        "results are in {}: open report.html there in a browser, or add --open",
     ),
     "counts of what a terminal or a table leaves out": (
         ". {} more with --test or --axis: {}",
-        "  left out: {} figures beside the result ({}); --json has them",
-        "  ... {} more rows: --all",
-        "{}\n  not shown: {} alternatives to these results ({}); see --json",
-        "  ... {} more {}: --all",
-        "The true values are in .truth/. Only `inertialcal score` reads them; `run` gives the same results without them.",
         "What a certificate states beside the figures, here invented: inertialcal certificate DIR -o FILE.pdf",
     ),
     "needs a model or noise of its own": (
         "Give --arithmetic float32 or float64",
-        "Give --arithmetic q{}, the largest that fits",
         "Give --arithmetic float64, or q27",
         "Run Kalibr with --imu-models scale-misalignment",
         "the largest drive; --take NAME takes another",
@@ -526,4 +515,4 @@ OPEN: dict[str, tuple[str, ...]] = {  # by reason; this list may only shrink
         "Write the list alone: --build FILE.csv",
     ),
 }
-OPEN_AT_MOST = 37
+OPEN_AT_MOST = 26

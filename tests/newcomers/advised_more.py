@@ -7,6 +7,24 @@ from advised_cases import Case
 
 COMPENSATED = (
     Case(
+        "It is the driver's word, and used nowhere: inertialcal allan finds the noise",
+        "info drive.bag",
+        "allan drive.bag",
+        "angle_random_walk x 243.1",
+    ),
+    Case(
+        "To read another: --topic NAME",
+        "info drive.db3",
+        "+ --topic /temperature",
+        "has not read: /imu/data",
+    ),
+    Case(
+        "Give --arithmetic q{}, the largest that fits",
+        "export coded.json --to flight-c -o flight --unjudged --nominal",
+        "+ --arithmetic q24",
+        "done",
+    ),
+    Case(
         "--column {}=NAME",
         "compensate model.json turned_abc.csv -o o2.csv --unit a=deg/s --unit b=deg/s --unit c=deg/s",
         "+ --column x=a --column y=b --column z=c",
@@ -355,6 +373,12 @@ HEADS = (
 )
 MASSES = (
     Case(
+        "Give the schedule of this record, or cut the record: --from, --to",
+        "sine series.csv --column x=pulses --schedule rig_mesa/schedule.csv",
+        "sine rig_mesa/recordings/run1.csv --column x=pulses --schedule rig_mesa/schedule.csv",
+        "done",
+    ),
+    Case(
         "Add: --column COLUMN",
         "programme-1969 series_tilt.csv --half-period 4",
         "+ --column pulses",
@@ -440,6 +464,48 @@ MASSES = (
     ),
 )
 CAMPAIGNS = (
+    Case(
+        "{}\n  not shown: {} alternatives to these results ({}); see --json",
+        "text run rig_mesa",
+        "run rig_mesa",
+        "has run1",
+    ),
+    Case(
+        "  left out: {} figures beside the result ({}); --json has them",
+        "text compare rig_mesa rig_mesa_2",
+        "compare rig_mesa rig_mesa_2",
+        "has run1",
+    ),
+    Case(
+        "The true values are in .truth/. Only `inertialcal score` reads them; `run` gives the same results without them.",
+        "simulate mesa -o simulated_4",
+        "run simulated_4 ; score simulated_4",
+        "score scale_factor",
+    ),
+    Case(
+        "inertialcal run {}",
+        "run shared_1",
+        "run shared_1",
+        "bias x 0.35423",
+    ),
+    Case(
+        "results are in {}: open report.html there in a browser, or add --open",
+        "text run shared_1",
+        "run shared_1",
+        "file shared_1/out/report.html",
+    ),
+    Case(
+        "  ... {} more rows: --all",
+        "tty run rig_table",
+        "+ --all",
+        "lacks more rows",
+    ),
+    Case(
+        "  ... {} more {}: --all",
+        "tty run rig_mesa",
+        "+ --all",
+        "lacks more note",
+    ),
     Case(
         "Type: inertialcal run {}",
         "certificate certified -o certificate.xml",

@@ -14,6 +14,7 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import rsa
 from cryptography.x509.oid import NameOID
 from files_for_advice import CAMPAIGN, csv
+from logger_files import ros_1, ros_2
 from newcomer_boards import FACES, Board, G, board_at_rest, board_of, six_faces
 from newcomer_tables import rounded
 from newcomer_truths import BIASES, NOISE, at_rest, chamber
@@ -79,6 +80,8 @@ def write_records(folder: Path) -> None:
     _heads(folder)
     _campaigns(folder)
     _keys(folder)
+    ros_1(folder / "drive.bag")
+    ros_2(folder / "drive.db3")
 
 
 def _model(condition: str) -> SensorModel:
