@@ -7,6 +7,12 @@ from advised_cases import Case
 
 COMPENSATED = (
     Case(
+        "Convert them, or say the unit of those that have none: --unit NAME=V",
+        "compensate counts.json volts_bare.csv -o volts_out.csv",
+        "+ --unit reference=V",
+        "zero volts_out.csv",
+    ),
+    Case(
         "It is the driver's word, and used nowhere: inertialcal allan finds the noise",
         "info drive.bag",
         "allan drive.bag",
@@ -172,6 +178,12 @@ COMPENSATED = (
     ),
 )
 LEVELS = (
+    Case(
+        "Add: --column {}=COLUMN",
+        "thermal chamber_two.csv",
+        "+ --column temperature=case",
+        "bias x 0.3542",
+    ),
     Case(
         "If they were clockwise, state it: --turn=-360deg; else check the signs of the gyros",
         "positions clockwise.csv --sections parts.csv",
@@ -464,6 +476,24 @@ MASSES = (
     ),
 )
 CAMPAIGNS = (
+    Case(
+        ". {} more with --test or --axis: {}",
+        "text show rig_table --figure input_output -o one.png",
+        "+ --test check --axis y",
+        "done",
+    ),
+    Case(
+        "Give the XML that inertialcal certificate writes, a DCC {}",
+        "python read_certificate other.xml",
+        "certificate certified_2 -o certificate_2.xml ; python read_certificate certificate_2.xml",
+        "done",
+    ),
+    Case(
+        "Leave it out; for a gyro: inertialcal compensate",
+        'edit rig_ground/campaign.toml accelerometer gyro ; edit rig_ground/campaign.toml "\\"ug\\"" "\\"deg/s\\"" ; check rig_ground',
+        "compensate model.json turned_units.csv -o gyro_out.csv",
+        "zero gyro_out.csv",
+    ),
     Case(
         "{}\n  not shown: {} alternatives to these results ({}); see --json",
         "text run rig_mesa",

@@ -253,7 +253,7 @@ def _others() -> dict[str, str]:
     board = board_at_rest(sample_rate=50.0, seconds=20.0)
     time = {"t [s]": rounded(board.time, 3)}
     acc = {f"acc_{axis}": rounded(board.acc[:, i], 6) for i, axis in enumerate("xyz")}
-    warm = chamber(hours=0.4)
+    warm, still = chamber(hours=0.4), at_rest(minutes=0.2)
     heated = {f"acc_{axis} [m/s2]": rounded(values + (G if axis == "z" else 0.0), 6)
               for axis, values in warm.readings.items()}  # fmt: skip
     return {
@@ -261,6 +261,21 @@ def _others() -> dict[str, str]:
         "acc_rest.csv": csv({**time, **{f"{name} [m/s2]": values for name, values in acc.items()}}),
         "acc_bare.csv": csv({**time, **acc}),
         "vibration.csv": csv({**time, **{name: rounded(np.array(one) / G, 7) for name, one in acc.items()}}),
+        "chamber_two.csv": csv(
+            {
+                "time_s": rounded(warm.time, 1),
+                **{f"gyro_{axis} [deg/s]": rounded(values, 6) for axis, values in warm.readings.items()},
+                "case [degC]": rounded(warm.temperature, 2),
+                "room [degC]": [23.0] * len(warm.time),
+            }
+        ),
+        "volts_bare.csv": csv(
+            {
+                "time_s": rounded(still.time, 3),
+                **{f"gyro_{axis} [V]": rounded(values, 7) for axis, values in still.volts().items()},
+                "reference": [2.5] * len(still.time),
+            }
+        ),
         "acc_chamber.csv": csv(
             {"time_s": rounded(warm.time, 1), **heated, "temperature [degC]": rounded(warm.temperature, 2)}
         ),
@@ -325,6 +340,7 @@ def _keys(folder: Path) -> None:
 def _campaigns(folder: Path) -> None:
     """Write campaigns of a rate table: with what a certificate states, with a standard, of a head, and an empty one."""
     dwells = (folder / "dwells_units.csv").read_text()
+    (folder / "other.xml").write_text("<other/>")
     _, turned = (folder / "turned_counts.csv").read_text().split("\n", 1)
     (folder / "part_counts.csv").write_text(f"time_s,table_rate [deg/s],gyro_x [count],b [count],c [count]\n{turned}")
     head, *rows = dwells.splitlines()
@@ -332,6 +348,7 @@ def _campaigns(folder: Path) -> None:
     again = [head, *(",".join([one[0], str(float(one[1]) + 0.002), *one[2:]]) for one in cells)]
     for name, text, table in (
         ("certified", f"{CAMPAIGN}{CERTIFICATE}", dwells),
+        ("certified_2", f"{CAMPAIGN}{CERTIFICATE}", dwells),
         ("edited", CAMPAIGN, dwells),
         ("shared_1", f"{CAMPAIGN}{STANDARD}", dwells),
         ("shared_2", f"{CAMPAIGN}{STANDARD}".replace('"advised"', '"again"'), "\n".join(again) + "\n"),
