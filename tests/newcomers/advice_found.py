@@ -2,24 +2,30 @@
 
 Found by walking the syntax trees. A text with fields is known by a template, ``Add --unit {}``, and matches what it
 becomes. Left out are texts that give no advice: help of options, examples (they have tests of their own), docstrings,
-and what a message says is wrong.
+what a message says is wrong, comments and heads of written files, and what an option said (``as --shared says``).
 """
 
 from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import inertialcal
+from inertialcal.cli.commands import PLAN, words
 
-SOURCES = Path(inertialcal.__file__).parent
-NAMED = re.compile(r"(?<![\w-])--[a-z][a-z-]+|\binertialcal [a-z]|\bpip install\b")
-HELP = {"Option", "Argument", "option", "setting", "Command", "Example", "Group"}  # calls that describe options
-NOT_SAID = ("cli/commands.py", "report/figures/drawing/", "report/paper.py", "files/write/exchange.py")
 FIELD = "{}"
+SOURCES = Path(inertialcal.__file__).parent
+TYPED = "|".join(
+    sorted((*words(), PLAN.word, f"{FIELD} ", "--"), key=len, reverse=True)
+)  # what may follow the program's name
+NAMED = re.compile(rf"(?<![\w-])--[a-z][a-z-]+\b(?! says)|\binertialcal (?:{TYPED})(?![\w-])|\bpip install\b")
+HELP = {"Option", "Argument", "option", "setting", "Command", "Example", "Group", "write_starter"}  # they describe
+COMMENT = re.compile(r"^#.*$", re.MULTILINE)  # of a file that is written
+NOT_SAID = ("cli/commands.py", "report/figures/drawing/", "report/paper.py", "files/write/exchange.py")
 
 
 @dataclass(frozen=True)
@@ -35,7 +41,8 @@ class Advice:
         return re.search(r"[\s\S]*?".join(parts).replace(r"\ ", r"\s+"), text) is not None
 
 
-def advices() -> list[Advice]:
+@cache
+def advices() -> tuple[Advice, ...]:
     """Return every advice of the sources, each text once."""
     found: dict[str, Advice] = {}
     for path in sorted(SOURCES.rglob("*.py")):
@@ -44,14 +51,16 @@ def advices() -> list[Advice]:
         if not name.startswith(NOT_SAID) and (NAMED.search(text) or ".add(" in text):
             for line, template in _in_module(ast.parse(text)):
                 found.setdefault(template, Advice(f"{name}:{line}", template))
-    return list(found.values())
+    return tuple(found.values())
 
 
 def _in_module(tree: ast.Module) -> Iterator[tuple[int, str]]:
     """Yield line and template of each advice of a module."""
     skipped: set[ast.AST] = set()
+    examples = {one.id for node in ast.walk(tree) if isinstance(node, ast.keyword) and node.arg == "examples"
+                for one in ast.walk(node) if isinstance(one, ast.Name)}  # fmt: skip
     for node in ast.walk(tree):  # parents come before their children
-        if _is_no_advice(node):
+        if _is_no_advice(node, examples):
             skipped |= set(ast.walk(node))
         elif isinstance(node, ast.Call) and _called(node).endswith(("Error", "Remark")):
             said = 0 if _called(node).endswith("Error") else 2
@@ -60,17 +69,18 @@ def _in_module(tree: ast.Module) -> Iterator[tuple[int, str]]:
             continue
         template = _template(node)
         is_option = template.startswith("--")
-        if template.strip("-{}") and (NAMED.search(template) if not is_option else " " in template):
+        template = template if not COMMENT.search(template) else COMMENT.sub("", template)
+        if template.strip("-{} ") and (NAMED.search(template) if not is_option else " " in template):
             yield node.lineno, template  # type: ignore[attr-defined]
             skipped |= set(ast.walk(node))
 
 
-def _is_no_advice(node: ast.AST) -> bool:
-    """Whether a node holds a docstring, help of an option, an example, or what is wrong."""
+def _is_no_advice(node: ast.AST, examples: Set[str]) -> bool:
+    """Whether a node holds a docstring, help of an option, an example or what one is made of, or what is wrong."""
     if isinstance(node, ast.Expr):
         return isinstance(node.value, ast.Constant)
     if isinstance(node, ast.Assign):
-        return any(isinstance(one, ast.Name) and one.id == "what" for one in node.targets)
+        return any(isinstance(one, ast.Name) and one.id in {"what", *examples} for one in node.targets)
     if isinstance(node, ast.keyword):
         return node.arg in ("help", "examples", "example", "what", "metavar")
     return isinstance(node, ast.Call) and _called(node) in HELP

@@ -39,7 +39,7 @@ class Board:
 def board_at_rest(seed: int = 5, sample_rate: float = 100.0, seconds: float = 60.0) -> Board:
     """Return a recording of a board on a bench, z up."""
     n = round(seconds * sample_rate)
-    return _board(np.tile(FACES[0], (n, 1)), np.zeros((n, 3)), sample_rate, seed)
+    return board_of(np.tile(FACES[0], (n, 1)), np.zeros((n, 3)), sample_rate, seed)
 
 
 def six_faces(seed: int = 6, sample_rate: float = 50.0, dwell: float = 4.0, turn: float = 1.6) -> Board:
@@ -58,10 +58,11 @@ def six_faces(seed: int = 6, sample_rate: float = 50.0, dwell: float = 4.0, turn
         phase, rate = angle * (0.5 - 0.5 * np.cos(at)), angle * np.pi / (2.0 * turn) * np.sin(at)
         up.append(np.outer(np.cos(phase), face) + np.outer(np.sin(phase), np.cross(axis, face)))
         rates.append(-np.outer(rate, axis))
-    return _board(np.concatenate(up), np.concatenate(rates), sample_rate, seed)
+    return board_of(np.concatenate(up), np.concatenate(rates), sample_rate, seed)
 
 
-def _board(up: Array, rates: Array, sample_rate: float, seed: int) -> Board:
+def board_of(up: Array, rates: Array, sample_rate: float, seed: int) -> Board:
+    """Return what a board reads whose up direction and rates are given, shapes (n, 3)."""
     rng = np.random.default_rng(seed)
     n = len(up)
     acc = (1.0 + ACC_ERRORS) * G * up + ACC_BIASES + ACC_NOISE * rng.standard_normal((n, 3))

@@ -193,7 +193,7 @@ def test_a_column_that_could_be_two_things_is_not_taken() -> None:
     twice = Recording((*raw.channels, Channel("gyro2_x", np.zeros(4), "deg/s", "header", "x", "gyro")))
     refused("wrong_column", r"2 columns \(gyro_x, gyro2_x\) can be the x axis", recording=twice)
     assert taken(model(), twice, {"x": "gyro2_x"}).columns["x"] == "gyro2_x"
-    refused("wrong_column", "no column is clearly the x axis of a gyro", recording=Recording(raw.channels[2:]))
+    refused("wrong_column", "no column is clearly the axes x, y of a gyro", recording=Recording(raw.channels[2:]))
     plain = Recording(
         (Channel("x", np.zeros(2), "deg/s", "flag", "x"), Channel("y", np.zeros(2), "rad/s", "flag", "y"))
     )

@@ -233,8 +233,8 @@ class Reduced:
             why = "no model is made of recordings that disagree"
             raise DataError([replace(one.problem, why=why) for one in self.errors])
         if not models:
-            do = "See why each figure was not estimated"
-            raise DataError("nothing for a model was estimated", target, do=do, code="no_model")
+            do = "See the remarks, and why each figure was not estimated: the same without a model to write"
+            raise DataError("no figure that a model takes was estimated", target, do=do, code="no_model")
         return models
 
     def write_campaign(self, folder: str | Path) -> Path:

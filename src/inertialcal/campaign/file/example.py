@@ -84,7 +84,8 @@ def copy_example(name: str, target: Path) -> Path:
     if (target / FILE).is_file():
         return target
     if target.exists() and (not target.is_dir() or any(target.iterdir())):
-        raise UsageError(f"{target} exists and is no campaign", do="Name another folder: inertialcal demo -o FOLDER")
+        do = f"Name another folder: inertialcal demo {name} -o FOLDER"
+        raise UsageError(f"{target} exists and is no campaign", do=do)
     with as_file(files("inertialcal") / "examples" / name) as source:
         named = {path.relative_to(source): path for path in source.rglob("*") if path.is_file()}
         own = {one: path for one, path in named.items() if one.parts[0] != OUT}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import shlex
 from collections.abc import Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -71,7 +72,8 @@ def load(folder: str | Path) -> Campaign:
     except DataError as error:
         raise PlanError(list(error.problems)) from None
     if not raw:
-        raise PlanError("cannot be read: the file is empty", FILE, do="Try: inertialcal init DIR", code="empty_file")
+        do = f"Delete the file, then type: inertialcal init {shlex.quote(str(root))}"
+        raise PlanError("cannot be read: the file is empty", FILE, do=do, code="empty_file")
     text, document = parse_toml(raw, FILE)
     lines = key_lines(text)
     marked = [number for number, line in enumerate(text.splitlines(), 1) if line.rstrip().endswith(MARK)]

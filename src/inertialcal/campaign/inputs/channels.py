@@ -89,7 +89,7 @@ def in_body_axes(
     columns = {what: one.column for what, one in channels.items()}
     recording = _declared(recording, columns)
     warm = {what: columns[what] for what, one in channels.items()
-            if what not in NO_CHAIN and one.unit and kind(one.unit) == TEMPERATURE}  # fmt: skip
+            if what not in (*NO_CHAIN, *axes) and one.unit and kind(one.unit) == TEMPERATURE}  # fmt: skip
     amplified = _gain_columns(columns, axes)
     recording = _in_si(recording, amplified, "1") if amplified else recording
     if chain is None:

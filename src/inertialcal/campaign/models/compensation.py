@@ -34,7 +34,7 @@ from ...sensors.model.terms import values
 from ...sensors.model.uncertainty import compensated_uncertainty, without_uncertainty
 from ...statistics.intervals import t_interval
 from .find import load_models
-from .inputs import CONDITIONS, FORCES, UNCERTAINTY, Taken, from_chain, taken
+from .inputs import CONDITIONS, FORCES, UNCERTAINTY, Taken, from_chain, missing_conditions, taken
 
 FAR = 3.0  # times the largest input of a model, beyond which whole numbers are no inputs
 CUT = "Cut out the rows of one condition: inertialcal convert DATA OUT --from --to"
@@ -313,6 +313,8 @@ def emptied(raw: Recording, done: Recording, axes: Mapping[str, str], conditions
 
 def _conditions(model: SensorModel, recording: Recording, chosen: Taken) -> Conditions:
     """Return what the terms of the model need, from columns or fixed."""
+    if missing := missing_conditions(model, recording, chosen):
+        raise DataError(missing)
     needs = needed(model)
     found: Conditions = {}
     for name, unit in CONDITIONS.items():
@@ -322,7 +324,8 @@ def _conditions(model: SensorModel, recording: Recording, chosen: Taken) -> Cond
         if values is not None:
             found[name] = values  # type: ignore[literal-required]
     if "temperature" in needs and "temperature" not in found:
-        found["temperature"] = _temperature(chosen, recording, needs["temperature"])
+        assert chosen.temperature is not None  # noqa: S101 - else it is missing
+        found["temperature"] = chosen.temperature
     if "specific_force" in needs and all(name in chosen.columns for name in FORCES):
         columns = [_in_unit(recording, chosen.columns[name], "m/s^2") for name in FORCES]
         found["specific_force"] = np.column_stack(columns)
@@ -333,7 +336,6 @@ def _conditions(model: SensorModel, recording: Recording, chosen: Taken) -> Cond
     }
     if channels:
         found["channels"] = channels
-    _require(needs, {*found, *channels}, recording)
     return found
 
 
@@ -366,34 +368,6 @@ def _in_unit(recording: Recording, name: str, unit: str) -> Array:
     except DataError as error:
         what = f"column {name!r}: {error.problems[0].what}"
         raise DataError(replace(error.problems[0], what=what, where=recording.source.path)) from None
-
-
-def _temperature(chosen: Taken, recording: Recording, term: str) -> float:
-    if chosen.temperature is not None:
-        return chosen.temperature
-    known = [channel.name for channel in recording.channels if channel.quantity == "temperature"]
-    names = "COLUMN" if not known else shlex.quote(known[0]) if len(known) == 1 else "COLUMN"
-    raise DataError(
-        "the model needs the temperature of the sensor",
-        where=recording.source.path,
-        why=f"it has the term {term}",
-        do=f'Say it: --temperature {names}, or --temperature "NUMBER degC"'
-        + (f"; of each axis: --column temperature_x=COLUMN. Columns: {', '.join(known)}" if len(known) > 1 else ""),
-        code="no_temperature",
-    )
-
-
-def _require(needs: Mapping[str, str], found: set[str], recording: Recording) -> None:
-    for name, term in needs.items():
-        if name not in found:
-            words = [f"--column {one}=NAME" for one in (FORCES if name == "specific_force" else (name,))]
-            raise DataError(
-                f"the model needs {name.replace('_', ' ')}",
-                where=recording.source.path,
-                why=f"it has the term {term}",
-                do=f"Say it: {' '.join(words)}",
-                code="missing_condition",
-            )
 
 
 def _about(model: SensorModel, chosen: Taken) -> list[Remark]:

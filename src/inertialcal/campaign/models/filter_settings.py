@@ -142,6 +142,8 @@ def _fits(text: str, unit: str) -> bool:
 def _value(name: str, text: str, unit: str) -> float:
     """Return what an option says, in a unit; the refusal names the option."""
     option = f"--{name.replace('_', '-')}"
+    if name == "sample_rate" and text.strip().replace(".", "", 1).isdigit():
+        text = f"{text} Hz"  # as the nouns take it
     try:
         return parse_quantity(text).to(unit, difference=name == "temperature_span")
     except DataError as error:

@@ -6,10 +6,11 @@ two things is not taken.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence, Set
+import shlex
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 
-from ...core.errors import DataError
+from ...core.errors import DataError, Problem
 from ...core.recording import Channel, Recording
 from ...core.remarks import Remark
 from ...core.units import convert, parse_quantity, same_dimension
@@ -74,7 +75,8 @@ def taken(
             code="wrong_column",
         )
     named = {what: full_name(recording.names, name) or recording.channel(name).name for what, name in named.items()}
-    found = {axis: named[axis] if axis in named else _column_of(model, recording, axis) for axis in model.axes}
+    by_axis = {axis: [named[axis]] if axis in named else _columns_of(model, recording, axis) for axis in model.axes}
+    found = {axis: names[0] for axis, names in by_axis.items() if len(names) == 1}
     asked = temperature is None and "temperature" not in named and "temperature" in needed(model)
     found |= _warm(model, recording) if asked else {}
     found |= {
@@ -82,8 +84,35 @@ def taken(
     }
     column = full_name(recording.names, temperature) if isinstance(temperature, str) else None
     if column is not None:
-        return Taken({**found, "temperature": column, **named})
-    return Taken(found | named, None if temperature is None else _fixed_temperature(recording, temperature))
+        chosen = Taken({**found, "temperature": column, **named})
+    else:
+        chosen = Taken(found | named, None if temperature is None else _fixed_temperature(recording, temperature))
+    if unclear := {axis: names for axis, names in by_axis.items() if axis not in found}:
+        raise DataError([_unclear(model, recording, unclear), *missing_conditions(model, recording, chosen)])
+    return chosen
+
+
+def missing_conditions(model: SensorModel, recording: Recording, chosen: Taken) -> list[Problem]:
+    """Return a problem for each condition that a term of the model needs and nothing gives, with what to add."""
+    found = []
+    for name, term in needed(model).items():
+        each = [f"{name}_{axis}" for axis in model.axes] if name in CONDITIONS else []
+        wanted = FORCES if name == "specific_force" else (name,)
+        if all(one in chosen.columns for one in wanted) or (each and all(one in chosen.columns for one in each)):
+            continue
+        if name != "temperature":
+            do = f"Say it: {' '.join(f'--column {one}=NAME' for one in wanted)}"
+            what = f"the model needs {name.replace('_', ' ')}"
+            found.append(Problem(what, recording.source.path, f"it has the term {term}", do, "missing_condition"))
+        elif chosen.temperature is None:
+            known = [channel.name for channel in recording.channels if channel.quantity == "temperature"]
+            column = shlex.quote(known[0]) if len(known) == 1 else "COLUMN"
+            do = f'Say it: --temperature {column}, or --temperature "NUMBER degC"'
+            if len(known) > 1:
+                do += f"; of each axis: --column temperature_x=COLUMN. Columns: {', '.join(known)}"
+            what = "the model needs the temperature of the sensor"
+            found.append(Problem(what, recording.source.path, f"it has the term {term}", do, "no_temperature"))
+    return found
 
 
 def chain_columns(chain: Chain, recording: Recording, columns: Mapping[str, str] | None = None) -> dict[str, str]:
@@ -199,6 +228,10 @@ def _check_raw(model: SensorModel, recording: Recording, named: Mapping[str, str
         ``no_chain``, ``wrong_column``.
     """
     columns = {axis: full_name(recording.names, named.get(axis, axis)) for axis in model.axes}
+    if model.chain is not None:
+        for axis in (axis for axis, name in columns.items() if name is None):
+            alike = _raw_column(model.chain, recording, axis, {name for name in columns.values() if name})
+            columns[axis] = None if alike is None else alike.name
     raw = [axis for axis, name in columns.items() if name and recording.channel(name).unit == "count"]
     if not raw or model.output_unit == "count":
         return
@@ -212,7 +245,7 @@ def _check_raw(model: SensorModel, recording: Recording, named: Mapping[str, str
     raise DataError(
         f"{', '.join(raw)}: counts; {', '.join(others)}: none", where,
         why="the model takes all axes together, in the same unit",
-        do=f"Name the column of each axis: --column {others[0]}=NAME. The file has: {', '.join(recording.names)}",
+        do=said_by_column(others, recording),
         code="wrong_column",
     )  # fmt: skip
 
@@ -238,22 +271,29 @@ def _one_kind(recording: Recording, used: Sequence[Channel], signal: str) -> Non
         )  # fmt: skip
 
 
-def _column_of(model: SensorModel, recording: Recording, axis: str) -> str:
-    """Return the column whose header tells quantity and axis; of the axis alone if its unit is one of input."""
+def _columns_of(model: SensorModel, recording: Recording, axis: str) -> list[str]:
+    """Return the columns whose header tells quantity and axis; of the axis alone if their unit is one of input."""
     own = QUANTITY[model.unit]
     candidates = [c for c in recording.channels if c.axis == axis and not c.name.startswith(UNCERTAINTY)]
-    identified = [c.name for c in candidates if c.quantity == own] or [
+    return [c.name for c in candidates if c.quantity == own] or [
         c.name for c in candidates if not c.quantity and c.unit and same_dimension(c.unit, model.unit)
     ]
-    if len(identified) == 1:
-        return identified[0]
-    what = f"{len(identified)} columns ({', '.join(identified)}) can be" if identified else "no column is clearly"
-    raise DataError(
-        f"{what} the {axis} axis of a {model.kind}",
-        where=recording.source.path,
-        do=f"Say it: --column {axis}=NAME. The file has: {', '.join(recording.names)}",
-        code="wrong_column",
-    )
+
+
+def _unclear(model: SensorModel, recording: Recording, unclear: Mapping[str, Sequence[str]]) -> Problem:
+    """Return the problem of axes that have no column, or several."""
+    none = [axis for axis, names in unclear.items() if not names]
+    said = [f"{len(names)} columns ({', '.join(names)}) can be the {axis} axis of a {model.kind}"
+            for axis, names in unclear.items() if names]  # fmt: skip
+    if none:
+        axes = f"{none[0]} axis" if len(none) == 1 else f"axes {', '.join(none)}"
+        said.append(f"no column is clearly the {axes} of a {model.kind}")
+    return Problem("; ".join(said), recording.source.path, do=said_by_column(unclear, recording), code="wrong_column")
+
+
+def said_by_column(inputs: Iterable[str], recording: Recording) -> str:
+    """Return how the columns of inputs are named, all at once, and which columns there are."""
+    return f"Say it: {' '.join(f'--column {one}=NAME' for one in inputs)}. The file has: {', '.join(recording.names)}"
 
 
 def _fixed_temperature(recording: Recording, given: str | float) -> float:

@@ -14,7 +14,7 @@ from ...sensors.catalogue import AS_PRINTED, CORRECTED, PublishedSensor
 from ...sensors.flight import RATES, Step, steps
 from ...sensors.model.sensor_model import RANGE_UNIT
 from .compensation import compensate
-from .inputs import chain_columns, from_chain
+from .inputs import chain_columns, from_chain, said_by_column
 
 
 def reading_steps(
@@ -56,7 +56,7 @@ def reading_steps(
             f"no counts of {', '.join(lacking)}",
             where,
             why="the steps start from counts of rate, reference and temperature",
-            do=f"Say it: --column {lacking[0]}=NAME. The file has: {', '.join(recording.names)}",
+            do=said_by_column(lacking, recording),
             code="no_steps",
         )
     if not 1 <= row <= len(recording):

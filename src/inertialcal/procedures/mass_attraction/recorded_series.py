@@ -29,6 +29,7 @@ from ...signals.programme1969.programme import NG
 from .deck import REDUCTIONS, SAMPLES_PER_CYCLE, Deck1969, reduce_deck, reduced_case
 
 MOST = 4000  # samples: the correlations and the centred mean take the square of it
+SINE = "Use: inertialcal sine FILE --column x=COLUMN --period PERIOD"
 UNEVEN = 0.1  # of a sample time, by which a sample may be off
 WHOLE = 0.01  # of a sample, by which a cycle may differ from whole samples
 LAGS = 0.6  # of the samples, as the report has 60 lags of 100
@@ -205,7 +206,7 @@ def _grid(recording: Recording, stated: float | None) -> tuple[float, NDArray[np
     if off > UNEVEN or (np.diff(places) < 1).any():
         what = f"samples lie up to {number(off * interval, 3)} s off a sample time of {number(interval, 6)} s"
         why = "the programme has no times but the number of the sample"
-        raise DataError(what, where, why, "Use: inertialcal sine, which takes each sample at its own time", "uneven")
+        raise DataError(what, where, why, f"{SINE}, which takes each sample at its own time", "uneven")
     return interval, places
 
 
@@ -221,7 +222,7 @@ def _samples_per_cycle(period: str | None, half_period: int | None, interval: fl
     if abs(cycle - round(cycle)) > WHOLE or round(cycle) < 3:
         what = f"a period of {period} is {number(cycle, 5)} samples of {number(interval, 6)} s"
         why = "the programme needs a whole number, 3 or more"
-        raise DataError(what, why=why, do="Use: inertialcal sine, which takes any period", code="whole_cycles")
+        raise DataError(what, why=why, do=f"{SINE}, which takes any period", code="whole_cycles")
     return round(cycle)
 
 

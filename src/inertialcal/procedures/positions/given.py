@@ -204,7 +204,7 @@ def _units(given: GivenFile, sensors: Mapping[str, Mapping[str, Channel]]) -> di
     missing: dict[str, list[str]] = {}
     for sensor, by_axis in sensors.items():
         said = given.said.units.get(sensor)
-        units = {one.unit if said is None or one.unit is not None else said for one in by_axis.values()}
+        units = {one.unit if said is None or one.unit_from == "flag" else said for one in by_axis.values()}
         unit = units.pop()
         if units or unit is None:
             missing[sensor] = [one.name for one in by_axis.values()]

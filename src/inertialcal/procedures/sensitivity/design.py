@@ -117,7 +117,11 @@ def _round(middle: float, span: float) -> float:
 
 
 def _wrong_unit(name: str, middle: float, unit: str, why: str) -> DataError:
-    do = f"State the unit of its column (mV?), or the reference: --reference {name}=VALUE"
+    like = next(
+        (one for one, size in (("V", 1e3), ("mV", 1e-3)) if SUPPLIES[0] <= size * abs(middle) <= SUPPLIES[1]), ""
+    )
+    like = like if unit == "V" and like else "UNIT"
+    do = f"State the unit of its column: --unit {name}={like}, or the reference: --reference {name}=VALUE"
     return DataError(f"{name}: levels about {middle:.4g} {unit}", why=why, do=do, code="impossible_value")
 
 

@@ -132,7 +132,7 @@ def _drifts(plan: Plan, fit: SensorFit, own: Column, time: Array) -> list[Remark
     if not np.all(sizes > 0.0) or plan.drift:
         return []
     unit = columns / sizes
-    do = "Take the levels up and down again, record after the warm-up, or fit the drift: --drift 1"
+    do = "Take the levels up and down again, or record after the warm-up"
     if float(unit[:, fit.columns.index(own)] @ unit[:, -1]) ** 2 > TOGETHER:
         what = f"{own.condition} changes with time: a drift is taken for a sensitivity of {design.axis}"
         return [Remark("one_order", "warning", what, do=do, axis=design.axis, subject=own.condition)]
@@ -146,6 +146,7 @@ def _drifts(plan: Plan, fit: SensorFit, own: Column, time: Array) -> list[Remark
     if not sure or shift < MOVED:
         return []
     what = f"{design.axis} drifts, which moves its sensitivity to {own.condition} by {shift:.1f} standard uncertainties"
+    do = f"Fit the drift: --drift 1. Better: {do[0].lower()}{do[1:]}"
     return [Remark("one_order", "warning", what, do=do, axis=design.axis, subject=own.condition)]
 
 
