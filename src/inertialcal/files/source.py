@@ -28,6 +28,7 @@ CHUNK = 2**22  # bytes that are unpacked at once
 FIRST, STEP = 2**10, 2**16  # bytes of a gzip member that are unpacked first, as members can be tiny, and then
 PIECE = 2**12  # bytes of a file in place that are read for one
 MEMBERS = 200_000  # of a gzip file; bgzip makes one of each 64 KiB
+HAS_PREAD = hasattr(os, "pread")
 NO_WAIT = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0) | getattr(os, "O_NOCTTY", 0)
 CAMPAIGN = "campaign.toml"
 FEW = 3  # names of files told
@@ -146,6 +147,8 @@ class FileBytes:
         """Return one byte, or those of a slice without a step."""
         if isinstance(at, slice):
             first, stop, _ = at.indices(self._size)
+            if HAS_PREAD and stop - first <= PIECE:  # a page of a file has such a header: a tenth of the time
+                return os.pread(self._file.fileno(), max(stop - first, 0), first)
             self._file.seek(first)
             return self._file.read(max(stop - first, 0))
         if not self._at <= at < self._at + len(self._piece):
@@ -155,7 +158,10 @@ class FileBytes:
     def sha256(self) -> str:
         """Return the SHA-256 of the file."""
         self._file.seek(0)
-        return hashlib.file_digest(self._file, "sha256").hexdigest()
+        digest, block = hashlib.sha256(), bytearray(CHUNK)
+        while got := self._file.readinto(block):
+            digest.update(memoryview(block)[:got])
+        return digest.hexdigest()
 
     def is_unchanged(self) -> bool:
         """Whether the file of that path is the one that was opened, and was not written to since."""
