@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 from thermal_sweeps import plan
 
 from inertialcal.core import batches as b
-from inertialcal.core.estimate import Array
 from inertialcal.core.recording import Channel, Recording
 from inertialcal.procedures.thermal.fit.cells import cells_of, series_of
 from inertialcal.procedures.thermal.fit.law import Law, law_of
@@ -24,7 +24,7 @@ from inertialcal.procedures.thermal.thermometer import thermometer_rows
 ROUNDING = 1e-12
 
 
-def kept(x: Array, stored: bool) -> Array:
+def kept(x: NDArray[Any], stored: bool) -> NDArray[Any]:
     out = b.empty(len(x), x.dtype, stored)
     out[:] = x
     return out
