@@ -121,6 +121,39 @@ def test_a_file_that_would_fill_the_memory(tmp_path: Path, name: str, write: Cal
     assert seconds < SECONDS
 
 
+ROWS, MOST = 6_000_000, 600 * 2**20  # samples of a long record, bytes that a command on it may take; it holds 144 MB
+
+
+def long_columns() -> dict[str, Any]:
+    """Return time, a gyro and its temperature, which goes up and down."""
+    rng, at = np.random.default_rng(1), np.arange(ROWS)
+    warm = np.interp(at, [0, ROWS // 20, ROWS // 2, ROWS], [20.0, 20.0, 60.0, 20.0]) + rng.normal(0.0, 0.01, ROWS)
+    gyro = 1e-4 * warm + rng.normal(0.0, 0.02, ROWS)
+    return {"t [s]": at / 200.0, "gyro_x [deg/s]": gyro, "temperature [degC]": warm}
+
+
+def long_parquet(path: Path) -> None:
+    parquet.write_table(pa.table(long_columns()), path)
+
+
+def long_npz(path: Path) -> None:
+    np.savez(path, **long_columns())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("word", "name", "write"),
+    [("thermal", "a.parquet", long_parquet), ("info", "a.npz", long_npz)],
+)
+def test_a_long_record_is_worked_on_by_batches(
+    tmp_path: Path, word: str, name: str, write: Callable[[Path], None]
+) -> None:
+    write(tmp_path / name)
+    status, peak, _, said = typed(word, str(tmp_path / name))
+    assert status == 0, said
+    assert peak < MOST
+
+
 ARRAYS: Any = {f"a{i}": T for i in range(10_001)}
 MANY: dict[str, Callable[[Path], object]] = {
     "a.npz": lambda path: np.savez(path, **ARRAYS),

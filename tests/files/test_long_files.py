@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zipfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -298,6 +299,35 @@ def test_a_long_npy_file(tmp_path: Path, name: str, piece: int) -> None:
     found = in_place(path, piece, **options)
     assert_same(found, read(path, **options))
     assert all(batches.is_stored(one.data) for one in found.channels)
+
+
+@pytest.mark.parametrize("save", [np.savez, np.savez_compressed])
+@pytest.mark.parametrize("piece", [1000, 10**6])
+def test_a_long_npz_file(tmp_path: Path, save: Callable[..., None], piece: int) -> None:
+    path = tmp_path / "a.npz"
+    save(path, t=np.arange(N) / 100, fs=100.0, note=np.array("hello"), nothing=np.empty((0, 3)), **ARRAYS)
+    found = in_place(path, piece)
+    assert_same(found, read(path))
+    assert all(batches.is_stored(one.data) for one in found.channels)
+    names = ["counts", "records.raw"]
+    assert_same(in_place(path, piece, topics=names), read(path, topics=names))
+
+
+@pytest.mark.parametrize("save", [np.savez, np.savez_compressed])
+def test_a_damaged_npz_file_is_refused_in_place_as_it_is_whole(tmp_path: Path, save: Callable[..., None]) -> None:
+    path = tmp_path / "a.npz"
+    save(path, gyro=RNG.normal(size=(4000, 3)))
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 0xFF
+    path.write_bytes(content)
+    for found in (outcome(lambda: read(path, sample_rate=1.0)), outcome(lambda: in_place(path, 1000, sample_rate=1.0))):
+        assert isinstance(found, tuple)
+        assert found[1][0].code == "damaged_file"
+    path.write_bytes(content[: len(content) // 2])
+    assert_judged_alike(path, 1000, sample_rate=1.0)
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("notes.txt", "hello")
+    assert_judged_alike(path, 1000)
 
 
 def test_npy_files_that_are_refused_whole_are_refused_in_place(tmp_path: Path) -> None:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import io
 import zipfile
 
 from ..core.errors import DataError
+from .source import opened
 
 ZIP, ZIP_MEMBER = b"PK\x03\x04", b"PK\x01\x02"
 UNREAD = (
@@ -53,7 +53,7 @@ def members(data: bytes) -> list[str]:
     if not data.startswith(ZIP):
         return []
     try:
-        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        with opened(data) as stream, zipfile.ZipFile(stream) as archive:
             return archive.namelist()
     except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError):
         return []

@@ -44,7 +44,7 @@ def test_noise_and_small_wander_are_no_turns(seed: int) -> None:
     T = profile(-20.0, 70.0, -20.0, n=2000) + 0.3 * np.sin(np.arange(4001) / 15.0) + rng.normal(0.0, 0.2, 4001)
     found = find_ramps(T, 3.0)
     assert found.ways == (1, -1)
-    assert abs(int(np.flatnonzero(found.ramp == 1)[0]) - 2000) < 60
+    assert abs(found.starts[1] - 2000) < 60
 
 
 def test_the_other_way_round_gives_the_other_paths() -> None:

@@ -11,8 +11,9 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.batches import empty, is_long, put
 from ...core.errors import DataError
-from ..budget import READ, VALUE, claim
+from ..budget import READ, VALUE, claim, claim_room
 from ..source import read_bytes
 from .header import PadHeader
 
@@ -49,6 +50,11 @@ def layout_of(header: PadHeader) -> Layout:
     return RAW if "ossraw" in said else RADIATION if "radgse" in said else AXES
 
 
+def room_of(records: int, columns: int) -> int:
+    """Return the bytes that stamps and numbers of some records take, time among the columns."""
+    return records * (VALUE + FLOAT * columns)
+
+
 def read_numbers(path: Path, header: PadHeader, digest: Digest) -> tuple[Numbers, list[Numbers]]:
     """Return time [s since the header's time zero], shape (n,), and the columns behind it.
 
@@ -76,8 +82,12 @@ def read_numbers(path: Path, header: PadHeader, digest: Digest) -> tuple[Numbers
             return _from_text(path, columns, digest)
         _whole_records(path, size, columns)
         n = size // (FLOAT * columns)
-        claim(str(path), size, size + VALUE * READ[1] * n, f"{n:,} records")
-        found = [np.empty(n, dtype=np.float32) for _ in range(columns)]
+        stored = is_long(room_of(n, columns))
+        if stored:
+            claim_room(str(path), size, 2 * room_of(n, columns), f"{n:,} records")
+        else:
+            claim(str(path), size, size + VALUE * READ[1] * n, f"{n:,} records")
+        found = [empty(n, np.float32, stored) for _ in range(columns)]
         buffer = np.empty((min(BLOCK, n), columns), dtype=np.dtype(header.number_type))
         with path.open("rb") as stream:
             for first in range(0, n, BLOCK):
@@ -87,7 +97,7 @@ def read_numbers(path: Path, header: PadHeader, digest: Digest) -> tuple[Numbers
                     raise DataError(f"ends before record {n}, while it is read", where=str(path), code="damaged_file")
                 digest.update(raw)
                 for column, numbers in enumerate(found):
-                    numbers[first : first + len(block)] = block[:, column]
+                    put(numbers, first, block[:, column])
         return found[0], found[1:]
     except OSError as error:
         what = f"cannot be read: {error.strerror or error}"

@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.batches import batches, empty, every, extremes, is_stored, put, thinned, where_steps
 from ...core.errors import DataError
 from ...core.estimate import Array, Numbers
 from ...core.recording import SECOND, Times
@@ -265,11 +266,7 @@ def time_remarks(stamps: Stamps, sample_rate: float, where: str) -> tuple[Remark
 def gap_remark(time_ns: Times, sample_rate: float, path: str) -> tuple[Remark, ...]:
     """Return one remark on the gaps inside and between the files."""
     interval = SECOND / sample_rate
-    after = [
-        first + np.flatnonzero(np.diff(time_ns[first : first + BLOCK + 1]) > LONGER * interval)
-        for first in range(0, len(time_ns), BLOCK)
-    ]
-    at = np.concatenate(after) if after else np.empty(0, dtype=np.int64)
+    at = where_steps(time_ns, lambda step: step > LONGER * interval) - 1
     if not len(at):
         return ()
     steps = (time_ns[at + 1] - time_ns[at]).astype(np.float64)
@@ -343,24 +340,24 @@ def regenerate(time: Numbers, zero: int, sample_rate: float, where: str) -> Stam
     DataError
         ``bad_stamps``, if a stamp is no number, earlier than the one before it, or centuries away.
     """
-    if not np.all(np.isfinite(time)):
+    if not every(time, lambda part: np.isfinite(part).all()):
         first = int(np.argmin(np.isfinite(time)))
         raise bad_stamps(f"record {first + 1}: the time is not a number", where)
-    if float(np.abs(time).max(initial=0.0)) > LONGEST:
+    farthest = max(map(abs, extremes(time)))
+    if farthest > LONGEST:
         first = int(np.argmax(np.abs(time)))
         raise bad_stamps(f"record {first + 1}: {time[first]:.3g} s, more than 200 years from the header's time", where)
-    resolution = float(np.spacing(np.float32(np.abs(time).max())))
+    resolution = float(np.spacing(np.float32(farthest)))
     jumps = _jumps(time, median_step(time) if len(time) > 1 else 1.0 / sample_rate, resolution, where)
     interval, uncertain = _longest_run(time, jumps, resolution) if len(time) > 1 else (1.0 / sample_rate, 0.0)
-    time_ns = np.empty(len(time), dtype=np.int64)
+    time_ns = empty(len(time), np.int64, is_stored(time) or None)
     deviation = 0.0
     for first, last in _runs(len(time), jumps):
-        begin = float(time[first])
-        for a in range(first, last, BLOCK):
-            b = min(a + BLOCK, last)
-            since: Array = begin + np.arange(a - first, b - first) / sample_rate
-            time_ns[a:b] = zero + np.rint(since * SECOND).astype(np.int64)
-            deviation = max(deviation, float(np.abs(time[a:b] - since).max()))
+        begin, own = float(time[first]), time[first:last]
+        for a, b in batches(own, size=BLOCK):
+            since: Array = begin + np.arange(a, b) / sample_rate
+            put(time_ns, first + a, zero + np.rint(since * SECOND).astype(np.int64))
+            deviation = max(deviation, float(np.abs(own[a:b] - since).max()))
     drifts = deviation > resolution + DRIFT / sample_rate
     end = zero + round(float(time[-1]) * SECOND)
     return Stamps(time_ns, end, interval, uncertain, deviation, resolution, drifts, jumps)
@@ -369,7 +366,7 @@ def regenerate(time: Numbers, zero: int, sample_rate: float, where: str) -> Stam
 def median_step(time: Numbers) -> float:
     """Return the median over stretches of their mean step [s]: neither gaps nor the width of the floats move it."""
     size = max(1, (len(time) - 1) // STRETCHES)
-    ends = time[::size].astype(np.float64)
+    ends = thinned(time, size).astype(np.float64)
     return float(np.median(np.diff(ends))) / size
 
 
@@ -396,8 +393,8 @@ def _longest_run(time: Numbers, jumps: NDArray[np.int64], resolution: float) -> 
 def _jumps(time: Numbers, interval: float, resolution: float, where: str) -> NDArray[np.int64]:
     """Index of the last sample before each step that is longer than jitter and resolution explain."""
     found = []
-    for first in range(0, len(time) - 1, BLOCK):
-        steps = np.diff(time[first : first + BLOCK + 1].astype(np.float64))
+    for first, stop in batches(time[:-1], size=BLOCK):
+        steps = np.diff(time[first : stop + 1].astype(np.float64))
         back = np.flatnonzero(steps < -resolution)
         if len(back):
             what = f"record {first + int(back[0]) + 2}: the time is earlier than in the previous record"

@@ -16,6 +16,7 @@ from typing import Literal
 
 import numpy as np
 
+from ...core.batches import batches
 from ...core.errors import DataError, UsageError
 from ...core.estimate import Array, Numbers
 from ...core.recording import SECOND
@@ -324,8 +325,8 @@ def turned(
         what = f"x, y, z are the axes of {header.data_system}, not those of the sensor {header.sensor_system}"
         do = "For sensor axes, in which its bias and scale factor are defined, add --frame sensor"
         return values, (Remark("not_sensor_axes", "info", what, where, do=do),)
-    for first in range(0, len(values[0]), BLOCK):
-        part = slice(first, first + BLOCK)
+    for first, stop in batches(*values[:3], size=BLOCK):
+        part = slice(first, stop)
         vectors = [column[part].astype(np.float64) for column in values[:3]]
         with np.errstate(invalid="ignore", over="ignore"):  # a sample that is not finite is missing on all axes
             for axis in range(3):

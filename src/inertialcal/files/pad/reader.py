@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.batches import batches, empty, is_long, is_stored, put
 from ...core.errors import DataError, UsageError
 from ...core.recording import SECOND, Recording, Source, Times
 from ...core.remarks import Remark, condensed
@@ -32,7 +33,7 @@ from ..columns import Content
 from ..reader import ArchiveReader, Request
 from ..source import read_bytes
 from ..time.window import Window, cut_remark, nothing_left
-from .data import FLOAT, Digest, layout_of, read_numbers
+from .data import FLOAT, Digest, layout_of, read_numbers, room_of
 from .header import (
     STEPS,
     PadHeader,
@@ -71,6 +72,45 @@ class _Part:
     time_ns: Times
     values: list[NDArray[Any]]
     remarks: tuple[Remark, ...]
+
+
+@dataclass(eq=False)
+class _Room:
+    """Room for the samples of several files, end to end."""
+
+    time_ns: Times
+    values: list[NDArray[Any]]
+    filled: int = 0
+
+    @classmethod
+    def of(cls, files: Sequence[_File]) -> _Room | None:
+        """Return the room that files of binary numbers may take; None of one file, and of text."""
+        if len(files) < 2 or not all(file.header.number_type for file in files):
+            return None
+        columns = 1 + len(layout_of(files[0].header).names)
+        most = sum(file.pair.data.stat().st_size for file in files) // (FLOAT * columns)
+        stored = is_long(room_of(most, columns))
+        return cls(empty(most, np.int64, stored), [empty(most, np.float32, stored) for _ in range(columns - 1)])
+
+
+def _placed(part: _Part, room: _Room | None) -> _Part:
+    """Return a part whose samples stand in the room, behind those of the parts before; its own are let go."""
+    first, many = (0 if room is None else room.filled), len(part.time_ns)
+    if room is None or first + many > len(room.time_ns) or len(part.values) != len(room.values):  # it grows meanwhile
+        return part
+    for place, values in zip((room.time_ns, *room.values), (part.time_ns, *part.values), strict=True):
+        for a, b in batches(values):
+            put(place, first + a, values[a:b])
+    room.filled = stop = first + many
+    return replace(part, time_ns=room.time_ns[first:stop], values=[one[first:stop] for one in room.values])
+
+
+def _copied(x: NDArray[Any]) -> NDArray[Any]:
+    """Return a copy, in memory or stored as what it is copied from."""
+    out = empty(len(x), x.dtype, is_stored(x))
+    for first, stop in batches(x):
+        put(out, first, x[first:stop])
+    return out
 
 
 def read_archived(path: str | Path, request: Request) -> Recording | None:
@@ -152,7 +192,8 @@ def read_pad(
     digest = hashlib.sha256()
     opened = [file for file in files if _may_lie_in(file, bounds)]
     _one_rate(opened, path)
-    parts = [_part(file, bounds, sample_rate, frame, digest) for file in opened]
+    room = _Room.of(opened)
+    parts = [_placed(_part(file, bounds, sample_rate, frame, digest), room) for file in opened]
     rate = sample_rate or files[0].header.sample_rate
     remarks = [*_joints(parts, rate), *(remark for part in parts for remark in part.remarks)]
     kept = [part for part in parts if len(part.time_ns)]
@@ -161,7 +202,7 @@ def read_pad(
     if not window.is_all:
         total = sum(part.total for part in parts)
         remarks.append(cut_remark(path, sum(len(p.time_ns) for p in kept), total, len(files) - len(opened)))
-    content = _joined(kept, files[0].header, frame, rate, path)
+    content = _joined(kept, room, files[0].header, frame, rate, path)
     content = replace(content, remarks=(*content.remarks, *condensed(remarks)))
     source = Source(path, digest.hexdigest(), content.format, NAME)
     recording = assemble(content, source, units=units, sample_rate=sample_rate, required=required)
@@ -218,7 +259,7 @@ def _part(
     kept = _inside(stamps.time_ns, bounds)
     chosen = stamps.time_ns[kept]
     if len(chosen) < len(stamps.time_ns):  # copies, so that what lies outside is let go
-        chosen, values = chosen.copy(), [column[kept].copy() for column in values]
+        chosen, values = _copied(chosen), [_copied(column[kept]) for column in values]
     values, said = turned(values, header, frame, where) if layout_of(header).named else (values, ())
     remarks += [*header_remarks(header, where), *said]
     first, last = int(stamps.time_ns[0]), int(stamps.time_ns[-1])
@@ -262,10 +303,12 @@ def _ends(files: Sequence[_File], parts: Sequence[_Part], rate: float) -> Times:
     return np.array([min(ends), max(ends)], dtype=np.int64)
 
 
-def _joined(parts: list[_Part], header: PadHeader, frame: str | None, rate: float, path: str) -> Content:
+def _joined(
+    parts: list[_Part], room: _Room | None, header: PadHeader, frame: str | None, rate: float, path: str
+) -> Content:
     """One set of columns; the parts are let go column by column."""
     layout = layout_of(header)
-    systems = {str(part.file.header.data_system) for part in parts}
+    many, systems = len(parts), {str(part.file.header.data_system) for part in parts}
     if len(systems) > 1 and frame != "sensor":
         raise DataError(
             f"data in {len(systems)} coordinate systems: {'; '.join(sorted(systems))[:160]}",
@@ -273,6 +316,8 @@ def _joined(parts: list[_Part], header: PadHeader, frame: str | None, rate: floa
             do="Read them in the axes of the sensor (--frame sensor), or one file alone",
             code="several_frames",
         )
+    if room is not None and room.filled == sum(len(part.time_ns) for part in parts):
+        parts = [replace(parts[0], time_ns=room.time_ns[: room.filled], values=[x[: room.filled] for x in room.values])]
     time_ns = _end_to_end([part.time_ns for part in parts])
     columns = tuple(
         number_column(name, _taken(parts, i), unit)
@@ -282,7 +327,7 @@ def _joined(parts: list[_Part], header: PadHeader, frame: str | None, rate: floa
     if not layout.named:
         what = f"{len(layout.names)} columns after the time, without names or units: column_2 to column_14"
         remarks.append(Remark("columns_unnamed", "warning", what, path))
-    said = f"PAD, {header.sensor}, {WORDS[header.number_type]}" + (f", {len(parts)} files" if len(parts) > 1 else "")
+    said = f"PAD, {header.sensor}, {WORDS[header.number_type]}" + (f", {many} files" if many > 1 else "")
     return Content(columns, said, None, header.sample_rate, tuple(remarks), time_ns, header.cutoff)
 
 

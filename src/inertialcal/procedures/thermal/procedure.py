@@ -105,6 +105,7 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
         voltages=True,
         by_body=True,
         still=True,
+        streamed=True,
     )
 
     def plan_fields(self, facts: Facts) -> dict[str, Any]:

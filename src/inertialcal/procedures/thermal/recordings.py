@@ -12,6 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from ...core.batches import changed, extremes, release
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.key import AXES
@@ -71,7 +72,7 @@ def _sweep(one: ThermalRecording, label: str, power_up: int) -> Sweep:
     references = {name: _by_axis(recording, name, outputs) for name in REFERENCES}
     time = None
     if _is_timed(recording) and recording.time_ns is not None:
-        time = (recording.time_ns - power_up).astype(np.float64) / SECOND
+        time = changed(recording.time_ns, lambda part: (part - power_up).astype(np.float64) / SECOND)
     pressure = _floats(recording, PRESSURE) if PRESSURE in recording.names else None
     beside = _floats(recording, REFERENCE) if REFERENCE in recording.names else None
     kept = {name: by_axis for name, by_axis in references.items() if by_axis}
@@ -91,7 +92,8 @@ def _by_axis(recording: Recording, name: str, outputs: Mapping[str, Array]) -> d
 
 
 def _floats(recording: Recording, name: str) -> Array:
-    return np.asarray(recording.channel(name).data, dtype=np.float64)
+    data = recording.channel(name).data
+    return data if data.dtype == np.float64 else changed(data, lambda part: part.astype(np.float64))
 
 
 def _place(one: ThermalRecording) -> str:
@@ -116,8 +118,7 @@ def _swing_rate(temperature: Array, seconds: Array) -> float:
     """Largest change over the time that it took [degC/s]; 0 for a small one."""
     size = max(1, len(seconds) // STRETCHES)
     count = len(seconds) // size
-    level = temperature[: count * size].reshape(count, size).mean(axis=1)
-    at = seconds[: count * size].reshape(count, size).mean(axis=1)
+    level, at = (block_means(one, size)[:count] for one in (temperature, seconds))
     good = np.isfinite(level)
     if np.count_nonzero(good) < 2:
         return 0.0
@@ -127,6 +128,16 @@ def _swing_rate(temperature: Array, seconds: Array) -> float:
     if swing < SMALLEST_SWING:
         return 0.0
     return swing / between if between > 0.0 else np.inf
+
+
+def block_means(x: Array, size: int) -> Array:
+    """Return the means of blocks of so many samples, shape (n // size,); what is over is left out."""
+    means = np.empty(len(x) // size)
+    for k in range(len(means)):
+        block = x[k * size : (k + 1) * size]
+        means[k] = block.mean()
+        release(block)
+    return means
 
 
 def _untimed(one: ThermalRecording) -> Remark:
@@ -208,6 +219,5 @@ class Readings:
 def span_of(readings: Readings, axis: str) -> tuple[float, float]:
     """Return the lowest and highest temperature of an axis' sensor [degC]; NaN where there is none."""
     values = [one.temperature[axis] for one in readings.sweeps if axis in one.temperature]
-    found = [one[np.isfinite(one)] for one in values]
-    every = np.concatenate(found) if found else np.zeros(0)
-    return (float(every.min()), float(every.max())) if len(every) else (np.nan, np.nan)
+    ends = np.array([extremes(one, infinite=False) for one in values if len(one)]).reshape(-1, 2)
+    return float(np.fmin.reduce(ends[:, 0], initial=np.nan)), float(np.fmax.reduce(ends[:, 1], initial=np.nan))

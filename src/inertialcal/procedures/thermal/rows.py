@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.polynomial import chebyshev
 
+from ...core.batches import batches, near
+from ...core.batches.summaries import Moments
 from ...core.estimate import Array, Estimate
 from ...core.key import AXES, Key, Member, Method, Reason
 from ...core.results import Row, not_estimated
@@ -232,18 +234,30 @@ class Published:
 def published_fit(plan: Plan, series: Series, cut: float) -> Published | None:
     """Return the unweighted cubic through all samples after the start-up; None where there are too few."""
     axis = series.axis
-    used = np.isfinite(series.reading) & np.isfinite(series.temperature)
-    used &= ~(np.nan_to_num(series.time, nan=np.inf) < cut)
-    T, y = series.temperature[used], series.reading[used]
-    if len(np.unique(T)) <= ORDER + 1:
+
+    def parts() -> Iterator[tuple[Array, Array]]:
+        for first, stop in batches(series.temperature, series.reading, series.time, size=near()):
+            T, y, t = (one[first:stop] for one in (series.temperature, series.reading, series.time))
+            used = np.isfinite(y) & np.isfinite(T) & ~(np.nan_to_num(t, nan=np.inf) < cut)
+            yield T[used], y[used]
+
+    distinct, temperatures, outputs = np.empty(0), Moments(), Moments()
+    for T, y in parts():
+        if len(distinct) <= ORDER + 1:
+            distinct = np.unique(np.append(distinct, T))[: ORDER + 2]
+        temperatures, outputs = temperatures.with_more(T), outputs.with_more(y)
+    if len(distinct) <= ORDER + 1:
         return None
-    domain = (float(T.min()), float(T.max()))
-    found = fit(_rows(T, domain), y)
-    rss = float(found.residuals @ found.residuals)
-    total = float(np.sum((y - y.mean()) ** 2))
-    n = len(y)
-    adjusted = 1.0 - (rss / (n - ORDER - 1)) / (total / (n - 1)) if total > 0.0 else np.nan
-    polynomial = Polynomial(found.coefficients, found.covariance, found.dof, domain)
+    domain, n = (temperatures.low, temperatures.high), outputs.count
+    held = np.empty((0, ORDER + 2))
+    for T, y in parts():  # of more than a batch, what an orthogonal transformation leaves: the same cubic and sum
+        one = np.column_stack([_rows(T, domain), y])
+        held = np.asarray(np.linalg.qr(np.vstack([held, one]), mode="r")) if len(held) else one
+    found = fit(held[:, :-1], held[:, -1])
+    rss, total, dof = float(found.residuals @ found.residuals), outputs.squares, n - ORDER - 1
+    adjusted = 1.0 - (rss / dof) / (total / (n - 1)) if total > 0.0 else np.nan
+    covariance = None if found.covariance is None else found.covariance * (found.dof / dof)
+    polynomial = Polynomial(found.coefficients, covariance, float(dof), domain)
     channel, volts = (plan.thermometers or {}).get(axis), (plan.scale_factor or {}).get(axis)
     if channel is None or volts is None:
         return Published(polynomial, rss, adjusted, n, False)

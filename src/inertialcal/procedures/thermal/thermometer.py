@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...core.batches import count, extremes, kept, made
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.influence import Influence
@@ -37,7 +38,7 @@ from ...statistics.decision import decide
 from ...statistics.intervals import t_interval
 from ..protocol import Tested
 from .plan import Plan, Thermometer
-from .recordings import Readings, Sweep
+from .recordings import Readings, Sweep, block_means
 
 if TYPE_CHECKING:
     from .reduction import Result
@@ -173,9 +174,12 @@ def _calibrated(plan: Plan, readings: Readings, axis: str) -> Calibrated | None:
             by_run.setdefault(one.run, []).append(one)
     if not by_run:
         return None
-    each = [np.concatenate([_finite(one.reference) for one in own]) for own in by_run.values()]
-    known = sum(map(len, each)) >= BLOCKS and all(map(len, each))
-    low, high = (max(T.min() for T in each), min(T.max() for T in each)) if known else (0.0, 0.0)
+    of_run = [[one.reference for one in own if one.reference is not None] for own in by_run.values()]
+    valid = [sum(count(T, np.isfinite) for T in own) for own in of_run]
+    known = sum(valid) >= BLOCKS and all(valid)
+    ends = [np.array([extremes(T, infinite=False) for T in own]) for own in of_run] if known else []
+    low = max((float(np.nanmin(own[:, 0])) for own in ends), default=0.0)
+    high = min((float(np.nanmax(own[:, 1])) for own in ends), default=0.0)
     if high - low < plan.least_range:
         what = f"the reference thermometer has a range of {max(high - low, 0.0):.3g} degC in all power-ups"
         do = f"Ramp by {plan.least_range:g} degC or more, in each power-up over the same range"
@@ -183,10 +187,6 @@ def _calibrated(plan: Plan, readings: Readings, axis: str) -> Calibrated | None:
     places = np.linspace(low, high, PLACES)
     lines = tuple(_line(own, axis, places) for own in by_run.values())
     return Calibrated(axis, lines, places, plan.standards.get(STANDARD))
-
-
-def _finite(values: Array | None) -> Array:
-    return np.zeros(0) if values is None else values[np.isfinite(values)]
 
 
 def _line(sweeps: list[Sweep], axis: str, places: Array) -> Line:
@@ -208,13 +208,10 @@ def _line(sweeps: list[Sweep], axis: str, places: Array) -> Line:
 def _blocks(one: Sweep, axis: str) -> tuple[Array, Array, Array]:
     """Return means over blocks: of the reference, of the channel, and the rate of the channel [degC/s]."""
     assert one.reference is not None  # noqa: S101 - whoever chose the sweeps
-    good = np.isfinite(one.reference) & np.isfinite(one.temperature[axis])
-    size = max(1, int(good.sum()) // BLOCKS)
-    count = int(good.sum()) // size
-    seconds = np.zeros(len(good)) if one.time is None else one.time
-    at, T, channel = (
-        values[good][: count * size].reshape(count, size).mean(axis=1)
-        for values in (seconds, one.reference, one.temperature[axis])
-    )
-    known = one.time is not None and count > 1
-    return T, channel, np.gradient(channel, at) if known else np.zeros(count)
+    reference, own = one.reference, one.temperature[axis]
+    good = made(len(own), bool, lambda a, b: np.isfinite(reference[a:b]) & np.isfinite(own[a:b]), reference, own)
+    size = max(1, count(good, lambda part: part) // BLOCKS)
+    T, channel = (block_means(kept(values, good), size) for values in (reference, own))
+    if one.time is None or len(T) < 2:
+        return T, channel, np.zeros(len(T))
+    return T, channel, np.gradient(channel, block_means(kept(one.time, good), size))

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.batches import batches, count, near, zeros
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
 
@@ -27,10 +28,8 @@ WARMING, COOLING, NO_PATH = 1, -1, 0
 class Ramps:
     """Samples of a record by their path."""
 
-    path: NDArray[np.int64]  # 1 warming, -1 cooling, 0 on no path, shape (n,)
-    # number of the ramp that a sample belongs to, from 0; samples on no path have that of the ramp they begin, shape
-    # (n,)
-    ramp: NDArray[np.int64]
+    path: NDArray[np.int8]  # 1 warming, -1 cooling, 0 on no path, shape (n,)
+    starts: tuple[int, ...]  # First sample of each ramp; that of the first one is 0
     ways: tuple[int, ...]  # 1 or -1 of each ramp
 
     def __len__(self) -> int:
@@ -61,22 +60,35 @@ def find_ramps(temperature: Array, reversal: float) -> Ramps:
     """
     if not reversal > 0.0:
         raise PlanError(f"reversal {reversal:g} degC: need more than 0")
-    good = np.flatnonzero(np.isfinite(temperature))
-    if not len(good):
+    valid = count(temperature, np.isfinite)
+    if not valid:
         raise DataError("no valid temperature", code="no_valid_sample")
-    size = -(-len(good) // BLOCKS)
-    starts = np.arange(0, len(good), size)
-    level = np.add.reduceat(temperature[good], starts) / np.diff(np.append(starts, len(good)))
+    level, begins = _levels(temperature, -(-valid // BLOCKS))
     turns, ways = _turns(level, reversal)
-    path = np.zeros(len(temperature), dtype=np.int64)
-    ramp = np.zeros(len(temperature), dtype=np.int64)
-    ends = [*(int(good[starts[at]]) for at in turns[1:]), *([len(temperature)] if turns else [])]
-    for number, (at, stop, way) in enumerate(zip(turns, ends, ways, strict=True)):
-        start = int(good[starts[at]]) if number else 0
-        away = way * (temperature[start:stop] - level[at])
-        path[start:stop] = np.where(away >= reversal, way, NO_PATH)
-        ramp[start:stop] = number
-    return Ramps(path, ramp, tuple(ways))
+    path = zeros(len(temperature), np.int8)
+    starts = [0, *(int(begins[at]) for at in turns[1:])][: len(turns)]
+    ends = [*starts[1:], len(temperature)][: len(turns)]
+    for at, start, stop, way in zip(turns, starts, ends, ways, strict=True):
+        own, warm = path[start:stop], temperature[start:stop]
+        for first, last in batches(own, warm, size=near()):
+            own[first:last] = np.where(way * (warm[first:last] - level[at]) >= reversal, way, NO_PATH)
+    return Ramps(path, tuple(starts), tuple(ways))
+
+
+def _levels(temperature: Array, size: int) -> tuple[Array, NDArray[np.int64]]:
+    """Return the means of blocks of so many valid samples, the last one shorter, and the first sample of each."""
+    means, begins = [], []
+    warm, at = np.empty(0), np.empty(0, dtype=np.int64)
+    for first, stop in batches(temperature):
+        here = np.flatnonzero(np.isfinite(temperature[first:stop]))
+        warm, at = np.append(warm, temperature[first:stop][here]), np.append(at, first + here)
+        whole = len(at) // size * size if stop < len(temperature) else len(at)
+        starts = np.arange(0, whole, size)
+        if whole:
+            means.append(np.add.reduceat(warm[:whole], starts) / np.diff(np.append(starts, whole)))
+            begins.append(at[starts])
+        warm, at = warm[whole:], at[whole:]
+    return np.concatenate(means), np.concatenate(begins)
 
 
 def _turns(level: Array, reversal: float) -> tuple[list[int], list[int]]:

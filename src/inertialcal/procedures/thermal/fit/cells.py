@@ -11,14 +11,18 @@ and lie beyond the others (``one_path``), and in cells with few samples (``spars
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
+from ....core.batches import any_step, batches, count, empty, kept, made, near, zeros
+from ....core.batches.summaries import median_made
 from ....core.errors import DataError
 from ....core.estimate import Array
 from ....signals.segmentation.ramps import COOLING, WARMING, find_ramps
@@ -26,6 +30,7 @@ from ..plan import Plan
 from ..recordings import Readings, span_of
 
 Indices = NDArray[np.int64]
+Paths = NDArray[np.int8]
 Mask = NDArray[np.bool_]
 
 SPARSE = 0.2  # of the samples of the median cell: a cell with fewer is left out
@@ -42,39 +47,102 @@ class Series:
     temperature: Array  # shape (n,) or (c,): [degC], the mean of a cell
     reading: Array  # shape (n,) or (c,): [unit of the readings], the mean of a cell; NaN where missing
     time: Array  # shape (n,): since power-up [s]; NaN where no time is known
-    run: Indices  # shape (n,) or (c,): number of the run
-    sweep: Indices  # shape (n,): number of the recording
-    ramp: Indices  # shape (n,) or (c,): number of the ramp among all
-    path: Indices  # shape (n,) or (c,): 1 warming, -1 cooling, 0 on no ramp
+    path: Paths  # shape (n,): 1 warming, -1 cooling, 0 on no ramp
+    sweeps: tuple[slice, ...]  # Samples of each recording
+    runs: tuple[int, ...]  # Number of the run of each recording
+    ramps: tuple[slice, ...]  # Samples of each ramp, and of each recording without one: all samples, in order
+    ways: tuple[int, ...]  # 1 or -1 of each ramp, 0 of a recording without one
     span: tuple[float, float]  # Ends of the temperature over all recordings [degC]
     turn_over: float  # [degC]
     rate: Array | None = None  # shape (n,): of the temperature, as a lag smooths it [degC/s]; None: by the cells alone
+
+    @property
+    def run(self) -> Indices:
+        """Number of the run of each sample, shape (n,)."""
+        return np.repeat(self.runs, [one.stop - one.start for one in self.sweeps])
+
+    def of_run(self, run: int) -> list[slice]:
+        """Return the samples of the recordings of a run."""
+        return [one for one, number in zip(self.sweeps, self.runs, strict=True) if number == run]
+
+    def batches(self) -> Iterator[tuple[int, slice]]:
+        """Yield batches of samples of one ramp, each with its number."""
+        read: list[NDArray[Any]] = [
+            self.temperature,
+            self.reading,
+            self.time,
+            self.path,
+            *([] if self.rate is None else [self.rate]),
+        ]
+        for number, own in enumerate(self.ramps):
+            for first, stop in batches(*(one[own] for one in read), size=near()):
+                yield number, slice(own.start + first, own.start + stop)
 
     def smoothed(self, lag: float) -> Series:
         """Return the same with the rate that an element behind by a lag sees: thermometer less element, over the lag.
 
         On a long ramp it is the rate of the ramp; after a turn it gets there in some lags.
         """
-        rate = np.full(len(self.time), np.nan)
-        for run in np.unique(self.run):
-            own = np.flatnonzero((self.run == run) & np.isfinite(self.time) & np.isfinite(self.temperature))
-            if len(own) < FEWEST:
+        rate = joined([len(self.time), 0])
+        for run in sorted({*self.runs}):
+            t, T = self._in_order(run)
+            if len(t) < FEWEST:
                 continue
-            own = own[np.argsort(self.time[own], kind="stable")]
-            t, T = self.time[own], self.temperature[own]
-            step = max(min(float(np.median(np.diff(t))), lag / STEPS), float(np.ptp(t)) / LONGEST)
+            median = median_made(lambda first, stop, t=t: np.diff(t[first : stop + 1]), t[:-1])  # type: ignore[misc]
+            step = max(min(median, lag / STEPS), float(t[-1] - t[0]) / LONGEST)
             if step > 0.0:
                 even = np.arange(t[0], t[-1] + step, step)
-                there = np.interp(even, t, T) - T[0]
-                kept = np.exp(-step / lag)
-                new = 1.0 - lag / step * (1.0 - kept)  # weight of the newer end of a ramp
-                behind = signal.lfilter([new, 1.0 - kept - new], [1.0, -kept], there)
-                rate[own] = np.interp(t, even, there - behind) / lag
+                there = _interpolated(even, t, T) - T[0]
+                left = np.exp(-step / lag)
+                new = 1.0 - lag / step * (1.0 - left)  # weight of the newer end of a ramp
+                behind = signal.lfilter([new, 1.0 - left - new], [1.0, -left], there)
+                for own in self.of_run(run):
+                    time, out = self.time[own], rate[own]
+                    for first, stop in batches(time, out):
+                        out[first:stop] = np.interp(time[first:stop], even, there - behind) / lag
         return replace(self, rate=rate)
+
+    def _in_order(self, run: int) -> tuple[Array, Array]:
+        """Return time and temperature of a run, where both are known, in order of time."""
+        times, temperatures = [], []
+        for own in self.of_run(run):
+            t, T = self.time[own], self.temperature[own]
+            known = made(len(t), bool, lambda a, b, t=t, T=T: np.isfinite(t[a:b]) & np.isfinite(T[a:b]), t, T)  # type: ignore[misc]
+            times.append(kept(t, known))
+            temperatures.append(kept(T, known))
+        t, T = joined(times), joined(temperatures)
+        if any_step(t, lambda step: step < 0.0):
+            order = np.argsort(t, kind="stable")
+            t, T = t[order], T[order]
+        return t, T
 
     def of(self, reading: Array) -> Series:
         """Return the same times and temperatures with another reading."""
         return replace(self, reading=reading)
+
+
+def joined(parts: Sequence[Array | int]) -> Array:
+    """Return readings end to end, shape (n,): a number stands for so many that are missing; one array is not copied."""
+    if len(parts) == 1 and not isinstance(parts[0], int):
+        return parts[0]
+    sizes = [one if isinstance(one, int) else len(one) for one in parts]
+    out, at = empty(sum(sizes), np.float64), 0
+    for one, size in zip(parts, sizes, strict=True):
+        own = out[at : at + size]
+        for first, stop in batches(own, *([] if isinstance(one, int) else [one])):
+            own[first:stop] = np.nan if isinstance(one, int) else one[first:stop]
+        at += size
+    return out
+
+
+def _interpolated(at: Array, t: Array, x: Array) -> Array:
+    """Return a signal at some times, both ascending, shape (m,)."""
+    out = np.empty(len(at))
+    for first, stop in batches(t, x):
+        low = np.searchsorted(at, t[first])
+        high = np.searchsorted(at, t[stop]) if stop < len(t) else len(at)
+        out[low:high] = np.interp(at[low:high], t[first : stop + 1], x[first : stop + 1])
+    return out
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,19 +204,27 @@ def series_of(plan: Plan, readings: Readings, axis: str) -> Series:
         raise DataError(what, readings.where, why, do, "no_temperature_change")
     turn_over = plan.turn_over or 0.1 * (highest - lowest)
     labels = readings.labels
-    parts, ramps = [], 0
-    for number, one in enumerate(sweeps):
-        nothing = np.full(len(one), np.nan)
-        warm = one.temperature.get(axis, nothing)
-        found = find_ramps(warm, turn_over) if np.isfinite(warm).any() else None
-        path = np.zeros(len(one), dtype=np.int64) if found is None else found.path
-        ramp = np.zeros(len(one), dtype=np.int64) if found is None else found.ramp
-        run = np.full(len(one), labels.index(one.run))
-        time = nothing if one.time is None else one.time
-        parts.append((warm, one.outputs[axis], time, run, np.full(len(one), number), ramp + ramps, path))
-        ramps += 1 if found is None else max(len(found), 1)
-    warm, reading, time, run, sweep, ramp, path = (np.concatenate(column) for column in zip(*parts, strict=True))
-    return Series(axis, warm, reading, time, run, sweep, ramp, path, (lowest, highest), turn_over)
+    warm = joined([one.temperature.get(axis, len(one)) for one in sweeps])
+    reading = joined([one.outputs[axis] for one in sweeps])
+    time = joined([len(one) if one.time is None else one.time for one in sweeps])
+    path, at = zeros(len(warm), np.int8), 0
+    own: list[slice] = []
+    ramps: list[slice] = []
+    ways: list[int] = []
+    for one in sweeps:
+        mine = slice(at, at + len(one))
+        found = find_ramps(warm[mine], turn_over) if count(warm[mine], np.isfinite) else None
+        starts = [at + start for start in found.starts] if found is not None and len(found) else [at]
+        if found is not None:
+            for first, stop in batches(path[mine], found.path):
+                path[at + first : at + stop] = found.path[first:stop]
+        ramps += [slice(*ends) for ends in pairwise([*starts, mine.stop])]
+        ways += found.ways if found is not None and len(found) else [0]
+        own.append(mine)
+        at = mine.stop
+    runs = tuple(labels.index(one.run) for one in sweeps)
+    span = (lowest, highest)
+    return Series(axis, warm, reading, time, path, tuple(own), runs, tuple(ramps), tuple(ways), span, turn_over)
 
 
 def cells_of(plan: Plan, series: Series, cut: float = 0.0) -> Cells:
@@ -169,17 +245,13 @@ def cells_of(plan: Plan, series: Series, cut: float = 0.0) -> Cells:
         ``no_valid_sample`` if none is left, ``no_ramp`` if none is on a path, ``few_samples`` if no bin holds enough of
         them, ``no_temperature_change`` if those that do lie at one temperature.
     """
-    invalid = ~(np.isfinite(series.reading) & np.isfinite(series.temperature))
-    early = ~invalid & (np.nan_to_num(series.time, nan=np.inf) < cut)
-    aside = ~invalid & ~early & (series.path == 0)
-    used = np.flatnonzero(~(invalid | early | aside))
-    if invalid.all():
+    cells, left = _gathered(plan, series, cut)
+    if left["invalid"] == len(series.reading):
         what, do = f"{series.axis} sensor: no sample is valid", "Check the rails, the built-in test and the columns"
         raise DataError(what, do=do, code="no_valid_sample")
-    if not len(used):
+    if not len(cells):
         what = f"{series.axis} sensor: no sample lies on a ramp of {series.turn_over:.3g} degC or more"
         raise DataError(what, do="Ramp the chamber further, or give a smaller turn_over", code="no_ramp")
-    cells = _gathered(plan, series, used)
     full = cells.samples >= max(FEWEST, SPARSE * float(np.median(cells.samples)))
     if not full.any():
         what = f"{series.axis} sensor: no bin of temperature holds {FEWEST} samples of one ramp"
@@ -192,50 +264,75 @@ def cells_of(plan: Plan, series: Series, cut: float = 0.0) -> Cells:
         do = "Ramp the chamber more slowly; check the channel of the temperature"
         raise DataError(what, why="a polynomial needs a range", do=do, code="no_temperature_change")
     left_out = {
-        "invalid": int(invalid.sum()),
-        "warm_up": int(early.sum()),
-        "turn_over": int(aside.sum()),
+        **left,
         "one_path": int(cells.samples[beyond].sum()),
         "sparse": int(cells.samples[~full].sum()),
     }
     return replace(kept, left_out=left_out)
 
 
-def _gathered(plan: Plan, series: Series, used: Indices) -> Cells:
-    """Means of the samples of each ramp in each bin."""
+def _gathered(plan: Plan, series: Series, cut: float) -> tuple[Cells, dict[str, int]]:
+    """Means of the samples of each ramp in each bin, in two passes, and how many samples are in none, by rule."""
     lowest, highest = series.span
     width = (highest - lowest) / plan.bins
-    at = np.minimum(((series.temperature[used] - lowest) / width).astype(np.int64), plan.bins - 1)
-    numbers, first, cell = np.unique(series.ramp[used] * plan.bins + at, return_index=True, return_inverse=True)
-    count = np.bincount(cell).astype(np.float64)
-    T = series.temperature[used]
-    y, t = series.reading[used], series.time[used]
-    mean_T, mean_y, mean_t = (np.bincount(cell, one) / count for one in (T, y, t))
-    dT, dy, dt = T - mean_T[cell], y - mean_y[cell], t - mean_t[cell]
-    var_T, var_y, var_t, cov_Ty, cov_Tt = (
-        np.bincount(cell, one) / count for one in (dT * dT, dy * dy, dt * dt, dT * dy, dT * dt)
-    )
+    shape = (len(series.ramps), plan.bins)
+    left = dict.fromkeys(("invalid", "warm_up", "turn_over"), 0)
+
+    def samples(own: slice) -> tuple[Array, Array, Array, Array | None, Indices]:
+        """Return temperature, reading, time, rate and bin of the samples that count; note the others."""
+        T, y, t = series.temperature[own], series.reading[own], series.time[own]
+        valid = np.isfinite(y) & np.isfinite(T)
+        late = valid & ~(np.nan_to_num(t, nan=np.inf) < cut)
+        used = late & (series.path[own] != 0)
+        some = [int(np.count_nonzero(flags)) for flags in (valid, late, used)]
+        for rule, before, after in zip(left, (len(T), *some), some, strict=False):
+            left[rule] += before - after
+        rate = None if series.rate is None else series.rate[own][used]
+        T = T[used]
+        at = np.minimum(((T - lowest) / width).astype(np.int64), plan.bins - 1)
+        return T, y[used], t[used], rate, at
+
+    count, sum_T, sum_y, sum_t, sum_rate = (np.zeros(shape) for _ in range(5))
+    for ramp, own in series.batches():
+        T, y, t, rate, at = samples(own)
+        count[ramp] += np.bincount(at, minlength=plan.bins)
+        for total, values in ((sum_T, T), (sum_y, y), (sum_t, t), (sum_rate, rate)):
+            if values is not None:
+                total[ramp] += np.bincount(at, values, plan.bins)
+    numbers = np.flatnonzero(count)
+    size = np.where(count, count, 1.0)
+    mean_T, mean_y, mean_t = sum_T / size, sum_y / size, sum_t / size
+    left_out = dict(left)
+    squares = np.zeros((5, *shape))
+    for ramp, own in series.batches():
+        T, y, t, _, at = samples(own)
+        dT, dy, dt = T - mean_T[ramp][at], y - mean_y[ramp][at], t - mean_t[ramp][at]
+        for total, values in zip(squares, (dT * dT, dy * dy, dt * dt, dT * dy, dT * dt), strict=True):
+            total[ramp] += np.bincount(at, values, plan.bins)
+    count, mean_T, mean_y, mean_t, sum_rate = (x.ravel()[numbers] for x in (count, mean_T, mean_y, mean_t, sum_rate))
+    var_T, var_y, var_t, cov_Ty, cov_Tt = squares.reshape(5, -1)[:, numbers] / count
     along = np.divide(cov_Ty**2, var_T, out=np.zeros_like(count), where=var_T > 0.0)
     free = np.maximum(count - 2.0, 1.0)
     rate = np.divide(cov_Tt, var_t, out=np.full(len(count), np.nan), where=var_t > 0.0)
-    if series.rate is not None:
-        rate = np.bincount(cell, series.rate[used]) / count
-    head = used[first]
-    return Cells(
+    number, bins = np.divmod(numbers, plan.bins)
+    first = np.array([one.start for one in series.ramps])[number]
+    sweep = np.searchsorted([one.stop for one in series.sweeps], first, side="right")
+    cells = Cells(
         mean_T,
         var_T,
         mean_y,
         np.sqrt(np.maximum(var_y - along, 0.0) * count / free),
         count,
-        rate,
+        rate if series.rate is None else sum_rate / count,
         mean_t,
-        series.path[head],
-        series.run[head],
-        series.ramp[head],
-        numbers % plan.bins,
+        np.array(series.ways)[number],
+        np.array(series.runs)[sweep],
+        number,
+        bins,
         np.ones(len(count)),
         series.span,
     )
+    return cells, left_out
 
 
 def _on_both_paths(cells: Cells, full: Mask, series: Series) -> tuple[Cells, Mask]:

@@ -7,13 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ....core.batches import every, extremes
 from ....core.errors import DataError
 from ....core.estimate import Array
 from ....core.remarks import Remark
 from ..plan import Plan
 from ..recordings import Readings
 from .agreement import disagreements
-from .cells import Cells, Series, cells_of, series_of
+from .cells import Cells, Series, cells_of, joined, series_of
 from .law import Law, law_of
 from .order import Choice, choose_order
 from .paths import Paths, paths_of
@@ -92,9 +93,9 @@ def _references(plan: Plan, readings: Readings, series: Series, cut: float) -> d
     axis, found = series.axis, {}
     sweeps = [one for one in readings.sweeps if axis in one.outputs]
     for name in dict.fromkeys(name for one in sweeps for name in one.references):
-        volts = [one.references.get(name, {}).get(axis, np.full(len(one), np.nan)) for one in sweeps]
+        volts = [one.references.get(name, {}).get(axis, len(one)) for one in sweeps]
         try:
-            cells = cells_of(plan, series.of(np.concatenate(volts)), cut)
+            cells = cells_of(plan, series.of(joined(volts)), cut)
         except DataError:  # no valid sample: the chain has a remark
             continue
         found[name] = law_of(cells, choose_order(cells, _largest(cells, REFERENCE_ORDER)).order)
@@ -117,11 +118,10 @@ def _without_ramp(readings: Readings, series: Series) -> list[Remark]:
     """Return a remark for each recording in which the temperature hardly changes: nothing of it is used."""
     sweeps = [one for one in readings.sweeps if series.axis in one.outputs]
     found = []
-    for number, one in enumerate(sweeps):
-        mine = series.sweep == number
-        if not np.any(series.path[mine]):
-            warm = series.temperature[mine & np.isfinite(series.temperature)]
-            change = float(np.ptp(warm)) if len(warm) else 0.0
+    for one, own in zip(sweeps, series.sweeps, strict=True):
+        if every(series.path[own], lambda part: not part.any()):
+            low, high = extremes(series.temperature[own], infinite=False)
+            change = high - low if high > low else 0.0
             what = f"the temperature of {series.axis} changes by {change:.3g} degC: no ramp, and nothing of it is used"
             found.append(Remark("still_recording", "warning", what, one.place, do="Leave it out, or check its channel"))
     return found

@@ -9,10 +9,12 @@ is of the size of what a mean over some minutes can show.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
+from ....core.batches import batches, taken
 from ....core.errors import DataError
 from ....core.estimate import Array
 from ....sensors.warm_up import FEWEST, WarmUp, find_warm_up
@@ -65,15 +67,15 @@ def start_up_of(plan: Plan, series: Series, law: Law) -> StartUp:
 def _steady_means(series: Series, law: Law) -> tuple[Array, Array, Indices]:
     """Means over the steady part after each power-up, of what the polynomial leaves; none where it is too short."""
     times, residuals, runs = [], [], []
-    for number in np.unique(series.run):
-        at = _steady_part(series, int(number))
+    for number in sorted({*series.runs}):
+        at = _steady_part(series, number)
         if len(at) < FEWEST:
             continue
-        left = series.reading[at] - law.basis(np.clip(series.temperature[at], *law.domain)) @ law.coefficients
+        left = _at(series.reading, at) - law.basis(np.clip(_at(series.temperature, at), *law.domain)) @ law.coefficients
         size = -(-len(at) // MEANS)
         starts = np.arange(0, len(at) - size + 1, size)
         whole = len(starts) * size
-        times.append(series.time[at][:whole].reshape(-1, size).mean(axis=1))
+        times.append(_at(series.time, at)[:whole].reshape(-1, size).mean(axis=1))
         residuals.append(left[:whole].reshape(-1, size).mean(axis=1))
         runs.append(np.full(len(starts), number))
     if not times:
@@ -84,19 +86,52 @@ def _steady_means(series: Series, law: Law) -> tuple[Array, Array, Indices]:
 
 def _steady_part(series: Series, run: int) -> Indices:
     """Return the samples of a run until its temperature leaves that of the start, in order of time."""
-    own = np.flatnonzero((series.run == run) & np.isfinite(series.time) & np.isfinite(series.temperature))
-    if not len(own):
-        return own
-    own = own[np.argsort(series.time[own], kind="stable")]
-    warm = series.temperature[own]
-    away = np.abs(warm - warm[: max(len(own) // 1000, 1)].mean())
-    gone = np.flatnonzero(away > STILL * series.turn_over)
-    steady = own[: gone[0]] if len(gone) else own
+    ordered = _in_order(series, run)
+    few = max(sum(len(own) for own in ordered()) // 1000, 1)
+    first = np.empty(0)
+    for own in ordered():
+        first = np.append(first, series.temperature[own[: few - len(first)]])
+        if len(first) == few:
+            break
+    level, parts = first.mean() if len(first) else np.nan, [np.empty(0, dtype=np.int64)]
+    for own in ordered():
+        gone = np.flatnonzero(np.abs(series.temperature[own] - level) > STILL * series.turn_over)
+        parts.append(own[: gone[0]] if len(gone) else own)
+        if len(gone):
+            break
+    steady = np.concatenate(parts)
     if not len(steady):
         return steady
-    half = series.temperature[steady[: max(len(steady) // 2, 1)]]
-    at_rest = np.flatnonzero(np.abs(series.temperature[steady] - half.mean()) <= NOISE * half.std())
+    warm = _at(series.temperature, steady)
+    half = warm[: max(len(steady) // 2, 1)]
+    at_rest = np.flatnonzero(np.abs(warm - half.mean()) <= NOISE * half.std())
     steady = steady[: at_rest[-1] + 1] if len(at_rest) else steady[:0]
-    steady = steady[np.isfinite(series.reading[steady])]
-    long = len(steady) >= FEWEST and np.ptp(series.time[steady]) >= SHORTEST
+    steady = steady[np.isfinite(_at(series.reading, steady))]
+    long = len(steady) >= FEWEST and np.ptp(_at(series.time, steady)) >= SHORTEST
     return steady if long else steady[:0]
+
+
+def _in_order(series: Series, run: int) -> Callable[[], Iterable[Indices]]:
+    """Return what gives the samples of a run whose time and temperature are known, in order of time, piece by piece."""
+    last = -np.inf
+    for own in _known(series, run):
+        time = series.time[own]
+        if len(own) and (time[0] < last or np.any(np.diff(time) < 0.0)):  # all of them are to be put in order
+            every = np.concatenate(list(_known(series, run)))
+            ordered = every[np.argsort(series.time[every], kind="stable")]
+            return lambda: [ordered]
+        last = time[-1] if len(own) else last
+    return lambda: _known(series, run)
+
+
+def _known(series: Series, run: int) -> Iterator[Indices]:
+    for own in series.of_run(run):
+        t, T = series.time[own], series.temperature[own]
+        for first, stop in batches(t, T):
+            known = np.isfinite(t[first:stop]) & np.isfinite(T[first:stop])
+            yield own.start + first + np.flatnonzero(known)
+
+
+def _at(x: Array, at: Indices) -> Array:
+    """Return some samples, shape (k,); of a stored record they are in order."""
+    return taken(x, at) if np.all(np.diff(at) > 0) else np.asarray(x[at])
