@@ -240,6 +240,8 @@ def _turns() -> dict[str, str]:
 
     files = {"clockwise.csv": log(board_of(np.concatenate(up), np.concatenate(rates), 50.0, 8)),
              "parts.csv": f"section,start,end\n{parts}"}  # fmt: skip
+    few = np.repeat(FACES[:7], 200, axis=0)
+    files["faces_few.csv"] = log(board_of(few, np.zeros_like(few), 50.0, 70))
     still = np.repeat(FACES, 150, axis=0)
     for i, temperature in enumerate((0.0, 20.0, 40.0)):
         board = board_of(still, np.zeros_like(still), 50.0, 60 + i)
@@ -256,7 +258,10 @@ def _others() -> dict[str, str]:
     warm, still = chamber(hours=0.4), at_rest(minutes=0.2)
     heated = {f"acc_{axis} [m/s2]": rounded(values + (G if axis == "z" else 0.0), 6)
               for axis, values in warm.readings.items()}  # fmt: skip
+    rng = np.random.default_rng(3)
+    walk = np.cumsum(3e-4 * rng.standard_normal(3000)) + NOISE * rng.standard_normal(3000)  # deg/s
     return {
+        "walk.csv": csv({"time_s": rounded(np.arange(3000) / 50.0, 3), "gyro_x [deg/s]": rounded(walk, 6)}),
         "warm.csv": csv({**time, "warm [degC]": rounded(NOISE * np.random.default_rng(7).standard_normal(1000), 6)}),
         "acc_rest.csv": csv({**time, **{f"{name} [m/s2]": values for name, values in acc.items()}}),
         "acc_bare.csv": csv({**time, **acc}),
