@@ -191,6 +191,12 @@ COMPENSATED = (
 )
 LEVELS = (
     Case(
+        'Give what a sample is the mean of, at most --averaging "{} s"',
+        'sine drive.csv --column x=pulses --period "0.03 s" --averaging "0.05 s"',
+        'sine drive.csv --column x=pulses --period "0.03 s" --averaging "0 s"',
+        "amplitude x 3",
+    ),
+    Case(
         'state what is known of the unit: --prior-misalignment "0.02 rad", --prior-scale-factor "3 %", ...',
         "positions faces_few.csv",
         '+ --prior-misalignment "0.02 rad" --prior-scale-factor "3 %"',
@@ -402,6 +408,12 @@ HEADS = (
     ),
 )
 MASSES = (
+    Case(
+        "Split it, or use: inertialcal programme-1969 FILE",
+        "info two.cards",
+        "programme-1969 two.cards",
+        "value amplitude 23",
+    ),
     Case(
         "Give the schedule of this record, or cut the record: --from, --to",
         "sine series.csv --column x=pulses --schedule rig_mesa/schedule.csv",

@@ -117,9 +117,12 @@ def _series() -> dict[str, str]:
         return rounded(1000.0 + 3.0 * np.sin(2.0 * np.pi * time / period) + 0.02 * rng.standard_normal(len(time)), 4)
 
     time = 100.0 * np.arange(n)
+    fast = np.arange(1200) / 20.0  # slower than the drive
     uneven, long = time + np.where(np.arange(n) % 2, 17.0, 0.0), 100.0 * np.arange(4100)
     even = {"time_s": rounded(time, 1), "pulses": wave(time)}
     return {
+        "drive.csv": csv({"time_s": rounded(fast, 2), "pulses": wave(fast, 0.03)}),
+        "two.cards": _deck(),
         "series.csv": csv(even),
         "series_tilt.csv": csv({**even, "tilt": rounded(0.01 * rng.standard_normal(n), 5)}),
         "series_no_time.csv": csv({"pulses": even["pulses"]}),
@@ -127,6 +130,17 @@ def _series() -> dict[str, str]:
         "series_other.csv": csv({"time_s": rounded(time, 1), "pulses": wave(time, 750.0)}),
         "series_long.csv": csv({"time_s": rounded(long, 1), "pulses": wave(long)}),
     }
+
+
+def _deck() -> str:
+    """Return card images of two cases: a recorded drive of 23 at four samples, and one that the programme makes."""
+    counts = np.rint(1700.0 + 23.0 * np.sin(0.5 * np.pi * np.arange(100))).astype(int)
+    values = [f"   {one:6d} " for one in counts], [f"  {0:8d} " for _ in counts]  # accelerometer, tilt meter
+    cards = ["".join(one[at : at + 5]) for one in values for at in range(0, 100, 5)]
+    head = "".join(f"{one:4d}" for one in (100, 100, 100, 23, 0, 60, 50, 4, 7, 12))
+    made = zip((100, 100, 60, 50, 23, 2, 40, 50, 7, 3, 4), (4, 4, 4, 4, 8, 4, 8, 4, 8, 4, 4), strict=True)
+    second = "".join(f"{one:>{width}}" for one, width in made)
+    return "\n".join(["   0", head, *cards, "   1", "   6", "   1", second, "   6", "  -1", ""])
 
 
 def _pressures() -> dict[str, str]:
