@@ -191,12 +191,6 @@ COMPENSATED = (
 )
 LEVELS = (
     Case(
-        'Give what a sample is the mean of, at most --averaging "{} s"',
-        'sine drive.csv --column x=pulses --period "0.03 s" --averaging "0.05 s"',
-        'sine drive.csv --column x=pulses --period "0.03 s" --averaging "0 s"',
-        "amplitude x 3",
-    ),
-    Case(
         'state what is known of the unit: --prior-misalignment "0.02 rad", --prior-scale-factor "3 %", ...',
         "positions faces_few.csv",
         '+ --prior-misalignment "0.02 rad" --prior-scale-factor "3 %"',

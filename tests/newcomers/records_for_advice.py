@@ -117,11 +117,9 @@ def _series() -> dict[str, str]:
         return rounded(1000.0 + 3.0 * np.sin(2.0 * np.pi * time / period) + 0.02 * rng.standard_normal(len(time)), 4)
 
     time = 100.0 * np.arange(n)
-    fast = np.arange(1200) / 20.0  # slower than the drive
     uneven, long = time + np.where(np.arange(n) % 2, 17.0, 0.0), 100.0 * np.arange(4100)
     even = {"time_s": rounded(time, 1), "pulses": wave(time)}
     return {
-        "drive.csv": csv({"time_s": rounded(fast, 2), "pulses": wave(fast, 0.03)}),
         "two.cards": _deck(),
         "series.csv": csv(even),
         "series_tilt.csv": csv({**even, "tilt": rounded(0.01 * rng.standard_normal(n), 5)}),
