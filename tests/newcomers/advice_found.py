@@ -24,6 +24,7 @@ TYPED = "|".join(
 )  # what may follow the program's name
 NAMED = re.compile(rf"(?<![\w-])--[a-z][a-z-]+\b(?! says)|\binertialcal (?:{TYPED})(?![\w-])|\bpip install\b")
 HELP = {"Option", "Argument", "option", "setting", "Command", "Example", "Group", "write_starter"}  # they describe
+LEAVES = (ast.Name, ast.expr_context, ast.operator, ast.cmpop, ast.arg, ast.alias)  # they hold no text
 COMMENT = re.compile(r"^#.*$", re.MULTILINE)  # of a file that is written
 NOT_SAID = ("cli/commands.py", "report/figures/drawing/", "report/paper.py", "files/write/exchange.py")
 
@@ -49,30 +50,35 @@ def advices() -> tuple[Advice, ...]:
         name = path.relative_to(SOURCES).as_posix()
         text = path.read_text(encoding="utf-8")
         if not name.startswith(NOT_SAID) and (NAMED.search(text) or ".add(" in text):
-            for line, template in _in_module(ast.parse(text)):
+            for line, template in _in_module(ast.parse(text), "examples=" in text):
                 found.setdefault(template, Advice(f"{name}:{line}", template))
     return tuple(found.values())
 
 
-def _in_module(tree: ast.Module) -> Iterator[tuple[int, str]]:
+def _in_module(tree: ast.Module, has_examples: bool) -> Iterator[tuple[int, str]]:
     """Yield line and template of each advice of a module."""
-    skipped: set[ast.AST] = set()
-    examples = {one.id for node in ast.walk(tree) if isinstance(node, ast.keyword) and node.arg == "examples"
+    made = [node for node in ast.walk(tree) if isinstance(node, ast.keyword)] if has_examples else []
+    examples = {one.id for node in made if node.arg == "examples"
                 for one in ast.walk(node) if isinstance(one, ast.Name)}  # fmt: skip
-    for node in ast.walk(tree):  # parents come before their children
-        if _is_no_advice(node, examples):
-            skipped |= set(ast.walk(node))
-        elif isinstance(node, ast.Call) and _called(node).endswith(("Error", "Remark")):
-            said = 0 if _called(node).endswith("Error") else 2
-            skipped |= {one for part in node.args[said : said + 1] for one in ast.walk(part)}
-        if node in skipped:
-            continue
-        template = _template(node)
-        is_option = template.startswith("--")
-        template = template if not COMMENT.search(template) else COMMENT.sub("", template)
-        if template.strip("-{} ") and (NAMED.search(template) if not is_option else " " in template):
-            yield node.lineno, template  # type: ignore[attr-defined]
-            skipped |= set(ast.walk(node))
+    yield from _in_node(tree, examples)
+
+
+def _in_node(node: ast.AST, examples: Set[str]) -> Iterator[tuple[int, str]]:
+    """Yield line and template of each advice in a node; none within one that is found, or that gives none."""
+    if isinstance(node, LEAVES) or _is_no_advice(node, examples):
+        return
+    template = COMMENT.sub("", _template(node))
+    is_option = template.startswith("--")
+    if template.strip("-{} ") and (NAMED.search(template) if not is_option else " " in template):
+        yield node.lineno, template  # type: ignore[attr-defined]
+        return
+    wrong: ast.AST | None = None  # what is wrong, said before what to do
+    if isinstance(node, ast.Call) and _called(node).endswith(("Error", "Remark")):
+        said = 0 if _called(node).endswith("Error") else 2
+        wrong = node.args[said] if len(node.args) > said else None
+    for child in ast.iter_child_nodes(node):
+        if child is not wrong:
+            yield from _in_node(child, examples)
 
 
 def _is_no_advice(node: ast.AST, examples: Set[str]) -> bool:

@@ -7,6 +7,18 @@ from advised_cases import Case
 
 COMPENSATED = (
     Case(
+        "the largest drive; --take NAME takes another",
+        "allan walk.csv --for kalibr",
+        "+ --take rate_random_walk",
+        "has taken, as wanted",
+    ),
+    Case(
+        "Record longer. Settings of filters take the larger drive of the bias: choose with --take",
+        "allan walk.csv --for kalibr",
+        "+ --take bias_instability",
+        "has taken, as wanted",
+    ),
+    Case(
         "Convert them, or say the unit of those that have none: --unit NAME=V",
         "compensate counts.json volts_bare.csv -o volts_out.csv",
         "+ --unit reference=V",
@@ -178,6 +190,12 @@ COMPENSATED = (
     ),
 )
 LEVELS = (
+    Case(
+        'state what is known of the unit: --prior-misalignment "0.02 rad", --prior-scale-factor "3 %", ...',
+        "positions faces_few.csv",
+        '+ --prior-misalignment "0.02 rad" --prior-scale-factor "3 %"',
+        "bias x 0.12",
+    ),
     Case(
         "Add: --column {}=COLUMN",
         "thermal chamber_two.csv",
@@ -384,6 +402,12 @@ HEADS = (
     ),
 )
 MASSES = (
+    Case(
+        "Split it, or use: inertialcal programme-1969 FILE",
+        "info two.cards",
+        "programme-1969 two.cards",
+        "value amplitude 23",
+    ),
     Case(
         "Give the schedule of this record, or cut the record: --from, --to",
         "sine series.csv --column x=pulses --schedule rig_mesa/schedule.csv",

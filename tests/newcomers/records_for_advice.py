@@ -120,6 +120,7 @@ def _series() -> dict[str, str]:
     uneven, long = time + np.where(np.arange(n) % 2, 17.0, 0.0), 100.0 * np.arange(4100)
     even = {"time_s": rounded(time, 1), "pulses": wave(time)}
     return {
+        "two.cards": _deck(),
         "series.csv": csv(even),
         "series_tilt.csv": csv({**even, "tilt": rounded(0.01 * rng.standard_normal(n), 5)}),
         "series_no_time.csv": csv({"pulses": even["pulses"]}),
@@ -127,6 +128,17 @@ def _series() -> dict[str, str]:
         "series_other.csv": csv({"time_s": rounded(time, 1), "pulses": wave(time, 750.0)}),
         "series_long.csv": csv({"time_s": rounded(long, 1), "pulses": wave(long)}),
     }
+
+
+def _deck() -> str:
+    """Return card images of two cases: a recorded drive of 23 at four samples, and one that the programme makes."""
+    counts = np.rint(1700.0 + 23.0 * np.sin(0.5 * np.pi * np.arange(100))).astype(int)
+    values = [f"   {one:6d} " for one in counts], [f"  {0:8d} " for _ in counts]  # accelerometer, tilt meter
+    cards = ["".join(one[at : at + 5]) for one in values for at in range(0, 100, 5)]
+    head = "".join(f"{one:4d}" for one in (100, 100, 100, 23, 0, 60, 50, 4, 7, 12))
+    made = zip((100, 100, 60, 50, 23, 2, 40, 50, 7, 3, 4), (4, 4, 4, 4, 8, 4, 8, 4, 8, 4, 4), strict=True)
+    second = "".join(f"{one:>{width}}" for one, width in made)
+    return "\n".join(["   0", head, *cards, "   1", "   6", "   1", second, "   6", "  -1", ""])
 
 
 def _pressures() -> dict[str, str]:
@@ -240,6 +252,8 @@ def _turns() -> dict[str, str]:
 
     files = {"clockwise.csv": log(board_of(np.concatenate(up), np.concatenate(rates), 50.0, 8)),
              "parts.csv": f"section,start,end\n{parts}"}  # fmt: skip
+    few = np.repeat(FACES[:7], 200, axis=0)
+    files["faces_few.csv"] = log(board_of(few, np.zeros_like(few), 50.0, 70))
     still = np.repeat(FACES, 150, axis=0)
     for i, temperature in enumerate((0.0, 20.0, 40.0)):
         board = board_of(still, np.zeros_like(still), 50.0, 60 + i)
@@ -256,7 +270,10 @@ def _others() -> dict[str, str]:
     warm, still = chamber(hours=0.4), at_rest(minutes=0.2)
     heated = {f"acc_{axis} [m/s2]": rounded(values + (G if axis == "z" else 0.0), 6)
               for axis, values in warm.readings.items()}  # fmt: skip
+    rng = np.random.default_rng(3)
+    walk = np.cumsum(3e-4 * rng.standard_normal(3000)) + NOISE * rng.standard_normal(3000)  # deg/s
     return {
+        "walk.csv": csv({"time_s": rounded(np.arange(3000) / 50.0, 3), "gyro_x [deg/s]": rounded(walk, 6)}),
         "warm.csv": csv({**time, "warm [degC]": rounded(NOISE * np.random.default_rng(7).standard_normal(1000), 6)}),
         "acc_rest.csv": csv({**time, **{f"{name} [m/s2]": values for name, values in acc.items()}}),
         "acc_bare.csv": csv({**time, **acc}),
