@@ -10,6 +10,7 @@ import argparse
 import base64
 import json
 import os
+import re
 import sys
 import tempfile
 from pathlib import Path
@@ -21,6 +22,7 @@ from nbclient import NotebookClient
 GALLERY = Path(__file__).parent / "gallery"
 FIRST_LINES, LAST_LINES = 12, 30  # of a long output on the page
 TEXTS = ("text/plain", "text/html")
+DRAWN = re.compile(r"<svg.*?</svg>", re.DOTALL)
 FIRST = [
     (
         "markdown",
@@ -114,7 +116,8 @@ def texts_of(notebook: Any) -> list[Any]:
     found: list[Any] = []
     for cell in notebook.cells:
         outputs = cell.get("outputs", [])
-        parts = [{kind: one["data"][kind] for kind in TEXTS if kind in one.get("data", {})} or one.get("text", "")
+        parts = [{kind: DRAWN.sub("", one["data"][kind]) for kind in TEXTS if kind in one.get("data", {})}
+                 or one.get("text", "")
                  for one in outputs]  # fmt: skip
         found.append((cell.cell_type, cell.source, parts))
     return found

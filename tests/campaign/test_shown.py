@@ -6,6 +6,7 @@ import re
 import shutil
 from collections.abc import Mapping
 from dataclasses import replace
+from html import escape
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -155,6 +156,22 @@ def test_a_terminal_and_a_notebook_show_the_same(name: str, shown: Mapping[str, 
     for grid in grids:
         for row in grid.rows:
             assert all(row[i] in said for i in grid.right)
+
+
+@pytest.mark.parametrize("name", ["run", "rate_table", "flip", "thermal", "allan", "psd", "sine", "positions"])
+def test_a_notebook_shows_the_first_figure_of_a_result(name: str, shown: Mapping[str, Any]) -> None:
+    from inertialcal.report.plot import pictures
+
+    (drawn,) = re.findall(r"<svg .*?</svg>", shown[name]._repr_html_(), re.DOTALL)
+    assert f'aria-label="{escape(pictures(shown[name])[0].label)}"' in drawn
+    assert "<path" in drawn
+    assert not re.search(r"https?://(?!www\.w3\.org)", drawn)
+
+
+def test_a_result_that_cannot_be_drawn_is_tables_alone(shown: Mapping[str, Any]) -> None:
+    bare = replace(shown["run"], content={**shown["run"].results, "curves": [], "results": [], "verdicts": [], "budgets": []})
+    assert "<table" in bare._repr_html_()
+    assert "<svg" not in bare._repr_html_()
 
 
 def test_every_public_function_that_returns_an_object_is_covered() -> None:

@@ -87,6 +87,18 @@ def plot(
     return drawn[0] if len(drawn) == 1 else np.array(drawn, dtype=object)
 
 
+def markup(result: object) -> str:
+    """Return the first figure of a result as markup for a notebook, on white; nothing where none can be drawn."""
+    from .figures import to_svg  # noqa: PLC0415 - matplotlib is heavy
+
+    try:
+        picture = pictures(result)[0]
+    except DataError:
+        return ""
+    drawn = to_svg(picture, f"nb-{picture.name}-{picture.test}-{picture.axis}")
+    return f'<div style="max-width:44em;background:#fff;padding:0.5em">{drawn}</div>\n'
+
+
 def pictures(
     result: object, figure: str | None = None, test: str | None = None, axis: str | None = None
 ) -> list[Picture]:

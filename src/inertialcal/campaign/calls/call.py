@@ -175,8 +175,10 @@ class Reduced:
     __repr__ = __str__
 
     def _repr_html_(self) -> str:
-        """Return what is shown for a notebook."""
-        return html(self.parts())
+        """Return what is shown for a notebook, with the first figure."""
+        from ...report.plot import markup  # noqa: PLC0415 - draws, which starts slowly
+
+        return html(self.parts(), markup(self))
 
     def write_models(self, path: str | Path) -> list[Path]:
         """Write the models; of several, each has its sensor in the name: ``model_acc.json``, ``model_gyro.json``.

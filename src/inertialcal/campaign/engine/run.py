@@ -114,10 +114,11 @@ class Outcome:
     __repr__ = __str__
 
     def _repr_html_(self) -> str:
-        """Return what is shown for a notebook."""
+        """Return what is shown for a notebook, with the first figure."""
         from ...core.show.tables import html  # noqa: PLC0415 - starts slowly
+        from ...report.plot import markup  # noqa: PLC0415 - draws, which starts slowly
 
-        return html(self.parts())
+        return html(self.parts(), markup(self))
 
     @property
     def exit_status(self) -> int:

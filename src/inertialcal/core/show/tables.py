@@ -161,9 +161,9 @@ def text(parts: Iterable[Block]) -> str:
     return "\n".join(lines)
 
 
-def html(parts: Iterable[Block]) -> str:
-    """Return the parts as HTML for a notebook, every text of them escaped."""
-    return f"<div>\n{''.join(_html(part) for part in parts)}</div>"
+def html(parts: Iterable[Block], figure: str = "") -> str:
+    """Return the parts as HTML for a notebook, every text of them escaped, below a figure: markup as it is."""
+    return f"<div>\n{figure}{''.join(_html(part) for part in parts)}</div>"
 
 
 def _html(part: Block) -> str:
