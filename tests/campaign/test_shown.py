@@ -169,7 +169,9 @@ def test_a_notebook_shows_the_first_figure_of_a_result(name: str, shown: Mapping
 
 
 def test_a_result_that_cannot_be_drawn_is_tables_alone(shown: Mapping[str, Any]) -> None:
-    bare = replace(shown["run"], content={**shown["run"].results, "curves": [], "results": [], "verdicts": [], "budgets": []})
+    bare = replace(
+        shown["run"], content={**shown["run"].results, "curves": [], "results": [], "verdicts": [], "budgets": []}
+    )
     assert "<table" in bare._repr_html_()
     assert "<svg" not in bare._repr_html_()
 
