@@ -263,6 +263,18 @@ def try_examples(page: Path, session: Session) -> None:
                     session.command(["inertialcal", "demo", "npsat2011", "--quiet"])
                 printed = session.typed(typed)
                 assert session.status in {0, 1, 4}, (typed, printed)
+                assert not named_twice(typed, printed), (typed, printed)
+
+
+def named_twice(typed: str, printed: list[str]) -> list[str]:
+    """Return the files and folders of a command that its answer names more than once.
+
+    Commands to copy are set aside, and messages, each of which begins with the place in a file that it is about.
+    """
+    lines = [line for line in printed if not re.match(r"(error|warning|info): ", line)]
+    said = "\n".join(re.split(r"inertialcal [a-z]", line)[0] for line in lines)
+    paths = {word for word in shlex.split(typed)[2:] if Path(word).exists() and (len(word) > 4 or "." in word)}
+    return sorted(one for one in paths if len(re.findall(rf"(?<![\w/.-]){re.escape(one)}(?![\w/-])", said)) > 1)
 
 
 @pytest.mark.parametrize("name", COMMANDS)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import json
 import re
+from collections import Counter
 from collections.abc import Callable, Iterator
 from html.parser import HTMLParser
 from itertools import pairwise
@@ -18,7 +19,8 @@ from inertialcal.campaign.file.example import copy_example
 from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.show.requirement_lines import requirement_lines
 from inertialcal.files.binary.curves import read_curves
-from inertialcal.report.page import LARGEST, environment, report_html
+from inertialcal.report.drawings import of_campaign
+from inertialcal.report.page import LARGEST, content_of, environment, report_html
 from sized import sized
 
 LIMIT = 600_000  # bytes, from the issue
@@ -309,6 +311,26 @@ def test_models_of_two_conditions_stand_one_after_the_other(small: Files) -> Non
     assert "model:/models/vacuum/sensitivities/0/bias/0" in pointers
     for value, pointer, _ in page.data:
         assert repr(at((results, model, provenance), pointer)) == value
+
+
+def twice(results: dict[str, Any], keys: tuple[str, ...]) -> dict[str, Any]:
+    """Return results in which each test was made once more, under another name."""
+    copies = {key: [{**row, "test": f"{row['test']}_again"} for row in results[key]] for key in keys}
+    return results | {key: results[key] + copies[key] for key in keys}
+
+
+@pytest.mark.parametrize("most", [9, 10, 11, 12, 13])
+def test_axes_of_a_figure_are_drawn_all_or_none(
+    made: tuple[Files, str], monkeypatch: pytest.MonkeyPatch, most: int
+) -> None:
+    (results, model, provenance), _ = made
+    results = twice(results, ("results", "sequence", "curves"))
+    monkeypatch.setattr("inertialcal.report.page.MOST_FIGURES", most)
+    drawn = content_of(results, model, provenance)["pictures"]["drawn"]
+    there = Counter((one.spec.name, one.picture.test) for one in of_campaign(results))
+    found = Counter((one.spec.name, one.picture.test) for one in drawn)
+    assert 0 < len(drawn) <= most
+    assert all(found[kind] == there[kind] for kind in found if kind[1].endswith("_again"))
 
 
 @pytest.mark.slow  # half a minute

@@ -33,7 +33,7 @@ from .page_file import about_text, sealed_page
 FOLDER = Path(__file__).parent / "templates"
 LARGEST = 590_000  # bytes of the page
 MOST_FIGURES = 21  # drawn on a page: each takes time
-USES = ("fit", "hold_out", "report_only")  # figures of the first are wanted most, after those of tests that are judged
+USES = ("fit", "hold_out", "report_only")  # figures of the first are wanted most, there those of tests that are judged
 ZOOM = Markup('<label class="zoom"><input type="checkbox"> enlarge</label>')  # the style sheet does the rest
 NO_ROOM = 20_000  # bytes left, with which no further figure is drawn
 FILTERS: dict[str, Callable[..., Any]] = {
@@ -163,16 +163,21 @@ def _pictures(results: Mapping[str, Any]) -> dict[str, Any]:
     budgets = {sections.MODEL: budgets[sections.MODEL]} if sections.MODEL in budgets else budgets
     judged = {one["test"] for one in results["verdicts"]}
     first = [one for one in found if one.spec.first and one is not top]
-    others: list[tuple[bool, bool, int, int, Drawing]] = []
+    others: list[tuple[bool, int, bool, int, Drawing]] = []
     for step in results["sequence"]:
         kinds: dict[str, int] = {}  # of figures of the test, in the order in which they stand there
         for one in of_tests.get(step["test"], []):
             kind = kinds.setdefault(one.spec.name, len(kinds))
             if one not in first:
-                others.append((kind > 0, step["test"] not in judged, USES.index(step["use"]), kind, one))
+                others.append((kind > 0, USES.index(step["use"]), step["test"] not in judged, kind, one))
     others.sort(key=lambda found: found[:4])  # the first kind of each test before any second
     wanted = [top, partner, *first, matrix, *budgets.values(), *(one for *_, one in others)]
-    drawn = [one for one in wanted if one is not None][:MOST_FIGURES]
+    there = [one for one in wanted if one is not None]
+    drawn = there[:MOST_FIGURES]
+    if rest := there[MOST_FIGURES:]:  # of a figure of each axis, all or none
+        last = (rest[0].spec.name, rest[0].picture.test)
+        while drawn and (drawn[-1].spec.name, drawn[-1].picture.test) == last:
+            drawn.pop()
     return {"top": top, "partner": partner, "tests": of_tests, "budgets": budgets, "matrix": matrix, "drawn": drawn}
 
 
