@@ -10,11 +10,13 @@ import socket
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from inertialcal.core import batches
 from inertialcal.core.errors import DataError
 from inertialcal.files.budget import max_memory
-from inertialcal.files.source import load, settled
+from inertialcal.files.source import FileBytes, load, settled
 
 
 def refused(path: Path | str) -> tuple[str, str]:
@@ -117,3 +119,14 @@ def test_a_long_file_that_changes_while_it_is_read_is_refused(tmp_path: Path, mo
     with pytest.raises(DataError, match="changed while it was read") as caught:
         settled(loaded)
     assert [one.code for one in caught.value.problems] == ["input_changed"]
+
+
+@given(content=st.binary(max_size=60), part=st.sampled_from([b"a", b"ab", b"PK\x01\x02"]), chunk=st.integers(1, 9))
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_bytes_in_a_file_are_counted_over_the_ends_of_blocks(
+    content: bytes, part: bytes, chunk: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    held = content.replace(b"\x00", part)
+    (tmp_path / "any.bin").write_bytes(held)
+    monkeypatch.setattr("inertialcal.files.source.CHUNK", chunk)
+    assert FileBytes(tmp_path / "any.bin").count(part) == held.count(part)

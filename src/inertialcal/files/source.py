@@ -163,7 +163,7 @@ class FileBytes:
         while block := self._file.read(CHUNK):
             held = tail + block
             found += held.count(part)
-            tail = held[-(len(part) - 1) :]
+            tail = held[max(len(held) - len(part) + 1, 0) :]
         return found
 
     def sha256(self) -> str:

@@ -12,6 +12,7 @@ import hashlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -171,13 +172,12 @@ def _pictures(results: Mapping[str, Any]) -> dict[str, Any]:
             if one not in first:
                 others.append((kind > 0, USES.index(step["use"]), step["test"] not in judged, kind, one))
     others.sort(key=lambda found: found[:4])  # the first kind of each test before any second
-    wanted = [top, partner, *first, matrix, *budgets.values(), *(one for *_, one in others)]
-    there = [one for one in wanted if one is not None]
-    drawn = there[:MOST_FIGURES]
-    if rest := there[MOST_FIGURES:]:  # of a figure of each axis, all or none
-        last = (rest[0].spec.name, rest[0].picture.test)
-        while drawn and (drawn[-1].spec.name, drawn[-1].picture.test) == last:
-            drawn.pop()
+    drawn = [one for one in (top, partner, *first, matrix, *budgets.values()) if one is not None][:MOST_FIGURES]
+    for _, group in groupby((one for *_, one in others), lambda one: (one.spec.name, one.picture.test)):
+        axes = list(group)
+        if len(drawn) + len(axes) > MOST_FIGURES:  # all axes or none
+            break
+        drawn += axes
     return {"top": top, "partner": partner, "tests": of_tests, "budgets": budgets, "matrix": matrix, "drawn": drawn}
 
 

@@ -15,9 +15,7 @@ from ..core.show.rounding import number
 REPEATS = 2.0  # a step is looked for where values occur at least this often on average
 SORTED = 100_000  # values up to which they are sorted without a look whether they repeat
 MARKED = 2**19  # values of which each different one is marked; of more one in 2, 4, ..., that a cache holds the marks
-SURE = (
-    1.05  # of the different values that are looked for: by so many of those that are marked it is beyond 6 deviations
-)
+SURE = 1.05  # times the share of the values looked for: marks beyond it are no chance, by 6 deviations and more
 CHUNK = 2**15  # samples looked at together
 LEVELS = 2**24  # most levels that a converter has
 OFF_STEP = 0.02  # largest distance from a whole number of steps, in steps

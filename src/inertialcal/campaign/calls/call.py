@@ -235,7 +235,7 @@ class Reduced:
             why = "no model is made of recordings that disagree"
             raise DataError([replace(one.problem, why=why) for one in self.errors])
         if not models:
-            do = "See the remarks, and why each figure was not estimated: the same without a model to write"
+            do = "Look at the result alone: it says why each figure was not estimated"
             raise DataError("no figure that a model takes was estimated", target, do=do, code="no_model")
         return models
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -142,8 +143,9 @@ def _fits(text: str, unit: str) -> bool:
 def _value(name: str, text: str, unit: str) -> float:
     """Return what an option says, in a unit; the refusal names the option."""
     option = f"--{name.replace('_', '-')}"
-    if name == "sample_rate" and text.strip().replace(".", "", 1).isdigit():
-        text = f"{text} Hz"  # as the nouns take it
+    if name == "sample_rate":  # a bare number is in Hz, as the nouns take it
+        with suppress(ValueError):
+            text = f"{float(text)!r} Hz"
     try:
         return parse_quantity(text).to(unit, difference=name == "temperature_span")
     except DataError as error:

@@ -83,7 +83,7 @@ class Series:
 
         On a long ramp it is the rate of the ramp; after a turn it gets there in some lags.
         """
-        rate = joined([len(self.time), 0])
+        rate = joined([len(self.time)])
         for run in sorted({*self.runs}):
             t, T = self._in_order(run)
             if len(t) < FEWEST:
