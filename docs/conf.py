@@ -21,22 +21,12 @@ numpydoc_show_class_members = False
 autosummary_generate = False
 numpydoc_xref_param_type = False
 
-html_theme = "alabaster"
+html_theme = "furo"
 html_title = f"inertialcal {version}"
 html_copy_source = False
-html_show_copyright = False
-html_static_path = ["style"]  # custom.css, which the theme takes by itself
-html_theme_options = {
-    "description": "From raw counts to a calibration that can be trusted",
-    "fixed_sidebar": True,
-    "page_width": "1140px",
-    "body_max_width": "none",
-    "sidebar_width": "240px",
-    "code_font_size": "0.8em",
-    "show_powered_by": False,
-    "show_relbars": False,
-}
-html_sidebars = {"**": ["about.html", "searchfield.html", "navigation.html"]}
+html_show_sphinx = False
+html_static_path = ["style"]
+html_css_files = ["custom.css"]
 
 
 def setup(app):
