@@ -10,7 +10,7 @@ PIP := $(BIN)/python -m pip install --quiet --no-compile
 # Compiled modules are kept: the next process, and every command that a test starts, need not compile them again.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo test slow long coverage power mutants fuzz torture gate check bench docs pins clean
+.PHONY: demo test slow long coverage power mutants fuzz torture gate check bench docs release pins clean
 
 demo: $(INSTALLED)  ## a simulated suite of rate sensors: built, run, scored
 	$(BIN)/inertialcal demo
@@ -51,8 +51,8 @@ gate: $(READY)  ## every fault in 60 cases, 900 clean records, about an hour: RE
 	PYTHONPATH=tests $(BIN)/python -m independent.gate $(RESUME)
 
 check: $(READY)  ## format, lint, types, manual
-	$(BIN)/ruff format --check src tests docs
-	$(BIN)/ruff check src tests docs
+	$(BIN)/ruff format --check src tests docs packaging
+	$(BIN)/ruff check src tests docs packaging
 	$(BIN)/mypy
 	$(BIN)/python docs/audit/audit.py --check
 	$(BIN)/python docs/made.py --check
@@ -64,6 +64,9 @@ bench: $(READY)  ## speed as ratios against named peers, the table last: LINES="
 
 docs: $(READY)
 	$(BIN)/python -m sphinx -q -W --keep-going -b html docs build/docs
+
+release: $(READY)  ## build, check, install into an empty environment, try; TAG=--tag sets the tag of this version, INERTIALCAL_HOME=URL the links
+	$(BIN)/python packaging/release.py $(TAG)
 
 $(INSTALLED): requirements-run.txt pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit("inertialcal needs Python 3.11 or newer; this is " + sys.version.split()[0] + ". Try: make PYTHON=python3.11") if sys.version_info < (3, 11) else None'

@@ -14,11 +14,12 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .campaign.calls.call import Reduced
     from .campaign.calls.nouns import allan, flip, mass_attraction, positions, psd, rate_table, sine, thermal
     from .campaign.certificate.issue import certificate
     from .campaign.certificate.reading import read_certificate
     from .campaign.compare.compare import compare
-    from .campaign.engine.run import run
+    from .campaign.engine.run import Outcome, run
     from .campaign.engine.whole import check
     from .campaign.models.compensation import compensate
     from .campaign.models.find import load_model, load_models
@@ -26,17 +27,46 @@ if TYPE_CHECKING:
     from .campaign.start.info import info
     from .campaign.twins.score import score
     from .campaign.twins.twin import simulate
+    from .core.errors import DataError, InertialcalError, PlanError, Problem, StoreError, UsageError
+    from .core.estimate import Component, Estimate
+    from .core.recording import Channel, Recording
+    from .core.remarks import Remark
+    from .core.results import Interval, Row
+    from .core.units import Quantity
     from .files import read
     from .files.budget import max_memory
-    from .files.text.table import read_table
+    from .files.info.survey import Survey
+    from .files.text.table import Table, read_table
     from .files.write.recording import write
     from .procedures.mass_attraction.planning.planner import plan_mass_attraction
     from .procedures.mass_attraction.recorded_series import programme_1969
     from .procedures.positions.batch import positions_batch
     from .procedures.positions.planning.planner import plan_positions
     from .report.plot import plot
+    from .sensors.model.model_set import ModelSet
+    from .sensors.model.sensor_model import SensorModel
 
 __all__ = [
+    "Channel",
+    "Component",
+    "DataError",
+    "Estimate",
+    "InertialcalError",
+    "Interval",
+    "ModelSet",
+    "Outcome",
+    "PlanError",
+    "Problem",
+    "Quantity",
+    "Recording",
+    "Reduced",
+    "Remark",
+    "Row",
+    "SensorModel",
+    "StoreError",
+    "Survey",
+    "Table",
+    "UsageError",
     "allan",
     "budget",
     "certificate",
@@ -68,31 +98,41 @@ __all__ = [
     "write",
 ]
 
-_HOMES = {
-    "allan": ("campaign.calls.nouns", "allan"),
-    "psd": ("campaign.calls.nouns", "psd"),
-    "budget": ("campaign.outcome.budget", "budget"),
-    "certificate": ("campaign.certificate.issue", "certificate"),
-    "read_certificate": ("campaign.certificate.reading", "read_certificate"),
-    "check": ("campaign.engine.whole", "check"),
-    "compare": ("campaign.compare.compare", "compare"),
-    "compensate": ("campaign.models.compensation", "compensate"),
-    "load_model": ("campaign.models.find", "load_model"),
-    "load_models": ("campaign.models.find", "load_models"),
-    "plan_mass_attraction": ("procedures.mass_attraction.planning.planner", "plan_mass_attraction"),
-    "plan_positions": ("procedures.positions.planning.planner", "plan_positions"),
-    "plot": ("report.plot", "plot"),
-    "programme_1969": ("procedures.mass_attraction.recorded_series", "programme_1969"),
-    "positions": ("campaign.calls.nouns", "positions"),
-    "positions_batch": ("procedures.positions.batch", "positions_batch"),
-    "score": ("campaign.twins.score", "score"),
-    "simulate": ("campaign.twins.twin", "simulate"),
-    "write": ("files.write.recording", "write"),
-    "info": ("campaign.start.info", "info"),
-    "read": ("files", "read"),
-    "max_memory": ("files.budget", "max_memory"),
-    "read_table": ("files.text.table", "read_table"),
-    "run": ("campaign.engine.run", "run"),
+_HOMES = {  # nouns of procedures apart, which are found by their commands
+    name: module
+    for module, names in {
+        "campaign.calls.call": "Reduced",
+        "campaign.certificate.issue": "certificate",
+        "campaign.certificate.reading": "read_certificate",
+        "campaign.compare.compare": "compare",
+        "campaign.engine.run": "Outcome run",
+        "campaign.engine.whole": "check",
+        "campaign.models.compensation": "compensate",
+        "campaign.models.find": "load_model load_models",
+        "campaign.outcome.budget": "budget",
+        "campaign.start.info": "info",
+        "campaign.twins.score": "score",
+        "campaign.twins.twin": "simulate",
+        "core.errors": "DataError InertialcalError PlanError Problem StoreError UsageError",
+        "core.estimate": "Component Estimate",
+        "core.recording": "Channel Recording",
+        "core.remarks": "Remark",
+        "core.results": "Interval Row",
+        "core.units": "Quantity",
+        "files": "read",
+        "files.budget": "max_memory",
+        "files.info.survey": "Survey",
+        "files.text.table": "Table read_table",
+        "files.write.recording": "write",
+        "procedures.mass_attraction.planning.planner": "plan_mass_attraction",
+        "procedures.mass_attraction.recorded_series": "programme_1969",
+        "procedures.positions.batch": "positions_batch",
+        "procedures.positions.planning.planner": "plan_positions",
+        "report.plot": "plot",
+        "sensors.model.model_set": "ModelSet",
+        "sensors.model.sensor_model": "SensorModel",
+    }.items()
+    for name in names.split()
 }
 
 
@@ -104,8 +144,7 @@ def __getattr__(name: str) -> Any:
         return version("inertialcal")
     if name not in _HOMES and name not in _nouns():
         raise AttributeError(f"module 'inertialcal' has no attribute {name!r}")
-    module, attribute = _HOMES.get(name, ("campaign.calls.nouns", name))
-    return getattr(import_module(f".{module}", __name__), attribute)
+    return getattr(import_module(f".{_HOMES.get(name, 'campaign.calls.nouns')}", __name__), name)
 
 
 def _nouns() -> set[str]:

@@ -259,8 +259,8 @@ def _refined(white: Array, readings: Array, basis: Array, transform: Array) -> A
     coefficients = transform @ (basis.T @ readings)
     left = readings - white @ coefficients
     wide = white.astype(np.longdouble)
-    missed = (readings - wide @ coefficients - left).astype(float)
-    along = (wide.T @ left).astype(float)
+    missed: Array = (readings - wide @ coefficients - left).astype(float)
+    along: Array = (wide.T @ left).astype(float)
     return coefficients + transform @ (basis.T @ missed + transform.T @ along)
 
 

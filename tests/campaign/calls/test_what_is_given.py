@@ -67,7 +67,7 @@ def _failure(call: Callable[[], object]) -> str:
 
 
 def test_every_public_function_is_tried() -> None:
-    assert {*NOUNS, *OTHERS, *NO_CALL} >= {*ic.__all__}
+    assert {*NOUNS, *OTHERS, *NO_CALL} >= {name for name in ic.__all__ if not inspect.isclass(getattr(ic, name))}
 
 
 @pytest.mark.parametrize("name", [*NOUNS, *OTHERS])
