@@ -3,8 +3,8 @@
     python packaging/release.py          build everything and try it, no tag
     python packaging/release.py --tag    the same on a clean tree, then the tag of this version
 
-The wheel is built from the unpacked source distribution, so that what that lacks is noticed. It is tried in an environment
-with the pins of requirements-run.txt and nothing of this repository; the tests come from the source distribution.
+The wheel is built from the unpacked source distribution, so that what that lacks is noticed. It is tried in an
+environment with the pins of requirements-run.txt alone; the tests come from the source distribution.
 """
 
 from __future__ import annotations

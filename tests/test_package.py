@@ -1,4 +1,4 @@
-"""What is released: a wheel with all of the package, made of the source distribution, and a page that leads somewhere."""
+"""What is released: a wheel with all of the package, made of the source distribution; a page that leads somewhere."""
 
 from __future__ import annotations
 
