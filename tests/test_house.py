@@ -243,9 +243,15 @@ def test_tests_mirror_the_tree() -> None:
     tests = Path(__file__).parent
     for path in tests.rglob("test_*.py"):
         where = path.relative_to(tests).parts
-        assert len(where) == 1 or where[0] in {*ORDER, "docs", "independent", "speed", "newcomers", "torture"}, (
-            f"{path} mirrors no folder"
-        )
+        assert len(where) == 1 or where[0] in {
+            *ORDER,
+            "docs",
+            "independent",
+            "speed",
+            "newcomers",
+            "plugin",
+            "torture",
+        }, f"{path} mirrors no folder"
 
 
 def test_importing_the_package_loads_nothing_heavy() -> None:

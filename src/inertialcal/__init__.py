@@ -100,7 +100,7 @@ __all__ = [
 
 _HOMES = {  # nouns of procedures apart, which are found by their commands
     name: module
-    for module, names in {
+    for module, words in {
         "campaign.calls.call": "Reduced",
         "campaign.certificate.issue": "certificate",
         "campaign.certificate.reading": "read_certificate",
@@ -132,7 +132,7 @@ _HOMES = {  # nouns of procedures apart, which are found by their commands
         "sensors.model.model_set": "ModelSet",
         "sensors.model.sensor_model": "SensorModel",
     }.items()
-    for name in names.split()
+    for name in words.split()
 }
 
 

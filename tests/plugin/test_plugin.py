@@ -1,9 +1,10 @@
-"""A procedure of another package, registered by an entry point: no file of ours knows it, and everything works."""
+"""A second package with a procedure, a rig and a reader, installed by pip: no file of ours knows it, and all works."""
 
 from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -14,7 +15,7 @@ import pyarrow.parquet
 import pytest
 from served import Command, served
 
-TOY = Path(__file__).parent / "toy_procedure"
+PLUGIN = Path(__file__).parent
 TRUE = {"x": 0.02, "y": -0.01}
 CAMPAIGN = """\
 schema = 2
@@ -61,14 +62,33 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return made
 
 
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Install the package where nothing else is."""
+    folder, copy = tmp_path_factory.mktemp("site"), tmp_path_factory.mktemp("source") / "plugin"
+    shutil.copytree(PLUGIN, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    install = (
+        "install",
+        "--quiet",
+        "--no-deps",
+        "--no-index",
+        "--no-build-isolation",
+        "--target",
+        str(folder),
+        str(copy),
+    )
+    subprocess.run([sys.executable, "-m", "pip", *install], check=True, timeout=120)
+    return folder
+
+
 @pytest.fixture(scope="module", name="inertialcal")
-def _inertialcal(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Command]:
-    with served(TOY, tmp_path_factory.mktemp("printed")) as command:
+def _inertialcal(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Command]:
+    with served(site, tmp_path_factory.mktemp("printed")) as command:
         yield command
 
 
-def test_a_process_of_its_own_takes_it(folder: Path) -> None:
-    path = os.pathsep.join([str(TOY), *filter(None, [os.environ.get("PYTHONPATH")])])
+def test_a_process_of_its_own_takes_it(site: Path, folder: Path) -> None:
+    path = os.pathsep.join([str(site), *filter(None, [os.environ.get("PYTHONPATH")])])
     words = [sys.executable, "-m", "inertialcal.cli", "check", "."]
     done = subprocess.run(words, cwd=folder, env={**os.environ, "PYTHONPATH": path}, timeout=120, check=False)
     assert done.returncode == 0
@@ -244,6 +264,20 @@ def test_info_suggests_it_and_init_writes_its_campaign(inertialcal: Command, fol
     (tmp_path / "campaign.toml").write_text("\n".join(kept) + "\n")
     done = inertialcal("run", ".", cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_its_reader_serves_every_command(inertialcal: Command, tmp_path: Path) -> None:
+    time, rng = np.arange(400) * 0.01, np.random.default_rng(1)
+    for number in range(1, 4):
+        rows = np.column_stack([time, rng.normal(0.02, 1e-3, time.size)])
+        (tmp_path / f"r{number}.toy").write_bytes(b"TOY1" + rows.astype("<f8").tobytes())
+    assert "Toy, little endian, 400 rows" in inertialcal("info", "r1.toy", cwd=tmp_path).stdout
+    done = inertialcal("mean-reading", "r1.toy", "r2.toy", "r3.toy", "--json", cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    (row,) = (one for one in json.loads(done.stdout)["results"] if one["quantity"] == "mean_reading")
+    assert (row["value"], row["unit"]) == (pytest.approx(0.02, abs=3e-4), "deg/s")
+    assert inertialcal("convert", "r1.toy", "r1.csv", cwd=tmp_path).returncode == 0
+    assert len((tmp_path / "r1.csv").read_text().splitlines()) == 401
 
 
 def test_its_rig_is_simulated_run_and_scored(inertialcal: Command, tmp_path: Path) -> None:
