@@ -54,6 +54,7 @@ ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 SOURCE = ROOT / "src" / "inertialcal"
 PAGES = [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
+TUTORIALS = ("gyro_suite", "microgravity_head", "hand_held_imu", "moved_mass")
 FENCE = re.compile(r"^```(?P<kind>\{?[\w-]+\}?)[^\n]*\n(?P<body>.*?)^```$", re.MULTILINE | re.DOTALL)
 ELLIPSIS = "..."
 REFUSED = (2, 3)
@@ -207,7 +208,7 @@ def shows(shown: list[str], printed: list[str]) -> bool:
     return len(parts) > 1 or at == len(printed)
 
 
-LONG = ("commands/demo.md", "commands/certificate.md")  # half a minute: they simulate the suite
+LONG = ("commands/demo.md", "commands/certificate.md", *(f"tutorials/{name}.md" for name in TUTORIALS))  # half a minute
 READS_REPORTS = ("show.md",)  # for all others campaigns are run without their page, which takes half of the time
 PLAYED = [pytest.param(path, marks=[pytest.mark.slow] * path.as_posix().endswith(LONG)) for path in PAGES]
 

@@ -229,7 +229,7 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     known = [*AXES, *roles, *(f"{name}_{axis}" for name in voltages for axis in AXES), *voltages]
     if chain:
         known += [name for name in ("temperature", *(f"temperature_{axis}" for axis in AXES)) if name not in known]
-    columns = named_columns(recording, columns)
+    columns = _by_channel(recording, columns, known)
     if wrong := [what for what in columns if what not in known]:
         raise UsageError(f"column {wrong[0]!r}", do=f"There are: {', '.join(known)}", code="unknown_name")
     have = ", ".join(recording.names)
@@ -273,6 +273,16 @@ def named_columns(recording: Recording, columns: Mapping[str, str]) -> dict[str,
         ``wrong_column`` where there is no such column.
     """
     return {what: full_name(recording.names, name) or recording.channel(name).name for what, name in columns.items()}
+
+
+def _by_channel(recording: Recording, columns: Mapping[str, str], known: Sequence[str]) -> dict[str, str]:
+    """Return columns by channel: one given by its name alone is of the axis that it names, else of the first free one."""
+    full = named_columns(recording, columns)
+    found = {what: name for what, name in full.items() if what in known or columns[what] != what}
+    for what in (one for one in columns if one not in found):
+        free = [one for one in (recording.channel(full[what]).axis, *AXES) if one in AXES and one not in found]
+        found[free[0] if free else what] = full[what]
+    return found
 
 
 def sensor_kind(given: GivenFile, spec: InputSpec) -> Kind:

@@ -74,7 +74,7 @@ class Files:
         }  # fmt: skip
         wanted |= {one: value for one, value in reading.items() if value is not None}
         if name not in self.held or self.read_as.get(name, wanted) != wanted:
-            units = {key: unit for key, unit in said.units.items() if key != unit}
+            units = {said.columns.get(key, key): unit for key, unit in said.units.items() if key != unit}
             try:
                 found = read(name, units=units, **wanted)
             except UsageError as error:
@@ -83,7 +83,7 @@ class Files:
                     raise
                 found = read(name, units=columns, **wanted)  # of one sensor, or without a header
             claim_recording(found, self.work)
-            self.held[name] = _with_unit(found, bare(said.units))
+            self.held[name] = _with_unit(found, bare(said.units), said.columns)
             self.read_as[name] = wanted
         return self.held[name]
 
@@ -137,7 +137,7 @@ def files_of(given: Given | Sequence[Given], said: Said, inputs: InputSpec | Non
                 raise UsageError("file name is not UTF-8", name, "results name their inputs", "Rename it", "file_name")
         elif isinstance(one, Recording):
             name, identity = one.source.path or f"recording_{number}", str(id(one))
-            files.held[name] = _with_unit(with_named_units(one, said.units), bare(said.units))
+            files.held[name] = _with_unit(with_named_units(one, said.units), bare(said.units), said.columns)
         else:
             name, identity = f"array_{number}", str(id(one))
             files.held[name] = of_array(numbers_of(one), said.sample_rate, next(iter(said.units.values()), None))
@@ -167,8 +167,8 @@ def given_items(given: Given | Sequence[Given]) -> list[Given]:
     return items
 
 
-def _with_unit(recording: Recording, unit: str | None) -> Recording:
-    """Return a recording with a unit without a name: that of all channels of its kind, else of those named by axis."""
+def _with_unit(recording: Recording, unit: str | None, columns: Mapping[str, str]) -> Recording:
+    """Return a recording with a unit without a name: of all channels of its kind, else those of an axis, else named."""
     if unit is None:
         return recording
     group = GROUPS.get(kind(unit), "")  # counts and volts are those of any axis
@@ -179,6 +179,7 @@ def _with_unit(recording: Recording, unit: str | None) -> Recording:
         return recording  # counts or volts by its header: they become rates by a chain alone
     own = [one for one in own if one.unit is None or one.axis] or own  # not the rate of the table, which states its own
     own = own or [one for one in axes if not one.quantity or (not group and one.quantity in GROUPS.values())]
+    own = own or [one for one in recording.channels if one.name in columns.values() and one.unit is None]
     named, unit = {one.name for one in own}, normalise(unit)
     channels = [replace(one, unit=unit, unit_from="flag", quantity=group or one.quantity)
                 if one.name in named else one for one in recording.channels]  # fmt: skip

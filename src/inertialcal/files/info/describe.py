@@ -156,6 +156,9 @@ def _chosen(described: Sequence[Described], key: str) -> list[int]:
     named = _named(described, key)
     group = GROUPS.get(key.lower())
     chosen = named or [i for i, d in enumerate(described) if group and d.quantity == group]
+    if not chosen:  # an axis, of the one sensor that has it
+        of_axis = [i for i, d in enumerate(described) if d.axis == key]
+        chosen = of_axis if len(of_axis) == 1 else []
     if not named and len(chosen) > 1 and chosen[0] == 0 and _runs_like_time(described[0].column):
         chosen = chosen[1:]  # a matrix is called after its sensor, and its first column is the clock
     if not chosen:

@@ -1,0 +1,72 @@
+"""However a column and its unit are named, the same rows: with a chain or without, by name, axis, group or alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import inertialcal as ic
+
+CHAIN = {"lsb": "5 V / 4095", "reference": "2.5 V", "scale_factor": "0.5 V/(deg/s)"}
+COUNTS, RATES = 5 / 4095, 0.5  # V, and V/(deg/s)
+
+
+@pytest.fixture(scope="module")
+def rates() -> np.ndarray[Any, np.dtype[np.float64]]:
+    return np.random.default_rng(1).normal(0.02, 0.1, 3000)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, rates: np.ndarray[Any, Any], monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A column that names its axis, and one that names nothing, in counts and in deg/s."""
+    time, codes = np.arange(rates.size) / 10, np.round((2.5 + RATES * rates) / COUNTS)
+    for name in ("gyro_x", "speed", "gyro_y"):
+        for ending, values in (("counts", codes), ("rates", rates)):
+            table = np.column_stack([time, values])
+            np.savetxt(tmp_path / f"{name}_{ending}.csv", table, "%.9g", ",", header=f"time [s],{name}", comments="")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+WAYS: list[tuple[str, dict[str, str], dict[str, str]]] = [
+    ("gyro_x", {}, {"gyro_x": "U"}),
+    ("gyro_x", {}, {"gyro": "U"}),
+    ("gyro_x", {}, {"x": "U"}),
+    ("gyro_x", {}, {"U": "U"}),
+    ("gyro_x", {"gyro_x": "gyro_x"}, {"U": "U"}),
+    ("gyro_x", {"x": "gyro_x"}, {"x": "U"}),
+    ("speed", {"speed": "speed"}, {"U": "U"}),
+    ("speed", {"speed": "speed"}, {"speed": "U"}),
+    ("speed", {"x": "speed"}, {"x": "U"}),
+    ("speed", {"x": "speed"}, {"speed": "U"}),
+]
+
+
+def density(name: str, **said: Any) -> float:
+    """Angle random walk [deg/sqrt(h)] of a file."""
+    (row,) = (one for one in ic.allan(name, **said).rows if one.quantity == "angle_random_walk")
+    assert row.value is not None
+    return row.value
+
+
+@pytest.mark.parametrize(("name", "columns", "units"), WAYS)
+@pytest.mark.usefixtures("folder")
+def test_counts_by_a_chain_and_rates_without_one(name: str, columns: dict[str, str], units: dict[str, str]) -> None:
+    white = 0.1 * np.sqrt(0.1) * 60.0  # deg/sqrt(h): standard deviation times the root of the sample interval
+
+    def of(unit: str) -> dict[str, str]:
+        return {key.replace("U", unit) if key == "U" else key: unit for key in units}
+
+    in_rates = density(f"{name}_rates.csv", columns=columns, units=of("deg/s"))
+    in_counts = density(f"{name}_counts.csv", columns=columns, units=of("count"), **CHAIN)
+    for found in (in_rates, in_counts):
+        assert found == pytest.approx(white, rel=0.05)
+
+
+@pytest.mark.usefixtures("folder")
+def test_a_column_alone_is_of_the_axis_that_it_names() -> None:
+    found = ic.allan("gyro_y_counts.csv", columns={"gyro_y": "gyro_y"}, units={"count": "count"}, **CHAIN)
+    assert {row.axis for row in found.rows if row.axis} == {"y"}
