@@ -5,8 +5,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from inertialcal.rigs.rate_table.rig import build
+from inertialcal.rigs.rate_table.setup import Bench
 from inertialcal.signals.sense.change import Change
 from inertialcal.signals.sense.changes import changes
+from inertialcal.signals.sense.response import exchanged_response
 
 N, AT = 3000, 1234
 DEG = 180.0 / np.pi
@@ -249,3 +252,11 @@ def test_gyros_at_rest_that_change_places_though_the_body_turns_later() -> None:
     (found,) = judged(exchanged(x, 0, 1), at_rest=False)
     assert (found.code, found.sources) == ("axes_changed", ("y", "x", "z"))
     assert abs(found.index - AT) < 3
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3, 53, 77])
+def test_dwells_that_scatter_are_no_exchange_of_axes(seed: int) -> None:
+    """A stepped table: the last dwell is one draw of the scatter between dwells (53, 77: once taken for more)."""
+    for name, recording in build(Bench(), seed).recordings.items():
+        codes = np.column_stack([recording.channel(axis).data for axis in "xyz"])
+        assert exchanged_response(codes, recording.channel("rate_dps").data, "xyz") is None, name

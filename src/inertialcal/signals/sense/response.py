@@ -15,10 +15,11 @@ from .noise import SAME_NOISE, Noise
 
 SAME_RESPONSE = 1.5  # factor up to which a response is the same: saturation, lag and nonlinearity change it
 EXPLAINED = 4.0  # times that two responses explain more than one
-EXCHANGED = 15.0  # gain of logarithmic likelihood by an exchange, as for white noise
+EXCHANGED = 20.0  # gain of logarithmic likelihood by an exchange, as for white noise (16: one of 3,600 clean records)
 EXPLAINS = 0.8  # of the gain by any change of levels and responses
 ALIKE = 0.97  # of the largest gain
 LEAST_PART = 0.05  # of the record before and after
+FEWEST_BLOCKS = 6  # by whose means the colour of what is left is told
 
 
 def by_response(x: Array, applied: Array, noise: Noise, names: Sequence[str], factors: Factors) -> list[Change]:
@@ -95,10 +96,12 @@ def exchanged_response(x: Array, applied: Array, names: Sequence[str]) -> Change
     rest = np.concatenate([y[:index, moved] - terms[:index] @ sets[0], y[index:, moved] - terms[index:] @ sets[1]])
     free = np.maximum(np.sum(rest**2, axis=0), least)
     whole = float(np.sum(0.5 * n * np.log(same[moved] / free)))
-    size = max(2, round(np.sqrt(n)))
-    blocks = rest[: n // size * size].reshape(-1, size, len(moved)).mean(axis=1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        colour = float(np.nanmax(np.append(size * blocks.var(axis=0) / rest.var(axis=0), 1.0)))
+    sums = np.cumsum(rest, axis=0)
+    colour = 1.0
+    for size in {max(2, round(np.sqrt(n))), min(index, n - index, n // FEWEST_BLOCKS)}:  # of dwells, too
+        means = (sums[size:] - sums[:-size]) / size
+        with np.errstate(divide="ignore", invalid="ignore"):
+            colour = float(np.nanmax(np.append(size * means.var(axis=0) / rest.var(axis=0), colour)))
     if gain < EXCHANGED * colour or gain < EXPLAINS * whole:
         return None
     return Change("axes_changed", index, tuple(names), 1.0, None, tuple(names[order.index(i)] for i in range(k)))
