@@ -276,7 +276,7 @@ def named_columns(recording: Recording, columns: Mapping[str, str]) -> dict[str,
 
 
 def _by_channel(recording: Recording, columns: Mapping[str, str], known: Sequence[str]) -> dict[str, str]:
-    """Return columns by channel: one given by its name alone is of the axis that it names, else of the first free one."""
+    """Return columns by channel: one given by its name alone is of the axis that it names, else of the first free."""
     full = named_columns(recording, columns)
     found = {what: name for what, name in full.items() if what in known or columns[what] != what}
     for what in (one for one in columns if one not in found):
