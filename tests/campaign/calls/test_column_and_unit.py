@@ -10,7 +10,7 @@ import pytest
 
 import inertialcal as ic
 
-CHAIN = {"lsb": "5 V / 4095", "reference": "2.5 V", "scale_factor": "0.5 V/(deg/s)"}
+CHAIN: dict[str, Any] = {"lsb": "5 V / 4095", "reference": "2.5 V", "scale_factor": "0.5 V/(deg/s)"}
 COUNTS, RATES = 5 / 4095, 0.5  # V, and V/(deg/s)
 
 

@@ -96,10 +96,10 @@ def exchanged_response(x: Array, applied: Array, names: Sequence[str]) -> Change
     rest = np.concatenate([y[:index, moved] - terms[:index] @ sets[0], y[index:, moved] - terms[index:] @ sets[1]])
     free = np.maximum(np.sum(rest**2, axis=0), least)
     whole = float(np.sum(0.5 * n * np.log(same[moved] / free)))
-    sums = np.cumsum(rest, axis=0)
+    added = np.cumsum(rest, axis=0)
     colour = 1.0
     for size in {max(2, round(np.sqrt(n))), min(index, n - index, n // FEWEST_BLOCKS)}:  # of dwells, too
-        means = (sums[size:] - sums[:-size]) / size
+        means = (added[size:] - added[:-size]) / size
         with np.errstate(divide="ignore", invalid="ignore"):
             colour = float(np.nanmax(np.append(size * means.var(axis=0) / rest.var(axis=0), colour)))
     if gain < EXCHANGED * colour or gain < EXPLAINS * whole:
