@@ -180,19 +180,6 @@ def test_blocks(run: Any) -> None:
     assert run.fill_blocks(np.ones(16), 8, variance[:2], different[:2]) == 0.0
 
 
-@pytest.mark.parametrize("n", [1, 2, 4095, 4096, 4097, 9001])
-def test_moments_of_finite_samples(run: Any, n: int) -> None:
-    y = 1e3 + noise(n)
-    y[n // 3 : n // 2] = np.nan
-    y[5_000:5_001] = np.inf
-    good = y[np.isfinite(y)]
-    count, mean, squares, low, high = run.moments_of(y)
-    assert (count, low, high) == (len(good), good.min(), good.max())
-    assert mean == pytest.approx(good.mean(), rel=1e-14)
-    assert squares == pytest.approx(np.sum((good - good.mean()) ** 2), rel=1e-10)
-    assert run.moments_of(np.full(n, np.nan)) == pytest.approx((0, np.nan, 0.0, np.nan, np.nan), nan_ok=True)
-
-
 def test_sum_of_quiet_samples(run: Any) -> None:
     y = noise(501)
     many, total = run.sum_up_to(y, float(y[7]))
@@ -214,5 +201,5 @@ def test_margin_reaches_a_block_beyond_what_moves(run: Any, slow: tuple[int, ...
 def test_every_kernel_is_here() -> None:
     assert sorted(NAMES) == ["_add", "_below", "_far_apart", "_filled", "_sums", "count_above", "drop_lower",
                              "fill_above", "fill_blocks", "fill_clear", "fill_far", "fill_jumps", "fill_loud",
-                             "fill_moments", "fill_peaks", "fill_sums", "margin", "moments_of", "sum_of",
+                             "fill_moments", "fill_peaks", "fill_sums", "margin", "sum_of",
                              "sum_up_to"]  # fmt: skip

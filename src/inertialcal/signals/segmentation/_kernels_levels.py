@@ -7,11 +7,11 @@ from numpy.typing import NDArray
 
 from ...core.estimate import Array
 from ...statistics._kernels import compiled, reordered
-from .._kernels import fill_moments, moments_of
+from .._kernels import fill_moments
 
 __all__ = [
     "count_above", "drop_lower", "fill_above", "fill_blocks", "fill_clear", "fill_far", "fill_jumps", "fill_loud",
-    "fill_moments", "fill_peaks", "fill_sums", "margin", "moments_of", "sum_of", "sum_up_to",
+    "fill_moments", "fill_peaks", "fill_sums", "margin", "sum_of", "sum_up_to",
 ]  # fmt: skip
 
 Flags = NDArray[np.bool_]

@@ -13,7 +13,6 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.batches.summaries import moments
 from ...core.estimate import Array
 from ..time.samples import Flags, Indices
 
@@ -136,12 +135,6 @@ def sum_up_to(x: Array, limit: float) -> tuple[int, float]:
     """Return number and sum of the samples up to a limit."""
     there = x <= limit
     return int(np.count_nonzero(there)), float(np.sum(np.where(there, x, 0.0)))
-
-
-def moments_of(x: Array) -> tuple[int, float, float, float, float]:
-    """Return number, mean, sum of the squared distances from it, least and largest of the finite samples."""
-    one = moments(x)
-    return one.count, one.mean, one.squares, one.low, one.high
 
 
 def fill_moments(

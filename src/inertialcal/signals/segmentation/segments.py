@@ -20,18 +20,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import reduce
 from typing import Literal
 
 import numpy as np
 
 from ...core import batches
-from ...core.batches.summaries import Moments
 from ...core.errors import DataError
 from ...core.estimate import Array, Numbers
 from ...core.recording import Times
 from ...core.remarks import Remark
-from ..threads import each_of, shares
+from ..moments import moments_of
 from ..time.samples import Flags, Indices, Samples, samples_of
 from ..time.schedule import dwells_by_reference, dwells_by_windows
 from .dwells import Dwell, Tally, dwell_of, tally
@@ -225,7 +223,7 @@ def _measured(samples: Samples, edges: Indices, whole: bool) -> tuple[Array, Arr
         for own in _together(edges, batches.near()):
             first, stop = int(edges[own.start]), int(edges[own.stop])
             if stop - first > batches.near():
-                one = _moments(x[first:stop])
+                one = moments_of(x[first:stop])
                 level[own, k], low[own, k], high[own, k] = one.mean, one.low, one.high
                 variance[own, k] = one.squares / (one.count - 1) if one.count > 1 else np.nan
                 continue
@@ -234,19 +232,6 @@ def _measured(samples: Samples, edges: Indices, whole: bool) -> tuple[Array, Arr
             loops_for(len(x)).fill_moments(x[first:stop], ends[:-1], ends[1:], *out)
             batches.release(x[first:stop])
     return np.ascontiguousarray(level), np.sqrt(np.ascontiguousarray(variance)), low == high
-
-
-def _moments(x: Array) -> Moments:
-    """Return the moments of a long stretch; NaN is left out."""
-    moments_of = loops_for(len(x)).moments_of
-
-    def own(share: tuple[int, int]) -> Moments:
-        part = x[slice(*share)]
-        found = Moments(*moments_of(part))
-        batches.release(part)
-        return found
-
-    return reduce(Moments.joined, each_of(own, shares(len(x)), len(x)))
 
 
 def _together(edges: Indices, most: int) -> list[slice]:
