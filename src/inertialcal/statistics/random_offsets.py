@@ -145,15 +145,15 @@ def offset_ratio(moments: Grouped) -> float:
 
 def restricted_deviance(moments: Grouped, ratio: float) -> float:
     """Return twice the negative logarithm of the restricted likelihood [2]_ of a ratio, up to a constant."""
-    grown = 1.0 + ratio * moments.weights
-    taken = moments.means * ((1.0 - 1.0 / grown) * moments.weights)[:, None]
-    square = moments.square - moments.means.T @ taken
+    of_groups = ratio * moments.weights
+    grown = 1.0 + of_groups
+    square = moments.square - (moments.means.T * (of_groups / grown * moments.weights)) @ moments.means
     p = len(square) - 1
     log_design, left = _factored(square)
     left = max(left, ROUNDING * float(moments.square[p, p]), TINY)
-    return (
-        LARGEST if log_design is None else float(np.sum(np.log(grown)) + log_design + (moments.count - p) * log(left))
-    )
+    if log_design is None:
+        return LARGEST
+    return sum(map(log, grown.tolist())) + log_design + (moments.count - p) * log(left)
 
 
 def _factored(square: Array) -> tuple[float | None, float]:

@@ -136,9 +136,16 @@ def fill_moments(
     count: Indices,
 ) -> None:  # fmt: skip
     """Fill number, mean, variance (n - 1), least and largest of the finite samples of each block."""
+    finite = np.isfinite(x)
+    whole = finite.all()
     for block, (a, b) in enumerate(zip(first.tolist(), stop.tolist(), strict=True)):
-        good = x[a:b][np.isfinite(x[a:b])]
-        n = len(good)
-        count[block] = n
-        mean[block], lo[block], hi[block] = (np.cumsum(good)[-1] / n, good.min(), good.max()) if n else (np.nan,) * 3
-        variance[block] = np.cumsum((good - mean[block]) ** 2)[-1] / (n - 1) if n > 1 else np.nan
+        good = x[a:b] if whole else x[a:b][finite[a:b]]
+        count[block] = n = len(good)
+        if not n:
+            mean[block] = variance[block] = lo[block] = hi[block] = np.nan
+            continue
+        mean[block] = level = good.cumsum()[-1] / n
+        lo[block], hi[block] = np.minimum.reduce(good), np.maximum.reduce(good)
+        off = good - level
+        off *= off
+        variance[block] = off.cumsum()[-1] / (n - 1) if n > 1 else np.nan
