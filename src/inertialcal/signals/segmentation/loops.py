@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import itertools
 import sys
+from functools import cache
 from types import ModuleType
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
+from ...core.show.compiling import compiling
 from ..time.samples import Flags, Indices
 
 SHORT = 100_000  # samples
@@ -22,12 +25,20 @@ _calls = itertools.count()
 
 
 def loops_for(samples: int) -> ModuleType:
-    """Return the module whose loops take less time for so many samples: this one, or the kernels."""
+    """Return the module whose loops take less time for so many samples: this one, or the kernels where at hand."""
     if samples <= SHORT and next(_calls) < FEW:
-        return sys.modules[__name__]
+        return _at_hand() if compiling.started else sys.modules[__name__]
     from . import _kernels_levels  # noqa: PLC0415 - starts slowly
 
     return _kernels_levels
+
+
+@cache
+def _at_hand() -> ModuleType:
+    from ...statistics._kernels import AtHand  # noqa: PLC0415 - as above
+    from . import _kernels_levels  # noqa: PLC0415
+
+    return cast("ModuleType", AtHand(_kernels_levels, sys.modules[__name__]))
 
 
 def fill_far(x: Array, away: float, at: Indices) -> int:
