@@ -323,8 +323,8 @@ MUTANTS = (
     ),
     Mutant(
         "random_offsets.py",
-        "np.sum(np.log(grown)) + log_design",
-        "np.sum(np.log(grown)) - log_design",
+        "sum(map(log, grown.tolist())) + log_design",
+        "sum(map(log, grown.tolist())) - log_design",
         "test_random_offsets",
     ),
     Mutant("clustered.py", "1.0 / np.sqrt(np.maximum(left, ALONE)), 0.0)", "1.0, 0.0)", "test_clustered"),
@@ -391,6 +391,8 @@ MUTANTS = (
     Mutant(
         "edf.py", "exponent = BLUEST - power + 2 * modified", "exponent = BLUEST - power + modified", "test_allan_edf"
     ),
+    Mutant("random_offsets.py", "- d * e * b * b", "+ d * e * b * b", "test_random_offsets"),
+    Mutant("remembered.py", 'digest.update(f"{one.dtype.str}{one.shape}".encode())', "pass", "test_remembered"),
     Mutant(
         "random_offsets.py",
         "2.0 * sum(map(log, root)), float(last) ** 2",

@@ -14,6 +14,7 @@ from inertialcal.statistics.least_squares import fit, fit_correlated
 from inertialcal.statistics.random_offsets import (
     TOLERANCE,
     Grouped,
+    deviance_of,
     fit_with_offsets,
     group_moments,
     offset_ratio,
@@ -64,10 +65,23 @@ def test_the_likelihood_is_that_of_the_explicit_covariance(ratio: float, seed: i
     assert change == pytest.approx(explicit(ratio) - explicit(1.0), rel=1e-8, abs=1e-8)
 
 
+@given(power=st.floats(-4.0, 6.0), seed=st.integers(0, 10_000), groups=st.integers(2, 4), powers=st.integers(1, 4))
+@settings(max_examples=60, deadline=None)
+def test_the_likelihood_as_a_function_is_that_of_each_ratio(power: float, seed: int, groups: int, powers: int) -> None:
+    rng = np.random.default_rng(seed)
+    numbers = np.arange(12 * groups) % groups
+    x, y = rng.normal(size=(2, numbers.size))
+    weights = rng.uniform(0.2, 3.0, numbers.size)
+    moments = group_moments(np.vander(np.tanh(x), powers), y, weights, numbers)
+    assert deviance_of(moments)(10.0**power) == pytest.approx(restricted_deviance(moments, 10.0**power), rel=1e-7)
+
+
 @pytest.mark.parametrize("design", [line(np.arange(6.0)), np.ones((6, 2))])
 def test_the_likelihood_where_nothing_is_left_or_the_design_is_singular(design: Array) -> None:
     moments = group_moments(design, design @ np.array([2.0, 3.0]), np.ones(6), np.repeat([0, 1], 3))
     values = [restricted_deviance(moments, ratio) for ratio in (0.0, 0.1, 10.0)]
+    # What is left is rounding
+    assert [deviance_of(moments)(ratio) for ratio in (0.1, 10.0)] == pytest.approx(values[1:], rel=0.2)
     assert np.all(np.isfinite(values))
     assert (values[0] > 1e100) == (np.linalg.matrix_rank(design) < 2)
 

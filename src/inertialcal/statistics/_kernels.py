@@ -33,7 +33,17 @@ class _Cache(FunctionCache):
             found = None
         if found is None:
             compiling.begin(self._name)
+        else:
+            compiling.started = True
         return found
+
+    def holds(self, function: Any, types: tuple[Any, ...]) -> bool:
+        """Return whether the compiled code of a function for types of arguments is on disk."""
+        try:
+            key = self._index_key(types, function.targetctx.codegen())  # type: ignore[no-untyped-call]
+            return key in self._cache_file._load_index()  # type: ignore[no-untyped-call]
+        except Exception:  # as above
+            return False
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep the compiled code for a signature, where the folder takes it."""
@@ -58,3 +68,34 @@ def _compiler(**options: Any) -> Callable[[F], F]:
 compiled = _compiler()
 inlined = _compiler(inline="always")  # a part of one loop: it is compiled with it, not once more before
 reordered = _compiler(fastmath={"reassoc", "contract", "nsz"})  # sums may be reordered; nan and infinity are kept
+
+
+class AtHand:
+    """Loops of a module of kernels where their compiled code for the arguments is at hand, else those in numpy.
+
+    At hand is what this process has compiled or loaded, and what is on disk: nothing is compiled.
+    """
+
+    def __init__(self, kernels: object, others: object) -> None:
+        self._kernels, self._others = kernels, others
+
+    def __getattr__(self, name: str) -> Callable[..., Any]:
+        """Return the loop of a name."""
+        found = _chosen(getattr(self._kernels, name), getattr(self._others, name))
+        setattr(self, name, found)
+        return found
+
+
+def _chosen(kernel: Callable[..., Any], other: Callable[..., Any]) -> Callable[..., Any]:
+    if not isinstance(kernel, Dispatcher):
+        return other
+    known: dict[tuple[Any, ...], bool] = {}
+    cache: object = getattr(kernel, "_cache", None)
+
+    def loop(*args: Any) -> Any:
+        types = tuple(map(kernel.typeof_pyval, args))
+        if types not in known:
+            known[types] = types in kernel.overloads or (isinstance(cache, _Cache) and cache.holds(kernel, types))
+        return (kernel if known[types] else other)(*args)
+
+    return loop

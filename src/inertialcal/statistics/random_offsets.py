@@ -19,14 +19,15 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import log
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import optimize
+from scipy import linalg, optimize
 from scipy.linalg import lapack
 
 from ..core.errors import DataError
@@ -133,9 +134,9 @@ def offset_ratio(moments: Grouped) -> float:
     """
     if len(moments.weights) < 2 or moments.count <= moments.square.shape[0] - 1:
         return 0.0
-    scale = float(np.mean(moments.weights))
+    scale, deviance = float(np.mean(moments.weights)), deviance_of(moments)
     found = optimize.minimize_scalar(
-        lambda q: restricted_deviance(moments, 10.0**q / scale),
+        lambda q: deviance(10.0**q / scale),
         bounds=LOGS,
         method="bounded",
         options={"xatol": TOLERANCE},
@@ -143,17 +144,47 @@ def offset_ratio(moments: Grouped) -> float:
     return float(10.0**found.x / scale)
 
 
+def deviance_of(moments: Grouped) -> Callable[[float], float]:
+    """Return `restricted_deviance` as a function of the ratio; of two groups by two determinants of 2 x 2.
+
+    With the Cholesky factor L of the whole square and V = L^-1 (means)', the square of a ratio is
+    ``L (I - V D V') L'``, and its determinant that of L squared times ``det(I - D V' V)``.
+    """
+    factor, failed = lapack.dpotrf(moments.square, lower=1)
+    if len(moments.weights) != 2 or failed:
+        return partial(restricted_deviance, moments)
+    *root, last = factor.diagonal().tolist()
+    p = len(root)
+    V = linalg.solve_triangular(factor, moments.means.T, lower=True)
+    a, b, c = (V[:p].T @ V[:p])[[0, 0, 1], [0, 1, 1]].tolist()
+    u, v = V[p].tolist()
+    first, second = moments.weights.tolist()
+    log_design, least = 2.0 * sum(map(log, root)), max(ROUNDING * float(moments.square[p, p]), TINY)
+
+    def deviance(ratio: float) -> float:
+        one, other = 1.0 + ratio * first, 1.0 + ratio * second
+        d, e = ratio * first * first / one, ratio * second * second / other
+        design = (1.0 - d * a) * (1.0 - e * c) - d * e * b * b
+        whole = (1.0 - d * (a + u * u)) * (1.0 - e * (c + v * v)) - d * e * (b + u * v) ** 2
+        if not design > 0.0:
+            return restricted_deviance(moments, ratio)
+        left = max(last * last * whole / design, least)
+        return log(one) + log(other) + log_design + log(design) + (moments.count - p) * log(left)
+
+    return deviance
+
+
 def restricted_deviance(moments: Grouped, ratio: float) -> float:
     """Return twice the negative logarithm of the restricted likelihood [2]_ of a ratio, up to a constant."""
-    grown = 1.0 + ratio * moments.weights
-    taken = moments.means * ((1.0 - 1.0 / grown) * moments.weights)[:, None]
-    square = moments.square - moments.means.T @ taken
+    of_groups = ratio * moments.weights
+    grown = 1.0 + of_groups
+    square = moments.square - (moments.means.T * (of_groups / grown * moments.weights)) @ moments.means
     p = len(square) - 1
     log_design, left = _factored(square)
     left = max(left, ROUNDING * float(moments.square[p, p]), TINY)
-    return (
-        LARGEST if log_design is None else float(np.sum(np.log(grown)) + log_design + (moments.count - p) * log(left))
-    )
+    if log_design is None:
+        return LARGEST
+    return sum(map(log, grown.tolist())) + log_design + (moments.count - p) * log(left)
 
 
 def _factored(square: Array) -> tuple[float | None, float]:

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from inertialcal.core.errors import DataError
+from inertialcal.signals.remembered import forget
 from inertialcal.signals.screening import _kernels
 from inertialcal.signals.screening.blocks import blocks_of
 from inertialcal.signals.screening.levels import level_steps, noise_changes, slow_wave
@@ -134,6 +135,7 @@ def test_short_records_show_what_long_ones_do(kind: str, monkeypatch: pytest.Mon
         with monkeypatch.context() as patched:
             own = screen(x)
             patched.setattr("inertialcal.signals.screening.loops.SHORT", 0)
+            forget()
             compiled = screen(x)
         assert own.codes == compiled.codes
         assert own.codes

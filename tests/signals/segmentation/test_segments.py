@@ -20,6 +20,7 @@ from scipy import stats
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.estimate import Array
 from inertialcal.core.recording import SECOND, Times
+from inertialcal.signals.remembered import forget
 from inertialcal.signals.segmentation.placements import placements, shortest_placement
 from inertialcal.signals.segmentation.segments import (
     Detection,
@@ -97,6 +98,7 @@ def best_time(work: Callable[[], object], times: int) -> float:
         pytest.skip(f"the machine is busy (load {busy:.1f}): no timing")
     took = []
     for _ in range(times):
+        forget()
         begin = time.perf_counter()
         work()
         took.append(time.perf_counter() - begin)

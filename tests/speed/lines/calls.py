@@ -6,6 +6,7 @@ the same load of the machine. What is wanted is a time: 50 ms for positions, 15 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -17,6 +18,7 @@ from scipy.optimize import least_squares
 import inertialcal as ic
 from inertialcal.core.estimate import Array
 from inertialcal.core.recording import Channel, Recording
+from inertialcal.signals.remembered import forget
 
 from ..comparison import Work, line
 from .files import Kept
@@ -26,7 +28,17 @@ SAMPLES, EVERY = 5_000, 2  # of a record over temperature [s]
 ORDER = 3
 
 
-def positions(rig: str) -> Work:
+def as_first(call: Callable[[], object]) -> Callable[[], object]:
+    """Return a call of which nothing is remembered."""
+
+    def alone() -> object:
+        forget()
+        return call()
+
+    return alone
+
+
+def positions(rig: str, again: bool) -> Work:
     with TemporaryDirectory() as folder:
         ic.simulate(rig, Path(folder) / rig, 1)
         recording = ic.read(Path(folder) / rig / "recordings" / "hand1.csv")
@@ -43,11 +55,13 @@ def positions(rig: str) -> Work:
         return error
 
     start = np.concatenate([np.eye(3)[row, column], np.zeros(3)])
-    return Work(call, lambda: least_squares(length_error, start))
+    return Work(call if again else as_first(call), lambda: least_squares(length_error, start))
 
 
 for name in ("six_faces", "hand_held"):
-    line(f"ic.positions, {name}", peer="scipy least_squares of |f| = g", goal=0.0)(partial(positions, name))
+    for more in ("", ", again"):
+        build = partial(positions, name, bool(more))
+        line(f"ic.positions, {name}{more}", peer="scipy least_squares of |f| = g", goal=0.0)(build)
 
 
 def over_temperature(start: float, rng: np.random.Generator) -> Recording:
@@ -60,15 +74,20 @@ def over_temperature(start: float, rng: np.random.Generator) -> Recording:
     return Recording(channels, (at * 1e9).astype(np.int64), float(EVERY))
 
 
-@line("ic.thermal, 3 axes, 2 x 5e+03 samples", peer="numpy.polyfit, order 3, of each", goal=0.0)
-def thermal() -> Work:
+def thermal(again: bool) -> Work:
     rng = np.random.default_rng(1)
     recordings = [over_temperature(start, rng) for start in (0.0, 1.0)]
-    ic.thermal(recordings)
+    call = partial(ic.thermal, recordings)
+    call()
     warm, *outputs = (
         np.concatenate([one.channel(name).data for one in recordings]) for name in ("temperature", "x", "y", "z")
     )
-    return Work(partial(ic.thermal, recordings), lambda: [np.polyfit(warm, one, ORDER) for one in outputs])
+    return Work(call if again else as_first(call), lambda: [np.polyfit(warm, one, ORDER) for one in outputs])
+
+
+for more in ("", ", again"):
+    title = f"ic.thermal, 3 axes, 2 x 5e+03 samples{more}"
+    line(title, peer="numpy.polyfit, order 3, of each", goal=0.0)(partial(thermal, bool(more)))
 
 
 @line("ic.run of a campaign, cold, 39 files", peer="pandas.read_csv, pyarrow, of its recordings", goal=0.0)

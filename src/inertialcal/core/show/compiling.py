@@ -18,6 +18,7 @@ class Compiling:
     def __init__(self) -> None:
         self.say: Callable[[], None] | None = None
         self.names: list[str] = []
+        self.started = False  # whether a loop was loaded or compiled: the next one from disk takes some milliseconds
         self._depth, self._spent, self._since = 0, 0.0, 0.0
         self._timer: threading.Timer | None = None
 
@@ -34,6 +35,7 @@ class Compiling:
 
     def end(self) -> None:
         """Note that a loop is compiled."""
+        self.started = True
         self._depth -= 1
         if self._depth == 0 and self._timer is not None:
             self._timer.cancel()

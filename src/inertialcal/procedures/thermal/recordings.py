@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...core.batches import changed, extremes, release
+from ...core.batches import batches, changed, extremes
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.key import AXES
@@ -54,24 +54,27 @@ def readings_from(warmed: Sequence[ThermalRecording], unit: str = "rad/s") -> Re
         raise DataError(what, why="power-ups would be ambiguous", do="Name the run of all", code="mixed_runs")
     _check_apart(warmed)
     remarks = [remark for one in warmed for remark in one.recording.remarks]
-    untimed = [one for one in warmed if not _is_timed(one.recording)]
-    remarks += [_untimed(one) for one in untimed]
+    timed = {id(one): _is_timed(one.recording) for one in warmed}
+    remarks += [_untimed(one) for one in warmed if not timed[id(one)]]
     ordered = sorted(warmed, key=lambda one: (_first(one), one.name))
     labels = [one.run or _place(one) for one in ordered]
     begin: dict[str, int] = {}
     for label, one in zip(labels, ordered, strict=True):
         begin.setdefault(label, _first(one))
-    sweeps = [_sweep(one, label, begin[label]) for label, one in zip(labels, ordered, strict=True)]
+    sweeps = [
+        _sweep(one, label, begin[label] if timed[id(one)] else None) for label, one in zip(labels, ordered, strict=True)
+    ]
     return Readings(tuple(sweeps), unit, tuple(remarks))
 
 
-def _sweep(one: ThermalRecording, label: str, power_up: int) -> Sweep:
+def _sweep(one: ThermalRecording, label: str, power_up: int | None) -> Sweep:
+    """Return a recording on the time since power-up [ns], where that is known."""
     recording = one.recording
     outputs = {axis: _floats(recording, axis) for axis in AXES if axis in recording.names}
     temperature = {axis: found for axis in outputs if (found := _temperature(recording, axis)) is not None}
     references = {name: _by_axis(recording, name, outputs) for name in REFERENCES}
     time = None
-    if _is_timed(recording) and recording.time_ns is not None:
+    if power_up is not None and recording.time_ns is not None:
         time = changed(recording.time_ns, lambda part: (part - power_up).astype(np.float64) / SECOND)
     pressure = _floats(recording, PRESSURE) if PRESSURE in recording.names else None
     beside = _floats(recording, REFERENCE) if REFERENCE in recording.names else None
@@ -133,10 +136,9 @@ def _swing_rate(temperature: Array, seconds: Array) -> float:
 def block_means(x: Array, size: int) -> Array:
     """Return the means of blocks of so many samples, shape (n // size,); what is over is left out."""
     means = np.empty(len(x) // size)
-    for k in range(len(means)):
-        block = x[k * size : (k + 1) * size]
-        means[k] = block.mean()
-        release(block)
+    whole = x[: len(means) * size]
+    for first, stop in batches(whole, whole=size):
+        means[first // size : stop // size] = whole[first:stop].reshape(-1, size).mean(axis=1)
     return means
 
 

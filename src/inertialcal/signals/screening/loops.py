@@ -6,6 +6,7 @@ The functions take and fill what those of their names in ``_kernels`` do: all bu
 from __future__ import annotations
 
 import itertools
+from functools import cache
 from typing import Any, cast
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
+from ...core.show.compiling import compiling
 from ..time.samples import Flags, Indices
 
 Whole = np.integer[Any]
@@ -206,5 +208,18 @@ def loops(samples: int) -> type[Loops]:
 
 
 def exact_loops(samples: int) -> type[Loops]:
-    """Return the loops for a record of which no sum is taken, which are equal to the last bit; compiled after many."""
-    return loops(samples if next(_calls) < FEW else SHORT + 1)
+    """Return the loops for a record of which no sum is taken, which are equal to the last bit.
+
+    They are those in numpy, and compiled ones where these are at hand, or after many calls.
+    """
+    if next(_calls) < FEW:
+        return _at_hand() if samples <= SHORT and compiling.started else loops(samples)
+    return loops(SHORT + 1)
+
+
+@cache
+def _at_hand() -> type[Loops]:
+    from ...statistics._kernels import AtHand  # noqa: PLC0415 - as above
+    from . import _kernels  # noqa: PLC0415
+
+    return cast("type[Loops]", AtHand(_kernels, Loops))

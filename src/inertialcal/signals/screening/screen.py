@@ -62,6 +62,7 @@ from numpy.typing import NDArray
 
 from ...core.batches import batches, release, zeros
 from ...core.estimate import Array
+from ..remembered import remembered
 from ..time.samples import Flags, Indices
 from .blocks import Blocks, blocks_of
 from .glitches import FEWEST, Scale, Stretches, far_samples, scale_of
@@ -153,6 +154,7 @@ class Screening:
         return out
 
 
+@remembered
 def screen(x: NDArray[Any], at_rest: bool = True) -> Screening:
     """Look one channel through.
 

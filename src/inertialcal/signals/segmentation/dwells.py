@@ -122,19 +122,20 @@ def dwell_of(samples: Samples, start: int, stop: int, drop_edge: int = 1, distur
     times = None if samples.time_ns is None else (int(samples.time_ns[first]), int(samples.time_ns[last]))
     x = samples.values[first : last + 1]
     x = x if len(x) == len(used) else np.asfortranarray(x[used - first])
+    mean, variance, worth, stuck = _moments(x, (np.diff(used) == 1) & ~samples.gap[used[1:]])
     return Dwell(
         start=first,
         stop=last + 1,
-        mean=x.mean(axis=0),
-        scatter=x.std(axis=0, ddof=1),
+        mean=mean,
+        scatter=np.sqrt(variance * (len(used) / (len(used) - 1.0))),
         n=len(used),
-        n_effective=effective_size(x, (np.diff(used) == 1) & ~samples.gap[used[1:]]),
+        n_effective=worth,
         time_ns=times,
         edge_dropped=2 * drop_edge,
         missing=missing,
         outliers=last + 1 - first - len(used) - missing,
         gaps=int(np.count_nonzero(samples.gap[first + 1 : last + 1])),
-        stuck=x.max(axis=0) == x.min(axis=0),
+        stuck=stuck,
         disturbed=disturbed,
     )
 
@@ -188,13 +189,17 @@ def effective_size(x: Array, neighbours: Flags | None = None) -> Array:
 
     ``neighbours`` (n - 1,) says which samples are followed by their neighbour; all by default.
     """
-    n = len(x)
-    pairs = np.ones(n - 1, dtype=bool) if neighbours is None else neighbours
-    residual = x - x.mean(axis=0)
+    return _moments(x, np.ones(len(x) - 1, dtype=bool) if neighbours is None else neighbours)[2]
+
+
+def _moments(x: Array, neighbours: Flags) -> tuple[Array, Array, Array, Flags]:
+    """Return mean, mean square about it, effective size, and whether all are equal, of one stretch (n, channels)."""
+    n, mean, stuck = len(x), x.mean(axis=0), x.max(axis=0) == x.min(axis=0)
+    residual = x - mean
     variance = np.einsum("ij,ij->j", residual, residual) / n
-    variance[x.max(axis=0) == x.min(axis=0)] = 0.0  # what is left there is rounding
-    products = np.einsum("ij,ij,i->j", residual[:-1], residual[1:], pairs.astype(np.float64))
-    return _worth(n, variance, products, int(pairs.sum()))
+    of_samples = np.where(stuck, 0.0, variance)  # what is left there is rounding
+    products = np.einsum("ij,ij,i->j", residual[:-1], residual[1:], neighbours.astype(np.float64))
+    return mean, variance, _worth(n, of_samples, products, int(np.count_nonzero(neighbours))), stuck
 
 
 def _worth(n: int, variance: Array, products: Array, pairs: int) -> Array:

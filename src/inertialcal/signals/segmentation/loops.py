@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import itertools
 import sys
+from functools import cache
 from types import ModuleType
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
+from ...core.show.compiling import compiling
 from ..time.samples import Flags, Indices
 
 SHORT = 100_000  # samples
@@ -22,12 +25,20 @@ _calls = itertools.count()
 
 
 def loops_for(samples: int) -> ModuleType:
-    """Return the module whose loops take less time for so many samples: this one, or the kernels."""
+    """Return the module whose loops take less time for so many samples: this one, or the kernels where at hand."""
     if samples <= SHORT and next(_calls) < FEW:
-        return sys.modules[__name__]
+        return _at_hand() if compiling.started else sys.modules[__name__]
     from . import _kernels_levels  # noqa: PLC0415 - starts slowly
 
     return _kernels_levels
+
+
+@cache
+def _at_hand() -> ModuleType:
+    from ...statistics._kernels import AtHand  # noqa: PLC0415 - as above
+    from . import _kernels_levels  # noqa: PLC0415
+
+    return cast("ModuleType", AtHand(_kernels_levels, sys.modules[__name__]))
 
 
 def fill_far(x: Array, away: float, at: Indices) -> int:
@@ -142,9 +153,16 @@ def fill_moments(
     count: Indices,
 ) -> None:  # fmt: skip
     """Fill number, mean, variance (n - 1), least and largest of the finite samples of each block."""
+    finite = np.isfinite(x)
+    whole = finite.all()
     for block, (a, b) in enumerate(zip(first.tolist(), stop.tolist(), strict=True)):
-        good = x[a:b][np.isfinite(x[a:b])]
-        n = len(good)
-        count[block] = n
-        mean[block], lo[block], hi[block] = (np.cumsum(good)[-1] / n, good.min(), good.max()) if n else (np.nan,) * 3
-        variance[block] = np.cumsum((good - mean[block]) ** 2)[-1] / (n - 1) if n > 1 else np.nan
+        good = x[a:b] if whole else x[a:b][finite[a:b]]
+        count[block] = n = len(good)
+        if not n:
+            mean[block] = variance[block] = lo[block] = hi[block] = np.nan
+            continue
+        mean[block] = level = good.cumsum()[-1] / n
+        lo[block], hi[block] = np.minimum.reduce(good), np.maximum.reduce(good)
+        off = good - level
+        off *= off
+        variance[block] = off.cumsum()[-1] / (n - 1) if n > 1 else np.nan

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ...core.batches import batches, count, near, zeros
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
+from ..remembered import remembered
 
 NEAR = 0.03  # of the reversal: as near a turn the temperature still stays there
 BLOCKS = 500  # that a record is cut into at most, to find its turns
@@ -36,6 +37,7 @@ class Ramps:
         return len(self.ways)
 
 
+@remembered
 def find_ramps(temperature: Array, reversal: float) -> Ramps:
     """Return the ramps of a record.
 

@@ -14,6 +14,7 @@ from ...core.batches import kept, made, release, rows_taken, stacked, where_step
 from ...core.errors import PlanError
 from ...core.estimate import Array
 from ...statistics.quantiles import t_upper
+from ..remembered import remembered
 from ..time.samples import LONGEST_GAP, Flags, Indices
 from .change_points import (
     SHORTEST,
@@ -81,6 +82,7 @@ class Found:
     widening: Array
 
 
+@remembered
 def still_stretches(x: Array, ticks: Array | None, plan: Detection) -> Found:
     """Return the still stretches of good samples (n, channels), n >= 16, at times counted in sample intervals.
 

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from ...core.batches import batches, extremes
 from ...core.estimate import Array
+from ..remembered import remembered
 from ..time.samples import Flags, Indices
 from .change import ANY, FACTORS, Change, Factors, unit_of
 from .jumps import CLEAR, FEWEST, OFFSET, Jump, candidates, common_factor, jump_at, jumps
@@ -44,6 +45,7 @@ SAME = 1e-6  # relative
 LATE = 1.5  # intervals from one stamp to the next, from which a sample is missing
 
 
+@remembered
 def changes(
     channels: Sequence[NDArray[Any]],
     names: Sequence[str],

@@ -37,7 +37,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import special, stats
+from scipy import special
 
 from ....core.estimate import Array
 from ....core.influence import Influence
@@ -153,7 +153,7 @@ def fit_laid(r: Array, inside: Array, g: float, tilts: Tilts, kept: Array) -> La
     patterns = {name: one for name, one in other.found.patterns.items() if name != FACE_FOUND}
     known = {**other.known, FACE: square * other.found.patterns[FACE_FOUND]}
     smaller = fit_components(other.design, other.readings, known, patterns)
-    if 2.0 * (other.found.likelihood - smaller.likelihood) <= stats.chi2.isf(2.0 * CONTRADICTED, 1):
+    if 2.0 * (other.found.likelihood - smaller.likelihood) <= special.chdtri(1.0, 2.0 * CONTRADICTED):
         return found
     widened = other.widened  # the excess may be of the tilts or of the sensors: along gravity it counts as the latter
     if other.assumed and np.all(inside > 0.0):
@@ -342,7 +342,7 @@ def _covariance(laid: Laid, tilts: Tilts, inside: Array, g: float) -> Array:
 def scatter_interval(scatter: float, dof: float, square_variance: float) -> tuple[float, float]:
     """Interval of 95 % of a standard deviation whose square is known with a variance; from zero where it hardly is."""
     if dof >= 1.0:
-        low, high = np.sqrt(dof / stats.chi2.ppf([0.975, 0.025], dof)) * scatter
+        low, high = np.sqrt(dof / (2.0 * special.gammaincinv(0.5 * dof, [0.975, 0.025]))) * scatter
         return float(low), float(high)
     return 0.0, float(np.sqrt(scatter**2 + 1.96 * np.sqrt(square_variance)))
 

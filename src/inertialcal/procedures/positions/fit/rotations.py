@@ -42,6 +42,7 @@ BETWEEN = "scatter between rotations"
 ANGLE, ORIENTATION = "turn.angle", "fixture.orientation"
 STEPS, HALVINGS = 40, 10
 SETTLED = 1e-10
+SMALL = 1e-6  # step that is not halved: where it lowers nothing, rounding and the size of a sample decide
 SAME_AXIS = 1e-9  # one less the cosine between axes that are the same
 ROUNDS = 4  # of leaving out and looking again
 REFINED, REFINEMENTS = 1e-8, 6  # step of W from which its weights no longer move it; at most so many
@@ -123,6 +124,8 @@ def _searched(problem: Problem, W: Array, here: Errors, kept: Flags) -> tuple[Ar
             new = float(np.sum(there.e[kept] ** 2))
             if new <= cost:
                 break
+            if np.max(np.abs(step)) <= SMALL:
+                return W, here
             step = 0.5 * step
         else:
             break

@@ -292,9 +292,14 @@ def _gathered(plan: Plan, series: Series, cut: float) -> tuple[Cells, dict[str, 
         at = np.minimum(((T - lowest) / width).astype(np.int64), plan.bins - 1)
         return T, y[used], t[used], rate, at
 
+    short = len(series.reading) <= near()
+    known = [(ramp, *samples(own)) for ramp, own in series.batches()] if short else []  # for both passes
+
+    def each() -> Iterator[tuple[int, Array, Array, Array, Array | None, Indices]]:
+        yield from known if short else ((ramp, *samples(own)) for ramp, own in series.batches())
+
     count, sum_T, sum_y, sum_t, sum_rate = (np.zeros(shape) for _ in range(5))
-    for ramp, own in series.batches():
-        T, y, t, rate, at = samples(own)
+    for ramp, T, y, t, rate, at in each():
         count[ramp] += np.bincount(at, minlength=plan.bins)
         for total, values in ((sum_T, T), (sum_y, y), (sum_t, t), (sum_rate, rate)):
             if values is not None:
@@ -304,8 +309,7 @@ def _gathered(plan: Plan, series: Series, cut: float) -> tuple[Cells, dict[str, 
     mean_T, mean_y, mean_t = sum_T / size, sum_y / size, sum_t / size
     left_out = dict(left)
     squares = np.zeros((5, *shape))
-    for ramp, own in series.batches():
-        T, y, t, _, at = samples(own)
+    for ramp, T, y, t, _, at in each():
         dT, dy, dt = T - mean_T[ramp][at], y - mean_y[ramp][at], t - mean_t[ramp][at]
         for total, values in zip(squares, (dT * dT, dy * dy, dt * dt, dT * dy, dT * dt), strict=True):
             total[ramp] += np.bincount(at, values, plan.bins)

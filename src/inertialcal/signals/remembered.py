@@ -1,0 +1,109 @@
+"""What was found of some samples before: a function that is called with the same ones again returns the same.
+
+Who calibrates looks at one recording many times: with other settings, by another test, in the next cell of a notebook.
+What its samples show as such does not change. Arguments are compared by a digest of what they hold, not by which object
+they are: an array that was changed in place is another one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import is_dataclass
+from functools import wraps
+from hashlib import sha256
+from threading import Lock
+from typing import ParamSpec, TypeVar
+
+import numpy as np
+
+from ..core.batches import is_stored
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+LONGEST = 2**22  # bytes of the arrays of a call: a digest of more takes longer than it may save
+MOST = 128  # results that are kept of a function, those of the last calls
+_kept: list[dict[bytes, object]] = []  # of each function
+
+
+def remembered(function: Callable[P, R]) -> Callable[P, R]:
+    """Let a function keep what it returned last; what it returns must hold no array that it was given.
+
+    Parameters
+    ----------
+    function : callable
+        Of arrays, numbers, texts, and of sequences and dataclasses of these; it reads nothing else, and nobody changes
+        its result.
+
+    Returns
+    -------
+    callable
+        The same, of short arrays only looked up where it was called with equal arguments before.
+
+    Examples
+    --------
+    >>> calls = []
+    >>> @remembered
+    ... def largest(x):
+    ...     calls.append(len(x))
+    ...     return float(x.max())
+    >>> x = np.arange(3.0)
+    >>> largest(x), largest(x.copy()), calls
+    (2.0, 2.0, [3])
+    >>> x[0] = 5.0
+    >>> largest(x), calls
+    (5.0, [3, 3])
+    """
+    known: dict[bytes, R] = {}
+    _kept.append(known)  # type: ignore[arg-type]
+    lock = Lock()
+
+    @wraps(function)
+    def again(*args: P.args, **kwargs: P.kwargs) -> R:
+        arrays = [one for one in _parts((args, kwargs)) if isinstance(one, np.ndarray)]
+        if sum(one.nbytes for one in arrays) > LONGEST or any(is_stored(one) or one.dtype.hasobject for one in arrays):
+            return function(*args, **kwargs)
+        key = _digest((args, kwargs))
+        with lock:
+            if key in known:
+                known[key] = known.pop(key)  # the last in order
+                return known[key]
+        found = function(*args, **kwargs)
+        with lock:
+            known[key] = found
+            if len(known) > MOST:
+                del known[next(iter(known))]
+        return found
+
+    return again
+
+
+def forget() -> None:
+    """Let go of all that is remembered."""
+    for known in _kept:
+        known.clear()
+
+
+def _parts(given: object) -> list[object]:
+    """Return what sequences, dictionaries and dataclasses hold, one after the other, with a mark where each ends."""
+    kind = type(given)
+    if is_dataclass(given):
+        given = vars(given)
+    if isinstance(given, dict):
+        given = tuple(given.items())
+    if isinstance(given, list | tuple):
+        return [part for one in given for part in _parts(one)] + [kind]
+    if not isinstance(given, np.ndarray | np.generic | str | float | int | None):
+        raise TypeError(f"{kind.__name__}: nothing that is compared by what it holds")
+    return [given]
+
+
+def _digest(given: object) -> bytes:
+    digest = sha256()
+    for one in _parts(given):
+        if isinstance(one, np.ndarray):
+            digest.update(f"{one.dtype.str}{one.shape}".encode())
+            digest.update(np.ascontiguousarray(one).reshape(-1).view(np.uint8).data)
+        else:
+            digest.update(f"{one!r};".encode())
+    return digest.digest()

@@ -1,0 +1,141 @@
+"""What was found of samples before: equal samples give it back, any others are looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from inertialcal.signals import remembered as module
+from inertialcal.signals.remembered import forget, remembered
+from inertialcal.signals.screening.screen import screen
+from inertialcal.signals.segmentation.segments import detect
+from inertialcal.signals.segmentation.still_stretches import Detection
+from inertialcal.signals.sense.changes import changes
+
+ONES = np.ones(12)
+
+
+@pytest.fixture(autouse=True)
+def _nothing_known() -> Iterator[None]:
+    forget()
+    yield
+    forget()
+
+
+def counted() -> tuple[Any, list[int]]:
+    calls: list[int] = []
+
+    @remembered
+    def looked_at(*given: object, **more: object) -> tuple[object, ...]:
+        calls.append(len(calls))
+        return (len(calls), *given)
+
+    return looked_at, calls
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        ((ONES,), (ONES.astype(np.float32),)),
+        ((ONES,), (ONES.reshape(3, 4),)),
+        ((ONES.view(np.int64),), (ONES,)),
+        ((ONES, [ONES]), (ONES, ONES)),
+        (([ONES, ONES], [ONES]), ([ONES], [ONES, ONES])),
+        (([ONES], ""), ([ONES, ""],)),
+        ((ONES[:6], ONES[6:]), (ONES[:5], ONES[5:])),
+        ((ONES, "ab", "c"), (ONES, "a", "bc")),
+        ((ONES, "1"), (ONES, 1)),
+        ((ONES, None), (ONES, 0)),
+        ((ONES, 0.1), (ONES, np.nextafter(0.1, 1.0))),
+        ((np.array([0.0]),), (np.array([-0.0]),)),
+    ],
+)
+def test_what_differs_is_another_call(one: tuple[object, ...], other: tuple[object, ...]) -> None:
+    looked_at, calls = counted()
+    for given_now in (one, other, one, other):
+        looked_at(*given_now)
+    assert len(calls) == 2
+
+
+@given(st.data())
+def test_any_sample_counts_whatever_the_layout(data: st.DataObject) -> None:
+    looked_at, calls = counted()
+    x = np.random.default_rng(data.draw(st.integers(0, 99))).normal(size=(data.draw(st.integers(1, 40)), 3))
+    assert looked_at(x)[0] == looked_at(np.asfortranarray(x))[0] == looked_at(np.repeat(x, 2, axis=0)[::2])[0] == 1
+    row, column = data.draw(st.integers(0, len(x) - 1)), data.draw(st.integers(0, 2))
+    x[row, column] = np.nextafter(x[row, column], np.inf)  # in place
+    assert looked_at(x)[0] == 2
+    assert len(calls) == 2
+
+
+def test_names_of_settings_count() -> None:
+    looked_at, calls = counted()
+    looked_at(ONES, a=1, b=2)
+    looked_at(ONES, a=2, b=1)
+    assert len(calls) == 2
+
+
+def test_long_arrays_and_objects_are_not_remembered(monkeypatch: pytest.MonkeyPatch) -> None:
+    looked_at, calls = counted()
+    for x in (ONES.astype(object), np.ones(module.LONGEST // 8 + 1)):
+        looked_at(x)
+        looked_at(x)
+    assert len(calls) == 4
+    with pytest.raises(TypeError, match="object: nothing that is compared by what it holds"):
+        looked_at(object())
+
+
+def test_the_last_calls_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    looked_at, calls = counted()
+    monkeypatch.setattr(module, "MOST", 2)
+    for k in (0, 1, 0, 2, 0, 1):
+        looked_at(k)
+    assert len(calls) == 4  # 1 went when 2 came, as 0 had been asked for since
+
+
+@given(st.integers(0, 999))
+def test_a_screening_is_that_of_the_samples_now(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    x: NDArray[np.float64] = np.round(rng.normal(size=300), 2)
+    alone = screen.__wrapped__  # type: ignore[attr-defined]
+    for at_rest in (True, False):
+        for _ in range(2):
+            assert repr(screen(x, at_rest)) == repr(alone(x, at_rest))
+    x[rng.integers(300)] = 1e3
+    assert screen(x).codes == alone(x, True).codes
+
+
+@dataclass(frozen=True)
+class Asked:
+    size: float
+    weights: NDArray[np.float64]
+
+
+def test_a_dataclass_is_what_its_fields_hold() -> None:
+    looked_at, calls = counted()
+    for one in (Asked(1.0, ONES), Asked(1.0, ONES.copy()), Asked(2.0, ONES), Asked(1.0, 2.0 * ONES)):
+        looked_at(ONES, one)
+    assert len(calls) == 3
+
+
+def test_stretches_at_rest_are_those_of_the_samples_and_the_plan_now() -> None:
+    x = np.random.default_rng(4).normal(size=(600, 3))
+    assert len(detect(x)) == 1
+    x[300:] += 5.0
+    assert len(detect(x)) == 2
+    assert len(detect(x, plan=Detection(noise=(5.0, 5.0, 5.0)))) == 1
+
+
+def test_changes_are_those_of_the_samples_now() -> None:
+    rng = np.random.default_rng(3)
+    x = 0.2 + rng.normal(0.0, 0.01, (3, 2_000))
+    assert changes(list(x), "xyz", "angular_rate", 0.01) == ()
+    x[:, 1_000:] *= 180.0 / np.pi
+    assert [one.code for one in changes(list(x), "xyz", "angular_rate", 0.01)] == ["unit_changed"]
