@@ -8,9 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.estimate import Array
-from ..statistics._kernels import compiled, reordered
-
-CHUNK = 4096  # samples that the nearest cache holds
+from ..statistics._kernels import compiled
 
 
 @compiled
@@ -109,58 +107,3 @@ def fill_moments(
         count[b], mean[b] = n, level
         variance[b] = squares / (n - 1) if n > 1 else np.nan
         lo[b], hi[b] = (least, largest) if n > 0 else (np.nan, np.nan)
-
-
-@compiled
-def moments_of(x: Array) -> tuple[int, float, float, float, float]:
-    """Return number, mean, sum of the squared distances from it, least and largest of the finite samples.
-
-    Chunks are merged in order, as `core.batches.summaries` has it.
-    """
-    count, mean, squares, low, high = 0, np.nan, 0.0, np.inf, -np.inf
-    finite = np.empty(CHUNK)
-    for first in range(0, len(x), CHUNK):
-        part = x[first : min(first + CHUNK, len(x))]
-        total, beyond = _sum_and_beyond(part, low, high)
-        if not np.isfinite(total):
-            n = 0
-            for value in part:
-                if np.isfinite(value):
-                    finite[n] = value
-                    n += 1
-            part = finite[:n]
-            total, beyond = _sum_and_beyond(part, low, high)
-        if beyond > 0:
-            for value in part:
-                low, high = min(low, value), max(high, value)
-        if len(part) > 0:
-            level = total / len(part)
-            more = _squares_about(part, level)
-            if count == 0:
-                count, mean, squares = len(part), level, more
-            else:
-                every, apart = count + len(part), level - mean
-                squares += more + apart * apart * (count * (len(part) / every))
-                mean += apart * (len(part) / every)
-                count = every
-    return (count, mean, squares, low, high) if count > 0 else (0, np.nan, 0.0, np.nan, np.nan)
-
-
-@reordered
-def _sum_and_beyond(x: Array, low: float, high: float) -> tuple[float, int]:
-    """Return the sum of samples, and how many are less or larger than two limits."""
-    total, beyond = 0.0, 0
-    for i in range(len(x)):
-        total += x[i]
-        beyond += (x[i] < low) | (x[i] > high)
-    return total, beyond
-
-
-@reordered
-def _squares_about(x: Array, level: float) -> float:
-    """Return the sum of squared distances from a level."""
-    total = 0.0
-    for i in range(len(x)):
-        off = x[i] - level
-        total += off * off
-    return total

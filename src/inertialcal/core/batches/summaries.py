@@ -52,16 +52,12 @@ class Moments:
             mean = float(numbers.mean())
             deviation = numbers - mean
             squares = float(deviation @ deviation)
-            return self.joined(Moments(len(numbers), mean, squares, float(numbers.min()), float(numbers.max())))
-
-    def joined(self, other: Moments) -> Moments:
-        """Return them with those of other numbers."""
-        if not self.count or not other.count:
-            return self if self.count else other
-        count, apart = self.count + other.count, other.mean - self.mean
-        squares = self.squares + other.squares + apart * apart * (self.count * other.count / count)
-        mean = self.mean + apart * (other.count / count)
-        return Moments(count, mean, squares, min(other.low, self.low), max(other.high, self.high))
+            low, high, n = float(numbers.min()), float(numbers.max()), len(numbers)
+            if not self.count:
+                return Moments(n, mean, squares, low, high)
+            count, apart = self.count + n, mean - self.mean
+            squares = self.squares + squares + apart**2 * (self.count * n / count)
+            return Moments(count, self.mean + apart * (n / count), squares, min(low, self.low), max(high, self.high))
 
 
 def moments(x: NDArray[Any]) -> Moments:

@@ -11,14 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.batches.summaries import median_made
+from ...core.batches.summaries import median_made, moments
 from ...core.estimate import Array
 from ...core.recording import Channel, Recording, Times
 from ...core.remarks import Remark, Severity
 from ...core.results import finite
 from ...core.show.rounding import number
 from ...signals.codes import resolution_of_values
-from ...signals.moments import moments_of
 from ...signals.screening.remarks import remarks_of
 from ...signals.screening.screen import Finding, Screening, screen
 from ...signals.screening.slow import stuck_slow
@@ -85,7 +84,7 @@ class ChannelSurvey:
 
 def survey_channel(channel: Channel) -> ChannelSurvey:
     """Return what a channel holds, before it is screened."""
-    found = moments_of(channel.data)
+    found = moments(channel.data)
     said = (channel.name, channel.axis, channel.quantity, channel.unit, channel.unit_from)
     dtype, missing = str(channel.data.dtype), len(channel.data) - found.count
     if not found.count:

@@ -19,6 +19,8 @@ from numpy.typing import NDArray
 
 from ...core.batches import release
 from ...core.estimate import Array, Numbers
+from . import _kernels as kernels
+from . import _kernels_streamed as streams
 from .deviations import Kind, Variances, terms_of
 from .gaps import COMPLETE
 from .noise_type import identified_at, places
@@ -51,9 +53,6 @@ def streamed_variances(
         Starting points of a block, and the longest window whose terms lie in one part; ``BLOCK`` and ``NEAR`` by
         default. The figures do not hang on them.
     """
-    from . import _kernels as kernels  # noqa: PLC0415 - numba starts slowly
-    from . import _kernels_streamed as streams  # noqa: PLC0415 - the same
-
     block, near = block or BLOCK, near or NEAR
     kind_of_sum, level, points, order = summed_as(x), level_of(x), len(x) + 1, kind.order
     release(x)
@@ -97,9 +96,6 @@ def _add_far(
     sums: Array,
 ) -> None:
     """Add terms of long windows: ``before`` is the integrated signal at each offset."""
-    from . import _kernels as kernels  # noqa: PLC0415 - numba starts slowly
-    from . import _kernels_streamed as streams  # noqa: PLC0415 - the same
-
     points, before = len(x) + 1, before.copy()
     phases = {int(one): np.empty(block + 1, dtype=before.dtype) for one in offsets}
     index = {int(one): k for k, one in enumerate(offsets)}

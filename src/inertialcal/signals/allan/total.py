@@ -30,6 +30,8 @@ from ...core.errors import DataError, PlanError
 from ...core.estimate import Array, Numbers
 from ..names import Quantity
 from ..threads import LARGE, each_of
+from . import _kernels as kernels
+from . import _kernels_total as loops
 from .deviations import ALLAN, KINDS, Kind, Variances, terms_of
 from .gaps import COMPLETE
 from .prefix import Phase, level_of, phase_of
@@ -93,9 +95,6 @@ def total_variances(x: Numbers, phase: Phase, quantity: Quantity, kind: Kind, m:
     DataError
         If samples are missing (``gaps``), or the record is too long to be held (``too_long``).
     """
-    from . import _kernels as kernels  # noqa: PLC0415 - numba starts slowly
-    from . import _kernels_total as loops  # noqa: PLC0415 - the same
-
     if not phase.complete:
         what = f"{phase.missing} of {len(x)} samples are missing: no {kind.words}"
         why = "it mirrors the record at its ends, which a record with gaps has in many places"
@@ -126,8 +125,6 @@ def total_variances(x: Numbers, phase: Phase, quantity: Quantity, kind: Kind, m:
 
 def _summed(y: Array, m: int, starts: int) -> float:
     """Return the sum of squares over all stretches of 3 m samples."""
-    from . import _kernels_total as loops  # noqa: PLC0415 - numba starts slowly
-
     one = loops.stretches_one_by_one if m <= loops.DIRECT else loops.stretches_at_once
     share = max(SHARE, 4 * loops.REACH * m)
     bounds = [(a, min(a + share, starts)) for a in range(0, starts, share)]

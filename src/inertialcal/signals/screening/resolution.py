@@ -22,8 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.batches import finite, kept
-from ..moments import moments_of
+from ...core.batches import extremes, finite, kept, mean
 from ..time.samples import Flags
 from .blocks import pieces
 
@@ -73,10 +72,13 @@ def resolution_of(x: NDArray[Any], times: float = 1.0) -> Resolution:
         What a sample is multiplied by to be as stored.
     """
     with np.errstate(over="ignore", invalid="ignore"):
-        found = moments_of(x)
-    if not found.count:
+        given, middle = x, mean(x) if len(x) else np.nan
+    if not np.isfinite(middle):  # of a record without missing samples they need not be looked for
+        given = kept(x, finite(x))
+        middle = mean(given) if len(given) else np.nan
+    if not len(given):
         return Resolution(0.0, 0.0)
-    given, low, high = x if found.count == len(x) else kept(x, finite(x)), found.low, found.high
+    low, high = extremes(given)
     largest = max(abs(low), abs(high))
     _, rows = pieces(given)
     stored, largest = rows * times, largest * times
@@ -90,4 +92,4 @@ def resolution_of(x: NDArray[Any], times: float = 1.0) -> Resolution:
             close = np.abs(stored - stored.astype(np.float32)) <= CONVERTED * np.spacing(np.abs(stored))
             short = x.dtype == np.float32 or bool(close.all())
         step = max(step, float(np.spacing(np.float32(largest) if short else np.float64(largest))) / times)
-    return Resolution(step, max(high - found.mean, found.mean - low))
+    return Resolution(step, max(high - middle, middle - low))

@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
-from ...statistics._kernels import compiled, reordered
+from ...statistics._kernels import compiled
 from .._kernels import fill_moments
 
 __all__ = [
     "count_above", "drop_lower", "fill_above", "fill_blocks", "fill_clear", "fill_far", "fill_jumps", "fill_loud",
-    "fill_moments", "fill_peaks", "fill_sums", "margin", "sum_of", "sum_up_to",
+    "fill_moments", "fill_peaks", "fill_sums", "margin", "sum_of",
 ]  # fmt: skip
 
 Flags = NDArray[np.bool_]
@@ -19,8 +19,6 @@ Indices = NDArray[np.int64]
 
 SCANNED = 128  # places looked at together: few hold any
 LOUD = 4096  # samples that windows move over at a time
-CELL = 16  # samples whose squares are summed, to see where windows need no look
-ROUNDED = 1e-9  # relative: more than sums in another order differ
 
 
 @compiled
@@ -59,20 +57,18 @@ def count_above(x: Array, limits: Array, counts: Indices) -> None:
         for k in range(len(limits)):
             left = max(there - 2 * w + 1, 0)
             size = min(batch, left)
-            counts[k] += _far_apart(sums[:size], sums[w : w + size], limits[k] * w, out[:size])
-            _add(sums[size:left], sums[w + size : w + left], out[size:left])
+            counts[k] += _far_apart(sums[:size], sums[w : w + size], limits[k] * w)
+            _add(sums[:left], sums[w : w + left], out[:left])
             sums, out, more = out, more, out
             w *= 2
 
 
 @compiled
-def _far_apart(here: Array, later: Array, limit: float, out: Array) -> int:
-    """Return how many samples are further apart than a limit, and fill the sums of both."""
+def _far_apart(here: Array, later: Array, limit: float) -> int:
+    """Return how many samples are further apart than a limit; a loop by itself takes many at once."""
     many = 0
-    for i in range(len(out)):
-        one, other = here[i], later[i]
-        many += abs(other - one) > limit
-        out[i] = one + other
+    for i in range(len(here)):
+        many += abs(later[i] - here[i]) > limit
     return many
 
 
@@ -111,16 +107,6 @@ def fill_jumps(x: Array, w: int, at: Indices, jumps: Array) -> None:
         while stop < len(at) and at[stop] - begin < batch and at[stop] - at[stop - 1] < 2 * w:
             stop += 1
         there = at[stop - 1] - begin + 2 * w
-        if stop == i + 1:  # alone: in the order in which `_sums` adds
-            for j in range(there):
-                one[j] = x[begin + j]
-            while there > 2:
-                there //= 2
-                for j in range(there):
-                    one[j] = one[2 * j] + one[2 * j + 1]
-            jumps[i] = share * abs(one[1] - one[0])
-            i = stop
-            continue
         sums, _ = _sums(x[begin : begin + there], w, one, other)
         for j in range(i, stop):
             jumps[j] = share * abs(sums[at[j] - begin + w] - sums[at[j] - begin])
@@ -211,63 +197,45 @@ def drop_lower(at: Indices, order: Indices, w: int, kept: Flags) -> None:
 def fill_loud(y: Array, cuts: Indices, w: int, limit: float, at: Indices) -> int:
     """Fill the windows i .. i + w whose variance (w - 1) exceeds a limit; levels between cuts keep its digits.
 
-    Most windows need no look: the squares in the cells of samples that hold them sum up to less. Sums of w samples are
-    those of 1, 2, 4, ... samples put together: none waits for the one before it. Returns how many there are, room or
-    not.
+    Sums of w samples are those of 1, 2, 4, ... samples put together: none waits for the one before it. Returns how many
+    there are, room or not.
     """
-    found, limit, share = 0, limit * (w - 1), 1.0 / w
-    residual, squared, doubled, again = (np.empty(LOUD + w), np.empty(LOUD + w), np.empty(LOUD + w), np.empty(LOUD + w))
-    first, second, cells = np.empty(LOUD), np.empty(LOUD), np.empty((LOUD + w) // CELL + 1)
-    levels, piece = np.empty(len(cuts) - 1), 0
-    for k in range(len(levels)):
-        levels[k] = sum_of(y[cuts[k] : cuts[k + 1]]) / max(cuts[k + 1] - cuts[k], 1)
-    for begin in range(0, len(y) - w + 1, LOUD):
-        size = min(LOUD, len(y) - w + 1 - begin)
-        there = size + w - 1
-        while begin >= cuts[piece + 1]:
-            piece += 1
-        i, here = begin, piece
-        while i < begin + there:
-            end = min(begin + there, cuts[here + 1])
-            to, source, level = residual[i - begin : end - begin], y[i:end], levels[here]
+    found = 0
+    room = LOUD + w
+    residual, squared, doubled, again = np.empty(room), np.empty(room), np.empty(room), np.empty(room)
+    first, second = np.empty(LOUD), np.empty(LOUD)
+    limit *= w - 1
+    share = 1.0 / w
+    piece, level = -1, 0.0
+    held = 0  # samples of ``residual`` from the batch before
+    for begin in range(0, len(y), LOUD):
+        stop = min(begin + LOUD, len(y))
+        i = begin
+        while i < stop:
+            while piece < 0 or i >= cuts[piece + 1]:
+                piece += 1
+                level = sum_of(y[cuts[piece] : cuts[piece + 1]]) / max(cuts[piece + 1] - cuts[piece], 1)
+            end = min(stop, cuts[piece + 1])
+            to, source = residual[held + i - begin : held + end - begin], y[i:end]
             for j in range(len(to)):
                 to[j] = source[j] - level
-            i, here = end, here + 1
-        if _below(residual[:there], w, limit * (1.0 - ROUNDED), cells):
-            continue
+            i = end
+        there = held + stop - begin
         for j in range(there):
             squared[j] = residual[j] * residual[j]
-        fill_sums(residual[:there], w, doubled, again, first[:size])
-        fill_sums(squared[:there], w, doubled, again, second[:size])
-        for j in range(size):
-            second[j] -= share * first[j] * first[j]
-        found = _filled(second[:size], limit, begin, at, found)
+        size = there - w + 1
+        if size > 0:
+            fill_sums(residual[:there], w, doubled, again, first[:size])
+            fill_sums(squared[:there], w, doubled, again, second[:size])
+            for j in range(size):
+                second[j] -= share * first[j] * first[j]
+            found = _filled(second[:size], limit, stop - w + 1 - size, at, found)
+            held = w - 1
+            for j in range(held):
+                residual[j] = residual[size + j]
+        else:
+            held = there
     return found
-
-
-@reordered
-def _below(x: Array, w: int, limit: float, cells: Array) -> bool:
-    """Return whether no w neighbours have squares that sum up to more than a limit; if unsure, that some have.
-
-    The cells that w neighbours may lie in hold more samples.
-    """
-    many, rest = len(x) // CELL, 0.0
-    for k in range(many):
-        cell, total = x[CELL * k : CELL * k + CELL], 0.0
-        for i in range(CELL):
-            total += cell[i] * cell[i]
-        cells[k] = total
-    for i in range(CELL * many, len(x)):
-        rest += x[i] * x[i]
-    cells[many] = rest
-    span = min((w + CELL - 2) // CELL + 1, many + 1)
-    for k in range(many + 2 - span):
-        total = 0.0
-        for i in range(span):
-            total += cells[k + i]
-        if not total <= limit:
-            return False
-    return True
 
 
 @compiled
@@ -328,16 +296,6 @@ def fill_blocks(y: Array, size: int, variance: Array, different: Indices) -> flo
             unequal += x[i] != x[i - 1]
         variance[block], different[block] = squares / (size - 1), unequal
     return step if np.isfinite(step) else 0.0
-
-
-@reordered
-def sum_up_to(x: Array, limit: float) -> tuple[int, float]:
-    """Return number and sum of the samples up to a limit."""
-    many, total = 0, 0.0
-    for i in range(len(x)):
-        many += x[i] <= limit
-        total += x[i] if x[i] <= limit else 0.0
-    return many, total
 
 
 @compiled

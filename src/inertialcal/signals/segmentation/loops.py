@@ -142,12 +142,6 @@ def fill_blocks(y: Array, size: int, variance: Array, different: Indices) -> flo
     return float(least) if np.isfinite(least) else 0.0
 
 
-def sum_up_to(x: Array, limit: float) -> tuple[int, float]:
-    """Return number and sum of the samples up to a limit."""
-    there = x <= limit
-    return int(np.count_nonzero(there)), float(np.sum(np.where(there, x, 0.0)))
-
-
 def fill_moments(
     x: NDArray[np.float64], first: Indices, stop: Indices, mean: Array, variance: Array, lo: Array, hi: Array,
     count: Indices,

@@ -107,10 +107,12 @@ def _pool_quiet(variance: Array) -> tuple[float, int]:
     limit, usual = _of_quiet_blocks()
     pooled = quantile(variance, QUIET) / usual
     many = 0
-    sum_up_to = loops_for(BLOCK * len(variance)).sum_up_to
     for _ in range(ROUNDS):
-        parts = [sum_up_to(variance[first:stop], limit * pooled) for first, stop in batches(variance, size=near())]
-        now, total = sum(one for one, _ in parts), float(sum(one for _, one in parts))
+        now, total = 0, 0.0
+        for first, stop in batches(variance, size=near()):
+            part = variance[first:stop]
+            quiet = part <= limit * pooled
+            now, total = now + int(np.count_nonzero(quiet)), total + float(np.sum(np.where(quiet, part, 0.0)))
         if now in (0, many):  # as many blocks are the same blocks: those below a limit
             break
         many, pooled = now, total / now

@@ -25,11 +25,11 @@ from typing import Literal
 import numpy as np
 
 from ...core import batches
+from ...core.batches.summaries import moments
 from ...core.errors import DataError
 from ...core.estimate import Array, Numbers
 from ...core.recording import Times
 from ...core.remarks import Remark
-from ..moments import moments_of
 from ..time.samples import Flags, Indices, Samples, samples_of
 from ..time.schedule import dwells_by_reference, dwells_by_windows
 from .dwells import Dwell, Tally, dwell_of, tally
@@ -220,10 +220,10 @@ def _measured(samples: Samples, edges: Indices, whole: bool) -> tuple[Array, Arr
         x = samples.values[:, k]
         if left_out is not None:
             x = batches.made(len(x), float, lambda a, b, x=x: np.where(left_out[a:b], np.nan, x[a:b]), left_out, x)  # type: ignore[misc]
-        for own in _together(edges, batches.near()):
+        for own in _together(edges, batches.SIZE if batches.is_stored(x) else len(x)):
             first, stop = int(edges[own.start]), int(edges[own.stop])
-            if stop - first > batches.near():
-                one = moments_of(x[first:stop])
+            if stop - first > batches.SIZE and batches.is_stored(x):
+                one = moments(x[first:stop])
                 level[own, k], low[own, k], high[own, k] = one.mean, one.low, one.high
                 variance[own, k] = one.squares / (one.count - 1) if one.count > 1 else np.nan
                 continue

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from ...core.batches import batches, extremes, near, release
+from ...core.batches import batches, extremes, release
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array, Numbers
 from ...core.remarks import Remark
@@ -197,22 +197,11 @@ def _remarks(values: Array, gaps: Stretches, used: int, length: int) -> tuple[Re
         what = f"{left} samples between gaps are too short for a segment of {length}; {used} are used"
         found.append(Remark("few_segments", "warning", what, do="Give shorter segments"))
     for axis in range(values.shape[1]):
-        if _is_constant(values[:, axis]):
+        low, high = extremes(values[:, axis], infinite=False)
+        if high - low <= CONSTANT * max(abs(low), abs(high)):
             what = f"axis {axis} is constant: no spectrum"
             found.append(Remark("constant", "warning", what, do="Check for a stuck or disconnected channel"))
     return tuple(found)
-
-
-def _is_constant(x: Array) -> bool:
-    """Return whether an axis varies by no more than rounding.
-
-    Where the first samples vary by more than twice that, no others make it constant: larger ones vary as much more.
-    """
-    for part in (x[: near()], x):
-        low, high = extremes(part, infinite=False)
-        if high - low > 2.0 * CONSTANT * max(abs(low), abs(high)):
-            return False
-    return bool(high - low <= CONSTANT * max(abs(low), abs(high)))
 
 
 @dataclass(frozen=True, eq=False)
