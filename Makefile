@@ -32,8 +32,8 @@ coverage: long  ## do the 95 % intervals hold the truth, n = 1,000: RIGS="npsat1
 long: $(READY)  ## a record longer than memory through allan, under 1 GiB: ROWS=1e9 (needs 20 GB of disk)
 	$(BIN)/python tests/speed/long_record.py $(ROWS)
 
-power: $(READY)  ## how often the plan of the demonstration decides: verdicts of seeds 1 to 100, half an hour
-	PYTHONPATH=tests/rigs OMP_NUM_THREADS=1 $(BIN)/python -m demo_power $(SEEDS)
+power: $(READY)  ## how often the plan of the demonstration decides: verdicts of seeds 1 to 100, half an hour; RIG= of another
+	PYTHONPATH=tests/rigs OMP_NUM_THREADS=1 $(BIN)/python -m demo_power $(RIG) $(SEEDS)
 
 mutants: $(READY)  ## wrong changes to the numerics, each of which a test must catch
 	$(BIN)/python tests/mutants.py --jobs 2

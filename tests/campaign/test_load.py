@@ -132,6 +132,8 @@ def test_no_campaign_says_what_to_do(tmp_path: Path) -> None:
         found = problems(folder)[0]
         assert found.what.startswith("No campaign here")
         assert found.do == "Try: inertialcal demo"
+    (tmp_path / "gyro.csv").write_text("x\n1\n")
+    assert problems(tmp_path)[0].do.startswith(f"Make one of the files there: inertialcal init {tmp_path}.")
 
 
 def test_text_that_is_not_utf8_is_told_with_its_line(tmp_path: Path) -> None:

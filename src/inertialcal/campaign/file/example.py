@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import shlex
 from importlib.resources import as_file, files
 from pathlib import Path
 
 from ...core.campaign_text import FILE
 from ...core.errors import UsageError
+from ...core.schema.toml import parse_toml
+from ...files.source import read_bytes
 from ...files.write.atomic import write_folder
 from ...rigs import DEMONSTRATED, RIGS
 from ..outcome.publish import OUT
@@ -49,7 +52,7 @@ def build(name: str, target: Path) -> Path:
     if name in examples():
         return copy_example(name, target)
     if (target / FILE).is_file():
-        return target
+        return _same(name, target)
     return simulate(name, target, RIGS.named(name).demonstration_seed).folder
 
 
@@ -75,14 +78,14 @@ def copy_example(name: str, target: Path) -> Path:
     Raises
     ------
     UsageError
-        If there is no example of that name, or something else stands where it should go.
+        If there is no example of that name, or something else stands where it should go, be it another campaign.
     StoreError
         If the folder cannot be written.
     """
     if name not in examples():
         raise UsageError(f"no example {name!r}", do=f"There are: {', '.join(examples())}")
     if (target / FILE).is_file():
-        return target
+        return _same(name, target)
     if target.exists() and (not target.is_dir() or any(target.iterdir())):
         do = f"Name another folder: inertialcal demo {name} -o FOLDER"
         raise UsageError(f"{target} exists and is no campaign", do=do)
@@ -90,4 +93,19 @@ def copy_example(name: str, target: Path) -> Path:
         named = {path.relative_to(source): path for path in source.rglob("*") if path.is_file()}
         own = {one: path for one, path in named.items() if one.parts[0] != OUT}
         write_folder(target, {one.as_posix(): path.read_bytes() for one, path in own.items()})
+    return target
+
+
+def _same(name: str, target: Path) -> Path:
+    """Return a folder that holds the campaign of an example; a campaign of another name, or of a user, is not run."""
+    campaign = parse_toml(read_bytes(target / FILE), FILE)[1].get("campaign")
+    found = str(campaign.get("id", "")) if isinstance(campaign, dict) else ""
+    if name in examples():
+        same = found == name
+    else:
+        same = has_truth(target) and found.rpartition("-")[0] not in {*RIGS} - {name}
+    if not same:
+        here = shlex.quote(str(target))
+        do = f"Name another folder: inertialcal demo {name} -o FOLDER. To run what is there: inertialcal run {here}"
+        raise UsageError(f"{target} holds another campaign ({found or 'no id'})", do=do)
     return target

@@ -66,7 +66,11 @@ def load(folder: str | Path) -> Campaign:
     path = root / FILE
     if not root.is_dir() or not path.is_file():
         what = f"No campaign here: {path} does not exist"
-        raise PlanError(what, do="Try: inertialcal demo", code="no_campaign")
+        files = root.is_dir() and any(one.is_file() and not one.name.startswith(".") for one in root.iterdir())
+        made = (
+            f"Make one of the files there: inertialcal init {shlex.quote(str(root))}. For an example: inertialcal demo"
+        )
+        raise PlanError(what, do=made if files else "Try: inertialcal demo", code="no_campaign")
     try:
         raw = read_bytes(path)
     except DataError as error:

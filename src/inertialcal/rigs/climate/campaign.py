@@ -41,8 +41,30 @@ def campaign_text(bench: Bench) -> str:
             "recordings": recordings,
             "tests": [test for group in groups for test in _tests(bench, group)],
             "model": {"terms": terms, "by_condition": {VACUUM: decided}},
+            "requirements": list(_requirements(groups)),
         }
     )
+
+
+def _requirements(groups: Sequence[str]) -> Iterator[Content]:
+    """Yield the requirements that the tests of the campaign can judge."""
+    supplied = [group for group in groups if group.startswith("supply_")]
+    if supplied:
+        yield {
+            "id": "R1",
+            "text": "bias changes by at most 0.05 deg/s for a volt of supply",
+            "quantity": "bias_supply",
+            "limit": "0.05 deg/s/V",
+            "tests": supplied,
+        }
+    if "scale" in groups:
+        yield {
+            "id": "R2",
+            "text": "scale factor changes by at most 0.05 % for a degree",
+            "quantity": "scale_factor_error_temperature_1",
+            "limit": "0.05 %/degC",
+            "tests": ["scale"],
+        }
 
 
 def _entry(group: str, name: str, run: int, axis: str) -> Content:
