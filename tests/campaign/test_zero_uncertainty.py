@@ -7,8 +7,10 @@ from pathlib import Path
 import pytest
 
 from inertialcal.campaign.engine.run import run
-from inertialcal.campaign.file.load import load
-from inertialcal.core.errors import PlanError
+from inertialcal.campaign.file.load import load, standards_of
+from inertialcal.campaign.file.schema import CampaignFile
+from inertialcal.core.errors import PlanError, Problem
+from inertialcal.core.schema.standards import STANDARDS, StandardEntry
 from typed_commands import call_json
 
 Write = Callable[..., Path]
@@ -56,3 +58,17 @@ def test_an_option_asks_for_the_reason_too(capsys: pytest.CaptureFixture[str], c
     assert any(one["code"] == "zero_uncertainty" and REASON in one["what"] for one in found["remarks"])
     found = call_json(capsys, "rate-table", *words, "rate_table.rate={ u = 0")
     assert [one["code"] for one in found["errors"]] == ["not_toml"]
+
+
+@pytest.mark.parametrize("name", [f"{one}.{two}" for one, inner in STANDARDS.items() for two in inner])
+def test_an_uncertainty_that_is_no_quantity_is_answered_with_one_that_is(name: str) -> None:
+    standard, _, quantity = name.partition(".")
+
+    def problems(u: str) -> list[Problem]:
+        standards = {standard: {quantity: StandardEntry(u=u)}}
+        return standards_of(CampaignFile.model_construct(standards=standards), lambda *_: "")[1]
+
+    for wrong in ("small", "3 kg"):
+        (problem,) = problems(wrong)
+        assert problem.code == "wrong_value"
+        assert not problems(problem.do.split('"')[1])

@@ -239,6 +239,12 @@ LEVELS = (
         "bias_supply x 0.4",
     ),
     Case(
+        "State the unit of its column: --unit {}={}, or the reference: --reference {}=VALUE",
+        "sensitivity levels_micro.csv --to supply",
+        "+ --unit supply=mV",
+        "bias_supply x 0.4",
+    ),
+    Case(
         "Fit the drift: --drift 1. Better: {}{}",
         "sensitivity levels_drift.csv --to supply",
         "+ --drift 1",

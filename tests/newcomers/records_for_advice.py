@@ -202,6 +202,7 @@ def _levels() -> dict[str, str]:
         "levels_2.csv": csv({**columns, **read(volts - 5.0), **supply}),
         "levels_two.csv": csv({**columns, **read(volts - 5.0), "vcc [V]": supply["supply [V]"], "vdd [V]": [3.3] * n}),
         "levels_wrong.csv": csv({**columns, **read(volts - 5.0), "supply [mV]": supply["supply [V]"]}),
+        "levels_micro.csv": csv({**columns, **read(volts - 5.0), "supply [uV]": rounded(1e3 * volts, 1)}),
         "levels_drift.csv": csv(
             {**columns, **read(up - 5.0, more=DRIFT * time / time[-1]), "supply [V]": rounded(up, 3)}
         ),

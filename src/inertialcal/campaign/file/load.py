@@ -17,7 +17,7 @@ from pydantic import BaseModel, ValidationError
 from ...core.campaign_text import FILE, MARK
 from ...core.errors import DataError, PlanError, Problem
 from ...core.influence import Influence, Standards
-from ...core.schema.standards import STANDARDS
+from ...core.schema.standards import STANDARDS, WRITTEN
 from ...core.schema.toml import At, key_lines, nearest_line, parse_toml
 from ...core.schema.toml import Path as KeyPath
 from ...files.source import read_bytes
@@ -166,7 +166,8 @@ def standards_of(file: CampaignFile, at: At) -> tuple[dict[str, Influence], list
                 influence = entry.influence(known[name], standard, name)
             except (DataError, ValueError) as error:
                 what = error.problems[0].what if isinstance(error, DataError) else str(error)
-                problems.append(Problem(f"standards.{standard}.{name}: {what}", where, code="wrong_value"))
+                do = f'Write a number and a unit, like "{WRITTEN[known[name]]}"'
+                problems.append(Problem(f"standards.{standard}.{name}: {what}", where, "", do, "wrong_value"))
                 continue
             found[f"{standard}.{name}"] = influence
             if influence.u == 0.0 and not entry.reason.strip():

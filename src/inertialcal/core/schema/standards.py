@@ -29,7 +29,8 @@ STANDARDS: dict[str, dict[str, str]] = {
     "fixture": {"orientation": "rad", "repeatability": "rad", "mounting": "rad"},
     "clock": {"rate": "1"},
 }
-
+# An uncertainty in each of these units, as it may be written.
+WRITTEN = {"1": "0.1 %", "rad": "0.01 deg", "m/s^2": "10 ug", "rad/s": "0.01 deg/s", "degC": "0.1 K", "V": "1 mV"}
 
 # What draws the error of an influence anew; where nothing is said here it is a certificate.
 REDRAWN: dict[str, Redrawn] = {

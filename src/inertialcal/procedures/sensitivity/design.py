@@ -121,6 +121,7 @@ def _wrong_unit(name: str, middle: float, unit: str, why: str) -> DataError:
         (one for one, size in (("V", 1e3), ("mV", 1e-3)) if SUPPLIES[0] <= size * abs(middle) <= SUPPLIES[1]), ""
     )
     like = like if unit == "V" and like else "UNIT"
+    like += " (mV where the header says uV)" if like == "V" else ""
     do = f"State the unit of its column: --unit {name}={like}, or the reference: --reference {name}=VALUE"
     return DataError(f"{name}: levels about {middle:.4g} {unit}", why=why, do=do, code="impossible_value")
 
