@@ -96,6 +96,38 @@ def code(path: Path, *topics: str) -> str:
     return caught.value.problems[0].code
 
 
+@pytest.mark.parametrize("chunked", [True, False])
+def test_a_changed_byte_is_told_by_the_checksum_of_the_data(tmp_path: Path, chunked: bool) -> None:
+    """Two topics by turns, with messages of two lengths, in chunks or not; the checksum of the format's library."""
+    from mcap.writer import CompressionType, Writer
+
+    store, path, rate = get_typestore(Stores.ROS2_IRON), tmp_path / "a.mcap", 0.25
+    vector, kind = store.types["geometry_msgs/msg/Vector3"], store.types["sensor_msgs/msg/MagneticField"]
+    head, stamp = store.types["std_msgs/msg/Header"], store.types["builtin_interfaces/msg/Time"]
+    with path.open("wb") as stream:
+        made = Writer(stream, 2000, CompressionType.NONE, use_chunking=chunked, enable_crcs=False,
+                      enable_data_crcs=True)  # fmt: skip
+        made.start("ros2", "test")
+        schema = made.register_schema("sensor_msgs/msg/MagneticField", "ros2msg", b"")
+        channels = [made.register_channel(topic, "cdr", schema) for topic in ("/a", "/b")]
+        for i in range(90):
+            about = head(stamp=stamp(sec=100, nanosec=i * 10**7), frame_id="b" * (1 + 9 * (i % 3 == 0)))
+            field = vector(x=i * rate, y=float(i % 2), z=7.0)
+            message = kind(header=about, magnetic_field=field, magnetic_field_covariance=np.zeros(9))
+            data = bytes(store.serialize_cdr(message, "sensor_msgs/msg/MagneticField"))
+            made.add_message(channels[i % 2], 10**9 + i, data, 10**9 + i)
+        made.finish()  # type: ignore[no-untyped-call]
+    found = ic.read(path, topics=["/b"])
+    assert np.array_equal(found.channel("magnetic_field.x").data, rate * np.arange(1, 90, 2))
+    assert np.all(found.channel("magnetic_field.y").data == 1.0)
+    assert not [one for one in found.remarks if one.code in ("torn_file", "wrong_checksum")]
+    content = bytearray(path.read_bytes())
+    at = content.index(struct.pack("<d", 41 * rate))
+    content[at] ^= 1
+    path.write_bytes(content)
+    assert [one.code for one in ic.read(path, topics=["/b"]).remarks].count("wrong_checksum") == 1
+
+
 def test_a_bag_without_an_index_is_whole_but_said_to_have_none(tmp_path: Path) -> None:
     path = tmp_path / "a.bag"
     WRITERS["plain.bag"](path)

@@ -10,6 +10,7 @@ import hashlib
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 
 from ...core.errors import DataError
@@ -18,7 +19,7 @@ from ..assemble import assemble
 from ..reader import ArchiveReader, Request, wrong_frame
 from ..source import as_data_errors, load, settled
 from ..time.window import cut
-from .bags import Bag, Message, bag_in_sqlite, bag_of, content_of
+from .bags import Bag, Messages, bag_in_sqlite, bag_of, content_of
 from .database import whole_pages
 from .topics import on_disk
 
@@ -81,13 +82,14 @@ def _joined(bags: Sequence[Bag], path: str) -> Bag:
             "a folder with bags of two formats", where=path, do="Name one of its files", code="several_topics"
         )
 
-    def scan(bag: Bag) -> Iterator[Message]:
+    def scan(bag: Bag) -> Iterator[Messages]:
         for number, one in enumerate(bags):
-            for key, time, data in one.messages():
-                whole = number + len(bags) * key
-                if whole not in bag.connections:
-                    bag.connections[whole] = one.connections[key]
-                yield whole, time, data
+            seen: set[int] = set()
+            for part in one.messages():
+                for key in one.connections.keys() - seen:
+                    bag.connections[number + len(bags) * key] = one.connections[key]
+                    seen.add(key)
+                yield replace(part, keys=number + len(bags) * part.keys)
             bag.remarks += one.remarks
             for key, connection in one.connections.items():
                 bag.connections.setdefault(number + len(bags) * key, connection)

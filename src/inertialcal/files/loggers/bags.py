@@ -14,15 +14,17 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Callable, Iterator, Sequence
+from collections import Counter
+from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...core.batches import any_step
 from ...core.errors import DataError
-from ...core.recording import SECOND
+from ...core.recording import SECOND, Times
 from ...core.remarks import Remark
 from ..binary.arrays import number_column
 from ..budget import PARTS, check_count, claim, claim_room
@@ -37,8 +39,15 @@ from .topics import NO_NUMBERS, Topic, choose, joined, library, on_disk, other_t
 ROS_1, MCAP = b"#ROSBAG V2.0\n", b"\x89MCAP0\r\n"
 CUT = "it ends in the middle of a chunk, which is read as far as it is whole"
 AT_ONCE = 2**14  # messages that are decoded at once
+ROWS = 2**9  # of a database that are taken at once
 CHUNK = 2**30  # bytes that a chunk may unpack to
-OF_MCAP = {"header": 1, "footer": 2, "schema": 3, "channel": 4, "message": 5, "chunk": 6, "data_end": 15}
+OF_MCAP = {"footer": 2, "schema": 3, "channel": 4, "message": 5, "chunk": 6, "data_end": 15}
+OP_LENGTH = struct.Struct("<BQ")  # of a record of MCAP
+MCAP_MESSAGE = 22  # bytes of channel, sequence, times of recording and of publication, before the content
+PLAIN = frozenset((3, 4, 5))  # schema, channel, message
+ENDS = frozenset((2, 6, 15))  # footer, chunk, end of the data
+DATA_END = 4  # bytes of the checksum
+PIECE = 2**22  # bytes that are summed at once
 
 
 class TornError(Exception):
@@ -58,7 +67,19 @@ class Connection:
     encoding: str  # ``"ros1"``, ``"cdr"``, or one that is not read
 
 
-Message = tuple[int, int, bytes]  # key of the connection, time of recording [ns], content
+@dataclass(frozen=True, eq=False)
+class Messages:
+    """Messages that follow each other, in the bytes in which they lie."""
+
+    keys: Times  # shape (n,): of the connections
+    time_ns: Times  # shape (n,): of recording [ns]
+    data: bytes
+    first: Times  # shape (n,): first byte of each
+    stop: Times  # shape (n,): byte behind the last of each
+
+    def content(self, at: NDArray[np.intp]) -> list[bytes]:
+        """Return the content of some of them."""
+        return [self.data[a:b] for a, b in zip(self.first[at].tolist(), self.stop[at].tolist(), strict=True)]
 
 
 @dataclass
@@ -73,14 +94,14 @@ class Bag:
         Format in words.
     """
 
-    scan: Callable[[Bag], Iterator[Message]]
+    scan: Callable[[Bag], Iterator[Messages]]
     title: str
     path: str
     size: int  # Bytes
     connections: dict[int, Connection] = field(default_factory=dict[int, Connection])
     remarks: tuple[Remark, ...] = ()
 
-    def messages(self) -> Iterator[Message]:
+    def messages(self) -> Iterator[Messages]:
         """Yield the messages that are whole; where that ends is a remark."""
         self.remarks = ()
         try:
@@ -114,14 +135,14 @@ def bag_of(loaded: Loaded) -> Bag:
 
 def content_of(bag: Bag, variables: Sequence[str] | None) -> Content:
     """Return the readings of a topic, those that were named or the one with inertial readings."""
-    rows: dict[str, int] = {}
-    for key, _, _ in bag.messages():
-        name = bag.connections[key].topic
-        rows[name] = rows.get(name, 0) + 1
+    rows: Counter[str] = Counter()
+    for part in bag.messages():
+        for key, count in zip(*(one.tolist() for one in np.unique(part.keys, return_counts=True)), strict=True):
+            rows[bag.connections[key].topic] += count
     by_topic: dict[str, list[Connection]] = {}
     for one in bag.connections.values():
         by_topic.setdefault(one.topic, []).append(one)
-    topics = [_topic(name, own, rows.get(name, 0)) for name, own in by_topic.items()]
+    topics = [_topic(name, own, rows[name]) for name, own in by_topic.items()]
     if not any(one.rank and one.rows for one in topics) and bag.remarks:
         raise DataError(bag.remarks[0].what, bag.path, "no reading before that is whole", code="damaged_file")
     chosen = choose(topics, variables, bag.path)
@@ -149,8 +170,9 @@ def _decoded(bag: Bag, topic: Topic, connection: Connection) -> Content:
     width = sum(len(part.names) + part.covariance for part in MESSAGES[kind][1])
     claim_room(bag.path, bag.size, 16 * rows * (width + 2), f"{rows:,} messages")
     long = LongColumns(rows)
+    keys = [key for key, one in bag.connections.items() if one.topic == topic.name]
     held: list[bytes] = []
-    logged: list[int] = []
+    logged: list[Times] = []
     frames: dict[str, None] = {}
     broken = 0
     first = low = high = np.empty(0)
@@ -163,16 +185,18 @@ def _decoded(bag: Bag, topic: Topic, connection: Connection) -> Content:
         if len(found.values):
             low, high = _extremes(found.values, low, high)
             first = found.values[0] if not len(first) else first
-            columns = [found.time_ns, np.array(logged)[found.whole], *found.values.T]
+            columns = [found.time_ns, np.concatenate(logged)[found.whole], *found.values.T]
             long.add([Column(str(i), values) for i, values in enumerate(columns)])
         held.clear()
         logged.clear()
 
-    for key, time, data in bag.messages():
-        if bag.connections[key].topic == topic.name:
-            held.append(data)
-            logged.append(time)
-            if len(held) == AT_ONCE:
+    for part in bag.messages():
+        own = np.flatnonzero(np.isin(part.keys, keys))
+        for begin in range(0, len(own), AT_ONCE):
+            at = own[begin : begin + AT_ONCE]
+            held += part.content(at)
+            logged.append(part.time_ns[at])
+            if len(held) >= AT_ONCE:
                 flush()
     if held:
         flush()
@@ -208,7 +232,7 @@ def _take(data: bytes, at: int, size: int, why: str = "it ends in the middle of 
 # ROS 1
 
 
-def _ros_1(loaded: Loaded, bag: Bag) -> Iterator[Message]:
+def _ros_1(loaded: Loaded, bag: Bag) -> Iterator[Messages]:
     """Yield the messages of a bag of ROS 1, chunk by chunk."""
     data, at, closed = loaded.data, len(ROS_1), True
     while at < len(data):
@@ -222,7 +246,8 @@ def _ros_1(loaded: Loaded, bag: Bag) -> Iterator[Message]:
             if begin + size > len(data):
                 raise TornError(len(data), CUT)
         elif op in (b"\x02", b"\x07"):
-            yield from _ros_1_one(head, _take(data, begin, size, begin=at), bag, at)
+            _take(data, begin, size, begin=at)
+            yield from _ros_1_inside(data[at : begin + size], bag, at)
         elif begin + size > len(data):
             raise TornError(at, "it ends in the middle of a record")
         at = begin + size
@@ -230,13 +255,25 @@ def _ros_1(loaded: Loaded, bag: Bag) -> Iterator[Message]:
         raise TornError(at, "it has no index")
 
 
-def _ros_1_inside(inside: bytes, bag: Bag, at: int) -> Iterator[Message]:
-    """Yield the messages of the content of a chunk."""
-    place = 0
-    while place < len(inside):
-        own, start, length = _ros_1_record(inside, place, at, CUT)
-        yield from _ros_1_one(own, _take(inside, start, length, CUT, at), bag, at)
-        place = start + length
+def _ros_1_inside(inside: bytes, bag: Bag, at: int) -> Iterator[Messages]:
+    """Yield the messages of the content of a chunk, together, and raise where it stops being whole."""
+    found: list[tuple[int, int, int, int]] = []  # connection, time [ns], first byte, byte behind the last
+    place, torn = 0, None
+    try:
+        while place < len(inside):
+            head, start, length = _ros_1_record(inside, place, at, CUT)
+            if start + length > len(inside):
+                raise TornError(at, CUT)
+            one = _ros_1_one(head, inside[start : start + length] if head.get(b"op") == b"\x07" else b"", bag, at)
+            place = start + length
+            if one:
+                found.append((*one, start, place))
+    except TornError as error:
+        torn = error
+    keys, times, first, stop = np.array(found, np.int64).reshape(-1, 4).T
+    yield Messages(keys, times, inside, first, stop)
+    if torn:
+        raise torn
 
 
 def _ros_1_record(
@@ -271,7 +308,8 @@ def _whole(head: dict[bytes, bytes], name: bytes, size: int, at: int) -> int:
     return int.from_bytes(value, "little")
 
 
-def _ros_1_one(head: dict[bytes, bytes], data: bytes, bag: Bag, at: int) -> Iterator[Message]:
+def _ros_1_one(head: dict[bytes, bytes], data: bytes, bag: Bag, at: int) -> tuple[int, int] | None:
+    """Return connection and time [ns] of a message, or None: a connection is written down."""
     op = head.get(b"op", b"")
     if op == b"\x07":
         about, _, _ = _ros_1_record(struct.pack("<I", len(data)) + data + bytes(4), 0, at)
@@ -282,7 +320,8 @@ def _ros_1_one(head: dict[bytes, bytes], data: bytes, bag: Bag, at: int) -> Iter
         key, time = _whole(head, b"conn", 4, at), _whole(head, b"time", 8, at)
         if key not in bag.connections:
             raise TornError(at, "a message without its connection")
-        yield key, (time & 0xFFFFFFFF) * SECOND + (time >> 32), data
+        return key, (time & 0xFFFFFFFF) * SECOND + (time >> 32)
+    return None
 
 
 def unpacked(packed: bytes, how: str, size: int, loaded: Loaded, at: int, cut: bool = False) -> bytes:
@@ -330,26 +369,80 @@ def unpacked(packed: bytes, how: str, size: int, loaded: Loaded, at: int, cut: b
 # MCAP
 
 
-def _mcap(loaded: Loaded, bag: Bag) -> Iterator[Message]:
+def _mcap(loaded: Loaded, bag: Bag) -> Iterator[Messages]:
     """Yield the messages of an MCAP file, chunk by chunk, up to its summary."""
     data, at = loaded.data, len(MCAP)
     schemas: dict[int, str] = {}
     while at < len(data):
-        op, size = struct.unpack("<BQ", _take(data, at, 9))
+        op, size = OP_LENGTH.unpack(_take(data, at, 9))
+        if op == OF_MCAP["data_end"] and size == DATA_END:
+            _mcap_sum(data, at, bag)
         if op in (OF_MCAP["footer"], OF_MCAP["data_end"]):
             return
         if at + 9 + size > len(data):
             raise TornError(at, "it ends in the middle of a record")
         if op == OF_MCAP["chunk"]:
-            inside, place = _mcap_chunk(_take(data, at + 9, size), loaded, at), 0
-            while place < len(inside):
-                own, length = struct.unpack("<BQ", _take(inside, place, 9, "a chunk is damaged", at))
-                yield from _mcap_one(own, _take(inside, place + 9, length, "a chunk is damaged", at), bag, schemas, at)
-                place += 9 + length
-        elif op in (OF_MCAP["schema"], OF_MCAP["channel"], OF_MCAP["message"]):
-            yield from _mcap_one(op, _take(data, at + 9, size), bag, schemas, at)
-        at += 9 + size
+            inside = _mcap_chunk(_take(data, at + 9, size), loaded, at)
+            if (yield from _mcap_inside(inside, bag, schemas, at)) != len(inside):
+                raise TornError(at, "a chunk is damaged")
+            at += 9 + size
+        elif op in PLAIN:
+            at += yield from _mcap_inside(data[at : at + max(PIECE, 9 + size)], bag, schemas, at)
+        else:
+            at += 9 + size
     raise TornError(at, "it has no end")
+
+
+def _mcap_inside(inside: bytes, bag: Bag, schemas: dict[int, str], at: int) -> Generator[Messages, None, int]:
+    """Yield the messages of records that follow each other; return the bytes of those that are whole.
+
+    A chunk, and the end of the data, are not gone into.
+    """
+    found: list[int] = []
+    place, end, number, message = 0, len(inside), OP_LENGTH.unpack_from, OF_MCAP["message"]
+    while place + 9 <= end:
+        op, length = number(inside, place)
+        following = place + 9 + length
+        if following > end or op in ENDS:
+            break
+        if op == message:
+            found.append(place)
+        elif op in PLAIN:
+            _mcap_about(op, inside[place + 9 : following], bag, schemas, at)
+        place = following
+    first = np.array(found, np.int64)
+    lengths = _gathered(inside, first + 1, "<u8")
+    why = ""
+    if np.any(lengths < MCAP_MESSAGE):
+        why, first = "a record is damaged", first[: np.argmax(lengths < MCAP_MESSAGE)]
+    keys = _gathered(inside, first + 9, "<u2")
+    known = np.isin(keys, list(bag.connections))
+    if not known.all():
+        why, first = "a message without its channel", first[: np.argmin(known)]
+    rows = slice(len(first))
+    times = _gathered(inside, first + 15, "<i8")
+    yield Messages(keys[rows], np.maximum(times, 0), inside, first + 9 + MCAP_MESSAGE, first + 9 + lengths[rows])
+    if why:
+        raise TornError(at, why)
+    return place
+
+
+def _gathered(data: bytes, first: Times, kind: str) -> Times:
+    """Return the numbers that stand from some bytes on."""
+    table = np.frombuffer(data, np.uint8)[first[:, None] + np.arange(np.dtype(kind).itemsize)]
+    return np.ascontiguousarray(table).view(kind).astype(np.int64)[:, 0]
+
+
+def _mcap_sum(data: bytes, at: int, bag: Bag) -> None:
+    """Compare the checksum of all that stands before the end of the data, if the file has one, with its content."""
+    (said,) = struct.unpack("<I", _take(data, at + 9, DATA_END))
+    found = 0
+    for first in range(0, at if said else 0, PIECE):
+        found = zlib.crc32(data[first : min(first + PIECE, at)], found)
+    if said != found:
+        what = "the checksum of the data is not that of its content: a byte was changed since it was written"
+        do = "Copy it again from the logger: some readings may be wrong"
+        bag.remarks += (Remark("wrong_checksum", "warning", what, where=bag.path, do=do),)
 
 
 def _mcap_chunk(body: bytes, loaded: Loaded, at: int) -> bytes:
@@ -369,17 +462,13 @@ def _mcap_chunk(body: bytes, loaded: Loaded, at: int) -> bytes:
     return found
 
 
-def _mcap_one(op: int, body: bytes, bag: Bag, schemas: dict[int, str], at: int) -> Iterator[Message]:
+def _mcap_about(op: int, body: bytes, bag: Bag, schemas: dict[int, str], at: int) -> None:
+    """Write down a schema or a channel."""
     try:
-        if op == OF_MCAP["message"]:
-            key, _, time, _ = struct.unpack_from("<HIQQ", body)
-            if key not in bag.connections:
-                raise TornError(at, "a message without its channel")
-            yield key, time if time < 2**63 else 0, body[22:]
-        elif op == OF_MCAP["schema"]:
+        if op == OF_MCAP["schema"]:
             (key,) = struct.unpack_from("<H", body)
             schemas[key], _ = _text(body, 2)
-        elif op == OF_MCAP["channel"]:
+        else:
             key, schema = struct.unpack_from("<HH", body)
             topic, place = _text(body, 4)
             encoding, _ = _text(body, place)
@@ -397,27 +486,46 @@ def _text(body: bytes, at: int) -> tuple[str, int]:
 # ROS 2 in SQLite
 
 
+def _from_rows(rows: Sequence[tuple[int, int, bytes]]) -> Messages:
+    keys, times, contents = zip(*rows, strict=True)
+    stop = np.cumsum([len(one) for one in contents], dtype=np.int64)
+    first = np.concatenate([[0], stop[:-1]])
+    return Messages(np.array(keys, np.int64), np.array(times, np.int64), b"".join(contents), first, stop)
+
+
 def bag_in_sqlite(path: str, loaded: Loaded) -> Bag:
     """Return a bag of ROS 2 in SQLite."""
     import sqlite3  # noqa: PLC0415 - loaded where it is needed
 
     connection, missing = opened(path, loaded), missing_bytes(loaded.data)
-    order = "" if missing else "ORDER BY timestamp, id"  # an index lies anywhere in a file, the rows mostly in order
+    query = (
+        "SELECT topic_id, timestamp, data FROM messages WHERE typeof(timestamp) = 'integer' AND typeof(data) = 'blob'"
+    )
+    query += "" if missing else " ORDER BY timestamp, id"  # an index lies anywhere in a file, the rows mostly in order
 
-    def scan(bag: Bag) -> Iterator[Message]:
+    def scan(bag: Bag) -> Iterator[Messages]:
+        kept: list[tuple[int, int, bytes]] = []
+        torn: TornError | None = None
         try:
             topics = connection.execute("SELECT id, name, type, serialization_format FROM topics")
             for key, topic, kind, encoding in topics:
                 bag.connections[key] = Connection(str(topic), str(kind), str(encoding))
                 check_count(len(bag.connections), PARTS, "topics", bag.path)
-            for key, time, data in connection.execute(f"SELECT topic_id, timestamp, data FROM messages {order}"):  # noqa: S608
-                if key in bag.connections and isinstance(data, bytes) and isinstance(time, int):
-                    yield key, time, data
+            for row in connection.execute(query):
+                if row[0] in bag.connections:
+                    kept.append(row)
+                if len(kept) == ROWS:
+                    yield _from_rows(kept)
+                    kept.clear()
         except sqlite3.DatabaseError as error:
             if not bag.connections:
                 raise
             cut = f"{missing:,} bytes at its end are gone" if missing else str(error)
-            raise TornError(bag.size, f"the database is damaged ({cut})") from None
+            torn = TornError(bag.size, f"the database is damaged ({cut})")
+        if kept:
+            yield _from_rows(kept)
+        if torn:
+            raise torn
 
     return Bag(scan, "ROS 2 bag (SQLite)", loaded.path, len(loaded.data))
 

@@ -114,9 +114,12 @@ def decode(messages: Sequence[bytes], kind: str, encoding: str) -> Decoded:
                 time_ns[at[rows]] = stamp * SECOND + rest
                 values[at[rows]] = _numbers(here, start, f"{order}f8", doubles)
                 whole[at[rows]] = True
-                names = np.unique(here[:, head + 12 : head + 12 + size], axis=0) if size else here[:1, :0]
-                for name in names[:FRAMES]:
-                    frames[name.tobytes().rstrip(b"\0").decode("utf-8", "replace")] = None
+                names = here[:, head + 12 : head + 12 + size]
+                for _ in range(FRAMES):
+                    if not len(names):
+                        break
+                    frames[names[0].tobytes().rstrip(b"\0").decode("utf-8", "replace")] = None
+                    names = names[(names != names[0]).any(axis=1)]
     return Decoded(time_ns[whole], values[whole], tuple(name for name in frames if name), whole)
 
 
