@@ -609,6 +609,19 @@ CAMPAIGNS = (
         "done",
     ),
     Case(
+        "Name another folder: inertialcal demo {} -o FOLDER. To run what is there: inertialcal run {}",
+        "simulate still_gyro -o clash-sams1996 ; demo sams1996 -o clash",
+        "run clash-sams1996 ; demo sams1996 -o no_clash",
+        "done",
+        quick=False,
+    ),
+    Case(
+        "Make one of the files there: inertialcal init {}. For an example: inertialcal demo",
+        "check tables_alone",
+        "init tables_alone --yes",
+        "done",
+    ),
+    Case(
         "Type again: inertialcal run DIR; it keeps the edited file apart",
         "edit edited/out/results.json 0.35 0.36 ; show edited",
         "run edited ; show edited",

@@ -372,6 +372,7 @@ def _campaigns(folder: Path) -> None:
         ("shared_2", f"{CAMPAIGN}{STANDARD}".replace('"advised"', '"again"'), "\n".join(again) + "\n"),
         ("empty", "", dwells),
         ("taken-sams1996", None, dwells),
+        ("tables_alone", None, dwells),
     ):
         (folder / name).mkdir()
         if text is not None:
