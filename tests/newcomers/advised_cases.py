@@ -494,7 +494,6 @@ OPEN: dict[str, tuple[str, ...]] = {  # by reason; this list may only shrink
     "guards that no file or command has reached so far": (
         "Look into its remarks: inertialcal show DIR",
         'Give what a sample is the mean of, at most --averaging "{} s"',
-        "Type again: inertialcal run DIR",
         "Look for readings that do not vary, or vary beyond all measure: inertialcal info FILE",
         "Type: inertialcal run DIR",
         "Say which: --unit gyro=UNIT",
@@ -504,4 +503,4 @@ OPEN: dict[str, tuple[str, ...]] = {  # by reason; this list may only shrink
         "In words: inertialcal show",
     ),
 }
-OPEN_AT_MOST = 17
+OPEN_AT_MOST = 16

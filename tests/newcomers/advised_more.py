@@ -613,12 +613,17 @@ CAMPAIGNS = (
         "simulate still_gyro -o clash-sams1996 ; demo sams1996 -o clash",
         "run clash-sams1996 ; demo sams1996 -o no_clash",
         "done",
-        quick=False,
     ),
     Case(
         "Make one of the files there: inertialcal init {}. For an example: inertialcal demo",
         "check tables_alone",
         "init tables_alone --yes",
+        "done",
+    ),
+    Case(
+        "Type again: inertialcal run DIR",
+        """edit edited/out/results.json '"schema": ' '"schema": 9' ; show edited""",
+        "run edited ; show edited",
         "done",
     ),
     Case(
