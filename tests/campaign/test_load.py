@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from inertialcal.campaign.file.example import build
 from inertialcal.campaign.file.load import load
-from inertialcal.core.errors import PlanError, Problem
+from inertialcal.core.errors import PlanError, Problem, UsageError
 
 Write = Callable[..., Path]
 
@@ -134,6 +135,18 @@ def test_no_campaign_says_what_to_do(tmp_path: Path) -> None:
         assert found.do == "Try: inertialcal demo"
     (tmp_path / "gyro.csv").write_text("x\n1\n")
     assert problems(tmp_path)[0].do.startswith(f"Make one of the files there: inertialcal init {tmp_path}.")
+
+
+def test_an_example_is_made_once_and_another_one_does_not_take_its_place(tmp_path: Path) -> None:
+    """Rigs of one family write campaigns of one id: what was simulated tells them apart."""
+    for name, others in (("sams_tsh_model", ("sams_tsh", "sams1996")), ("sams1996", ("sams_tsh", "reinel1969"))):
+        folder = build(name, tmp_path / name)
+        text = (folder / "campaign.toml").read_bytes()
+        assert build(name, folder) == folder
+        for other in others:
+            with pytest.raises(UsageError, match="holds another campaign"):
+                build(other, folder)
+        assert (folder / "campaign.toml").read_bytes() == text
 
 
 def test_text_that_is_not_utf8_is_told_with_its_line(tmp_path: Path) -> None:

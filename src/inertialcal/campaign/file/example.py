@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shlex
 from importlib.resources import as_file, files
 from pathlib import Path
@@ -98,14 +99,19 @@ def copy_example(name: str, target: Path) -> Path:
 
 def _same(name: str, target: Path) -> Path:
     """Return a folder that holds the campaign of an example; a campaign of another name, or of a user, is not run."""
-    campaign = parse_toml(read_bytes(target / FILE), FILE)[1].get("campaign")
-    found = str(campaign.get("id", "")) if isinstance(campaign, dict) else ""
-    if name in examples():
-        same = found == name
-    else:
-        same = has_truth(target) and found.rpartition("-")[0] not in {*RIGS} - {name}
-    if not same:
+    published = name in examples()
+    campaign = parse_toml(read_bytes(target / FILE), FILE)[1].get("campaign") if published else _truth(target)
+    found = str(campaign.get("id" if published else "rig", "")) if isinstance(campaign, dict) else ""
+    if found != name:
         here = shlex.quote(str(target))
         do = f"Name another folder: inertialcal demo {name} -o FOLDER. To run what is there: inertialcal run {here}"
-        raise UsageError(f"{target} holds another campaign ({found or 'no id'})", do=do)
+        raise UsageError(f"{target} holds another campaign" + (f" ({found})" if found else ""), do=do)
     return target
+
+
+def _truth(target: Path) -> object:
+    """Return what lies sealed beside a simulated campaign; None where nothing does, or no JSON."""
+    try:
+        return json.loads(read_bytes(target / TRUTH)) if has_truth(target) else None
+    except ValueError:
+        return None
