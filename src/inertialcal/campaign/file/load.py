@@ -66,7 +66,7 @@ def load(folder: str | Path) -> Campaign:
     path = root / FILE
     if not root.is_dir() or not path.is_file():
         what = f"No campaign here: {path} does not exist"
-        files = root.is_dir() and any(one.is_file() and not one.name.startswith(".") for one in root.iterdir())
+        files = any(one.is_file() for one in root.glob("[!.]*"))
         made = (
             f"Make one of the files there: inertialcal init {shlex.quote(str(root))}. For an example: inertialcal demo"
         )
