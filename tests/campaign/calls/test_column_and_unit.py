@@ -45,7 +45,7 @@ WAYS: list[tuple[str, dict[str, str], dict[str, str]]] = [
 ]
 
 
-def density(name: str, **said: Any) -> float:
+def density(name: str | ic.Recording, **said: Any) -> float:
     """Angle random walk [deg/sqrt(h)] of a file."""
     (row,) = (one for one in ic.allan(name, **said).rows if one.quantity == "angle_random_walk")
     assert row.value is not None
@@ -70,3 +70,12 @@ def test_counts_by_a_chain_and_rates_without_one(name: str, columns: dict[str, s
 def test_a_column_alone_is_of_the_axis_that_it_names() -> None:
     found = ic.allan("gyro_y_counts.csv", columns={"gyro_y": "gyro_y"}, units={"count": "count"}, **CHAIN)
     assert {row.axis for row in found.rows if row.axis} == {"y"}
+
+
+@pytest.mark.usefixtures("folder")
+@pytest.mark.parametrize("units", [{"x": "deg/s"}, {"speed": "deg/s"}, {"deg/s": "deg/s"}])
+def test_a_recording_in_memory_takes_them_as_a_file_does(units: dict[str, str]) -> None:
+    for columns in ({"x": "speed"}, {"speed": "speed"}):
+        if "x" not in units or "x" in columns:
+            told = density(ic.read("speed_rates.csv"), columns=columns, units=units)
+            assert told == density("speed_rates.csv", columns=columns, units=units)

@@ -74,7 +74,7 @@ class Files:
         }  # fmt: skip
         wanted |= {one: value for one, value in reading.items() if value is not None}
         if name not in self.held or self.read_as.get(name, wanted) != wanted:
-            units = {said.columns.get(key, key): unit for key, unit in said.units.items() if key != unit}
+            units = {key: unit for key, unit in _by_column(said).items() if key != unit}
             try:
                 found = read(name, units=units, **wanted)
             except UsageError as error:
@@ -137,7 +137,7 @@ def files_of(given: Given | Sequence[Given], said: Said, inputs: InputSpec | Non
                 raise UsageError("file name is not UTF-8", name, "results name their inputs", "Rename it", "file_name")
         elif isinstance(one, Recording):
             name, identity = one.source.path or f"recording_{number}", str(id(one))
-            files.held[name] = _with_unit(with_named_units(one, said.units), bare(said.units), said.columns)
+            files.held[name] = _with_unit(with_named_units(one, _by_column(said)), bare(said.units), said.columns)
         else:
             name, identity = f"array_{number}", str(id(one))
             files.held[name] = of_array(numbers_of(one), said.sample_rate, next(iter(said.units.values()), None))
@@ -165,6 +165,11 @@ def given_items(given: Given | Sequence[Given]) -> list[Given]:
             what = f"a recording of type {type(one).__name__}"
             raise UsageError(what, do="Give paths, Recordings, or arrays with their sample_rate", code="wrong_type")
     return items
+
+
+def _by_column(said: Said) -> dict[str, str]:
+    """Return units by column where they were given by channel: ``x`` of ``--column x=speed``."""
+    return {said.columns.get(key, key): unit for key, unit in said.units.items()}
 
 
 def _with_unit(recording: Recording, unit: str | None, columns: Mapping[str, str]) -> Recording:
