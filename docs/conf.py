@@ -24,6 +24,7 @@ numpydoc_xref_param_type = False
 html_theme = "furo"
 html_title = f"inertialcal {version}"
 html_copy_source = False
+html_show_copyright = False
 html_show_sphinx = False
 html_static_path = ["style"]
 html_css_files = ["custom.css"]
