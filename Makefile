@@ -10,7 +10,7 @@ PIP := $(BIN)/python -m pip install --quiet --no-compile
 # Compiled modules are kept: the next process, and every command that a test starts, need not compile them again.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo test slow long coverage power mutants fuzz torture gate check bench docs release pins clean
+.PHONY: demo test slow long coverage power mutants fuzz torture gate check bench validation docs release pins clean
 
 demo: $(INSTALLED)  ## a simulated suite of rate sensors: built, run, scored
 	$(BIN)/inertialcal demo
@@ -61,6 +61,9 @@ check: $(READY)  ## format, lint, types, manual
 bench: $(READY)  ## speed as ratios against named peers, the table last: LINES="kernel psd" for some, STORE=--store keeps ratios
 	$(if $(LINES),,$(BIN)/python -m pytest -m bench -q -s tests)
 	PYTHONPATH=tests $(BIN)/python -m speed $(LINES) $(STORE)
+
+validation: $(READY)  ## results beside those of others, the page docs/validation.md: PARTS="noise peers" for some
+	OMP_NUM_THREADS=1 $(BIN)/python docs/validation/validation.py $(PARTS)
 
 docs: $(READY)
 	$(BIN)/python -m sphinx -q -W --keep-going -b html docs build/docs

@@ -126,13 +126,15 @@ def tried(todo: Sequence[Job], processes: int) -> Iterator[tuple[Job, list[Tried
         yield from pool.imap(done, todo)
 
 
-def _file(folder: Path, job: Job) -> Path:
+def kept_file(folder: Path, job: Job) -> Path:
+    """Return where a block of seeds is kept."""
     name, first, seeds = job
     plain = "".join(letter if letter.isalnum() else "_" for letter in name)
     return folder / f"{plain}_{first}_{seeds}.json"
 
 
-def _read(path: Path) -> list[Tried]:
+def read_kept(path: Path) -> list[Tried]:
+    """Return a block of seeds that was kept."""
     return [
         Tried(one["exit"], [Figure(**figure) for figure in one["figures"]], one["notes"])
         for one in json.loads(path.read_text(encoding="utf-8"))
@@ -156,7 +158,7 @@ def main(words: Sequence[str] | None = None) -> int:
         for one in studies
     }
     given.keep.mkdir(parents=True, exist_ok=True)
-    have = {job for some in blocks.values() for job in some if given.resume and _file(given.keep, job).exists()}
+    have = {job for some in blocks.values() for job in some if given.resume and kept_file(given.keep, job).exists()}
     found: dict[str, list[Tried]] = defaultdict(list)
     text, rest = [HEAD], {name: len(some) for name, some in blocks.items()}
     by_name = {one.name: one for one in studies}
@@ -170,10 +172,10 @@ def main(words: Sequence[str] | None = None) -> int:
             print("\n".join(lines(by_name[name], found[name])), file=sys.stderr, flush=True)
 
     for job in sorted(have):
-        add(job, _read(_file(given.keep, job)))
+        add(job, read_kept(kept_file(given.keep, job)))
     todo = [job for some in blocks.values() for job in some if job not in have]
     for job, some in tried(todo, given.jobs):
-        _file(given.keep, job).write_text(json.dumps([asdict(one) for one in some]), encoding="utf-8")
+        kept_file(given.keep, job).write_text(json.dumps([asdict(one) for one in some]), encoding="utf-8")
         add(job, some)
     print("\n".join(text))
     if given.out:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,36 +19,9 @@ from inertialcal.statistics.least_squares import Fit, fit, fit_correlated
 
 STRD = Path(__file__).parent / "strd"
 
-# dataset, powers of x (None: columns as given, with a constant), certified estimates and their standard deviations,
-# residual standard deviation, digits that agree at least. The first four are of lower and average difficulty.
-ONES = [1.0] * 6
-WAMPLER_STDS = [2152.32624678170, 2363.55173469681, 779.343524331583, 101.475507550350, 5.64566512170752,
-                0.112324854679312]  # fmt: skip
-CERTIFIED = [
-    ("norris", range(2), [-0.262323073774029, 1.00211681802045], [0.232818234301152, 0.429796848199937e-03],
-     0.884796396144373, 13),
-    ("pontius", range(3), [0.673565789473684e-03, 0.732059160401003e-06, -0.316081871345029e-14],
-     [0.107938612033077e-03, 0.157817399981659e-09, 0.486652849992036e-16], 0.205177424076185e-03, 13),
-    ("noint1", [1], [2.07438016528926], [0.165289256198347e-01], 3.56753034006338, 13),
-    ("noint2", [1], [0.727272727272727], [0.420827318078432e-01], 0.369274472937998, 13),
-    ("longley", None,
-     [-3482258.63459582, 15.0618722713733, -0.358191792925910e-01, -2.02022980381683, -1.03322686717359,
-      -0.511041056535807e-01, 1829.15146461355],
-     [890420.383607373, 84.9149257747669, 0.334910077722432e-01, 0.488399681651699, 0.214274163161675,
-      0.226073200069370, 455.478499142212], 304.854073561965, 12),
-    ("filip", range(11),
-     [-1467.48961422980, -2772.17959193342, -2316.37108160893, -1127.97394098372, -354.478233703349,
-      -75.1242017393757, -10.8753180355343, -1.06221498588947, -0.670191154593408e-01,
-      -0.246781078275479e-02, -0.402962525080404e-04],
-     [298.084530995537, 559.779865474950, 466.477572127796, 227.204274477751, 71.6478660875927,
-      15.2897178747400, 2.23691159816033, 0.221624321934227, 0.142363763154724e-01, 0.535617408889821e-03,
-      0.896632837373868e-05], 0.334801051324544e-02, 7),
-    ("wampler1", range(6), ONES, [0.0] * 6, 0.0, 13),
-    ("wampler2", range(6), [10.0**-k for k in range(6)], [0.0] * 6, 0.0, 13),
-    ("wampler3", range(6), ONES, WAMPLER_STDS, 2360.14502379268, 13),
-    ("wampler4", range(6), ONES, [100.0 * u for u in WAMPLER_STDS], 236014.502379268, 11),
-    ("wampler5", range(6), ONES, [1e4 * u for u in WAMPLER_STDS], 23601450.2379268, 9),
-]  # fmt: skip
+# As NIST prints them: powers of x (none: columns as given, with a constant), certified estimates, their standard
+# deviations, residual standard deviation; and digits that must agree at least.
+CERTIFIED = json.loads((STRD / "certified.json").read_text(encoding="utf-8"))
 
 # JCGM 100:2008, Table H.6: thermometer reading [degC] and observed correction [degC]
 THERMOMETER = np.array(
@@ -74,24 +49,22 @@ def digits(found: Array, certified: list[float]) -> float:
     return float(-np.log10(np.max(np.abs(found - certified) / size) + 1e-16))
 
 
-@pytest.mark.parametrize(("dataset", "powers", "estimates", "stds", "residual", "at_least"), CERTIFIED)
-def test_certified_values_of_nist(
-    dataset: str,
-    powers: Sequence[int] | None,
-    estimates: list[float],
-    stds: list[float],
-    residual: float,
-    at_least: int,
-) -> None:
-    columns = np.loadtxt(STRD / f"{dataset}.txt")
+def problem(name: str, powers: Sequence[int] | None) -> tuple[Array, Array]:
+    """Design and observations of a data set of NIST."""
+    columns = np.loadtxt(STRD / f"{name}.txt")
     y, x = columns[:, 0], columns[:, 1:]
-    design = np.column_stack([np.ones(len(y)), x]) if powers is None else x ** np.array(powers)
-    found = fit(design, y)
+    return np.column_stack([np.ones(len(y)), x]) if powers is None else x ** np.array(powers), y
+
+
+@pytest.mark.parametrize("certified", CERTIFIED, ids=lambda one: one["dataset"])
+def test_certified_values_of_nist(certified: dict[str, Any]) -> None:
+    design, y = problem(certified["dataset"], certified["powers"])
+    found, estimates, at_least = fit(design, y), certified["estimates"], certified["digits"]
     wide = np.finfo(np.longdouble).eps < np.finfo(float).eps
     need = at_least if wide else at_least - 4  # a machine without extended precision refines in double
     assert digits(found.coefficients, estimates) >= need
-    assert digits(found.u, stds) >= min(need, 12)
-    assert digits(np.array([found.scatter]), [residual]) >= min(need, 12)
+    assert digits(found.u, certified["standard_deviations"]) >= min(need, 12)
+    assert digits(np.array([found.scatter]), [certified["residual"]]) >= min(need, 12)
     assert found.dof == len(y) - len(estimates)
 
 

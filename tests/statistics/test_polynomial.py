@@ -32,8 +32,8 @@ def thermometer(order: int = 1) -> Polynomial:
 
 def test_order_ten_of_nist_by_exact_change_of_variable() -> None:
     """Filip: the series and its covariance, as powers of x, give the certified digits."""
-    _, powers, estimates, stds, _, _ = next(row for row in CERTIFIED if row[0] == "filip")
-    order = max(powers or [])
+    filip = next(one for one in CERTIFIED if one["dataset"] == "filip")
+    order, estimates, stds = max(filip["powers"]), filip["estimates"], filip["standard_deviations"]
     y, x = np.loadtxt(STRD / "filip.txt").T
     coefficients, covariance = fit_polynomial(x, y, order).monomials()
     assert coefficients == pytest.approx(np.array(estimates), rel=CERTIFIED_DIGITS)

@@ -19,6 +19,7 @@ from ..core.recording import Channel, Recording
 from ..core.unit.magnitudes import check_sample_rate
 from ..core.units import normalise
 from .info.describe import overridden
+from .text.headers import heading
 
 Taken = str | Path | Recording | Array
 
@@ -117,6 +118,17 @@ def of_array(values: Array, sample_rate: float | None, unit: str | None) -> Reco
     return Recording(channels, sample_interval=1.0 / sample_rate, interval_from="flag")
 
 
+def _as_named(recording: Recording) -> Recording:
+    """Return a recording whose channels are what their names say, where nobody has said it."""
+    channels = list(recording.channels)
+    for i, one in enumerate(channels):
+        if not one.axis and not one.quantity:
+            said = heading(one.name, one.unit)
+            unit_from = one.unit_from or ("header" if said.unit else "")
+            channels[i] = replace(one, axis=said.axis, quantity=said.quantity, unit=said.unit, unit_from=unit_from)
+    return replace(recording, channels=tuple(channels))
+
+
 def _contiguous(column: NDArray[Any], whole: NDArray[Any]) -> NDArray[Any]:
     """Return a column in one piece: itself where it is, else copied, a long one a batch at a time to the disk."""
     if column.flags.c_contiguous:
@@ -125,7 +137,11 @@ def _contiguous(column: NDArray[Any], whole: NDArray[Any]) -> NDArray[Any]:
 
 
 def with_named_units(recording: Recording, units: Mapping[str, str]) -> Recording:
-    """Return a recording in memory with the units of its columns or groups that were said."""
+    """Return a recording in memory with the units of its columns or groups that were said.
+
+    What the maker of a recording left out (sensor, axis, unit of a channel) its names say, as in a file.
+    """
+    recording = recording if recording.source.path else _as_named(recording)
     said = [units.get(one.name) or units.get(one.quantity) for one in recording.channels]
     stated = [None if unit is None else normalise(unit) for unit in said]
     channels = [one if unit is None else replace(one, unit=unit, unit_from="flag")

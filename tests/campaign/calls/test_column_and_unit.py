@@ -79,3 +79,15 @@ def test_a_recording_in_memory_takes_them_as_a_file_does(units: dict[str, str]) 
         if "x" not in units or "x" in columns:
             told = density(ic.read("speed_rates.csv"), columns=columns, units=units)
             assert told == density("speed_rates.csv", columns=columns, units=units)
+
+
+@pytest.mark.parametrize("unit", ["deg/s", None])
+def test_a_channel_made_in_memory_is_what_its_name_says(tmp_path: Path, unit: str | None) -> None:
+    values = np.random.default_rng(2).normal(0.02, 0.1, 3000)
+    name = "gyro_y" if unit else "gyro_y [deg/s]"
+    path = tmp_path / "same.csv"
+    np.savetxt(path, values, "%.17g", header="gyro_y [deg/s]", comments="")
+    made = ic.Recording((ic.Channel(name, values, unit),), sample_interval=0.1)
+    of_memory, of_file = ic.allan(made), ic.allan(str(path), sample_rate=10.0)
+    assert {row.axis for row in of_memory.rows if row.axis} == {"y"}
+    assert [(r.quantity, r.value, r.u) for r in of_memory.rows] == [(r.quantity, r.value, r.u) for r in of_file.rows]
