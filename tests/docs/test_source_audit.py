@@ -24,8 +24,8 @@ printing: Any = importlib.import_module("source_audit.printed")
 verdicts: Any = importlib.import_module("source_audit.verdicts")
 
 AGREES = {  # words of the errata, and those of the audit that say the same
-    "ok": {"follows", "rounding"},
-    "rounding": {"follows", "rounding"},
+    "ok": {"follows", "rounding", "too coarse"},
+    "rounding": {"follows", "rounding", "too coarse"},
     "misprint": {"misprint", "unit"},
     "sign": {"sign"},
     "unexplained": {"does not follow", "cannot be told"},
@@ -161,7 +161,9 @@ def test_rounding_is_carried_by_the_sum_or_by_chance_whichever_is_less() -> None
         ("23.27", -23.27, 0.0, "sign"),
         ("23.27", 0.02327, 0.0, "unit"),
         ("23.27", 29.91, 0.0, "does not follow"),
-        ("23.27", 23.37, 0.3, "follows"),
+        ("23.27", 23.30, 0.09, "follows"),
+        ("23.27", 23.30, 0.10, "too coarse"),  # 21 half units
+        ("23.27", 23.37, 0.3, "too coarse"),
         ("232.7", 282.4, 3.0, "does not follow"),  # too blunt to tell a digit
         ("-1.2", -0.12, 0.01, "misprint"),
         ("1.2", 1.9, 0.0, "does not follow"),  # two digits: too few to tell one
@@ -170,6 +172,18 @@ def test_rounding_is_carried_by_the_sum_or_by_chance_whichever_is_less() -> None
 def test_verdicts_follow_their_rules(text: str, value: float, tolerance: float, word: str) -> None:
     one = figures.figure("a", "a", text, printing.Recomputed(value, tolerance))
     assert verdicts.judge(one).word == word
+
+
+def test_one_reason_in_one_table_is_one_cause_and_identities_are_counted_apart(documents: Any) -> None:
+    page = importlib.import_module("source_audit.page")
+    wrong = [figures.figure(str(k), "a", "1.2", printing.Recomputed(1.9, 0.0), why="other data") for k in range(3)]
+    other = figures.figure("4", "a", "1.2", printing.Recomputed(1.9, 0.0), why="a slip")
+    held, blunt = (figures.figure("5", "a", "23.27", printing.Recomputed(23.27, t)) for t in (0.0, 1.0))
+    section = figures.Section("s", "S", "how", (*wrong, other, held, blunt))
+    assert page.causes([section]) == 2
+    assert page.counts([section]) == {"does not follow": 4, "follows": 1, "too coarse": 1}
+    apart = [s for d in documents for s in d.sections if s.identity]
+    assert sum(len(s.figures) for s in apart) == 284  # rate times dwell, sums of each report, repeats, order of stamps
 
 
 def test_without_data_nothing_can_be_told() -> None:

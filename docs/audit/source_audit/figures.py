@@ -8,9 +8,12 @@ from typing import Literal
 
 from .printed import Printed, Recomputed, printed
 
-Word = Literal["follows", "rounding", "misprint", "sign", "unit", "does not follow", "cannot be told"]
-WORDS: tuple[Word, ...] = ("follows", "rounding", "misprint", "sign", "unit", "does not follow", "cannot be told")
+Word = Literal["follows", "rounding", "misprint", "sign", "unit", "does not follow", "too coarse", "cannot be told"]
+WORDS: tuple[Word, ...] = (
+    "follows", "rounding", "misprint", "sign", "unit", "does not follow", "too coarse", "cannot be told",
+)  # fmt: skip
 STANDS: tuple[Word, ...] = ("follows", "rounding")
+UNTOLD: tuple[Word, ...] = ("too coarse", "cannot be told")
 Relation = Literal["equal", "at most", "at least"]
 
 
@@ -72,12 +75,17 @@ class Text:
 
 @dataclass(frozen=True)
 class Section:
-    """A table, or a group of statements: how it is recomputed, and its figures."""
+    """A table, or a group of statements: how it is recomputed, and its figures.
+
+    ``identity`` marks figures that repeat another one, or are products and sums of their own line: that they hold says
+    little about the document, so they are counted apart.
+    """
 
     key: str
     title: str
     how: str
     figures: tuple[Figure | Text, ...]
+    identity: bool = False
 
 
 @dataclass(frozen=True)

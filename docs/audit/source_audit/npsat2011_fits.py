@@ -116,7 +116,7 @@ def _inside_reports() -> tuple[Section, ...]:
         "standard error of the intercept = that of the slope times the root mean square of the inputs, which the other "
         "reports of the same test give."
     )
-    return (Section("reports", "Appendices E to J, each report in itself", how, tuple(figures)),)
+    return (Section("reports", "Appendices E to J, each report in itself", how, tuple(figures), identity=True),)
 
 
 def _report(name: str, row: Row, told: dict[str, Row]) -> list[Figure]:

@@ -60,7 +60,7 @@ def _stamps() -> Section:
         "Each part of a test starts after the one before it ended (ten digits taken); FL2-2c continues FL2-2a "
         "and is continued by FL2-2d, 2 s apart."
     )
-    return Section("stamps", "Appendix B, time stamps", how, tuple(figures))
+    return Section("stamps", "Appendix B, time stamps", how, tuple(figures), identity=True)
 
 
 def _vacuum_runs(told: Told) -> Section:
@@ -87,4 +87,4 @@ def _rotations() -> Section:
         "Rate times dwell: 60 s, and 260 s below 0.01 deg/s; in the preliminary series (tests 41 to 79) 120 s "
         "below 0.005 deg/s."
     )
-    return Section("rotations", "Appendix B, angle turned", how, tuple(figures))
+    return Section("rotations", "Appendix B, angle turned", how, tuple(figures), identity=True)

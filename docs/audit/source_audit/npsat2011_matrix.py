@@ -160,7 +160,7 @@ def _table15() -> Section:
             found = Recomputed(source.value)
             figures.append(figure(f"{term} {axis}", f"{term}, {axis}", row[axis.lower()], found))
     how = "Repeats Table 7, Table 2, the matrix and the vector without reference."
-    return Section("table 15", "Table 15, constants of the flight equation", how, tuple(figures))
+    return Section("table 15", "Table 15, constants of the flight equation", how, tuple(figures), identity=True)
 
 
 def _table15_unit() -> Section:

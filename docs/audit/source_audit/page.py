@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from inertialcal.core.show.rounding import with_uncertainty
 
-from .figures import STANDS, WORDS, Document, Figure, Section, Text
+from .figures import STANDS, UNTOLD, WORDS, Document, Figure, Section, Text
 from .verdicts import Verdict, judge, tolerance
 
 SHORT, FEW = 6, 2  # figures listed in a line; figures without data that get a line each
@@ -40,6 +40,8 @@ RULES = {
         "a power of a thousand or the factor between two units mends it, or the unit cannot be that of the quantity"
     ),
     "does not follow": "none of these",
+    "too coarse": "it lies inside the tolerance, but that is above twenty half units of its last digit: what it is "
+    "computed from is rounded too coarsely for an agreement to say anything",
     "cannot be told": "the document does not hold what is needed",
 }
 NOTE = """\
@@ -65,16 +67,43 @@ def counts(sections: Sequence[Section]) -> Counter[str]:
     return Counter(judge(one).word for section in sections for one in section.figures)
 
 
+def causes(sections: Sequence[Section]) -> int:
+    """Return how many things are wrong: figures of a section with one verdict and one reason have one cause."""
+    found = {
+        (section.key, verdict.word, verdict.reason)
+        for section in sections
+        for verdict in map(judge, section.figures)
+        if verdict.word not in (*STANDS, *UNTOLD)
+    }
+    return len(found)
+
+
 def _summary(documents: Sequence[Document]) -> list[str]:
-    rows, total = [], Counter[str]()
+    rows, total, wrong = [], Counter[str](), 0
     for document in documents:
-        found = counts(document.sections)
+        own = [section for section in document.sections if not section.identity]
+        found = counts(own)
         total += found
-        rows.append([f"[{document.title}](#{_anchor(document)})", *_numbers(found)])
-    rows.append(["all", *_numbers(total)])
-    n, held = total.total(), sum(total[word] for word in STANDS)
-    text = f"Of {n} figures {held} hold, rounding included, and {n - held} do not.\n"
-    return ["## In short\n", text, _table(["document", "figures", *WORDS], rows)]
+        wrong += causes(own)
+        rows.append([f"[{document.title}](#{_anchor(document)})", *_numbers(found), str(causes(own))])
+    apart = [section for document in documents for section in document.sections if section.identity]
+    trivial = counts(apart)
+    rows += [["all", *_numbers(total), str(wrong)], ["identities, apart", *_numbers(trivial), str(causes(apart))]]
+    held, untold = (sum(total[word] for word in words) for words in (STANDS, UNTOLD))
+    by_itself = sum(trivial[word] for word in STANDS)
+    names = "; ".join(section.title for section in apart)
+    text = (
+        f"Of {total.total()} figures that can be computed from others, **{held} hold**, rounding included; "
+        f"{total.total() - held - untold} do not, from {wrong} distinct causes; of {untold} it cannot be told. "
+        f"{trivial.total()} more are identities: they repeat another figure, or are products and sums of their own "
+        f"line ({names}). {by_itself} of those hold, which says little, so they are counted apart. Figures of one "
+        "table with one verdict for one reason are one cause.\n"
+    )
+    scope = (
+        "Looked at were the tables and the figures of the text that other printed figures determine. Plots, raw "
+        "readings and what rests on them alone were not.\n"
+    )
+    return ["## In short\n", text, scope, _table(["document", "figures", *WORDS, "causes"], rows)]
 
 
 def _numbers(found: Counter[str]) -> list[str]:
@@ -103,6 +132,10 @@ def _section(section: Section) -> list[str]:
     parts = [f"### {section.title}\n", f"{section.how}\n"]
     if held:
         parts += _folded(_share(len(held), len(judged)), held)
+    coarse = [one for one, verdict in rest if verdict.word == "too coarse"]
+    if coarse:
+        rest = [(one, verdict) for one, verdict in rest if verdict.word != "too coarse"]
+        parts += _folded(f"{len(coarse)} too coarse to tell", coarse)
     unknown = [one for one, verdict in rest if verdict.word == "cannot be told"]
     if len(unknown) > FEW:
         reason = next(verdict.reason for _, verdict in rest if verdict.word == "cannot be told")

@@ -1,9 +1,9 @@
 """Verdicts by rule: nothing here is decided by hand.
 
 In this order: inside the tolerance (half a unit of the last printed digit and the carried rounding of the inputs) it
-follows; beyond it by one unit and 1 % at most it is rounding; then the other readings of the data that the section
-names; the opposite sign; a power of a thousand or a factor between units; one wrong character. Else it does not
-follow.
+follows, or, where that tolerance is above twenty half units, what it is computed from is too coarse to tell; beyond it
+by one unit and 1 % at most it is rounding; then the other readings of the data that the section names; the opposite
+sign; a power of a thousand or a factor between units; one wrong character. Else it does not follow.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from .figures import Figure, Text, Word
 from .printed import Printed, Recomputed, printed
 
 ROUNDING_STEPS, ROUNDING_SHARE = 1.0, 0.01
+COARSE = 20.0  # tolerance in half units of the printed figure, above which one that fits is no evidence
 LEAST_DIGITS = 3  # of a figure in which one wrong digit can be told
 SHARP_UNIT = 0.05  # tolerance over value, above which a factor cannot be told
 SHARP_STEPS = 10.0  # tolerance in units of the last digit, above which a wrong digit cannot be told
@@ -40,7 +41,8 @@ def judge(one: Figure | Text) -> Verdict:
     if one.recomputed is None:
         return Verdict("cannot be told", one.why)
     if _fits(one, one.printed, one.recomputed):
-        return Verdict("follows")
+        coarse = one.relation == "equal" and tolerance(one) > COARSE * max(one.printed.above, one.printed.below)
+        return Verdict("too coarse") if coarse else Verdict("follows")
     if _nearly(one, one.recomputed):
         return Verdict("rounding")
     for variant in one.variants:
