@@ -208,7 +208,12 @@ def shows(shown: list[str], printed: list[str]) -> bool:
     return len(parts) > 1 or at == len(printed)
 
 
-LONG = ("commands/demo.md", "commands/certificate.md", *(f"tutorials/{name}.md" for name in TUTORIALS))  # half a minute
+LONG = (
+    "commands/demo.md",
+    "commands/certificate.md",
+    "gallery/figures.md",
+    *(f"tutorials/{name}.md" for name in TUTORIALS),
+)  # half a minute
 READS_REPORTS = ("show.md",)  # for all others campaigns are run without their page, which takes half of the time
 PLAYED = [pytest.param(path, marks=[pytest.mark.slow] * path.as_posix().endswith(LONG)) for path in PAGES]
 
