@@ -83,6 +83,39 @@ def test_a_preamble_is_left_out_and_counted() -> None:
 
 
 @pytest.mark.parametrize(
+    ("title", "left_out"),
+    [
+        (
+            "Device: X;;\nSampling rate: 2 kHz;;\n",
+            2,
+        ),  # as a spreadsheet writes them: filled up to the width of the table
+        ("Device;X;\nSerial;42;\n;;\n", 3),
+        ("Serial;42;\n", 1),
+    ],
+)
+def test_title_lines_as_wide_as_the_table_are_a_preamble(title: str, left_out: int) -> None:
+    found = look(f"{title}t;gyro x;temp\ns;deg/s;degC\n1;2;3\n4;5;6\n7;8;9\n")
+    assert (found.names, found.units) == (("t", "gyro x", "temp"), ("s", "deg/s", "degC"))
+    assert (found.row, found.remarks[0].code) == (left_out + 3, "preamble")
+    assert f"{left_out} line(s) before the table" in found.remarks[0].what
+    assert found.sample_rate == (2000.0 if "kHz" in title else None)
+
+
+@pytest.mark.parametrize(
+    ("text", "names", "row"),
+    [
+        ("t;x;\ns;V;V\n1;2;3\n4;5;6\n7;8;9\n", ("t", "x", ""), 3),  # the fuller line is one of units
+        ("t;x;\n1;2;3\n4;5;6\n7;8;9\n", ("t", "x", ""), 2),
+        ("a;b;c\nx;y;\n1;2;3\n4;5;6\n7;8;9\n", ("a", "b", "c"), 2),  # a row of text stays, and is refused
+        ("name;a;\nA;b;c\nB;2;3\nC;5;6\nD;8;9\n", ("name", "a", ""), 2),  # rows that begin with a word
+    ],
+)
+def test_a_header_with_an_empty_end_is_no_title(text: str, names: tuple[str, ...], row: int) -> None:
+    found = look(text)
+    assert (found.names, found.row) == (names, row)
+
+
+@pytest.mark.parametrize(
     ("comment", "rate"),
     [
         ("# sample_rate: 100", 100.0), ("# Sample Rate = 102.4 Hz", 102.4), ("# fs=1.6kHz", 1600.0),

@@ -23,6 +23,7 @@ PATTERNS = {
     "run": r"^(run|run_id|power_up|turn_on)$",
     "axis": r"^(axis|turned|axis_turned)$",
 }
+RATE = r"^(drehrate|winkelgeschwindigkeit)(_|$)"  # of the table, where it names no axis beside columns that do
 OTHER = r"(^|_)(error|percent|temp|temperature|time|warm)(_|$)"
 READING = r"(^|_)(reading|output|measured|mean|sensor|gyro|gyr)(_|$)"
 AXIS = re.compile(r"(^|_)[gw]?([xyz])(_|$)", re.IGNORECASE)  # x, gx, wx
@@ -58,6 +59,8 @@ def guess(table: Table) -> Guess:
     rest = [name for name in names if name not in taken and not _matches(name, OTHER)]
     readings = [name for name in rest if _matches(name, READING)] or [name for name in rest if AXIS.search(_key(name))]
     by_axis = {match[2].lower(): name for name in readings if (match := AXIS.search(_key(name)))}
+    if found["applied"] is None and by_axis:
+        found["applied"] = _only([name for name in means if name not in readings], RATE)
     unit = _common_unit(table, [name for name in (found["applied"], *readings) if name])
     if len(by_axis) != len(readings):
         by_axis = {}

@@ -272,11 +272,15 @@ def _width(table: Table) -> int:
 def _first_data(table: Table, decimal: Decimal, width: int) -> tuple[int | None, int]:
     """Index of the header, if there is one, and of the first row of data.
 
-    The header is the last line of words before the numbers if it has several cells, whether it fits or not.
+    The header is the last line of words before the numbers if it has several cells, whether it fits or not. A spreadsheet
+    fills the lines of its title up to the width of the table: they are none of it.
     """
     before: int | None = None
+    titles = _titles(table, decimal, width)
     for i, cells in enumerate(table):
         kinds = [kind(cell, decimal) for cell in cells[:CELLS]]
+        if i < titles:
+            continue
         if not _has_number(kinds):
             if len(_header(cells, table, width)) == width:
                 return i, i + 1
@@ -284,6 +288,25 @@ def _first_data(table: Table, decimal: Decimal, width: int) -> tuple[int | None,
         elif i == 0 or kinds[0] in NUMBER or len(cells) == width:
             return before, i
     return 0, 1  # words only, and no line as wide as most: the first is the header, and does not fit
+
+
+def _titles(table: Table, decimal: Decimal, width: int) -> int:
+    """Lines above the header that are as wide as the rows, but begin with a word and end with empty cells.
+
+    There are some only if a line of words, not of units, that is filled further stands between them and the numbers.
+    """
+    filled: list[int] = []
+    for cells in table:
+        kinds = [kind(cell, decimal) for cell in cells[:CELLS]]
+        if len(cells) != width or width == 1 or kinds[0] in NUMBER:
+            break
+        last = max((k + 1 for k, cell in enumerate(cells) if cell.strip()), default=0)
+        of_units = all(_is_unit(cell.strip("[]() ")) for cell in cells if cell.strip())
+        filled.append(-last if of_units or _has_number(kinds) else last)
+    if len(filled) == len(table):
+        return 0
+    header = filled.index(max(filled)) if filled else 0
+    return header if header and all(abs(one) < filled[header] for one in filled[:header]) else 0
 
 
 def _has_number(kinds: list[str]) -> bool:
