@@ -88,7 +88,7 @@ def test_a_preamble_is_left_out_and_counted() -> None:
         (
             "Device: X;;\nSampling rate: 2 kHz;;\n",
             2,
-        ),  # as a spreadsheet writes them: filled up to the width of the table
+        ),  # as a spreadsheet writes them, as wide as the table
         ("Device;X;\nSerial;42;\n;;\n", 3),
         ("Serial;42;\n", 1),
     ],

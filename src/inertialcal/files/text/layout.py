@@ -272,8 +272,8 @@ def _width(table: Table) -> int:
 def _first_data(table: Table, decimal: Decimal, width: int) -> tuple[int | None, int]:
     """Index of the header, if there is one, and of the first row of data.
 
-    The header is the last line of words before the numbers if it has several cells, whether it fits or not. A spreadsheet
-    fills the lines of its title up to the width of the table: they are none of it.
+    The header is the last line of words before the numbers if it has several cells, whether it fits or not. A
+    spreadsheet fills the lines of its title up to the width of the table: they are none of it.
     """
     before: int | None = None
     titles = _titles(table, decimal, width)
