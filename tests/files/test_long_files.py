@@ -448,6 +448,17 @@ def test_a_last_piece_of_one_row_that_was_cut_off(tmp_path: Path) -> None:
     assert_same(in_place(path, len(content) - len("1.3,0.2")), expected)
 
 
+@pytest.mark.parametrize("last", ["7.96,0.12", "7.96,0."])
+def test_a_last_number_that_lost_its_digits_in_pieces(tmp_path: Path, last: str) -> None:
+    path = tmp_path / "a.csv"
+    content = "t [s],gyro_x [deg/s]\n" + "".join(f"{i / 100:.2f},{i / 7:.6f}\n" for i in range(796)) + last
+    path.write_text(content)
+    expected = read(path)
+    assert "row_cut_off" in [one.code for one in expected.remarks]
+    assert len(expected) == 796
+    assert_same(in_place(path, 4000), expected)
+
+
 @pytest.mark.usefixtures("pieces_only")
 def test_rows_that_become_shorter_are_more_than_the_first_piece_makes_likely(tmp_path: Path) -> None:
     lines = [f"{i},0.{'5' * (20 if i < ROWS else 1)}" for i in range(20 * ROWS)]

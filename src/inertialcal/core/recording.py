@@ -15,7 +15,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from .batches import batches, changed, columns, count, extremes, is_stored
+from .batches import batches, changed, columns, count, extremes, is_stored, made
 from .errors import DataError
 from .estimate import Array
 from .remarks import Remark
@@ -165,6 +165,14 @@ class Recording:
                 what = f"column {channel.name!r} holds {channel.data.dtype} that are not all numbers"
                 raise DataError(what, where=self.source.path, code="wrong_column") from None
         return stacked
+
+    @property
+    def stamps(self) -> Times | None:
+        """Time of each sample [ns], shape (n,): without stamps counted by the sample interval; None without either."""
+        if self.time_ns is not None or not self.sample_interval:
+            return self.time_ns
+        step = self.sample_interval * SECOND
+        return made(len(self), np.int64, lambda first, stop: np.rint(np.arange(first, stop) * step))
 
     @property
     def seconds(self) -> Array | None:

@@ -217,6 +217,20 @@ def test_a_name_twice_in_parquet(tmp_path: Path) -> None:
         read(_parquet(tmp_path / "a.parquet", table))
 
 
+def test_a_footer_that_contradicts_itself_is_refused(tmp_path: Path) -> None:
+    """Pyarrow 26 ends the process where the histogram of a column's levels is not as long as there are levels."""
+    path = tmp_path / "a.parquet"
+    parquet.write_table(pa.table({"t": [0.0, None, 0.02], "x": [1.0, 2.0, 3.0]}), path)
+    whole = path.read_bytes()
+    levels = bytes([0x19, 0x26, 2, 4])  # field 3 of SizeStatistics: a list of two numbers, 1 null and 2 values
+    assert whole.count(levels) == 1
+    changed, size = whole.replace(levels, bytes([0x19, 0x16, 2])), int.from_bytes(whole[-8:-4], "little")
+    path.write_bytes(changed[:-8] + (size - 1).to_bytes(4, "little") + b"PAR1")
+    with pytest.raises(DataError) as refused:
+        read(path)
+    assert refused.value.problems[0].code == "damaged_file"
+
+
 def test_files_that_would_fill_the_memory(tmp_path: Path) -> None:
     zeros = np.zeros(10**6)
     np.savez_compressed(tmp_path / "a.npz", x=zeros)

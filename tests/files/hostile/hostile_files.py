@@ -15,12 +15,16 @@ import sys
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from unittest import mock
 
 import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from inertialcal.core.recording import Recording
 
 LOGGERS = Path(__file__).resolve().parents[1] / "loggers/logger_files.py"
 ROWS = 200
@@ -33,6 +37,12 @@ OF_LOGGERS = {
 }  # fmt: skip
 # Formats whose records follow one another without a count or an end: one that is cut between two of them looks whole.
 NO_END = ("text", "mat4", "mat5", "dataflash", "dataflash_text", "ulog", "lvm", "miniseed", "uff")
+SHORT_TEXT = 20  # rows of a text that do not show with how many digits its last number was to be written
+# What a file, as it is written here, holds against a changed byte; where there is nothing, values may change.
+CHECKED = {
+    "rosbag1": "bzip2's sum over each chunk", "mcap": "a sum over each chunk, and over the data",
+    "npz": "a sum over each array", "excel": "a sum over each sheet", "mdf": "zlib's sum over each block",
+}  # fmt: skip
 
 
 def _columns() -> dict[str, Any]:
@@ -132,6 +142,18 @@ class Tried:
     wrong: str = ""
 
 
+@dataclass(frozen=True)
+class Outcome:
+    """What reading gives: a word, rows, columns, remarks by code, and values that are not those of the whole file."""
+
+    word: str
+    rows: int = 0
+    columns: int = 0
+    remarks: Counter[str] = field(default_factory=Counter)
+    differing: int = 0
+    where: str = ""  # The first of those values
+
+
 def changed(whole: bytes, choice: random.Random) -> bytes:
     """Return a file with a few places changed: bytes of chance, a stretch out, a stretch twice, noughts."""
     data = bytearray(whole)
@@ -153,68 +175,102 @@ def changed(whole: bytes, choice: random.Random) -> bytes:
     return bytes(data)
 
 
-def cases(whole: bytes, seed: int, mutations: int, cuts: int) -> Iterator[tuple[str, bytes]]:
-    """Yield files with places changed, and files cut off."""
+def cases(whole: bytes, seed: int, mutations: int, cuts: int, flips: int) -> Iterator[tuple[str, bytes]]:
+    """Yield files with places changed, files cut off, and files with one bit that is not as it was."""
     choice = random.Random(seed)
     for i in range(mutations):
         yield f"change {i}", changed(whole, choice)
     for i in range(cuts):
         at = choice.randrange(len(whole))
         yield f"cut {i} at byte {at} of {len(whole)}", whole[:at]
+    for i in range(flips):
+        at, bit = choice.randrange(len(whole)), choice.randrange(8)
+        yield f"flip {i} of bit {bit} of byte {at} of {len(whole)}", flipped(whole, at, bit)
 
 
-def attempt(reader: str, seed: int = 1, mutations: int = 20, cuts: int = 10) -> list[Tried]:
+def flipped(whole: bytes, at: int, bit: int) -> bytes:
+    """Return a file with one bit that is not as it was."""
+    return whole[:at] + bytes([whole[at] ^ 1 << bit]) + whole[at + 1 :]
+
+
+def attempt(reader: str, seed: int = 1, mutations: int = 20, cuts: int = 10, flips: int = 10) -> list[Tried]:
     """Return what comes of the changed files of a reader, each read in a process of its own with limits."""
     found = []
     with tempfile.TemporaryDirectory(prefix="hostile-") as name:
         path = written(reader, Path(name))
-        whole = path.read_bytes()
-        sizes = _read(path)
-        assert sizes[0] == "read" or reader in REFUSED, (reader, sizes)
-        for how, data in cases(whole, seed, mutations, cuts):
+        content = path.read_bytes()
+        if reader in REFUSED:
+            whole = None
+            assert _tried(path, None).word.startswith("refused")  # and its library is loaded, before the processes
+        else:
+            whole = _read(path)
+        sizes = _outcome(whole, whole)
+        for how, data in cases(content, seed, mutations, cuts, flips):
             path.write_bytes(data)
-            found.append(_judged(how, reader, _in_a_process(path), sizes))
+            outcome = _in_a_process(path, whole)
+            if outcome.word.startswith("killed"):  # as a user reads it, a library works in a process of its own
+                outcome = _in_a_process(path, whole, apart_too=True)
+            found.append(_judged(how, reader, outcome, sizes))
     return found
 
 
-def _read(path: Path) -> tuple[str, int, int, Counter[str]]:
-    """Return what reading gives: a word, rows, columns, remarks by code."""
+def _read(path: Path, apart_too: bool = False) -> Recording:
+    """Return what a file holds: of several sets of columns, the first; Raises InertialcalError."""
     from inertialcal.core.errors import InertialcalError
     from inertialcal.files import apart, read
 
-    try:
-        with mock.patch.object(apart, "is_possible", return_value=False):  # this process is one of its own
-            try:
-                found = read(path)
-            except InertialcalError as error:
-                if not error.problems[0].choices:
-                    raise
-                found = read(path, topics=error.problems[0].choices[:1])
-    except InertialcalError as error:
-        problem = error.problems[0]
-        return f"refused: {problem.code}", 0, 0, Counter([problem.what])
-    return "read", len(found), len(found.channels), Counter(one.code for one in found.remarks)
+    with mock.patch.object(apart, "is_possible", return_value=apart_too):  # this process is one of its own
+        try:
+            return read(path)
+        except InertialcalError as error:
+            if not error.problems[0].choices:
+                raise
+            return read(path, topics=error.problems[0].choices[:1])
 
 
-def _in_a_process(path: Path) -> tuple[str, int, int, Counter[str]]:
+def _outcome(found: Recording | None, whole: Recording | None) -> Outcome:
+    """Return what a recording is beside that of the whole file."""
+    if found is None or whole is None:
+        return Outcome("refused" if found is None else "read", columns=0 if found is None else len(found.channels))
+    columns = _columns_of(whole)
+    differing, where = 0, ""
+    for name, values in _columns_of(found).items():
+        there = columns.get(name)
+        n = 0 if there is None else min(len(there), len(values))
+        same = np.array([], dtype=bool) if there is None else _same(values[:n], there[:n])
+        wrong = np.append(np.flatnonzero(~same), np.arange(n, len(values)))
+        differing += len(wrong)
+        if len(wrong) and not where:
+            reads = f"{name} at row {wrong[0] + 1} is {values[wrong[0]]}"
+            where = f"{reads}, was {there[wrong[0]]}" if there is not None and wrong[0] < len(there) else reads
+    remarks = Counter(one.code for one in found.remarks)
+    return Outcome("read", len(found), len(found.channels), remarks, differing, where)
+
+
+def _columns_of(recording: Recording) -> dict[str, NDArray[Any]]:
+    time = {} if recording.time_ns is None else {"time [ns]": np.asarray(recording.time_ns)}
+    return time | {one.name: np.asarray(one.data) for one in recording.channels}
+
+
+def _same(values: NDArray[Any], there: NDArray[Any]) -> NDArray[np.bool_]:
+    """Return which values are equal; NaN is equal to NaN."""
+    if "O" in (values.dtype.kind, there.dtype.kind):  # text
+        return np.array([str(a) == str(b) for a, b in zip(values, there, strict=True)], dtype=bool)
+    missing = [np.isnan(one) if one.dtype.kind in "fc" else np.zeros(one.shape, dtype=bool) for one in (values, there)]
+    same: NDArray[np.bool_] = (values == there) | (missing[0] & missing[1])
+    return same
+
+
+def _in_a_process(path: Path, whole: Recording | None, apart_too: bool = False) -> Outcome:
     """Return what reading gives in a copy of this process; a word for how that ended where it gave nothing."""
     out, into = os.pipe()
     child = os.fork()
     if child == 0:
         try:
             os.close(out)
-            with open("/proc/self/statm", encoding="ascii") as stream:
-                own = int(stream.read().split()[0]) * resource.getpagesize()
-            resource.setrlimit(resource.RLIMIT_AS, (own + MEMORY, own + MEMORY))
-            resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
-            resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-            signal.alarm(4 * SECONDS)
+            _limit()
             os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
-            try:
-                said = _text(_read(path))
-            except BaseException as error:
-                said = _text((f"traceback: {type(error).__name__}: {error}"[:300], 0, 0, Counter()))
-            os.write(into, said.encode()[:60_000])
+            os.write(into, json.dumps(vars(_tried(path, whole, apart_too))).encode()[:60_000])
         finally:
             os._exit(0)
     os.close(into)
@@ -222,30 +278,47 @@ def _in_a_process(path: Path) -> tuple[str, int, int, Counter[str]]:
         answer = stream.read().decode()
     _, status = os.waitpid(child, 0)
     if status or not answer:
-        return f"killed by {signal.Signals(os.WTERMSIG(status)).name}" if status else "no answer", 0, 0, Counter()
-    return _parsed(answer)
+        return Outcome(f"killed by {signal.Signals(os.WTERMSIG(status)).name}" if status else "no answer")
+    said = json.loads(answer)
+    return Outcome(**said | {"remarks": Counter(said["remarks"])})
 
 
-def _text(found: tuple[str, int, int, Counter[str]]) -> str:
-    return json.dumps([*found[:3], dict(found[3])])
+def _limit() -> None:
+    """Limit memory and time of this process."""
+    with open("/proc/self/statm", encoding="ascii") as stream:
+        own = int(stream.read().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (own + MEMORY, own + MEMORY))
+    resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    signal.alarm(4 * SECONDS)
 
 
-def _parsed(text: str) -> tuple[str, int, int, Counter[str]]:
-    word, rows, columns, said = json.loads(text)
-    return word, rows, columns, Counter(said)
+def _tried(path: Path, whole: Recording | None, apart_too: bool = False) -> Outcome:
+    from inertialcal.core.errors import InertialcalError
+
+    try:
+        return _outcome(_read(path, apart_too), whole)
+    except InertialcalError as error:
+        problem = error.problems[0]
+        return Outcome(f"refused: {problem.code}", remarks=Counter([problem.what]))
+    except BaseException as error:
+        return Outcome(f"traceback: {type(error).__name__}: {error}"[:300])
 
 
-def _judged(
-    how: str, reader: str, found: tuple[str, int, int, Counter[str]], whole: tuple[str, int, int, Counter[str]]
-) -> Tried:
+def _judged(how: str, reader: str, found: Outcome, whole: Outcome) -> Tried:
     """Return whether that is an outcome that a user can live with."""
-    word, rows, columns, said = found
-    if word.startswith("refused"):
-        return Tried(how, word, "" if all(said) else "a refusal without words")
-    if word != "read":
-        return Tried(how, word, word if "SIGSEGV" not in word and "SIGABRT" not in word else "")
-    lost = rows < whole[1] or columns < whole[2]
-    silent = lost and how.startswith("cut") and not said - whole[3] and reader not in NO_END
-    outcome = "remarked" if said - whole[3] else "less" if lost else "unchanged"
-    why = f"{rows} of {whole[1]} rows, {columns} of {whole[2]} columns, and no word of it"
-    return Tried(how, outcome, why if silent else "")
+    if found.word.startswith("refused"):
+        return Tried(how, found.word, "" if all(found.remarks) else "a refusal without words")
+    if found.word != "read":
+        return Tried(how, found.word, found.word)
+    lost = found.rows < whole.rows or found.columns < whole.columns
+    new = found.remarks - whole.remarks
+    outcome = "remarked" if new else "other values" if found.differing else "less" if lost else "unchanged"
+    sizes = f"{found.rows} of {whole.rows} rows, {found.columns} of {whole.columns} columns"
+    why = f"{sizes}, {found.differing} values are not those of the file ({found.where})" if found.differing else sizes
+    if how.startswith("cut"):
+        one_short = reader == "text" and found.rows < SHORT_TEXT and found.differing == 1
+        wrong = bool(found.differing and not one_short) or (lost and not new and reader not in NO_END)
+    else:
+        wrong = not new and bool(found.differing or lost) and reader in CHECKED
+    return Tried(how, outcome, why if wrong else "")

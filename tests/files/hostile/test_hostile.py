@@ -26,22 +26,22 @@ def test_every_reader_has_a_file() -> None:
     assert set(NAMES) == set(BUILT_IN)
 
 
-def check(name: str, mutations: int, cuts: int) -> None:
+def check(name: str, mutations: int, cuts: int, flips: int) -> None:
     """Assert that nothing is wrong with what comes of damaged files."""
-    found = attempt(name, 1, mutations, cuts)
-    assert len(found) == mutations + cuts
+    found = attempt(name, 1, mutations, cuts, flips)
+    assert len(found) == mutations + cuts + flips
     assert not [f"{one.how}: {one.wrong}" for one in found if one.wrong]
 
 
 @pytest.mark.parametrize("name", QUICK)
 def test_a_few_damaged_files(name: str) -> None:
-    check(name, 8, 6)
+    check(name, 8, 6, 4)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_damaged_files(name: str) -> None:
-    check(name, *sized((15, 12), (6, 5)))
+    check(name, *sized((15, 12, 12), (6, 5, 5)))
 
 
 def test_a_segment_cut_off_before_its_values_is_told(tmp_path: Path) -> None:

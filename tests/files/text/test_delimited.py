@@ -126,6 +126,21 @@ def test_a_last_row_that_was_not_written_to_its_end_is_left_out_and_told() -> No
         parse("t,x,y\n1,2,3\n3,4,5\n6,7\n", "a.csv")  # it has its end
 
 
+@pytest.mark.parametrize("last", ["0.210000,-1.2", "0.210000,-1.", "0.210000,-1", "0.210000,-", "0.210000,"])
+def test_a_last_number_that_lost_its_digits_is_no_number(last: str) -> None:
+    rows = [f"{i / 100:.6f},{i / 7:.6f}" for i in range(21)]
+    content = parse("\n".join(["t,x", *rows, last]), "a.csv")
+    assert [len(column.values) for column in content.columns] == [21, 21]
+    assert [(one.code, one.where) for one in content.remarks] == [("row_cut_off", "a.csv:23")]
+
+
+def test_a_last_number_of_a_file_whose_digits_vary_is_taken_as_it_stands() -> None:
+    rows = [f"{i / 100},{i / 7:.{1 + i % 6}f}" for i in range(21)]
+    content = parse("\n".join(["t,x", *rows, "0.21,3.0"]), "a.csv")
+    assert [len(column.values) for column in content.columns] == [22, 22]
+    assert not content.remarks
+
+
 def test_a_name_that_appears_twice() -> None:
     with pytest.raises(DataError, match="column name 'x' appears twice") as caught:
         parse("x,x\n1,2\n", "a.csv")

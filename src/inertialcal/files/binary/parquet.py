@@ -1,7 +1,8 @@
 """Parquet files: units in the metadata of a field (``unit`` or ``units``) or in its name.
 
 The size of what a column unpacks to stands in the header of each page [1]_; that in the footer may be wrong. So all
-page headers are read first. Lists, maps and binary columns are left out, and not unpacked.
+page headers are read first, by what the footer says of each column, which is read here: where that contradicts itself,
+pyarrow's own way to it ends the process. Lists, maps and binary columns are left out, and not unpacked.
 
 References
 ----------
@@ -43,7 +44,9 @@ USUAL = re.compile(
     + rb"(?:\x1c(?:%b(?:\x08.{8}|\x04.{4})|%b[\x80-\xff]{0,9}[\x00-\x7f]|[\x11\x12])*\x00)?\x00\x00" % (TEXT, WHOLE),
     re.DOTALL,
 )
-DEEPEST = 8  # structures within structures in the header of a page
+DEEPEST = 8  # structures and lists within structures
+ROW_GROUPS, COLUMN_CHUNKS, META_DATA = 4, 1, 3  # fields of FileMetaData, RowGroup, ColumnChunk
+VALUES, PACKED_SIZE, DATA_PAGE, DICTIONARY_PAGE = 5, 7, 9, 11  # fields of ColumnMetaData
 FOOTER = 20 * COLUMNS  # entries of a list in the footer: each takes a kilobyte
 TEXT_CELL = 128  # bytes of a cell of text while it is judged
 FRONT_CODED = 7  # DELTA_BYTE_ARRAY: each text takes over the beginning of the one before
@@ -78,9 +81,10 @@ def read_parquet(loaded: Loaded, variables: Sequence[str] | None = None) -> Cont
         read = [i for i, leaf in enumerate(leaves) if _is_readable(leaf)]
         large = [i for i in read if leaves[i].physical_type != "BYTE_ARRAY"]
         large = large if batches.is_long(VALUE * about.num_rows * len(large)) else []
-        slow = _claim(loaded, about, leaves, [i for i in read if i not in large])
+        groups = _groups(loaded.data)
+        slow = _claim(loaded, about, groups, leaves, [i for i in read if i not in large])
         claim_room(loaded.path, loaded.on_disk, VALUE * about.num_rows * len(large), f"{about.num_rows:,} rows")
-        _check_pages(loaded, about, large)
+        _check_pages(loaded, about, groups, large)
         names = Counter(file.schema_arrow.names)
         twice = [name for name, count in names.items() if count > 1]
         if twice:
@@ -129,12 +133,22 @@ def _batch_by_batch(file: Any, paths: Sequence[str], path: str) -> list[Column |
     return [*long.columns(), *left_out]
 
 
-def _check_pages(loaded: Loaded, about: Any, large: Sequence[int]) -> None:
+_Struct = dict[int, Any]  # A structure of Thrift: value by number of the field
+
+
+def _groups(data: bytes) -> list[list[_Struct]]:
+    """Return what the footer says of each column, by group of rows: the fields of ColumnMetaData."""
+    end = len(data) - 8
+    about, _ = _struct(data[end - int.from_bytes(data[end : end + 4], "little") : end], 0)
+    return [[chunk[META_DATA] for chunk in group[COLUMN_CHUNKS]] for group in about.get(ROW_GROUPS, [])]
+
+
+def _check_pages(loaded: Loaded, about: Any, groups: Sequence[Sequence[_Struct]], large: Sequence[int]) -> None:
     """Claim the memory for the largest page of columns that are read a batch at a time."""
     pages = largest = 0
     for i in large:
-        for group in range(about.num_row_groups):
-            for page in _pages(loaded.data, about.row_group(group).column(i)):
+        for group in groups:
+            for page in _pages(loaded.data, group[i]):
                 pages += 1
                 check_count(pages, 100 * PARTS, "pages", loaded.path)
                 largest = max(largest, page.size)
@@ -151,7 +165,9 @@ def _is_readable(leaf: Any) -> bool:
     )  # fmt: skip
 
 
-def _claim(loaded: Loaded, about: Any, leaves: Sequence[Any], read: Sequence[int]) -> dict[int, int]:
+def _claim(
+    loaded: Loaded, about: Any, groups: Sequence[Sequence[_Struct]], leaves: Sequence[Any], read: Sequence[int]
+) -> dict[int, int]:
     """Claim the memory for columns by their page headers; return those of front-coded text, with rows at once."""
     per_column, other = READ
     held = 0 if isinstance(loaded.data, FileBytes) else len(loaded.data)
@@ -160,9 +176,9 @@ def _claim(loaded: Loaded, about: Any, leaves: Sequence[Any], read: Sequence[int
     slow: dict[int, int] = {}
     for i in read:
         is_text = leaves[i].physical_type == "BYTE_ARRAY"
-        for group in range(about.num_row_groups):
+        for group in groups:
             largest = 0
-            for page in _pages(loaded.data, about.row_group(group).column(i)):
+            for page in _pages(loaded.data, group[i]):
                 pages += 1
                 check_count(pages, 100 * PARTS, "pages", loaded.path)
                 largest = max(largest, page.size)
@@ -200,15 +216,14 @@ class _Page:
     encoding: int
 
 
-def _pages(data: bytes, chunk: Any) -> Iterator[_Page]:
+def _pages(data: bytes, chunk: _Struct) -> Iterator[_Page]:
     """Headers of the pages of a column in a group of rows."""
-    offsets = [chunk.data_page_offset]
-    if chunk.has_dictionary_page:
-        offsets.append(chunk.dictionary_page_offset)
-    at = min(one for one in offsets if one is not None)
-    end = at + chunk.total_compressed_size
+    at = min(chunk[DATA_PAGE], chunk.get(DICTIONARY_PAGE, chunk[DATA_PAGE]))
+    if at < 0:
+        raise ValueError("a page before the file")
+    end = at + chunk[PACKED_SIZE]
     found = 0
-    while at < end and found < chunk.num_values:
+    while at < end and found < chunk[VALUES]:
         page, at = _header(data, at)
         if min(page.size, page.packed, page.values) < 0 or at + page.packed > len(data):
             raise ValueError("a page that does not fit into the file")
@@ -243,9 +258,9 @@ def _signed(varint: bytes) -> int:
     return (value >> 1) ^ -(value & 1)
 
 
-def _struct(data: bytes, at: int, depth: int = 0) -> tuple[dict[int, Any], int]:
-    """Return the fields of a structure of Thrift's compact protocol (numbers, structures), and the place behind it."""
-    fields: dict[int, Any] = {}
+def _struct(data: bytes, at: int, depth: int = 0) -> tuple[_Struct, int]:
+    """Return the fields of a structure of Thrift's compact protocol, and the place behind it."""
+    fields: _Struct = {}
     number = 0
     while head := data[at]:
         kind, delta = head & 15, head >> 4
@@ -271,19 +286,37 @@ def _struct(data: bytes, at: int, depth: int = 0) -> tuple[dict[int, Any], int]:
 
 
 def _value(data: bytes, at: int, kind: int, depth: int) -> tuple[Any, int]:
-    """Return a value of a type of the compact protocol, and the place behind it; of a text only its length."""
+    """Return a value or list of a type of the compact protocol, and the place behind it; of a text only its length."""
     if depth > DEEPEST:
         raise ValueError("structures that are nested too deeply")
     if kind in (1, 2):  # in the field's own head
         return kind == 1, at
-    if kind == 4:
+    if kind in (4, 5, 6):
         value, at = _varint(data, at)
         return (value >> 1) ^ -(value & 1), at
     if kind == 12:
         return _struct(data, at, depth + 1)
     if kind in (3, 7):
         return 0, at + (1 if kind == 3 else 8)
-    raise ValueError(f"type {kind} in the header of a page")
+    if kind == 8:
+        length, at = _varint(data, at)
+        return length, at + length
+    if kind in (9, 10):
+        return _list(data, at, depth + 1)
+    raise ValueError(f"type {kind} in a structure")
+
+
+def _list(data: bytes, at: int, depth: int) -> tuple[list[Any], int]:
+    """Return the elements of a list of the compact protocol, and the place behind it."""
+    kind, size = data[at] & 15, data[at] >> 4
+    size, at = _varint(data, at + 1) if size == 15 else (size, at + 1)
+    if size > len(data) - at:
+        raise ValueError("a list that does not fit into the file")
+    elements = []
+    for _ in range(size):
+        value, at = _value(data, at, 3 if kind in (1, 2) else kind, depth)
+        elements.append(value)
+    return elements, at
 
 
 def _varint(data: bytes, at: int) -> tuple[int, int]:

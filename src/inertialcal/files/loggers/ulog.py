@@ -96,7 +96,8 @@ def _columns(one: Any, path: str) -> Content:
     if one.name.endswith("_fifo") and "samples" in data:
         data, remarks = _laid_out(data, path)
     sizes = Counter(field.partition("[")[0] for field in data)
-    runs = [name for name in CLOCKS if name in data and np.any(data[name] != data[name][0])]
+    runs = [name for name in CLOCKS if name in data
+            and (np.any(data[name] != data[name][0]) or (len(data[name]) == 1 and data[name][0]))]  # fmt: skip
     columns: list[Column] = [number_column(name, data[name], "us") for name in runs or ["timestamp"]]
     for field, values in data.items():
         base, _, number = field.partition("[")

@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from pyarrow import Table as ArrowTable
 
 SHOWN = 60  # characters of a cell in a message
+ALIKE = 20  # rows above the last that show with how many digits its last number was to be written
 BLOCK = 2**20  # bytes that are looked at together: a cache holds them
 AT_ONCE = 2**22  # bytes that Arrow parses at once
 LINE_END = ord("\n")
@@ -162,16 +163,27 @@ def whole_rows(text: str, layout: Layout, where: str, above: int = 0) -> tuple[s
     if begin <= layout.start or is_blank(last, layout.separator) or last.lstrip().startswith(layout.comment):
         return text, ()
     cells = len(split(last, layout.separator))
+    short = f"{cells} of {layout.width} cells"
     if cells >= layout.width:
-        return text, ()
+        of_above = {_digits(line, layout) for line in text[: max(begin - 1, 0)].rsplit("\n", ALIKE)[1:]}
+        above_alike = len(of_above) == 1 and text.count("\n", max(layout.start, 0)) >= ALIKE
+        if not above_alike or _digits(last, layout) >= max(of_above):
+            return text, ()
+        short = "no line end, and its last number has fewer digits than the others"
     what = (
-        f"the last row is incomplete ({cells} of {layout.width} cells): left out. The file is still being "
-        "written, or the recording was interrupted"
+        f"the last row is incomplete ({short}): left out. The file is still being written, or the recording was "
+        "interrupted"
     )
     where = f"{where}:{above + text.count(chr(10)) + 1}"
     return text[: max(begin - 1, 0)], (
         Remark("row_cut_off", "warning", what, where, do="Read it again when it is complete"),
     )
+
+
+def _digits(line: str, layout: Layout) -> int:
+    """Return how many characters the last number of a line has behind its decimal sign; 0 without one."""
+    _, sign, behind = split(line, layout.separator)[-1].strip().partition(layout.decimal)
+    return len(behind) if sign else 0
 
 
 def column_names(layout: Layout, where: str) -> tuple[str, ...]:

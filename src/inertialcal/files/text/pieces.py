@@ -21,6 +21,7 @@ from ..columns import Column, Content, LongColumns, ahead
 from ..reader import Reader
 from ..source import FileBytes, Loaded, whole
 from .delimited import (
+    ALIKE,
     SHOWN,
     arrow_table,
     cell_columns,
@@ -41,7 +42,7 @@ from .layout import BLANKS, SAMPLE, Decimal, Layout, decode, holds_control, kind
 ENDINGS = ("", ".asc", ".csv", ".dat", ".log", ".mat", ".prn", ".tab", ".tsv", ".txt")  # that text usually has
 TOO_LARGE = "too_large"
 SHORT = 2**20  # bytes of a text that is read whole: pieces of it would save nothing
-HEAD = 2**16  # bytes that tell the layout of a text that is read in pieces, if they hold the lines for it
+HEAD = 2**16  # bytes that tell the layout of a text in pieces, if they hold the lines for it; and of its last rows
 PIECE = 2**23  # bytes of a long file that are read together
 COUNTED = 2**20  # bytes at the beginning whose lines are counted
 SPARE = 0.02  # of the rows of a file, more than its beginning makes likely
@@ -317,13 +318,15 @@ def _complete(rows: memoryview, loaded: Loaded, layout: Layout) -> tuple[memoryv
     end = bytes(rows[at:])
     if not end.isascii():
         raise _IrregularError
-    last = end.decode()
-    if last:
-        kept, cut = whole_rows(last, replace(layout, start=-1), loaded.path)
+    if end:
+        tail = bytes(_in_lines(memoryview(loaded.data[max(len(loaded.data) - HEAD, 0) :])))
+        above = [line.decode("ascii", "replace") for line in tail.rsplit(b"\n", ALIKE + 1)[1:-1]]
+        last = "\n".join([*above, end.decode()])
+        _, cut = whole_rows(last, replace(layout, start=-1), loaded.path)
         if cut:  # seldom: only then lines are counted
-            above = sum(line_ends(_in_lines(piece)) for piece in _pieces(loaded))
-            cut = whole_rows(last, replace(layout, start=-1), loaded.path, above)[1]
-        rows = rows[: at + len(kept)]
+            count = sum(line_ends(_in_lines(piece)) for piece in _pieces(loaded))
+            cut = whole_rows(last, replace(layout, start=-1), loaded.path, count - len(above))[1]
+            rows = rows[:at]
     return rows[: _end(rows, b"\n ")], cut
 
 

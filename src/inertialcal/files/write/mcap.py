@@ -115,12 +115,9 @@ def write_mcap(path: Path, recording: Recording) -> tuple[Remark, ...]:
 
 def _stamps(recording: Recording) -> tuple[Times, tuple[Remark, ...]]:
     """Return the stamps of the messages, and remarks on what they count from."""
-    where, time_ns = recording.source.path, recording.time_ns
+    where, time_ns = recording.source.path, recording.stamps
     if time_ns is None:
-        interval = recording.sample_interval
-        if interval is None:
-            raise DataError("no time", where, "each message has a stamp", "Add --sample-rate", "no_time")
-        time_ns = np.rint(np.arange(len(recording)) * (interval * SECOND)).astype(np.int64)
+        raise DataError("no time", where, "each message has a stamp", "Add --sample-rate", "no_time")
     low, high = extremes(time_ns)
     if low < 0 or high >= 2**31 * SECOND:
         do = "Write Parquet"

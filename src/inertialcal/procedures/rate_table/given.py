@@ -76,7 +76,7 @@ def _full(given: GivenFile, name: str | None) -> str | None:
 
 def _is_stepped(recording: Recording, applied: str) -> bool:
     """Tell whether a file is a recording on a clock whose table rate goes in steps, not a row a dwell."""
-    if recording.sample_interval is None or recording.time_ns is None or applied not in recording.names:
+    if recording.sample_interval is None or applied not in recording.names:
         return False
     return goes_in_steps(np.asarray(recording.channel(applied).data, dtype=float))
 

@@ -140,7 +140,8 @@ class _Part:
 
 
 def _of_recording(plan: Plan, number: int, one: RateTableRecording) -> _Part:
-    recording = one.recording
+    recording = replace(one.recording, time_ns=one.recording.stamps)
+    one = replace(one, recording=recording)
     there = [name for name in AXES if name in recording.names]
     names = [name for name in there if np.isfinite(recording.channel(name).data).any()]
     signal = recording.array(names)

@@ -138,9 +138,8 @@ def stamped(recording: Recording) -> Recording:
     DataError
         ``time_backwards`` if a stamp is earlier than the one before: windows could not be placed.
     """
-    if recording.time_ns is None and recording.sample_interval:
-        time_ns = np.rint(np.arange(len(recording)) * (recording.sample_interval * SECOND)).astype(np.int64)
-        recording = replace(recording, time_ns=time_ns, epoch="elapsed")
+    if recording.time_ns is None:
+        recording = replace(recording, time_ns=recording.stamps, epoch="elapsed")
     time_ns = recording.time_ns
     if time_ns is not None and np.any(time_ns[1:] < time_ns[:-1]):
         where = recording.place(int(np.argmax(time_ns[1:] < time_ns[:-1])) + 1)
