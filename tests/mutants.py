@@ -1177,8 +1177,8 @@ MUTANTS = (
     ),
     Mutant(
         "start_up.py",
-        "np.average(law.cells.scatter**2, weights=law.cells.samples)",
-        "np.average(law.cells.scatter, weights=law.cells.samples)",
+        "np.average(cells.scatter**2, weights=cells.samples)",
+        "np.average(cells.scatter, weights=cells.samples)",
         "test_thermal_test",
     ),
     Mutant(

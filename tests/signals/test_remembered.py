@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, ValuesView
+from dataclasses import dataclass, is_dataclass
 from typing import Any
 
 import numpy as np
@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from inertialcal.signals import remembered as module
 from inertialcal.signals.remembered import forget, remembered
 from inertialcal.signals.screening.screen import screen
+from inertialcal.signals.segmentation.ramps import find_ramps
 from inertialcal.signals.segmentation.segments import detect
-from inertialcal.signals.segmentation.still_stretches import Detection
+from inertialcal.signals.segmentation.still_stretches import Detection, still_stretches
 from inertialcal.signals.sense.changes import changes
 
 ONES = np.ones(12)
@@ -33,9 +34,9 @@ def counted() -> tuple[Any, list[int]]:
     calls: list[int] = []
 
     @remembered
-    def looked_at(*given: object, **more: object) -> tuple[object, ...]:
+    def looked_at(*given: object, **more: object) -> tuple[int]:
         calls.append(len(calls))
-        return (len(calls), *given)
+        return (len(calls),)
 
     return looked_at, calls
 
@@ -100,6 +101,33 @@ def test_the_last_calls_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(calls) == 4  # 1 went when 2 came, as 0 had been asked for since
 
 
+@dataclass(frozen=True)
+class Asked:
+    size: float
+    weights: NDArray[np.float64]
+
+
+def arrays_in(found: object) -> list[NDArray[Any]]:
+    if isinstance(found, np.ndarray):
+        return [found]
+    parts = vars(found).values() if is_dataclass(found) else found.values() if isinstance(found, dict) else found
+    return [x for one in parts for x in arrays_in(one)] if isinstance(parts, list | tuple | ValuesView) else []
+
+
+@pytest.mark.parametrize("samples", [600, module.LONGEST // 8 + 1])
+def test_nobody_writes_into_what_others_get(samples: int) -> None:
+    held = {"flat": np.zeros(2), "deep": [(Asked(1.0, np.zeros(3)), np.zeros(4))]}
+    looked_at = remembered(lambda x: (held, np.zeros(len(x))))
+    x = np.linspace(0.0, 50.0, samples)
+    still = x[:600, None] // 30.0
+    for found in (looked_at(x), find_ramps(x, 5.0), still_stretches(still, None, Detection())):
+        for one in arrays_in(found):
+            with pytest.raises(ValueError, match="read-only"):
+                one[...] = 1
+    assert [len(one) for one in arrays_in(looked_at(x))] == [2, 3, 4, samples]
+    assert x.flags.writeable
+
+
 @given(st.integers(0, 999))
 def test_a_screening_is_that_of_the_samples_now(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -110,12 +138,6 @@ def test_a_screening_is_that_of_the_samples_now(seed: int) -> None:
             assert repr(screen(x, at_rest)) == repr(alone(x, at_rest))
     x[rng.integers(300)] = 1e3
     assert screen(x).codes == alone(x, True).codes
-
-
-@dataclass(frozen=True)
-class Asked:
-    size: float
-    weights: NDArray[np.float64]
 
 
 def test_a_dataclass_is_what_its_fields_hold() -> None:

@@ -27,13 +27,13 @@ _kept: list[dict[bytes, object]] = []  # of each function
 
 
 def remembered(function: Callable[P, R]) -> Callable[P, R]:
-    """Let a function keep what it returned last; what it returns must hold no array that it was given.
+    """Let a function keep what it returned last; its arrays are read-only, as all callers share them.
 
     Parameters
     ----------
     function : callable
-        Of arrays, numbers, texts, and of sequences and dataclasses of these; it reads nothing else, and nobody changes
-        its result.
+        Of arrays, numbers, texts, and of sequences and dataclasses of these; it reads nothing else. What it returns
+        holds no array that it was given.
 
     Returns
     -------
@@ -62,13 +62,13 @@ def remembered(function: Callable[P, R]) -> Callable[P, R]:
     def again(*args: P.args, **kwargs: P.kwargs) -> R:
         arrays = [one for one in _parts((args, kwargs)) if isinstance(one, np.ndarray)]
         if sum(one.nbytes for one in arrays) > LONGEST or any(is_stored(one) or one.dtype.hasobject for one in arrays):
-            return function(*args, **kwargs)
+            return _read_only(function(*args, **kwargs))
         key = _digest((args, kwargs))
         with lock:
             if key in known:
                 known[key] = known.pop(key)  # the last in order
                 return known[key]
-        found = function(*args, **kwargs)
+        found = _read_only(function(*args, **kwargs))
         with lock:
             known[key] = found
             if len(known) > MOST:
@@ -96,6 +96,22 @@ def _parts(given: object) -> list[object]:
     if not isinstance(given, np.ndarray | np.generic | str | float | int | None):
         raise TypeError(f"{kind.__name__}: nothing that is compared by what it holds")
     return [given]
+
+
+def _read_only(found: R) -> R:
+    """Return what was found; nothing can be written into its arrays any more."""
+    within: list[object] = [found]
+    while within:
+        one = within.pop()
+        if isinstance(one, np.ndarray):
+            one.flags.writeable = False
+        elif is_dataclass(one):
+            within += vars(one).values()
+        elif isinstance(one, dict):
+            within += one.values()
+        elif isinstance(one, list | tuple):
+            within += one
+    return found
 
 
 def _digest(given: object) -> bytes:

@@ -58,7 +58,7 @@ def worked_out(seed: int, stored: bool, law: Law | None = None) -> tuple[Law, li
     series = series_of(asked, readings, "x")
     cells = cells_of(asked, series, 100.0)
     law = law_of(cells, 2) if law is None else law
-    start_up = start_up_of(asked, series, law)  # the means that its fit gets
+    start_up = start_up_of(asked, series, cells, lambda: law)  # the means that its fit gets
     lagging = cells_of(asked, series.smoothed(200.0), 100.0)
     cubic = published_fit(asked, series, 50.0)
     assert cubic is not None

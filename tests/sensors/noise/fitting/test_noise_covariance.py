@@ -14,7 +14,13 @@ from scipy.optimize import minimize, nnls
 from inertialcal.core.estimate import Array
 from inertialcal.sensors.noise import _kernels as kernels
 from inertialcal.sensors.noise.expected import expected_variance
-from inertialcal.sensors.noise.fitting.allan_covariance import covariance_of_allan, model_edf, noise_on_line
+from inertialcal.sensors.noise.fitting.allan_covariance import (
+    LAGS,
+    _lags,
+    covariance_of_allan,
+    model_edf,
+    noise_on_line,
+)
 from inertialcal.sensors.noise.fitting.problem import run_of
 from inertialcal.sensors.noise.simulate import simulate
 from inertialcal.sensors.noise.terms import (
@@ -196,3 +202,15 @@ def test_the_search_is_the_same_to_the_bit_before_it_is_compiled(seed: int, p: i
         v = np.zeros(p)
         found.append((*search(D.copy(), table, 0.0, 59.0, np.array([5.0, 1.67, 0.3]), s, w, -1, 0.0, v), *v))
     assert found[0] == found[1]
+
+
+def test_what_cubes_of_long_lags_leave_is_that_of_whole_numbers() -> None:
+    m1, m2 = np.array([2.0**9, 2.0**18]), np.array([2.0**18, 2.0**18])
+    lags = _lags(m1.tobytes(), m2.tobytes(), (m1 + m2).tobytes())
+    whole = lags.distance == np.floor(lags.distance)
+    exact = [
+        sum(int(factor) * abs(t + b * two - a * one) ** 3 for a, b, factor in LAGS)
+        for t, one, two in zip(*(x[whole].astype(int).tolist() for x in (lags.distance, lags.m1, lags.m2)), strict=True)
+    ]
+    rounding = 100.0 * float(np.finfo(np.longdouble).eps) * 2.0**57  # of the largest cube
+    assert np.all(np.abs(lags.cubic[whole] - exact) <= rounding + 1e-15 * np.abs(exact))

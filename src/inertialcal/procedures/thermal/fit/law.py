@@ -56,6 +56,50 @@ ENOUGH = 3  # bins seen on both paths that an order of D needs
 
 
 @dataclass(frozen=True, eq=False)
+class Scatter:
+    """What the members of the highest level that was repeated disagree about; found when it is wanted."""
+
+    cells: Cells
+    order: int  # Of P
+    fit: Fit
+    path_fit: Fit
+
+    @property
+    def level(self) -> Level:
+        """Highest level that was repeated and tells all of P."""
+        return self._judged[0]
+
+    @property
+    def clusters(self) -> Indices:
+        """Member of the level that each cell belongs to, shape (c,)."""
+        return self._judged[1]
+
+    @property
+    def of_fit(self) -> Clustered:
+        """Of P."""
+        return self._judged[2]
+
+    @property
+    def each(self) -> tuple[Array, Array]:
+        """Covariance of the coefficients of P, and degrees of freedom of each; dof 0: not known."""
+        return self._judged[3]
+
+    @cached_property
+    def of_path_fit(self) -> Clustered:
+        """Of D."""
+        return self.of_fit if self.path_fit is self.fit else clustered(self.path_fit, self.clusters)
+
+    @cached_property
+    def _judged(self) -> tuple[Level, Indices, Clustered, tuple[Array, Array]]:
+        for level, clusters in _levels(self.cells):
+            found = clustered(self.fit, clusters)
+            each = _contrasts(found, np.eye(self.order + 1), 0)
+            if level == "block" or np.all(each[1] > 0.0):
+                return level, clusters, found, each
+        raise AssertionError("blocks come last")
+
+
+@dataclass(frozen=True, eq=False)
 class Law:
     """Fit of one sensor."""
 
@@ -65,8 +109,7 @@ class Law:
     domain: tuple[float, float]  # Temperatures where P holds [degC]
     fit: Fit  # Coefficients of P, then of D [unit of the readings], then the lag where it is in; of whitened cells
     path_fit: Fit  # The same without the lag: its D is what the paths differ by, whatever the cause
-    clusters: Indices  # shape (c,): member of the level that each cell belongs to
-    level: Level  # Highest level that was repeated
+    scatter: Scatter  # What P and D are judged by
     higher: Law | None = None  # With a P of an order that was not chosen, to see what the choice changes
 
     @property
@@ -77,13 +120,18 @@ class Law:
     @property
     def polynomial(self) -> Polynomial:
         """P with its covariance; its dof are those of the coefficient with the fewest."""
-        covariance, dof = self.each
+        covariance, dof = self.scatter.each
         return Polynomial(self.coefficients, covariance, float(dof.min()), self.domain)
 
-    @cached_property
-    def each(self) -> tuple[Array, Array]:
-        """Covariance of the coefficients of P, and degrees of freedom of each; dof 0: not known."""
-        return self.contrasts(np.eye(self.order + 1))
+    @property
+    def level(self) -> Level:
+        """Highest level that was repeated and tells all of P."""
+        return self.scatter.level
+
+    @property
+    def clusters(self) -> Indices:
+        """Member of the level that each cell belongs to, shape (c,)."""
+        return self.scatter.clusters
 
     @property
     def midway(self) -> bool:
@@ -107,25 +155,19 @@ class Law:
 
     def contrasts(self, rows: Array) -> tuple[Array, Array]:
         """Covariance and degrees of freedom of combinations of P, shapes (m, m) and (m,); dof 0: not known."""
-        return self._of(self._clustered, rows, 0)
+        return _contrasts(self.scatter.of_fit, rows, 0)
 
     def path_contrasts(self, rows: Array) -> tuple[Array, Array, Array]:
         """Values, covariance and degrees of freedom of combinations of D."""
-        covariance, dof = self._of(self._path_clustered, rows, self.order + 1)
+        covariance, dof = _contrasts(self.scatter.of_path_fit, rows, self.order + 1)
         return rows @ self.path_fit.coefficients[self.order + 1 :], covariance, dof
 
-    @cached_property
-    def _clustered(self) -> Clustered:
-        return clustered(self.fit, self.clusters)
 
-    @cached_property
-    def _path_clustered(self) -> Clustered:
-        return self._clustered if self.path_fit is self.fit else clustered(self.path_fit, self.clusters)
-
-    def _of(self, found: Clustered, rows: Array, start: int) -> tuple[Array, Array]:
-        whole = np.zeros((len(rows), found.fit.coefficients.size))
-        whole[:, start : start + rows.shape[1]] = rows
-        return found.contrasts(whole)
+def _contrasts(found: Clustered, rows: Array, start: int) -> tuple[Array, Array]:
+    """Covariance and degrees of freedom of combinations of the coefficients from one on."""
+    whole = np.zeros((len(rows), found.fit.coefficients.size))
+    whole[:, start : start + rows.shape[1]] = rows
+    return found.contrasts(whole)
 
 
 def law_of(cells: Cells, order: int) -> Law:
@@ -134,19 +176,26 @@ def law_of(cells: Cells, order: int) -> Law:
     Raises
     ------
     DataError
-        If the cells are fewer than the coefficients or do not tell them apart.
+        If the cells are fewer than the coefficients, do not tell them apart, or show no scatter.
     """
+    return judged(unjudged_law_of(cells, order))
+
+
+def judged(law: Law) -> Law:
+    """Return a law whose scatter is known: refused here, not where it is wanted."""
+    _ = law.level
+    return law
+
+
+def unjudged_law_of(cells: Cells, order: int) -> Law:
+    """Return the same for its values alone: its scatter is found when it is wanted."""
     path_order = path_order_of(cells)
     domain = cells.range
     columns = design(cells, order, path_order, domain)
     names = [f"T_{k}" for k in range(order + 1)] + [f"D_{k}" for k in range(path_order + 1)]
     alone = _fitted(cells, columns, names)
     behind = alone if path_order < 0 else _with_lag(cells, alone, order, max(path_order, order - 1), domain)
-    for level, clusters in _levels(cells):
-        one = Law(cells, order, path_order, domain, behind, alone, clusters, level)
-        if level == "block" or np.all(one.each[1] > 0.0):
-            return one
-    raise AssertionError("blocks come last")
+    return Law(cells, order, path_order, domain, behind, alone, Scatter(cells, order, behind, alone))
 
 
 def _fitted(cells: Cells, columns: Array, names: Sequence[str] | None = None) -> Fit:

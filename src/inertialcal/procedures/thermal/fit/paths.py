@@ -52,6 +52,9 @@ class PathEffect:
     reason: str = ""  # Why not
 
 
+ONE_PATH = PathEffect(None, reason="one path only was seen")
+
+
 @dataclass(frozen=True, eq=False)
 class Paths:
     """What differs between warming and cooling."""
@@ -66,17 +69,28 @@ class Paths:
     rates: tuple[float, ...]
 
 
-def paths_of(law: Law, no_hysteresis: float | None = None) -> Paths:
+@dataclass(frozen=True, eq=False)
+class Separated:
+    """What differs between the paths whatever the drift, apart."""
+
+    hysteresis: PathEffect
+    lag: PathEffect
+    loops: int
+
+
+def paths_of(law: Law, apart: Separated, no_hysteresis: float | None = None) -> Paths:
     """Return what differs between the paths of one sensor."""
-    cells = law.cells
-    loops, rates = _loops(cells), _rates(cells)
+    rates = _rates(law.cells)
     if not law.midway:
-        nothing = PathEffect(None, reason="one path only was seen")
-        return Paths(nothing, nothing, nothing, "unclear", "one path only was seen", loops, rates)
-    difference = _difference(law)
-    hysteresis, lag = _separated(law, loops)
-    word, why = _told(hysteresis, no_hysteresis)
-    return Paths(difference, hysteresis, lag, word, why, loops, rates)
+        return Paths(ONE_PATH, ONE_PATH, ONE_PATH, "unclear", ONE_PATH.reason, apart.loops, rates)
+    word, why = _told(apart.hysteresis, no_hysteresis)
+    return Paths(_difference(law), apart.hysteresis, apart.lag, word, why, apart.loops, rates)
+
+
+def separated(law: Law) -> Separated:
+    """Return hysteresis and lag where the design tells them from each other and from drift."""
+    loops = _loops(law.cells)
+    return Separated(*(_separated(law, loops) if law.midway else (ONE_PATH, ONE_PATH)), loops)
 
 
 def shared_grid(law: Law) -> Array:
@@ -110,7 +124,6 @@ def _rates(cells: Cells) -> tuple[float, ...]:
 
 
 def _separated(law: Law, loops: int) -> tuple[PathEffect, PathEffect]:
-    """Return hysteresis and lag where the design tells them from each other and from drift."""
     cells = law.cells
     reason = ""
     if loops < 2:

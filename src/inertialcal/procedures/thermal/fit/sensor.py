@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cache, partial
 
 import numpy as np
 
@@ -15,9 +16,9 @@ from ..plan import Plan
 from ..recordings import Readings
 from .agreement import disagreements
 from .cells import Cells, Series, cells_of, joined, series_of
-from .law import Law, law_of
+from .law import Law, judged, law_of, unjudged_law_of
 from .order import Choice, choose_order
-from .paths import Paths, paths_of
+from .paths import Paths, paths_of, separated
 from .start_up import StartUp, start_up_of
 
 ROUNDS, RESOLVED = 3, 2.0  # of the fit of a lag that stands out by so many standard uncertainties
@@ -56,24 +57,24 @@ def reduce_sensor(plan: Plan, readings: Readings, axis: str) -> OfSensor:
     series = series_of(plan, readings, axis)
     cells = cells_of(plan, series, plan.warm_up or 0.0)
     first = plan.order if plan.order is not None else _largest(cells, plan.largest_order)
-    law = law_of(cells, first)
-    start_up = start_up_of(plan, series, law)
+    fitted = cache(unjudged_law_of)  # the first may be that of the order chosen
+    start_up = start_up_of(plan, series, cells, partial(fitted, cells, first))
     if start_up.cut > (plan.warm_up or 0.0):
         cells = cells_of(plan, series, start_up.cut)
     choice = choose_order(cells, max(_largest(cells, plan.largest_order), plan.order or 0), plan.order)
-    if law.cells is not cells or law.order != choice.order:
-        law = law_of(cells, choice.order)
-    paths = paths_of(law, plan.no_hysteresis)
+    law = judged(fitted(cells, choice.order))
+    apart = separated(law)
     for _ in range(ROUNDS):
-        lag = paths.lag
+        lag = apart.lag
         if lag.value is None or lag.u is None or not lag.value > RESOLVED * lag.u:
             break
         cells = cells_of(plan, series.smoothed(lag.value), start_up.cut)
         law = law_of(cells, choice.order)
-        paths = paths_of(law, plan.no_hysteresis)
+        apart = separated(law)
+    paths = paths_of(law, apart, plan.no_hysteresis)
     highest = min(choice.order + NEXT, _largest(cells, plan.largest_order + NEXT))
     if choice.held_out != "given" and highest > choice.order:
-        law = replace(law, higher=law_of(cells, highest))
+        law = replace(law, higher=unjudged_law_of(cells, highest))
     references = _references(plan, readings, series, start_up.cut)
     remarks = (
         *disagreements(axis, law.cells, readings),

@@ -19,7 +19,7 @@ from ....core.errors import DataError
 from ....core.estimate import Array
 from ....sensors.warm_up import FEWEST, WarmUp, find_warm_up
 from ..plan import Plan
-from .cells import Indices, Series
+from .cells import Cells, Indices, Series
 from .law import Law
 
 SHARE = 0.1  # of the scatter of a sample that counts as settled
@@ -43,9 +43,21 @@ class StartUp:
     run: Indices  # shape (m,): number of the run
 
 
-def start_up_of(plan: Plan, series: Series, law: Law) -> StartUp:
-    """Return the start-up of one sensor, and how long to leave out after a power-up."""
-    scatter = float(np.sqrt(np.average(law.cells.scatter**2, weights=law.cells.samples)))
+def start_up_of(plan: Plan, series: Series, cells: Cells, law: Callable[[], Law]) -> StartUp:
+    """Return the start-up of one sensor, and how long to leave out after a power-up.
+
+    Parameters
+    ----------
+    plan : Plan
+        With what counts as settled, and what is left out by it.
+    series : Series
+        All samples.
+    cells : Cells
+        Their means.
+    law : callable
+        What gives the first law of the sensor; called only where the temperature is steady after a power-up.
+    """
+    scatter = float(np.sqrt(np.average(cells.scatter**2, weights=cells.samples)))
     settled = plan.settled if plan.settled is not None else SHARE * scatter
     time, residual, run = _steady_means(series, law)
     found, reason = None, ""
@@ -64,13 +76,14 @@ def start_up_of(plan: Plan, series: Series, law: Law) -> StartUp:
     return StartUp(found, reason, settled, cut, time, residual, run)
 
 
-def _steady_means(series: Series, law: Law) -> tuple[Array, Array, Indices]:
+def _steady_means(series: Series, first: Callable[[], Law]) -> tuple[Array, Array, Indices]:
     """Means over the steady part after each power-up, of what the polynomial leaves; none where it is too short."""
     times, residuals, runs = [], [], []
     for number in sorted({*series.runs}):
         at = _steady_part(series, number)
         if len(at) < FEWEST:
             continue
+        law = first()
         left = _at(series.reading, at) - law.basis(np.clip(_at(series.temperature, at), *law.domain)) @ law.coefficients
         size = -(-len(at) // MEANS)
         starts = np.arange(0, len(at) - size + 1, size)

@@ -28,7 +28,10 @@ References
 
 from __future__ import annotations
 
-from functools import lru_cache
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,10 +62,11 @@ def covariance_of_allan(phase: Phase, m: Array, n: Array, inflation: Array | Non
     row, column = np.triu_indices(len(m))
     m1, m2, n1, n2 = m[row], m[column], n[row], n[column]
     last = np.floor(np.maximum(np.minimum((n1 + n2) / 2.0 - 1.0, reach + m1 + m2), 0.0))
-    pair, distance, weight = _distances(m1.tobytes(), m2.tobytes(), last.tobytes())
+    lags = _lags(m1.tobytes(), m2.tobytes(), last.tobytes())
+    pair, distance, weight = lags.pair, lags.distance, lags.weight
     size, there = m1[pair] * m2[pair], np.minimum(np.minimum(n1, n2)[pair], (n1 + n2)[pair] / 2.0 - distance)
-    more = np.ones(len(pair)) if inflation is None else np.sqrt(inflation[row] * inflation[column])[pair]
-    s = _second_differences(distance, m1[pair], m2[pair], sizes, exponentials, more) / size
+    more = 1.0 if inflation is None else np.sqrt(inflation[row] * inflation[column])[pair]
+    s = _second_differences(lags, sizes, exponentials, more) / size
     squares = weight * np.maximum(there, 0.0) * (0.5 * s * s + phase.ramp**2 * size * s)
     out = np.empty((len(m), len(m)))
     out[row, column] = 2.0 * np.bincount(pair, squares, len(m1)) / (n1 * n2)  # t and -t are alike
@@ -76,9 +80,48 @@ def covariance_of_allan(phase: Phase, m: Array, n: Array, inflation: Array | Non
     return out
 
 
+@dataclass(frozen=True, eq=False)
+class Lags:
+    """All that is summed, and second differences there of the powers of a lag: no phase is in them."""
+
+    pair: NDArray[np.int64]  # which pair of averaging times, shape (t,)
+    distance: Array  # of the differences, shape (t,) [samples]
+    weight: Array  # shape (t,)
+    m1: Array  # of the pair, shape (t,) [samples]
+    m2: Array
+
+    @cached_property
+    def none(self) -> Array:
+        """Of 1 where the lag is zero, shape (t,)."""
+        return self.differences(lambda j: j == 0.0)
+
+    @cached_property
+    def linear(self) -> Array:
+        """Of the lag."""
+        return self.differences(lambda j: j)
+
+    @cached_property
+    def cubic(self) -> Array:
+        """Of its cube: of large ones little is left."""
+        return self.differences(lambda j: j * j * j, np.longdouble)
+
+    @cached_property
+    def flicker(self) -> Array:
+        """Of its square times its logarithm."""
+        return self.differences(lambda j: j * j * np.log(np.where(j > 0.0, j, 1.0)))
+
+    def differences(self, function: Callable[[Array], Array], number: type[np.floating[Any]] = np.float64) -> Array:
+        """Return the weighted sum of a function of the nine lags, shape (t,), taken in numbers of a kind."""
+        distance, m1, m2 = (one.astype(number) for one in (self.distance, self.m1, self.m2))
+        total = np.zeros_like(distance)
+        for a, b, factor in LAGS:
+            total += number(factor) * function(np.abs(distance + b * m2 - a * m1))
+        return total.astype(np.float64)
+
+
 @lru_cache(8)  # a fit asks for the same again and again
-def _distances(*given: bytes) -> tuple[NDArray[np.int64], Array, Array]:
-    """Return which pair of averaging times, distance and weight of all that is summed, not to be changed.
+def _lags(*given: bytes) -> Lags:
+    """Return all that is summed, not to be changed.
 
     Distances of each pair go from 0 (half) to its ``last``; given are m1, m2 and last as bytes. A pair, m1 <= m2, has
     its kinks. Between them, and away from them, panels of distances are summed by the three
@@ -112,23 +155,28 @@ def _distances(*given: bytes) -> tuple[NDArray[np.int64], Array, Array]:
     at += [pair, pair, pair]
     distance += [middle, middle - by, middle + by]
     weight += [np.ones(len(each)) for each in distance[2:4]] + [size - 2.0 * ends, ends, ends]
-    return np.concatenate(at), np.concatenate(distance), np.concatenate(weight)
+    of = np.concatenate(at)
+    return Lags(of, np.concatenate(distance), np.concatenate(weight), m1[of], m2[of])
 
 
-def _second_differences(t: Array, m1: Array, m2: Array, sizes: Array, exponentials: Array, more: Array) -> Array:
-    """Return m1 m2 times the covariance of differences of neighbouring means over m1 and m2 samples, t apart.
+def _second_differences(lags: Lags, sizes: Array, exponentials: Array, more: Array | float) -> Array:
+    """Return m1 m2 times the covariance of differences of neighbouring means over m1 and m2 samples, shape (t,).
 
     That is C of ``phase.Phase``, without lines, at nine lags; sizes are point, linear, cubic and flicker, ``more`` what
     missing samples multiply the linear one by. Rows of ``exponentials`` are size, u, gain and excess (see
     ``phase.twice_summed_exponential``).
     """
-    linear, cubic, flicker = 0.5 * sizes[1] * more, sizes[2] / 12.0, 0.5 * sizes[3]
-    total = np.zeros(len(t))
-    for a, b, factor in LAGS:
-        j = np.abs(t + b * m2 - a * m1)
-        found = j * (cubic * j * j - linear) if cubic else -linear * j
-        if flicker != 0.0:
-            found += flicker * j * j * np.log(np.where(j > 0.0, j, 1.0))
+    point, linear, cubic, flicker = (sizes * (1.0, -0.5, 1.0 / 12.0, 0.5)).tolist()
+    total: Array = linear * more * lags.linear
+    if point:
+        total += point * lags.none
+    if cubic:
+        total += cubic * lags.cubic
+    if flicker:
+        total += flicker * lags.flicker
+
+    def exponential(j: Array) -> Array:
+        found = np.zeros(len(j))
         for part, u, gain, excess in exponentials:
             x = u * j
             decay = np.exp(-x) - 1.0 + x - 0.5 * x * x
@@ -136,8 +184,9 @@ def _second_differences(t: Array, m1: Array, m2: Array, sizes: Array, exponentia
             x = x[small]
             decay[small] = -x * x * x * (1.0 - x * 0.25 * (1.0 - x * 0.2 * (1.0 - x / 6.0 * (1.0 - x / 7.0)))) / 6.0
             found -= part * (gain * decay + excess * j)
-        total += factor * (np.where(j == 0.0, sizes[0], found) if sizes[0] else found)
-    return total
+        return found
+
+    return total + lags.differences(exponential) if len(exponentials) else total
 
 
 def noise_on_line(phase: Phase, line: tuple[float, float], m: Array, n: Array) -> Array:
