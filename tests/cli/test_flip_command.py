@@ -88,7 +88,7 @@ def test_the_demonstrations_run(capsys: pytest.CaptureFixture[str], tmp_path: Pa
     assert status == 0
     assert "SAMS triaxial sensor head" in err
     assert "INCONCLUSIVE" in out
-    status, out, _ = call(capsys, "demo", "sams_tsh", "-o", str(tmp_path / "demo"))
+    status, out, _ = call(capsys, "demo", "sams_tsh", "-o", str(tmp_path / "simulated"))
     assert status == 0
     assert "the model and the simulated truth" in out
     assert "stated 95 % intervals hold the truth" in out

@@ -102,7 +102,7 @@ def test_a_rig_of_another_package_is_simulated_run_and_scored(tmp_path: Path) ->
     assert (one["rig"], one["seed"], one["known"]) == ("toy", 5, 1)
     assert [(row["quantity"], row["n"]) for row in many["results"]] == [("angle_random_walk", 2)]
     assert (
-        json.loads((tmp_path / "demo-toy" / ".truth" / "truth.json").read_text("utf-8"))["seed"] == 1
+        json.loads((tmp_path / "demo" / ".truth" / "truth.json").read_text("utf-8"))["seed"] == 1
     )  # of every demonstration
     assert json.loads((tmp_path / "twin_short" / ".truth" / "truth.json").read_text("utf-8"))["fault"] == "short"
     assert "climate, toy." in " ".join(said[-2].split())

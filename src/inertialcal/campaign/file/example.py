@@ -24,11 +24,12 @@ def examples() -> list[str]:
     return sorted(entry.name for entry in root.iterdir() if (entry / FILE).is_file())
 
 
-PLAIN = "npsat2011"  # goes to the folder that is named; the others get their name behind it
+DEFAULT = "inertialcal-demo"  # folder of an example; its name follows, but for the plain one
+PLAIN = "npsat2011"
 
 
-def demonstrations(name: str, target: Path) -> list[tuple[str, Path]]:
-    """Return which examples to show, each with the folder it goes to: `target` and its name, or `target` alone.
+def demonstration(name: str, target: Path | None) -> tuple[str, Path]:
+    """Return which example to show, and the folder it goes to: `target`, or one with its name in this folder.
 
     Raises
     ------
@@ -39,7 +40,7 @@ def demonstrations(name: str, target: Path) -> list[tuple[str, Path]]:
     if name and name not in known:
         raise UsageError(f"no example {name!r}", do=f"There are: {', '.join(known)}. A folder is given by -o")
     one = name or DEMONSTRATED
-    return [(one, target if one == PLAIN else target.with_name(f"{target.name}-{one}"))]
+    return one, target or Path(DEFAULT if one == PLAIN else f"{DEFAULT}-{one}")
 
 
 def build(name: str, target: Path) -> Path:

@@ -29,21 +29,18 @@ def demo(
             show_default=DEMONSTRATED,
         ),
     ] = "",
-    output: Annotated[Path, typer.Option("--output", "-o", help="Where to put the published one.")] = Path(
-        "inertialcal-demo"
-    ),
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Folder for it; inertialcal-demo-NAME if not given.")
+    ] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
     """Build an example, run it, and set what was found beside the truth that was simulated."""
-    from ...campaign.file.example import demonstrations
+    from ...campaign.file.example import demonstration
 
-    content: dict[str, Any] = {}
-    for name, folder in demonstrations(rig, output):
-        content[name] = _one(name, folder, as_json, quiet)
+    content = _one(*demonstration(rig, output), as_json, quiet)
     if as_json:
-        first, *others = content.values()
-        json_out("demo", first | {"others": others})
+        json_out("demo", content)
     return 0
 
 
