@@ -42,9 +42,9 @@ def tables() -> list[Table]:
         raise AbsentError("no seeds are kept: python -m independent.coverage --n 20 --resume")
     heads = ("case", "figure", "campaigns", "held", "intervals", "%", "99.9 % interval of the rate")
     text = (
-        f"Seeds 1 to {min(seeds)} of each case. A rate holds if its exact binomial interval contains 95 %, or lies "
-        "above 93 %; of figures of two power-ups, whose spread nobody knows well, if it reaches 94 %. Of cases that "
-        "show a fault that cannot be seen in the data nothing is asked."
+        f"Seeds 1 to {min(seeds)} of each case, of some to {max(seeds)}. A rate holds if its exact binomial interval "
+        "contains 95 %, or lies above 93 %; of figures of two power-ups, whose spread nobody knows well, if it reaches "
+        "94 %. Of cases that show a fault that cannot be seen in the data nothing is asked."
     )
     return [
         Table(f"Coverage: {name}", text, heads, (0, 0, 0, 0, 0, 3, 0), tuple(some))
