@@ -59,7 +59,9 @@ def test_c_gives_what_compensation_gives_within_the_proved_bound(suite: Path, ne
     assert np.all(found.largest > 0.0)
     np.testing.assert_allclose(found.flown, found.compensated, atol=1e-8)
     assert json.loads(json.dumps(found.to_dict()))["rows"] == found.rows
-    assert "vacuum_6, vacuum_7" in flight_text(found)
+    assert "vacuum_6, vacuum_7:" in flight_text(found)
+    many = replace(found, recordings=tuple(f"x_run{i}" for i in range(7, 26)))
+    assert "on x_run7, x_run8, x_run9 and 16 more:" in " ".join(flight_text(many).split())
     again = replay_flight_c(suite)
     assert again is not None
     assert again.to_dict() == found.to_dict()

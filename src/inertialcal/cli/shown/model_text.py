@@ -21,6 +21,7 @@ from ...sensors.orbit_check import DwellCheck, OrbitCheck, band_holds
 from .output import clean, table, wrapped
 from .summary import remarks_text
 
+NAMED = 3  # recordings of a replay; more are counted
 TOO_NARROW = (
     "fewer runs lie in the stated band than 95 % intervals let expect: what is not counted, below, moves the readings "
     "by more than u says"
@@ -68,7 +69,8 @@ def flight_text(found: FlightReplay) -> str:
     written = f"flight C of the model{of}, written to {clean(found.folder.name)} there"
     if found.reason:
         return wrapped(f"{written}; not replayed: {found.reason}")
-    on = ", ".join(clean(one) for one in found.recordings)
+    more = len(found.recordings) - NAMED
+    on = ", ".join(clean(one) for one in found.recordings[:NAMED]) + (f" and {more} more" if more > 0 else "")
     flags = f"; {found.flagged} more raise a flag" if found.flagged else ""
     heads = ["  axis", "compensate, mean", "flight C, mean", "largest difference", "proved bound", "unit"]
     arrays = (found.compensated, found.flown, found.largest, found.bound)

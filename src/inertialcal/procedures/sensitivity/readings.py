@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from operator import add
 from typing import cast
 
 import numpy as np
@@ -229,8 +230,9 @@ def readings_from(plan: Plan, found: Sequence[ConditionRecording], unit: str) ->
     followed: list[bool] = []  # A recording with changes: whether a level after one of them is left
     for one in ordered:
         tolerances = {name: ALIKE * ranges[name] for name in cut_by if name in one.conditions}
-        stretches = _levels(one, tolerances, plan)
-        whole = _levels(one, tolerances, replace(plan, settle=0.0, block=None))
+        cuts = _cuts(one, tolerances)
+        stretches = _levels(one, *cuts, plan)
+        whole = _levels(one, *cuts, replace(plan, settle=0.0, block=None))
         followed += [any(start >= whole[0][1] for start, _ in stretches)] if len(whole) > 1 else []
         transients += len(one.recording) - sum(stop - start for start, stop in stretches)
         parts = [_part(one.recording, stretch) for stretch in stretches]
@@ -308,17 +310,20 @@ def _first(recording: Recording) -> int:
     return int(recording.time_ns[0]) if recording.time_ns is not None and len(recording.time_ns) else 0
 
 
-def _levels(one: ConditionRecording, tolerances: Mapping[str, float], plan: Plan) -> list[tuple[int, int]]:
-    """Return the stretches [start, stop) of a recording that are levels, or blocks of them."""
+def _cuts(one: ConditionRecording, tolerances: Mapping[str, float]) -> tuple[list[int], int]:
+    """Return where levels of a recording begin, 0 and its length; and the samples that tell a level from the next."""
     n = len(one.recording)
     columns = [(column, tolerances[name]) for name in tolerances
                for column in {id(c): c for c in one.conditions[name].values()}.values()]  # fmt: skip
     size = max((_window(column, tolerance, n) for column, tolerance in columns), default=1)
     count = n // size
-    edges = [0, n]
-    if columns and count > 1:
-        means = np.column_stack([_window_means(c, size) / tolerance for c, tolerance in columns])
-        edges = _changes(means, size, n)
+    if not columns or count <= 1:
+        return [0, n], size
+    return _changes([_window_means(c, size) / tolerance for c, tolerance in columns], size, n), size
+
+
+def _levels(one: ConditionRecording, edges: Sequence[int], size: int, plan: Plan) -> list[tuple[int, int]]:
+    """Return the stretches [start, stop) of a recording that are levels, or blocks of them."""
     interval = one.recording.sample_interval
     if plan.settle > 0.0 and len(edges) > 2 and not interval:
         raise DataError("settle without a time axis", one.recording.source.path, do="Give the sample rate",
@@ -343,7 +348,7 @@ def stays(column: Array) -> NDArray[np.int64]:
         return np.zeros(0, dtype=np.int64)
     tolerance = ALIKE * (high - low)
     size = _window(column, tolerance, len(column))
-    edges = np.array(_changes(_window_means(column, size)[:, None] / tolerance, size, len(column)), dtype=np.int64)
+    edges = np.array(_changes([_window_means(column, size) / tolerance], size, len(column)), dtype=np.int64)
     return edges[1:] - edges[:-1]
 
 
@@ -355,19 +360,23 @@ def _window(column: Array, tolerance: float, n: int) -> int:
 
 
 def _window_means(column: Array, size: int) -> Array:
-    count = len(column) // size
-    return np.array([_mean(one) for one in column[: count * size].reshape(count, size)])
+    windows = column[: len(column) // size * size].reshape(-1, size)
+    means = np.asarray(windows.mean(axis=1), dtype=np.float64)
+    for k in np.flatnonzero(~np.isfinite(means)):
+        means[k] = _mean(windows[k])
+    return means
 
 
-def _changes(means: Array, size: int, n: int) -> list[int]:
+def _changes(means: Sequence[Array], size: int, n: int) -> list[int]:
     """Return where levels begin, 0 and n: windows that lie within one tolerance of the level so far are of it."""
-    edges, total, members = [0], means[0].copy(), 1
-    for k in range(1, len(means)):
-        if np.any(np.abs(means[k] - total / members) > 1.0):
+    first, *others = zip(*(one.tolist() for one in means), strict=True)
+    edges, total, members = [0], first, 1
+    for k, here in enumerate(others, 1):
+        if any(abs(one - whole / members) > 1.0 for one, whole in zip(here, total, strict=True)):
             edges.append(k * size)
-            total, members = means[k].copy(), 1
+            total, members = here, 1
         else:
-            total, members = total + means[k], members + 1
+            total, members = tuple(map(add, total, here)), members + 1
     return [*edges, n]
 
 

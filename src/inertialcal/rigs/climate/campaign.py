@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from ...core.campaign_text import Noted, toml_text
 from ...core.key import AXES
 from ..parts.campaign import EACH_ERROR, Content, attitude, campaign_head, channel_entries, standard_tables
-from .recordings import file_of, names_of
+from .recordings import file_of, names_of, power_ups
 from .setup import AIR, AVERAGING, INTERVAL, VACUUM, Bench
 
 
@@ -40,7 +40,7 @@ def campaign_text(bench: Bench) -> str:
             },
             "recordings": recordings,
             "tests": [test for group in groups for test in _tests(bench, group)],
-            "model": {"terms": terms, "by_condition": {VACUUM: decided}},
+            "model": {"terms": terms, "by_condition": {VACUUM: decided} if "supply_vacuum" in groups else {}},
             "requirements": list(_requirements(groups)),
         }
     )
@@ -98,7 +98,7 @@ TO = {"supply_air": ["supply", "temperature"], "supply_vacuum": ["supply", "temp
 def _tests(bench: Bench, group: str) -> Iterator[Noted]:
     """Yield the tests of a group: for the fit, and on power-ups held out."""
     names = names_of(bench, group)
-    fitted = len(bench.starts) * bench.warm_up_runs if group == "warm_up" else bench.runs
+    fitted, _ = power_ups(bench, group)
     fit = [name for name, (run, _) in names.items() if run <= fitted]
     held = [name for name, (run, _) in names.items() if run > fitted]
     plan: Content = {"attitude": attitude(bench.tilt_deg, bench.u_tilt_deg, bench.azimuth_deg, bench.u_azimuth_deg)}

@@ -34,14 +34,21 @@ class Visit:
     pressure: float
 
 
+def power_ups(bench: Bench, group: str) -> tuple[int, int]:
+    """Return how many power-ups of a group are for the fit, and how many are held out."""
+    if group == "warm_up":
+        return len(bench.starts) * bench.warm_up_runs, len(bench.starts) * bench.warm_up_held_out
+    if group == "table":
+        return bench.table_runs, bench.table_held_out
+    return bench.runs, 0 if group == "pressure" else bench.held_out
+
+
 def names_of(bench: Bench, group: str) -> dict[str, tuple[int, str]]:
     """Return the recordings of a group: name -> power-up, axis that is turned or nothing."""
-    if group == "warm_up":
-        return {f"warm_{run}": (run, "") for run in range(1, len(bench.starts) * (bench.warm_up_runs + 1) + 1)}
-    runs = range(1, bench.runs + (0 if group == "pressure" else bench.held_out) + 1)
+    runs = range(1, sum(power_ups(bench, group)) + 1)
     if group in ("scale", "table"):
         return {f"{group}_{axis}{run}": (run, axis) for run in runs for axis in AXES}
-    return {f"{group}_{run}": (run, "") for run in runs}
+    return {f"{'warm' if group == 'warm_up' else group}_{run}": (run, "") for run in runs}
 
 
 def file_of(name: str) -> str:

@@ -21,8 +21,12 @@ class Bench:
 
     parts: tuple[str, ...] = PARTS  # of the campaign
     conditions: tuple[str, ...] = (AIR, VACUUM)  # in which the supply is stepped
-    runs: int = 5  # power-ups behind each test
-    held_out: int = 2  # more of them, which no fit sees
+    # power-ups of a test at changing supply, and more of them, which no fit sees
+    runs: int = 5
+    held_out: int = 3
+    # the same of the test at the laboratory's temperature
+    table_runs: int = 8
+    table_held_out: int = 6
     temperatures: tuple[float, ...] = (-10.0, 20.0, 50.0)  # of each power-up [degC]
     supplies: tuple[float, ...] = (5.0, 4.85, 5.15, 5.0)  # at each of them [V]
     dwell: float = 240.0  # at each supply [s]
@@ -34,7 +38,9 @@ class Bench:
     soak: float = 900.0  # until the unit has followed [s]
     time_constant: float = 150.0  # of the unit following the chamber [s]
     starts: tuple[float, ...] = (-20.0, 20.0, 50.0)  # temperatures that the unit is switched on at [degC]
-    warm_up_runs: int = 2  # power-ups at each of them, and one more held out
+    # power-ups at each of them, and more, held out
+    warm_up_runs: int = 2
+    warm_up_held_out: int = 2
     warm_up_time: float = 7_200.0  # length of these recordings [s]
     levels: tuple[float, ...] = (AIR_PA, VACUUM_PA)  # of the pressure, at each temperature [Pa]
     level_dwell: float = 600.0  # [s]

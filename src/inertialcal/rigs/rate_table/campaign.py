@@ -48,7 +48,7 @@ def campaign_text(bench: Bench) -> str:
         "of": "expected",
         "limit": "5 %",
         "where": "abs(rate) >= 1.5 deg/s",
-        "tests": ["fit"],
+        "tests": ["fit", "check"] if held else ["fit"],
     }
     return toml_text(
         {

@@ -46,6 +46,7 @@ __all__ = ["FAULTS", "RIG", "Bench", "build", "true_values"]
 
 BEGIN = 1_272_467_400  # 2010-04-28 15:10:00 UTC [s]
 RUN, SET_UP = 86_400, 7_200  # from run to run, and from axis to axis [s]
+AS_DELIVERED = 0.003  # least error of a scale factor, of the unit that is demonstrated: it is there to be calibrated
 DIGITS = 6  # of the commanded rate [deg/s]
 REFERENCE_WALK = 5e-5  # of a reference voltage [V/sqrt(s)]
 FAULTS: dict[str, Fault] = {
@@ -88,7 +89,7 @@ def build(bench: Bench, seed: int, gyro: Gyro | None = None) -> Twin:
         The unit; drawn by default.
     """
     of_unit, of_bench, of_runs = np.random.default_rng(seed).spawn(3)
-    unit = gyro or draw_gyro(bench.inverted, of_unit, bench.curvature)
+    unit = gyro or draw_gyro(bench.inverted, of_unit, bench.curvature, bench.as_delivered)
     stands = {"table": (bench.tilt_deg, bench.u_tilt_deg, bench.azimuth_deg, bench.u_azimuth_deg)}
     world, drawn = draw_world(bench.standards, bench.latitude_deg, bench.table_gain, stands, of_bench)
     recordings = {}
@@ -159,4 +160,4 @@ def _saved(bench: Bench, turning: Motion, signals: dict[str, Array], saved: NDAr
     return Recording(channels, stamps, bench.interval, bench.averaging, epoch="utc")
 
 
-RIG = Rig("rate_table", TITLE, on_bench(build, Bench()), FAULTS, tests=("rate_table",))
+RIG = Rig("rate_table", TITLE, on_bench(build, Bench(as_delivered=AS_DELIVERED)), FAULTS, tests=("rate_table",))
