@@ -116,12 +116,14 @@ def read(
     return read_recording(path, request)
 
 
-def read_table(path: str | Path, *, decimal: str | None = None, skip: int | None = None) -> Table:
+def read_table(
+    path: str | Path, *, topics: Sequence[str] | None = None, decimal: str | None = None, skip: int | None = None
+) -> Table:
     """Return the reduced table in a file: columns of text or numbers, with the row of each.
 
     Parameters
     ----------
-    path, decimal, skip
+    path, topics, decimal, skip
         As `read` takes them.
 
     Raises
@@ -132,4 +134,4 @@ def read_table(path: str | Path, *, decimal: str | None = None, skip: int | None
     """
     from .text.table import read_table as read_rows  # noqa: PLC0415 - numpy starts slowly
 
-    return read_rows(path, decimal=decimal, skip=skip)
+    return read_rows(path, topics=topics, decimal=decimal, skip=skip)

@@ -102,7 +102,8 @@ class Files:
             raise DataError(
                 f"{file}: a table of rows is needed, not a recording", do="Give the file", code="wrong_value"
             )
-        return read_table(file, **table_of(text_said(self.said) | dict(text or {})))
+        topics = self.said.topics or None
+        return read_table(file, **table_of({"topics": topics} | text_said(self.said) | dict(text or {})))
 
     def has(self, file: str) -> bool:
         """Return whether there is such a file."""

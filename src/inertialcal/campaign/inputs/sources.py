@@ -311,7 +311,7 @@ class Ready:
 
     @cached_property
     def _table(self) -> Table:
-        return self.store.table(self.entry.file, text_of(self.entry))
+        return self.store.table(self.entry.file, {"topics": self.entry.topics, **text_of(self.entry)})
 
     def table(self) -> Table:
         """Return the reduced table."""

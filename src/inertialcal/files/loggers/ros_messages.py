@@ -24,6 +24,7 @@ from ...core.remarks import Remark
 from .topics import INERTIAL, OTHER, frame_remark, left_out
 
 XYZ = ("x", "y", "z")
+QUATERNION = tuple(f"orientation.{axis}" for axis in "xyzw")
 ENCODINGS = ("ros1", "cdr")
 FRAMES = 8  # different frames that are told apart
 
@@ -45,7 +46,7 @@ MESSAGES: dict[str, tuple[int, tuple[Part, ...]]] = {  # by type: rank as a topi
     "Imu": (
         INERTIAL,
         (
-            Part(tuple(f"orientation.{axis}" for axis in "xyzw"), None, 9),
+            Part(QUATERNION, None, 9),
             _vector("angular_velocity", "rad/s", 9),
             _vector("linear_acceleration", "m/s^2", 9),
         ),
@@ -158,10 +159,14 @@ def stated(kind: str, first: Array, low: Array, high: Array, frames: Sequence[st
     columns: list[tuple[str, str | None, int]] = []
     remarks: list[Remark] = []
     absent: list[str] = []
+    zero: list[str] = []
     for part, values, covariance in part_columns(kind):
         said, name = first[covariance], part.names[0].partition(".")[0]
         if len(said) > 1 and said[0] == -1.0 and high[covariance][0] == -1.0:
             absent += part.names  # REP 145: the driver has no such reading
+            continue
+        if part.names == QUATERNION and not (np.any(low[values]) or np.any(high[values])):
+            zero += part.names  # an orientation has norm 1
             continue
         columns += [(one, part.unit, values.start + i) for i, one in enumerate(part.names)]
         if not np.any(said) or not np.all(np.isfinite(said)):
@@ -173,6 +178,7 @@ def stated(kind: str, first: Array, low: Array, high: Array, frames: Sequence[st
         do = "It is the driver's word, and used nowhere: inertialcal allan finds the noise"
         remarks.append(Remark("stated_covariance", "info", what, where=path, do=do, subject=name))
     remarks += left_out(absent, path, "covariance -1, so the driver has no such reading")
+    remarks += left_out(zero, path, "0 in all messages, so the driver has no such reading")
     many = len(frames) > 1
     remarks += frame_remark(f"those of frame {', '.join(map(repr, frames[:FRAMES]))}" if frames else "", path)
     if many:

@@ -154,12 +154,14 @@ class Table:
         return missing_remarks(self.names[at], judged.empty, judged.not_a_number, self.where)
 
 
-def read_table(path: str | Path, *, decimal: str | None = None, skip: int | None = None) -> Table:
+def read_table(
+    path: str | Path, *, topics: Sequence[str] | None = None, decimal: str | None = None, skip: int | None = None
+) -> Table:
     """Return a reduced table: text in any layout that ``files.read`` takes, or a binary format.
 
     Parameters
     ----------
-    path, decimal, skip
+    path, topics, decimal, skip
         As ``files.read`` takes them.
 
     Raises
@@ -170,7 +172,7 @@ def read_table(path: str | Path, *, decimal: str | None = None, skip: int | None
     loaded = load(checked_path(path, "table"))
     reader = find_reader(loaded)
     if reader.name != TEXT:
-        return _from_content(reader.read(loaded, None), loaded, reader.name)
+        return _from_content(reader.read(loaded, topics or None), loaded, reader.name)
     text, remarks = text_of(loaded)
     text = without_first(text, lines_of(skip))
     layout = sniff(text, loaded.path, sign_of(decimal))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from ...core.recording import Recording
 from ...core.remarks import Remark
 from ...core.units import convert, kind, normalise
 from ...files.info.describe import overridden
-from ...files.info.table_columns import Guess, guess
+from ...files.info.table_columns import Guess, guess, guess_channels
 from ...files.text.headers import bare_name, full_name
 from ..given import (
     RAW,
@@ -50,12 +51,13 @@ def described(given: GivenFile) -> Described:
     UsageError
         If it is not clear which column is what, in which unit, or which axis was turned.
     """
-    names = guess(given.table) if given.has_rows else Guess()
+    given = replace(given, has_rows=given.has_rows and not Path(given.name).is_dir())  # a bag in a folder has none
+    names = guess(given.table) if given.has_rows else guess_channels(given.recording.channels)
     given = _with_columns(given)
     applied = _full(given, given.own.get("applied")) or names.applied
     of_rows = any(given.own.get(name) for name in ("scatter", "run", "group"))
     if not given.has_rows or (not of_rows and applied is not None and _is_stepped(given.recording, applied)):
-        return _recorded(given, str(applied or APPLIED))
+        return _recorded(given, applied or APPLIED)
     return _table(given, names)
 
 
@@ -152,7 +154,9 @@ def _scatter(names: Guess, reading: str | dict[str, str] | None) -> str | dict[s
     return names.scatter or by_reading.get(reading or "")
 
 
-def _missing(given: GivenFile, missing: Sequence[tuple[str, str, str]], notes: Sequence[str], raw: str) -> UsageError:
+def _missing(
+    given: GivenFile, missing: Sequence[tuple[str, str, str]], notes: Sequence[str] = (), raw: str = ""
+) -> UsageError:
     """Return the error of a table that leaves things open: what, the option for it, the code; notes on options."""
     options = " ".join(dict.fromkeys(option for _, option, _ in missing if option))
     what = f"{given.name}: {'; '.join(what for what, _, _ in missing)}"
@@ -207,6 +211,9 @@ def _reading(said: Mapping[str, str] | None, names: Guess) -> str | dict[str, st
 def _recorded(given: GivenFile, applied: str) -> Described:
     """Return a recording of a stepped table."""
     recording, axis = given.recording, given.plan.get("axis")
+    if applied not in recording.names:
+        what = f"cannot tell which column is the applied rate; it has {', '.join(recording.names)}"
+        raise _missing(given, [(what, given.add("applied", "COLUMN"), "no_column")])
     by_axis = _channels(given, applied)
     if not by_axis:
         what = f"{given.name}: cannot tell which column is which axis of the gyro; it has {', '.join(recording.names)}"
