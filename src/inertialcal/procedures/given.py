@@ -543,8 +543,8 @@ def unit_advice(given: GivenFile, named: Mapping[str, tuple[str, Sequence[Channe
 
 def _hint(given: GivenFile, channels: Sequence[Channel]) -> tuple[str, str]:
     """Return the unit that numbers give away, and why; empty where they do not."""
-    from ..files.info.channel_survey import survey_channel, unit_hints  # noqa: PLC0415 - starts slowly
+    from ..files.info.channel_survey import unit_hints  # noqa: PLC0415 - starts slowly
 
     named = [one for one in channels if one.unit is None]
-    hints = unit_hints(replace(given.recording, channels=tuple(named)), [survey_channel(one) for one in named])
+    hints = unit_hints(replace(given.recording, channels=tuple(named)))
     return next(((one.unit, one.reason) for one in hints if one.unit), ("", ""))

@@ -14,7 +14,7 @@ from ...core.errors import InertialcalError
 from ...core.key import AXES
 from ...core.recording import Channel, Recording
 from ...core.units import kind, normalise
-from ...files.info.channel_survey import survey_channel, unit_hints
+from ...files.info.channel_survey import unit_hints
 from ...files.time.dates import ORDERS
 from ...procedures import procedure_of
 from ...procedures.given import RAW, Said, bare
@@ -121,7 +121,7 @@ def _needs_chain(found: Contents, group: str) -> bool:
 
 def _hints(channel: Channel) -> list[tuple[str, str]]:
     part = Recording((channel,), None, None, None, "elapsed", "")
-    return [(hint.unit, hint.reason) for hint in unit_hints(part, [survey_channel(channel)]) if hint.unit]
+    return [(hint.unit, hint.reason) for hint in unit_hints(part) if hint.unit]
 
 
 def _unit(text: str) -> str:

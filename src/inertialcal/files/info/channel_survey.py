@@ -192,25 +192,31 @@ class Hint:
         return f"{self.reason}: --unit {self.target}={self.unit}?" if self.unit else self.reason
 
 
-def unit_hints(recording: Recording, surveys: Sequence[ChannelSurvey]) -> tuple[Hint, ...]:
+def unit_hints(recording: Recording, surveys: Sequence[ChannelSurvey] | None = None) -> tuple[Hint, ...]:
     """Return a hint for each group, or unnamed channel, whose unit nobody said.
 
     Parameters
     ----------
     recording : Recording
         As read.
-    surveys : sequence of ChannelSurvey
-        Of its channels, in order.
+    surveys : sequence of ChannelSurvey, optional
+        Of its channels, in order; by default they are surveyed where a hint needs it.
     """
     hints: list[Hint] = []
-    pairs = list(zip(recording.channels, surveys, strict=True))
+    unsaid = [i for i, channel in enumerate(recording.channels) if channel.unit is None]
+
+    def survey(i: int) -> ChannelSurvey:
+        return survey_channel(recording.channels[i]) if surveys is None else surveys[i]
+
     for group in ("gyro", "acc", "temperature"):
-        members = [(c, s) for c, s in pairs if c.quantity == group and c.unit is None]
+        members = [i for i in unsaid if recording.channels[i].quantity == group]
         if members:
-            hints.append(_group_hint(group, [c for c, _ in members], [s for _, s in members]))
-    for channel, survey in pairs:
-        if channel.unit is None and channel.quantity == "" and (channel.axis or UNNAMED.fullmatch(channel.name)):
-            hints += _unnamed_hint(survey)
+            hints.append(_group_hint(group, [recording.channels[i] for i in members], [survey(i) for i in members]))
+    for i in unsaid:
+        channel = recording.channels[i]
+        if channel.quantity == "" and (channel.axis or UNNAMED.fullmatch(channel.name)):
+            step = resolution_of_values(channel.data) if surveys is None else surveys[i].resolution
+            hints += _unnamed_hint(survey(i)) if step else []
     return tuple(hints)
 
 
@@ -283,10 +289,9 @@ def _temperature(surveys: Sequence[ChannelSurvey]) -> Hint | None:
 
 
 def _unnamed_hint(survey: ChannelSurvey) -> list[Hint]:
-    """Hint for a channel whose name says nothing."""
-    if survey.resolution is not None:
-        found = _sensor(survey.resolution, GYRO_STEPS)
-        if found:
-            return [Hint(survey.name, "deg/s", f"step {survey.resolution:.6g}, as {found}")]
+    """Hint for a channel with a step whose name says nothing."""
+    found = _sensor(survey.resolution or 0.0, GYRO_STEPS)
+    if found:
+        return [Hint(survey.name, "deg/s", f"step {survey.resolution:.6g}, as {found}")]
     counts = _counts(survey.name, [survey])
-    return [counts] if counts and survey.resolution else []
+    return [counts] if counts else []

@@ -16,7 +16,7 @@ from ...core.key import AXES
 from ...core.recording import Channel
 from ...core.remarks import Remark
 from ...core.units import divide, kind, normalise, parse_quantity, si_unit
-from ...files.info.channel_survey import survey_channel, unit_hints
+from ...files.info.channel_survey import unit_hints
 from ..given import (
     KIND_OF_UNIT,
     Described,
@@ -191,7 +191,7 @@ def _without_unit(given: GivenFile, taken: Sequence[_Taken]) -> list[Remark]:
     missing = [one.channel for one in taken if one.kind == "other" and not one.unit]
     if missing:
         part = replace(given.recording, channels=tuple(missing))
-        hints = unit_hints(part, [survey_channel(one) for one in missing])
+        hints = unit_hints(part)
         seen = {hint.target: hint for hint in hints if hint.unit}
         options = [
             f"{given.add('unit', f'{one}={seen[one].unit}')} ({seen[one].reason})"

@@ -8,7 +8,7 @@ from dataclasses import replace
 from ...core.campaign_text import Noted
 from ...core.recording import Channel, Recording
 from ...core.units import kind
-from ...files.info.channel_survey import survey_channel, unit_hints
+from ...files.info.channel_survey import unit_hints
 from ...files.info.motion import SHORT, accelerometers, any_accelerometers, gyros
 from ...files.info.survey import Survey
 from ..suggestions import Claim, Draft, FolderFile, Strength, Suggestion, channel_tables, recording_table, sensor_table
@@ -61,7 +61,7 @@ def _entry(sensor: str, file: str, recording: Recording, channels: Mapping[str, 
     sure = all(c.axis for c in channels.values())
     said = [] if sure else ["the axes are taken in the order of the columns"]
     bare = [c for c in channels.values() if not c.unit]
-    hints = unit_hints(replace(recording, channels=tuple(bare)), [survey_channel(c) for c in bare])
+    hints = unit_hints(replace(recording, channels=tuple(bare)))
     said += [f"the numbers suggest {one.unit}: {one.reason}" for one in hints if one.unit]
     table = recording_table(sensor, file, recording, channel_tables(channels, sure))
     return Noted(table, above=f"Please confirm: {'; '.join(said)}" if said else "")

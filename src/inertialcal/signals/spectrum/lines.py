@@ -308,10 +308,10 @@ def _windows(spectrum: Spectrum) -> Callable[[Array], Array]:
     half = np.where((half >= fewest) & (8 * fewest <= n), half, 0)  # half of a short spectrum is no neighbourhood
     high = np.minimum(at + half, n - 1)
     low = np.maximum(high - 2 * half, 0)
+    stop, own_stop, own_low = high + 1, np.minimum(at + guard, high) + 1, np.maximum(at - guard, low)
 
     def summed(values: Array) -> Array:
         running = np.concatenate(([0.0], np.cumsum(values)))
-        own = running[np.minimum(at + guard, high) + 1] - running[np.maximum(at - guard, low)]
-        return np.asarray(running[high + 1] - running[low] - own)
+        return np.asarray(running[stop] - running[low] - (running[own_stop] - running[own_low]))
 
     return summed

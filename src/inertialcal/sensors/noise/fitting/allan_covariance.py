@@ -103,15 +103,16 @@ class Lags:
     @cached_property
     def cubic(self) -> Array:
         """Of its cube: of large ones little is left."""
-        return self.differences(lambda j: j * j * j, np.longdouble)
+        return self.differences(lambda j: j * j * j, extended=True)
 
     @cached_property
     def flicker(self) -> Array:
         """Of its square times its logarithm."""
         return self.differences(lambda j: j * j * np.log(np.where(j > 0.0, j, 1.0)))
 
-    def differences(self, function: Callable[[Array], Array], number: type[np.floating[Any]] = np.float64) -> Array:
-        """Return the weighted sum of a function of the nine lags, shape (t,), taken in numbers of a kind."""
+    def differences(self, function: Callable[[Array], Array], extended: bool = False) -> Array:
+        """Return the weighted sum of a function of the nine lags, shape (t,), in extended precision where wanted."""
+        number: type[np.floating[Any]] = np.longdouble if extended else np.float64
         distance, m1, m2 = (one.astype(number) for one in (self.distance, self.m1, self.m2))
         total = np.zeros_like(distance)
         for a, b, factor in LAGS:
