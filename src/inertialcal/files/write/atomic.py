@@ -12,7 +12,6 @@ import re
 import secrets
 import shutil
 import stat
-import sys
 import time
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -28,7 +27,6 @@ except ImportError:  # no locks: folders of other processes are left alone
 
 PART = re.compile(r"\.inertialcal-[0-9a-f]{16}\.part")
 POLL = 0.02  # [s] between two looks at a lock
-BINARY = getattr(os, "O_BINARY", 0)  # Windows ends lines of its own where this is not said
 NO_FOLDER_SYNC = errno.EINVAL, errno.EOPNOTSUPP, errno.ENOTSUP  # file systems that cannot flush a folder
 
 
@@ -243,7 +241,7 @@ def lock_folder(folder: Path, wait: float = 0.0) -> int:
 
 def write_new(path: Path, data: bytes) -> None:
     """Write a file that was not there, down to the disk; no link is followed."""
-    handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | BINARY, 0o666)
+    handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
     try:
         rest = memoryview(data)
         while rest:
@@ -254,11 +252,8 @@ def write_new(path: Path, data: bytes) -> None:
 
 
 def sync(path: Path) -> None:
-    """Bring a file or the names in a folder to the disk; Windows opens no folder, and flushes what may be written."""
-    windows = sys.platform == "win32"
-    if windows and path.is_dir():
-        return
-    handle = os.open(path, os.O_RDWR if windows else os.O_RDONLY)
+    """Bring a file or the names in a folder down to the disk."""
+    handle = os.open(path, os.O_RDONLY)
     try:
         os.fsync(handle)
     except OSError as error:
