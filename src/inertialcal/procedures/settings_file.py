@@ -134,4 +134,4 @@ def write_starter(path: Path, kind: type[object], active: Collection[str], head:
     if path.exists():
         raise StoreError("the file exists", where=str(path), do="Name another file", code="not_written")
     with atomic_write(path, ()) as aside:
-        aside.write_text(starter(kind, active, head), encoding="utf-8")
+        aside.write_text(starter(kind, active, head), encoding="utf-8", newline="\n")

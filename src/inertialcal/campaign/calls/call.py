@@ -506,7 +506,9 @@ def write_campaign(document: Document, files: Files, folder: Path) -> Path:
             if "model" in chain:
                 sensor["chain"] = {**chain, "model": place(chain["model"])}
         with atomic_write(path, new=True) as aside:
-            aside.write_text(toml_text({**document, "sensors": sensors, "recordings": recordings}), encoding="utf-8")
+            aside.write_text(
+                toml_text({**document, "sensors": sensors, "recordings": recordings}), encoding="utf-8", newline="\n"
+            )
         interruption.note(folder)
     except OSError as error:
         raise StoreError(f"cannot write {folder}: {error.strerror}", code="not_writable") from None

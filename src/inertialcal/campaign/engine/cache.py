@@ -128,7 +128,7 @@ class Contents:
         try:
             if path.is_dir():
                 inside = sorted(one for one in path.rglob("*") if not one.is_dir())
-                members = [(str(one.relative_to(path)), file_digest(one, follow=True)) for one in inside]
+                members = [(one.relative_to(path).as_posix(), file_digest(one, follow=True)) for one in inside]
                 return sha256(json.dumps(members).encode()).hexdigest() if all(one for _, one in members) else UNKNOWN
             if not path.exists():
                 return MISSING
@@ -213,7 +213,7 @@ class Cache:
         try:
             if not os.path.lexists(self.place):
                 self.place.mkdir()
-                (self.place / TAG).write_text(ABOUT, encoding="utf-8")
+                (self.place / TAG).write_text(ABOUT, encoding="utf-8", newline="\n")
             if not self.is_ours:
                 return
             try:

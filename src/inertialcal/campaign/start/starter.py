@@ -106,7 +106,7 @@ def start(folder: str | Path, sensor: str = "", told: Told | None = None) -> tup
         what = f"{published.item.part} is {article} {published.kind}: no recording here is of one"
         remarks.append(Remark("not_taken", "warning", what, do="Add its recordings"))
     with atomic_write(path, new=True) as aside:
-        aside.write_text(text, encoding="utf-8")
+        aside.write_text(text, encoding="utf-8", newline="\n")
     lines = [number for number, line in enumerate(text.splitlines(), 1) if line.rstrip().endswith(MARK)]
     return path, lines, tuple(remarks)
 

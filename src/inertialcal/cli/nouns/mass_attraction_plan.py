@@ -119,7 +119,7 @@ def _build(path: Path, found: MassPlan) -> list[str]:
     for one in [path / "cubes.csv", path / "cubes.pdf"] if folder else [path]:
         if one.suffix.lower() == ".csv":
             with atomic_write(one, inputs) as aside:
-                aside.write_text(cubes.csv(notes), encoding="utf-8")
+                aside.write_text(cubes.csv(notes), encoding="utf-8", newline="\n")
         else:
             write_build(one, cubes, "Source mass of a mass-attraction test", inputs)
         written.append(clean(f"written: {one} ({items(len(cubes), 'cube')})"))

@@ -162,7 +162,7 @@ def write_folder(folder: Path, found: Reduced, texts: Mapping[str, str], only: s
     for name, content in texts.items():
         written.append(folder / name)
         with atomic_write(written[-1], found.inputs) as new:
-            new.write_text(content, encoding="utf-8")
+            new.write_text(content, encoding="utf-8", newline="\n")
     return [clean(str(path)) for path in written]
 
 

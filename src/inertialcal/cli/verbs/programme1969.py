@@ -99,6 +99,6 @@ def _write(folder: Path, found: Deck1969, deck: Path) -> list[str]:
     written = []
     for curve in found.curves():
         with atomic_write(folder / f"{curve.name}.csv", [deck]) as path:
-            path.write_text(curve_csv(curve.to_dict()), encoding="utf-8")
+            path.write_text(curve_csv(curve.to_dict()), encoding="utf-8", newline="\n")
         written.append(str(folder / f"{curve.name}.csv"))
     return written

@@ -27,6 +27,8 @@ except ImportError:  # no locks: folders of other processes are left alone
 
 PART = re.compile(r"\.inertialcal-[0-9a-f]{16}\.part")
 POLL = 0.02  # [s] between two looks at a lock
+WINDOWS = os.name == "nt"  # what differs there, and how it is tried here: tests/files/write/test_windows.py
+BINARY = getattr(os, "O_BINARY", 0)  # Windows: without it a line feed is written as two bytes
 NO_FOLDER_SYNC = errno.EINVAL, errno.EOPNOTSUPP, errno.ENOTSUP  # file systems that cannot flush a folder
 
 
@@ -144,6 +146,10 @@ def write_folder(target: Path, files: Mapping[str, bytes]) -> None:
             for path in [*inside.rglob("*"), inside]:
                 sync(path)
             with interruption.held():
+                if (
+                    WINDOWS and target.is_dir()
+                ):  # a name that is taken is not given again, not even that of an empty folder
+                    target.rmdir()
                 inside.rename(target)
                 interruption.note(target)
                 sync(target.parent)
@@ -241,7 +247,7 @@ def lock_folder(folder: Path, wait: float = 0.0) -> int:
 
 def write_new(path: Path, data: bytes) -> None:
     """Write a file that was not there, down to the disk; no link is followed."""
-    handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+    handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | BINARY, 0o666)
     try:
         rest = memoryview(data)
         while rest:
@@ -252,8 +258,12 @@ def write_new(path: Path, data: bytes) -> None:
 
 
 def sync(path: Path) -> None:
-    """Bring a file or the names in a folder down to the disk."""
-    handle = os.open(path, os.O_RDONLY)
+    """Bring a file or the names in a folder down to the disk; Windows has no way to do so for a folder."""
+    if WINDOWS and path.is_dir():
+        return
+    handle = os.open(
+        path, os.O_RDWR | BINARY if WINDOWS else os.O_RDONLY
+    )  # there, what may not be written is not flushed
     try:
         os.fsync(handle)
     except OSError as error:

@@ -36,7 +36,7 @@ from typing import Any
 
 from ...core.errors import StoreError
 from ...core.interruption import interruption
-from .atomic import lock_folder, remove_unfinished, sync, work_folder, write_new
+from .atomic import BINARY, lock_folder, remove_unfinished, sync, work_folder, write_new
 
 MANIFEST = "SHA256SUMS"
 ROOM = re.compile(r"kept-\d+")  # folder for what gave way
@@ -113,7 +113,7 @@ def _opened(path: Path, follow: bool = False) -> Iterator[int]:
     OSError
         If it is something else.
     """
-    flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | (0 if follow else getattr(os, "O_NOFOLLOW", 0))
+    flags = os.O_RDONLY | BINARY | getattr(os, "O_NONBLOCK", 0) | (0 if follow else getattr(os, "O_NOFOLLOW", 0))
     handle = os.open(path, flags)
     try:
         if not stat.S_ISREG(os.fstat(handle).st_mode):

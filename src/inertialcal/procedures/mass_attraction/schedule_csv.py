@@ -58,7 +58,7 @@ def write_schedule(
     if Path(path).is_dir():
         raise StoreError("cannot be written: it is a folder", where=str(path), do="Name a file", code="not_written")
     with atomic_write(path, inputs) as aside:
-        aside.write_text(schedule.csv(notes or {}), encoding="utf-8")
+        aside.write_text(schedule.csv(notes or {}), encoding="utf-8", newline="\n")
 
 
 def read_schedule(path: str | Path) -> Schedule:
