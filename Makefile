@@ -10,7 +10,7 @@ PIP := $(BIN)/python -m pip install --quiet --no-compile
 # Compiled modules are kept: the next process, and every command that a test starts, need not compile them again.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo test slow long coverage power mutants fuzz torture gate check bench validation docs release pins clean
+.PHONY: demo test slow long coverage power mutants fuzz torture gate check bench validation docs release keep pins clean
 
 demo: $(INSTALLED)  ## a simulated suite of rate sensors: built, run, scored
 	$(BIN)/inertialcal demo
@@ -70,6 +70,9 @@ docs: $(READY)
 
 release: $(READY)  ## build, check, install into an empty environment, try; TAG=--tag sets the tag of this version, INERTIALCAL_HOME=URL the links
 	$(BIN)/python packaging/release.py $(TAG)
+
+keep: $(READY)  ## files of this version, which every later one must read: tests/kept/VERSION, before its tag
+	PYTHONPATH=tests:tests/campaign/certificate $(BIN)/python tests/kept/add_release.py
 
 $(INSTALLED): requirements-run.txt pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit("inertialcal needs Python 3.11 or newer; this is " + sys.version.split()[0] + ". Try: make PYTHON=python3.11") if sys.version_info < (3, 11) else None'

@@ -247,6 +247,7 @@ def test_tests_mirror_the_tree() -> None:
             *ORDER,
             "docs",
             "independent",
+            "kept",
             "speed",
             "newcomers",
             "plugin",
