@@ -610,8 +610,8 @@ CAMPAIGNS = (
     ),
     Case(
         "Name another folder: inertialcal demo {} -o FOLDER. To run what is there: inertialcal run {}",
-        "simulate still_gyro -o clash-sams1996 ; demo sams1996 -o clash",
-        "run clash-sams1996 ; demo sams1996 -o no_clash",
+        "simulate still_gyro -o clash ; demo sams1996 -o clash",
+        "run clash ; demo sams1996 -o no_clash",
         "done",
     ),
     Case(

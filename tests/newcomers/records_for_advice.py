@@ -371,7 +371,7 @@ def _campaigns(folder: Path) -> None:
         ("shared_1", f"{CAMPAIGN}{STANDARD}", dwells),
         ("shared_2", f"{CAMPAIGN}{STANDARD}".replace('"advised"', '"again"'), "\n".join(again) + "\n"),
         ("empty", "", dwells),
-        ("taken-sams1996", None, dwells),
+        ("taken", None, dwells),
         ("tables_alone", None, dwells),
     ):
         (folder / name).mkdir()

@@ -205,8 +205,8 @@ def test_a_file_that_two_tests_read_differently_is_refused(campaign: Write, monk
     read, path = read_table, folder / "one.csv"
     text = path.read_text()
 
-    def reading(given: Any) -> Any:
-        found = read(given)
+    def reading(given: Any, **said: Any) -> Any:
+        found = read(given, **said)
         path.write_text(text if path.read_text() != text else f"{text}4.0,4.05,0.004,2,6\n")  # and back again
         return found
 
