@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import warnings
 from importlib.metadata import version
 
-import harmonica
 import numpy as np
 from scipy.signal import welch
 
@@ -36,6 +36,9 @@ def _line(what: str, peer: str, own: np.ndarray, theirs: np.ndarray, allowed: fl
 
 
 def _prisms() -> Line:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of libraries behind it, when they are compiled for the first time
+        import harmonica  # noqa: PLC0415
     rng = np.random.default_rng(1)
     low, density = rng.uniform(-1.0, 1.0, (20, 3)), rng.uniform(1e3, 8e3, 20)
     high, points = low + rng.uniform(0.2, 1.0, (20, 3)), rng.uniform(-3.0, 3.0, (2000, 3))
