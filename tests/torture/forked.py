@@ -34,7 +34,7 @@ KILLED = 90.0  # a command that takes longer, by the clock, is killed [s]
 WAITING = 0.1  # of the clock: one that works less than this waits for something
 OWN = 250.0  # that a process of its own has when everything is imported [MiB]
 LARGEST = 2**30  # peak of memory, and three times the input more [bytes]
-CEILING = 6 * 2**30  # of addresses: so that a bomb does not take the machine [bytes]
+BEYOND = 5 * 2**30  # of addresses, more than the process has that was doubled: a bomb does not take the machine [bytes]
 STATUSES = frozenset({0, 1, 2, 3, 4, 130})
 ANSWERED = frozenset({0, 1, 4})
 # Codes of refusals that say: the bytes or the syntax are not those of the format. All others come after the parser.
@@ -168,7 +168,9 @@ def _command(words: Sequence[str], folder: Path, aside: Path, process: Process |
             warnings.simplefilter("ignore", hidden)  # as Python does
         os.environ |= {"TMPDIR": str(aside / "tmp"), "COLUMNS": "100", "HOME": str(aside)}
         tempfile.tempdir = None
-        resource.setrlimit(resource.RLIMIT_AS, (CEILING, CEILING))
+        with open("/proc/self/statm", encoding="ascii") as stream:
+            ceiling = int(stream.read().split()[0]) * resource.getpagesize() + BEYOND
+        resource.setrlimit(resource.RLIMIT_AS, (ceiling, ceiling))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         if process is not None:
             _become(words, process)
