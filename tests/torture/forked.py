@@ -168,8 +168,8 @@ def _command(words: Sequence[str], folder: Path, aside: Path, process: Process |
             warnings.simplefilter("ignore", hidden)  # as Python does
         os.environ |= {"TMPDIR": str(aside / "tmp"), "COLUMNS": "100", "HOME": str(aside)}
         tempfile.tempdir = None
-        with open("/proc/self/statm", encoding="ascii") as stream:
-            ceiling = int(stream.read().split()[0]) * resource.getpagesize() + BEYOND
+        pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+        ceiling = pages * resource.getpagesize() + BEYOND
         resource.setrlimit(resource.RLIMIT_AS, (ceiling, ceiling))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         if process is not None:
