@@ -124,8 +124,9 @@ def _as_named(recording: Recording) -> Recording:
     for i, one in enumerate(channels):
         if not one.axis and not one.quantity:
             said = heading(one.name, one.unit)
-            unit_from = one.unit_from or ("header" if said.unit else "")
-            channels[i] = replace(one, axis=said.axis, quantity=said.quantity, unit=said.unit, unit_from=unit_from)
+            channels[i] = replace(one, axis=said.axis, quantity=said.quantity)
+            if one.unit is None and said.unit is not None:
+                channels[i] = replace(channels[i], unit=said.unit, unit_from="header")
     return replace(recording, channels=tuple(channels))
 
 

@@ -91,3 +91,11 @@ def test_a_channel_made_in_memory_is_what_its_name_says(tmp_path: Path, unit: st
     of_memory, of_file = ic.allan(made), ic.allan(str(path), sample_rate=10.0)
     assert {row.axis for row in of_memory.rows if row.axis} == {"y"}
     assert [(r.quantity, r.value, r.u) for r in of_memory.rows] == [(r.quantity, r.value, r.u) for r in of_file.rows]
+
+
+def test_a_unit_that_nobody_knows_is_refused_by_its_name_not_dropped() -> None:
+    made = ic.Recording(
+        (ic.Channel("gyro_x", np.random.default_rng(3).normal(size=300), "furlong"),), sample_interval=0.1
+    )
+    with pytest.raises(ic.InertialcalError, match="furlong"):
+        ic.allan(made)
