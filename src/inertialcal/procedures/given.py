@@ -128,7 +128,7 @@ class GivenFile:
     read, read_rows : callable
         The recording; its rows as a table.
     has_rows : bool
-        It is a file, which has rows; no recording in memory, no folder of a bag.
+        It is a file, which has rows.
     options : bool
         The caller types options, not arguments of Python.
     number : int

@@ -301,9 +301,8 @@ def call(
     given_files: list[GivenFile] = []
     for number, one in enumerate([*names, *held], 1):
         own = partial(files.read, one), partial(files.table, one)
-        has_rows = one not in files.held and not Path(one).is_dir()
         given_files.append(
-            GivenFile(one, said, parts["own"], parts["plan"], *own, has_rows=has_rows,
+            GivenFile(one, said, parts["own"], parts["plan"], *own, has_rows=one not in files.held,
                       options=options, number=number, together=given_files, label=labels.get(one, ""))
         )  # fmt: skip
     plan, _ = _settings(procedure.plan_type, parts["plan"], options)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -50,6 +51,7 @@ def described(given: GivenFile) -> Described:
     UsageError
         If it is not clear which column is what, in which unit, or which axis was turned.
     """
+    given = replace(given, has_rows=given.has_rows and not Path(given.name).is_dir())  # a bag in a folder has none
     names = guess(given.table) if given.has_rows else guess_channels(given.recording.channels)
     given = _with_columns(given)
     applied = _full(given, given.own.get("applied")) or names.applied
