@@ -7,6 +7,8 @@ INSTALLED := $(VENV)/installed
 READY := $(VENV)/ready
 # Modules are compiled when they are first imported: most of those that are installed never are.
 PIP := $(BIN)/python -m pip install --quiet --no-compile
+# Half of what is unpacked are two packages: they are unpacked beside the others. The pins are complete.
+PINNED := $(PIP) --no-deps --require-hashes -r
 # Compiled modules are kept: the next process, and every command that a test starts, need not compile them again.
 export PYTHONDONTWRITEBYTECODE :=
 
@@ -77,7 +79,8 @@ keep: $(READY)  ## files of this version, which every later one must read: tests
 $(INSTALLED): requirements-run.txt pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit("inertialcal needs Python 3.11 or newer; this is " + sys.version.split()[0] + ". Try: make PYTHON=python3.11") if sys.version_info < (3, 11) else None'
 	$(PYTHON) -m venv $(VENV)
-	$(PIP) --require-hashes -r requirements-run.txt
+	awk '/^[a-z]/ {to = "$(VENV)/" ($$1 ~ /^(llvmlite|scipy)==/ ? "large" : "others")} {print > to}' requirements-run.txt
+	$(PINNED) $(VENV)/large & $(PINNED) $(VENV)/others && wait $$!
 	$(PIP) --no-deps --no-build-isolation -e .
 	touch $(INSTALLED)
 
