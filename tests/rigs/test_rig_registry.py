@@ -17,7 +17,7 @@ from inertialcal.rigs.protocol import Rig
 from inertialcal.rigs.twin import Twin
 
 HEAVY = ("numpy", "scipy", "numba", "pydantic", "matplotlib")
-MANUAL = (Path(__file__).parents[2] / "docs" / "python.md").read_text(encoding="utf-8")
+MANUAL = (Path(__file__).parents[2] / "docs" / "howto" / "own_parts.md").read_text(encoding="utf-8")
 TOY = MANUAL.partition("## A rig of your own")[2].partition("```python\n")[2].partition("```")[0]
 SESSION = """
 import sys
