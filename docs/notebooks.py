@@ -92,7 +92,80 @@ rates = ic.compensate(model, readings, sample_rate=1.0, units=dict.fromkeys("xyz
 rates""",
     ),
 ]
-NOTEBOOKS = {"first_calibration": FIRST}
+NOISE = [
+    (
+        "markdown",
+        """# Noise of a gyro, from a record to a filter
+
+A sensor at rest says how far its readings can be averaged, and which numbers a filter needs. The record is made
+here, so that the truth is known: white noise, and a bias that wanders.""",
+    ),
+    (
+        "code",
+        """%matplotlib inline
+import numpy as np
+
+import inertialcal as ic
+from inertialcal.procedures.static_noise.filters import filter_block
+
+draw = np.random.default_rng(1)
+rate, n = 10.0, 200_000  # Hz, samples: five and a half hours
+white, walk = 0.003, 1e-5  # deg/s/sqrt(Hz), deg/s/sqrt(s)
+still = white * np.sqrt(rate) * draw.standard_normal(n)
+still += np.cumsum(walk / np.sqrt(rate) * draw.standard_normal(n))""",
+    ),
+    (
+        "markdown",
+        """## The terms
+
+Each term that the record shows has an uncertainty and a 95 % interval. A term that it does not show has an
+upper limit or a reason, never a number read off a slope.""",
+    ),
+    ("code", 'found = ic.allan(still, sample_rate=rate, units="deg/s")\nfound'),
+    ("code", "ic.plot(found);"),
+    (
+        "markdown",
+        """## Against the truth
+
+Angle random walk is white noise in the units of data sheets: deg/s/sqrt(Hz) times 60 is deg/sqrt(h). The walk
+of the bias is rate random walk, in deg/s/sqrt(s).""",
+    ),
+    (
+        "code",
+        """truth = {"angle_random_walk": 60 * white, "rate_random_walk": walk * 60 * 3600}
+for row in found.rows:
+    if row.quantity in truth and row.method == "result":
+        held = row.interval.lo <= truth[row.quantity] <= row.interval.hi
+        print(f"{row.quantity}: {row.value:.3g} ± {row.u:.2g} {row.unit}; truth {truth[row.quantity]:.3g},", held)""",
+    ),
+    (
+        "markdown",
+        "## The spectrum\n\nThe same noise by frequency: lines of a motor or the mains would stand out here.",
+    ),
+    ("code", 'ic.plot(ic.psd(still, sample_rate=rate, units="deg/s"));'),
+    (
+        "markdown",
+        """## Numbers for a filter
+
+In the units and the convention of the program that reads them, here Kalibr. What the record cannot give is said in
+the block itself.""",
+    ),
+    ("code", 'print(filter_block(found, "kalibr").text)'),
+    (
+        "markdown",
+        """## A record that is too short
+
+Ten minutes cannot tell how the bias wanders. A fit would give a number all the same; this is what comes out here.""",
+    ),
+    (
+        "code",
+        """short = ic.allan(still[:6000], sample_rate=rate, units="deg/s")
+for row in short.rows:
+    if row.quantity in truth and row.method == "result":
+        print(f"{row.quantity}: {row.status}, {row.value:.2g} {row.unit}", row.reason)""",
+    ),
+]
+NOTEBOOKS = {"first_calibration": FIRST, "noise": NOISE}
 
 
 def executed(cells: list[tuple[str, str]]) -> Any:

@@ -60,6 +60,13 @@ def test_the_figure_is_chosen_by_name(found: Any) -> None:
     assert ic.plot(found.result, figure="input_output")[1].get_xlabel() == "applied [rad/s]"
 
 
+def test_a_spectrum_that_was_asked_for_is_drawn_as_one() -> None:
+    still = np.random.default_rng(1).standard_normal(20_000)
+    noise = {word: getattr(ic, word)(still, sample_rate=10.0, units="deg/s") for word in ("allan", "psd")}
+    assert ic.plot(noise["psd"]).get_xlabel() == "frequency [Hz]"
+    assert ic.plot(noise["psd"], figure="allan").get_xlabel() == ic.plot(noise["allan"]).get_xlabel()
+
+
 def test_a_campaign_or_its_results_give_the_same_figure() -> None:
     curve = {
         "name": "compensated", "test": "model", "axis": "x",

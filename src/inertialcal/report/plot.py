@@ -61,7 +61,7 @@ def plot(
         Which: ``"compensated"``, ``"input_output"``, ``"rate_error"``, ``"dwells"``, ``"side_by_side"``, ``"flip"``,
         ``"sine"``, ``"allan"``, ``"spectrum"``, ``"mass_body"``, ``"mass_field"``, ``"mass_growth"``,
         ``"cube_as_point"``, ``"mass_forecast"``, ``"matrix"``, ``"budget"``;
-        by default the first of these that the result has data for.
+        by default that of the call (of ``psd`` the spectrum), else the first of these that the result has data for.
     test, axis : str, optional
         Of which test and axis of a campaign; by default the first.
 
@@ -117,7 +117,8 @@ def pictures(
         raise UsageError(f"no figure {figure!r}", do=f"There are: {', '.join(every)}", code="unknown_name")
     content = _content(result)
     there = {name: found for name, kind in every.items() if (found := kind.pictures(content))}
-    for name in (figure,) if figure else every:
+    first = getattr(result, "first_figure", "")
+    for name in (figure,) if figure else (first, *every):
         chosen = [one for one in there.get(name, []) if _is_of(one, test, axis)]
         if chosen:
             return chosen

@@ -148,6 +148,11 @@ class Reduced:
         """0, or 4 where the figures may not hold."""
         return EXIT["INCONCLUSIVE"] if self.errors else 0
 
+    @property
+    def first_figure(self) -> str:
+        """Name of the figure that the command draws; empty where it is the first that there are data for."""
+        return next((one.figure for one in procedure_of(self.procedure).commands if one.word == self.word), "")
+
     @cached_property
     def results(self) -> dict[str, Any]:
         """Content of ``results.json``."""
