@@ -22,7 +22,7 @@ def results(verdicts: list[dict[str, Any]], word: str, loops: list[dict[str, Any
     rows = [{"requirement": "R1", "text": "bias small", "verdict": word}]
     rows += [{"requirement": "closed loop", "text": "better", "verdict": loops[0]["verdict"]}] if loops else []
     loop = {"verdict": "PASS", "reason": "", "axes": loops or [], "over_temperature": []}
-    return {"verification": rows, "verdicts": verdicts, "closed_loop": loop, "verdict": word}
+    return {"verification": rows, "verdicts": verdicts, "closed_loop": loop, "verdict": word, "remarks": []}
 
 
 def test_a_line_shows_the_place_that_decides() -> None:
@@ -96,3 +96,11 @@ def test_a_table_ends_with_the_verdict_on_all_and_steers_no_terminal() -> None:
     assert text.splitlines()[-1] == "overall: INCONCLUSIVE"
     assert "\x1b" not in text
     assert requirement_table({"verification": [], "verdicts": [], "verdict": None}) == ""
+
+
+def test_an_error_that_alone_leaves_the_verdict_open_is_named_below_it() -> None:
+    passed = results([verdict("PASS", 0.0, 0.05)], "PASS")
+    error = {"severity": "error", "what": "recording b: a copy of a"}
+    assert requirement_table(passed | {"remarks": [error]}).endswith("overall: PASS")
+    left_open = passed | {"remarks": [error], "verdict": "INCONCLUSIVE"}
+    assert requirement_table(left_open).endswith("overall: INCONCLUSIVE\n  in doubt: recording b: a copy of a")

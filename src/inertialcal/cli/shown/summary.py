@@ -139,11 +139,17 @@ def verdicts_text(results: Mapping[str, Any]) -> str:
 
 
 def requirement_table(results: Mapping[str, Any]) -> str:
-    """Return a line a requirement, raw and compensated: what was asked for, what was found, and the verdict on all."""
+    """Return a line a requirement, raw and compensated: what was asked for, what was found, and the verdict on all.
+
+    Where no line says why the verdict on all is INCONCLUSIVE, a last one names the error that leaves it open.
+    """
     cells = [cleaned(one.cells) for one in requirement_lines(results)]
     if not cells:
         return ""
     heads, last = HEADS, f"overall: {results['verdict']}"
+    errors = [one["what"] for one in results["remarks"] if one["severity"] == "error"]
+    if errors and results["verdict"] not in {word for *_, word in cells}:
+        last += "\n" + wrapped(f"  in doubt: {clean(errors[0])}", "    ")
     rest = sum(2 + max(len(row[i]) for row in [heads, *cells]) for i in range(1, len(heads)))
     rows = []
     for name, *others in cells:
