@@ -159,9 +159,9 @@ COMPENSATED = (
         "noise 0.02",
     ),
     Case(
-        "Add --sample-rate, that of the readings that the filter takes",
+        "Add --filter-rate, that of the readings that the filter takes",
         "filter noisy.json --vibration vibration.csv --unit acc=g",
-        "+ --sample-rate 50",
+        "+ --filter-rate 50",
         "noise 0.02",
     ),
     Case(

@@ -45,7 +45,7 @@ class Said:
     """What every noun can be told of its recordings, their sensor, the site and the standards."""
 
     columns: Mapping[str, str] = setting(
-        "Column of a channel: x=COLUMN, temperature=COLUMN. By default, the names decide.",
+        "Column of a channel: x=COLUMN, temperature=COLUMN; or a column to take. By default, the names decide.",
         dict[str, str], example="x=wx", option="column",
     )  # fmt: skip
     units: Mapping[str, str] = setting(
@@ -109,6 +109,11 @@ class Said:
     like: str | None = setting(
         "Campaign folder: sensor, chain, channels, site, standards and plan as it has them for such a file.", None
     )
+
+
+# Settings that say how a file is read: every command that reads recordings has them, from here.
+READING = ("columns", "units", "sample_rate", "time_column", "start", "stop", "mission_start", "frame", "decimal",
+           "skip", "dates", "topics")  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)

@@ -102,11 +102,11 @@ def test_vibration_from_a_recording(capsys: pytest.CaptureFixture[str], files: P
         "--vibration",
         str(files / "shaken.csv"),
     )
-    content = call_json(capsys, *given, "--sample-rate", "200 Hz", "--rectification", "10 ug/g^2")
+    content = call_json(capsys, *given, "--filter-rate", "200 Hz", "--rectification", "10 ug/g^2")
     lines = {one["source"]: one["size"] for one in content["budgets"][0]["lines"]}
     assert lines["vibration folded back"] == pytest.approx([np.sqrt(8.0 / 200.0)] * 3, rel=0.01)
     assert lines["rectified vibration"] == pytest.approx([10e-6 * 9.80665 * 8.0 / 9.80665**2] * 3, rel=0.01)
-    slow = call_json(capsys, *given, "--sample-rate", "2 kHz")
+    slow = call_json(capsys, *given, "--filter-rate", "2 kHz")
     assert "vibration_too_slow" in {one["code"] for one in slow["remarks"]}
 
 

@@ -62,10 +62,10 @@ def test_a_weak_half_of_a_spectrum_beside_a_strong_line_keeps_its_digits() -> No
 
 
 def test_kernels_without_the_compiler() -> None:
-    pair, power, plain = np.empty(6), np.ones(3), cast("Any", kernels)
+    pair, power, plain = np.zeros((2, 6)), np.ones((2, 2)), cast("Any", kernels)
     plain.fill_pair.py_func(
-        np.array([2.0, 3.0, 4.0]), np.arange(3.0), np.array([1.0, 0.5]), np.array([1.0, 2.0, 3.0]), pair
+        np.array([2.0, 3.0, 4.0, 5.0]), np.arange(4.0), np.array([1.0, 0.5]), np.array([1.0, 2.0, 3.0, 4.0]), pair
     )
-    assert pair.tolist() == [1.0, -0.5, 4.0, 1.0, 9.0, 4.5]
-    plain.add_power.py_func(pair.view(np.complex128), power)
-    assert power.tolist() == [2.25, 18.0, 1.0 + 81.0 + 20.25]
+    assert pair.tolist() == [[1.0, -0.5, 4.0, 1.0, 0.0, 0.0], [9.0, 4.5, 16.0, 10.0, 0.0, 0.0]]  # a row ends apart
+    plain.add_power.py_func(pair.view(np.complex128)[:, :2], power)
+    assert power.tolist() == [[2.25, 18.0], [1.0 + 81.0 + 20.25, 1.0 + 256.0 + 100.0]]

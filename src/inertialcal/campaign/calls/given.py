@@ -19,10 +19,11 @@ from ...core.units import kind, normalise
 from ...files import read, read_table
 from ...files.budget import ANALYSIS, AS_WIDE, STREAMED, claim_recording
 from ...files.info.describe import is_raw, overridden
-from ...files.memory import numbers_of, of_array, with_named_units
+from ...files.memory import numbers_of, of_array, the_only, with_named_units
 from ...files.source import load as load_file
+from ...files.text.headers import full_name, heading
 from ...files.text.table import Table
-from ...procedures.given import Said, bare
+from ...procedures.given import Said, bare, named_columns
 from ...procedures.protocol import InputSpec
 from ..file.recordings import RecordingEntry
 from ..inputs.sources import reading_of, table_of
@@ -38,6 +39,14 @@ def text_said(said: Said) -> dict[str, Any]:
     """Return what was said of a text, as `files.read` takes it."""
     given = {"decimal": said.decimal, "skip": said.skip, "dates": said.dates}
     return {name: value for name, value in given.items() if value is not None}
+
+
+def _reading(said: Said) -> dict[str, Any]:
+    """Return what was said of a file but its columns and units, as `files.read` takes it."""
+    return {
+        "sample_rate": said.sample_rate, "time_column": said.time_column, "start": said.start, "stop": said.stop,
+        "mission_start": said.mission_start, "frame": said.frame, "topics": said.topics or None, **text_said(said),
+    }  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,12 +76,7 @@ class Files:
         said = self.said
         if name in self.held and not any(value is not None for value in reading.values()):
             return self.held[name]
-        wanted: dict[str, Any] = {
-            "sample_rate": said.sample_rate, "time_column": said.time_column, "start": said.start, "stop": said.stop,
-            "mission_start": said.mission_start, "frame": said.frame, "topics": said.topics or None,
-            **text_said(said),
-        }  # fmt: skip
-        wanted |= {one: value for one, value in reading.items() if value is not None}
+        wanted = _reading(said) | {one: value for one, value in reading.items() if value is not None}
         if name not in self.held or self.read_as.get(name, wanted) != wanted:
             units = {key: unit for key, unit in _by_column(said).items() if key != unit}
             try:
@@ -149,6 +153,79 @@ def files_of(given: Given | Sequence[Given], said: Said, inputs: InputSpec | Non
     return names, files
 
 
+def read_as_said(given: Given, said: Said, *, whole: bool = False) -> Recording:
+    """Return one recording as was said: the columns that were named alone, each as what it was named for.
+
+    ``whole``: all of its columns, as the file has them.
+
+    Raises
+    ------
+    UsageError, DataError
+        As ``files.read``; ``duplicate_id`` where a column is named for two channels.
+    """
+    one, columns = the_only(given), {} if whole else said.columns
+    meant = {heading(what).quantity or _group(said) for what in columns}
+    units = {key: unit for key, unit in _by_column(said).items() if key != unit}
+    later = {key: units.pop(key) for key in list(units) if key in SENSORS and key in meant}
+    reading = _reading(said) if isinstance(one, str | os.PathLike) else {
+        name: getattr(said, name) for name in ("sample_rate", "start", "stop", "mission_start")}  # fmt: skip
+    found = _with_unit(read(one, units=units, **reading), bare(said.units), said.columns)
+    found = with_columns(found, columns, _group(said))
+    bare_ones = [one for one in found.channels if one.unit is None and one.quantity in later]
+    for channel in bare_ones:
+        found = found.with_unit([channel.name], normalise(later[channel.quantity]), "flag")
+    return found
+
+
+def with_columns(recording: Recording, columns: Mapping[str, str], group: str = "") -> Recording:
+    """Return a recording of the columns that are named, each as if its header said what it is named for.
+
+    ``group`` is the sensor of an axis that has no unit.
+
+    Raises
+    ------
+    DataError
+        ``wrong_column`` where there is no such column.
+    UsageError
+        ``duplicate_id`` where one is named for two channels.
+    """
+    full = named_columns(recording, columns)
+    channels = []
+    for what, name in full.items():
+        if others := [one for one, same in full.items() if same == name and one != what]:
+            twice = f"column {name!r} is given for {what} and {others[0]}"
+            raise UsageError(twice, recording.source.path, do="Each channel has its own column", code="duplicate_id")
+        channel = recording.channel(name)
+        if columns[what] != what:  # one given by its name alone is what its header says
+            meant = heading(what)
+            quantity = meant.quantity or channel.quantity or GROUPS.get(kind(channel.unit) if channel.unit else "", "")
+            quantity = quantity or (group if meant.axis else "")
+            channel = replace(channel, axis=meant.axis, quantity=quantity)
+        channels.append(channel)
+    return replace(recording, channels=tuple(channels)) if columns else recording
+
+
+def with_said_columns(recording: Recording, said: Said) -> Recording:
+    """Return a recording `with_columns` of those that were named and are there: of several files, each has its own."""
+    there = {what: name for what, name in said.columns.items() if full_name(recording.names, name)}
+    return with_columns(recording, there, _group(said))
+
+
+def _group(said: Said) -> str:
+    """Return the sensor whose unit was said; empty where that is not one."""
+    found = [one for one in SENSORS if one in said.units]
+    return found[0] if len(found) == 1 else ""
+
+
+def renamed(recording: Recording, columns: Mapping[str, str]) -> Recording:
+    """Return a recording `with_columns` whose channels are called what they were named for: ``gyro_x`` for ``x``."""
+    meant = {name: what for what, name in named_columns(recording, columns).items() if columns[what] != what}
+    names = {one.name: f"{one.quantity}_{what}" if (what := meant.get(one.name, "")) in AXES and one.quantity else what
+             for one in recording.channels}  # fmt: skip
+    channels = tuple(replace(one, name=names[one.name] or one.name) for one in recording.channels)
+    return replace(recording, channels=channels)
+
+
 def given_items(given: Given | Sequence[Given]) -> list[Given]:
     """Return what was given, one by one.
 
@@ -193,4 +270,4 @@ def _with_unit(recording: Recording, unit: str | None, columns: Mapping[str, str
     return replace(recording, channels=tuple(channels), remarks=(*recording.remarks, *said))
 
 
-__all__ = ["Files", "Given", "files_of", "given_items"]
+__all__ = ["Files", "Given", "files_of", "given_items", "read_as_said", "renamed", "with_said_columns"]

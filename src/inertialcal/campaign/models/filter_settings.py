@@ -13,20 +13,21 @@ from ...core.errors import DataError, PlanError, UsageError
 from ...core.key import Kind
 from ...core.remarks import Remark
 from ...core.units import factor, kind_of_unit, parse_quantity
-from ...files import read
 from ...files.models.model_file import ModelFile
 from ...files.source import load
 from ...procedures import procedure_names, procedure_of
+from ...procedures.given import READING, Said
 from ...sensors.noise.filter_budget import PARTS, Budget, Use, filter_budget, settings_of, vibration_levels
 from ...sensors.noise.terms import TERMS, Sinusoid, Term
 from ...sensors.noise.to_filters import FilterBlock
 from ...signals.spectrum.psd import psd
 from ..calls.call import call
+from ..calls.given import read_as_said
 
 SAID = {  # what is said of the use -> unit inside; "reading" is that of the sensor
     "temperature_span": "degC", "temperature_time": "s", "temperature": "degC", "motion": "rad/s", "motion_time": "s",
     "force": "m/s^2", "force_time": "s", "steady_force": "m/s^2", "turn_on": "reading", "residual": "reading",
-    "g_sensitivity": "(rad/s)/(m/s^2)", "rectification": "reading/(m/s^2)^2", "horizon": "s", "sample_rate": "Hz",
+    "g_sensitivity": "(rad/s)/(m/s^2)", "rectification": "reading/(m/s^2)^2", "horizon": "s", "filter_rate": "Hz",
 }  # fmt: skip
 UNIT: dict[str, str] = {"gyro": "rad/s", "accelerometer": "m/s^2"}
 Noise = dict[Kind, dict[str, tuple[Term, ...]]]
@@ -50,7 +51,7 @@ def filter_settings(
     vibration: str | Path | None = None,
     said: Mapping[str, str] | None = None,
     without: Sequence[str] = (),
-    units: Mapping[str, str] | None = None,
+    reading: Said | None = None,
     take: Sequence[str] = (),
 ) -> FilterSettings:
     """Return what filters must carry of the sensors of some models.
@@ -69,8 +70,8 @@ def filter_settings(
         How the sensor is used: quantities with units, by the names of `SAID`.
     without : sequence of str
         Parts of the models that are not applied in use.
-    units : mapping of str to str, optional
-        Units of columns of the files.
+    reading : Said, optional
+        How the files are read: columns, units, ...
     take : sequence of str
         Terms that are taken where the record cannot separate them from others; ``"upper_limit"`` of a random walk.
 
@@ -93,9 +94,10 @@ def filter_settings(
     remarks: list[Remark] = []
     stated = dict(said or {})
     horizon = _value("horizon", stated["horizon"], "s") if "horizon" in stated else None
-    rest, rate = _noise(noise, units or {}, horizon, take, inputs, remarks)
-    sample_rate = _value("sample_rate", stated["sample_rate"], "Hz") if "sample_rate" in stated else rate
-    shaken = _vibration(vibration, units or {}, sample_rate, inputs, remarks)
+    reading = reading or Said()
+    rest, rate = _noise(noise, reading, horizon, take, inputs, remarks)
+    sample_rate = _value("filter_rate", stated["filter_rate"], "Hz") if "filter_rate" in stated else rate
+    shaken = _vibration(vibration, reading, sample_rate, inputs, remarks)
     budgets = []
     for one in models:
         kind = one.model.kind
@@ -143,7 +145,7 @@ def _fits(text: str, unit: str) -> bool:
 def _value(name: str, text: str, unit: str) -> float:
     """Return what an option says, in a unit; the refusal names the option."""
     option = f"--{name.replace('_', '-')}"
-    if name == "sample_rate":  # a bare number is in Hz, as the nouns take it
+    if name == "filter_rate":  # a bare number is in Hz, as the nouns take it
         with suppress(ValueError):
             text = f"{float(text)!r} Hz"
     try:
@@ -155,7 +157,7 @@ def _value(name: str, text: str, unit: str) -> float:
 
 
 def _noise(
-    path: str | Path | None, units: Mapping[str, str], horizon: float | None, take: Sequence[str],
+    path: str | Path | None, reading: Said, horizon: float | None, take: Sequence[str],
     inputs: list[dict[str, str]], remarks: list[Remark],
 ) -> tuple[Noise, float | None]:  # fmt: skip
     """Return terms at rest by kind and axis, and the sample rate of their record."""
@@ -167,7 +169,8 @@ def _noise(
         return {kind: {axis: tuple(t for t in own if not isinstance(t, Sinusoid)) for axis, own in axes.items()}
                 for kind, axes in written.items()}, rate  # fmt: skip
     (name,) = (one for one in procedure_names() if procedure_of(one).gives == ("noise",))
-    found = call(name, path, {"units": dict(units)} if units else {}, options=True)
+    said = {one: value for one in READING if (value := getattr(reading, one)) not in (None, {}, [])}
+    found = call(name, path, said, options=True)
     inputs += [{"path": one, "sha256": digest} for one, digest in found.inputs.items()]
     remarks += found.remarks
     rest: Noise = {}
@@ -215,16 +218,16 @@ def _written_terms(path: str | Path, inputs: list[dict[str, str]]) -> tuple[Nois
 
 
 def _vibration(
-    path: str | Path | None, units: Mapping[str, str], sample_rate: float | None, inputs: list[dict[str, str]],
+    path: str | Path | None, reading: Said, sample_rate: float | None, inputs: list[dict[str, str]],
     remarks: list[Remark],
 ) -> dict[str, tuple[float, float]]:  # fmt: skip
     """Return rms and folded rms of a vibration by kind of sensor, SI."""
     if path is None:
         return {}
     if not sample_rate:
-        do = "Add --sample-rate, that of the readings that the filter takes"
+        do = "Add --filter-rate, that of the readings that the filter takes"
         raise UsageError("--vibration needs the sample rate of the filter", do=do, code="missing")
-    recording = read(path, units=dict(units))
+    recording = read_as_said(path, reading)
     inputs.append({"path": recording.source.path, "sha256": recording.source.sha256})
     if recording.sample_interval is None:
         do = "Give a recording with time"

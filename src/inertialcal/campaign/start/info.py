@@ -13,13 +13,15 @@ from ...core.errors import InertialcalError, Problem
 from ...core.estimate import Array
 from ...core.recording import Recording
 from ...core.remarks import Remark
+from ...core.settings import settings_of
 from ...core.units import kind
-from ...files import read
 from ...files.info.channel_survey import Hint
 from ...files.info.survey import Survey, survey_recording
 from ...files.info.table_columns import guess_channels
 from ...procedures import procedure_names, procedure_of
+from ...procedures.given import READING, Said
 from ...procedures.suggestions import Strength, Suggestion
+from ..calls.given import read_as_said
 
 # Of the data sheet, for the user to fill in; no nominal value is invented.
 CHAIN = {
@@ -27,12 +29,12 @@ CHAIN = {
     "V": '--reference "NUMBER V" --scale-factor "NUMBER V/(UNIT)"',
 }
 PLACEHOLDER = "UNIT"  # for the user to fill in
-OPTIONS = {"start": "from", "stop": "to", "units": "unit", "topics": "topic"}  # whose names are not those in Python
 
 
 def info(
     path: str | Path | Recording | Array,
     *,
+    columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
     sample_rate: float | None = None,
     time_column: str | None = None,
@@ -52,6 +54,8 @@ def info(
     ----------
     path, units, sample_rate, time_column, start, stop, mission_start, frame, decimal, skip, dates, topics
         As ``files.read`` takes them.
+    columns : mapping of str to str, optional
+        Column by what it is, ``{"x": "wx", "temperature": "probe"}``: those alone are shown.
     commands : collection of str
         Words that the tool knows: only these are suggested as next.
 
@@ -60,36 +64,35 @@ def info(
     DataError, UsageError
         As ``files.read``.
     """
-    said: dict[str, Any] = {
-        "units": units, "sample_rate": sample_rate, "time_column": time_column, "start": start, "stop": stop,
-        "mission_start": mission_start, "frame": frame, "decimal": decimal, "skip": skip, "dates": dates,
-        "topics": topics,
+    given: dict[str, Any] = {
+        "columns": columns or {}, "units": units or {}, "sample_rate": sample_rate, "time_column": time_column,
+        "start": start, "stop": stop, "mission_start": mission_start, "frame": frame, "decimal": decimal,
+        "skip": skip, "dates": dates, "topics": list(topics or ()),
     }  # fmt: skip
-    recording = read(path, **said)
+    return _survey(path, Said(**given), commands)
+
+
+def _survey(path: str | Path | Recording | Array, said: Said, commands: Collection[str]) -> Survey:
+    recording = read_as_said(path, said)
     found = survey_recording(recording)
     return replace(found, next=next_command(recording, found, commands, _said(said)))
 
 
-def surveys(
-    path: str | Path, *, topics: Sequence[str] | None = None, commands: Collection[str] = ("info",), **said: Any
-) -> tuple[list[Survey], list[Problem]]:
+def surveys(path: Path, said: Said, commands: Collection[str]) -> tuple[list[Survey], list[Problem]]:
     """Return what a file holds, and what cannot be read of it: each of its recordings, where it has several.
 
-    Parameters
-    ----------
-    path, topics, commands, said
-        As ``info`` takes them. Where topics are named, they are one recording.
+    Where topics are named, they are one recording.
     """
     try:
-        return [info(path, topics=topics, commands=commands, **said)], []
+        return [_survey(path, said, commands)], []
     except InertialcalError as error:
         choices = error.problems[0].choices
-        if topics or not choices:
+        if said.topics or not choices:
             return [], list(error.problems)
     found, problems = list[Survey](), list[Problem]()
     for name in choices:
         try:
-            one = info(path, topics=[name], commands=commands, **said)
+            one = _survey(path, replace(said, topics=[name]), commands)
         except InertialcalError as error:
             problems += error.problems
             continue
@@ -97,15 +100,16 @@ def surveys(
     return found, problems
 
 
-def _said(said: Mapping[str, Any]) -> tuple[str, ...]:
+def _said(said: Said) -> tuple[str, ...]:
     """Return what was said of a file as options, to be said again to the next command."""
-    found = []
-    for name, value in said.items():
-        option = f"--{OPTIONS.get(name, name).replace('_', '-')}"
-        if isinstance(value, Mapping):
-            found += [f"{option} {shlex.quote(f'{key}={one}')}" for key, one in value.items()]
-        elif value is not None:
-            found += [f"{option} {shlex.quote(str(one))}" for one in (value if name == "topics" else [value])]
+    found = list[str]()
+    for one in settings_of(Said):
+        value = getattr(said, one.name)
+        if one.name not in READING or value is None:
+            continue
+        texts = [key if key == text else f"{key}={text}" for key, text in value.items()] if one.pairs else \
+            value if one.many else [value]  # fmt: skip
+        found += [f"--{one.option} {shlex.quote(str(text))}" for text in texts]
     return tuple(found)
 
 

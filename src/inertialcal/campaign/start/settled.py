@@ -123,24 +123,26 @@ def _units(entry: object) -> Iterator[str]:
         yield str(_plain_table(table["rows"]).get("unit", "?"))
 
 
-def _reading(said: Said) -> dict[str, dict[str, Any]]:
-    """Return how texts are read, and which column is time, as an entry says them."""
+def _reading(said: Said) -> dict[str, Any]:
+    """Return how files are read, as an entry says it."""
     clock = {
         "column": said.time_column,
         "sample_rate": None if said.sample_rate is None else f"{said.sample_rate!r} Hz",
-    }
-    found = {"text": text_said(said), "clock": {name: value for name, value in clock.items() if value is not None}}
+        "start": said.start, "stop": said.stop, "mission_start": said.mission_start,
+    }  # fmt: skip
+    found: dict[str, Any] = {"text": text_said(said), "frame": said.frame, "topics": list(said.topics)}
+    found["clock"] = {name: value for name, value in clock.items() if value is not None}
     return {name: table for name, table in found.items() if table}
 
 
-def _read_as(entry: object, reading: Mapping[str, dict[str, Any]]) -> object:
+def _read_as(entry: object, reading: Mapping[str, Any]) -> object:
     """Return an entry with how its file is read; a table of dwells has no clock."""
     if isinstance(entry, Noted):
         return Noted(_read_as(entry.value, reading), entry.note, entry.above, entry.example)
     table = _plain_table(entry)
     for name, own in reading.items():
         if name == "text" or "channels" in table:
-            table[name] = _plain_table(table.get(name, {})) | own
+            table[name] = _plain_table(table.get(name, {})) | own if isinstance(own, dict) else own
     return table
 
 

@@ -19,7 +19,7 @@ from ...procedures import procedure_names, procedure_of
 from ...procedures.given import Said
 from ...procedures.suggestions import RELATIVE, Claim, FolderFile, Question, Strength, fill_in
 from ...sensors.catalogue import PublishedSensor, published_sensor
-from ..calls.given import Files
+from ..calls.given import Files, with_said_columns
 from .data_sheet import requirements, unjudged, with_facts
 from .info import suggestions
 from .questions import ITEM, answered, questions
@@ -175,7 +175,7 @@ def _take(found: Found, taken: dict[str, _Taken], path: Path, name: str, files: 
     table, overruled = files.table(str(path)), list[Remark]()
     claimed = _claims(FolderFile(table))
     if not claimed:
-        recording = files.read(str(path))
+        recording = with_said_columns(files.read(str(path)), files.said)
         overruled = [one for one in recording.remarks if one.code == "unit_overridden"]
         claimed = [] if recording.time_ns is None else _claims(FolderFile(table, recording))
         if len(claimed) > 1:

@@ -9,8 +9,8 @@ from typing import Annotated, Any, Literal
 
 import typer
 
-from ...core.settings import Setting, grouped_settings
-from ...procedures.given import Said
+from ...core.settings import Setting, grouped_settings, settings_of
+from ...procedures.given import READING, Said
 from ...procedures.protocol import Command, Procedure
 from .. import figures
 from ..options import Json, Quiet, with_options
@@ -73,6 +73,20 @@ def option_of(one: Setting) -> tuple[Any, Any]:
     return Annotated[kind | None, option], None
 
 
+def said_options(names: Sequence[str] = READING) -> dict[str, tuple[Any, Any]]:
+    """Return the options of a command that has no plan: by default what says how a file is read, as nouns have it."""
+    known = {one.name: one for one in settings_of(Said)}
+    return {name: option_of(known[name]) for name in names}
+
+
+def said_of(given: dict[str, Any], names: Sequence[str] = READING) -> Said:
+    """Return what those options say, taken out of all that was given."""
+    from .run import pairs_of
+
+    known = {one.name: one for one in settings_of(Said)}
+    return Said(**pairs_of(known, {name: given.pop(name) for name in names}))
+
+
 def _completion(one: Setting) -> Callable[[str], Sequence[str]] | None:
     if not (one.many and one.choices):
         return None
@@ -83,4 +97,4 @@ def _completion(one: Setting) -> Callable[[str], Sequence[str]] | None:
     return words
 
 
-__all__ = ["command_of", "option_of", "with_options"]
+__all__ = ["command_of", "option_of", "said_of", "said_options", "with_options"]

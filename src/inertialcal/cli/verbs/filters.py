@@ -8,7 +8,8 @@ from typing import Annotated, Any
 
 import typer
 
-from ..options import Json, Quiet, Units, pairs, with_options
+from ..nouns.factory import said_of, said_options
+from ..options import Json, Quiet, with_options
 from ..shown.output import json_out
 from ..shown.screen import folded, say
 from .models import Condition, Model
@@ -27,7 +28,7 @@ USE = {  # what is said of the use -> help, example
     "g_sensitivity": ("Of gyros, not compensated", "0.02 deg/s/g"),
     "rectification": ("Shift of the bias over the squared rms of vibration", "0.001 deg/s/g^2"),
     "horizon": ("Averaging time at which a walk replaces all that wanders at rest", "100 s"),
-    "sample_rate": ("Of the readings that the filter takes; that of the record if not given", "200 Hz"),
+    "filter_rate": ("Readings per second that the filter takes; those of the record if not given", "200 Hz"),
 }
 Noise = Annotated[
     Path | None,
@@ -58,10 +59,10 @@ def _filter(**given: Any) -> int:
     from ...campaign.models.find import find_model
     from ..shown.filter_text import filter_content, filter_text
 
+    reading = said_of(given)
     said = {name: given[name] for name in USE if given[name] is not None}
     models = [find_model(given["model"], given["condition"])]
     models += [] if given["other"] is None else [find_model(given["other"])]
-    units = pairs(given["unit"], "--unit", "gyro=deg/s")
     found = filter_settings(
         models,
         given["for_filter"],
@@ -69,7 +70,7 @@ def _filter(**given: Any) -> int:
         given["vibration"],
         said,
         given["without"],
-        units,
+        reading,
         given["take"],
     )
     if given["as_json"]:
@@ -89,7 +90,7 @@ filter = with_options(
     {
         "model": (Model, inspect.Parameter.empty), "noise": (Noise, None), "for_filter": (Filters, []),
         "other": (Other, None), "condition": (Condition, None), **_OPTIONS, "vibration": (Vibration, None),
-        "without": (Without, []), "take": (Take, []), "unit": (Units, []), "as_json": (Json, False),
+        "without": (Without, []), "take": (Take, []), **said_options(), "as_json": (Json, False),
         "quiet": (Quiet, False),
     },
 )  # fmt: skip

@@ -2,65 +2,42 @@
 
 from __future__ import annotations
 
+import inspect
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from .. import figures
-from ..options import Dates, Decimal, Frame, Json, MissionStart, Quiet, Skip, Start, Stop, Topics, Units, pairs
+from ..nouns.factory import said_of, said_options
+from ..options import Json, Quiet, with_options
 from ..shown.output import json_out
 from ..shown.screen import folded, say
 
 Files = Annotated[list[Path], typer.Argument(help="Recordings or tables.", show_default=False)]
 
 
-def info(
-    files: Files,
-    unit: Units = [],  # noqa: B006 - typer copies it
-    sample_rate: Annotated[
-        float | None, typer.Option("--sample-rate", help="Samples per second, where the file has no time.")
-    ] = None,
-    time_column: Annotated[
-        str | None, typer.Option("--time-column", help="Name, or number from 1, of the column with the time.")
-    ] = None,
-    start: Start = None,
-    stop: Stop = None,
-    mission_start: MissionStart = None,
-    frame: Frame = None,
-    decimal: Decimal = None,
-    skip: Skip = None,
-    dates: Dates = None,
-    topic: Topics = [],  # noqa: B006 - typer copies it
-    output: figures.FigureFile = None,
-    as_json: Json = False,
-    quiet: Quiet = False,
-) -> int:
+def _info(**given: Any) -> int:
     """Show what is in a file: channels, units, sample rate, gaps, stuck or clipped codes, what to type next."""
+    from ...campaign.calls.given import read_as_said
     from ...campaign.start.info import surveys
     from ...core.errors import InertialcalError, UsageError
     from ..commands import words
     from ..shown.info_text import survey_text
 
+    files: list[Path] = given["files"]
+    output, as_json, said = given["output"], given["as_json"], said_of(given)
     figures.check_figure(output)
     if output is not None and len(files) != 1:
         raise UsageError(f"-o {output}: a figure of one file, {len(files)} were named", do="Name one file")
-    said: dict[str, Any] = {
-        "units": pairs(unit, "--unit", "gyro=deg/s"), "sample_rate": sample_rate, "time_column": time_column,
-        "start": start, "stop": stop, "mission_start": mission_start, "frame": frame,
-        "decimal": decimal, "skip": skip, "dates": dates, "topics": topic,
-    }  # fmt: skip
     found, errors = [], []
     for path in files:
-        own, problems = surveys(path, commands=words(), **said)
+        own, problems = surveys(path, said, words())
         found += own
         errors += problems
     line = ""
     if output is not None and not errors:
-        from ...files import read
-
-        recording = read(files[0], **said)
-        line = figures.write(output, recording, files, {})
+        line = figures.write(output, read_as_said(files[0], said), files, {})
     if as_json:
         content = {
             "inputs": [
@@ -72,8 +49,17 @@ def info(
         } | ({"written": str(output)} if line else {})
         json_out("info", content, 3 if errors else 0)
         return 3 if errors else 0
-    if not quiet and found:
+    if not given["quiet"] and found:
         say("\n\n".join([*(folded(survey_text(one)) for one in found), *([line] if line else [])]))
     if errors:
         raise InertialcalError(errors)
     return 0
+
+
+info = with_options(
+    _info,
+    {
+        "files": (Files, inspect.Parameter.empty), **said_options(), "output": (figures.FigureFile, None),
+        "as_json": (Json, False), "quiet": (Quiet, False),
+    },
+)  # fmt: skip

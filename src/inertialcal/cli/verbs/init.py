@@ -5,16 +5,14 @@ from __future__ import annotations
 import inspect
 import shlex
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ...core.errors import UsageError
-from ...core.settings import Setting, settings_of
-from ...procedures.given import Said
-from ..nouns.factory import option_of
+from ...procedures.given import READING
+from ..nouns.factory import said_of, said_options
 from ..options import Json, Quiet, with_options
 from ..shown.output import clean, json_out, wrapped
 
@@ -22,35 +20,18 @@ if TYPE_CHECKING:
     from ...campaign.start.starter import Told
     from ...procedures.suggestions import Question
 
-INIT = (
-    "units",
-    "chain",
-    "lsb",
-    "counts",
-    "reference",
-    "scale_factor",
-    "gain",
-    "latitude",
-    "gravity",
-    "height",
-    "sample_rate",
-    "time_column",
-    "decimal",
-    "skip",
-    "dates",
-)  # settings that the files of a folder share
+# What the files of a folder share: how they are read, their chain and site.
+INIT = (*READING, "chain", "lsb", "counts", "reference", "scale_factor", "gain", "latitude", "gravity", "height")
 
 
 def _init(**given: Any) -> int:
     """Write a campaign.toml for the recordings found in a folder; on a terminal, ask for what the files do not say."""
     from ...campaign.start.starter import Told, start
-    from ..nouns.run import pairs_of
 
     folder, sensor, as_json, quiet, yes = (given.pop(name) for name in ("folder", "sensor", "as_json", "quiet", "yes"))
     item = {name: text for name in ("maker", "part", "serial") if (text := given.pop(name)) is not None}
     axis = given.pop("axis")
-    settings = {one.name: one for one in settings_of(Said)}
-    told = Told(Said(**_checked(settings, pairs_of(settings, given))), axis, item)
+    told = Told(said_of(given, INIT), axis, item)
     if yes or (not as_json and not quiet and sys.stdin.isatty() and sys.stdout.isatty()):
         told = _asked(folder, told, yes)
     path, marked, remarks = start(folder, sensor, told)
@@ -69,15 +50,6 @@ def _init(**given: Any) -> int:
         )
         print(clean(f"fill in {lines}, then: {next_step}" if marked else f"complete. Next: {next_step}"))
     return 0
-
-
-def _checked(settings: Mapping[str, Setting], given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return settings as options give them; words that are none are refused."""
-    for name, value in given.items():
-        if settings[name].choices and value not in settings[name].choices:
-            do = f"There are: {', '.join(settings[name].choices)}"
-            raise UsageError(f"--{settings[name].option}: {value!r}", do=do, code="wrong_value")
-    return dict(given)
 
 
 def _asked(folder: Path, told: Told, yes: bool) -> Told:
@@ -121,8 +93,7 @@ def _with_options() -> Callable[..., int]:
         **{name: (Annotated[str | None, option(help=f"{text} of the sensor.", show_default=False)], None)
            for name, text in (("maker", "Maker"), ("part", "Part number"), ("serial", "Serial number"))},
     }  # fmt: skip
-    known = {one.name: one for one in settings_of(Said)}
-    parameters |= {name: option_of(known[name]) for name in INIT}
+    parameters |= said_options(INIT)
     return with_options(_init, parameters | {"as_json": (Json, False), "quiet": (Quiet, False)})
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,7 +13,8 @@ from ...core.errors import UsageError
 from ...core.remarks import Remark
 from ...files.models.formats import BUILT_IN
 from .. import figures
-from ..options import Dates, Decimal, Frame, Json, MissionStart, Quiet, Skip, Start, Stop, Topics, Units, pairs
+from ..nouns.factory import said_of, said_options
+from ..options import Json, Quiet, with_options
 from ..shown.output import clean, json_out, wrapped
 from ..shown.screen import folded, say
 
@@ -22,14 +24,6 @@ Model = Annotated[
 ]
 Data = Annotated[Path, typer.Argument(help="Recording.", show_default=False)]
 Output = Annotated[Path, typer.Option("--output", "-o", help="File to write.", show_default=False)]
-SampleRate = Annotated[
-    float | None, typer.Option("--sample-rate", help="Samples per second, where the file has no time.")
-]
-TimeColumn = Annotated[
-    str | None, typer.Option("--time-column", help="Name, or number from 1, of the column with the time.")
-]
-
-
 Condition = Annotated[
     str | None,
     typer.Option("--condition", help="Condition of the model, where there are several: air.", show_default=False),
@@ -217,69 +211,28 @@ def _show_model(
     return 0
 
 
-def compensate(
-    model: Model,
-    data: Data,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="File to write; needed without --steps.", show_default=False)
-    ] = None,
-    unit: Units = [],  # noqa: B006 - typer copies it
-    column: Annotated[
-        list[str],
-        typer.Option(
-            "--column", help="Column of an axis or a condition: x=wx, pressure=p, force_x=ax. May be repeated."
-        ),
-    ] = [],  # noqa: B006 - typer copies it
-    temperature: Annotated[
-        str | None, typer.Option(help='Column with the temperature of the sensor, or one for all: "25 degC".')
-    ] = None,
-    serial: Annotated[
-        str | None, typer.Option(help="Serial number of the sensor that gave the data: checked against the model.")
-    ] = None,
-    condition: Condition = None,
-    uncertainty: Annotated[
-        bool, typer.Option("--uncertainty", help="Add a column with the standard uncertainty of each axis.")
-    ] = False,
-    steps: Annotated[
-        bool, typer.Option("--steps", help="Show every step for one reading, from counts; of a published model.")
-    ] = False,
-    row: Annotated[int, typer.Option(help="Which reading --steps shows, from 1.")] = 1,
-    as_printed: Annotated[
-        bool, typer.Option("--as-printed", help="A published model with the mistakes of its document.")
-    ] = False,
-    sample_rate: SampleRate = None,
-    time_column: TimeColumn = None,
-    start: Start = None,
-    stop: Stop = None,
-    mission_start: MissionStart = None,
-    frame: Frame = None,
-    decimal: Decimal = None,
-    skip: Skip = None,
-    dates: Dates = None,
-    topic: Topics = [],  # noqa: B006 - typer copies it
-    as_json: Json = False,
-    quiet: Quiet = False,
-) -> int:
+def _compensate(**given: Any) -> int:
     """Apply a model to a recording: true inputs in place of readings; time, gaps and other channels stay."""
+    from ...campaign.calls.given import read_as_said
     from ...campaign.models.compensation import compensate as apply
     from ...campaign.models.compensation import model_for
     from ...campaign.models.find import find_model, published
     from ...campaign.models.inputs import chain_columns, from_chain, taken
     from ...campaign.models.published import reading_steps
-    from ...files import read
     from ...files.write.recording import write
     from ...sensors.catalogue import CATALOGUE
 
+    said = said_of(given)
+    model, output, temperature, steps, row, as_printed, as_json, quiet = (
+        given[name] for name in ("model", "output", "temperature", "steps", "row", "as_printed", "as_json", "quiet")
+    )
     _check_output(output, steps)
-    columns, units = pairs(column, "--column", "x=wx"), pairs(unit, "--unit", "gyro=deg/s")
+    columns: dict[str, str] = dict(said.columns)
     found, sensor = find_model(model, as_printed=as_printed), published(model)
     if steps and sensor is None:
         do = f"Name one of the catalogue: {', '.join(name for name, make in CATALOGUE.items() if make().equations)}"
         raise UsageError(f"--steps: {model} is no published model", do=do, code="no_steps")
-    raw = read(
-        data, units=units, sample_rate=sample_rate, time_column=time_column, start=start, stop=stop,
-        mission_start=mission_start, frame=frame, decimal=decimal, skip=skip, dates=dates, topics=topic,
-    )  # fmt: skip
+    raw = read_as_said(given["data"], said, whole=True)
     inputs = [_input(found), {"path": raw.source.path, "sha256": raw.source.sha256}]
     listed: dict[str, Any] = {}
     if sensor is not None and steps:
@@ -290,10 +243,11 @@ def compensate(
         if as_json:
             json_out("compensate", {"inputs": inputs} | listed)
         return 0
-    whose = model_for(found.models, raw, columns, condition)
+    whose = model_for(found.models, raw, columns, given["condition"])
     started = {} if whose.chain is None else chain_columns(whose.chain, raw, columns)
     raw, columns = from_chain(whose, raw, columns)
-    done = apply(whose, raw, columns, temperature=temperature, serial=serial, uncertainty=uncertainty)
+    about = {name: given[name] for name in ("serial", "uncertainty")}
+    done = apply(whose, raw, columns, temperature=temperature, **about)
     chosen = taken(whose, raw, columns, temperature)
     remarks = [*done.remarks, *write(output, done)]
     used = (
@@ -328,40 +282,19 @@ def _print_steps(model: Any, raw: Any, worked: Any, row: int, quiet: bool) -> No
         print(steps_text(worked, model.axes))
 
 
-def convert(
-    source: Data,
-    target: Annotated[
-        Path, typer.Argument(help="File to write: .csv, .parquet, .npz, .h5, .mat or .mcap.", show_default=False)
-    ],
-    unit: Units = [],  # noqa: B006 - typer copies it
-    sample_rate: SampleRate = None,
-    time_column: TimeColumn = None,
-    start: Start = None,
-    stop: Stop = None,
-    mission_start: MissionStart = None,
-    frame: Frame = None,
-    decimal: Decimal = None,
-    skip: Skip = None,
-    dates: Dates = None,
-    topic: Topics = [],  # noqa: B006 - typer copies it
-    as_json: Json = False,
-    quiet: Quiet = False,
-) -> int:
+def _convert(**given: Any) -> int:
     """Write a recording in another format; numbers, units, time and gaps stay."""
-    from ...files import read
+    from ...campaign.calls.given import read_as_said, renamed
     from ...files.write.recording import write, writer_for
 
+    said, target = said_of(given), given["target"]
     writer_for(target)
-    units = pairs(unit, "--unit", "gyro=deg/s")
-    recording = read(
-        source, units=units, sample_rate=sample_rate, time_column=time_column, start=start, stop=stop,
-        mission_start=mission_start, frame=frame, decimal=decimal, skip=skip, dates=dates, topics=topic,
-    )  # fmt: skip
+    recording = renamed(read_as_said(given["source"], said), said.columns)
     remarks = [*recording.remarks, *write(target, recording)]
-    if as_json:
+    if given["as_json"]:
         inputs = [{"path": recording.source.path, "sha256": recording.source.sha256}]
         _written("convert", inputs, target, len(recording), remarks)
-    elif not quiet:
+    elif not given["quiet"]:
         _print_written(target, len(recording), remarks)
     return 0
 
@@ -478,3 +411,69 @@ def _print_remarks(remarks: Iterable[Any]) -> None:
 def _print_written(path: Path, rows: int, remarks: list[Any]) -> None:
     _print_remarks(remarks)
     print(f"written: {clean(str(path))}, {rows} rows. Next: inertialcal info {clean(str(path))}")
+
+
+compensate = with_options(
+    _compensate,
+    {
+        "model": (Model, inspect.Parameter.empty),
+        "data": (Data, inspect.Parameter.empty),
+        "output": (
+            Annotated[
+                Path | None,
+                typer.Option("--output", "-o", help="File to write; needed without --steps.", show_default=False),
+            ],
+            None,
+        ),
+        **said_options(),
+        "temperature": (
+            Annotated[
+                str | None,
+                typer.Option(help='Column with the temperature of the sensor, or one for all: "25 degC".'),
+            ],
+            None,
+        ),
+        "serial": (
+            Annotated[
+                str | None,
+                typer.Option(help="Serial number of the sensor that gave the data: checked against the model."),
+            ],
+            None,
+        ),
+        "condition": (Condition, None),
+        "uncertainty": (
+            Annotated[
+                bool, typer.Option("--uncertainty", help="Add a column with the standard uncertainty of each axis.")
+            ],
+            False,
+        ),
+        "steps": (
+            Annotated[
+                bool,
+                typer.Option("--steps", help="Show every step for one reading, from counts; of a published model."),
+            ],
+            False,
+        ),
+        "row": (Annotated[int, typer.Option(help="Which reading --steps shows, from 1.")], 1),
+        "as_printed": (
+            Annotated[bool, typer.Option("--as-printed", help="A published model with the mistakes of its document.")],
+            False,
+        ),
+        "as_json": (Json, False),
+        "quiet": (Quiet, False),
+    },
+)
+convert = with_options(
+    _convert,
+    {
+        "source": (Data, inspect.Parameter.empty),
+        "target": (
+            Annotated[
+                Path,
+                typer.Argument(help="File to write: .csv, .parquet, .npz, .h5, .mat or .mcap.", show_default=False),
+            ],
+            inspect.Parameter.empty,
+        ),
+        **said_options(), "as_json": (Json, False), "quiet": (Quiet, False),
+    },
+)  # fmt: skip

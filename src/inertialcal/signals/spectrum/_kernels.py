@@ -14,18 +14,23 @@ PART = 2048  # frequencies whose products lie in the nearest cache
 
 @compiled
 def fill_pair(one: Array, other: Array, levels: Array, weights: Array, pair: Array) -> None:
-    """Fill two real signals, each less its level and weighted, as real and imaginary parts in turn."""
-    first, second = levels[0], levels[1]
-    for i in range(len(weights)):
-        pair[2 * i] = (one[i] - first) * weights[i]
-        pair[2 * i + 1] = (other[i] - second) * weights[i]
+    """Fill two real signals, each less its level and weighted, as real and imaginary parts in turn, row by row."""
+    first, second, width = levels[0], levels[1], len(one) // len(pair)
+    for j in range(len(pair)):
+        row, a, b = pair[j], one[j * width : (j + 1) * width], other[j * width : (j + 1) * width]
+        taper = weights[j * width : (j + 1) * width]
+        for k in range(width):
+            row[2 * k] = (a[k] - first) * taper[k]
+            row[2 * k + 1] = (b[k] - second) * taper[k]
 
 
 @compiled
 def add_power(values: NDArray[np.complex128], power: Array) -> None:
     """Add the squared magnitudes of complex values."""
-    for i in range(len(values)):
-        power[i] += values[i].real * values[i].real + values[i].imag * values[i].imag
+    for i in range(len(power)):
+        row, to = values[i], power[i]
+        for j in range(len(to)):
+            to[j] += row[j].real * row[j].real + row[j].imag * row[j].imag
 
 
 @compiled

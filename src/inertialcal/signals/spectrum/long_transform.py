@@ -19,12 +19,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
+from ...core.batches import release
 from ...core.estimate import Array
 
 Indices = NDArray[np.int64]
 
 LONG = 2**15  # samples of a segment: a shorter one lies in the nearest cache
 NARROW = 32  # columns, or rows, below which the steps gain nothing
+APART = 8  # values between rows
 
 
 @lru_cache(64)
@@ -61,8 +63,12 @@ def power_of(x: Array, starts: Indices, weights: Array) -> Array:
 
     n = weights.shape[1]
     p, turns = columns_of(n), turns_of(n)
-    pair, power, nothing = np.empty((p, n // p), dtype=np.complex128), np.zeros(n), np.zeros(n)
-    parts = pair.reshape(-1).view(np.float64)
+    q = n // p
+    room = np.empty(
+        (p, q + APART), dtype=np.complex128
+    )  # rows 8 or 16 kB apart would fall on the same lines of a cache
+    pair, parts = room[:, :q], room.view(np.float64)
+    power, nothing = np.zeros((p, q)), np.zeros(n)
     for i in range(0, len(starts), 2):
         two = [x[first : first + n] for first in starts[i : i + 2]]
         levels = np.array([one.mean() for one in two] + [0.0])
@@ -70,6 +76,7 @@ def power_of(x: Array, starts: Indices, weights: Array) -> Array:
             fill_pair(two[0], two[1] if len(two) > 1 else nothing, levels, taper, parts)
             found = fft.fft(pair, axis=0, overwrite_x=True)
             found *= turns
-            add_power(fft.fft(found, axis=1, overwrite_x=True).reshape(-1), power)
-    every = power.reshape(p, -1).T.ravel()  # in the order of frequency
+            add_power(fft.fft(found, axis=1, overwrite_x=True), power)
+        release(x[starts[i] : starts[i] + n])
+    every = power.T.ravel()  # in the order of frequency
     return np.asarray(0.5 * (every[: n // 2 + 1] + np.append(every[0], every[: (n - 1) // 2 : -1])))

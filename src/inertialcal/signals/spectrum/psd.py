@@ -37,7 +37,6 @@ PARTS = 8  # of a record, in the length of a segment, by default
 LONGEST_TAPER = 2**16  # samples of a segment under several tapers, by default
 HELD = 0.75  # of the samples that are there, that lie in stretches as long as a segment, by default
 AT_ONCE = 2**15  # samples transformed together: they lie in the nearest caches
-TOGETHER = 4  # long segments transformed one after another, two at a time
 SHARES = 8  # of the segments, each summed by itself, and the sums in order: the same whatever the number of threads
 CONSTANT = 8.0 * np.finfo(float).eps  # variation, relative to the largest value, that is rounding
 Indices = NDArray[np.int64]
@@ -157,7 +156,7 @@ def _averaged(values: Array, starts: list[Indices], tapers: Tapers, interval: fl
     count, length = tapers.weights.shape
     every = np.concatenate(starts)
     in_steps = columns_of(length) > 1
-    at_once = TOGETHER if in_steps else max(1, AT_ONCE // length)
+    at_once = 2 if in_steps else max(1, AT_ONCE // length)  # two at a time
     whole = -(-len(every) // (at_once * SHARES)) * at_once  # segments of a share
     shares = [every[i : i + whole] for i in range(0, len(every), whole)]
     total = np.empty((length // 2 + 1, values.shape[1]))
@@ -166,19 +165,18 @@ def _averaged(values: Array, starts: list[Indices], tapers: Tapers, interval: fl
 
         def power(share: Indices, x: Array = x, segments: Array = segments) -> Array:
             """Sum of squared magnitudes of the transforms of the segments of a share."""
+            if in_steps:
+                return power_of(x, share, tapers.weights)
             found = np.zeros(length // 2 + 1)
             for i in range(0, len(share), at_once):
                 some = share[i : i + at_once]
-                if in_steps:
-                    found += power_of(x, some, tapers.weights)
-                else:
-                    part = segments[some]
-                    part -= part.mean(axis=1, keepdims=True)
-                    for weights in tapers.weights:
-                        turned = fft.rfft(part * weights, axis=1).view(np.float64)
-                        turned *= turned
-                        squares = turned.sum(axis=0) if len(turned) > 1 else turned[0]
-                        found += squares[0::2] + squares[1::2]
+                part = segments[some]
+                part -= part.mean(axis=1, keepdims=True)
+                for weights in tapers.weights:
+                    turned = fft.rfft(part * weights, axis=1).view(np.float64)
+                    turned *= turned
+                    squares = turned.sum(axis=0) if len(turned) > 1 else turned[0]
+                    found += squares[0::2] + squares[1::2]
                 release(values[some[0] : some[-1] + length])
             return found
 
