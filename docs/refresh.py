@@ -71,6 +71,6 @@ def refresh(page: Path) -> None:
 
 
 if __name__ == "__main__":
-    os.environ["COLUMNS"] = "80"
+    os.environ["COLUMNS"] = "200"
     for name in sys.argv[1:]:
         refresh(Path(name).resolve())

@@ -56,6 +56,14 @@ settings.load_profile("house")
 ROOT = Path(__file__).resolve().parent.parent
 
 
+@pytest.fixture(scope="session", autouse=True)
+def wide_tables() -> Iterator[None]:
+    """Texts are as wide as they are, whatever terminal the tests run in; a test of widths sets its own."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("COLUMNS", "400")
+        yield
+
+
 @pytest.fixture(scope="session")
 def shared() -> Path:
     """Folder with ``data/`` and ``reference/``; the test is skipped, and says so, where it is absent."""

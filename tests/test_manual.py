@@ -228,7 +228,7 @@ def test_what_a_page_shows_is_what_happens(
     path: Path, begun: tuple[dict[str, Begun], Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setenv("COLUMNS", "200")
     session = Session(*begun)
     if path.name in READS_REPORTS:
         session = Session({}, begun[1] / "drawn")

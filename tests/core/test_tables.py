@@ -1,15 +1,31 @@
 from __future__ import annotations
 
+import re
 from html.parser import HTMLParser
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from inertialcal.core.key import Key, Reason
 from inertialcal.core.remarks import Remark
 from inertialcal.core.results import Interval, Row, not_estimated
 from inertialcal.core.show.result_tables import estimate_table, folded, remarks_line
 from inertialcal.core.show.rounding import dof
-from inertialcal.core.show.tables import WIDTH, Block, Details, Table, aligned, clean, ending, html, short, text
+from inertialcal.core.show.tables import (
+    WIDTH,
+    Block,
+    Details,
+    Table,
+    aligned,
+    clean,
+    ending,
+    html,
+    short,
+    terminal_width,
+    text,
+    wrapped,
+)
 
 HOSTILE = (
     "<script>alert(1)</script>",
@@ -147,3 +163,45 @@ def test_columns_beyond_a_narrow_terminal_go_below_after_the_first(monkeypatch: 
         "channel  axis  unit\ngyro     x     deg/s\ngyro     x     deg/s"
     )
     assert all(len(line) <= 24 for line in text(("word " * 20, Table(heads, rows, "caption " * 9))).split("\n"))
+
+
+@pytest.mark.parametrize(("said", "columns"), [("60", 60), ("7", 20), ("0", 80), ("-3", 80), ("wide", 80), (None, 80)])
+def test_columns_are_what_is_said_else_eighty(said: str | None, columns: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("COLUMNS", raising=False)
+    monkeypatch.setattr("os.get_terminal_size", lambda *of: (_ for _ in ()).throw(OSError))
+    if said is not None:
+        monkeypatch.setenv("COLUMNS", said)
+    assert terminal_width() == columns
+
+
+WORDS = st.lists(st.text("abc_", min_size=1, max_size=9), min_size=1, max_size=9).map(" ".join)
+FIGURES = st.sampled_from(["1.25 ± 0.12", "(-3.2 ± 0.4)e-07 deg/s", "0.1 .. 0.4", "95 % here", ""])
+
+
+@given(st.lists(st.tuples(WORDS, WORDS, FIGURES, FIGURES), min_size=1, max_size=5), st.integers(40, 120))
+def test_tables_fit_and_lose_nothing(rows: list[tuple[str, ...]], columns: int) -> None:
+    heads = ("words", "more", "figure", "right")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("COLUMNS", str(columns))
+        shown = aligned(rows, heads, (3,))
+        assert wrapped(" ".join(rows[0])).split() == " ".join(rows[0]).split()
+    assert max(map(len, shown.split("\n"))) <= columns
+    letters = re.sub(r"[ \n]", "", shown)
+    for cell in (cell for row in rows for cell in row):
+        assert all(letters.count(word) for word in cell.split())
+    for figure in (row[3] for row in rows):
+        assert figure in shown
+
+
+def test_a_figure_is_never_parted_from_its_uncertainty_or_unit(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "30")
+    assert (
+        wrapped("bias of the x sensor 1.25 ± 0.12 deg/s in air") == "bias of the x sensor\n  1.25 ± 0.12 deg/s in air"
+    )
+
+
+def test_long_names_break_after_an_underscore_where_nothing_else_helps(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "40")
+    assert aligned([["temperature_reference_voltage", "1.25 ± 0.12"]], ["quantity", "value ± u"]) == (
+        "quantity                     value ± u\ntemperature_reference_       1.25 ± 0.12\n  voltage"
+    )

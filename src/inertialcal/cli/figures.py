@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..core.errors import UsageError
-from .shown.output import clean, width
+from .shown.output import clean, terminal_width
 from .shown.screen import encodes_braille
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ def print_plot(result: object, chosen: dict[str, str | None], most: int = 1) -> 
     from ..report.plot import pictures
     from ..report.text_plot import text_plot
 
-    print(f"\n{text_plot(pictures(result, **chosen)[:most], min(width(), WIDEST), encodes_braille())}")
+    print(f"\n{text_plot(pictures(result, **chosen)[:most], min(terminal_width(), WIDEST), encodes_braille())}")
 
 
 def show_figure(output: Path | None, result: object, chosen: dict[str, str | None], most: int = 1) -> None:

@@ -87,7 +87,7 @@ def test_each_key_that_lacks_is_named_and_what_the_list_says_to_write_is_taken(s
     with pytest.raises(PlanError) as refused:
         ic.certificate(small, small / "c.xml")
     (problem,) = refused.value.problems
-    table, _, line = problem.do.removeprefix("Write in [").partition("] of campaign.toml: ")
+    table, _, line = problem.do.removeprefix("Write in [").partition("]: ")
     name = key.rpartition(".")[2]
     assert line.startswith(f"{name} = ")
     assert table == ".".join(filter(None, ("certificate", key.rpartition(".")[0])))

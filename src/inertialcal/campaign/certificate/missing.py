@@ -80,6 +80,6 @@ def _problem(what: str, where: str, table: str, key: str, example: str) -> Probl
     return Problem(
         f"not stated: {what}",
         where,
-        do=f"Write in [{table}] of campaign.toml: {key} = {example}",
+        do=f"Write in [{table}]: {key} = {example}",
         code=CODE,
     )

@@ -124,10 +124,12 @@ class Score:
         if missing:
             lines.append(f"{missing} not estimated")
         if standards := self.standards:
-            text = f"{self.inside_apart} of {self.judged_apart} figures hold it apart from the standards"
-            lines.append(f"{text}; {standards_text(standards)}")
+            lines.append(
+                f"{self.inside_apart} of {self.judged_apart} hold it with the errors of the standards taken off"
+            )
+            lines.append(standards_text(standards))
             if self.unshared:
-                lines.append(f"judged with the figures, not apart: {', '.join(self.unshared)}")
+                lines.append(f"not taken off, for no figure says what it does to it: {', '.join(self.unshared)}")
         if self.fault is not None:
             size = f" = {self.truth.size}" if self.truth.size else ""
             lines.append(
@@ -139,7 +141,8 @@ class Score:
     def _held(self) -> str:
         low, high = self.expected
         expected = f"{low} to {high} expected, with errors that figures share counted once"
-        return f"{self.inside} of {self.estimated} stated 95 % intervals hold the truth; {expected}"
+        word = "fewer than" if self.inside < low else "more than" if self.inside > high else "as"
+        return f"{self.inside} of {self.estimated} stated 95 % intervals hold the truth; {expected}: {word} expected"
 
     def parts(self) -> tuple[Block, ...]:
         """Return what is shown: estimates beside the truth, how many intervals hold it."""

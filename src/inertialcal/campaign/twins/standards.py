@@ -57,6 +57,6 @@ def standards_text(found: Mapping[DrawnError, int]) -> str:
     """Return a line on the errors of the standards, each counted once."""
     outside = [one for one in found if not one.inside]
     if not outside:
-        return f"standards: each drawn inside its 95 % interval ({len(found)} of {len(found)})"
+        return f"errors drawn for the standards: each inside its 95 % interval ({len(found)} of {len(found)})"
     drawn = ", ".join(f"{one.influence} drawn at {abs(one.error):.1f} u" for one in outside)
-    return f"standards: {drawn}: outside its 95 % interval ({len(outside)} of {len(found)})"
+    return f"errors drawn for the standards: {drawn}: outside its 95 % interval ({len(outside)} of {len(found)})"

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 def survey_text(one: Survey) -> str:
     """Return what a file holds: head, channels, time, hints, remarks, and what to type next."""
     parts = [
-        clean(f"{one.path}: {one.source.format}, {one.rows} rows"),
+        wrapped(f"{one.path}: {one.source.format}, {one.rows} rows"),
         _channels(one),
         wrapped(str(one.time), "    "),
     ]

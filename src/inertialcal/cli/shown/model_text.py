@@ -106,13 +106,15 @@ def orbit_text(check: OrbitCheck, condition: str, dwells: Sequence[DwellCheck] =
     ]  # fmt: skip
     heads = ["  axis", "reading", f"u [{unit}]", "95 % ±", "orbit (rate / ±)", "earth (rate / ±)"]
     lines = [
-        *([clean(f"Model of condition {condition}")] if condition else []),
+        *([wrapped(f"Model of condition {condition}")] if condition else []),
         f"Circular orbit at {number(check.altitude / 1e3)} km: {with_uncertainty(float(rate), float(u))} {unit}",
         f"Earth: {said} {unit}{where}",
         f"Mean over {number(check.averaging)} s:",
         table(cells, heads, right=(2, 3)),
-        "A rate is seen if the 95 % interval of a compensated reading does not hold zero, at the model's reference",
-        f"conditions, settled and weightless; the earth's counts {reads}.",
+        wrapped(
+            "A rate is seen if the 95 % interval of a compensated reading does not hold zero, at the model's reference "
+            f"conditions, settled and weightless; the earth's counts {reads}."
+        ),
         *_dwells(dwells, unit),
     ]
     return "\n".join([*lines, *(wrapped(f"not counted: {clean(one)}", "    ") for one in check.not_counted)])
@@ -136,7 +138,7 @@ def _dwells(dwells: Sequence[DwellCheck], unit: str) -> list[str]:
     ]  # fmt: skip
     heads = ["  axis", "dwells", f"mean error [{unit}]", f"stated band [{unit}]", "runs inside"]
     title = "Recorded: dwells held out near the orbit's rate (within a factor of 1.5), compensated less table and earth"
-    shown = [title, table(cells, heads, right=(1, 2, 3))]
+    shown = [wrapped(title), table(cells, heads, right=(1, 2, 3))]
     return shown if band_holds(dwells) else [*shown, wrapped(f"warning: {TOO_NARROW}", "    ")]
 
 
@@ -184,7 +186,7 @@ def _figures(found: Comparison) -> str:
         lines = [line(one, judged) for one in compared if test is None or one.row.test == test]
         lines = [[f"  {name}", *cells] for name, *cells in lines]
         heads = [f"  {HEADS[0]}", *HEADS[1:], *(JUDGED if judged else ())]
-        blocks.append((f"{clean(test)}\n" if test else "") + table(lines, heads))
+        blocks.append((f"{wrapped(test)}\n" if test else "") + table(lines, heads))
     return "\n\n".join(blocks) or "nothing could be compared"
 
 
@@ -192,4 +194,4 @@ def _beside(found: Comparison) -> list[str]:
     left_out = [one.row.case for one in found.differences if is_beside(one) and not is_shown(one)]
     names = names_of(list(dict.fromkeys(left_out)))
     said = f"  left out: {len(left_out)} figures beside the result ({names}); --json has them"
-    return [clean(said)] if left_out else []
+    return [wrapped(said, "    ")] if left_out else []

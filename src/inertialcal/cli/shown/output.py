@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
 import sys
-import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
@@ -13,12 +13,12 @@ from typing import Any
 from ...core.errors import Problem
 from ...core.results import SCHEMA
 from ...core.show.tables import aligned as table
-from ...core.show.tables import clean, cleaned, short, terminal_width
+from ...core.show.tables import clean, cleaned, short, terminal_width, wrapped
 from ..encoding import json_text
 
 __all__ = [
-    "ENDING", "clean", "cleaned", "errors_out", "errors_text", "found", "json_out", "package_version", "problem_text",
-    "short", "table", "width", "wrapped",
+    "ENDING", "clean", "cleaned", "errors_out", "errors_text", "followed", "found", "json_out", "package_version",
+    "problem_text", "short", "table", "terminal_width", "wrapped",
 ]  # fmt: skip
 
 
@@ -32,8 +32,8 @@ class Ending:
 
 ENDING = Ending()
 PARTS = ("results", "remarks", "verdicts", "errors")
+TYPED = re.compile(r" = |\binertialcal ")  # in messages: to be copied, so never folded
 LINE_END = re.compile(r"\s*\n\s*")  # the parser of options lists choices on lines of their own
-WIDTH = 110  # of wrapped text where there is no terminal
 
 
 def package_version() -> str:
@@ -106,18 +106,17 @@ def errors_text(
     return "\n".join([*map(problem_text, problems), *count])
 
 
+def followed(said: str, command: str) -> str:
+    """Return what was done and what to type next: on one line where both fit."""
+    line, following = clean(said), f"Next: {clean(command)}"
+    whole = f"{line}. {following}"
+    return whole if len(whole) <= terminal_width() else f"{wrapped(line)}\n{following}"
+
+
 def problem_text(problem: Problem) -> str:
     """Return a problem for people: what and where first, why and the way out indented below."""
     head = f"{problem.where}: {problem.what}" if problem.where else problem.what
     head, *below = (clean(LINE_END.sub(" ", part.strip())) for part in (head, problem.why, problem.do) if part)
-    return "\n".join([f"error: {head}", *(f"       {part}" for part in below)])
-
-
-def width() -> int:
-    """Return the width of the terminal, or a fixed one elsewhere."""
-    return terminal_width() or WIDTH
-
-
-def wrapped(text: str, indent: str = "  ") -> str:
-    """Return text folded to the width, the first line flush and the rest indented."""
-    return textwrap.fill(clean(text), width(), subsequent_indent=indent)
+    lines = [f"error: {head}", *(f"       {part}" for part in below)]
+    known = sys.stderr.isatty() or "COLUMNS" in os.environ  # a program that reads messages gets each on its line
+    return "\n".join(wrapped(line, " " * 9, None) if known and not TYPED.search(line) else line for line in lines)

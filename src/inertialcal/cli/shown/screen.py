@@ -34,9 +34,14 @@ def shown_whole(said: bool | None) -> Iterator[None]:
         _whole.reset(token)
 
 
+def all_asked() -> bool:
+    """Tell whether texts are to be shown whole: ``--all``."""
+    return _whole.get()
+
+
 def folds() -> bool:
     """Tell whether long texts are folded: on a terminal, where not all was asked for."""
-    return sys.stdout.isatty() and not _whole.get()
+    return sys.stdout.isatty() and not all_asked()
 
 
 def folded(text: str, rows: int = ROWS) -> str:

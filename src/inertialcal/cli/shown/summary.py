@@ -25,12 +25,11 @@ from ...core.show.rows import (
     reason_text,
     verdict_of,
 )
+from ...core.show.tables import PROSE_WIDTH
 from ...procedures import compared_in
 from .. import figures
-from .output import clean, cleaned, json_out, short, table, width, wrapped
+from .output import clean, cleaned, json_out, short, table, terminal_width, wrapped
 from .screen import folded, folds, say, screen
-
-NARROWEST = 24  # columns of a requirement's words
 
 if TYPE_CHECKING:
     from ...campaign.outcome.budget import Budgets
@@ -39,6 +38,7 @@ if TYPE_CHECKING:
     from ...core.show.output_tables import OutputTable
 
 
+NARROWEST = 24  # columns of a requirement's words beside columns that are not folded
 MISSING = 6  # rows of reasons why figures were not estimated, on a terminal
 
 
@@ -70,7 +70,7 @@ def _missing_counted(rows: Sequence[Mapping[str, Any]]) -> str:
     """Return how many figures were not estimated, a line a reason: the commonest first."""
     counts = sorted(((len(found), reason) for reason, found in missing_of(rows).items()), key=lambda one: -one[0])
     lines = [f"  not estimated: {items(n, 'figure')}: {clean(reason)}" for n, reason in counts]
-    return folded("\n".join(short(line, width()) for line in lines), MISSING)
+    return folded("\n".join(short(line, terminal_width()) for line in lines), MISSING)
 
 
 def _estimated(rows: Sequence[Mapping[str, Any]]) -> str:
@@ -89,7 +89,8 @@ def _estimated(rows: Sequence[Mapping[str, Any]]) -> str:
     if not left:
         return found
     count = sum(way in left for ways in lines.values() for way in ways)
-    return f"{found}\n  not shown: {count} alternatives to these results ({names_of(left)}); see --json"
+    more = wrapped(f"  not shown: {count} alternatives to these results ({names_of(left)}); see --json", "    ")
+    return f"{found}\n{more}"
 
 
 def _in_doubt(rows: Sequence[Mapping[str, Any]]) -> str:
@@ -99,7 +100,7 @@ def _in_doubt(rows: Sequence[Mapping[str, Any]]) -> str:
         opened = row["method"] == Method.UNSCREENED
         if row["status"] == "estimated" and reason_code(row) == "in_doubt" and not opened:
             axes.setdefault(reason_text(row), {})[row["axis"]] = None
-    return "\n".join(f"  {reason} ({', '.join(found)})" for reason, found in axes.items())
+    return "\n".join(wrapped(f"  {reason} ({', '.join(found)})", "    ") for reason, found in axes.items())
 
 
 def _not_estimated(rows: Sequence[Mapping[str, Any]]) -> str:
@@ -116,7 +117,13 @@ def _side_by_side(rows: Sequence[Mapping[str, Any]], compared: Compared, test: s
         if not part
     ]  # fmt: skip
     heads = ["  axis", test, other, "difference", "95 % interval", "nearer to 0 by", "95 % interval", "unit", "to 0"]
-    return f"\n  side by side: {compared.title}\n{table(cells, heads)}" if cells else ""
+    return f"\n{wrapped(f'  side by side: {compared.title}', '    ')}\n{table(cells, heads)}" if cells else ""
+
+
+def verdicts_part(results: Mapping[str, Any]) -> str:
+    """Return the requirements one by one, under the rule that they are decided by."""
+    rule = wrapped(f"requirements ({results['decision_rule']})")
+    return f"{rule}\n{verdicts_text(results)}"
 
 
 def verdicts_text(results: Mapping[str, Any]) -> str:
@@ -143,19 +150,20 @@ def requirement_table(results: Mapping[str, Any]) -> str:
 
     Where no line says why the verdict on all is INCONCLUSIVE, a last one names the error that leaves it open.
     """
-    cells = [cleaned(one.cells) for one in requirement_lines(results)]
+    cells = [list(cleaned(one.cells)) for one in requirement_lines(results)]
     if not cells:
         return ""
-    heads, last = HEADS, f"overall: {results['verdict']}"
-    errors = [one["what"] for one in results["remarks"] if one["severity"] == "error"]
+    last, errors = f"overall: {results['verdict']}", [one for one in results["remarks"] if one["severity"] == "error"]
     if errors and results["verdict"] not in {word for *_, word in cells}:
-        last += "\n" + wrapped(f"  in doubt: {clean(errors[0])}", "    ")
-    rest = sum(2 + max(len(row[i]) for row in [heads, *cells]) for i in range(1, len(heads)))
-    rows = []
-    for name, *others in cells:
-        first, *more = textwrap.wrap(name, max(width() - rest, NARROWEST), subsequent_indent="  ") or [""]
-        rows += [[first, *others], *([line, *("" for _ in others)] for line in more)]
-    return f"{table(rows, heads)}\n{last}"
+        last += "\n" + wrapped(f"  in doubt: {clean(errors[0]['what'])}", "    ")
+    rest = sum(2 + max(len(row[i]) for row in [[*HEADS], *cells]) for i in range(1, len(HEADS)))
+    if (least := rest + NARROWEST) <= terminal_width():  # else every column is folded
+        room = max(min(terminal_width(), PROSE_WIDTH), least) - rest
+        whole, cells = cells, []
+        for name, *others in whole:
+            first, *more = textwrap.wrap(name, room, subsequent_indent="  ") or [""]
+            cells += [[first, *others], *([line, *("" for _ in others)] for line in more)]
+    return f"{table(cells, HEADS)}\n{last}"
 
 
 def _counts(verdicts: Sequence[Mapping[str, Any]]) -> tuple[str, str]:
@@ -203,7 +211,7 @@ def budgets_text(budgets: Budgets) -> str:
     for one in budgets.tables:
         rows = [[f"  {name}", *rest] for name, *rest in one.rows]
         heads = [f"  {one.heads[0]}", *one.heads[1:]]
-        blocks.append(f"{clean(one.caption)}\n{table(cleaned(rows), heads, right=one.right)}")
+        blocks.append(f"{wrapped(one.caption)}\n{table(cleaned(rows), heads, right=one.right)}")
     if budgets.said:
         blocks.append("\n".join(wrapped(clean(line), "  ") for line in budgets.said))
     return "\n\n".join(blocks)
@@ -215,7 +223,7 @@ def closed_loop_text(results: Mapping[str, Any]) -> str:
     over = list(_over_temperature_text(loop.get("over_temperature", ())))
     if not loop["axes"]:
         reason = f" ({loop['reason']})" if loop["reason"] else ""
-        return "\n".join([f"closed loop: {loop['verdict']}{reason}", *over])
+        return "\n".join([wrapped(f"closed loop: {loop['verdict']}{reason}"), *over])
     several = len({one["condition"] for one in loop["axes"]}) > 1
     rows = [
         [
@@ -247,17 +255,17 @@ def _over_temperature_text(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
 def remarks_part(remarks: Sequence[Mapping[str, Any]]) -> str:
     """Return the remarks of a run under a head; those to know, not to act on, are counted on a terminal."""
     pressing = [one for one in remarks if one["severity"] != "info"] if folds() else remarks
-    lines = [f"  {text}" for text in remarks_text(pressing)]
+    lines = [*remarks_text(pressing, "  ")]
     rest = len(remarks) - len(pressing)
     lines += [f"  ... {rest} more {'note' if rest == 1 else 'notes'}: --all"] if rest else []
     return "\n".join(["remarks", *lines]) if lines else ""
 
 
-def remarks_text(remarks: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+def remarks_text(remarks: Sequence[Mapping[str, Any]], indent: str = "") -> Iterator[str]:
     """Yield each remark as text, the serious ones first."""
     order = {"error": 0, "warning": 1, "info": 2}
     for remark in sorted(remarks, key=lambda one: order[str(one["severity"])]):
-        yield wrapped(str(Remark(**remark)), "    ")
+        yield wrapped(f"{indent}{Remark(**remark)}", "    ")
 
 
 def print_reduced(
@@ -311,7 +319,7 @@ def _text(found: ResultsFile) -> str:
     if content.get("closed_loop"):
         parts.append(closed_loop_text(content))
     if content.get("verdicts"):
-        parts.append(f"requirements ({clean(str(content['decision_rule']))})\n{verdicts_text(content)}")
+        parts.append(verdicts_part(content))
     return screen(parts)
 
 
@@ -330,7 +338,7 @@ def tables_text(tables: Sequence[OutputTable[WrittenRow]]) -> str:
         title = f"{one.title}, condition {one.condition}" if one.condition else one.title
         told = [wrapped(f"  {', '.join(names)}: {text}", "    ") for text, names in one.reasons]
         right = range(1, len(one.axes) + 1)
-        blocks.append("\n".join([clean(title), table(cleaned(cells), ["", *one.axes, "unit"], right=right), *told]))
+        blocks.append("\n".join([wrapped(title), table(cleaned(cells), ["", *one.axes, "unit"], right=right), *told]))
     return "\n\n".join(blocks)
 
 

@@ -11,7 +11,7 @@ import typer
 from ...core.errors import UsageError
 from .. import figures
 from ..options import Folder, Json, Quiet
-from ..shown.output import clean, found, json_out, wrapped
+from ..shown.output import followed, found, json_out, wrapped
 from ..shown.progress import progress
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ def run(
 
 def where_text(outcome: Outcome) -> str:
     """Return where the results of a run are, and which of them to read."""
-    return clean(f"results are in {outcome.folder / 'out'}: open report.html there in a browser, or add --open")
+    return wrapped(f"results are in {outcome.folder / 'out'}: open report.html there in a browser, or add --open")
 
 
 def report_path(outcome: Outcome) -> Path:
@@ -73,15 +73,14 @@ def outcome_content(outcome: Outcome) -> dict[str, Any]:
 def print_outcome(outcome: Outcome) -> None:
     """Print figures, remarks, closed loop and verdicts of a run."""
     from ..shown.screen import say, screen
-    from ..shown.summary import closed_loop_text, remarks_part, requirement_table, results_parts, verdicts_text
+    from ..shown.summary import closed_loop_text, remarks_part, requirement_table, results_parts, verdicts_part
 
     results = outcome.results
     parts = [*results_parts(results), remarks_part(results["remarks"]), closed_loop_text(results)]
     if results["verdicts"]:
-        rule = clean(results["decision_rule"])
-        parts += [f"requirements ({rule})\n{verdicts_text(results)}"]
+        parts.append(verdicts_part(results))
     if outcome.changed:
-        lines = [f"  {clean(line)}" for line in outcome.changed[:20]]
+        lines = [wrapped(f"  {line}", "    ") for line in outcome.changed[:20]]
         parts.append("\n".join([f"changed since the last run: {len(outcome.changed)}", *lines]))
     notes = "\n".join(wrapped(str(note)) for note in outcome.notes)
     parts += [notes, requirement_table(results), where_text(outcome)]
@@ -119,7 +118,9 @@ def budget(
 def check(folder: Folder, as_json: Json = False, quiet: Quiet = False) -> int:
     """Judge the inputs of a campaign: the campaign file and every recording it names."""
     from ...campaign.engine.whole import check as check_campaign
-    from ..shown.screen import folded, say
+    from ...core.remarks import condensed
+    from ..shown.screen import all_asked, folded, say
+    from ..shown.summary import remarks_text
 
     checked = check_campaign(folder)
     campaign, inputs, remarks = checked
@@ -129,9 +130,13 @@ def check(folder: Folder, as_json: Json = False, quiet: Quiet = False) -> int:
         json_out("check", content, checked.exit_status)
     elif not quiet:
         if remarks:
-            say(folded("\n".join(wrapped(str(remark), "    ") for remark in remarks)))
+            few = remarks if all_asked() else condensed(remarks)
+            lines = [*remarks_text([one.to_dict() for one in few])]
+            rest = len(remarks) - len(few)
+            lines += [f"  ... {rest} more like these: --all"] if rest else []
+            say(folded("\n".join(lines)))
         tests, recordings = len(campaign.file.tests), len(campaign.file.recordings)
         said = f"{tests} test{'s' * (tests != 1)}, {recordings} recording{'s' * (recordings != 1)}"
         state = "recordings disagree, no model is made" if checked.exit_status else "ok"
-        print(clean(f"{state}: {said}. Next: inertialcal run {shlex.quote(str(folder))}"))
+        print(followed(f"{state}: {said}", f"inertialcal run {shlex.quote(str(folder))}"))
     return checked.exit_status

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from ..options import Folder, Json, Quiet
-from ..shown.output import clean, json_out, wrapped
+from ..shown.output import json_out, wrapped
 
 
 def certificate(
@@ -40,7 +40,7 @@ def certificate(
         json_out("certificate", content)
     elif not quiet:
         head, *below = str(made).splitlines()
-        print(clean(head))
+        print(wrapped(head))
         for line in below:
             print(wrapped(f"  {line.strip()}", "    "))
     return 0

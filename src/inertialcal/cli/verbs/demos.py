@@ -11,7 +11,7 @@ import typer
 from ...core.results import case_of
 from ...rigs import DEMONSTRATED, RIGS
 from ..options import Json, Quiet, rigs_beginning
-from ..shown.output import json_out
+from ..shown.output import json_out, wrapped
 from ..shown.progress import progress
 from .campaigns import outcome_content, print_outcome, where_text
 
@@ -54,7 +54,7 @@ def _one(name: str, folder: Path, as_json: bool, quiet: bool) -> dict[str, Any]:
 
     built = build(name, folder)
     if not as_json and not quiet:
-        print(title(name), file=sys.stderr)
+        print(wrapped(title(name)), file=sys.stderr)
     with progress(quiet or as_json) as tell:
         outcome = run_campaign(built, tell)
     found = score(built) if has_truth(built) else None
@@ -88,7 +88,7 @@ def _print_scored(outcome: Any, found: Any) -> None:
     model = [row for row in found.rows if row["test"] == "model" or _of_others(row)]
     model = model if any(row["test"] == "model" for row in model) else []
     what = "the model" if model else "the results"
-    print(f"\n{outcome.results['campaign']['title']}: {what} and the simulated truth")
+    print("\n" + wrapped(f"{outcome.results['campaign']['title']}: {what} and the simulated truth"))
     print(folded(truth_table(model or found.rows), ROWS // 2))
     print(f"\n{held_text(found)}")
     say(f"\n{closed_loop_text(outcome.results)}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import shlex
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, Any
@@ -15,7 +16,7 @@ from ...files.models.formats import BUILT_IN
 from .. import figures
 from ..nouns.factory import said_of, said_options
 from ..options import Json, Quiet, with_options
-from ..shown.output import clean, json_out, wrapped
+from ..shown.output import clean, followed, json_out, wrapped
 from ..shown.screen import folded, say
 
 Model = Annotated[
@@ -159,10 +160,10 @@ def _show_page(page: Any, as_json: bool, quiet: bool) -> int:
         json_out("show", {"inputs": [_input(page)], "remarks": remarks, "report": page.to_dict(), "unchanged": True})
     elif not quiet:
         _print_remarks(page.remarks)
-        print(clean(f"{page.path}: report of campaign {page.campaign}, unchanged since it was written"))
+        print(wrapped(f"{page.path}: report of campaign {page.campaign}, unchanged since it was written"))
         say(f"verdict: {clean(page.verdict or 'no requirement stated')}")
-        print(f"shows results.json, checksum {clean(page.results or 'not given')}")
-        print(f"shows model.json, checksum {clean(page.model)}" if page.model else "no model delivered")
+        print(wrapped(f"shows results.json, checksum {page.results or 'not given'}"))
+        print(wrapped(f"shows model.json, checksum {page.model}") if page.model else "no model delivered")
     return 0
 
 
@@ -260,7 +261,7 @@ def _compensate(**given: Any) -> int:
         _written("compensate", inputs, output, len(done), remarks, more)
     elif not quiet:
         print(wrapped("columns: " + ", ".join(f"{what} = {clean(name)}" for what, name in used.items())))
-        print(f"model of condition: {clean(whose.condition)}\n" if whose.condition else "", end="")
+        print(wrapped(f"model of condition: {whose.condition}") + "\n" if whose.condition else "", end="")
         _print_written(output, len(done), remarks)
     return 0
 
@@ -278,7 +279,7 @@ def _print_steps(model: Any, raw: Any, worked: Any, row: int, quiet: bool) -> No
     from ..shown.model_text import steps_text
 
     if not quiet:
-        print(f"{clean(model.source)}: row {row} of {len(raw)} of {clean(raw.source.path)}")
+        print(wrapped(f"{model.source}: row {row} of {len(raw)} of {raw.source.path}"))
         print(steps_text(worked, model.axes))
 
 
@@ -346,7 +347,7 @@ def export(
         json_out("export", content)
     elif not quiet:
         _print_remarks(exported.remarks)
-        print(f"written: {clean(str(output))} ({'judged' if judged else 'not judged'})")
+        print(wrapped(f"written: {output} ({'judged' if judged else 'not judged'})"))
     return 0
 
 
@@ -410,7 +411,7 @@ def _print_remarks(remarks: Iterable[Any]) -> None:
 
 def _print_written(path: Path, rows: int, remarks: list[Any]) -> None:
     _print_remarks(remarks)
-    print(f"written: {clean(str(path))}, {rows} rows. Next: inertialcal info {clean(str(path))}")
+    print(followed(f"written: {path}, {rows} rows", f"inertialcal info {shlex.quote(str(path))}"))
 
 
 compensate = with_options(

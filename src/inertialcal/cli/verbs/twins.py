@@ -12,7 +12,7 @@ import typer
 from ...core.show.rounding import items
 from ...rigs import RIGS
 from ..options import Json, Quiet, faults_beginning, rigs_beginning
-from ..shown.output import clean, json_out, table
+from ..shown.output import clean, json_out, table, terminal_width, wrapped
 from ..shown.progress import progress
 from ..shown.screen import folded, say
 
@@ -62,10 +62,12 @@ def simulate(
         content = {"written": str(written.folder), "recordings": list(written.recordings), "truth_sha256": written.seal}
         json_out("simulate", content | {"rig": rig, "seed": seed, "fault": written.fault, "size": written.size})
     elif not quiet:
-        print(clean(f"written: {written.folder} ({items(len(written.recordings), 'recording')})"))
-        print(clean(f"the true values are sealed in .truth there, SHA-256 {written.seal}"))
+        print(wrapped(f"written: {written.folder} ({items(len(written.recordings), 'recording')})"))
+        print(wrapped(f"the true values are sealed in .truth there, SHA-256 {written.seal}"))
         folder = shlex.quote(str(written.folder))
-        print(clean(f"Next: inertialcal run {folder}, then inertialcal score {folder}"))
+        run_it, score_it = f"Next: inertialcal run {folder}", f"then inertialcal score {folder}"
+        both = clean(f"{run_it}, {score_it}")
+        print(both if len(both) <= terminal_width() else clean(run_it) + "\n" + clean(score_it))
     return 0
 
 
@@ -173,7 +175,7 @@ def truth_table(rows: Sequence[Mapping[str, Any]]) -> str:
 
 def held_text(found: Score) -> str:
     """Say how many of the stated intervals hold the truth, also apart from the standards."""
-    return "\n".join(map(clean, found.said))
+    return "\n".join(map(wrapped, found.said))
 
 
 def _fault(rig: str, fault: str, n: int, first: int, as_json: bool, quiet: bool) -> int:
@@ -203,14 +205,13 @@ def _counted(found: FaultScore, lo: float, hi: float, first: int) -> str:
     named, size = found.named, f" = {found.size}" if found.size else ""
     did = {"covered": "did", "named": "named", "refused": "refused"}[found.fault.expects]
     others = [f"  {count} x {what}" for what, count in named.others.items()]
-    return "\n".join(
-        [
-            f"fault {found.name}{size}: expected {found.fault.expected}",
-            f"{named.hits} of {named.n} {did} as expected (95 % interval {lo:.1%} .. {hi:.1%}); at least 95 % needed",
-            *others,
-            f"seeds {first} to {first + named.n - 1}; verdict: {found.verdict}",
-        ]
-    )
+    lines = [
+        f"fault {found.name}{size}: expected {found.fault.expected}",
+        f"{named.hits} of {named.n} {did} as expected (95 % interval {lo:.1%} .. {hi:.1%}); at least 95 % needed",
+        *others,
+        f"seeds {first} to {first + named.n - 1}; verdict: {found.verdict}",
+    ]
+    return "\n".join(wrapped(line, "    ") for line in lines)
 
 
 def _rig(rig: str, n: int, first: int, as_json: bool, quiet: bool) -> int:
@@ -231,7 +232,7 @@ def _rig(rig: str, n: int, first: int, as_json: bool, quiet: bool) -> int:
         cells = [_coverage_cells(one) for one in found]
         heads = ["quantity", "axis", "held", "rate", "99.9 % interval", "verdict"]
         print(table(cells, heads, right=(2, 3)))
-        print(f"\nseeds {first} to {first + n - 1}; PASS where {RULE}")
+        print("\n" + wrapped(f"seeds {first} to {first + n - 1}; PASS where {RULE}"))
     return status
 
 

@@ -7,8 +7,8 @@ has no colours, so that it reads on light and dark, no script, and loads nothing
 
 from __future__ import annotations
 
-import os
-import sys
+import re
+import shutil
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -16,8 +16,15 @@ from html import escape
 from typing import TypeVar, cast
 
 WIDTH = 100  # columns, at most; fewer in a narrower terminal
+UNKNOWN_WIDTH = 80  # columns where nothing says how many there are
+PROSE_WIDTH = 110  # columns of sentences, at most
+HANG = 2  # blanks before the second and later lines of a first cell
 LEAST_WIDTH = 20  # columns to which text is folded
 NARROWEST = 12  # to which a column of words is cut, to meet it
+FOLDED = 12  # to which one is folded, where no word of it is longer
+BLANK, BLANK_OR_NAME = re.compile(" "), re.compile(r" |(?<=_)")  # where a cell may be broken
+BOUND = "\N{NO-BREAK SPACE}"
+FIGURE = re.compile(r"(?<=\d) (?=\S)|(?<=±) | (?=±)|(?<=\.\.) | (?=\.\.)")  # blanks inside a figure with its unit
 FORMULA = ("=", "+", "-", "@", "\t", "\n")
 LONGEST = 40  # characters of a name in a caption
 _LEFT = "text-align:left"
@@ -80,12 +87,24 @@ def ending(path: str, longest: int = LONGEST) -> str:
 
 
 def terminal_width() -> int:
-    """Return the columns of the terminal, 20 of a narrower one; 0 where there is none, or it does not say."""
-    try:
-        columns = os.get_terminal_size(sys.stdout.fileno()).columns
-    except (OSError, ValueError):
-        return 0
-    return max(columns, LEAST_WIDTH) if columns else 0
+    """Return the columns that COLUMNS says, or those of the terminal, or 80; at least 20."""
+    return max(shutil.get_terminal_size((UNKNOWN_WIDTH, 1)).columns, LEAST_WIDTH)
+
+
+def wrapped(text: str, indent: str = "  ", widest: int | None = PROSE_WIDTH) -> str:
+    """Return text folded to the terminal and to 110 columns, the first line flush and the rest indented.
+
+    Names, paths and figures with their units stay whole.
+    """
+    found = textwrap.fill(
+        _bound(clean(text)), min(terminal_width(), widest or terminal_width()), subsequent_indent=indent,
+        break_on_hyphens=False, break_long_words=False,
+    )  # fmt: skip
+    return found.replace(BOUND, " ")
+
+
+def _bound(text: str) -> str:
+    return FIGURE.sub(BOUND, text)
 
 
 def aligned(
@@ -94,7 +113,9 @@ def aligned(
     right: Sequence[int] = (),
     width: int | None = None,
 ) -> str:
-    """Return rows as aligned columns; those that do not fit go below, after the first column and the axis again.
+    """Return rows as aligned columns that fit the terminal.
+
+    Words are folded inside their column; columns that do not fit go below, after the first and the axis again.
 
     Parameters
     ----------
@@ -110,33 +131,91 @@ def aligned(
     cells = [[clean(cell) for cell in row] for row in ([heads] if heads else []) + list(rows)]
     if not cells:
         return ""
-    widths = [max(len(row[i]) for row in cells) for i in range(len(cells[0]))]
-    if width is not None:
-        widths = _narrowed(widths, right, width)
-    limit = width or terminal_width()
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    limit = terminal_width() if width is None else width
     first = [0, 1] if heads and list(heads[1:2]) == ["axis"] else [0]  # again in each group
+    if width is None:
+        columns = list(zip(*cells, strict=True))
+        least = [widths[i] if i in right else _least(column, BLANK) for i, column in enumerate(columns)]
+        beside = sum(least[i] + 2 for i in first[1:]) + max(least[len(first) :], default=-2) + 2
+        if 0 not in right and least[0] + beside > limit:  # names are broken, sooner than a column left wide
+            least[0] = _least(columns[0], BLANK_OR_NAME)
+    else:
+        least = [one if i in right else min(one, NARROWEST) for i, one in enumerate(widths)]
+        least = widths = _narrowed(widths, least, limit)
     groups: list[list[int]] = [[]]
     for i in range(len(widths)):
-        if limit and len(groups[-1]) > len(first) and sum(widths[j] + 2 for j in groups[-1]) + widths[i] > limit:
+        if len(groups[-1]) > len(first) and sum(least[j] + 2 for j in groups[-1]) + least[i] > limit:
             groups.append([*first])
         groups[-1].append(i)
     blocks = []
     for group in groups:
+        wide = [widths[i] for i in group]
+        fitted = _narrowed(wide, [least[i] for i in group], limit)
+        if fitted != wide:  # the widest words get what the others leave
+            shown = [[_cell_lines(row[i], fitted[j], i in right, i == 0) for row in cells] for j, i in enumerate(group)]
+            fitted = [max(len(line) for lines in column for line in lines) for column in shown]
+            widest = max(range(len(group)), key=lambda j: wide[j] - fitted[j])
+            spare = max(limit - sum(fitted) - 2 * (len(group) - 1), 0)
+            fitted[widest] = min(fitted[widest] + spare, wide[widest])
         lines = []
         for row in cells:
-            cut = [row[i].rjust(widths[i]) if i in right else short(row[i], widths[i]).ljust(widths[i]) for i in group]
-            lines.append("  ".join(cut).rstrip())
+            parts = [
+                [short(row[i], fitted[j])] if width is not None and i not in right
+                else _cell_lines(row[i], fitted[j], i in right, i == 0)
+                for j, i in enumerate(group)
+            ]  # fmt: skip
+            lines += ["  ".join(line).rstrip() for line in _side_by_side(parts, fitted)]
         blocks.append("\n".join(lines))
     return "\n\n".join(blocks)
 
 
-def _narrowed(widths: list[int], right: Sequence[int], width: int) -> list[int]:
-    """Take from the widest column of words, again and again, until all fit or none can give more."""
+def _least(column: Sequence[str], breaks: re.Pattern[str]) -> int:
+    """Return to which width a column of words can be folded: no word, and no figure with its unit, is broken."""
+    return max(_least_of(cell, breaks) for cell in column)
+
+
+def _least_of(cell: str, breaks: re.Pattern[str]) -> int:
+    if len(cell) <= FOLDED:
+        return len(cell)
+    words = breaks.split(_bound(cell.strip()))
+    blanks = len(cell) - len(cell.lstrip())
+    return max(FOLDED, blanks + len(words[0]), *(blanks + HANG + len(word) for word in words[1:]))
+
+
+def _cell_lines(cell: str, width: int, right: bool, first: bool) -> list[str]:
+    """Return a cell in lines of a width; in the first column the second and later lines stand in."""
+    if right or len(cell) <= width:
+        return [cell.rjust(width) if right else cell]
+    blanks = " " * (len(cell) - len(cell.lstrip()))
+    below = blanks + " " * (HANG * first)
+    found = textwrap.wrap(
+        _bound(cell.strip()), width, initial_indent=blanks, subsequent_indent=below,
+        break_on_hyphens=False, break_long_words=False,
+    )  # fmt: skip
+    lines = []
+    for line in found:
+        rest = line
+        while first and len(rest) > width and (at := rest.rfind("_", len(below), width) + 1):
+            lines.append(rest[:at])
+            rest = below + rest[at:]
+        lines.append(rest)
+    return [line.replace(BOUND, " ") for line in lines]
+
+
+def _side_by_side(cells: Sequence[Sequence[str]], widths: Sequence[int]) -> list[list[str]]:
+    """Return the lines of cells that stand in one row, each filled to the width of its column."""
+    high = max(map(len, cells))
+    filled = [[*cell, *[""] * (high - len(cell))] for cell in cells]
+    return [[part.ljust(width) for part, width in zip(line, widths, strict=True)] for line in zip(*filled, strict=True)]
+
+
+def _narrowed(widths: list[int], least: list[int], width: int) -> list[int]:
+    """Take from the widest column that can give, again and again, until all fit or none can give more."""
     found = list(widths)
-    words = [i for i in range(len(found)) if i not in right]
     while sum(found) + 2 * (len(found) - 1) > width:
-        widest = max(words, key=lambda i: found[i], default=None)
-        if widest is None or found[widest] <= NARROWEST:
+        widest = max((i for i in range(len(found)) if found[i] > least[i]), key=found.__getitem__, default=None)
+        if widest is None:
             break
         found[widest] -= 1
     return found
@@ -144,7 +223,7 @@ def _narrowed(widths: list[int], right: Sequence[int], width: int) -> list[int]:
 
 def text(parts: Iterable[Block]) -> str:
     """Return the parts as text, folded and cut to the terminal, and to 100 columns."""
-    columns = min(terminal_width() or WIDTH, WIDTH)
+    columns = min(terminal_width(), WIDTH)
 
     def folded(line: str) -> str:
         return textwrap.fill(clean(line), columns, subsequent_indent="    ", break_on_hyphens=False)

@@ -5,14 +5,13 @@ from __future__ import annotations
 import csv
 import io
 import json
-import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ...core.results import Row, finite
 from ...core.show.result_tables import figure, interval, not_estimated
 from ...core.show.rounding import freedom, near, number, settled_ends, with_uncertainty
-from ...core.show.tables import aligned, clean, csv_cell, ending, short
+from ...core.show.tables import aligned, csv_cell, ending, short, wrapped
 from ...core.units import FILE_UNIT, factor
 from ...sensors.noise.fitting.noise_fit import duration
 from ...sensors.noise.terms import sample_unit
@@ -26,7 +25,6 @@ if TYPE_CHECKING:
     from ..protocol import Reduced
 
 Test = Tested[Any, Any, Any]
-WIDTH = 110  # of wrapped text
 PER_DECADE = 3  # rows of a spectrum
 TERMS = ("  term", "axis", "value ± u", "unit", "95 % interval", "SI", "how well known")
 ALONE = ("  alone", "term", "axis", "value ± u", "unit", "95 % interval")
@@ -97,9 +95,11 @@ def _terms(found: Reduced, test: Test) -> Iterator[str]:
             limit = f"{row.quantity} {figure(row.to_dict())} {row.unit}{longer}"
             groups.setdefault((short(row.axis), reach.reason), []).append(limit)
     if groups:
-        yield "  not found: upper 95 % limits (in brackets: record that would show a term of that size)"
+        yield wrapped(
+            "  not found: upper 95 % limits (in brackets: record that would show a term of that size)", "    "
+        )
     for (axis, reason), limits in groups.items():
-        yield _wrapped(f"    {axis}: {reason}: {', '.join(limits)}", "       ")
+        yield wrapped(f"    {axis}: {reason}: {', '.join(limits)}", "       ")
     yield from _nothing(test, rows)
     lines = [row for row in every if row.quantity == "line_amplitude"]
     cells = [[f"  {row.case}", short(row.axis), figure(row.to_dict()), row.unit] for row in lines]
@@ -118,7 +118,7 @@ def _nothing(test: Test, rows: Sequence[Row]) -> Iterator[str]:
     without = {axis.axis: axis.reason for axis in test.result.axes if axis.fit is None}
     for reason in dict.fromkeys(without.values()):
         axes = ", ".join(short(axis) for axis in without if without[axis] == reason)
-        yield _wrapped(f"  no terms of {axes}: {reason}")
+        yield wrapped(f"  no terms of {axes}: {reason}")
     unit = test.facts.unit or FILE_UNIT
     scale = factor(sample_unit(test.facts.kind), unit) if test.facts.kind else 1.0
     cells = [
@@ -147,17 +147,13 @@ def _nothing(test: Test, rows: Sequence[Row]) -> Iterator[str]:
         and row.axis not in without
         and not (row.quantity == TIME and row.axis in limited)
     ]
-    yield from (f"  {line}" for line in not_estimated(missing))
+    yield from (wrapped(f"  {line}", "    ") for line in not_estimated(missing))
 
 
 def _density(row: Row) -> str:
     """Return a figure in SI, white noise as a density."""
     unit = {"rad/sqrt(s)": "rad/s/sqrt(Hz)", "m/s/sqrt(s)": "m/s^2/sqrt(Hz)"}.get(row.unit, row.unit)
     return f"{number(row.value, 4)} {unit}"
-
-
-def _wrapped(text: str, indent: str = "  ") -> str:
-    return textwrap.fill(clean(text), WIDTH, subsequent_indent=indent)
 
 
 def _spectrum(found: Reduced, test: Test) -> Iterator[str]:
@@ -170,7 +166,7 @@ def _spectrum(found: Reduced, test: Test) -> Iterator[str]:
         yield f"{_heading(test)}: no spectrum"
     else:
         first = spectra[0][1]
-        yield _wrapped(
+        yield wrapped(
             f"{_heading(test)}: spectrum ({first.method}), {first.segments} segment(s) of "
             f"{number(first.segment * first.interval, 4)} s, {freedom(first.edf, 3)} a value; "
             f"means over bands [{density_unit(unit)}]"
@@ -199,10 +195,10 @@ def _spectrum(found: Reduced, test: Test) -> Iterator[str]:
     for axis, one in records:
         agreement = one.agreement
         if agreement is None or not agreement.compared:
-            yield clean(f"{axis}: Allan deviation and spectrum could not be compared")
+            yield wrapped(f"{axis}: Allan deviation and spectrum could not be compared")
         else:
             word = "agree" if agreement.agree.all() else "DISAGREE"
-            yield clean(f"{axis}: Allan deviation and spectrum {word} at {agreement.compared} averaging times")
+            yield wrapped(f"{axis}: Allan deviation and spectrum {word} at {agreement.compared} averaging times")
 
 
 def _curves_text(found: Reduced) -> str:

@@ -39,7 +39,7 @@ from ...core.estimate import Array, Estimate
 from ...core.influence import Influence, Occasion, Selection
 from ...core.key import Kind
 from ...core.show.rounding import number, with_uncertainty
-from ...core.show.tables import Block, Details, Table, clean, html, text
+from ...core.show.tables import Block, Details, Table, aligned, html, text, wrapped
 from ...core.units import convert, divide, factor, normalise, same_dimension
 from ..chain.converter import Chain
 from .sensitivity import Sensitivity
@@ -308,10 +308,11 @@ def lines(model: SensorModel) -> tuple[Line, ...]:
 def show(model: SensorModel) -> str:
     """Return a model as text: what it belongs to, its equation, its parameters in words, where it holds."""
     parts = [*_head(model), "", "Equation (forward)", *(f"  {row}" for row in equation(model)), ""]
-    parts += [f"Matrix M ({MATRIX_ORDER})", *_matrix(model), ""]
-    parts += _table(lines(model)) + _run_to_run(model) + _noise(model)
-    parts += ["", "Compensation: " + "; ".join(APPLY_ORDER)]
-    return "\n".join(clean(part) for part in [*parts, *_validity(model)])
+    parts += [f"Matrix M ({MATRIX_ORDER})"]
+    above = "\n".join(wrapped(part, "    ") for part in parts)
+    below = [*_run_to_run(model), *_noise(model), "", "Compensation: " + "; ".join(APPLY_ORDER), *_validity(model)]
+    said = [above, *_matrix(model), "", _table(lines(model)), *(wrapped(part, "    ") for part in below)]
+    return "\n".join(said)
 
 
 def _parts(model: SensorModel) -> tuple[Block, ...]:
@@ -330,17 +331,23 @@ def _parts(model: SensorModel) -> tuple[Block, ...]:
     return (*said, matrix, table, words, *ends)
 
 
-def _table(rows: tuple[Line, ...]) -> list[str]:
-    """Words, name and figure of each parameter; what is the same for all stands once, at the top."""
-    width = max(len(row.words) for row in rows)
+def _table(rows: tuple[Line, ...]) -> str:
+    """Words, name and figure of each parameter; what several have in common stands once, above them."""
+    groups: dict[str, list[Line]] = {}
     tails = ["; ".join(text for text in (row.note, row.origin) if text) for row in rows]
-    common = tails[0] if len(set(tails)) == 1 else ""
-    parts = [f"Parameters ({common})" if common else "Parameters"]
     for row, tail in zip(rows, tails, strict=True):
-        unit = "" if row.unit == "1" else f" {row.unit}"
-        figure = f"{row.name} = {with_uncertainty(row.value, row.u)}{unit}"
-        parts.append(f"  {row.words:<{width}}  {figure}" + (f"  ({tail})" if tail and not common else ""))
-    return parts
+        groups.setdefault(tail if tails.count(tail) > 1 else "", []).append(row)
+    parts = []
+    for common, own in groups.items():
+        parts.append(wrapped(f"Parameters ({common})" if common else "Parameters", "    "))
+        cells = []
+        for row in own:
+            unit = "" if row.unit == "1" else f" {row.unit}"
+            tail = "" if common else "; ".join(text for text in (row.note, row.origin) if text)
+            figure = f"{row.name} = {with_uncertainty(row.value, row.u)}{unit}"
+            cells.append([f"  {row.words}", figure, f"({tail})" if tail else ""])
+        parts.append(aligned(cells))
+    return "\n".join(parts)
 
 
 def equation(model: SensorModel) -> list[str]:

@@ -44,7 +44,6 @@ from scipy import optimize
 
 from ....core.estimate import Array
 from ....signals.spectrum.density import Spectrum
-from ....signals.threads import LARGE, each_of
 from .._kernels import scored
 from ..expected import density_of_samples
 from ..terms import GaussMarkov, Phase
@@ -65,6 +64,8 @@ GRID = 4096  # frequencies of the integral
 CYCLES: Array = (np.arange(GRID, dtype=np.float64) + 0.5) * (0.5 / GRID)  # those frequencies
 RESOLVED = 512  # samples of a window that the grid resolves; sin^4 is 3/8 on average beyond
 FOLDS = np.geomspace(1e-4, 1e4, 65)  # sizes of a low pass that are tried: its density is 1 / (1 + size 4 sin^2(pi f))
+COARSE = 4  # of these sizes, one of which is tried first, then all about the best: twice the size is much alike
+DOUBTFUL = 5.0  # twice the gain of log likelihood there, from which all are tried
 NEAR = 0.5  # log likelihood less than the best: one standard uncertainty
 MILD = 0.3  # size of a low pass, above which it does not stay hidden
 ROUNDED = 3  # column of the rounded angle, which rises
@@ -189,23 +190,27 @@ def gain_of(cycles: Array, density: Array, weight: Array, interval: float) -> tu
     plain = least(D, density, weight)[0]
     steps = 4.0 * np.sin(np.pi * cycles) ** 2
     falling = np.delete(D, ROUNDED, axis=1)
-    costs = np.array(
-        each_of(
-            lambda size: least(falling / (1.0 + size * steps)[:, None], density, weight)[0],
-            FOLDS.tolist(),
-            LARGE,
-        )
-    )
-    best = int(np.argmin(costs))
-    plain = min(plain, *costs[: NONE + 1])  # where the solver stops short
-    if 2.0 * (plain - costs[best]) >= CLEAR:
+    known: dict[int, float] = {}
+
+    def cost(i: int) -> float:
+        if i not in known:
+            known[i] = least(falling / (1.0 + FOLDS[i] * steps)[:, None], density, weight)[0]
+        return known[i]
+
+    best = min((*range(NONE + 1), *range(0, len(FOLDS), COARSE)), key=cost)
+    while (near := min(range(max(best - COARSE, 0), min(best + COARSE + 1, len(FOLDS))), key=cost)) != best:
+        best = near
+    if 2.0 * (plain - cost(best)) >= DOUBTFUL:
+        best = min(range(len(FOLDS)), key=cost)
+    plain = min(plain, *map(cost, range(NONE + 1)))  # where the solver stops short
+    if 2.0 * (plain - cost(best)) >= CLEAR:
         plain = min(plain, with_one_time(cycles, density, weight, interval))
     few = falling[:, :3]  # white noise, flicker, walk: others give way to any filter
     mild = np.array(
         [least(few / (1.0 + size * steps)[:, None], density, weight)[0] for size in (0.0, *FOLDS[FOLDS <= MILD])]
     )
     hidden = float([0.0, *FOLDS][np.flatnonzero(mild < mild.min() + NEAR)[-1]])
-    return 2.0 * float(plain - costs[best]), corner_of(float(FOLDS[best])), hidden
+    return 2.0 * float(plain - cost(best)), corner_of(float(FOLDS[best])), hidden
 
 
 def with_one_time(cycles: Array, density: Array, weight: Array, interval: float) -> float:
@@ -290,7 +295,10 @@ def steep_fall(cycles: Array, density: Array) -> float | None:
     A walk falls by 8 from the octave below a frequency to the octave above it.
     """
     highest = np.maximum.accumulate(density[::-1])[::-1]  # of all above
-    for i in np.flatnonzero((cycles >= SLOWEST) & (2.0 * cycles < cycles[-1])):
+    inside = np.flatnonzero((cycles >= SLOWEST) & (2.0 * cycles < cycles[-1]))
+    above = np.searchsorted(cycles, 2.0 * cycles[inside])
+    low = STEEP * highest[above] < np.maximum.accumulate(density)[inside]  # else no median below is so much more
+    for i in inside[low]:
         below = density[np.searchsorted(cycles, 0.5 * cycles[i], side="right") : i + 1]
         if STEEP * highest[np.searchsorted(cycles, 2.0 * cycles[i])] < np.median(below):
             return float(cycles[np.flatnonzero(density >= 0.5 * np.median(below))[-1]])
