@@ -174,7 +174,7 @@ def test_counts_go_through_the_chain(capsys: pytest.CaptureFixture[str], campaig
         (("rum", "x"), 2, "No such command"),
         (("info", "nothing.csv"), 3, "nothing.csv"),
         (("run", ".", "--nonsense"), 2, "--nonsense"),
-        (("info", "x", "--unit", "deg"), 2, "NAME=SOMETHING"),
+        (("info", "x", "--unit", "deg="), 2, "NAME=SOMETHING"),
         (("init", "nowhere"), 2, "No such folder"),
     ],
 )

@@ -211,7 +211,7 @@ def test_models_that_cannot_be_applied(
 
 
 def test_wrong_usage_of_compensate(call: Call, tmp_path: Path) -> None:
-    for more in (["-o", "out.xlsx"], ["-o", "out.csv", "--column", "x"], ["-o", "out.csv", "--unit", "gyro"], []):
+    for more in (["-o", "out.xlsx"], ["-o", "out.csv", "--column", "x="], ["-o", "out.csv", "--unit", "gyro="], []):
         assert call("compensate", "model.json", "data.csv", *more)[0] == 2
     status, _, err = call("compensate", "model.json", "data.csv", "-o", "a.csv", "--column", "x=a", "--column", "x=b")
     assert status == 2

@@ -77,13 +77,14 @@ def temperatures(types: Any) -> list[Any]:
             for i, stamp in enumerate(stamps)]  # fmt: skip
 
 
-def ros_1(path: Path, packed: str = "") -> Written:
-    """Write a bag of ROS 1."""
+def ros_1(path: Path, packed: str = "", chunk: int = 0) -> Written:
+    """Write a bag of ROS 1, by default with the chunks of its library."""
     from rosbags.rosbag1 import Writer
     from rosbags.typesys import Stores, get_typestore
 
     store = get_typestore(Stores.ROS1_NOETIC)
     writer = Writer(path)
+    writer.chunk_threshold = chunk or writer.chunk_threshold
     if packed:
         writer.set_compression(Writer.CompressionFormat[packed])
     with writer:

@@ -117,6 +117,8 @@ def _use(
 ) -> Use:  # fmt: skip
     values: dict[str, Any] = {}
     for name, text in said.items():
+        if name == "filter_rate":
+            continue
         unit = SAID[name]
         own = unit.replace("reading", UNIT[kind])
         if unit != own and not alone and not _fits(text, own):
