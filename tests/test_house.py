@@ -6,6 +6,7 @@ import ast
 import re
 import subprocess
 import sys
+import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -425,3 +426,44 @@ def test_the_walk_sees_any(annotation: str) -> None:
                                         "Callable[[Any], T]"])  # fmt: skip
 def test_the_walk_allows_what_no_name_could_say(annotation: str) -> None:
     assert not bare_any(ast.parse(annotation, mode="eval").body)
+
+
+# What is to go says what to write instead and when it goes, as docs/promise.md has it: a FutureWarning, or a remark.
+DEPRECATED = re.compile(r"[Ww]rite \S.*; .* goes in (\d+)\.(\d+)")
+
+
+def wrong_deprecations(code: str, version: tuple[int, int]) -> list[str]:
+    """Return deprecations that do not say what the promise asks for, or that are due."""
+    wrong = []
+    for node in ast.walk(ast.parse(code)):
+        if not isinstance(node, ast.Call):
+            continue
+        given = [*node.args, *(one.value for one in node.keywords)]
+        if not {"FutureWarning", "'deprecated'"} & {ast.unparse(one) for one in given}:
+            continue
+        parts = [one.value for arg in given for one in ast.walk(arg) if isinstance(one, ast.Constant)]
+        text = "".join(one for one in parts if isinstance(one, str))
+        said = DEPRECATED.search(text)
+        if said is None or (int(said[1]), int(said[2])) <= version:
+            wrong.append(ast.unparse(node))
+    return wrong
+
+
+def test_what_is_deprecated_says_what_to_write_and_when_it_goes() -> None:
+    project = tomllib.loads((PACKAGE.parents[1] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    major, minor, _ = map(int, project["version"].split("."))
+    found = {str(path.relative_to(PACKAGE)): wrong_deprecations(path.read_text(encoding="utf-8"), (major, minor))
+             for path in FILES}  # fmt: skip
+    assert {path: wrong for path, wrong in found.items() if wrong} == {}
+
+
+@pytest.mark.parametrize(
+    ("code", "right"),
+    [('warn(f"Write {new}=; {old} goes in 0.4", FutureWarning)', True),
+     ('warn("rate goes in 0.4", FutureWarning)', False), ('warn("Write b=", category=FutureWarning)', False),
+     ('warn("Write b=; a goes in 0.2", FutureWarning, stacklevel=2)', False),
+     ('Remark("deprecated", "warning", what, do="Write b; a goes in 1.0")', True),
+     ('Remark("deprecated", "warning", "old")', False)],
+)  # fmt: skip
+def test_the_walk_sees_deprecations(code: str, right: bool) -> None:
+    assert (wrong_deprecations(code, (0, 2)) == []) is right
