@@ -12,7 +12,7 @@ PINNED := $(PIP) --no-deps --require-hashes -r
 # Compiled modules are kept: the next process, and every command that a test starts, need not compile them again.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo test slow long coverage power mutants fuzz torture gate check bench validation docs release keep pins clean
+.PHONY: demo test slow oldest newest long coverage power mutants fuzz torture gate check bench validation docs release keep pins clean
 
 demo: $(INSTALLED)  ## a simulated suite of rate sensors: built, run, scored
 	$(BIN)/inertialcal demo
@@ -25,6 +25,19 @@ test: $(READY)  ## the default suite
 
 slow: $(READY)  ## a part of each long run; make coverage has all of it
 	$(BIN)/python -m pytest -m "slow and not bench" -n 2 --dist worksteal --benchmark-disable --durations=20
+
+# What is nearest to the dependencies: arrays, files, the command line, figures.
+ENDS := tests/core tests/statistics tests/physics tests/signals/spectrum tests/sensors/chain tests/files/text tests/files/time \
+	tests/files/binary tests/files/loggers tests/campaign/engine tests/campaign/certificate tests/cli/screen tests/kept \
+	tests/report/figures/test_label_placement.py tests/test_startup.py
+oldest newest: export OMP_NUM_THREADS := 1
+oldest: requirements-oldest.txt  ## a part of the suite on the oldest dependencies that pyproject.toml allows
+newest: requirements.txt  ## the same part on the newest, on another Python: PYTHON=python3.13
+oldest newest:
+	$(PYTHON) -m venv --clear build/$@
+	build/$@/bin/python -m pip install --quiet --no-compile --require-hashes -r $<
+	build/$@/bin/python -m pip install --quiet --no-deps --no-build-isolation -e .
+	build/$@/bin/python -m pytest -m "not slow and not bench" -n 2 --dist worksteal --benchmark-disable -W error $(ENDS)
 
 coverage: long  ## do the 95 % intervals hold the truth, n = 1,000: RIGS="npsat1 mesa", TESTS=tests/procedures/flip
 	$(BIN)/python tests/coverage_runs.py $(RIGS)
@@ -89,9 +102,11 @@ $(READY): requirements.txt $(INSTALLED)
 	touch $(READY)
 
 COMPILE = uv pip compile --quiet --universal --generate-hashes --no-header --no-emit-index-url --python-version 3.11 pyproject.toml
+EXTRAS = --extra frame --extra pdf --extra sign --extra formats --extra test --extra build
 pins:  ## needs uv; writes no address of an index
 	$(COMPILE) --all-extras -o requirements.txt
 	$(COMPILE) --extra build --constraint requirements.txt --no-annotate -o requirements-run.txt
+	$(COMPILE) $(EXTRAS) --resolution lowest-direct --no-annotate -o requirements-oldest.txt
 
 clean:
 	rm -rf $(VENV) build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -6,6 +6,7 @@ import ast
 import re
 import subprocess
 import sys
+import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -24,6 +25,7 @@ ORDER = (
     "lab", "cli",
 )  # fmt: skip
 FILES = sorted(PACKAGE.rglob("*.py"))
+STUBS = sorted(PACKAGE.rglob("*.pyi"))
 HEAVY = ("numpy", "scipy", "numba", "yaml", "matplotlib", "pandas", "pyarrow", "h5py", "pydantic")
 
 
@@ -342,6 +344,13 @@ ANY_BY_ITSELF = {
     "core/settings.py:fact": "the same",
     "campaign/calls/call.py:Reduced.result": "of whichever procedure",
     "campaign/calls/call.py:Reduced.plan": "the same",
+    "campaign/calls/call.py:Reduced.shown": "the same",
+    "campaign/engine/engine.py:Prepared.plan": "the same",
+    "campaign/engine/engine.py:Prepared.readings": "the same",
+    "campaign/models/build.py:Part.result": "the same",
+    "core/curve.py:Column.values": "numbers of any type, or words",
+    "core/settings.py:Setting.kind": "a type with its arguments",
+    "core/settings.py:Setting.table": "a type whose fields are settings",
     "procedures/protocol.py:Reduced.result": "the same",
     "procedures/protocol.py:Reduced.plan": "the same",
     "procedures/protocol.py:Reduced.shown": "the same",
@@ -383,11 +392,13 @@ def annotated(function: ast.FunctionDef) -> Iterator[ast.expr]:
         yield function.returns
 
 
-def public(body: Sequence[ast.stmt], prefix: str = "") -> Iterator[tuple[str, ast.FunctionDef]]:
-    """Yield the public functions and methods of a module, also those that stand below a condition."""
+def public(body: Sequence[ast.stmt], prefix: str = "") -> Iterator[tuple[str, Sequence[ast.expr]]]:
+    """Yield annotations of the public functions, methods and fields of a module, also of those below a condition."""
     for node in body:
         if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
-            yield prefix + node.name, node
+            yield prefix + node.name, [*annotated(node)]
+        elif isinstance(node, ast.AnnAssign) and prefix and not ast.unparse(node.target).startswith("_"):
+            yield prefix + ast.unparse(node.target), [node.annotation]
         elif isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
             yield from public(node.body, f"{prefix}{node.name}.")
         elif isinstance(node, ast.If):
@@ -397,13 +408,13 @@ def public(body: Sequence[ast.stmt], prefix: str = "") -> Iterator[tuple[str, as
 def with_bare_any(path: Path) -> set[str]:
     where = path.relative_to(PACKAGE)
     tree = ast.parse(path.read_text(encoding="utf-8"))
-    return {f"{where}:{name}" for name, one in public(tree.body) if any(bare_any(it) for it in annotated(one))}
+    return {f"{where}:{name}" for name, given in public(tree.body) if any(bare_any(one) for one in given)}
 
 
 def test_public_signatures_name_their_types() -> None:
     """What compiles with numba takes any array; the rest is in the list above, which may only shrink."""
-    found = {one for path in FILES if not path.name.startswith("_kernels") for one in with_bare_any(path)}
-    assert found == set(ANY_BY_ITSELF)
+    files = [path for path in [*FILES, *STUBS] if not path.name.startswith("_kernels")]
+    assert {one for path in files for one in with_bare_any(path)} == set(ANY_BY_ITSELF)
 
 
 @pytest.mark.parametrize("annotation", ["Any", "list[Any]", "Any | None", "'Any'", "Mapping[tuple[str, str], Any]",
@@ -416,3 +427,44 @@ def test_the_walk_sees_any(annotation: str) -> None:
                                         "Callable[[Any], T]"])  # fmt: skip
 def test_the_walk_allows_what_no_name_could_say(annotation: str) -> None:
     assert not bare_any(ast.parse(annotation, mode="eval").body)
+
+
+# What is to go says what to write instead and when it goes, as docs/promise.md has it: a FutureWarning, or a remark.
+DEPRECATED = re.compile(r"[Ww]rite \S.*; .* goes in (\d+)\.(\d+)")
+
+
+def wrong_deprecations(code: str, version: tuple[int, int]) -> list[str]:
+    """Return deprecations that do not say what the promise asks for, or that are due."""
+    wrong = []
+    for node in ast.walk(ast.parse(code)):
+        if not isinstance(node, ast.Call):
+            continue
+        given = [*node.args, *(one.value for one in node.keywords)]
+        if not {"FutureWarning", "'deprecated'"} & {ast.unparse(one) for one in given}:
+            continue
+        parts = [one.value for arg in given for one in ast.walk(arg) if isinstance(one, ast.Constant)]
+        text = "".join(one for one in parts if isinstance(one, str))
+        said = DEPRECATED.search(text)
+        if said is None or (int(said[1]), int(said[2])) <= version:
+            wrong.append(ast.unparse(node))
+    return wrong
+
+
+def test_what_is_deprecated_says_what_to_write_and_when_it_goes() -> None:
+    project = tomllib.loads((PACKAGE.parents[1] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    major, minor, _ = map(int, project["version"].split("."))
+    found = {str(path.relative_to(PACKAGE)): wrong_deprecations(path.read_text(encoding="utf-8"), (major, minor))
+             for path in FILES}  # fmt: skip
+    assert {path: wrong for path, wrong in found.items() if wrong} == {}
+
+
+@pytest.mark.parametrize(
+    ("code", "right"),
+    [('warn(f"Write {new}=; {old} goes in 0.4", FutureWarning)', True),
+     ('warn("rate goes in 0.4", FutureWarning)', False), ('warn("Write b=", category=FutureWarning)', False),
+     ('warn("Write b=; a goes in 0.2", FutureWarning, stacklevel=2)', False),
+     ('Remark("deprecated", "warning", what, do="Write b; a goes in 1.0")', True),
+     ('Remark("deprecated", "warning", "old")', False)],
+)  # fmt: skip
+def test_the_walk_sees_deprecations(code: str, right: bool) -> None:
+    assert (wrong_deprecations(code, (0, 2)) == []) is right

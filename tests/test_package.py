@@ -5,8 +5,10 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+import sysconfig
 import tarfile
 import tomllib
+import venv
 import zipfile
 from email.parser import Parser
 from pathlib import Path
@@ -36,6 +38,27 @@ def test_wheel_of_the_source_distribution_is_the_package(wheel: zipfile.ZipFile)
         if path.is_file() and "__pycache__" not in path.parts
     }
     assert {name for name in wheel.namelist() if ".dist-info/" not in name} == here
+    assert "inertialcal/py.typed" in wheel.namelist()
+
+
+PROGRAM = Path(__file__).parent / "docs/typed_program.py"
+
+
+@pytest.mark.slow
+def test_a_program_of_others_is_typed_throughout(wheel: zipfile.ZipFile, tmp_path: Path) -> None:
+    """As the package is installed, with ``py.typed``; names and arguments that are not there are errors."""
+    venv.create(tmp_path / "env", symlinks=True)
+    python = tmp_path / "env/bin/python"
+    site = Path(sysconfig.get_path("purelib", vars={"base": str(tmp_path / "env")}))
+    wheel.extractall(site)
+    (site / "needed.pth").write_text(sysconfig.get_path("purelib"), encoding="utf-8")
+    wrong = tmp_path / "wrong.py"
+    wrong.write_text("import inertialcal as ic\n\nic.rate_tabel\nic.flip('a.csv', positons=None)\n", encoding="utf-8")
+    strict = ("--strict", "--python-executable", str(python), "--cache-dir", str(tmp_path / "cache"))
+    done = subprocess.run([sys.executable, "-m", "mypy", *strict, "--config-file=", str(PROGRAM), str(wrong)],
+                          cwd=tmp_path, check=False, capture_output=True, text=True)  # fmt: skip
+    told = [line for line in done.stdout.splitlines() if "error:" in line]
+    assert [line.rpartition("[")[2] for line in told] == ["attr-defined]", "call-arg]"], done.stdout
 
 
 def test_page_of_an_index_has_no_link_that_leads_nowhere(wheel: zipfile.ZipFile) -> None:

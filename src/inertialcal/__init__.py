@@ -11,11 +11,22 @@ Names are loaded when first used, so that importing the package costs nothing.
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    __version__: str
     from .campaign.calls.call import Reduced
-    from .campaign.calls.nouns import allan, flip, mass_attraction, positions, psd, rate_table, sine, thermal
+    from .campaign.calls.nouns import (
+        allan,
+        flip,
+        mass_attraction,
+        positions,
+        psd,
+        rate_table,
+        sensitivity,
+        sine,
+        thermal,
+    )
     from .campaign.certificate.issue import certificate
     from .campaign.certificate.reading import read_certificate
     from .campaign.compare.compare import compare
@@ -92,6 +103,7 @@ __all__ = [
     "read_table",
     "run",
     "score",
+    "sensitivity",
     "simulate",
     "sine",
     "thermal",
@@ -136,15 +148,17 @@ _HOMES = {  # nouns of procedures apart, which are found by their commands
 }
 
 
-def __getattr__(name: str) -> Any:
-    """Load a public name on first use (PEP 562)."""
-    if name == "__version__":
-        from importlib.metadata import version  # noqa: PLC0415 - starts slowly
+if not TYPE_CHECKING:  # names that are not there are told by a type checker
 
-        return version("inertialcal")
-    if name not in _HOMES and name not in _nouns():
-        raise AttributeError(f"module 'inertialcal' has no attribute {name!r}")
-    return getattr(import_module(f".{_HOMES.get(name, 'campaign.calls.nouns')}", __name__), name)
+    def __getattr__(name: str) -> object:
+        """Load a public name on first use (PEP 562)."""
+        if name == "__version__":
+            from importlib.metadata import version  # noqa: PLC0415 - starts slowly
+
+            return version("inertialcal")
+        if name not in _HOMES and name not in _nouns():
+            raise AttributeError(f"module 'inertialcal' has no attribute {name!r}")
+        return getattr(import_module(f".{_HOMES.get(name, 'campaign.calls.nouns')}", __name__), name)
 
 
 def _nouns() -> set[str]:

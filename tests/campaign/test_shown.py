@@ -55,6 +55,19 @@ def moved(folder: Path) -> Reduced:
     return ic.mass_attraction(path, schedule=str(schedule), gate="100 s")
 
 
+def over_supply(folder: Path) -> list[Path]:
+    """Records of three power-ups of a gyro at rest at three supply voltages."""
+    rng = np.random.default_rng(1)
+    volts = np.repeat([5.0, 4.85, 5.15], 40)
+    paths = [folder / f"run{i}.csv" for i in range(3)]
+    for i, path in enumerate(paths):
+        rate = rng.normal(0.0, 0.01) + 0.02 * volts + rng.normal(0.0, 5e-4, volts.size)
+        columns = [1.7e9 + 1e5 * i + 5.0 * np.arange(volts.size), 20.0 + 0.0 * volts, volts, rate]
+        head = "unix_s,temperature [degC],supply [V],gyro_x [deg/s]"
+        np.savetxt(path, np.column_stack(columns), fmt="%.6f", delimiter=",", header=head, comments="")
+    return paths
+
+
 def readings(units: int) -> np.ndarray[Any, np.dtype[np.float64]]:
     """What accelerometers of several units read in 20 positions."""
     rng = np.random.default_rng(1)
@@ -90,6 +103,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
         "rate_table": one,
         "flip": ic.flip(FLIPS / "table03_semiprocessed.csv", positions={"forward": "0 deg", "reverse": "180 deg"}),
         "thermal": ic.thermal(over_temperature(tmp_path_factory.mktemp("thermal"))),
+        "sensitivity": ic.sensitivity(over_supply(tmp_path_factory.mktemp("supply")), to="supply"),
         "allan": ic.allan(still, sample_rate=100.0, units="rad/s"),
         "psd": ic.psd(still, sample_rate=100.0, units="rad/s"),
         "sine": ic.sine(still[:, 0] + 1e-3 * DRIVE, period="1 s", sample_rate=100.0, units="rad/s"),
@@ -111,7 +125,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
     }
 
 
-NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "thermal", "allan", "psd", "sine",
+NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "thermal", "sensitivity", "allan", "psd", "sine",
          "mass_attraction", "plan_mass_attraction", "positions", "positions_batch", "plan_positions",
          "result", "estimate",
          "check", "run", "budget", "model", "compare", "judged", "simulate", "score")  # fmt: skip

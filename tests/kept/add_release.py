@@ -19,8 +19,12 @@ from inertialcal.campaign.certificate.issue import certificate
 from inertialcal.campaign.models.find import load_model
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.key import Kind
+from inertialcal.core.recording import Channel, Recording
 from inertialcal.files.models.model_file import export, load_model_file
 from inertialcal.files.models.model_json import write_model
+from inertialcal.files.write.recording import write
+from inertialcal.physics.motion.schedule import Schedule, repeated
+from inertialcal.procedures.mass_attraction.schedule_csv import write_schedule
 from inertialcal.sensors.model.model_set import ModelSet
 from inertialcal.sensors.model.sensor_model import Item, SensorModel
 from inertialcal.sensors.model.terms import values
@@ -29,7 +33,29 @@ KEPT = Path(__file__).parent
 ROOT = KEPT.parents[1]
 MATRIX = ((1.01, 0.002, -0.001), (0.003, 0.98, 0.002), (-0.002, 0.001, 1.02))
 BIAS = {"air": (0.01, -0.02, 0.03), "vacuum": (0.02, -0.01, 0.01)}  # rad/s, or m/s2
-READ = {"imucal": 1, "kalibr-model": 1, "imu-tk": 0, "realsense": 1, "ros": 1}  # format -> models beside the first
+READ = {"imucal": 1, "kalibr-model": 1, "imu-tk": 0, "realsense": 1, "ros": 1, "px4": 1, "ardupilot": 1}
+# format -> models beside the first
+ENDINGS = ("csv", "parquet", "npz", "h5", "mat", "mcap")  # of recordings
+START = np.datetime64("2026-11-29T00:00:00", "ns")
+RATE = 100  # Hz
+N = 50
+
+
+def recording() -> Recording:
+    """Return rates and specific forces of three axes, each sample another one."""
+    time = START.astype(np.int64) + np.arange(N) * (1_000_000_000 // RATE)
+    kinds = (("gyro", "rad/s"), ("acc", "m/s^2"))
+    columns = [(f"{name}_{axis}", unit, axis, name) for name, unit in kinds for axis in "xyz"]
+    channels = (
+        Channel(name, np.sin(np.arange(N) + place), unit, axis=axis, quantity=kind)
+        for place, (name, unit, axis, kind) in enumerate(columns)
+    )
+    return Recording((*channels,), time, epoch="utc")
+
+
+def schedule() -> Schedule:
+    """Return two positions of a mass, by turns."""
+    return repeated([0.1, 0.4], [7e-7, 2e-7], cycles=4, dwell=100.0, move=20.0, drive="abab")
 
 
 def model(kind: Kind, condition: str = "") -> SensorModel:
@@ -60,6 +86,9 @@ def main() -> None:
     other = load_model_file(folder / "accelerometer.json")
     for name, others in READ.items():
         export(own, name, folder / f"exported.{name}", others=[other] * others)
+    for ending in ENDINGS:
+        write(folder / f"recording.{ending}", recording())
+    write_schedule(folder / "schedule.csv", schedule())
     with tempfile.TemporaryDirectory() as work:
         from certified import made
 

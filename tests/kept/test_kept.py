@@ -9,17 +9,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from add_release import BIAS, KEPT, MATRIX, READ
+from add_release import BIAS, ENDINGS, KEPT, MATRIX, READ, recording, schedule
 
 import inertialcal as ic
 from inertialcal.core.estimate import Array
+from inertialcal.procedures.mass_attraction.schedule_csv import read_schedule
 from inertialcal.sensors.model.terms import values
 
 RELEASES = sorted(path.name for path in KEPT.iterdir() if path.is_dir() and path.name[0].isdigit())
 INPUTS = np.array([[1.0, -2.0, 3.0], [0.5, 0.25, -0.125], [0.0, 0.0, 0.0]])  # rad/s, or m/s2
 ROUNDING = 1e-12
 STANDARD_GRAVITY = 9.80665  # m/s2
-HOLDS_NO_BIAS, HOLDS_NO_MATRIX = ("kalibr-model",), ("ros",)
+AUTOPILOTS = ("px4", "ardupilot")  # of gyros biases alone, of accelerometers scale factors too, to 8 digits
+HOLDS_NO_BIAS, HOLDS_NO_MATRIX = ("kalibr-model",), ("ros", *AUTOPILOTS)
 
 pytestmark = pytest.mark.parametrize("release", RELEASES)
 
@@ -66,6 +68,32 @@ def test_the_published_model_from_counts_is_that_of_the_catalogue(release: str) 
 def test_models_in_formats_of_others_compensate(release: str, name: str) -> None:
     model = ic.load_model(f"{KEPT / release / f'exported.{name}'}#gyro")
     assert compensated(model, readings(format_name=name)) == pytest.approx(INPUTS, abs=1e-9)  # digits of the formats
+
+
+@pytest.mark.parametrize("name", AUTOPILOTS)
+def test_accelerometers_of_autopilots_compensate(release: str, name: str) -> None:
+    model = ic.load_model(f"{KEPT / release / f'exported.{name}'}#accelerometer")
+    read = INPUTS * np.diag(MATRIX) + np.array(BIAS["air"])
+    assert compensated(model, read) == pytest.approx(INPUTS, abs=1e-7)
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_recordings_are_read(release: str, ending: str) -> None:
+    written, read = recording(), ic.read(KEPT / release / f"recording.{ending}")
+    names = [one.name for one in written.channels]
+    assert {one.unit for one in read.channels} == {"rad/s", "m/s^2"}
+    assert len(read) == len(written)
+    assert [(one.quantity, one.axis) for one in read.channels] == [tuple(name.split("_")) for name in names]
+    assert np.array_equal(read.array(), written.array())
+    assert read.time_ns is not None
+    assert np.array_equal(np.asarray(read.time_ns), np.asarray(written.time_ns))
+
+
+def test_a_schedule_is_read(release: str) -> None:
+    written, read = schedule(), read_schedule(KEPT / release / "schedule.csv")
+    assert (read.dwell, read.move, read.drive) == (written.dwell, written.move, written.drive)
+    for name in ("start", "position", "applied"):
+        assert getattr(read, name) == pytest.approx(getattr(written, name), rel=ROUNDING)
 
 
 def test_models_are_compared(release: str) -> None:

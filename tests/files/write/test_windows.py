@@ -13,14 +13,19 @@ import json
 import os
 import shutil
 from collections.abc import Callable
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 
+import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
+import inertialcal as ic
 from inertialcal.campaign.engine.run import run
-from inertialcal.core.errors import StoreError
+from inertialcal.core.errors import PlanError, StoreError
 from inertialcal.files.write import atomic, exchange
 from inertialcal.files.write.atomic import atomic_write, write_folder
+from inertialcal.files.write.portable import portable_name
 
 PACKAGE = Path(__file__).resolve().parents[3] / "src" / "inertialcal"
 
@@ -101,6 +106,48 @@ def test_a_campaign_is_run_twice_with_the_same_results(campaign: Callable[..., P
     assert json.loads(first)["results"]
     assert b"\r" not in first
     assert sorted(os.listdir(folder)) == ["campaign.toml", "one.csv", "out", "out-cache"]
+
+
+@pytest.mark.parametrize(
+    ("name", "portable"),
+    [("CON", "_CON"), ("nul.csv", "_nul.csv"), ("com1.tar.gz", "_com1.tar.gz"), ("LPT³", "_LPT³"),
+     ("a:b.csv", "a_b.csv"), ("dots...", "dots"), ("end. .", "end"), ("..", "_"), ("a\tb?", "a_b_"),
+     ("console.csv", "console.csv"), ("com10", "com10"), ("Messung 3 (ü).csv", "Messung 3 (ü).csv")],
+)  # fmt: skip
+def test_names_that_windows_has_not_are_changed(name: str, portable: str) -> None:
+    assert portable_name(name) == portable
+
+
+@settings(max_examples=50)
+@given(st.text("CONul1 .:/\\\0é", min_size=1))
+def test_a_portable_name_is_a_name_and_stays(name: str) -> None:
+    once = portable_name(name)
+    assert portable_name(once) == once
+    assert once == PureWindowsPath(once).name
+    assert not PureWindowsPath(once).is_reserved()
+
+
+def test_a_campaign_of_a_call_can_be_opened_on_every_system(tmp_path: Path) -> None:
+    """Files that differ in case alone, a device and a stream of Windows: all are there, under names of their own."""
+    names = ("Run.csv", "run.csv", "aux.csv", "a:b.csv")
+    rng = np.random.default_rng(1)
+    for name in names:
+        np.savetxt(tmp_path / name, rng.normal(0.0, 1e-3, 500), header="gyro_x [deg/s]", comments="", fmt="%.7f")
+    target = tmp_path / "campaign"
+    found = ic.allan([tmp_path / name for name in names], sample_rate=100.0)
+    found.write_campaign(target)
+    copies = sorted(os.listdir(target / "recordings"))
+    assert copies == ["2_run.csv", "Run.csv", "_aux.csv", "a_b.csv"]
+    assert sorted(ic.run(target).inputs.values())[:4] == sorted(found.inputs.values())
+
+
+def test_sensors_whose_models_would_be_one_file_are_refused(campaign: Callable[..., Path]) -> None:
+    file = campaign() / "campaign.toml"
+    text = file.read_text(encoding="utf-8")
+    sensor = text[text.index("[sensors.suite]") : text.index("[recordings.one]")]
+    file.write_text(text + sensor.replace("suite", "Suite"), encoding="utf-8")
+    with pytest.raises(PlanError, match="'suite' and 'Suite' differ in upper and lower case alone"):
+        ic.check(file.parent)
 
 
 def untranslated(call: ast.Call) -> bool:

@@ -207,6 +207,16 @@ def test_a_csv_as_a_person_would_write_it(tmp_path: Path) -> None:
     assert (tmp_path / "out.csv").read_text() == '# sample rate: 100.0 Hz\nwx [deg/s]\n"1"\n""\n"3"\n"0.1"\n'
 
 
+@pytest.mark.parametrize("ending", [".csv", ".h5"])
+def test_a_unit_in_any_spelling_goes_into_the_file(tmp_path: Path, ending: str) -> None:
+    channels = tuple(
+        Channel(f"acc_{axis}", np.arange(3.0), unit) for axis, unit in zip("xy", ("m/s2", "µg"), strict=True)
+    )
+    path = tmp_path / f"own{ending}"
+    assert not write(path, Recording(channels, np.arange(3) * SECOND))
+    assert [one.unit for one in read(path).channels] == ["m/s^2", "ug"]
+
+
 def test_the_same_recording_gives_the_same_bytes(tmp_path: Path) -> None:
     one = recording(Channel("wx", np.array([0.1, 0.2]), "deg/s"), time_ns=np.array([0, SECOND]))
     for ending in FORMATS:

@@ -32,6 +32,7 @@ from ...core.show.tables import Block, html, text
 from ...files.time.stamps import time_remarks
 from ...files.write.atomic import atomic_write, work_folder
 from ...files.write.exchange import file_digest
+from ...files.write.portable import portable_name
 from ...procedures import procedure_of
 from ...procedures.given import GROUP, GivenFile, Said
 from ...procedures.protocol import Procedure, Tested
@@ -536,11 +537,12 @@ def _placed(source: str, files: Files, folder: Path, taken: set[str], write: Cal
     origin = Path(source)
     if origin.exists() and origin.resolve().is_relative_to(folder.resolve()):
         return origin.resolve().relative_to(folder.resolve()).as_posix()
-    stem = origin.name if origin.exists() else f"{origin.name}.parquet"
+    stem = portable_name(origin.name if origin.exists() else f"{origin.name}.parquet")
+    cased = {one.casefold() for one in taken}  # one file, on Windows and macOS
     name, count = f"recordings/{stem}", 2
     digest = file_digest(origin, follow=True)  # "" of a folder, or of a recording in memory
-    while name in taken or os.path.lexists(folder / name):
-        if name not in taken and digest and digest == file_digest(folder / name):
+    while name.casefold() in cased or os.path.lexists(folder / name):
+        if name.casefold() not in cased and digest and digest == file_digest(folder / name):
             return name
         name, count = f"recordings/{count}_{stem}", count + 1
     if origin.is_dir():

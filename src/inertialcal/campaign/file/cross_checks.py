@@ -36,6 +36,7 @@ def cross_checks(folder: Path | None, file: CampaignFile, at: At) -> list[Proble
         *(p for number, test in enumerate(file.tests) for p in after_condition(file, number, test, at)),
         *_duplicates("tests", [test.id for test in file.tests], at),
         *_reserved(file, at),
+        *_one_file(file, at),
         *_duplicates("requirements", [one.id for one in file.requirements], at),
         *overlap_checks(file, at),
         *condition_checks(file, at),
@@ -65,6 +66,17 @@ def _reserved(file: CampaignFile, at: At) -> Iterator[Problem]:
         if test.id in names:
             what = f"tests: id {test.id!r}: results have the rows of the model of the sensor under this name"
             yield Problem(what, at("tests", number, "id"), "results would be ambiguous", "Rename it", "duplicate_id")
+
+
+def _one_file(file: CampaignFile, at: At) -> Iterator[Problem]:
+    """Find sensors whose models would be one file where upper and lower case are the same."""
+    known: dict[str, str] = {}
+    for name in file.sensors:
+        first = known.setdefault(name.casefold(), name)
+        if first != name:
+            what = f"sensors {first!r} and {name!r} differ in upper and lower case alone"
+            why = "on Windows and macOS the files of their models would be one"
+            yield Problem(what, at("sensors", name), why, "Rename one", "duplicate_id")
 
 
 def requirement_checks(file: CampaignFile, at: At) -> Iterator[Problem]:

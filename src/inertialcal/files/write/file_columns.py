@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -134,12 +134,21 @@ def channel_titles(
     """
     titles: list[Title] = []
     remarks: list[Remark] = []
-    for number, channel in enumerate(recording.channels, start=1):
+    for number, given in enumerate(recording.channels, start=1):
+        channel = replace(given, unit=_as_printed(given.unit))
         taken = {title.name for title in titles} | {name for name in recording.names if name != channel.name}
         title = _title(channel, number, taken, in_names, legal)
         titles.append(title)
         remarks += _remarks(channel, title)
     return tuple(titles), tuple(remarks)
+
+
+def _as_printed(unit: str | None) -> str | None:
+    """Return the spelling that is read back: channels made in memory have any."""
+    try:
+        return units.normalise(unit) if unit else unit
+    except InertialcalError:
+        return unit
 
 
 def spelled(name: str, unit: str | None, in_names: bool) -> Iterator[Title]:

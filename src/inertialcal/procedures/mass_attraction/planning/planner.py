@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....core.constants import STANDARD_GRAVITY
+from ....core.curve import Curve
 from ....core.errors import PlanError, Problem
 from ....core.estimate import Array
 from ....core.key import Key
@@ -103,7 +104,7 @@ class MassPlan:
     """
 
     rows: tuple[Row, ...]
-    curves: tuple[Any, ...] = ()
+    curves: tuple[Curve, ...] = ()
     remarks: tuple[Remark, ...] = ()
     body: MassBody | None = None
     drive: MassDrive | None = None
