@@ -48,7 +48,8 @@ def test_the_script_for_bash_completes(tmp_path: Path) -> None:
     program.chmod(0o755)
     env = os.environ | {"PATH": f"{tmp_path}:{os.environ['PATH']}"}
     typed = """eval "$(inertialcal --show-completion bash)"; complete -p inertialcal
-        COMP_WORDS=(inertialcal simulate six) COMP_CWORD=2; _inertialcal_completion inertialcal; printf '%s\n' "${COMPREPLY[@]}" """
+        COMP_WORDS=(inertialcal simulate six) COMP_CWORD=2
+        _inertialcal_completion inertialcal; printf '%s\n' "${COMPREPLY[@]}" """
     done = subprocess.run(["bash", "-c", typed], env=env, capture_output=True, text=True, timeout=120, check=False)
     first, *words = done.stdout.splitlines()
     assert first.startswith("complete ")
