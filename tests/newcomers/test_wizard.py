@@ -6,6 +6,7 @@ A pseudo-terminal stands for the user. The same as options, and with ``--yes``, 
 from __future__ import annotations
 
 import json
+import math
 import os
 import select
 import signal
@@ -130,6 +131,21 @@ def test_a_question_without_a_suggestion_is_asked_once(tmp_path: Path, capsys: p
     assert status == 0, err
     assert "FILL IN" in out
     assert "FILL IN" in (folder / "campaign.toml").read_text()
+
+
+def test_a_unit_that_nothing_gives_away_is_left_open(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Gravity shows in the three axes together, what a gyro reads in nothing."""
+    rows = ["time_s,acc_x,acc_y,acc_z,gyro_x,gyro_y,gyro_z"]
+    for n in range(1200):
+        way = [(6.0, 6.0, 4.9), (-6.0, 4.9, 6.0), (4.9, -6.0, 6.0), (6.0, -4.9, -6.0)][n // 300]
+        rows.append(",".join(f"{v + 0.003 * math.sin(n * k):.5f}" for k, v in enumerate((n / 100, *way, 0, 0, 0))))
+    (tmp_path / "hand.csv").write_text("\n".join(rows), encoding="utf-8")
+    status, out, err = call(capsys, "init", str(tmp_path), "--yes")
+    assert status == 0, err
+    assert "FILL IN" in out
+    text = (tmp_path / "campaign.toml").read_text()
+    assert 'unit = "m/s^2"' in text
+    assert 'x = { column = "gyro_x", unit = "?" }  # FILL IN' in text
 
 
 def test_no_number_of_the_data_sheet_is_invented(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -128,11 +128,18 @@ def _stream(given: TextIO | None, descriptor: int, errors: str) -> TextIO:
         return io.TextIOWrapper(io.BufferedWriter(_Stream(found, output)), encoding="utf-8", errors=errors)
     return io.TextIOWrapper(
         io.BufferedWriter(_Stream(descriptor, output)),
-        encoding=given.encoding,
+        encoding="ascii" if _ascii_wanted() else given.encoding,
         errors=errors,
         line_buffering=not output or given.isatty(),
         write_through=output and bool(getattr(given, "write_through", False)),
     )
+
+
+def _ascii_wanted() -> bool:
+    """Tell whether LC_ALL says C, and nothing says UTF-8, which Python then takes whatever the terminal shows."""
+    by_itself = not os.environ.get("PYTHONUTF8") and "utf8" not in sys._xoptions
+    said = os.environ.get("LC_ALL") in {"C", "POSIX"} and not os.environ.get("PYTHONIOENCODING")
+    return said and by_itself
 
 
 def _on_signal(number: int, frame: FrameType | None) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -38,3 +39,18 @@ FAULTS = {name for name in RIGS["rate_table"].every_fault if name.startswith("s"
 def test_words_that_are_offered(line: str, expected: set[str]) -> None:
     assert expected
     assert set(completed(line)) == expected
+
+
+@pytest.mark.slow
+def test_the_script_for_bash_completes(tmp_path: Path) -> None:
+    program = tmp_path / "inertialcal"
+    program.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m inertialcal.cli "$@"\n', encoding="utf-8")
+    program.chmod(0o755)
+    env = os.environ | {"PATH": f"{tmp_path}:{os.environ['PATH']}"}
+    typed = """eval "$(inertialcal --show-completion bash)"; complete -p inertialcal
+        COMP_WORDS=(inertialcal simulate six) COMP_CWORD=2
+        _inertialcal_completion inertialcal; printf '%s\n' "${COMPREPLY[@]}" """
+    done = subprocess.run(["bash", "-c", typed], env=env, capture_output=True, text=True, timeout=120, check=False)
+    first, *words = done.stdout.splitlines()
+    assert first.startswith("complete ")
+    assert set(words) == {name for name in titles() if name.startswith("six")}

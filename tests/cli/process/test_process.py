@@ -270,12 +270,14 @@ def test_an_internal_error_without_a_log_is_one_line(tmp_path: Path) -> None:
     ("env", "encoding"),
     [
         pytest.param({"PYTHONIOENCODING": "ascii"}, "ascii", marks=slow),
-        ({"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}, "ascii"),
+        ({"LC_ALL": "C"}, "ascii"),
+        pytest.param({"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}, "ascii", marks=slow),
+        pytest.param({"LC_ALL": "C", "PYTHONUTF8": "1"}, "utf-8", marks=slow),
         pytest.param({"PYTHONIOENCODING": "latin-1"}, "latin-1", marks=slow),
         pytest.param({"PYTHONIOENCODING": "utf-16"}, "utf-16", marks=slow),
         pytest.param({"PYTHONIOENCODING": "cp1254"}, "cp1254", marks=slow),
     ],
-    ids=["ascii", "C", "latin-1", "utf-16", "turkish"],
+    ids=["ascii", "C", "C alone", "C and utf-8", "latin-1", "utf-16", "turkish"],
 )
 def test_any_encoding(env: dict[str, str], encoding: str, table: list[str]) -> None:
     done = ended(*table, env=env)

@@ -67,8 +67,11 @@ def _of_readings(found: Contents, group: str, said: Said) -> Iterator[Question]:
         return
     unsaid = [(file, one) for file, one in own if one.unit is None]
     answer = said.units.get(group) or bare(said.units)
-    if unsaid and answer is None:
-        hints = [hint for file, one in unsaid for hint in _hints(one) if hint]
+    if unsaid and not answer:
+        if group in said.units:  # left to be filled in
+            return
+        hints = [hint for file in dict.fromkeys(file for file, _ in unsaid)
+                 for hint in _hints([one for of, one in unsaid if of == file])]  # fmt: skip
         names = ", ".join(dict.fromkeys(one.name for _, one in unsaid))
         reason = f": {hints[0][1]}" if hints else ""
         seen = f"{', '.join(dict.fromkeys(file for file, _ in unsaid))}: {names} without a unit{reason}"
@@ -119,8 +122,10 @@ def _needs_chain(found: Contents, group: str) -> bool:
     return any(not (procedure_of(name).inputs.raw or procedure_of(name).inputs.bare) for name in has)
 
 
-def _hints(channel: Channel) -> list[tuple[str, str]]:
-    part = Recording((channel,), None, None, None, "elapsed", "")
+def _hints(channels: Sequence[Channel]) -> list[tuple[str, str]]:
+    """Return units that the readings of a file suggest, each with why: gravity shows in all axes together."""
+    each = {one.name: one for one in channels}.values()  # as often as procedures take the file
+    part = Recording(tuple(each), None, None, None, "elapsed", "")
     return [(hint.unit, hint.reason) for hint in unit_hints(part) if hint.unit]
 
 

@@ -120,7 +120,8 @@ def _found(folder: str | Path, told: Told) -> tuple[Found, list[Remark]]:
     if path.exists():
         raise PlanError(f"{path} exists already", do=f"Try: inertialcal check {root}", code="exists")
     with np.errstate(over="ignore", invalid="ignore"):  # of numbers that nothing has: they suggest nothing
-        found, remarks = _files(root, told.said)
+        known = {group: unit for group, unit in told.said.units.items() if unit}  # a question passed over gives none
+        found, remarks = _files(root, replace(told.said, units=known))
     if not any(found.values()) and not any(one.subject == AMBIGUOUS for one in remarks):
         do = "Add recordings with gyro or accelerometer channels, tables with columns of rate and reading (a row per "
         do += "dwell), or tables of means (a row per axis and orientation)"

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 Test = Tested[Any, Any, Any]
 PER_DECADE = 3  # rows of a spectrum
 TERMS = ("  term", "axis", "value ± u", "unit", "95 % interval", "SI", "how well known")
+SI = TERMS.index("SI")
 ALONE = ("  alone", "term", "axis", "value ± u", "unit", "95 % interval")
 CURVE = ("  axis", "tau [s]", "deviation", "unit", "95 % interval")
 LINES = ("  axis", "line", "frequency", "unit", "amplitude", "unit", "over noise", "kind")
@@ -86,7 +87,11 @@ def _terms(found: Reduced, test: Test) -> Iterator[str]:
         known_to = "" if reach is None else sentence(reach, test.plan.relative_error).partition(": ")[2]
         si = _density(inside[row.key]) if test.facts.kind else ""
         cells.append([f"  {row.quantity}", short(row.axis), figure(shown), row.unit, interval(shown), si, known_to])
-    yield aligned(cells, TERMS) if cells else ""
+    if test.facts.kind:
+        yield aligned(cells, TERMS) if cells else ""
+    else:  # in the unit of the file, nothing in SI
+        bare = [[*cell[:SI], *cell[SI + 1 :]] for cell in cells]
+        yield aligned(bare, (*TERMS[:SI], *TERMS[SI + 1 :])) if cells else ""
     groups: dict[tuple[str, str], list[str]] = {}
     for row in rows:
         reach = known.get((row.axis, row.quantity))
