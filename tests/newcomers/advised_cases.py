@@ -491,16 +491,12 @@ OPEN: dict[str, tuple[str, ...]] = {  # by reason; this list may only shrink
         "Give --arithmetic float32 or float64",
         "Give --arithmetic float64, or q27",
     ),
-    "guards that no file or command has reached so far": (
-        "Look into its remarks: inertialcal show DIR",
+    "reached by uneven samples further apart than a period, which are then refused for too few cycles": (
         'Give what a sample is the mean of, at most --averaging "{} s"',
-        "Look for readings that do not vary, or vary beyond all measure: inertialcal info FILE",
-        "Type: inertialcal run DIR",
-        "Say which: --unit gyro=UNIT",
     ),
-    "is obeyed elsewhere: in another program, or read in a notebook": (
-        "Run Kalibr with --imu-models scale-misalignment",
-        "In words: inertialcal show",
+    "last resorts, behind checks that refuse before: tests call them as functions": (
+        "Look into its remarks: inertialcal show DIR",
+        "Look for readings that do not vary, or vary beyond all measure: inertialcal info FILE",
     ),
 }
-OPEN_AT_MOST = 16
+OPEN_AT_MOST = 12

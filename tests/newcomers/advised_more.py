@@ -656,5 +656,23 @@ CAMPAIGNS = (
         "run campaign",
         "done",
     ),
+    Case(
+        "Give the one of the accelerometer: --column COLUMN",
+        "programme-1969 series_tilt.csv --column pulses --column time_s --half-period 4",
+        "programme-1969 series_tilt.csv --column pulses --half-period 4",
+        "value amplitude 3",
+    ),
+    Case(  # Kalibr itself is not run: the second file is laid out as it writes one with that option
+        "Run Kalibr with --imu-models scale-misalignment",
+        "show kalibr_noise.yaml",
+        "show kalibr_scaled.yaml#gyro",
+        "has reads 25 % too much of x motion",
+    ),
+    Case(
+        "In words: inertialcal show",
+        "python load_model model.json",
+        "show model.json",
+        "has deg/s at no input",
+    ),
 )
 MORE = (*COMPENSATED, *LEVELS, *HEADS, *MASSES, *CAMPAIGNS)

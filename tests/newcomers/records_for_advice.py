@@ -58,6 +58,41 @@ signatures = [{ name = "A. Person", function = "head" }]
 STANDARD = """[standards.rate_table]
 rate = { u = "0.1 %" }
 """
+KALIBR_NOISE = """imu0:
+  accelerometer_noise_density: 1.0e-3
+  gyroscope_noise_density: 1.0e-4
+  model: calibrated
+  rostopic: /imu0
+  update_rate: 200.0
+"""
+KALIBR_SCALED = """imu0:
+  T_i_b:
+  - [1.0, 0.0, 0.0, 0.0]
+  - [0.0, 1.0, 0.0, 0.0]
+  - [0.0, 0.0, 1.0, 0.0]
+  - [0.0, 0.0, 0.0, 1.0]
+  accelerometers:
+    M:
+    - [1.01, 0.0, 0.0]
+    - [0.0, 1.0, 0.0]
+    - [0.0, 0.0, 1.0]
+  gyroscopes:
+    A:
+    - [0.0, 0.0, 0.0]
+    - [0.0, 0.0, 0.0]
+    - [0.0, 0.0, 0.0]
+    C_gyro_i:
+    - [1.0, 0.0, 0.0]
+    - [0.0, 1.0, 0.0]
+    - [0.0, 0.0, 1.0]
+    M:
+    - [1.25, 0.0, 0.0]
+    - [0.0, 1.0, 0.0]
+    - [0.0, 0.0, 1.0]
+  model: scale-misalignment
+  rostopic: /imu0
+  update_rate: 200.0
+"""
 START_OF_SECOND = stamp(START, 1.0)
 
 
@@ -298,6 +333,8 @@ def _others() -> dict[str, str]:
             {"time_s": rounded(warm.time, 1), **heated, "temperature [degC]": rounded(warm.temperature, 2)}
         ),
         "no_terms.json": json.dumps({"sensors": []}),
+        "kalibr_noise.yaml": KALIBR_NOISE,
+        "kalibr_scaled.yaml": KALIBR_SCALED,
     }
 
 

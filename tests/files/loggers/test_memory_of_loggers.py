@@ -73,7 +73,7 @@ def test_a_log_of_four_times_the_length_takes_no_more_memory(
     ):  # fmt: skip
         monkeypatch.setattr(module, constant, small)
     reader, topic, columns = BOUNDED[name]
-    rng, found = np.random.default_rng(1), []
+    rng, found = np.random.default_rng(1), list[tuple[int, Content]]()
     for rows in (SHORT // 4, SHORT, LONG):  # the first loads what is loaded once
         numbers = {"GYRO": rng.normal(size=(rows, 3)), "ACC": rng.normal(size=(rows, 3)),
                    "COUNTS": rng.integers(-30_000, 30_000, size=(rows, 3)), "N": rows,

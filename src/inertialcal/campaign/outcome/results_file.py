@@ -171,6 +171,6 @@ def as_results(path: str) -> Iterator[None]:
         raise DataError(
             f"not the content of a {RESULTS}: {type(error).__name__} {error}",
             where=path,
-            do="Type: inertialcal run DIR",
+            do="Type again: inertialcal run DIR",
             code="schema",
         ) from None

@@ -73,7 +73,7 @@ def option_of(one: Setting) -> tuple[Any, Any]:
     return Annotated[kind | None, option], None
 
 
-def said_options(names: Sequence[str] = READING) -> dict[str, tuple[Any, Any]]:
+def said_options(names: Sequence[str] = READING) -> dict[str, tuple[object, object]]:
     """Return the options of a command that has no plan: by default what says how a file is read, as nouns have it."""
     known = {one.name: one for one in settings_of(Said)}
     return {name: option_of(known[name]) for name in names}

@@ -93,7 +93,7 @@ def read_curves(data: bytes, where: str = FILE) -> list[dict[str, Any]]:
         raise DataError(
             f"not the curves of a run: {type(error).__name__} {error}",
             where=where,
-            do="Type: inertialcal run DIR",
+            do="Type again: inertialcal run DIR",
             code="schema",
         ) from None
     return found
