@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from ...core.batches import batches, extremes, release
+from ...core.batches import batches, extremes, near, release
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array, Numbers
 from ...core.remarks import Remark
@@ -195,11 +195,21 @@ def _remarks(values: Array, gaps: Stretches, used: int, length: int) -> tuple[Re
         what = f"{left} samples between gaps are too short for a segment of {length}; {used} are used"
         found.append(Remark("few_segments", "warning", what, do="Give shorter segments"))
     for axis in range(values.shape[1]):
-        low, high = extremes(values[:, axis], infinite=False)
-        if high - low <= CONSTANT * max(abs(low), abs(high)):
+        if _is_constant(values[:, axis]):
             what = f"axis {axis} is constant: no spectrum"
             found.append(Remark("constant", "warning", what, do="Check for a stuck or disconnected channel"))
     return tuple(found)
+
+
+def _is_constant(x: Array) -> bool:
+    """Return whether the finite samples, shape (n,), differ by no more than rounding: what differs so far stays so."""
+    low, high = np.inf, -np.inf
+    for first, stop in batches(x, size=near()):
+        least, largest = extremes(x[first:stop], infinite=False)
+        low, high = float(np.fmin(low, least)), float(np.fmax(high, largest))
+        if high - low > CONSTANT * max(abs(low), abs(high)):
+            return False
+    return True
 
 
 @dataclass(frozen=True, eq=False)
