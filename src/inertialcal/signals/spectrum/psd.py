@@ -29,7 +29,7 @@ from ...core.remarks import Remark
 from ..names import Method
 from ..threads import each_of
 from .density import Spectrum
-from .long_transform import columns_of, power_of
+from .long_transform import Room, columns_of, folded, power_of
 from .tapers import Tapers, correlations, hann, slepian, usable
 
 SHORTEST = 32  # samples of a segment; under several tapers by half the time bandwidth more
@@ -159,14 +159,14 @@ def _averaged(values: Array, starts: list[Indices], tapers: Tapers, interval: fl
     at_once = 2 if in_steps else max(1, AT_ONCE // length)  # two at a time
     whole = -(-len(every) // (at_once * SHARES)) * at_once  # segments of a share
     shares = [every[i : i + whole] for i in range(0, len(every), whole)]
-    total = np.empty((length // 2 + 1, values.shape[1]))
+    total, rooms = np.empty((length // 2 + 1, values.shape[1])), list[Room]()
     for axis, x in enumerate(values.T):
         segments = np.lib.stride_tricks.sliding_window_view(x, length)
 
         def power(share: Indices, x: Array = x, segments: Array = segments) -> Array:
             """Sum of squared magnitudes of the transforms of the segments of a share."""
             if in_steps:
-                return power_of(x, share, tapers.weights)
+                return power_of(x, share, tapers.weights, rooms)
             found = np.zeros(length // 2 + 1)
             for i in range(0, len(share), at_once):
                 some = share[i : i + at_once]
@@ -180,7 +180,8 @@ def _averaged(values: Array, starts: list[Indices], tapers: Tapers, interval: fl
                 release(values[some[0] : some[-1] + length])
             return found
 
-        total[:, axis] = np.sum(each_of(power, shares, count * len(every) * length), axis=0)
+        found = np.sum(each_of(power, shares, count * len(every) * length), axis=0)
+        total[:, axis] = folded(found) if in_steps else found
     total *= 2.0 * interval / (count * len(every))
     return total
 
