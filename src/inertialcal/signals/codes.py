@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.batches import batches, count
+from ..core.batches import batches, count, extremes
 from ..core.estimate import Array
 from ..core.remarks import Remark
 from ..core.show.rounding import number
@@ -18,6 +18,7 @@ MARKED = 2**19  # values of which each different one is marked; of more one in 2
 SURE = 1.05  # times the share of the values looked for: marks beyond it are no chance, by 6 deviations and more
 CHUNK = 2**15  # samples looked at together
 LEVELS = 2**24  # most levels that a converter has
+JITTER = 1000.0  # last digits of the largest value: what is closer may be one level, rounded in several ways
 OFF_STEP = 0.02  # largest distance from a whole number of steps, in steps
 DIVIDERS = 10  # a gap between neighbouring levels may be this many steps
 COARSE = 2.0  # steps over the scatter before rounding, from which rounding matters (N reads 15 % too large)
@@ -52,12 +53,24 @@ def resolution_of_values(values: NDArray[np.generic], finite: int | None = None)
     """
     if len(values) <= SORTED:
         return resolution(levels_of(values[np.isfinite(values)]))
+    if _finer_than_codes(values):
+        return None
     finite = count(values, np.isfinite) if finite is None else finite
     most = min(int(finite / REPEATS), LEVELS) + 1
     if finite < 2 or _hardly_repeats(values, most):
         return None
     levels = _levels_in(values, most)
     return None if levels is None or finite < REPEATS * len(levels) else _step(levels)
+
+
+def _finer_than_codes(values: NDArray[np.generic]) -> bool:
+    """Return whether the first values alone lie closer together than steps of the most levels that a converter has."""
+    low, high = extremes(values, infinite=False)
+    with np.errstate(over="ignore", invalid="ignore"):  # as in `_step`
+        some = values[:CHUNK].astype(np.float64)
+        apart = np.diff(np.sort(some[np.isfinite(some)]))
+        apart = apart[apart > JITTER * np.spacing(max(abs(low), abs(high)))]
+        return bool(len(apart) and (high - low) / apart.min() > 2.0 * LEVELS)
 
 
 def _hardly_repeats(values: NDArray[np.generic], most: int) -> bool:

@@ -177,6 +177,7 @@ def test_margin_reaches_a_block_beyond_what_moves(run: Any, slow: tuple[int, ...
 
 
 def test_every_kernel_is_here() -> None:
-    assert sorted(NAMES) == ["_add", "_far_apart", "_filled", "_sums", "count_above", "drop_lower", "fill_above",
-                             "fill_blocks", "fill_clear", "fill_far", "fill_jumps", "fill_loud", "fill_moments",
-                             "fill_peaks", "fill_sums", "margin", "sum_of"]  # fmt: skip
+    assert sorted(NAMES) == ["_add", "_far_apart", "_filled", "_none_above", "_square", "_sums", "count_above",
+                             "drop_lower", "fill_above", "fill_blocks", "fill_clear", "fill_far", "fill_jumps",
+                             "fill_loud", "fill_moments", "fill_peaks", "fill_sums", "margin",
+                             "sum_of"]  # fmt: skip

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from inertialcal.core.estimate import Array
 from inertialcal.signals.spectrum import _kernels as kernels
 from inertialcal.signals.spectrum import long_transform
-from inertialcal.signals.spectrum.long_transform import columns_of, power_of
+from inertialcal.signals.spectrum.long_transform import Room, columns_of, folded, power_of
 
 AGREES = 1e-11
 
@@ -45,7 +45,10 @@ def test_the_power_of_real_transforms(data: st.DataObject) -> None:
         patch.setattr(long_transform, "LONG", 2)
         columns_of.cache_clear()
         assert columns_of(n) >= 32
-        found = power_of(x, np.array(starts), weights)
+        found, rooms = 0.0, list[Room]()
+        for some in (starts[:2], starts[2:]):  # the second in the room of the first
+            found += folded(power_of(x, np.array(some, dtype=np.int64), weights, rooms))
+        assert len(rooms) == 1
     columns_of.cache_clear()
     expected = directly(x, starts, weights)
     np.testing.assert_allclose(found, expected, rtol=AGREES, atol=AGREES * float(expected.max()))
@@ -56,7 +59,7 @@ def test_a_weak_half_of_a_spectrum_beside_a_strong_line_keeps_its_digits() -> No
     at = np.arange(2 * n)
     x = 1e3 * np.sin(2.0 * np.pi * 0.25 * at) + 1e-3 * np.random.default_rng(2).normal(size=2 * n)
     weights = 0.5 + 0.5 * np.cos(np.linspace(-np.pi, np.pi, n + 1)[:-1])
-    found, expected = power_of(x, np.array([0, n]), weights[None]), directly(x, [0, n], weights[None])
+    found, expected = folded(power_of(x, np.array([0, n]), weights[None], [])), directly(x, [0, n], weights[None])
     weak = np.abs(np.arange(n // 2 + 1) - n // 4) > 100
     np.testing.assert_allclose(found[weak], expected[weak], rtol=1e-4)  # 1e-16 of a line that is 1e6 times stronger
 

@@ -560,7 +560,7 @@ def check(plan: Plan, readings: Readings) -> None:
     for axis in readings.axes:
         for run in readings.records:
             try:
-                curve = fitted(plan, run, axis, run.there(axis))
+                curve = fitted(plan, run, axis, None if run.present.get(axis) is None else run.there(axis))
             except DataError as error:
                 problems.setdefault(axis, error.problems[0])
                 continue

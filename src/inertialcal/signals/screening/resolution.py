@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.batches import extremes, finite, kept, mean
+from ...core.batches import batches, finite, kept, near
 from ..time.samples import Flags
 from .blocks import pieces
 
@@ -71,14 +71,12 @@ def resolution_of(x: NDArray[Any], times: float = 1.0) -> Resolution:
     times : float
         What a sample is multiplied by to be as stored.
     """
-    with np.errstate(over="ignore", invalid="ignore"):
-        given, middle = x, mean(x) if len(x) else np.nan
+    given, (middle, low, high) = x, _middle_and_ends(x)
     if not np.isfinite(middle):  # of a record without missing samples they need not be looked for
         given = kept(x, finite(x))
-        middle = mean(given) if len(given) else np.nan
+        middle, low, high = _middle_and_ends(given)
     if not len(given):
         return Resolution(0.0, 0.0)
-    low, high = extremes(given)
     largest = max(abs(low), abs(high))
     _, rows = pieces(given)
     stored, largest = rows * times, largest * times
@@ -93,3 +91,14 @@ def resolution_of(x: NDArray[Any], times: float = 1.0) -> Resolution:
             short = x.dtype == np.float32 or bool(close.all())
         step = max(step, float(np.spacing(np.float32(largest) if short else np.float64(largest))) / times)
     return Resolution(step, max(high - middle, middle - low))
+
+
+def _middle_and_ends(x: NDArray[Any]) -> tuple[float, float, float]:
+    """Return the mean, the least and the largest sample in one look; NaN of none."""
+    total, low, high = 0.0, np.inf, -np.inf
+    with np.errstate(over="ignore", invalid="ignore"):
+        for first, stop in batches(x, size=near()):
+            part = x[first:stop]
+            total += float(np.sum(part, dtype=np.float64))
+            low, high = min(low, float(part.min())), max(high, float(part.max()))
+    return (total / len(x), low, high) if len(x) else (np.nan, np.nan, np.nan)

@@ -19,6 +19,7 @@ Indices = NDArray[np.int64]
 
 SCANNED = 128  # places looked at together: few hold any
 LOUD = 4096  # samples that windows move over at a time
+ROUNDED = 1.0 + 1e-9  # more than sums may differ by rounding
 
 
 @compiled
@@ -57,18 +58,21 @@ def count_above(x: Array, limits: Array, counts: Indices) -> None:
         for k in range(len(limits)):
             left = max(there - 2 * w + 1, 0)
             size = min(batch, left)
-            counts[k] += _far_apart(sums[:size], sums[w : w + size], limits[k] * w)
-            _add(sums[:left], sums[w : w + left], out[:left])
+            counts[k] += _far_apart(sums[:size], sums[w : w + size], limits[k] * w, out[:size])
+            if k + 1 < len(limits):
+                _add(sums[size:left], sums[w + size : w + left], out[size:left])
             sums, out, more = out, more, out
             w *= 2
 
 
 @compiled
-def _far_apart(here: Array, later: Array, limit: float) -> int:
-    """Return how many samples are further apart than a limit; a loop by itself takes many at once."""
+def _far_apart(here: Array, later: Array, limit: float, out: Array) -> int:
+    """Fill the sums of samples; return how many samples are further apart than a limit."""
     many = 0
     for i in range(len(here)):
-        many += abs(later[i] - here[i]) > limit
+        a, b = here[i], later[i]
+        out[i] = a + b
+        many += abs(b - a) > limit
     return many
 
 
@@ -221,21 +225,38 @@ def fill_loud(y: Array, cuts: Indices, w: int, limit: float, at: Indices) -> int
                 to[j] = source[j] - level
             i = end
         there = held + stop - begin
-        for j in range(there):
-            squared[j] = residual[j] * residual[j]
+        _square(residual[:there], squared)
         size = there - w + 1
-        if size > 0:
+        if size <= 0:
+            held = there
+            continue
+        if not _none_above(squared[:there], w, limit):
             fill_sums(residual[:there], w, doubled, again, first[:size])
             fill_sums(squared[:there], w, doubled, again, second[:size])
             for j in range(size):
                 second[j] -= share * first[j] * first[j]
             found = _filled(second[:size], limit, stop - w + 1 - size, at, found)
-            held = w - 1
-            for j in range(held):
-                residual[j] = residual[size + j]
-        else:
-            held = there
+        held = w - 1
+        residual[:held] = residual[size:there]
     return found
+
+
+@compiled
+def _square(x: Array, out: Array) -> None:
+    """Fill the squares of samples."""
+    for i in range(len(x)):
+        out[i] = x[i] * x[i]
+
+
+@compiled
+def _none_above(squared: Array, w: int, limit: float) -> bool:
+    """Return whether no sum of w squares is above a limit: a window lies in two neighbouring blocks of w samples."""
+    before, most = 0.0, 0.0
+    for first in range(0, len(squared), w):
+        total = sum_of(squared[first : first + w])
+        most = max(most, before + total)
+        before = total
+    return most * ROUNDED <= limit
 
 
 @compiled

@@ -47,8 +47,18 @@ def turns_of(n: int) -> NDArray[np.complex128]:
     return found
 
 
-def power_of(x: Array, starts: Indices, weights: Array) -> Array:
-    """Return the sum of the squared magnitudes of the transforms of segments, shape (n // 2 + 1,).
+class Room:
+    """Room for transforms of n samples, one after the other: to touch fresh memory takes as long as a transform."""
+
+    def __init__(self, n: int) -> None:
+        p = columns_of(n)
+        rows = np.empty((p, n // p + APART), dtype=np.complex128)  # 8 or 16 kB apart they would share lines of a cache
+        self.pair, self.parts = rows[:, : n // p], rows.view(np.float64)
+        self.nothing = np.zeros(n)
+
+
+def power_of(x: Array, starts: Indices, weights: Array, rooms: list[Room]) -> Array:
+    """Return the sum of the squared magnitudes of the transforms of segments, as `folded` takes it, shape (p, n / p).
 
     Parameters
     ----------
@@ -58,25 +68,31 @@ def power_of(x: Array, starts: Indices, weights: Array) -> Array:
         First samples of the segments; each has its mean removed.
     weights : ndarray, shape (tapers, n)
         Tapers, all of each segment.
+    rooms : list of Room
+        That other calls of segments of this length have left; this one leaves its own.
     """
     from ._kernels import add_power, fill_pair  # noqa: PLC0415 - numba starts slowly
 
     n = weights.shape[1]
-    p, turns = columns_of(n), turns_of(n)
-    q = n // p
-    room = np.empty(
-        (p, q + APART), dtype=np.complex128
-    )  # rows 8 or 16 kB apart would fall on the same lines of a cache
-    pair, parts = room[:, :q], room.view(np.float64)
-    power, nothing = np.zeros((p, q)), np.zeros(n)
+    try:
+        room = rooms.pop()
+    except IndexError:
+        room = Room(n)
+    turns, power = turns_of(n), np.zeros(room.pair.shape)
     for i in range(0, len(starts), 2):
         two = [x[first : first + n] for first in starts[i : i + 2]]
         levels = np.array([one.mean() for one in two] + [0.0])
         for taper in weights:
-            fill_pair(two[0], two[1] if len(two) > 1 else nothing, levels, taper, parts)
-            found = fft.fft(pair, axis=0, overwrite_x=True)
+            fill_pair(two[0], two[1] if len(two) > 1 else room.nothing, levels, taper, room.parts)
+            found = fft.fft(room.pair, axis=0, overwrite_x=True)
             found *= turns
             add_power(fft.fft(found, axis=1, overwrite_x=True), power)
         release(x[starts[i] : starts[i] + n])
-    every = power.T.ravel()  # in the order of frequency
+    rooms.append(room)
+    return power
+
+
+def folded(power: Array) -> Array:
+    """Return sums of squared magnitudes of pairs as those of real signals, in the order of frequency, (n // 2 + 1,)."""
+    n, every = power.size, power.T.ravel()
     return np.asarray(0.5 * (every[: n // 2 + 1] + np.append(every[0], every[: (n - 1) // 2 : -1])))

@@ -22,14 +22,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from ...core.batches import batches, extremes, release
+from ...core.batches import batches, extremes, near, release
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array, Numbers
 from ...core.remarks import Remark
 from ..names import Method
 from ..threads import each_of
 from .density import Spectrum
-from .long_transform import columns_of, power_of
+from .long_transform import Room, columns_of, folded, power_of
 from .tapers import Tapers, correlations, hann, slepian, usable
 
 SHORTEST = 32  # samples of a segment; under several tapers by half the time bandwidth more
@@ -159,14 +159,14 @@ def _averaged(values: Array, starts: list[Indices], tapers: Tapers, interval: fl
     at_once = 2 if in_steps else max(1, AT_ONCE // length)  # two at a time
     whole = -(-len(every) // (at_once * SHARES)) * at_once  # segments of a share
     shares = [every[i : i + whole] for i in range(0, len(every), whole)]
-    total = np.empty((length // 2 + 1, values.shape[1]))
+    total, rooms = np.empty((length // 2 + 1, values.shape[1])), list[Room]()
     for axis, x in enumerate(values.T):
         segments = np.lib.stride_tricks.sliding_window_view(x, length)
 
         def power(share: Indices, x: Array = x, segments: Array = segments) -> Array:
             """Sum of squared magnitudes of the transforms of the segments of a share."""
             if in_steps:
-                return power_of(x, share, tapers.weights)
+                return power_of(x, share, tapers.weights, rooms)
             found = np.zeros(length // 2 + 1)
             for i in range(0, len(share), at_once):
                 some = share[i : i + at_once]
@@ -180,7 +180,8 @@ def _averaged(values: Array, starts: list[Indices], tapers: Tapers, interval: fl
                 release(values[some[0] : some[-1] + length])
             return found
 
-        total[:, axis] = np.sum(each_of(power, shares, count * len(every) * length), axis=0)
+        found = np.sum(each_of(power, shares, count * len(every) * length), axis=0)
+        total[:, axis] = folded(found) if in_steps else found
     total *= 2.0 * interval / (count * len(every))
     return total
 
@@ -195,11 +196,21 @@ def _remarks(values: Array, gaps: Stretches, used: int, length: int) -> tuple[Re
         what = f"{left} samples between gaps are too short for a segment of {length}; {used} are used"
         found.append(Remark("few_segments", "warning", what, do="Give shorter segments"))
     for axis in range(values.shape[1]):
-        low, high = extremes(values[:, axis], infinite=False)
-        if high - low <= CONSTANT * max(abs(low), abs(high)):
+        if _is_constant(values[:, axis]):
             what = f"axis {axis} is constant: no spectrum"
             found.append(Remark("constant", "warning", what, do="Check for a stuck or disconnected channel"))
     return tuple(found)
+
+
+def _is_constant(x: Array) -> bool:
+    """Return whether the finite samples, shape (n,), differ by no more than rounding: what differs so far stays so."""
+    low, high = np.inf, -np.inf
+    for first, stop in batches(x, size=near()):
+        least, largest = extremes(x[first:stop], infinite=False)
+        low, high = float(np.fmin(low, least)), float(np.fmax(high, largest))
+        if high - low > CONSTANT * max(abs(low), abs(high)):
+            return False
+    return True
 
 
 @dataclass(frozen=True, eq=False)
