@@ -26,10 +26,9 @@ test: $(READY)  ## the default suite
 slow: $(READY)  ## a part of each long run; make coverage has all of it
 	$(BIN)/python -m pytest -m "slow and not bench" -n 2 --dist worksteal --benchmark-disable --durations=20
 
-# What is nearest to the dependencies: arrays, files, the command line, figures.
-ENDS := tests/core tests/statistics tests/physics tests/signals/spectrum tests/sensors/chain tests/files/text tests/files/time \
-	tests/files/binary tests/files/loggers tests/campaign/engine tests/campaign/certificate tests/cli/screen tests/kept \
-	tests/report/figures/test_label_placement.py tests/test_startup.py
+# What is nearest to the dependencies: schemas, statistics, spectra, files, processes, certificates, the screen.
+ENDS := tests/core/show tests/core/test_results_schema.py tests/statistics tests/signals/spectrum tests/sensors/chain \
+	tests/files/time tests/files/binary tests/files/loggers tests/campaign/engine tests/campaign/certificate tests/cli/screen tests/kept
 oldest newest: export OMP_NUM_THREADS := 1
 oldest: requirements-oldest.txt  ## a part of the suite on the oldest dependencies that pyproject.toml allows
 newest: requirements.txt  ## the same part on the newest, on another Python: PYTHON=python3.13

@@ -98,3 +98,18 @@ def test_links_lead_to_the_files_of_the_version_where_the_address_is_known() -> 
     assert for_an_index(text, "", "1.2.3") == " of words, [there](https://example.org/x), [here](#below)"
     for target in re.findall(r"\]\((?!https?://|#)([^)#\s]+)", (ROOT / "README.md").read_text("utf-8")):
         assert (ROOT / target).is_file()
+
+
+def test_the_paper_cites_what_it_lists_and_states_the_figures_of_the_manual() -> None:
+    paper, listed, audit, project = (
+        " ".join((ROOT / name).read_text("utf-8").split())
+        for name in ("paper/paper.md", "paper/paper.bib", "docs/source_audit.md", "pyproject.toml")
+    )
+    assert set(re.findall(r"@([a-z]+\d*)\b", paper)) == set(re.findall(r"@[a-z]+\{(\w+),", listed))
+    said = re.search(r"Of (\d+) printed figures .*? (\d+) follow .*? (\d+) do not \((\d+) causes.*? of (\d+) it", paper)
+    found = re.search(r"Of (\d+) figures .*?\*\*(\d+) hold\*\*.*?; (\d+) do not, from (\d+) .*? of (\d+) it", audit)
+    assert said is not None
+    assert found is not None
+    assert said.groups() == found.groups()
+    assert re.findall(r"Version (\S+) covers", paper) == re.findall(r'name = "inertialcal" version = "(\S+)"', project)
+    assert 250 <= len(paper.split()) <= 1000  # the form of the journal

@@ -17,7 +17,8 @@ page anew, in a clone; with a name it renews a part:
 
 The recordings are those of others and are not part of the package: name their folder in `INERTIALCAL_SHARED`. A part
 whose data or peers are absent is left as it was found. **Bold** is what does not hold what is asked of its line.
-Figures are kept as data in `docs/validation/found.json`, with the day on which they were found.
+Figures are kept as data in `docs/validation/found.json`, with the day on which they were found;
+version 0.1.0 is the tree before the first release.
 """
 
 ELSEWHERE = """## Elsewhere

@@ -91,7 +91,7 @@ def test_the_schema_and_the_rules_refuse_what_is_wrong(
     data = dcc_xml(content_of(made("small", tmp_path, campaign)))
     assert schemas.problems(data.replace(b"2026-11-28", b"28.11.2026"))
     broken = tmp_path / "broken.xml"
-    broken.write_bytes(data.replace(b">v0.1.0<", b">newest<"))
+    broken.write_bytes(data.replace(f">v{ic.__version__}<".encode(), b">newest<"))
     assert any("release" in one for one in schemas.errors(broken))
 
 
