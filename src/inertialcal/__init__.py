@@ -13,6 +13,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from .core.figure import draw_with as _draw_with
+
 if TYPE_CHECKING:
     from .campaign.calls.call import Reduced
     from .campaign.calls.nouns import allan, flip, mass_attraction, positions, psd, rate_table, sine, thermal
@@ -134,6 +136,16 @@ _HOMES = {  # nouns of procedures apart, which are found by their commands
     }.items()
     for name in words.split()
 }
+
+
+def _markup(result: object) -> str:
+    """Draw a result for a notebook: what lies above the report in the house cannot."""
+    from .report.plot import markup  # noqa: PLC0415 - draws, which starts slowly
+
+    return markup(result)
+
+
+_draw_with(_markup)
 
 
 def __getattr__(name: str) -> Any:
