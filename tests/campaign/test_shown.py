@@ -158,9 +158,7 @@ def test_a_terminal_and_a_notebook_show_the_same(name: str, shown: Mapping[str, 
             assert all(row[i] in said for i in grid.right)
 
 
-@pytest.mark.parametrize(
-    "name", ["run", "rate_table", "flip", "thermal", "allan", "psd", "sine", "positions", "load_model"]
-)
+@pytest.mark.parametrize("name", ["run", "rate_table", "flip", "thermal", "allan", "psd", "sine", "positions", "model"])
 def test_a_notebook_shows_the_first_figure_of_a_result(name: str, shown: Mapping[str, Any]) -> None:
     from inertialcal.report.plot import pictures
 
