@@ -228,6 +228,7 @@ def main() -> int:
     parser.add_argument("--check", action="store_true")
     check = parser.parse_args().check
     os.environ.setdefault("PYTHONWARNINGS", "ignore")
+    os.environ["COLUMNS"] = "200"
     wrong = 0
     for name, cells in NOTEBOOKS.items():
         path, made = GALLERY / f"{name}.ipynb", executed(cells)

@@ -13,6 +13,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from .core.figure import draw_with as _draw_with
+
 if TYPE_CHECKING:
     __version__: str
     from .campaign.calls.call import Reduced
@@ -146,6 +148,16 @@ _HOMES = {  # nouns of procedures apart, which are found by their commands
     }.items()
     for name in words.split()
 }
+
+
+def _markup(result: object) -> str:
+    """Draw a result for a notebook: what lies above the report in the house cannot."""
+    from .report.plot import markup  # noqa: PLC0415 - draws, which starts slowly
+
+    return markup(result)
+
+
+_draw_with(_markup)
 
 
 if not TYPE_CHECKING:  # names that are not there are told by a type checker

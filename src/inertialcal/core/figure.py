@@ -6,7 +6,7 @@ is drawn.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -35,3 +35,16 @@ class FigureSpec:
     first: bool = False  # Where there is room for some figures only: before all others but the one at the top
     partner: str = ""  # Where it stands at the top: the figure of the same test and axis that stands with it
     most: int | None = None  # How many of a test and axis are shown; None for all
+
+
+_markup: list[Callable[[object], str]] = []
+
+
+def draw_with(markup: Callable[[object], str]) -> None:
+    """Say what draws the first figure of a result for a notebook: the package does, which knows how."""
+    _markup[:] = [markup]
+
+
+def markup_of(result: object) -> str:
+    """Return the first figure of a result for a notebook, as markup; nothing where none can be drawn."""
+    return _markup[0](result) if _markup else ""

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from ...core.key import Method
 from ...core.remarks import Remark
 from ...core.results import case_of
+from ...core.show.requirement_lines import HEADS, requirement_lines
 from ...core.show.result_tables import estimated, figure, folded, not_estimated, remarks_line
 from ...core.show.rounding import number
 from ...core.show.rows import names_of, own_rows, pairs_of, verdict_of
-from ...core.show.tables import Block, Table
+from ...core.show.tables import SHORT, Block, Table
 from ...procedures import compared_in
 
 UNSCREENED = Method.UNSCREENED.value
@@ -31,10 +33,12 @@ def outcome_parts(results: Mapping[str, Any], verdict: str, remarks: Sequence[Re
         Of the campaign.
     """
     shown = [row for row in results["results"] if not case_of(row).beside]
-    parts: list[Block] = []
+    parts: list[Block] = [*_at_a_glance(results)]
+    many = sum(row["status"] != "not_estimated" for row in shown) > SHORT
     for test in dict.fromkeys(row["test"] for row in shown):
         mine = [row for row in shown if row["test"] == test]
-        parts += estimated(own_rows(mine, compared_in(mine)), str(test))
+        own = estimated(own_rows(mine, compared_in(mine)), str(test))
+        parts += [replace(part, folded=many) if isinstance(part, Table) else part for part in own]
         parts += _side_by_side(results, str(test))
     parts += folded("not estimated, for {n} reason(s): see .results", not_estimated(shown))
     every = (case_of(row) for row in results["results"])
@@ -44,6 +48,12 @@ def outcome_parts(results: Mapping[str, Any], verdict: str, remarks: Sequence[Re
     parts += [one.what for one in remarks if one.code in (UNSCREENED, f"{UNSCREENED}_refused")]
     parts += [*_requirements(results["verdicts"]), *_closed_loop(results["closed_loop"])]
     return (*parts, *remarks_line(remarks), f"verdict: {verdict or 'no requirement stated'}")
+
+
+def _at_a_glance(results: Mapping[str, Any]) -> tuple[Block, ...]:
+    """Return a row a requirement: as read, compensated, limit, margin, verdict."""
+    rows = [one.cells for one in requirement_lines(results)]
+    return (Table(("what is asked", *HEADS[1:]), rows, "requirements at a glance"),) if rows else ()
 
 
 def _side_by_side(results: Mapping[str, Any], test: str) -> tuple[Block, ...]:

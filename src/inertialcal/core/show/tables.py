@@ -15,12 +15,12 @@ from dataclasses import dataclass
 from html import escape
 from typing import TypeVar, cast
 
+SHORT = 12  # rows of a table that a notebook shows open where there are many
 WIDTH = 100  # columns, at most; fewer in a narrower terminal
 UNKNOWN_WIDTH = 80  # columns where nothing says how many there are
 PROSE_WIDTH = 110  # columns of sentences, at most
 HANG = 2  # blanks before the second and later lines of a first cell
 LEAST_WIDTH = 20  # columns to which text is folded
-NARROWEST = 12  # to which a column of words is cut, to meet it
 FOLDED = 12  # to which one is folded, where no word of it is longer
 BLANK, BLANK_OR_NAME = re.compile(" "), re.compile(r" |(?<=_)")  # where a cell may be broken
 BOUND = "\N{NO-BREAK SPACE}"
@@ -39,6 +39,7 @@ class Table:
     rows: Sequence[Sequence[str]]  # Cells
     caption: str = ""  # Line above; empty for none
     right: Sequence[int] = ()  # Columns of figures: set to the right, never cut
+    folded: bool = False  # A notebook shows its caption with the count of rows, and opens it
 
 
 @dataclass(frozen=True)
@@ -126,48 +127,55 @@ def aligned(
     right : sequence of int
         Columns set to the right.
     width : int, optional
-        To meet; columns of words are cut, those set to the right never. Without it, nothing is cut.
+        To meet, in place of that of the terminal; words longer than a name can be are then cut.
     """
     cells = [[clean(cell) for cell in row] for row in ([heads] if heads else []) + list(rows)]
     if not cells:
         return ""
-    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    if width is not None:
+        cells = [[cell if i in right else _cut(cell) for i, cell in enumerate(row)] for row in cells]
     limit = terminal_width() if width is None else width
+    columns = list(zip(*cells, strict=True))
+    widths = [max(map(len, column)) for column in columns]
     first = [0, 1] if heads and list(heads[1:2]) == ["axis"] else [0]  # again in each group
-    if width is None:
-        columns = list(zip(*cells, strict=True))
-        least = [widths[i] if i in right else _least(column, BLANK) for i, column in enumerate(columns)]
-        beside = sum(least[i] + 2 for i in first[1:]) + max(least[len(first) :], default=-2) + 2
-        if 0 not in right and least[0] + beside > limit:  # names are broken, sooner than a column left wide
-            least[0] = _least(columns[0], BLANK_OR_NAME)
-    else:
-        least = [one if i in right else min(one, NARROWEST) for i, one in enumerate(widths)]
-        least = widths = _narrowed(widths, least, limit)
+    least = [widths[i] if i in right else _least(column, BLANK) for i, column in enumerate(columns)]
+    beside = sum(least[i] + 2 for i in first[1:]) + max(least[len(first) :], default=-2) + 2
+    if 0 not in right and least[0] + beside > limit:  # names are broken, sooner than a column left wide
+        least[0] = _least(columns[0], BLANK_OR_NAME)
     groups: list[list[int]] = [[]]
     for i in range(len(widths)):
         if len(groups[-1]) > len(first) and sum(least[j] + 2 for j in groups[-1]) + least[i] > limit:
             groups.append([*first])
         groups[-1].append(i)
-    blocks = []
-    for group in groups:
-        wide = [widths[i] for i in group]
-        fitted = _narrowed(wide, [least[i] for i in group], limit)
-        if fitted != wide:  # the widest words get what the others leave
-            shown = [[_cell_lines(row[i], fitted[j], i in right, i == 0) for row in cells] for j, i in enumerate(group)]
-            fitted = [max(len(line) for lines in column for line in lines) for column in shown]
-            widest = max(range(len(group)), key=lambda j: wide[j] - fitted[j])
-            spare = max(limit - sum(fitted) - 2 * (len(group) - 1), 0)
-            fitted[widest] = min(fitted[widest] + spare, wide[widest])
-        lines = []
-        for row in cells:
-            parts = [
-                [short(row[i], fitted[j])] if width is not None and i not in right
-                else _cell_lines(row[i], fitted[j], i in right, i == 0)
-                for j, i in enumerate(group)
-            ]  # fmt: skip
-            lines += ["  ".join(line).rstrip() for line in _side_by_side(parts, fitted)]
-        blocks.append("\n".join(lines))
-    return "\n\n".join(blocks)
+    return "\n\n".join(_block(cells, group, widths, least, right, limit) for group in groups)
+
+
+def _block(
+    cells: Sequence[Sequence[str]],
+    group: Sequence[int],
+    widths: Sequence[int],
+    least: Sequence[int],
+    right: Sequence[int],
+    limit: int,
+) -> str:
+    """Return some columns beside each other, the words of them folded where they must be."""
+    wide = [widths[i] for i in group]
+    fitted = _narrowed(wide, [least[i] for i in group], limit)
+    if fitted != wide:  # the widest words get what the others leave
+        shown = [[_cell_lines(row[i], fitted[j], i in right, i == 0) for row in cells] for j, i in enumerate(group)]
+        fitted = [max(len(line) for lines in column for line in lines) for column in shown]
+        widest = max(range(len(group)), key=lambda j: wide[j] - fitted[j])
+        spare = max(limit - sum(fitted) - 2 * (len(group) - 1), 0)
+        fitted[widest] = min(fitted[widest] + spare, wide[widest])
+    lines = []
+    for row in cells:
+        parts = [_cell_lines(row[i], fitted[j], i in right, i == 0) for j, i in enumerate(group)]
+        lines += ["  ".join(line).rstrip() for line in _side_by_side(parts, fitted)]
+    return "\n".join(lines)
+
+
+def _cut(cell: str) -> str:
+    return " ".join(short(word) for word in cell.split(" ")) if len(cell) > LONGEST else cell
 
 
 def _least(column: Sequence[str], breaks: re.Pattern[str]) -> int:
@@ -256,11 +264,17 @@ def _html(part: Block) -> str:
     rows = "".join(
         f"<tr>{''.join(_cell(cell, i in part.right) for i, cell in enumerate(row))}</tr>\n" for row in part.rows
     )
-    return f'<table style="margin:0.5em 0">{caption}<thead><tr>{heads}</tr></thead>\n<tbody>\n{rows}</tbody></table>\n'
+    if part.folded:
+        caption = ""
+    table = f'<table style="margin:0.5em 0">{caption}<thead><tr>{heads}</tr></thead>\n<tbody>\n{rows}</tbody></table>\n'
+    if not part.folded:
+        return table
+    summary = f"{part.caption or 'table'}: {len(part.rows)} row{'s' * (len(part.rows) != 1)}"
+    return f'<details style="{_LEFT}"><summary>{_safe(summary)}</summary>{table}</details>\n'
 
 
 def _cell(content: str, right: bool, tag: str = "td") -> str:
-    style = f"{_RIGHT};white-space:nowrap" if right else f"{_LEFT};overflow-wrap:anywhere;max-width:32em"
+    style = f"{_RIGHT};white-space:nowrap" if right else f"{_LEFT};overflow-wrap:break-word;max-width:32em"
     return f'<{tag} style="{style}">{_safe(content)}</{tag[:2]}>'
 
 

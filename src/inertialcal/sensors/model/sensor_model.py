@@ -36,10 +36,11 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array, Estimate
+from ...core.figure import markup_of
 from ...core.influence import Influence, Occasion, Selection
 from ...core.key import Kind
 from ...core.show.rounding import number, with_uncertainty
-from ...core.show.tables import Block, Details, Table, aligned, html, text, wrapped
+from ...core.show.tables import SHORT, Block, Details, Table, aligned, html, text, wrapped
 from ...core.units import convert, divide, factor, normalise, same_dimension
 from ..chain.converter import Chain
 from .sensitivity import Sensitivity
@@ -217,8 +218,8 @@ class SensorModel:
     __repr__ = __str__
 
     def _repr_html_(self) -> str:
-        """Return what is shown for a notebook."""
-        return html(self.parts())
+        """Return what is shown for a notebook, with its figure."""
+        return html(self.parts(), markup_of(self))
 
     @property
     def linear(self) -> bool:
@@ -321,7 +322,7 @@ def _parts(model: SensorModel) -> tuple[Block, ...]:
     entries = [(axis, *(f"{x:.8f}" for x in row)) for axis, row in zip(model.axes, model.matrix[0], strict=True)]
     matrix = Table(("", *model.axes), entries, f"Matrix M_0 ({order})", tuple(range(1, len(model.axes) + 1)))
     rows = [(row.name, with_uncertainty(row.value, row.u), row.unit) for row in lines(model)]
-    table = Table(("parameter", "value ± u", "unit"), rows, "Parameters, SI and degC", (1,))
+    table = Table(("parameter", "value ± u", "unit"), rows, "Parameters, SI and degC", (1,), len(rows) > SHORT)
     words = Details("In words: inertialcal show", tuple(f"{row.name}: {row.words}" for row in lines(model)))
     bare = sum(row.u is None for row in lines(model))
     missing = (f"{bare} of {len(rows)} parameters have no uncertainty",) if bare else ()
@@ -345,7 +346,7 @@ def _table(rows: tuple[Line, ...]) -> str:
             unit = "" if row.unit == "1" else f" {row.unit}"
             tail = "" if common else "; ".join(text for text in (row.note, row.origin) if text)
             figure = f"{row.name} = {with_uncertainty(row.value, row.u)}{unit}"
-            cells.append([f"  {row.words}", figure, f"({tail})" if tail else ""])
+            cells.append([f"  {row.words}", figure + (f"  ({tail})" if tail else "")])
         parts.append(aligned(cells))
     return "\n".join(parts)
 
