@@ -14,7 +14,7 @@ from ...core.recording import SECOND, Times
 from ...core.remarks import Remark
 from ...signals.time.time_axis import AGAIN, TimeAxis, backward_steps
 from ..columns import Column
-from ..text.headers import KINDS, Heading, bare_name, heading, normal_unit
+from ..text.headers import KINDS, Heading, bare_name, counted_axis, heading, normal_unit
 
 GROUPS = {
     "gyro": "gyro",
@@ -74,7 +74,7 @@ def describe(
         If its unit is not known.
     """
     remarks: list[Remark] = []
-    described = _readings_alone([_from_header(column, path, remarks) for column in columns])
+    described = _readings_alone(_counted_axes([_from_header(column, path, remarks) for column in columns]))
     by_group = {key: unit for key, unit in flags.items() if not _named(described, key)}
     by_column = {key: unit for key, unit in flags.items() if key not in by_group}
     for key, unit in (*by_group.items(), *by_column.items()):  # a column goes before its group
@@ -117,6 +117,17 @@ def _from_header(column: Column, path: str, remarks: list[Remark]) -> Described:
     unit = said.unit if kept else None
     axis = said.axis or (column.axis if quantity in OF_AXES else "")
     return Described(column, axis, quantity, unit, "header" if unit else "")
+
+
+def _counted_axes(described: Sequence[Described]) -> list[Described]:
+    """Return the columns; three of a sensor that are counted 0, 1, 2 (``gyroADC[0]``) are its x, y and z."""
+    found, named = list(described), [counted_axis(one.name) for one in described]
+    for stem in {stem for stem, _ in named if stem}:
+        own = [i for i, (other, _) in enumerate(named) if other == stem]
+        if len(own) == 3 and all(found[i].quantity in OF_AXES and not found[i].axis for i in own):
+            for i in own:
+                found[i] = replace(found[i], axis=named[i][1])
+    return found
 
 
 def _readings_alone(described: Sequence[Described]) -> list[Described]:

@@ -29,6 +29,7 @@ from .grouped import (
     grouped_column,
     grouped_row,
     problem,
+    shows_groups,
     without_groups,
 )
 from .headers import heading
@@ -45,6 +46,7 @@ from .layout import (
     split,
     without_first,
 )
+from .printed import as_table
 
 if TYPE_CHECKING:
     from pyarrow import ChunkedArray as ArrowColumn
@@ -80,13 +82,19 @@ def parse(
         each with ``file:row``.
     """
     text = without_first(text, skip)
+    printed = as_table(text, where)
+    text = text if printed is None else printed.text
     layout = sniff(text, where, decimal)
+    if printed is not None:
+        units = (*printed.units, *layout.units[len(printed.units) :])
+        names = printed.names if len(printed.names) == layout.width else layout.names
+        layout = replace(layout, names=names, units=units, remarks=(*printed.remarks, *layout.remarks))
     if layout.across:
         return _across(text, layout, where)
     names = column_names(layout, where)
     raw = b"" if loaded is None else loaded.data
     same = (
-        not skip and raw.isascii() and b"\r" not in raw and len(raw) >= len(text)
+        not skip and printed is None and raw.isascii() and b"\r" not in raw and len(raw) >= len(text)
     )  # then the text needs no copy for Arrow
     text, cut = whole_rows(text, layout, where)
     rows = 1 + text.count("\n", layout.start)
@@ -249,10 +257,11 @@ def exact(text: str, layout: Layout, names: tuple[str, ...], where: str) -> Cont
         raise header_repeated(f"{where}:{again[0]}")
     rows, cells = cell_columns(text, layout, where)
     columns, problems = [], []
+    sure = any(shows_groups(one, layout.decimal) for one in cells)
     for i, name in enumerate(names):
         judged = judge(cells[i], layout.decimal)
         if len(judged.text) or judged.values.dtype.kind == "O":
-            plain = without_groups(cells[i], layout.decimal, CELL[layout.decimal].fullmatch)
+            plain = without_groups(cells[i], layout.decimal, CELL[layout.decimal].fullmatch, sure)
             judged = judged if plain is cells[i] else judge(plain, layout.decimal)
         if len(judged.text):
             problems.append(text_in_numbers(name, cells[i], judged.text, rows, where))

@@ -25,6 +25,10 @@ CERTAIN = {  # by decimal sign
     ",": re.compile(rf"{_HEAD}(?:\.[0-9]{{3}})+,[0-9]+"),
     ".": re.compile(rf"{_HEAD}(?:,[0-9]{{3}})+\.[0-9]+"),
 }
+WHOLES = {  # the same, or whole
+    ",": re.compile(rf"{_HEAD}(?:\.[0-9]{{3}})+(?:,[0-9]+)?"),
+    ".": re.compile(rf"{_HEAD}(?:,[0-9]{{3}})+(?:\.[0-9]+)?"),
+}
 EITHER = re.compile(rf"{_HEAD},[0-9]{{3}}")  # 1242 or 1.242
 WHOLE = re.compile(r"[-+]?[0-9]{1,3}")
 THOUSAND = 1000.0
@@ -73,12 +77,21 @@ def grouped_column(cells: Iterable[object], number: Callable[[str], object]) -> 
     return first
 
 
-def without_groups(cells: Sequence[str], decimal: str, number: Callable[[str], object]) -> Sequence[str]:
+def shows_groups(cells: Iterable[str], decimal: str) -> bool:
+    """Whether a cell has both signs (``1.234,5``), so that one of them can only group digits, in the whole file."""
+    sign = "." if decimal == "," else ","
+    return any(sign in cell and len(cell) < LONGEST and CERTAIN[decimal].fullmatch(cell.strip()) for cell in cells)
+
+
+def without_groups(
+    cells: Sequence[str], decimal: str, number: Callable[[str], object], sure: bool = False
+) -> Sequence[str]:
     """Return the cells of a column without the signs that group their digits, where they can be nothing else.
 
-    So it is where both signs stand in a cell (``1.234,5``), and all others are numbers without groups, or empty.
+    So it is where both signs stand in a cell (``1.234,5``), and all others are numbers without groups, or empty;
+    ``sure``: where another column of the file has such a cell, whole numbers are grouped as well (``1.000``).
     """
-    certain, found, made = CERTAIN[decimal], False, list[str]()
+    certain, found, made = (WHOLES if sure else CERTAIN)[decimal], False, list[str]()
     sign = "." if decimal == "," else ","
     for cell in cells:
         text = cell.strip()

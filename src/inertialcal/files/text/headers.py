@@ -141,6 +141,7 @@ BY_KIND = {
 # Readings that core.units refuses on its own, and that the quantity settles.
 SETTLED = {("temperature", "C"): "degC", ("temperature", "F"): "degF", ("acc", "G"): "g", ("acc", "mG"): "mg"}
 WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+")
+COUNTED = re.compile(r"(.*\S)\[([012])\]")
 CLOSING = {"]": "[", ")": "("}
 
 
@@ -240,8 +241,16 @@ def _opening(name: str) -> int | None:
 
 
 def _bracket(name: str) -> str | None:
+    """Return what stands in brackets at the end of a name; a number there counts columns, and is no unit."""
     at = _opening(name)
-    return None if at is None else name.strip()[at + 1 : -1]
+    inside = None if at is None else name.strip()[at + 1 : -1]
+    return None if inside is None or inside.strip().isdecimal() else inside
+
+
+def counted_axis(name: str) -> tuple[str, str]:
+    """Return name and axis of a column of three that are counted as a program counts: ``gyroADC[0]``; else ``""``."""
+    found = COUNTED.fullmatch(name.strip())
+    return (found[1], "xyz"[int(found[2])]) if found else ("", "")
 
 
 def _known(text: str, quantity: str) -> str | None:

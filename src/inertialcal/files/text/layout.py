@@ -55,6 +55,7 @@ PERFECT = (1.0, True, 1.0)  # score of a separator: lines of one width in severa
 WORDS = {",": "comma-separated", "\t": "tab-separated", ";": "semicolon-separated", None: "blank-separated"}
 PLAIN = "0123456789.-+eE"  # characters of plain numbers
 NUMBER = frozenset("ifn")  # kinds of cells
+WORDS_BELOW = 2  # lines of words, at most, between a header and its numbers
 COMMENT = ("#", "%", "//")
 SEMICOLON_COMMENT = (*COMMENT, ";")
 SAMPLE_RATE = re.compile(
@@ -171,8 +172,8 @@ def _sniff(text: str, where: str, comment: tuple[str, ...], stated: Decimal | No
         wide = max(len(split(lines[header].text, sign)) for sign in ",;\t")
         if wide > 1:
             raise _header_width(wide, width, f"{where}:{lines[header].row}")
-    units_row = _units(table, header, decimal, width)
-    first += bool(units_row)
+    units_row, below = _units(table, header, decimal, width)
+    first += below
     if first >= len(lines):
         raise DataError("a header, but no rows of data", where=where, code="empty_file")
     start = lines[first]
@@ -301,7 +302,7 @@ def _titles(table: Table, decimal: Decimal, width: int) -> int:
         if len(cells) != width or width == 1 or kinds[0] in NUMBER:
             break
         last = max((k + 1 for k, cell in enumerate(cells) if cell.strip()), default=0)
-        of_units = all(_is_unit(cell.strip("[]() ")) for cell in cells if cell.strip())
+        of_units = all(_is_unit(_unbracketed(cell)) for cell in cells if cell.strip())
         filled.append(-last if of_units or _has_number(kinds) else last)
     if len(filled) == len(table):
         return 0
@@ -354,17 +355,40 @@ def _comment_names(comment: str, separator: str | None, width: int) -> list[str]
     return []
 
 
-def _units(table: Table, header: int | None, decimal: Decimal, width: int) -> tuple[str, ...]:
-    """Units row below a header: every cell is a unit or empty, some are units, and numbers follow."""
-    if header is None or header + 2 >= len(table):
-        return ()
-    names, cells, following = table[header : header + 3]
-    given = [cell.strip("[]() ") for cell in cells]
-    numbers = _has_number([kind(cell, decimal) for cell in cells])
-    if numbers or len(cells) != len(names) or not _has_number([kind(cell, decimal) for cell in following]):
-        return ()
-    known = [_is_unit(unit) for unit in given if unit]
-    return (*given, *[""] * (width - len(given))) if known and all(known) else ()
+def _units(table: Table, header: int | None, decimal: Decimal, width: int) -> tuple[tuple[str, ...], int]:
+    """Units below a header, and how many lines of words stand there, two at most, before numbers follow.
+
+    A line of words holds no number, in columns that do below it; the first of them whose cells are units, at least
+    half of them, says the units.
+    """
+    if header is None:
+        return (), 0
+    names, *below = table[header : header + 2 + WORDS_BELOW]
+    kinds = [[kind(cell, decimal) for cell in cells] for cells in below]
+    count = next((i for i, one in enumerate(kinds) if _has_number(one)), len(below))
+    if not 0 < count < len(below) or any(len(cells) != len(names) for cells in below[: count + 1]):
+        return (), 0
+    if any(not _is_of_words(one, kinds[count]) for one in kinds[:count]):
+        return (), 0
+    for cells in below[:count]:
+        given = [_unbracketed(cell) for cell in cells]
+        known = [_is_unit(unit) for unit in given if unit]
+        if 2 * sum(known) >= len(known) > 0:
+            return (*given, *[""] * (width - len(given))), count
+    return (), 0
+
+
+def _is_of_words(kinds: list[str], numbers: list[str]) -> bool:
+    """Whether a line has words in columns of numbers, and nowhere else."""
+    return "t" in kinds and all(
+        below in NUMBER | {"e"} for one, below in zip(kinds, numbers, strict=True) if one == "t"
+    )
+
+
+def _unbracketed(cell: str) -> str:
+    """Return a cell without brackets around all of it."""
+    text = cell.strip()
+    return text[1:-1].strip() if text[:1] + text[-1:] in ("[]", "()") else text
 
 
 def _is_unit(text: str) -> bool:
