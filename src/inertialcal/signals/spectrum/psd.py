@@ -180,7 +180,9 @@ def _averaged(values: Array, starts: list[Indices], tapers: Tapers, interval: fl
                 release(values[some[0] : some[-1] + length])
             return found
 
-        found = np.sum(each_of(power, shares, count * len(every) * length), axis=0)
+        found, *others = each_of(power, shares, count * len(every) * length)
+        for other in others:
+            found += other
         total[:, axis] = folded(found) if in_steps else found
     total *= 2.0 * interval / (count * len(every))
     return total

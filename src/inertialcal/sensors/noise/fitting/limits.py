@@ -163,23 +163,22 @@ def record_needed(problem: Problem, fitted: Fitted, at: int, power: float, stret
     terms = terms_of(problem, replace(fitted, powers=powers))
     columns = np.column_stack([expected(term, longest) for term in terms])
     mu, column = columns.sum(axis=1), column_of(fitted, at)
+    weight = np.zeros((DOUBLINGS + 1, len(m)))  # a record of each length has an octave more than the one before
     for doublings in range(DOUBLINGS + 1):
-        k = len(run.m) + doublings
-        D = columns[:k] / mu[:k, None] * np.sqrt(0.5 * _edf_of_longer(run, doublings))[:, None]
-        scale = np.sqrt(np.sum(D**2, axis=0))
-        variance = stretch * np.linalg.pinv((D / scale).T @ (D / scale))[column, column] / scale[column] ** 2
-        if np.sqrt(variance) <= KNOWN:
-            return run.length * 2.0**doublings
-    return None
+        weight[doublings, : len(run.m) + doublings] = 0.5 * _edf_of_longer(run, doublings)
+    D = columns / mu[:, None] * np.sqrt(weight)[:, :, None]
+    scale = np.sqrt(np.sum(D**2, axis=1, keepdims=True))
+    D /= scale
+    variance = stretch * np.linalg.pinv(D.transpose(0, 2, 1) @ D)[:, column, column] / scale[:, 0, column] ** 2
+    shown = np.flatnonzero(np.sqrt(variance) <= KNOWN)
+    return run.length * 2.0 ** int(shown[0]) if len(shown) else None
 
 
 def _edf_of_longer(run: Run, doublings: int) -> Array:
     """Degrees of freedom at the averaging times of a record of 2^doublings the length: they go with length over tau."""
-    edf = np.concatenate([run.edf, np.zeros(doublings)])
-    for i in range(len(edf)):
-        back = min(i, doublings)
-        edf[i] = run.edf[i - back] * 2.0 ** (doublings - back)
-    return edf
+    at = np.arange(len(run.edf) + doublings)
+    back = np.minimum(at, doublings)
+    return np.asarray(run.edf[at - back] * 2.0 ** (doublings - back))
 
 
 def crossing(
