@@ -175,7 +175,7 @@ CASES = (
         "rate 50",
     ),
     Case(
-        "written: {}, {} rows. Next: inertialcal info {}",
+        "inertialcal info {}",
         "text convert rest_units.csv kept.csv",
         "info kept.csv",
         "rate 50",

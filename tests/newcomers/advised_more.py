@@ -525,7 +525,7 @@ CAMPAIGNS = (
         "zero gyro_out.csv",
     ),
     Case(
-        "{}\n  not shown: {} alternatives to these results ({}); see --json",
+        "  not shown: {} alternatives to these results ({}); see --json",
         "text run rig_mesa",
         "run rig_mesa",
         "has run1",
@@ -539,7 +539,7 @@ CAMPAIGNS = (
     Case(
         "The true values are in .truth/. Only `inertialcal score` reads them; `run` gives the same results without them.",
         "simulate mesa -o simulated_4",
-        "run simulated_4 ; score simulated_4",
+        "run simulated_6 ; score simulated_6",
         "score scale_factor",
     ),
     Case(
@@ -645,16 +645,22 @@ CAMPAIGNS = (
         "done",
     ),
     Case(
-        "Next: inertialcal run {}, then inertialcal score {}",
+        "Next: inertialcal run {}",
         "text simulate mesa -o simulated_3",
-        "run simulated_3 ; score simulated_3",
+        "run simulated_3",
         "done",
     ),
     Case(
-        "{}: {}. Next: inertialcal run {}",
-        "text check campaign",
-        "run campaign",
+        "then inertialcal score {}",
+        "text simulate mesa -o simulated_6",
+        "run simulated_6 ; score simulated_6",
         "done",
+    ),
+    Case(
+        "  ... {} more like these: --all",
+        "text check rig_table",
+        "text check rig_table --all",
+        "has recordings/x_run11.csv",
     ),
     Case(
         "Give the one of the accelerometer: --column COLUMN",
