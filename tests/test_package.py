@@ -83,6 +83,20 @@ def test_recipe_and_citation_follow_the_project() -> None:
     assert {recipe.split("license: ")[1].split()[0], cited["license"]} == {project["license"]}
 
 
+def test_oldest_dependencies_are_those_that_the_project_states() -> None:
+    """Renewed by ``make pins``; as the newest, each with its hash and without the address of an index."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    extras = project["optional-dependencies"]
+    stated = [*project["dependencies"], *(one for name in ("frame", "pdf", "sign", "formats", "test", "build")
+                                          for one in extras[name])]  # fmt: skip
+    pins = (ROOT / "requirements-oldest.txt").read_text("utf-8")
+    assert "://" not in pins
+    resolved = dict(re.findall(r"^([\w-]+)==([\w.]+)", pins, re.MULTILINE))
+    for one in stated:
+        name, least = one.lower().split(">=")
+        assert f"{resolved[name]}.".startswith(f"{least}."), one
+
+
 def test_links_lead_to_the_files_of_the_version_where_the_address_is_known() -> None:
     sys.path.insert(0, str(ROOT / "packaging"))
     try:
