@@ -32,8 +32,9 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
+from inspect import unwrap
 from typing import Literal
 
 import numpy as np
@@ -47,6 +48,7 @@ from ...core.show.rounding import number
 from .density import Spectrum
 
 Flags = NDArray[np.bool_]
+Indices = NDArray[np.int64]
 
 ROUNDS = 20
 IN_PEAK = 0.9  # of the power of a finding, that a line has in its peak
@@ -56,6 +58,7 @@ FEWEST = 12  # neighbours on each side that make a level
 PART = 0.5  # of the distance from zero frequency, that the neighbours may reach ...
 KNOWN = 32.0  # ... up to so many degrees of freedom of a value; by their fourth root less beyond
 ONE_SIDED = 32  # part of all values that lie on one side, at most
+KEPT = 2**17  # values of a spectrum, up to which the neighbours of each are kept for the next of its length
 SIDE = 6  # values nearest to a run on a side, that it must stand out of
 RARE = 1e-3  # probability from which on the tail of F is the lighter, the better the level is known
 NEARLY = 0.99  # of the ratio with that probability
@@ -278,14 +281,12 @@ class Background:
 
 def background_of(spectrum: Spectrum, axis: int, marked: Flags) -> Background:
     """Return the level of the noise around each value of an axis, those marked as no noise, shape (k,), left out."""
-    logs, place = np.log(spectrum.density[:, axis]), np.log(np.sin(np.pi * spectrum.frequency * spectrum.interval))
-    inside = _windows(spectrum)
-    count = inside(np.where(marked, 0.0, 1.0))
-    known = count >= 2 * FEWEST
-    count = np.where(known, count, 1.0)
-    mean_place, mean_log, square, product = (
-        inside(np.where(marked, 0.0, values)) / count for values in (place, logs, place**2, place * logs)
-    )
+    around = _neighbours(spectrum)
+    logs, place = np.log(spectrum.density[:, axis]), around.place
+    if marked.any():
+        around = around.without(marked)
+    known, count, mean_place, square = around.known, around.count, around.mean_place, around.square
+    mean_log, product = (around.summed(np.where(marked, 0.0, values)) / count for values in (logs, place * logs))
     width, off = square - mean_place**2, place - mean_place
     sloped = known & (width > STRAIGHT**2)
     slope = np.where(sloped, product - mean_place * mean_log, 0.0) / np.where(sloped, width, 1.0)
@@ -298,20 +299,50 @@ def background_of(spectrum: Spectrum, axis: int, marked: Flags) -> Background:
     return Background(np.where(known, level, np.nan), np.where(known, dof, np.nan))
 
 
-def _windows(spectrum: Spectrum) -> Callable[[Array], Array]:
-    """Return a function that sums values over the neighbours of each, the peak of a line at its place left out."""
-    n, guard = len(spectrum.frequency), spectrum.lobe
+@dataclass(frozen=True, eq=False)
+class Neighbours:
+    """Which values of a spectrum are around each, the peak of a line at its place left out; each of shape (k,)."""
+
+    place: Array  # logarithm of the sine, that is that of a frequency but near half the sample rate
+    first: Indices  # of each, and what is behind its last
+    stop: Indices
+    own_first: Indices  # the same of the peak
+    own_stop: Indices
+    known: Flags  # whether there are enough
+    count: Array
+    mean_place: Array
+    square: Array  # mean of the squared places
+
+    def summed(self, values: Array) -> Array:
+        """Return the sum of values around each."""
+        running = np.concatenate(([0.0], np.cumsum(values)))
+        return np.asarray(running[self.stop] - running[self.first] - (running[self.own_stop] - running[self.own_first]))
+
+    def without(self, marked: Flags) -> Neighbours:
+        """Return the same without values that are marked."""
+        count = self.summed(np.where(marked, 0.0, 1.0))
+        known = count >= 2 * FEWEST
+        count = np.where(known, count, 1.0)
+        mean, square = (self.summed(np.where(marked, 0.0, one)) / count for one in (self.place, self.place**2))
+        return replace(self, known=known, count=count, mean_place=mean, square=square)
+
+
+def _neighbours(spectrum: Spectrum) -> Neighbours:
+    """Return which values are around each, none marked: those of axes and records alike are found once."""
+    find = _found_neighbours if len(spectrum.frequency) <= KEPT else unwrap(_found_neighbours)
+    return find(spectrum.frequency.tobytes(), spectrum.interval, spectrum.spacing, spectrum.lobe, float(spectrum.edf))
+
+
+@lru_cache(2)
+def _found_neighbours(stored: bytes, interval: float, spacing: float, guard: int, edf: float) -> Neighbours:
+    frequency = np.frombuffer(stored)
+    order, place = np.round(frequency / spacing).astype(np.int64), np.log(np.sin(np.pi * frequency * interval))
+    n = len(order)
     at = np.arange(n)
-    order = np.round(spectrum.frequency / spectrum.spacing).astype(np.int64)
-    part, fewest = PART * min(1.0, (KNOWN / spectrum.edf) ** 0.25), FEWEST + guard
+    part, fewest = PART * min(1.0, (KNOWN / edf) ** 0.25), FEWEST + guard
     half = np.minimum(np.minimum((part * order).astype(np.int64), at), min(WIDEST, max(n // ONE_SIDED, fewest)))
     half = np.where((half >= fewest) & (8 * fewest <= n), half, 0)  # half of a short spectrum is no neighbourhood
     high = np.minimum(at + half, n - 1)
     low = np.maximum(high - 2 * half, 0)
-    stop, own_stop, own_low = high + 1, np.minimum(at + guard, high) + 1, np.maximum(at - guard, low)
-
-    def summed(values: Array) -> Array:
-        running = np.concatenate(([0.0], np.cumsum(values)))
-        return np.asarray(running[stop] - running[low] - (running[own_stop] - running[own_low]))
-
-    return summed
+    own = np.maximum(at - guard, low), np.minimum(at + guard, high) + 1
+    return Neighbours(place, low, high + 1, *own, *([place] * 4)).without(np.zeros(n, dtype=bool))
