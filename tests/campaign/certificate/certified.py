@@ -87,13 +87,13 @@ class Schemas:
         self.schema.validate(etree.fromstring(xml))
         return [str(one) for one in self.schema.error_log]
 
-    def errors(self, path: Path) -> list[str]:
-        """What the Schematron calls an error."""
+    def errors(self, path: Path, role: str = "error") -> list[str]:
+        """What the Schematron calls an error, or a warning."""
         from lxml import etree
 
         found = etree.fromstring(self.rules(str(path)).encode())
         said = found.xpath("//svrl:failed-assert|//svrl:successful-report", namespaces=NAMESPACES)
-        return [" ".join("".join(one.itertext()).split()) for one in said if one.get("role") == "error"]
+        return [" ".join("".join(one.itertext()).split()) for one in said if one.get("role") == role]
 
 
 def compiled(shared: Path, folder: Path) -> Schemas:

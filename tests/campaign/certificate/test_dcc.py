@@ -45,6 +45,12 @@ def test_the_xml_of_each_campaign_is_valid(folder: Path, schemas: Schemas) -> No
     ic.certificate(folder, target)
     assert schemas.problems(target.read_bytes()) == []
     assert schemas.errors(target) == []
+    units = [one.text.split() for one in xml_root(target.read_bytes()).iterfind(".//si:unitXMLList", NAMESPACES)]
+    several = [one for one in units if len(one) > 1]  # of figures with a covariance, which need one list
+    assert all(len(set(one)) > 1 for one in several)
+    warnings = schemas.errors(target, "warning")
+    assert len(warnings) == len(several)
+    assert all("one list element for a dataset which contain data with differing units" in one for one in warnings)
 
 
 def test_of_each_campaign_all_figures_read_back_to_the_last_digit(folder: Path) -> None:

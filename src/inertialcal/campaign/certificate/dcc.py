@@ -246,7 +246,7 @@ def _in_result(parent: ET.Element, what: str) -> ET.Element:
 def _list(parent: ET.Element, figures: Figures) -> None:
     _in(parent, "labelXMLList", " ".join(figures.labels), SI)
     _in(parent, "valueXMLList", _numbers(figures.values), SI)
-    _in(parent, "unitXMLList", " ".join(map(d_si, figures.units)), SI)
+    _in(parent, "unitXMLList", " ".join(unit_list(figures.units)), SI)
     uncertainty = _in(parent, "measurementUncertaintyUnivariateXMLList", namespace=SI)
     p = repr(P)
     if figures.is_symmetric:
@@ -267,10 +267,16 @@ def _list(parent: ET.Element, figures: Figures) -> None:
     for column, unit in enumerate(figures.units):
         made = _in(_in(matrix, "columnXMLList", namespace=SI), "covarianceXMLList", namespace=SI)
         _in(made, "valueXMLList", _numbers(figures.covariance[:, column]), SI)
-        _in(made, "unitXMLList", " ".join(d_si(multiply(unit, other)) for other in figures.units), SI)
+        _in(made, "unitXMLList", " ".join(unit_list([multiply(unit, other) for other in figures.units])), SI)
     factor = float(np.sqrt(chi_square_quantile(P, len(figures.labels))))
     _in(region, "coverageFactorXMLList", _factors([factor]), SI)
     _in(region, "coverageProbabilityXMLList", p, SI)
+
+
+def unit_list(units: Sequence[str]) -> list[str]:
+    """Return the units of a list in the D-SI: one for all where they are alike, as the Schematron recommends."""
+    found = [d_si(one) for one in units]
+    return found[:1] if len(set(found)) == 1 else found
 
 
 def _numbers(values: Iterable[Any]) -> str:

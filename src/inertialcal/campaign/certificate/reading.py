@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import xml.etree.ElementTree as ET  # types only; xml_root reads
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +20,7 @@ from ...core.unit.d_si import d_si
 from ...core.units import multiply
 from ...files.source import checked_path, load
 from ...files.xml_text import DocumentTypeError, xml_root
-from .dcc import DCC, FIGURES, SI, UNITS, VERSION
+from .dcc import DCC, FIGURES, SI, UNITS, VERSION, unit_list
 from .signature import signature_of
 
 if TYPE_CHECKING:
@@ -213,9 +214,7 @@ def _figures(result: ET.Element) -> CertifiedFigures:
     units = tuple(quantities[UNITS].findtext("dcc:charsXMLList", "", spaces).split())
     labels = tuple(listed.findtext("si:labelXMLList", "", spaces).split())
     values = _numbers(listed, "si:valueXMLList", len(labels))
-    if len(units) != len(labels) or listed.findtext("si:unitXMLList", "", spaces).split() != [
-        d_si(one) for one in units
-    ]:
+    if len(units) != len(labels) or not _has_units(listed, units):
         raise ValueError("two lists of units that differ")
     n = len(labels)
     expanded = k = None
@@ -235,12 +234,18 @@ def _figures(result: ET.Element) -> CertifiedFigures:
             raise ValueError(f"covariance of {len(columns)} figures, there are {n}")
         covariance = np.column_stack([_numbers(column, "si:valueXMLList", n) for column in columns])
         for unit, column in zip(units, columns, strict=True):
-            if column.findtext("si:unitXMLList", "", spaces).split() != [d_si(multiply(unit, one)) for one in units]:
+            if not _has_units(column, [multiply(unit, one) for one in units]):
                 raise ValueError("units of the covariance that are not products of those of the figures")
     intervals = tuple(Interval(float(a), float(b), float(c)) for a, b, c in zip(lower, upper, p, strict=True))
     name = quantities[FIGURES].findtext("dcc:name/dcc:content", "", spaces)
     what = result.findtext("dcc:name/dcc:content", "", spaces)
     return CertifiedFigures(name, what, labels, units, values, u, expanded, k, intervals, covariance)
+
+
+def _has_units(parent: Any, units: Sequence[str]) -> bool:
+    """Tell whether a list has these units: one each, or where they are alike one for all."""
+    said = parent.findtext("si:unitXMLList", "", {"si": SI}).split()
+    return said in (unit_list(units), [d_si(one) for one in units])
 
 
 def _numbers(parent: Any, name: str, n: int) -> Array:
