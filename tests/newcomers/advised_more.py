@@ -680,5 +680,11 @@ CAMPAIGNS = (
         "show model.json",
         "has deg/s at no input",
     ),
+    Case(
+        "If this row is the header, and what stands above it a title: --skip {}",
+        "info titled.csv",
+        "+ --skip 1",
+        "rate 50",
+    ),
 )
 MORE = (*COMPENSATED, *LEVELS, *HEADS, *MASSES, *CAMPAIGNS)

@@ -79,6 +79,7 @@ def _columns(text: str, keep: slice) -> str:
 def _rest(log: Log, texts: dict[str, str]) -> dict[str, str]:
     """Return logs of a gyro at rest, 50 Hz."""
     plain = texts["rest_units.csv"]
+    title = ",".join(["Test", "Lab", "Bench", "Day", "Run", "By", "At"][: 1 + plain.split("\n")[0].count(",")])
     bare = _head(plain, *((f"gyro_{axis} [deg/s]", f"gyro_{axis}") for axis in "xyz"))
     ms = np.rint(1e3 * log.time).astype(int)
     n = len(log.time)
@@ -92,6 +93,7 @@ def _rest(log: Log, texts: dict[str, str]) -> dict[str, str]:
     return {
         "no_time.csv": _columns(plain, slice(1, None)),
         "bare.csv": bare,
+        "titled.csv": f"{title}\n{plain}",
         "no_header.csv": "\n".join(f"{t},{x},{y}" for t, x, y in zip(ms, *list(gyro.values())[:2], strict=True)) + "\n",
         "restarted.csv": csv({"stamp": [int(t) for t in np.where(ms >= ms[n // 2], ms - ms[n // 2], ms)], **gyro}),
         "bursts.csv": csv({"time_s": rounded(packets, 4), **gyro}),

@@ -42,6 +42,7 @@ from .layout import (
     Layout,
     is_blank,
     judge,
+    kind,
     sniff,
     split,
     without_first,
@@ -268,6 +269,9 @@ def exact(text: str, layout: Layout, names: tuple[str, ...], where: str) -> Cont
         elif (at := _grouped(judged.values, layout)) is not None:
             problems.append(problem(name, cells[i][at], f"{where}:{rows[at]}", certain=True))
         columns.append(_column(name, judged.values, layout, i, judged.empty, judged.not_a_number))
+    if problems and all(kind(one[0].strip(BLANKS), layout.decimal) == "t" for one in cells if one):
+        do = f"If this row is the header, and what stands above it a title: --skip {int(rows[0]) - 1}"
+        problems = [replace(one, do=do) if one.code == "text_in_numbers" else one for one in problems]
     if problems:
         raise DataError(problems)
     found = content_of(columns, rows, layout)
