@@ -539,7 +539,7 @@ CAMPAIGNS = (
     Case(
         "The true values are in .truth/. Only `inertialcal score` reads them; `run` gives the same results without them.",
         "simulate mesa -o simulated_4",
-        "run simulated_6 ; score simulated_6",
+        "run simulated_4 ; score simulated_4",
         "score scale_factor",
     ),
     Case(
