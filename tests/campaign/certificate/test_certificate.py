@@ -393,7 +393,7 @@ def test_the_page_is_the_same_twice_archivable_and_holds_its_xml(small: Path, pd
         (attached,) = found.attachments.values()
         assert attached.get_file().read_bytes() == (small / "c.xml").read_bytes()
         assert str(found.Root.AF[0].AFRelationship) == "/Alternative"
-        fonts = [one for page in found.pages for one in page.Resources.get("/Font", {}).values()]
+        fonts = [one for page in found.pages for _, one in page.Resources.get("/Font", {}).items()]
         assert fonts
         for font in fonts:
             for one in font.get("/DescendantFonts", [font]):
