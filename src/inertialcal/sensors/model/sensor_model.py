@@ -40,7 +40,7 @@ from ...core.figure import markup_of
 from ...core.influence import Influence, Occasion, Selection
 from ...core.key import Kind
 from ...core.show.rounding import number, with_uncertainty
-from ...core.show.tables import SHORT, Block, Details, Table, aligned, html, text, wrapped
+from ...core.show.tables import SHORT, Block, Details, Table, aligned, clean, html, text, wrapped
 from ...core.units import convert, divide, factor, normalise, same_dimension
 from ..chain.converter import Chain
 from .sensitivity import Sensitivity
@@ -312,7 +312,7 @@ def show(model: SensorModel) -> str:
     parts += [f"Matrix M ({MATRIX_ORDER})"]
     above = "\n".join(wrapped(part, "    ") for part in parts)
     below = [*_run_to_run(model), *_noise(model), "", "Compensation: " + "; ".join(APPLY_ORDER), *_validity(model)]
-    said = [above, *_matrix(model), "", _table(lines(model)), *(wrapped(part, "    ") for part in below)]
+    said = [above, *map(clean, _matrix(model)), "", _table(lines(model)), *(wrapped(part, "    ") for part in below)]
     return "\n".join(said)
 
 
