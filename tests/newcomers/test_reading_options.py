@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sqlite3
 from pathlib import Path
 from typing import Any
 
@@ -96,3 +97,21 @@ def test_a_column_that_is_not_there_or_named_twice_is_refused(
     assert gone["errors"][0]["do"] == "The file has: a, b, c, d"
     twice = call_json(capsys, "info", "nameless.csv", "--column", "x=a", "--column", "y=a")
     assert "'a' is given for x and y" in twice["errors"][0]["what"]
+
+
+def test_a_table_of_a_database_is_chosen_by_command_and_in_a_campaign(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with sqlite3.connect(tmp_path / "dwells.db") as connection:
+        for name, bias in (("first", 0.3), ("second", -0.5)):
+            connection.execute(f'CREATE TABLE {name} ("rate [deg/s]" REAL, "reading [deg/s]" REAL)')
+            rows = [(rate, 1.01 * rate + bias + 0.01 * RNG.standard_normal()) for rate in 3 * [*range(-60, 61, 10)]]
+            connection.executemany(f"INSERT INTO {name} VALUES (?, ?)", rows)
+    connection.close()
+    typed = ("rate-table", str(tmp_path / "dwells.db"), "--axis", "x", "--topic", "second")
+    found = call_json(capsys, *typed, "--campaign", str(tmp_path / "campaign"))
+    ran = call_json(capsys, "run", str(tmp_path / "campaign"))
+    for content in (found, ran):
+        biases = [one for one in content["results"] if (one["quantity"], one["axis"]) == ("bias", "x") and one["u"]]
+        assert biases
+        assert all(abs(one["value"] + 0.5) < 5.0 * one["u"] for one in biases)

@@ -90,8 +90,9 @@ def document_of(
 def _reading(said: Said, entry: Mapping[str, Any]) -> dict[str, Any]:
     """Return how the file is read, and the power-up, as an entry says them."""
     text = text_said(said)
+    topics = {"topics": list(said.topics)} if said.topics else {}
     if "channels" not in entry:
-        return {"text": text} if text else {}
+        return ({"text": text} if text else {}) | topics
     clock = {
         "column": said.time_column, "averaging": said.averaging, "start": said.start, "stop": said.stop,
         "sample_rate": None if said.sample_rate is None else f"{said.sample_rate!r} Hz",
@@ -101,9 +102,7 @@ def _reading(said: Said, entry: Mapping[str, Any]) -> dict[str, Any]:
     found: dict[str, Any] = ({"clock": clock} if clock else {}) | ({"text": text} if text else {})
     if said.frame is not None:
         found["frame"] = said.frame
-    if said.topics:
-        found["topics"] = list(said.topics)
-    return found | ({"run": "1"} if said.one_run else {})
+    return found | topics | ({"run": "1"} if said.one_run else {})
 
 
 def _site(said: Said) -> dict[str, str]:

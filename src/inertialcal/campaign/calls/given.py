@@ -106,8 +106,8 @@ class Files:
             raise DataError(
                 f"{file}: a table of rows is needed, not a recording", do="Give the file", code="wrong_value"
             )
-        topics = self.said.topics or None
-        return read_table(file, **table_of({"topics": topics} | text_said(self.said) | dict(text or {})))
+        stated = {name: value for name, value in (text or {}).items() if value is not None}
+        return read_table(file, **table_of({"topics": self.said.topics or None} | text_said(self.said) | stated))
 
     def has(self, file: str) -> bool:
         """Return whether there is such a file."""

@@ -152,7 +152,7 @@ class _Checked(Strict):
 
 
 _MOVED = [name for name in OWN_KEYS if name not in TABLE_KEYS]
-_ONLY_WITH_CHANNELS = ("clock", "frame", "topics", *_MOVED, "axis", "run", "applied")
+_ONLY_WITH_CHANNELS = ("clock", "frame", *_MOVED, "axis", "run", "applied")
 _ORDER = (
     "sensor",
     "file",

@@ -141,7 +141,7 @@ def _read_as(entry: object, reading: Mapping[str, Any]) -> object:
         return Noted(_read_as(entry.value, reading), entry.note, entry.above, entry.example)
     table = _plain_table(entry)
     for name, own in reading.items():
-        if name == "text" or "channels" in table:
+        if name in ("text", "topics") or "channels" in table:
             table[name] = _plain_table(table.get(name, {})) | own if isinstance(own, dict) else own
     return table
 
