@@ -89,3 +89,12 @@ def test_a_look_at_part_of_the_values_says_that_they_hardly_repeat_only_where_th
             kind, np.arange(many) * 1.0
         )
         assert _hardly_repeats(rng.permutation(np.resize(each, n)), int(n / REPEATS) + 1) == marked
+
+
+def test_codes_of_a_long_record_are_found_however_their_last_digits_are_rounded() -> None:
+    rng = np.random.default_rng(3)
+    codes = np.rint(rng.normal(0.0, 300.0, 150_000)) * 0.1
+    rounded = codes * (1.0 + rng.integers(-1, 2, len(codes)) * 2.0**-52)
+    assert resolution_of_values(codes) == pytest.approx(0.1)
+    assert resolution_of_values(rounded) == pytest.approx(0.1)
+    assert resolution_of_values(rng.normal(0.0, 300.0, 150_000)) is None

@@ -136,6 +136,17 @@ def test_loud_windows_by_the_level_of_their_piece(run: Any) -> None:
         assert at[: len(expected)].tolist() == expected[:room].tolist()
 
 
+@pytest.mark.parametrize("at", [5, 4_090, 4_096, 8_992])
+def test_a_loud_window_among_quiet_ones_is_found_where_batches_meet(run: Any, at: int) -> None:
+    n, w = 9_000, 12
+    y = 0.1 * noise(n)
+    y[at : at + 2] += [3.0, -3.0]
+    variance = np.lib.stride_tricks.sliding_window_view(y - y.mean(), w).var(axis=1, ddof=1)
+    places = np.empty(n, dtype=np.int64)
+    found = run.fill_loud(y, np.array([0, n]), w, 0.5, places)
+    assert places[:found].tolist() == np.flatnonzero(variance > 0.5).tolist() != []
+
+
 @pytest.mark.parametrize("w", [1, 2, 12, 13, 31])
 def test_sums_of_windows(run: Any, w: int) -> None:
     x = noise(50)

@@ -237,6 +237,13 @@ def test_many_short_gaps_are_remarked_and_too_many_refused() -> None:
     assert refused.value.problems[0].code == "gaps"
 
 
+def test_an_axis_that_changes_at_its_end_is_not_constant() -> None:
+    x = np.full(70_000, 9.8)  # more than one batch
+    assert [one.code for one in psd(x, INTERVAL).remarks] == ["constant"]
+    x[-1] += 1e-6
+    assert not psd(x, INTERVAL).remarks
+
+
 def test_a_constant_axis_is_remarked() -> None:
     x = np.concatenate((white(1, 4_000), np.full((4_000, 1), 9.80665)), axis=1)
     assert [(one.code, one.what[:6]) for one in psd(x, INTERVAL).remarks] == [("constant", "axis 1")]

@@ -81,3 +81,16 @@ def test_parts_of_a_band_are_their_closed_forms() -> None:
     assert crossing(cycles, 1.0 / (1.0 + (cycles / CORNER) ** 2), CORNER) == pytest.approx(CORNER, rel=1e-3)
     band = Band(CORNER, np.array([0.1, 0.2]), np.array([0.8, 0.5]), (CORNER,) * 3, 0.0, np.zeros((2, 2)))
     np.testing.assert_allclose(band.passed_at(np.array([0.05, 0.1])), [0.95, 0.8])
+
+
+@pytest.mark.parametrize("kind", ["none", "first order"])
+def test_sizes_left_out_of_the_search_hide_nothing(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    x = np.random.default_rng(5).normal(size=20_000)
+    spectrum = psd(x if kind == "none" else lfilter([0.6], [1.0, -0.4], x), 0.01)
+    few = search(spectrum)
+    monkeypatch.setattr("inertialcal.sensors.noise.fitting.filtered.COARSE", 1)  # all are tried
+    every = search(spectrum)
+    assert few is not None
+    assert every is not None
+    assert (few.gain, few.corner, few.hidden) == (every.gain, every.corner, every.hidden)
+    assert Search.together([few]) == (kind != "none")
