@@ -1515,8 +1515,8 @@ MUTANTS = (
     ),
     Mutant(
         "filtered.py",
-        "return 2.0 * float(plain - costs[best])",
-        "return -2.0 * float(plain - costs[best])",
+        "return 2.0 * float(plain - cost(best))",
+        "return -2.0 * float(plain - cost(best))",
         "test_filtered test_band",
     ),
     Mutant(
@@ -1557,8 +1557,8 @@ MUTANTS = (
     ),
     Mutant(
         "limits.py",
-        "edf[i] = run.edf[i - back] * 2.0 ** (doublings - back)",
-        "edf[i] = run.edf[i - back]",
+        "run.edf[at - back] * 2.0 ** (doublings - back)",
+        "run.edf[at - back]",
         "test_noise_fit test_noise_limits",
     ),
     Mutant(
