@@ -104,3 +104,13 @@ def test_an_error_that_alone_leaves_the_verdict_open_is_named_below_it() -> None
     assert requirement_table(passed | {"remarks": [error]}).endswith("overall: PASS")
     left_open = passed | {"remarks": [error], "verdict": "INCONCLUSIVE"}
     assert requirement_table(left_open).endswith("overall: INCONCLUSIVE\n  in doubt: recording b: a copy of a")
+
+
+def test_on_a_narrow_terminal_the_verdict_stands_beside_what_was_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    content = results([verdict("PASS", 0.0123, 0.0377)], "PASS", [loop("PASS", 0.01, 0.005, "y")])
+    content["verification"][0]["text"] = "error of rate within 5 % from 0.1 deg/s on, reading at rest subtracted"
+    heads, *_ = text = requirement_table(content).splitlines()
+    assert heads.split()[:5] == ["requirement", "raw", "compensated", "limit", "verdict"]
+    assert max(map(len, text)) <= 80
+    assert any("to spare" in line for line in text)

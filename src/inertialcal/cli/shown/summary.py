@@ -156,14 +156,18 @@ def requirement_table(results: Mapping[str, Any]) -> str:
     last, errors = f"overall: {results['verdict']}", [one for one in results["remarks"] if one["severity"] == "error"]
     if errors and results["verdict"] not in {word for *_, word in cells}:
         last += "\n" + wrapped(f"  in doubt: {clean(errors[0]['what'])}", "    ")
-    rest = sum(2 + max(len(row[i]) for row in [[*HEADS], *cells]) for i in range(1, len(HEADS)))
-    if (least := rest + NARROWEST) <= terminal_width():  # else every column is folded
+    heads = list(HEADS)
+    rest = sum(2 + max(len(row[i]) for row in [heads, *cells]) for i in range(1, len(heads)))
+    if (least := rest + NARROWEST) <= terminal_width():
         room = max(min(terminal_width(), PROSE_WIDTH), least) - rest
         whole, cells = cells, []
         for name, *others in whole:
             first, *more = textwrap.wrap(name, room, subsequent_indent="  ") or [""]
             cells += [[first, *others], *([line, *("" for _ in others)] for line in more)]
-    return f"{table(cells, HEADS)}\n{last}"
+    else:  # every column is folded; of those that find no room beside each other, the margin is the last
+        for row in (heads, *cells):
+            row[-2:] = reversed(row[-2:])
+    return f"{table(cells, heads)}\n{last}"
 
 
 def _counts(verdicts: Sequence[Mapping[str, Any]]) -> tuple[str, str]:
