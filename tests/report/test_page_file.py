@@ -61,7 +61,7 @@ def test_show_tells_what_a_report_is(page: Path, typed: Typed) -> None:
     }  # fmt: skip
     status, out, _ = typed("show", page)
     assert status == 0
-    assert f"report of campaign {results['campaign']['id']}, unchanged" in out
+    assert f"report of campaign {results['campaign']['id']}, unchanged" in " ".join(out.split())
     assert f"verdict: {results['verdict']}" in out
     assert results["checksum"] in out
     text = page.read_text(encoding="utf-8")
