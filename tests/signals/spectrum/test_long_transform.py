@@ -45,9 +45,9 @@ def test_the_power_of_real_transforms(data: st.DataObject) -> None:
         patch.setattr(long_transform, "LONG", 2)
         columns_of.cache_clear()
         assert columns_of(n) >= 32
-        found, rooms = 0.0, list[Room]()
-        for some in (starts[:2], starts[2:]):  # the second in the room of the first
-            found += folded(power_of(x, np.array(some, dtype=np.int64), weights, rooms))
+        rooms = list[Room]()
+        shares = (starts[:2], starts[2:])  # the second in the room of the first
+        found = sum(folded(power_of(x, np.array(some, dtype=np.int64), weights, rooms)) for some in shares)
         assert len(rooms) == 1
     columns_of.cache_clear()
     expected = directly(x, starts, weights)
