@@ -572,6 +572,7 @@ def test_every_public_name_is_documented() -> None:
     api, python = ((DOCS / name).read_text(encoding="utf-8") for name in ("api.md", "python.md"))
     listed = dict(reversed(one) for one in re.findall(r"auto(function|class|exception):: inertialcal\.(\w+)\n", api))
     assert sorted(listed) == sorted(ic.__all__)
+    assert [name for name in dir(ic) if not name.startswith("__")] == sorted(ic.__all__)  # what an editor offers
     for name, kind in listed.items():
         assert (kind == "function") != isinstance(getattr(ic, name), type), name
         assert kind != "function" or f"ic.{name}(" in python
