@@ -355,7 +355,6 @@ ANY_BY_ITSELF = {
     "procedures/protocol.py:Reduced.plan": "the same",
     "procedures/protocol.py:Reduced.shown": "the same",
     "cli/nouns/factory.py:option_of": "annotations that the parser makes options of",
-    "cli/nouns/factory.py:said_options": "the same",
     "cli/options.py:with_options": "the same",
     "files/text/delimited.py:arrow_numbers": "a column of Arrow, which has no types",
     "report/numbers.py:Branch.get": "a value of JSON: the key tells its type, and only to the reader",

@@ -53,8 +53,15 @@ def test_a_fresh_clone_sets_up_what_a_job_needs(job: str, tools: bool, tmp_path:
     planned = subprocess.run(
         ["make", "--dry-run", job, f"VENV={tmp_path / 'new'}"], cwd=ROOT, capture_output=True, text=True, check=True
     ).stdout
-    assert "-r requirements-run.txt" in planned
     assert ("-r requirements.txt" in planned) is tools
+    (parted,) = (line for line in planned.splitlines() if line.startswith("awk "))  # what is unpacked side by side
+    (tmp_path / "new").mkdir()
+    subprocess.run(parted, shell=True, cwd=ROOT, check=True)  # of our own Makefile
+    parts = [tmp_path / "new" / name for name in ("large", "others")]
+    assert all(f"--require-hashes -r {part}" in planned for part in parts)
+    texts = [part.read_text(encoding="utf-8") for part in parts]
+    assert sorted("".join(texts).splitlines()) == sorted((ROOT / "requirements-run.txt").read_text().splitlines())
+    assert set(re.findall(r"^([a-z0-9.-]+)==", texts[0], re.MULTILINE)) == {"llvmlite", "scipy"}
 
 
 @pytest.mark.skipif(shutil.which("make") is None, reason="needs make")
@@ -64,4 +71,4 @@ def test_the_tools_are_added_where_the_demo_was_first(tmp_path: Path) -> None:
         ["make", "--dry-run", "test", f"VENV={tmp_path}"], cwd=ROOT, capture_output=True, text=True, check=True
     ).stdout
     assert "-r requirements.txt" in planned
-    assert "-r requirements-run.txt" not in planned
+    assert "requirements-run.txt" not in planned
