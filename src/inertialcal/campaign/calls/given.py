@@ -26,7 +26,6 @@ from ...files.text.table import Table
 from ...procedures.given import Said, bare, named_columns
 from ...procedures.protocol import InputSpec
 from ..file.recordings import RecordingEntry
-from ..inputs.sources import reading_of, table_of
 
 T = TypeVar("T")
 SENSORS = ("gyro", "acc")
@@ -93,6 +92,8 @@ class Files:
 
     def recording(self, entry: RecordingEntry, required: Sequence[str]) -> Recording:
         """Return a recording; a literal NaN in a required column is refused with its row."""
+        from ..inputs.sources import reading_of  # noqa: PLC0415 - with scipy, which `info` needs not
+
         found = self.read(entry.file, **reading_of(entry))
         needed = [found.channel(name).data for name in required]
         empty = not all(every(data, lambda part: not np.isnan(part).any()) for data in needed if data.dtype.kind == "f")
@@ -102,6 +103,8 @@ class Files:
 
     def table(self, file: str, text: Mapping[str, Any] | None = None) -> Table:
         """Return the rows of a file."""
+        from ..inputs.sources import table_of  # noqa: PLC0415 - as above
+
         if not Path(file).exists():
             raise DataError(
                 f"{file}: a table of rows is needed, not a recording", do="Give the file", code="wrong_value"
