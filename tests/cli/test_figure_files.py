@@ -105,7 +105,7 @@ def test_an_unknown_figure_is_wrong_usage_and_absent_data_a_refusal(call: Call, 
     for words in (("rate-table", "x.csv"), ("show", campaign)):
         status, _, err = call(*words, "--figure", "pie", "-o", "a.png")
         assert status == 2
-        assert f"There are: {', '.join(figures())}" in err
+        assert f"There are: {', '.join(figures())}" in " ".join(err.split())
     status, _, err = call("show", campaign, "--figure", "dwells", "-o", "a.png")
     assert status == 3
     assert "no data for figure 'dwells'" in err
