@@ -72,13 +72,13 @@ def flight_text(found: FlightReplay) -> str:
     more = len(found.recordings) - NAMED
     on = ", ".join(clean(one) for one in found.recordings[:NAMED]) + (f" and {more} more" if more > 0 else "")
     flags = f"; {found.flagged} more raise a flag" if found.flagged else ""
-    heads = ["  axis", "compensate, mean", "flight C, mean", "largest difference", "proved bound", "unit"]
+    heads = ["  axis", "compensate", "flight C", "largest difference", "proved bound", "unit"]
     arrays = (found.compensated, found.flown, found.largest, found.bound)
     cells = [
         [f"  {clean(axis)}", f"{one:.7f}", f"{other:.7f}", number(largest, 3), number(bound, 3), found.unit]
         for axis, one, other, largest, bound in zip(found.axes, *map(np.asarray, arrays), strict=True)
     ]
-    said = f"{written}; compiled, and replayed on {on}: {found.rows} readings{flags}"
+    said = f"{written}; compiled, and replayed on {on}: {found.rows} readings{flags}; means, and how they differ"
     return f"{wrapped(said)}\n{table(cells, heads, right=range(1, 5))}"
 
 

@@ -54,8 +54,8 @@ def as_table(text: str, where: str) -> Printed | None:
     DataError
         ``ragged_row``, if a line between the rows is none.
     """
-    lines = text.split("\n", LOOKED_AT)
-    start = [one for one in lines[:LOOKED_AT] if one.strip() and len(one) < LONGEST]
+    lines = text[: LOOKED_AT * LONGEST].split("\n")[:LOOKED_AT]
+    start = [one for one in lines if one.strip() and len(one) < LONGEST]
     if sum(one.startswith("$") for one in start) * 2 > len(start):
         return _sentences(text, where)
     if len(start) > 1 and all(DURATION.match(one) for one in start[1:]):
