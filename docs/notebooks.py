@@ -135,8 +135,10 @@ of the bias is rate random walk, in deg/s/sqrt(s).""",
         """truth = {"angle_random_walk": 60 * white, "rate_random_walk": walk * 60 * 3600}
 for row in found.rows:
     if row.quantity in truth and row.method == "result":
-        held = row.interval.lo <= truth[row.quantity] <= row.interval.hi
-        print(f"{row.quantity}: {row.value:.3g} ± {row.u:.2g} {row.unit}; truth {truth[row.quantity]:.3g},", held)""",
+        low, high = row.interval.lo, row.interval.hi
+        where = "inside" if low <= truth[row.quantity] <= high else "outside"
+        print(f"{row.quantity}: {row.value:.3g} ± {row.u:.2g} {row.unit}")
+        print(f"  truth {truth[row.quantity]:.3g}, {where} the interval")""",
     ),
     (
         "markdown",
@@ -162,7 +164,9 @@ Ten minutes cannot tell how the bias wanders. A fit would give a number all the 
         """short = ic.allan(still[:6000], sample_rate=rate, units="deg/s")
 for row in short.rows:
     if row.quantity in truth and row.method == "result":
-        print(f"{row.quantity}: {row.status}, {row.value:.2g} {row.unit}", row.reason)""",
+        print(f"{row.quantity}: {row.status}, {row.value:.2g} {row.unit}")
+        if row.reason:
+            print(f"  {row.reason}")""",
     ),
 ]
 NOTEBOOKS = {"first_calibration": FIRST, "noise": NOISE}
