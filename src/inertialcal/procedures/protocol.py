@@ -409,10 +409,15 @@ class Correction(Protocol):
 class Command(NamedTuple):
     """A noun of the command line, or of ``plan``."""
 
-    word: str
+    word: str  # As it is typed: one word, or two of which the first is a noun too
     help: str  # One line
     figure: str = ""  # That it draws by default
     examples: tuple[str, ...] = ()  # What may follow the word, for its help
+
+    @property
+    def function(self) -> str:
+        """As Python calls it."""
+        return self.word.replace("-", "_").replace(" ", "_")
 
 
 @dataclass(frozen=True)
