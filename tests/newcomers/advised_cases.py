@@ -401,7 +401,7 @@ CASES = (
         "zero o1.csv",
     ),
     Case(
-        "Add --unit {}",
+        "Add --unit {} (UNIT: {})",
         "compensate thermal.json chamber_no_unit.csv -o o4.csv --temperature probe",
         "+ --unit probe=degC",
         "done",

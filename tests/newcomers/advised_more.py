@@ -7,6 +7,18 @@ from advised_cases import Case
 
 COMPENSATED = (
     Case(
+        "; and its unit: --unit NAME=UNIT (UNIT: {})",
+        "compensate gauge.json gauge.csv -o gauged_out.csv",
+        "+ --column pressure=gauge --unit gauge=hPa",
+        "flat gauged_out.csv",
+    ),
+    Case(
+        "--column {}=COLUMN",
+        'rate-table turned_ref.csv --axis x --lsb "5 V / 4095" --reference channel --scale-factor "0.02 V/(deg/s)"',
+        "+ --column reference=v_ref",
+        "bias x 0.3542",
+    ),
+    Case(
         "the largest drive; --take NAME takes another",
         "allan walk.csv --for kalibr",
         "+ --take rate_random_walk",

@@ -232,7 +232,15 @@ def _levels() -> dict[str, str]:
     swung = {axis: share * rate + BIASES[axis] + PER_VOLT[axis] * (volts - 5.0)
              for axis, share in zip("xyz", (0.8, 0.6, 0.0), strict=True)}  # fmt: skip
     supply = {"supply [V]": rounded(volts, 4)}
+    hpa = 600.0 + 500.0 * (volts - 5.0) / 0.2 + rng.standard_normal(n)
+
+    def gauged(header: str) -> str:
+        return csv({**columns, **read((hpa - 600.0) / 2500.0), header: rounded(hpa, 2)})
+
     return {
+        "gauge_1.csv": gauged("pressure [hPa]"),
+        "gauge_2.csv": gauged("pressure [hPa]"),
+        "gauge.csv": gauged("gauge"),
         "levels.csv": csv({**columns, **read(volts - 5.0), **supply}),
         "levels_2.csv": csv({**columns, **read(volts - 5.0), **supply}),
         "levels_two.csv": csv({**columns, **read(volts - 5.0), "vcc [V]": supply["supply [V]"], "vdd [V]": [3.3] * n}),

@@ -35,6 +35,7 @@ MADE = {name: shlex.split(line) for name, line in {  # models, terms and campaig
     "thermal.json": "thermal chamber_units.csv -o thermal.json",
     "counts.json": 'rate-table turned_counts.csv --axis x --lsb "5 V / 4095" --reference "2.5 V" '
                    '--scale-factor "0.02 V/(deg/s)" -o counts.json',
+    "gauge.json": "sensitivity gauge_1.csv gauge_2.csv --to pressure -o gauge.json",
     "supply.json": "sensitivity levels.csv levels_2.csv --to supply -o supply.json",
     "acc.json": "positions faces_bare.csv --unit acc=m/s2 -o acc.json",
     "acc_thermal.json": "thermal acc_chamber.csv -o acc_thermal.json",
@@ -151,11 +152,18 @@ def check(right: str, content: Any, said: str, folder: Path) -> None:
         (row,) = [one for one in results if one["quantity"] == rest[0]]
         assert row["inside"], row
     elif what == "zero":  # at rest, a compensated gyro reads zero; turned, what the table turned
-        head, *lines = (folder / rest[0]).read_text().splitlines()
-        column = next(i for i, name in enumerate(head.split(",")) if re.match(r"(gyro_)?x\b|a\b", name))
-        assert abs(np.median([float(line.split(",")[column]) for line in lines])) < 0.05
+        assert abs(np.median(first_axis(folder / rest[0]))) < 0.05
+    elif what == "flat":  # it no longer follows its condition
+        assert np.ptp([np.median(one) for one in np.split(first_axis(folder / rest[0]), 12)]) < 0.02
     else:
         assert what == "done"
+
+
+def first_axis(path: Path) -> np.ndarray:
+    """Return the readings of the x axis of a file that was written."""
+    head, *lines = path.read_text().splitlines()
+    column = next(i for i, name in enumerate(head.split(",")) if re.match(r"(gyro_)?x\b|a\b", name))
+    return np.array([float(line.split(",")[column]) for line in lines])
 
 
 def check_info(what: str, rest: Sequence[str], found: dict[str, Any]) -> None:
