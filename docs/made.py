@@ -73,7 +73,7 @@ def text() -> str:
         if "hold_out" in procedure.uses:
             arguments.append("    hold_out: Sequence[str | Path] = (),\n")
         for declared in procedure.commands:
-            word = declared.word.replace("-", "_")
+            word = declared.function
             names.append(word)
             lines = "".join(arguments)
             first = "    recordings: Given | Sequence[Given],\n    /,\n    *,\n"
@@ -192,7 +192,7 @@ def made() -> dict[Path, str]:
         for path in sorted(PAGES.glob(f"{name}*.md")):
             found[path] = page(path.read_text(encoding="utf-8"), marks)
         for declared in procedure_of(name).commands:
-            path = PAGES.parent / "commands" / f"{declared.word}.md"
+            path = PAGES.parent / "commands" / f"{declared.word.replace(' ', '-')}.md"
             found[path] = page(path.read_text(encoding="utf-8"), {"## Options": options(declared.word)})
     return {path: content for path, content in found.items() if path.name not in OF_PLANNERS}
 

@@ -252,14 +252,19 @@ def examples_of(*words: str) -> list[str]:
 
 
 def help_pages(name: str) -> list[tuple[str, ...]]:
-    """Words of the helps that belong to the page of a command."""
-    return [(name, test) for test in getattr(COMMANDS[name], "names", list)()] or [(name,)]
+    """Words of the helps that belong to a command."""
+    return [(name, test) for test in getattr(COMMANDS[name], "names", list)()] or [tuple(name.split())]
+
+
+def command_page(name: str) -> str:
+    """Name of the page of a command, whose words may be two."""
+    return name.replace(" ", "-")
 
 
 def try_examples(page: Path, session: Session) -> None:
     """Type what the help gives as examples, in the folder with the files that the page has named."""
     played = {step.typed for block in FENCE.finditer(page.read_text("utf-8")) for step in steps(block["body"])}
-    for words in help_pages(page.stem):
+    for words in help_pages(next(name for name in COMMANDS if command_page(name) == page.stem)):
         for typed in examples_of(*words):
             if typed not in played:
                 if words == ("init",):
@@ -528,12 +533,12 @@ def test_every_remark_of_a_procedure_is_documented() -> None:
 
 
 def test_every_command_has_a_page_and_every_page_a_command() -> None:
-    assert {page.stem for page in (DOCS / "commands").glob("*.md")} == set(COMMANDS)
+    assert {page.stem for page in (DOCS / "commands").glob("*.md")} == {command_page(name) for name in COMMANDS}
 
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_every_option_is_named_on_the_page_of_its_command(name: str) -> None:
-    page = (DOCS / "commands" / f"{name}.md").read_text(encoding="utf-8")
+    page = (DOCS / "commands" / f"{command_page(name)}.md").read_text(encoding="utf-8")
     tests = {
         word: TYPED.get_command(None, name).get_command(None, word) for word in getattr(COMMANDS[name], "names", list)()
     }  # of a command for several: plan mass-attraction

@@ -177,8 +177,7 @@ def _nouns() -> set[str]:
     """Return the nouns of all procedures, those of other packages too, as functions are called."""
     from .procedures import procedure_names, procedure_of  # noqa: PLC0415
 
-    words = (one.word for name in procedure_names() for one in procedure_of(name).commands)
-    return {word.replace("-", "_") for word in words}
+    return {one.function for name in procedure_names() for one in procedure_of(name).commands}
 
 
 def __dir__() -> list[str]:

@@ -1,8 +1,8 @@
 """Which commands there are, built when one is typed: nouns as the procedures declare them, and the verbs.
 
-A noun ``word`` of a procedure ``name`` is the function ``word`` in ``cli/nouns/<name>.py``, its plan the function
-``plan`` in ``cli/nouns/<name>_plan.py``; a procedure of others names modules of its own. Help of all commands builds
-none of the nouns: their line stands in the declaration.
+A noun ``word`` (it may be two words) of a procedure ``name`` is the function ``word`` in ``cli/nouns/<name>.py``, its
+plan the function ``plan`` in ``cli/nouns/<name>_plan.py``; a procedure of others names modules of its own. Help of all
+commands builds none of the nouns: their line stands in the declaration.
 """
 
 from __future__ import annotations
@@ -104,17 +104,17 @@ def _planners() -> dict[str, tuple[str, Command]]:
 def _noun(name: str, declared: Command) -> Callable[..., Any]:
     """Return the function of a noun: made of the settings of its procedure, unless it has a module of its own."""
     if (Path(__file__).parent / "nouns" / f"{name}.py").exists():  # until all are made
-        return _function(name, name, declared.word)
+        return _function(name, name, declared.function)
     from .nouns.factory import command_of
 
     return command_of(procedure_of(name), declared)
 
 
-def _function(name: str, default: str, word: str) -> Callable[..., Any]:
+def _function(name: str, default: str, called: str) -> Callable[..., Any]:
     """Return the function of a noun of a procedure."""
     own = procedure_of(name).command_module
     module = import_module(own) if own else import_module(f".nouns.{default}", __package__)
-    found: Callable[..., Any] = getattr(module, word.replace("-", "_"))
+    found: Callable[..., Any] = getattr(module, called)
     return found
 
 
@@ -198,6 +198,14 @@ class Root(_Lazy):
         """Return a command that has nothing but its help; a verb is cheap, and built."""
         nouns = {noun: one for noun, (_, one) in _nouns().items()} | {PLAN.word: PLAN}
         return TyperCommand(word, help=nouns[word].help) if word in nouns else _verb(word)
+
+    def resolve_command(self, ctx: typer.Context, args: list[str]) -> tuple[str | None, Built | None, list[str]]:  # type: ignore[override]
+        """Return the command that was typed, and what follows it: its name may be two words."""
+        both = " ".join(args[:2])
+        if both in _nouns():
+            return both, self.get_command(ctx, both), args[2:]
+        found: tuple[str | None, Built | None, list[str]] = super().resolve_command(ctx, args)  # type: ignore[assignment]
+        return found
 
     def get_command(self, ctx: object, cmd_name: str) -> Built | None:
         """Return a command, built now; None if there is none of that name."""

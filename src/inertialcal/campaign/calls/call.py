@@ -560,6 +560,7 @@ def function_of(name: str, word: str = "") -> Callable[..., Reduced]:
     """Return a command of a procedure as a function: its settings are its arguments and its documentation."""
     procedure = procedure_of(name)
     word = word or procedure.commands[0].word
+    declared = next(one for one in procedure.commands if one.word == word)
     groups = settings_by_group(procedure)
 
     def function(
@@ -574,7 +575,7 @@ def function_of(name: str, word: str = "") -> Callable[..., Reduced]:
     if "hold_out" in procedure.uses:
         named.append(inspect.Parameter("hold_out", keyword, default=()))
     function.__signature__ = inspect.Signature([first, *named])  # type: ignore[attr-defined]
-    function.__name__ = function.__qualname__ = word.replace("-", "_")
+    function.__name__ = function.__qualname__ = declared.function
     function.__module__ = "inertialcal"
     function.__doc__ = documentation(procedure)
     return function

@@ -17,6 +17,6 @@ def __getattr__(name: str) -> Any:
     """Return the function of a noun."""
     for one in procedure_names():
         for declared in procedure_of(one).commands:
-            if name == declared.word.replace("-", "_"):
+            if name == declared.function:
                 return function_of(one, declared.word)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
