@@ -147,9 +147,11 @@ def _without_unit(model: SensorModel, recording: Recording, chosen: Taken) -> li
         what = f"unit of column {bare[0]!r} not given{', nor of ' * (len(bare) > 1)}{', '.join(map(repr, bare[1:]))}"
         why, do = f"the model takes {_takes(model)}", f"Say what it is: {options} (UNIT: {_takes(model)})"
         found.append(Problem(what, recording.source.path, why, do, "no_unit"))
-    channels = {one.channel: one.unit for one in model.sensitivities}
-    units = {**dict.fromkeys(FORCES, "m/s^2"), **channels, **CONDITIONS}
-    units |= {f"temperature_{axis}": "degC" for axis in model.axes}
+    needs = needed(model)
+    units = {one.channel: one.unit for one in model.sensitivities if one.channel not in CONDITIONS}
+    units |= {name: unit for name, unit in CONDITIONS.items() if name in needs}
+    units |= dict.fromkeys(FORCES, "m/s^2") if "specific_force" in needs else {}
+    units |= {f"temperature_{axis}": "degC" for axis in model.axes} if "temperature" in needs else {}
     others = {name: units[what] for what, name in chosen.columns.items() if what in units and name not in axes}
     return found + [no_unit(recording, name, unit) for name, unit in others.items()
                     if recording.channel(name).unit is None]  # fmt: skip
