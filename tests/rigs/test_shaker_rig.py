@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from inertialcal.campaign.twins.fitted import fitted_tests
+from fitted_results import fit_results
 from inertialcal.campaign.twins.score import coverage
 from inertialcal.procedures.sine_survey.against import change_rows
 from inertialcal.rigs.shaker import rig as shaker
@@ -21,7 +21,7 @@ SMALL = small(Bench())
 
 def codes(twin: Twin) -> set[str]:
     """Codes of remarks and reasons of both surveys."""
-    results = [one.result for one in fitted_tests(twin)]
+    results = fit_results(twin)
     return {one.code for result in results for one in result.remarks} | {
         row.reason.code for result in results for row in result.rows()
     }
@@ -45,8 +45,8 @@ def test_without_a_mistake_nothing_is_wrong() -> None:
 
 def test_a_crack_is_a_change_beyond_what_is_allowed() -> None:
     twin = build(shaker.FAULTS["cracked"].put_into(SMALL), 1)
-    before, after = fitted_tests(twin)
-    rows = change_rows(after.result, before.result, "before")
+    before, after = fit_results(twin)
+    rows = change_rows(after, before, "before")
     (first,) = [row for row in rows if row.quantity == "resonance_frequency_change" and row.axis == "x"
                 and row.key.at is not None and row.key.at.value == 1.0]  # fmt: skip
     assert first.interval is not None

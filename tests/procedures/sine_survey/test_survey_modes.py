@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from independent.shaker import FINE, Mode, Run, recorded, transmissibility
+from independent.shaking.shaker import FINE, Mode, Run, recorded, transmissibility
 from inertialcal.procedures.sine_survey.modal import Modes, find_modes, spectra
 from inertialcal.procedures.sine_survey.sweep import find_sweeps
 from inertialcal.statistics.intervals import coverage_factor, covers
@@ -67,7 +67,8 @@ def test_intervals_hold_the_truth(kind: str) -> None:
         peak = np.abs(transmissibility(item, own)) * np.sinc(own / (FINE * RATE)) ** 2
         truth = np.column_stack([own, [one.q for one in item], peak])
         values = np.column_stack([found.frequency, found.amplification, found.peak])
-        reach = [coverage_factor(float(dof)) for dof in found.dof] * np.sqrt(np.diag(found.covariance))
+        factors = np.array([coverage_factor(float(dof)) for dof in found.dof])
+        reach = factors * np.sqrt(np.diag(found.covariance))
         inside = np.abs(values - truth) <= reach.reshape(-1, 3)
         hits += inside.sum(axis=0)
         cases += len(item)

@@ -45,8 +45,8 @@ class SineSurvey(Procedure[Plan, "Readings", "Result"]):
             "vibration survey",
             title,
             examples=(
-                'sweep.csv --control ctrl --sweep "20 Hz to 1000 Hz" --rate "4 oct/min"',
-                "up.csv down.csv -o survey.svg",
+                'survey.csv --control "control [g]" --sweep "50 Hz to 500 Hz" --rate "20 oct/min"',
+                "survey.csv -o survey.svg",
             ),
         ),
     )
