@@ -205,7 +205,8 @@ def _joined(band: Band, poles: Array) -> Band:
     starts = np.flatnonzero(np.diff(group, prepend=-1))
     counts = np.diff(np.append(starts, len(group)))
     size = np.sqrt(np.maximum(np.add.reduceat(np.abs(band.control) ** 2, starts), 1e-300))
-    joined: Complex = np.add.reduceat(band.control.conj() * band.response, starts) / size
+    products: Complex = band.control.conj() * band.response
+    joined = np.asarray(np.add.reduceat(products, starts) / size, dtype=np.complex128)
     middle = np.add.reduceat(f * np.abs(band.control) ** 2, starts) / size**2
     return replace(
         band,
