@@ -167,8 +167,9 @@ def _channels(result: Result) -> Iterator[Remark]:
     swapped = [i for i in range(count) if errors[i] > STRAYS] if followers else []
     for i in swapped:
         other = min(followers, key=lambda k: float(errors[k]))
-        what = (f"{_called(result.channels[i])} does not follow the profile ({number(errors[i], 2)} dB), "
-                f"{_called(result.channels[other])} does ({number(errors[other], 2)} dB): they are swapped?")  # fmt: skip
+        one, two = (f"{_called(result.channels[k])}" for k in (i, other))
+        away, near = (number(float(errors[k]), 2) for k in (i, other))
+        what = f"{one} does not follow the profile ({away} dB), {two} does ({near} dB): they are swapped?"
         do = "Check which cable is which; name the control with --control"
         yield Remark("swapped_channels", "error", what, _where(result), do=do, subject=result.channels[i].column)
     if count > 1 and not swapped:

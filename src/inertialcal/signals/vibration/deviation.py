@@ -28,6 +28,7 @@ from ...core.estimate import Array
 from .profile import decibels
 from .spectra import CrossSpectra
 
+ROUNDING = 0.05  # of a line: stamps are rounded, and lines lie beside the nodes that they were meant to lie on
 NEPER = float(decibels(math.e))  # relative change of a density in decibels
 
 
@@ -116,8 +117,8 @@ def lines_against(
     u : float
         Common standard uncertainty [dB].
     """
-    f, width = spectra.frequency, 2.0 * spectra.spacing
-    inside = (f - width >= band[0] * (1.0 - 1e-9)) & (f + width <= band[1] * (1.0 + 1e-9))
+    f, width = spectra.frequency, (2.0 - ROUNDING) * spectra.spacing
+    inside = (f - width >= band[0]) & (f + width <= band[1])
     if edges is None:
         half = 0.5 * spectra.enbw
         return Deviation(f[inside], f[inside] - half, f[inside] + half, density[inside], profile[inside], edf[inside],
