@@ -11,10 +11,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from ...core.errors import DataError
+from ...core.estimate import Array
 from ...core.judging import LEVEL, Asked, Basis, Verdict
 from ...core.results import Interval
 from ...core.show.rounding import number
@@ -45,8 +47,8 @@ def _judged(asked: Asked, test: VibrationTest) -> Verdict:
         return Verdict(*nothing, None, None, "INCONCLUSIVE", error.problems[0].what)
     if not len(chosen):
         return Verdict(*nothing, lower, upper, "INCONCLUSIVE", "no line lies where the requirement holds")
-    each = [_decision(asked, chosen, i, LEVEL, (lower, upper)) for i in range(len(chosen))]
-    together = [_decision(asked, chosen, i, chosen.together(LEVEL), (lower, upper)) for i in range(len(chosen))]
+    each = _decisions(asked, chosen, LEVEL, (lower, upper))
+    together = _decisions(asked, chosen, chosen.together(LEVEL), (lower, upper))
     failed = [i for i, found in enumerate(together) if found.status == "FAIL"]
     passed = all(found.status == "PASS" for found in each)
     worst = _worst(chosen, lower, upper, failed)
@@ -65,16 +67,20 @@ def _selected(one: Deviation, inside: np.ndarray[tuple[int, ...], np.dtype[np.bo
                    each=one.each[inside])  # fmt: skip
 
 
-def _decision(asked: Asked, one: Deviation, i: int, p: float, limits: tuple[float | None, float | None]) -> Decision:
-    """Return the verdict on one line, by an interval of probability ``p`` where the rule says 95 %."""
-    part = _selected(one, np.arange(len(one)) == i)
+def _decisions(asked: Asked, one: Deviation, p: float, limits: tuple[float | None, float | None]) -> list[Decision]:
+    """Return the verdict on each line, by intervals of probability ``p`` where the rule says 95 %."""
+    known: dict[float, tuple[Array, Array]] = {}
 
-    def interval_at(asked_for: float) -> Interval:
-        miss = (1.0 - asked_for) * (1.0 - p) / (1.0 - LEVEL)  # of a rule of another probability: in proportion
-        lo, hi = part.interval(1.0 - miss)
-        return Interval(float(lo[0]), float(hi[0]), asked_for)
+    def interval_at(i: int, wanted: float) -> Interval:
+        if wanted not in known:  # of a rule of another probability: in proportion
+            known[wanted] = one.interval(1.0 - (1.0 - wanted) * (1.0 - p) / (1.0 - LEVEL))
+        lo, hi = known[wanted]
+        return Interval(float(lo[i]), float(hi[i]), wanted)
 
-    return decide_by(interval_at, float(part.value[0]), float(part.u_value[0]), *limits, rule=asked.rule)
+    pairs = zip(one.value.tolist(), one.u_value.tolist(), strict=True)
+    return [
+        decide_by(partial(interval_at, i), value, u, *limits, rule=asked.rule) for i, (value, u) in enumerate(pairs)
+    ]
 
 
 def _worst(one: Deviation, lower: float | None, upper: float | None, failed: Sequence[int]) -> int:

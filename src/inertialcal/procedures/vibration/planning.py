@@ -77,7 +77,7 @@ class VibrationPlan:
     wanted: PlannedRun
     profile: Profile
     forecasts: tuple[RunForecast, ...]
-    curve: Curve
+    curves: tuple[Curve, ...]
     remarks: tuple[Remark, ...] = ()
 
     @property
@@ -98,7 +98,7 @@ class VibrationPlan:
     @property
     def results(self) -> dict[str, Any]:
         """Rows and the curve as ``results.json`` has them."""
-        return {"results": [row.to_dict() for row in self.rows], "curves": [self.curve.to_dict(TEST)]}
+        return {"results": [row.to_dict() for row in self.rows], "curves": [one.to_dict(TEST) for one in self.curves]}
 
     def to_frame(self) -> DataFrame:
         """Return a pandas DataFrame, a row a figure."""
@@ -180,7 +180,7 @@ def planned(given: Mapping[str, Any], options: bool = True) -> VibrationPlan:
         raise UsageError(what, do="Give a finer resolution", code="wrong_value")
     resolutions = [one for one in resolutions if lines_of(stated.profile, one) > 0]
     found = tuple(_forecast(wanted, stated.profile, one) for one in resolutions)
-    return VibrationPlan(wanted, stated.profile, found, _curve(wanted, stated.profile, resolutions),
+    return VibrationPlan(wanted, stated.profile, found, _curves(wanted, stated.profile, resolutions),
                          (*stated.remarks, *_remarks(wanted, found)))  # fmt: skip
 
 
@@ -284,15 +284,15 @@ def _needed(wanted: PlannedRun, profile: Profile, resolution: float) -> float | 
     return high
 
 
-def _curve(wanted: PlannedRun, profile: Profile, resolutions: Sequence[float]) -> Curve:
-    chances = {
-        f"chance_{number(one, 4)}": Column(
-            np.array([pass_chance(wanted, profile, one, t) for t in DURATIONS.tolist()]), "1"
-        )
-        for one in resolutions
-    }
-    wanted_line = Column(np.full(len(DURATIONS), wanted.power), "1")
-    return Curve("vibration_plan", "", {"duration": Column(DURATIONS, "s"), "wanted": wanted_line, **chances})
+def _curves(wanted: PlannedRun, profile: Profile, resolutions: Sequence[float]) -> tuple[Curve, ...]:
+    """Return the chance of a PASS over the duration, a curve a resolution."""
+    found = []
+    for one in resolutions:
+        chance = np.array([pass_chance(wanted, profile, one, t) for t in DURATIONS.tolist()])
+        line = np.full(len(DURATIONS), wanted.power)
+        columns = {"duration": Column(DURATIONS, "s"), "chance": Column(chance, "1"), "wanted": Column(line, "1")}
+        found.append(Curve("vibration_plan", "", columns, of=f"{number(one, 4)} Hz"))
+    return tuple(found)
 
 
 __all__ = ["RunForecast", "VibrationPlan", "degrees_of_freedom", "lines_of", "pass_chance", "plan_vibration", "planned"]

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -23,7 +22,6 @@ from .profile_file import StatedProfile, read_profile
 
 if TYPE_CHECKING:
     from .entry import VibrationEntry
-    from .reduction import Result
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,8 +52,6 @@ class Readings:
         Of the sensor's low pass, where that is known [Hz].
     remarks : tuple of Remark
         What reading brought up.
-    plan : Plan
-        That it was read for.
     """
 
     name: str
@@ -70,14 +66,6 @@ class Readings:
     profile: StatedProfile
     cut_off: float | None = None
     remarks: tuple[Remark, ...] = ()
-    plan: Plan = field(default_factory=Plan)
-
-    @cached_property
-    def reduced(self) -> Result:
-        """By the plan that the run was read with: made once, as looking whether channels agree needs it, too."""
-        from .reduction import reduce_run  # noqa: PLC0415 - it takes readings
-
-        return reduce_run(self.plan, self)
 
     def __len__(self) -> int:
         return len(self.control)
@@ -124,7 +112,6 @@ def readings_from(plan: Plan, sources: Sequence[Source]) -> Readings:
     return Readings(
         source.name, source.file, interval, values[:, :c], tuple(called), values[:, c:], axes, source.facts.si, own,
         profile, source.facts.cut_off or recording.cut_off, (*recording.remarks, *remarks, *profile.remarks),
-        plan,
     )  # fmt: skip
 
 

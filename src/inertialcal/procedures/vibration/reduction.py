@@ -39,6 +39,7 @@ from ...signals.vibration.spectra import CrossSpectra, cross_spectra, hann_kerne
 from .plan import CONTROL, CONTROL_SCALE, SENSOR_SCALE, Plan
 from .readings import Readings
 
+KEPT = "_reduced"  # with the readings: looking whether channels agree takes the result, too
 QUARTER = 4.0  # lines up to the lowest frequency of the profile, by default
 FINER = 4  # times, of the second spectrum
 FEWEST_LINES = 4  # that are judged
@@ -203,11 +204,15 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     PlanError
         ``wrong_value`` for a resolution at which too few lines are left.
     """
-    return readings.reduced if plan == readings.plan else reduce_run(plan, readings)
+    kept: tuple[Plan, Result] | None = vars(readings).get(KEPT)
+    if kept is not None and kept[0] == plan:
+        return kept[1]
+    result = _reduced(plan, readings)
+    vars(readings)[KEPT] = (plan, result)
+    return result
 
 
-def reduce_run(plan: Plan, readings: Readings) -> Result:
-    """Return the result, whatever was made before."""
+def _reduced(plan: Plan, readings: Readings) -> Result:
     target = readings.profile.profile.scaled(plan.level)
     interval, nyquist = readings.interval, 0.5 / readings.interval
     if nyquist <= target.band[0] * 1.5:
@@ -286,4 +291,4 @@ def _channel(
     return ChannelFigures(name, readings.controls[i] if control else name, power, shape)
 
 
-__all__ = ["ChannelFigures", "Power", "Result", "controlled", "default_resolution", "reduce", "reduce_run"]
+__all__ = ["ChannelFigures", "Power", "Result", "controlled", "default_resolution", "reduce"]

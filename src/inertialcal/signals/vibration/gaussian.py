@@ -65,12 +65,13 @@ def shape_of(x: Array, frequency: Array, density: Array, interval: float) -> Sha
     there = x[np.isfinite(x)]
     n = len(there)
     away = there - there.mean()
-    square = float(np.mean(away**2))
-    kurtosis = float(np.mean(away**4)) / square**2 if square > 0.0 else math.nan
+    squares = away * away
+    square = float(np.mean(squares))
+    kurtosis = float(np.mean(squares * squares)) / square**2 if square > 0.0 else math.nan
     spectrum = np.concatenate([[0.0], density])
     correlation = fft.irfft(spectrum)
     correlation = correlation / correlation[0] if correlation[0] > 0.0 else correlation
-    u = math.sqrt(24.0 / n * float(np.sum(correlation**4)))
+    u = math.sqrt(24.0 / n * float(np.sum(np.square(np.square(correlation)))))
     crest = float(np.max(np.abs(away))) / math.sqrt(square) if square > 0.0 else math.nan
     crossings = crossing_rate(frequency, density) * n * interval
     return Shape(kurtosis, u, crest, math.exp(-HALF * _exceedances(crest, crossings, n)), _rails(there))

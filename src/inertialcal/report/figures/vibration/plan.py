@@ -17,20 +17,20 @@ from ..drawing.style import COLOURS, set_labels, set_legend, set_title
 NAME = "vibration_plan"
 SHOWS = "Chance of a PASS over the duration at full level, for several resolutions"
 HEIGHT = 2.6  # of the panel [in]
-CHANCE = "chance_"  # begins the names of columns
 LOOKS = (("blue", "-"), ("orange", (0, (4, 1))), ("green", (0, (1, 1))), ("purple", (0, (4, 1, 1, 1))))
 
 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
     """Return the picture of a plan."""
-    return [_picture(results, one) for one in curves(results, NAME)]
+    known = curves(results, NAME)
+    return [_picture(results, known)] if known else []
 
 
-def _picture(results: Mapping[str, Any], curve: Curve) -> Picture:
+def _picture(results: Mapping[str, Any], known: Sequence[Curve]) -> Picture:
     def paint(axes: Sequence[Axes], title: str) -> None:
-        draw(axes[0], curve, title)
+        draw(axes[0], known, title)
 
-    return Picture(NAME, str(curve.get("test", "")), "", finding(results), SHOWS, (HEIGHT,), paint)
+    return Picture(NAME, str(known[0].get("test", "")), "", finding(results), SHOWS, (HEIGHT,), paint, data=known)
 
 
 def finding(results: Mapping[str, Any]) -> str:
@@ -43,14 +43,14 @@ def finding(results: Mapping[str, Any]) -> str:
     return f"{number(best['value'], 3)} s are enough at {number(best['at']['value'], 3)} Hz resolution"
 
 
-def draw(ax: Axes, curve: Curve, title: str = "") -> None:
+def draw(ax: Axes, known: Sequence[Curve], title: str = "") -> None:
     """Draw the chances."""
-    duration = numbers(curve, "duration")
-    for place, name in enumerate(one for one in curve["columns"] if one.startswith(CHANCE)):
+    duration = numbers(known[0], "duration")
+    for place, curve in enumerate(known):
         colour, stroke = LOOKS[place % len(LOOKS)]
-        ax.plot(duration, 100.0 * numbers(curve, name), color=COLOURS[colour], linestyle=stroke,
-                label=f"{name.removeprefix(CHANCE)} Hz")  # fmt: skip
-    ax.axhline(100.0 * float(np.nanmedian(numbers(curve, "wanted"))), color=COLOURS["ink"], linewidth=0.9,
+        ax.plot(duration, 100.0 * numbers(curve, "chance"), color=COLOURS[colour], linestyle=stroke,
+                label=str(curve.get("of", "")))  # fmt: skip
+    ax.axhline(100.0 * float(np.nanmedian(numbers(known[0], "wanted"))), color=COLOURS["ink"], linewidth=0.9,
                linestyle=(0, (2, 2)), label="wanted")  # fmt: skip
     log_axis(ax, "x", duration, 1.05)
     ax.set_ylim(0.0, 104.0)
