@@ -219,7 +219,8 @@ class Asked:
     id: str
     quantity: str
     axis: str | None = None  # None for all
-    of: Literal["expected", "dwell_mean", "reading"] = "dwell_mean"  # What of it, where a procedure tells them apart
+    # What of it: where a procedure tells them apart, or its change from the test that its test is set against
+    of: Literal["expected", "dwell_mean", "reading", "change"] = "dwell_mean"
     limit: str | None = None  # As stated: size of both limits
     lower: str | None = None  # As stated
     upper: str | None = None  # As stated
@@ -262,7 +263,7 @@ class Verdict:
     test: str
     axis: str
     at: float | None  # Rate [rad/s] or temperature [degC] that it is judged at; None where it is about a single figure
-    of: str  # What of it: ``expected``, ``dwell_mean``, ``reading``; empty for a single figure
+    of: str  # What of it: ``expected``, ``dwell_mean``, ``reading``, ``change``; empty for a single figure
     value: float | None  # In ``unit``
     u: float | None  # In ``unit``
     unit: str

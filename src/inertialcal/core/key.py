@@ -68,6 +68,8 @@ class Method(StrEnum):
     WITHOUT_PRIOR = "without_prior"
     AS_READ = "as_read"  # nothing compensated
     UNSCREENED = "unscreened"  # with the samples that screening left out
+    CHANGE = "change"  # this test less the one that it is set against
+    RATIO = "ratio"  # this test over the one that it is set against
 
 
 # Ways that stand beside a result in tables, in the order of their columns.
@@ -75,6 +77,7 @@ WAYS = (
     Method.ALL_READINGS, Method.MEDIAN, Method.LOW_PASS, Method.TEXTBOOK, Method.WITHIN_RUNS, Method.BETWEEN_RUNS,
     Method.PRIOR, Method.WITHOUT_PRIOR, Method.AS_READ, Method.UNSCREENED,
 )  # fmt: skip
+CHANGES = (Method.CHANGE, Method.RATIO)  # from an earlier test to this one
 PARTS = ("flip", "run")  # members that stand beside a result, too
 
 

@@ -457,6 +457,8 @@ class Exclusion:
 
 READING = ("angular_rate", "acceleration")  # kinds of unit
 RELATIVE = ("dimensionless",)
+OF_MOUNTING = ("mounting",)  # angles in the fixture: another power-up leaves them as they are
+LASTS: tuple[str, ...] = ()  # noise and scatter: neither a power-up nor a mounting draws them anew
 
 
 @dataclass(frozen=True)
@@ -477,6 +479,9 @@ class Quantity:
         Unit that people speak, with ``{unit}`` for that of the sensor; empty for that of the sensor.
     shown_by_kind : mapping of str to str
         The same by kind of sensor.
+    redrawn_by : tuple of str
+        What draws it anew between two tests, though the unit is the same: another ``"power_up"``, another
+        ``"mounting"``. A change of it is known no better than these are; None where no change of it is told.
     """
 
     kinds: tuple[str, ...] = ()
@@ -485,6 +490,7 @@ class Quantity:
     unit: str = ""
     shown: str = ""
     shown_by_kind: Mapping[str, str] = field(default_factory=dict[str, str])
+    redrawn_by: tuple[str, ...] | None = ("power_up",)
 
     def joined(self, other: Quantity) -> Quantity:
         """Return what both say: what this one leaves open is as the other has it."""
@@ -495,6 +501,7 @@ class Quantity:
             self.unit or other.unit,
             self.shown or other.shown,
             {**other.shown_by_kind, **self.shown_by_kind},
+            self.redrawn_by,
         )
 
 
@@ -527,6 +534,17 @@ def budget_figures(estimate: Estimate, keys: Sequence[Key] = ()) -> list[BudgetF
     """
     each = zip(keys or estimate.keys, estimate.units, strict=True)
     return [BudgetFigure(key, unit, at) for at, (key, unit) in enumerate(each) if key.at is None]
+
+
+@dataclass(frozen=True)
+class Levels:
+    """Figures that mean nothing but by their change, SI, with the scatter between power-ups where they have a u.
+
+    ``influences`` are those of their ``shared`` that no certificate states, as the direction of gravity in a mounting.
+    """
+
+    rows: Sequence[Row] = ()
+    influences: Mapping[str, Influence] = field(default_factory=dict[str, "Influence"])
 
 
 @dataclass(frozen=True, eq=False)
@@ -587,7 +605,8 @@ class Procedure(Generic[P, R, S]):
     influences: Mapping[str, str] = {}
     uses: frozenset[str] = frozenset({"fit", "report_only"})
     corrects: bool = False  # finds what later tests take off their readings
-    set_against: bool = False  # two of its tests can be set beside each other
+    set_against: bool = False  # two of its tests can be set beside each other: `against` says how
+    changes: bool = False  # the figures of a test can be set against those of an earlier one, one by one
     chosen_by: str = "Choose by windows"  # how a test takes a part of a recording
     counts_dwells: bool = True
     figures: Sequence[FigureSpec] = ()
@@ -759,6 +778,10 @@ class Procedure(Generic[P, R, S]):
             If the two cannot be.
         """
         return None
+
+    def levels(self, result: S) -> Levels:
+        """Return figures that are told only as changes from another test; with `changes`."""
+        return Levels()
 
     # ---- the model of a sensor --------------------------------------------------------------------------------
 

@@ -230,6 +230,9 @@ def _of_section(section: sections.Section, page: dict[str, Any]) -> Iterator[tup
         other = section.step["against"] if section.step else ""
         names = {"test": section.test, "caption": section.pairs_caption, "other": other}
         yield f"pairs-{section.anchor}", _block("pairs", pairs=section.pairs, verdict_of=verdict_of, **names)
+    if section.changes and section.step is not None:
+        names = {"test": section.test, "other": section.step["against"]}
+        yield f"changes-{section.anchor}", _block("changes", changes=section.changes, **names)
 
 
 def _lines(

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from ..core.key import PLAIN, Case, Key
 from ..core.remarks import is_placed
 from ..core.results import case_of, key_of
-from ..core.show.rows import columns_of, lines_of, missing_of, own_rows, pairs_of
+from ..core.show.rows import Changed, changed, columns_of, lines_of, missing_of, own_rows, pairs_of
 from ..core.show.wording import SEVERITIES
 from ..procedures import compared_in
 from .findings import Finding, of_test
@@ -48,6 +48,7 @@ class Section:
     # comparison with another test: both errors and their difference, by axis and part of the readings
     pairs: dict[tuple[str, str], dict[str, Branch]]
     pairs_caption: str  # title of their table
+    changes: list[Changed[Branch]]  # what figures changed by since that test
 
     @property
     def together(self) -> list[Line]:
@@ -105,6 +106,7 @@ def sections(
                 test, anchor("test", test, number), step, finding, lines, ways, alone,
                 missing(mine), placed(remarks, test), pairs_of(mine, compared),
                 "" if compared is None else compared.caption,
+                [] if step is None or not step["against"] else changed(rows, verdicts, test, str(step["against"])),
             )
         )  # fmt: skip
     return found

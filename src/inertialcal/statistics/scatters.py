@@ -2,7 +2,9 @@
 
 A standard deviation is no normal value: with few degrees of freedom a t test of two of them goes wrong both ways.
 The squares over one another have Fisher's F distribution where the true ones are equal [1]_. The interval of the
-difference joins the exact chi-square interval of each by the method of variance estimates recovery [2]_.
+difference joins the exact chi-square interval of each by the method of variance estimates recovery [2]_. The ratio has
+the exact interval of F; that of two sizes that have other intervals, as of a profile, joins these by the same method on
+a logarithmic scale.
 
 References
 ----------
@@ -13,6 +15,7 @@ References
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from scipy import special
 
@@ -20,6 +23,14 @@ from ..core.errors import DataError
 from ..core.results import Interval
 from ..core.show.rounding import freedom
 from .intervals import chi_square_interval, ends
+
+
+class Size(NamedTuple):
+    """A size with its interval."""
+
+    value: float
+    lo: float | None
+    hi: float | None
 
 
 def equality_p_value(first: float, first_dof: float, second: float, second_dof: float) -> float:
@@ -66,3 +77,53 @@ def difference_interval(first: float, first_dof: float, second: float, second_do
         difference + math.hypot(high_2 - second, first - low_1),
         p,
     )
+
+
+def scatter_ratio_interval(
+    first: float, first_dof: float, second: float, second_dof: float, p: float = 0.95
+) -> Interval:
+    """Return the interval of second over first, of two standard deviations: by F, exact for normal readings.
+
+    Raises
+    ------
+    DataError
+        As `equality_p_value`.
+    """
+    equality_p_value(first, first_dof, second, second_dof)  # refuses what has no interval
+    ratio = second / first
+    low, high = (float(special.fdtri(second_dof, first_dof, q)) for q in (0.5 * (1.0 - p), 0.5 * (1.0 + p)))
+    return Interval(ratio / math.sqrt(high), ratio / math.sqrt(low), p)
+
+
+def ratio_interval(first: Size, second: Size, common: float = 0.0, p: float = 0.95) -> Interval:
+    """Return the interval of second over first, of two sizes with intervals of their own of probability ``p``.
+
+    Parameters
+    ----------
+    first, second : Size
+        Above zero, in one unit. An end at zero, or none, leaves the ratio open there.
+    common : float
+        Relative standard uncertainty that both share, as of a scale factor: it is in each interval, and cancels.
+    p : float
+        Probability.
+
+    Raises
+    ------
+    DataError
+        If a size is not above zero.
+    """
+    for one in (first, second):
+        if not (one.value > 0.0 and math.isfinite(one.value)):
+            raise DataError(f"size {one.value:g}", do="Need a positive finite number", code="no_size")
+    gone = (float(special.ndtri(0.5 * (1.0 + p))) * common) ** 2
+
+    def reach(end: float | None, value: float) -> float | None:
+        """Return how far an end lies from its value, squared, without what is common; None for an open one."""
+        return None if end is None or end <= 0.0 else max(math.log(end / value) ** 2 - gone, 0.0)
+
+    middle = math.log(second.value / first.value)
+    below = reach(second.lo, second.value), reach(first.hi, first.value)
+    above = reach(second.hi, second.value), reach(first.lo, first.value)
+    lo = 0.0 if None in below else math.exp(middle - math.sqrt(sum(one or 0.0 for one in below)))
+    hi = None if None in above else math.exp(middle + math.sqrt(sum(one or 0.0 for one in above)))
+    return Interval(lo, hi, p)

@@ -53,7 +53,7 @@ def test_the_chance_of_a_pass_is_that_of_simulated_runs(n: int, duration: float)
 
 
 def test_degrees_of_freedom_are_those_of_the_estimate() -> None:
-    for duration in (5.0, 20.0):
+    for duration in (10.0, 20.0):
         result = reduce(PLAN, readings_of(Run(nodes=SHORT, rate=1280.0, duration=duration, error=0.0), 1))
         assert result.spectra.edf == pytest.approx(degrees_of_freedom(duration, 5.0), rel=0.03)
 

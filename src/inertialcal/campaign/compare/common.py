@@ -48,7 +48,8 @@ class Common:
 
     first: Compared
     second: Compared
-    stated: frozenset[str] = frozenset()  # Influences that the user says to be shared
+    stated: frozenset[str] = frozenset()  # Influences that are said to be shared
+    stated_by: str = "as --shared says"
     _fates: dict[tuple[str, str, str], Fate | None] = field(default_factory=dict)
 
     def shared(self, one: Row, other: Row) -> list[str]:
@@ -197,7 +198,7 @@ class Common:
         return remarks
 
     def _said(self, name: str) -> str:
-        return " (as --shared says)" if name in self.stated else ""
+        return f" ({self.stated_by})" if name in self.stated and self.stated_by else ""
 
     def _on_units(self) -> list[Remark]:
         mine, its = self.first.serial, self.second.serial

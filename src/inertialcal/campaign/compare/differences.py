@@ -23,14 +23,22 @@ from typing import Any, Literal, Protocol
 
 from scipy import special
 
-from ...core.key import Reason
+from ...core.key import Method, Reason
 from ...core.remarks import Remark
 from ...core.results import Interval, Row, finite
 from ...core.units import convert, factor, same_dimension
+from ...procedures import all_quantities
+from ...procedures.protocol import Quantity
 from ...statistics.decision import Verdict, holm
 from ...statistics.difference import SAME, Figure, difference
 from ...statistics.intervals import t_interval
-from ...statistics.scatters import difference_interval, equality_p_value
+from ...statistics.scatters import (
+    Size,
+    difference_interval,
+    equality_p_value,
+    ratio_interval,
+    scatter_ratio_interval,
+)
 
 Word = Literal["different", "not shown different", "not compared"]
 P = 0.95
@@ -49,6 +57,7 @@ class Difference:
     p_value: float | None  # Of equality, two-sided; None where not compared
     word: Word  # At 95 %, with Holm over all figures
     no_change: Verdict | None = None  # On the allowed change; None where none applies
+    ratio: Row | None = None  # Second over first, of sizes, which are never negative; None of other figures
 
     def to_dict(self) -> dict[str, Any]:
         """Return the row as ``--json`` prints it: a row of results, and the two it comes from."""
@@ -57,6 +66,7 @@ class Difference:
             "second": _side(self.second),
             "p_value": self.p_value,
             "verdict": self.word,
+            "ratio": None if self.ratio is None else self.ratio.to_dict(),
         }
 
 
@@ -107,8 +117,54 @@ def differences(pairs: Sequence[tuple[Row, Row]], common: Relation | None = None
             continue
         figure, p = next(each)
         row = _row(one, other, figure.value, figure.u, figure.dof)
-        found.append(Difference(row, one, other, float(p), "different" if next(rejected) else "not shown different"))
+        word: Word = "different" if next(rejected) else "not shown different"
+        found.append(Difference(row, one, other, float(p), word, ratio=_ratio(one, other, common)))
     return tuple(found)
+
+
+def is_size(row: Row) -> bool:
+    """Whether a figure is never negative, so that a change of it is told as a ratio."""
+    return is_scatter(row) or all_quantities().get(row.quantity, Quantity()).size
+
+
+def _ratio(one: Row, other: Row, common: Relation | None) -> Row | None:
+    """Return the second over the first, of sizes; what both share cancels as far as it is in proportion to them."""
+    if not is_size(one) or not (one.value or 0.0) > 0.0 or not (other.value or 0.0) > 0.0:
+        return None
+    value = float(other.value or 0.0) / float(one.value or 1.0)
+    if common is not None and common.identical(one, other):
+        return None
+    names = () if common is None else common.shared(one, other)
+    relative = [_share(row, names) for row in (one, other)]
+    parts = [max((float(row.u or 0.0) / float(row.value or 1.0)) ** 2 - share**2, 0.0)
+             for row, share in zip((one, other), relative, strict=True)]  # fmt: skip
+    interval = ratio_interval_of(one, other, P, min(relative))
+    return Row(
+        one.key, value, value * math.sqrt(sum(parts)), "1", None, interval, test=_tests(one, other),
+        condition=one.condition, method=Method.RATIO, member=one.member,
+    )  # fmt: skip
+
+
+def _share(row: Row, names: Collection[str]) -> float:
+    """Return the relative standard uncertainty that unknowns make in a size."""
+    return math.sqrt(math.fsum(row.shared.get(name, 0.0) ** 2 for name in names)) / abs(float(row.value or 1.0))
+
+
+def ratio_interval_of(one: Row, other: Row, p: float, common: float = 0.0) -> Interval | None:
+    """Return the interval of second over first; None where there is none of that probability."""
+    if is_scatter(one):
+        first, first_dof, second, second_dof = (float(x or 0.0) for row in (one, other) for x in (row.value, row.dof))
+        return scatter_ratio_interval(first, first_dof, second, second_dof, p)
+    ends = (one.interval, other.interval)
+    if any(each is None or each.p != p for each in ends):
+        return None
+    sizes = [Size(float(row.value or 0.0), each.lo, each.hi) for row, each in zip((one, other), ends, strict=True)
+             if each is not None]  # fmt: skip
+    return ratio_interval(sizes[0], sizes[1], common, p)
+
+
+def _tests(one: Row, other: Row) -> str:
+    return one.test if one.test == other.test else f"{one.test} / {other.test}"
 
 
 def _family(row: Row) -> Hashable:
@@ -187,7 +243,7 @@ def _p_value(d: float, u: float, dof: float) -> float:
 def _row(
     one: Row, other: Row, d: float | None = None, u: float | None = None, dof: float = math.inf, reason: str = ""
 ) -> Row:
-    test = one.test if one.test == other.test else f"{one.test} / {other.test}"
+    test = _tests(one, other)
     interval = None if d is None or u is None else _interval(one, other, d, u, dof)
     return Row(
         one.key,
@@ -251,15 +307,19 @@ def _unique(named: Sequence[tuple[Hashable, int]]) -> dict[Hashable, int]:
 
 
 def _in_unit(row: Row, unit: str) -> Row:
-    """Return the row in another unit; its interval is not needed here."""
+    """Return the row in another unit."""
     if row.unit == unit:
-        return replace(row, interval=None)
+        return row
     value = None if row.value is None else float(convert([row.value], row.unit, unit)[0])
     scale = factor(row.unit, unit, difference=True)
     u = None if row.u is None else row.u * scale
     shared = {name: change * scale for name, change in row.shared.items()}
     curvature = {name: term.times(scale) for name, term in row.curvature.items()}
-    return replace(row, value=value, u=u, unit=unit, interval=None, shared=shared, curvature=curvature)
+    ends = row.interval
+    if ends is not None:
+        lo, hi = (None if end is None else float(convert([end], row.unit, unit)[0]) for end in (ends.lo, ends.hi))
+        ends = Interval(lo, hi, ends.p)
+    return replace(row, value=value, u=u, unit=unit, interval=ends, shared=shared, curvature=curvature)
 
 
 def _alone(side: str, rows: Sequence[Row]) -> list[Remark]:

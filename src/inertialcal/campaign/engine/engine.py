@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from itertools import combinations
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -302,6 +302,14 @@ def _explained(error: InertialcalError, remarks: Sequence[Remark]) -> Inertialca
     return type(error)(list(dict.fromkeys([*errors, *error.problems, *screened])))
 
 
+class Change(NamedTuple):
+    """What a figure changed by since another test."""
+
+    row: Row  # By ``Method.CHANGE``, this test less the other, or by ``Method.RATIO``, this test over the other
+    first: Row  # Of the other, earlier test
+    second: Row  # Of this test
+
+
 @dataclass(frozen=True, eq=False)
 class ReducedTest:
     """A test of a campaign that was reduced.
@@ -318,6 +326,10 @@ class ReducedTest:
         Of what it holds out, SI.
     against : sequence of Row
         Those of the rows that are about another test, too.
+    changes : sequence of Change
+        What figures changed by since another test; their rows are among those.
+    compared : tuple of Remark
+        What the two have in common.
     errors : tuple of Remark
         Why its figures may not hold, its own and those of tests that it comes after: no model is made of them, and no
         requirement is judged.
@@ -332,6 +344,8 @@ class ReducedTest:
     rows: Sequence[Row]
     curves: Sequence[Curve] = ()
     against: Sequence[Row] = ()
+    changes: Sequence[Change] = ()
+    compared: tuple[Remark, ...] = ()
     errors: tuple[Remark, ...] = ()
     opened: tuple[Remark, ...] = ()
     recorded: Sequence[Row] = ()
@@ -339,7 +353,7 @@ class ReducedTest:
     @property
     def remarks(self) -> tuple[Remark, ...]:
         """What reading and reducing brought up, errors first."""
-        return (*_remarks(self.tested), *self.opened)
+        return (*_remarks(self.tested), *self.compared, *self.opened)
 
     @property
     def procedure(self) -> Procedure[Any, Any, Any]:
@@ -605,25 +619,3 @@ def sensor_of(campaign: Campaign, test: Test, kind: str = "") -> Sensor:
     """Return the sensor of a test: of a kind, where the test has several, else the first."""
     first, *others = sensors_of(campaign, test).values()
     return next((one for one in others if one.kind == kind), first)
-
-
-def beside_others(campaign: Campaign, tested: Sequence[ReducedTest]) -> list[ReducedTest]:
-    """Return the tests, those ``against`` another with the rows of what the two differ by.
-
-    Raises
-    ------
-    PlanError
-        If the two cannot be set side by side.
-    """
-    return [one if one.tested.against is None else _beside(campaign, one, one.tested.against) for one in tested]
-
-
-def _beside(campaign: Campaign, one: ReducedTest, other: Tested[Any, Any, Any]) -> ReducedTest:
-    try:
-        with computable(one.test.id):
-            rows = one.procedure.against(one.tested, other) or ()
-    except InertialcalError as error:
-        number = campaign.file.tests.index(one.test)
-        raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
-    named = [replace(row, test=one.test.id) for row in rows]
-    return replace(one, rows=[*one.rows, *named], against=named)

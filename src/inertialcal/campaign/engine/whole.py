@@ -19,6 +19,7 @@ from ...files.binary.curves import FILE as CURVES
 from ...files.binary.curves import curves_bytes
 from ...files.source import checked_path
 from ...signals.blas import one_blas_thread
+from ..compare.before_after import beside_others
 from ..file.load import Campaign, load
 from ..inputs.changed import check_unchanged, one_digest, stamps
 from ..inputs.gate import Gate
@@ -33,7 +34,6 @@ from .cache import Cache
 from .engine import (
     Prepared,
     ReducedTest,
-    beside_others,
     computable,
     placed,
     prepare,

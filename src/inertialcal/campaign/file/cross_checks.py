@@ -95,8 +95,24 @@ def requirement_checks(file: CampaignFile, at: At) -> Iterator[Problem]:
                 yield from _limit(one, known, text, at("requirements", number, key))
         yield from _spelling(one, known, _given(file), at("requirements", number, "quantity"))
         yield from _where(one, known, at("requirements", number, "where"))
+        if one.of == "change":
+            yield from _change(file, one, at("requirements", number, "of"))
         if one.readings == "compensated":
             yield from _compensated(file, one, at("requirements", number, "readings"))
+
+
+def _change(file: CampaignFile, one: Requirement, where: str) -> Iterator[Problem]:
+    """Find a requirement on a change where no test is set against another, or of a change over a range."""
+    what = f"requirement {one.id!r}: of = 'change'"
+    changing = {name for name in procedure_names() if procedure_of(name).changes}
+    about = [test for test in file.tests if one.tests is None or test.id in one.tests]
+    if not any(test.against is not None and test.procedure in changing for test in about):
+        names = " or ".join(sorted(changing))
+        do = f'Give a {names} test against = "the earlier test"'
+        yield Problem(what, where, "no test that it is about is set against another", do, "wrong_value")
+    if one.where or one.readings == "compensated":
+        said = "where" if one.where else "readings"
+        yield Problem(f"{what} with {said}", where, "it would have no effect", f"Leave {said} out", "wrong_value")
 
 
 def _compensated(file: CampaignFile, one: Requirement, where: str) -> Iterator[Problem]:
@@ -127,7 +143,7 @@ def decision_checks(file: CampaignFile, at: At) -> Iterator[Problem]:
         if one.decision is not None:
             yield from key_problems(one.decision, ("requirements", number, "decision"), at)
         known = _of(one, quantities)
-        pair = (None, one.limit) if known.size else (one.limit, one.limit)
+        pair = (None, one.limit) if known.size and one.of != "change" else (one.limit, one.limit)
         limits = (one.lower, one.upper) if one.limit is None else pair
         over = known.over if one.where or known.over == "rate" else ""
         key = ("id",) if one.decision is None else ("decision", "rule")
@@ -160,6 +176,8 @@ def _limit(one: Requirement, known: Known, text: str, where: str) -> Iterator[Pr
         what = f"requirement {one.id!r}: limit = {text!r} is the size of both limits, it must be above zero"
         yield Problem(what, where, do="For one side give lower or upper", code="wrong_value")
     what = f"requirement {one.id!r}: {one.quantity} cannot be compared with {text!r}"
+    if one.of == "change" and same_dimension(unit, "1"):  # of the figure as it was
+        return
     needed, shown = _of(one, known).kinds, _of(one, known).shown_by_kind.values()
     if needed and kind(unit) not in needed:
         kinds = [one for one in needed if one != "other"]

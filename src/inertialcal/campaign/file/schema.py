@@ -136,7 +136,7 @@ class Requirement(Strict):
     text: Text = ""
     quantity: Name
     axis: Annotated[str, Field(pattern="^[xyz]{1,2}$")] | None = None
-    of: Literal["expected", "dwell_mean", "reading"] = "dwell_mean"
+    of: Literal["expected", "dwell_mean", "reading", "change"] = "dwell_mean"
     limit: str | None = None
     lower: str | None = None
     upper: str | None = None
@@ -150,7 +150,9 @@ class Requirement(Strict):
     def _limits(self) -> Requirement:
         if self.limit is not None and (self.lower is not None or self.upper is not None):
             raise ValueError("limit stands for both sides: give limit, or lower and upper")
-        if self.limit is None and self.lower is None and self.upper is None:
+        if self.of == "change" and (self.lower is not None or self.upper is not None):
+            raise ValueError("of a change: give limit, the largest that does not matter, either way")
+        if self.limit is None and self.lower is None and self.upper is None and self.of != "change":
             raise ValueError("needs limit, lower or upper")
         return self
 

@@ -141,13 +141,22 @@ def against_checks(file: CampaignFile, number: int, test: Test, at: At) -> Itera
         return
     where = at("tests", number, "against")
     others = {one.id: one for one in file.tests if one.id != test.id and one.procedure == test.procedure}
-    able = _with(lambda procedure: procedure.set_against)
+    able = _with(lambda procedure: procedure.set_against or procedure.changes)
     if test.procedure not in able:
         what = f"test {test.id!r}: against, but only {' and '.join(able)} tests are set side by side"
         yield Problem(what, where, do="Leave it out, or compare two campaigns: compare A B", code="wrong_value")
     elif test.against not in others:
         what = f"test {test.id!r}: against = {test.against!r} is no other {test.procedure} test of this campaign"
         yield Problem(what, where, do=f"There are: {', '.join(others) or 'none'}", code="unknown_name")
+    elif procedure_of(test.procedure).changes:
+        mine, its = ({file.recordings[name].sensor for name in one.recordings if name in file.recordings}
+                     for one in (test, others[test.against]))  # fmt: skip
+        if mine and its and mine != its:
+            of = " and ".join(sorted(its))
+            what = f"test {test.id!r}: against = {test.against!r}, a test of {of}, not of {' and '.join(sorted(mine))}"
+            yield Problem(
+                what, where, "what two sensors differ by is no change", "Name a test of the same sensor", "wrong_value"
+            )
 
 
 def after_checks(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Problem]:

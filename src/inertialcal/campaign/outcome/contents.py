@@ -124,18 +124,25 @@ def results_content(
 
 def displayed_rows(campaign: Campaign, tested: Sequence[ReducedTest]) -> list[Row]:
     """Return the rows of tests in the units of their sensors, each with its condition and what it shares."""
+    return [
+        displayed(row, sensor_of(campaign, one.test, row.key.sensor).unit)
+        for one in tested
+        for row in with_shared(campaign, one)
+    ]
+
+
+def with_shared(campaign: Campaign, one: ReducedTest) -> list[Row]:
+    """Return the rows of a test, SI, each with its condition and what it shares."""
     found = []
-    for one in tested:
-        known = {kind: _known(one, kind) for kind in one.parts}
-        for row in one.rows:
-            estimate, keys = known.get(row.key.sensor, (None, {}))
-            shared, curvature = dict(row.shared), dict(row.curvature)
-            if estimate is not None and row.u is not None and row.method is Method.RESULT and row.member is None:
-                shared = shared or (estimate.shared(keys[row.key]) if row.key in keys else {})
-                curvature = curvature or (estimate.curvature(keys[row.key]) if row.key in keys else {})
-            lasts = lasting(shared, row.u, campaign.standards)
-            whole = replace(row, condition=one.test.condition, shared=lasts, curvature=curvature)
-            found.append(displayed(whole, sensor_of(campaign, one.test, row.key.sensor).unit))
+    known = {kind: _known(one, kind) for kind in one.parts}
+    for row in one.rows:
+        estimate, keys = known.get(row.key.sensor, (None, {}))
+        shared, curvature = dict(row.shared), dict(row.curvature)
+        if estimate is not None and row.u is not None and row.method is Method.RESULT and row.member is None:
+            shared = shared or (estimate.shared(keys[row.key]) if row.key in keys else {})
+            curvature = curvature or (estimate.curvature(keys[row.key]) if row.key in keys else {})
+        lasts = lasting(shared, row.u, campaign.standards)
+        found.append(replace(row, condition=one.test.condition, shared=lasts, curvature=curvature))
     return found
 
 
@@ -197,7 +204,7 @@ def _verdict_row(verdict: Verdict, sensor_unit: str, quantity: str) -> dict[str,
     shown = sensor_unit if verdict.at_unit == "rad/s" else verdict.at_unit
     at = None if verdict.at is None else ten_digits(float(convert([verdict.at], verdict.at_unit, shown)[0]))
     return {
-        "requirement": verdict.requirement, "test": verdict.test, "axis": verdict.axis,
+        "requirement": verdict.requirement, "quantity": quantity, "test": verdict.test, "axis": verdict.axis,
         "sensor": verdict.sensor, "at": at, "at_unit": shown if at is not None else "", "of": verdict.of,
         "value": finite(scaled(verdict.value, scale)), "u": finite(scaled(verdict.u, scale)), "unit": unit,
         "interval": None if interval is None else

@@ -14,22 +14,26 @@ References
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from ...core.errors import DataError
 from ...core.judging import LEVEL, Asked, Rule, Verdict
+from ...core.key import Method
 from ...core.results import Interval, Row, finite
+from ...core.units import parse_quantity
 from ...procedures import all_quantities, procedure_of
 from ...procedures.protocol import Quantity
 from ...procedures.recorded import COUNTED
 from ...procedures.recorded import QUANTITIES as RECORDED
 from ...statistics.decision import Verdict as Decision
-from ...statistics.decision import decide, decide_by
+from ...statistics.decision import decide, decide_by, no_change
 from ...statistics.guard_band import INTERVAL
-from ..engine.engine import ReducedTest
+from ..compare.allowed_change import Allowed, allowed_for
+from ..compare.differences import ratio_interval_of
+from ..engine.engine import Change, ReducedTest
 from ..file.schema import Requirement
 from .compensated import Compensation, compensated_verdicts
 
@@ -81,6 +85,10 @@ def judge(
         recorded, given = _recorded(asked, about)
         words = rule_text(rule)
         return [replace(one, basis=replace(one.basis, rule=words)) for one in recorded or [_open(asked)]], given
+    words = rule_text(rule)
+    if asked.of == "change":
+        changed = _in_doubt(list(_changes(asked, about)), about)
+        return [replace(one, basis=replace(one.basis, rule=words)) for one in changed or [_open(asked)]], []
     verdicts: list[Verdict] = []
     rows: list[Row] = []
     others: set[str] = set()
@@ -92,15 +100,19 @@ def judge(
             verdicts, rows = verdicts + found[0], rows + found[1]
     if not asked.where:
         verdicts += _figures(asked, [one for one in about if one.test.procedure in others])
+    verdicts = _in_doubt(verdicts, about)
+    return [replace(one, basis=replace(one.basis, rule=words)) for one in verdicts or [_open(asked)]], rows
+
+
+def _in_doubt(verdicts: Sequence[Verdict], about: Sequence[ReducedTest]) -> list[Verdict]:
+    """Return verdicts, INCONCLUSIVE where a test has a remark that is an error."""
     errors = {one.test.id: one.errors[0].what for one in about if one.errors}
-    verdicts = [
+    return [
         replace(one, verdict="INCONCLUSIVE", reason=f"in doubt: {errors[one.test]}",
                 basis=replace(one.basis, in_doubt=True, risk=None))
         if one.test in errors else one
         for one in verdicts
     ]  # fmt: skip
-    words = rule_text(rule)
-    return [replace(one, basis=replace(one.basis, rule=words)) for one in verdicts or [_open(asked)]], rows
 
 
 def worst(verdicts: Sequence[Verdict]) -> str:
@@ -119,7 +131,7 @@ def _is_about(requirement: Requirement, one: ReducedTest) -> bool:
 
 def _open(asked: Asked) -> Verdict:
     unit = all_quantities().get(asked.quantity, Quantity()).unit
-    limits = asked.limits(unit) if unit else (None, None)
+    limits = asked.limits(unit) if unit and asked.of != "change" else (None, None)
     return Verdict(asked.id, "", asked.axis or "", None, "", None, None, "", None, *limits, OPEN,
                    "no test speaks to it")  # fmt: skip
 
@@ -130,6 +142,52 @@ def _figures(asked: Asked, about: Sequence[ReducedTest]) -> Iterator[Verdict]:
         rows = [row for row in rows if row.case.plain]
         comparable = [row for row in rows if asked.comparable(row.unit)] if len(one.parts) > 1 else []
         yield from (_figure(asked, one, row) for row in comparable or rows)
+
+
+def _changes(asked: Asked, about: Sequence[ReducedTest]) -> Iterator[Verdict]:
+    """Yield a verdict on each change since another test: PASS only inside what is allowed, of a ratio about 1."""
+    stated = () if asked.limit is None else (Allowed(asked.quantity, parse_quantity(asked.limit)),)
+    for one in about:
+        for change in one.changes:
+            row = change.row
+            if row.quantity != asked.quantity or asked.axis not in (None, row.axis):
+                continue
+            ratio = row.method is Method.RATIO
+            head = (asked.id, one.test.id, row.axis, None, "change", row.value, row.u, row.unit)
+            try:
+                limit = allowed_for(change.first, stated)
+            except DataError as error:
+                what = error.problems[0].what
+                yield Verdict(*head, row.interval, None, None, "INCONCLUSIVE", what, sensor=row.key.sensor)
+                continue
+            found = no_change(None, None, None, None, rule=asked.rule) if limit is None else None
+            part = None if limit is None or not ratio else limit / abs(change.first.value or math.nan)
+            lower, upper = (None, None) if limit is None else (-limit, limit) if part is None else (1 - part, 1 + part)
+            if row.status != "estimated":
+                reason = row.reason.text
+                yield Verdict(*head, row.interval, lower, upper, "INCONCLUSIVE", reason, sensor=row.key.sensor)
+                continue
+            if found is None and ratio:
+                found = decide_by(_ratio_interval(change), row.value, row.u, lower, upper, rule=asked.rule)
+            elif found is None:
+                within = asked.rule.within(row.unit, lower, upper)
+                found = no_change(row.value, row.u, row.dof, limit, rule=within)
+            doubt = one.procedure.doubt(one.result, row.axis)
+            yield Verdict(
+                *head, found.interval or row.interval, lower, upper, *_doubted(found.status, found.reason, doubt),
+                sensor=row.key.sensor,
+                basis=replace(found.basis, in_doubt=True, risk=None) if doubt else found.basis,
+            )  # fmt: skip
+
+
+def _ratio_interval(change: Change) -> Callable[[float], Interval | None]:
+    """Return the interval of a ratio by its probability."""
+
+    def at(p: float) -> Interval | None:
+        own = change.row.interval
+        return own if own is not None and own.p == p else ratio_interval_of(change.first, change.second, p)
+
+    return at
 
 
 def _decided(one: ReducedTest, row: Row, size: bool, lower: float | None, upper: float | None, rule: Rule) -> Decision:

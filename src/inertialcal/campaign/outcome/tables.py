@@ -11,8 +11,8 @@ from ...core.remarks import Remark
 from ...core.results import case_of
 from ...core.show.requirement_lines import HEADS, requirement_lines
 from ...core.show.result_tables import estimated, figure, folded, not_estimated, remarks_line
-from ...core.show.rounding import number
-from ...core.show.rows import names_of, own_rows, pairs_of, verdict_of
+from ...core.show.rounding import number, settled_ends
+from ...core.show.rows import Changed, changed, names_of, own_rows, pairs_of, quantity_name, verdict_of
 from ...core.show.tables import SHORT, Block, Table
 from ...procedures import compared_in
 
@@ -39,7 +39,7 @@ def outcome_parts(results: Mapping[str, Any], verdict: str, remarks: Sequence[Re
         mine = [row for row in shown if row["test"] == test]
         own = estimated(own_rows(mine, compared_in(mine)), str(test))
         parts += [replace(part, folded=many) if isinstance(part, Table) else part for part in own]
-        parts += _side_by_side(results, str(test))
+        parts += [*_side_by_side(results, str(test)), *_changes(results, str(test))]
     parts += folded("not estimated, for {n} reason(s): see .results", not_estimated(shown))
     every = (case_of(row) for row in results["results"])
     alternatives = [case for case in every if case.beside and case.method is not Method.UNSCREENED]
@@ -71,6 +71,31 @@ def _side_by_side(results: Mapping[str, Any], test: str) -> tuple[Block, ...]:
     heads = ("axis", test, str(other), "difference", "nearer to zero by", "unit", "to zero")
     title = f"{test} against {other}: {compared.error.replace('_', ' ')}"
     return (Table(heads, rows, title, (1, 2, 3, 4)),) if rows else ()
+
+
+CHANGE_HEADS = ("quantity", "axis", "before", "after", "change", "unit", "95 % interval", "allowed", "verdict")
+
+
+def change_cells(one: Changed[Mapping[str, Any]]) -> list[str]:
+    """Return the cells of a change under ``CHANGE_HEADS``."""
+    row, ends = one.change, one.change["interval"]
+    unit = "x" if one.is_ratio else str(row["unit"])
+    own = unit if one.before is None else str(one.before["unit"])
+    allowed = "" if one.lower is None or one.upper is None else (
+        f"{number(one.lower, 4)} to {number(one.upper, 4)}" if one.is_ratio else f"± {number(one.upper, 4)}"
+    )  # fmt: skip
+    interval = "" if ends is None else settled_ends(row["value"], row["u"], ends["lo"], ends["hi"])
+    name = quantity_name(row) + (f" [{own}]" if one.is_ratio else "")
+    axis = f"{row['sensor']} {row['axis']}".strip()
+    return [name, axis, figure(one.before), figure(one.after), figure(row), unit, interval, allowed, one.verdict]
+
+
+def _changes(results: Mapping[str, Any], test: str) -> tuple[Block, ...]:
+    """Return what each figure changed by since the test that this one is set against."""
+    other = next((step["against"] for step in results["sequence"] if step["test"] == test), None)
+    found = [] if other is None else changed(results["results"], results["verdicts"], test, str(other))
+    rows = [change_cells(one) for one in found]
+    return (Table(CHANGE_HEADS, rows, f"{test} against {other}: changes", (2, 3, 4)),) if rows else ()
 
 
 def _requirements(verdicts: Sequence[Mapping[str, Any]]) -> tuple[Block, ...]:

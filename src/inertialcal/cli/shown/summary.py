@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ...campaign.outcome.tables import CHANGE_HEADS, change_cells
 from ...core.key import PLAIN, Method
 from ...core.remarks import Remark
 from ...core.show.requirement_lines import HEADS, requirement_lines
@@ -15,6 +16,7 @@ from ...core.show.rounding import items, number
 from ...core.show.rows import (
     Compared,
     case_words,
+    changed,
     columns_of,
     lines_of,
     missing_of,
@@ -49,7 +51,7 @@ def results_text(results: Mapping[str, Any]) -> str:
 
 def results_parts(results: Mapping[str, Any]) -> list[str]:
     """Return the figures of a campaign, and on a terminal apart from them how many were not estimated."""
-    results, blocks = cleaned({name: results.get(name, []) for name in ("results", "sequence")}), []
+    results, blocks = cleaned({name: results.get(name, []) for name in ("results", "sequence", "verdicts")}), []
     tests = list(dict.fromkeys(row["test"] for row in results["results"]))
     against = {step["test"]: step.get("against") for step in results["sequence"]}
     for test in tests:
@@ -62,6 +64,7 @@ def results_parts(results: Mapping[str, Any]) -> list[str]:
             blocks[-1] += f"\n{missing}"
         if compared is not None:
             blocks[-1] += _side_by_side(rows, compared, test, str(against.get(test) or "the other"))
+        blocks[-1] += _changes(results, test, against.get(test))
     counted = _missing_counted(results["results"]) if folds() else ""
     return ["\n\n".join(blocks), counted]
 
@@ -118,6 +121,15 @@ def _side_by_side(rows: Sequence[Mapping[str, Any]], compared: Compared, test: s
     ]  # fmt: skip
     heads = ["  axis", test, other, "difference", "95 % interval", "nearer to 0 by", "95 % interval", "unit", "to 0"]
     return f"\n{wrapped(f'  side by side: {compared.title}', '    ')}\n{table(cells, heads)}" if cells else ""
+
+
+def _changes(results: Mapping[str, Any], test: str, other: str | None) -> str:
+    """One line a figure: before, after, what it changed by."""
+    found = [] if other is None else changed(results["results"], results["verdicts"], test, other)
+    if not found:
+        return ""
+    cells = [[f"  {name}", *rest] for name, *rest in (change_cells(one) for one in found)]
+    return f"\n  changes since {clean(str(other))}\n{table(cells, [f'  {CHANGE_HEADS[0]}', *CHANGE_HEADS[1:]])}"
 
 
 def verdicts_part(results: Mapping[str, Any]) -> str:

@@ -228,6 +228,7 @@ class Verdict(Part):
     """A requirement judged at one place."""
 
     requirement: str
+    quantity: str
     test: str
     axis: str
     sensor: str

@@ -15,10 +15,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Generic, TypeVar
 
-from ..key import PLAIN, WAYS, Case, Method
+from ..key import CHANGES, PLAIN, WAYS, Case, Method
 from ..results import WrittenRow, case_of, key_of
+from .wording import VERDICTS
 
 R = TypeVar("R", bound=WrittenRow)
 MOST = 5  # columns beside the result
@@ -218,8 +219,8 @@ def pairs_of(rows: Iterable[R], compared: Compared | None) -> dict[tuple[str, st
 
 
 def own_rows(rows: Iterable[R], compared: Compared | None) -> list[R]:
-    """Return the rows without those that stand in the table of both tests side by side."""
-    every = list(rows)
+    """Return the rows without those that stand in the table of both tests side by side, or in that of changes."""
+    every = [row for row in rows if case_of(row).method not in CHANGES]
     if compared is None or not pairs_of(every, compared):
         return every
     return [row for row in every if row["quantity"] not in (compared.other, compared.change, compared.reduction)]
@@ -238,3 +239,61 @@ def verdict_of(pair: Mapping[str, WrittenRow]) -> str:
 def _stands_there(row: WrittenRow) -> bool:
     case = case_of(row)
     return not case.beside or (case.member is not None and case.method is Method.RESULT)
+
+
+@dataclass(frozen=True, eq=False)
+class Changed(Generic[R]):
+    """What a figure changed by since another test: the figure in both, the change or ratio, what is allowed."""
+
+    before: R | None
+    after: R | None
+    change: R
+    lower: float | None  # Allowed, in the unit of the change; None where no requirement is about it
+    upper: float | None
+    verdict: str  # The worst; empty where no requirement is about it
+
+    @property
+    def is_ratio(self) -> bool:
+        """Whether it is told as the later figure over the earlier one."""
+        return case_of(self.change).method is Method.RATIO
+
+    @property
+    def part(self) -> float | None:
+        """Share of what is allowed that the change makes up, signed; None where nothing is allowed, or not known."""
+        if self.upper is None or self.lower is None or self.change["value"] is None or not self.upper > self.lower:
+            return None
+        return 2.0 * (float(self.change["value"]) - 0.5 * (self.lower + self.upper)) / (self.upper - self.lower)
+
+
+def changed(rows: Iterable[R], verdicts: Iterable[R], test: str, other: str) -> list[Changed[R]]:
+    """Return the changes of a test since another one, estimated ones alone.
+
+    Parameters
+    ----------
+    rows, verdicts : iterable of rows
+        Of ``results.json``.
+    test, other : str
+        Names of both tests.
+    """
+    every = list(rows)
+    plain = {(row["test"], key_of(row)): row for row in every if case_of(row).plain}
+    judged = [one for one in verdicts if one["test"] == test and one["of"] == "change"]
+    found = []
+    for row in every:
+        if row["test"] != test or case_of(row).method not in CHANGES or row["status"] == "not_estimated":
+            continue
+        own = key_of(row).name, row["axis"], row["sensor"]
+        mine = [one for one in judged if (one["quantity"], one["axis"], one["sensor"]) == own]
+        worst = min(mine, key=lambda one: VERDICTS.index(one["verdict"]), default=None)
+        scale = _percent(row, worst)
+        lower, upper = (None if worst is None or worst[end] is None else float(worst[end]) * scale
+                        for end in ("lower", "upper"))  # fmt: skip
+        key = key_of(row)
+        word = "" if worst is None else str(worst["verdict"])
+        found.append(Changed(plain.get((other, key)), plain.get((test, key)), row, lower, upper, word))
+    return found
+
+
+def _percent(row: WrittenRow, verdict: WrittenRow | None) -> float:
+    """Return what limits of a verdict in percent are times the unit of its row."""
+    return 0.01 if verdict is not None and verdict["unit"] == "%" and row["unit"] == "1" else 1.0

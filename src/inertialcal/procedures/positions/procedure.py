@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..protocol import (
+    LASTS,
+    OF_MOUNTING,
     READING,
     RELATIVE,
     Command,
@@ -40,22 +42,22 @@ if TYPE_CHECKING:
 
 QUANTITIES = {
     "bias": Quantity(READING),
-    "bias_next_record": Quantity(READING),
+    "bias_next_record": Quantity(READING, redrawn_by=None),
     "scale_factor": Quantity(("other",)),
     "scale_factor_error": Quantity(RELATIVE, shown="%"),
-    "misalignment": Quantity(("angle",)),
-    "direction_cosine": Quantity(RELATIVE),
+    "misalignment": Quantity(("angle",), redrawn_by=OF_MOUNTING),
+    "direction_cosine": Quantity(RELATIVE, redrawn_by=None),
     **{f"bias_temperature_{j}": Quantity(("other",)) for j in range(1, HIGHEST_ORDER + 1)},
     **{f"scale_factor_error_temperature_{j}": Quantity(("other",)) for j in range(1, HIGHEST_ORDER + 1)},
     **{f"cross_axis_sensitivity_temperature_{j}": Quantity(("other",)) for j in range(1, HIGHEST_ORDER + 1)},
-    "cross_axis_sensitivity": Quantity(RELATIVE, shown="%"),
+    "cross_axis_sensitivity": Quantity(RELATIVE, shown="%", redrawn_by=OF_MOUNTING),
     "g_sensitivity": Quantity(("other",), shown="({unit})/g"),  # of readings in counts it stays in counts
-    "scatter_position": Quantity(READING),
-    "gravity_error_left_out": Quantity(READING),
-    "face_error": Quantity(("angle",), shown="deg"),
-    "scatter_laying": Quantity(("angle",), shown="deg"),
-    "scatter_rotation": Quantity(("angle",), shown="deg"),
-    "transition_error": Quantity(("angle",), shown="deg"),
+    "scatter_position": Quantity(READING, redrawn_by=LASTS),
+    "gravity_error_left_out": Quantity(READING, redrawn_by=None),
+    "face_error": Quantity(("angle",), shown="deg", redrawn_by=LASTS),
+    "scatter_laying": Quantity(("angle",), shown="deg", redrawn_by=LASTS),
+    "scatter_rotation": Quantity(("angle",), shown="deg", redrawn_by=LASTS),
+    "transition_error": Quantity(("angle",), shown="deg", redrawn_by=LASTS),
 }
 
 LOST = {"position_incomplete": "position", "rotation_incomplete": "rotation"}  # remark and rule: what it counts
@@ -89,7 +91,7 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
     figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
     gives = ("scale_factor", "misalignment", "bias", "g_sensitivity", "sensitivity")
-    takes_corrections = True
+    takes_corrections = changes = True
     inputs = InputSpec(("accelerometer", "gyro"), table="rests", several_sensors=True, raw=True, streamed=True)
 
     def split_label(self, given: str) -> tuple[str, str]:

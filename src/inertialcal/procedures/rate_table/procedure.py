@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 from ..entries import latitude_needed
 from ..protocol import (
+    LASTS,
+    OF_MOUNTING,
     READING,
     RELATIVE,
     BudgetFigure,
@@ -48,15 +50,15 @@ QUANTITIES = {
     "scale_factor_asymmetry": Quantity(RELATIVE, shown="%"),
     "second_order": Quantity(("other",), shown="1/({unit})"),
     "third_order": Quantity(("other",), shown="1/({unit})^2"),
-    "cross_axis_sensitivity": Quantity(RELATIVE, shown="%"),
-    "misalignment": Quantity(("angle",)),
+    "cross_axis_sensitivity": Quantity(RELATIVE, shown="%", redrawn_by=OF_MOUNTING),
+    "misalignment": Quantity(("angle",), redrawn_by=OF_MOUNTING),
     "linearity_error": Quantity(RELATIVE),
-    "scatter_sample": Quantity(READING),
-    "scatter_dwell": Quantity(READING),
-    "scatter_run": Quantity(READING),
-    "scatter_recording": Quantity(READING),
+    "scatter_sample": Quantity(READING, redrawn_by=LASTS),
+    "scatter_dwell": Quantity(READING, redrawn_by=LASTS),
+    "scatter_run": Quantity(READING, redrawn_by=LASTS),
+    "scatter_recording": Quantity(READING, redrawn_by=LASTS),
     "residual_bias": Quantity(READING),
-    "resolution": Quantity(READING),
+    "resolution": Quantity(READING, redrawn_by=None),
 }
 
 
@@ -76,7 +78,7 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
     figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
     gives = ("scale_factor", "misalignment", "asymmetry", "bias")
-    takes_corrections = True
+    takes_corrections = changes = True
     chosen_by = "Choose by windows, or give rows.group"
     said_type = Columns
     inputs = InputSpec(("gyro",), (Role("applied", "", "rad/s", by_axis=False),), table="rows")

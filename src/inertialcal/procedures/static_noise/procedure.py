@@ -7,12 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 from ...core.key import AXES
 from ..protocol import (
+    LASTS,
+    READING,
     BudgetFigure,
     Command,
     Correction,
     Exclusion,
     Facts,
     InputSpec,
+    Levels,
     Procedure,
     Quantity,
     Source,
@@ -62,7 +65,7 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
     plan_type, said_type, shown_type, influences = Plan, Samples, Filters, INFLUENCES
     figures = FIGURES
     gives = ("noise",)
-    takes_corrections = True
+    takes_corrections = changes = True
     inputs = InputSpec(
         ("gyro", "accelerometer"),
         missing=True,
@@ -99,7 +102,8 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
             for (label, _), one in zip(named, recordings, strict=True):
                 channels = {axis: axis for axis in AXES if axis in one.names}
                 samples: Any = added or "rate"
-                found.append(AtRest(one, channels, samples, label, shown, source.screening, source.facts.cut_off))
+                cut_off, run = source.facts.cut_off, source.run
+                found.append(AtRest(one, channels, samples, label, shown, source.screening, cut_off, run))
         readings = readings_from(plan, found)
         check(plan, readings)
         return readings
@@ -153,9 +157,19 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
         units = {kind: data_sheet_units(kind) for kind in SENSORS}
         names = dict.fromkeys(name for own in units.values() for name in own)
         return {
-            name: Quantity(size=True, shown_by_kind={kind: own[name] for kind, own in units.items() if name in own})
+            name: Quantity(
+                size=True,
+                shown_by_kind={kind: own[name] for kind, own in units.items() if name in own},
+                redrawn_by=LASTS,
+            )
             for name in names
-        }
+        } | {"level_at_rest": Quantity(READING)}
+
+    def levels(self, result: Result) -> Levels:
+        """Return the level of each axis, over the power-ups."""
+        from .level import levels
+
+        return levels(result)
 
     def budgeted(self, result: Result) -> Sequence[BudgetFigure]:
         """Return all terms if the scale factor takes part; else the scatter of the noise is all there is."""

@@ -45,6 +45,7 @@ class Run:
     resolution: Mapping[str, Resolution] = field(default_factory=dict[str, Resolution])
     screened: bool = True  # Whether samples that are no readings, and disturbances, are left out
     cut_off: float | None = None  # Of a low pass, as the sensor or the file states it [Hz]; None when nobody said
+    power_up: str = ""  # In which it was made; empty where not said
     # Deviations that terms are fitted to, by axis and unit, of all samples that are there: taken once
     curves: dict[tuple[str, str], Allan] = field(
         init=False, default_factory=dict["tuple[str, str]", "Allan"], repr=False
@@ -131,6 +132,7 @@ class AtRest:
     shown: str = ""  # Unit that samples are told in; that of the channel where not given
     screening: bool = True  # Whether samples that are no readings are left out
     cut_off: float | None = None  # Of the sensor's low pass [Hz]; as the file states it where not given
+    power_up: str = ""  # In which it was made; empty where not said
 
     @property
     def place(self) -> str:

@@ -110,6 +110,7 @@ def _run(plan: Plan, one: AtRest) -> tuple[Run, list[Remark]]:
         None if grid.clock is None else grid.clock[len(one.recording) - len(next(iter(values.values()))) + skipped :],
         one.recording.source.path,
         cut_off=one.cut_off or one.recording.cut_off,
+        power_up=one.power_up,
     )
     shown = {axis: _shown_sample(one, axis, present.get(axis), skipped) for axis in values}
     run, bad = screened(plan, run, shown, one.screening)

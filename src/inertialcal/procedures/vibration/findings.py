@@ -264,7 +264,9 @@ def _narrow(result: Result) -> Iterator[Remark]:
     if fine.spacing >= coarse.spacing:
         return
     times = round(coarse.spacing / fine.spacing)
-    tones = {(one.axis, round(one.frequency / coarse.spacing)) for one in lines_of(result).found if one.kind == "line"}
+    count = len(result.readings.controls)  # of a response a resonance may be as narrow as a sine
+    tones = {(one.axis, round(one.frequency / coarse.spacing)) for one in lines_of(result).found
+             if one.kind == "line" and one.axis < count}  # fmt: skip
     low, high = result.band[0] + 2.0 * coarse.spacing, result.band[1] - 2.0 * coarse.spacing
     use = np.flatnonzero((coarse.frequency >= low) & (coarse.frequency <= high))
     z = -float(special.ndtri(CHANCE / (len(use) * len(result.channels))))

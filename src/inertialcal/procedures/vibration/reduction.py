@@ -218,11 +218,11 @@ def _reduced(plan: Plan, readings: Readings) -> Result:
     if nyquist <= target.band[0] * 1.5:
         what = f"{number(2.0 * nyquist, 4)} samples a second, the profile begins at {number(target.band[0], 4)} Hz"
         raise DataError(what, readings.where, "nothing of it can be seen", "Record faster", "beyond_nyquist")
-    levels = find_levels(readings.control, interval, target.width)
-    chosen = levels.samples(len(readings))
     every = np.hstack([readings.control, readings.responses])
     resolution = plan.resolution or default_resolution(target)
     segment = round(1.0 / (resolution * interval))
+    levels = find_levels(readings.control, interval, _width(target, readings, segment))
+    chosen = levels.samples(len(readings))
     if segment < SHORTEST_SEGMENT:
         what = f"resolution = {number(resolution, 4)} Hz: {segment} samples of a segment"
         raise PlanError(
@@ -247,6 +247,15 @@ def _reduced(plan: Plan, readings: Readings) -> Result:
     from .findings import findings  # noqa: PLC0415 - it takes a result
 
     return replace(result, remarks=gather([*readings.remarks, *findings(result)]))
+
+
+def _width(target: Profile, readings: Readings, segment: int) -> float:
+    """Return the statistical bandwidth of what was recorded, that of the profile at most [Hz]."""
+    count = len(readings.controls)
+    spectra = cross_spectra(readings.control, readings.interval, max(segment, SHORTEST_SEGMENT))
+    density, edf = spectra.mean(np.arange(count))
+    squares = float(np.sum(density**2 / (1.0 + 2.0 / edf)))
+    return min(target.width, float(density.sum()) ** 2 * spectra.spacing / squares) if squares > 0.0 else target.width
 
 
 def _finer(

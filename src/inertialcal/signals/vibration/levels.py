@@ -4,9 +4,10 @@ The record is cut into windows of equal length; the level of a window is its mea
 control channels. Windows are long enough for some hundred degrees of freedom, so that chance moves a level by 0.3 dB.
 
 *Full level* is the highest level that lasts: at least a second, and a tenth of the time of the longest level of the
-record. A window belongs to it within ``ALIKE`` of the median of its windows. A single window that strays is chance and
-is filled in. Windows beside a change of level hold a part of it and are not used for spectra, but count in the
-duration, whose error is that of two ends inside a window.
+record, window after window. A window belongs to it within 1.5 dB of the median of its windows, or four deviations by
+chance where that is more (a narrow spectrum). A single window that strays is chance and is filled in. Windows beside a
+change of level hold a part of it and are not used for spectra, but count in the duration, whose error is that of two
+ends inside a window.
 
 Whether the full level stays is judged by its windows against each other: chance alone gives the sum of their squared
 deviations, over the variance that the degrees of freedom ask for, a chi-square distribution; and a slope over time the
@@ -30,11 +31,12 @@ from .profile import decibels
 Flags = NDArray[np.bool_]
 
 DOF = 300.0  # of a window
-SHORTEST, FEWEST = 0.1, 20  # of a window [s]; windows of a record
-ALIKE = 1.5  # windows of one level lie so near its median [dB]
+SHORTEST, FEWEST, MANY = 0.1, 20, 50  # of a window [s]; windows of a record, and so many where it can be
+ALIKE, BY_CHANCE = 1.5, 4.0  # windows of one level lie so near its median [dB], [deviations by chance]
 FAR = 3.0  # a single window may stray so far from its level [dB]
 LASTS, PART = 1.0, 0.1  # of a level: so long at least [s]; so much of the longest one
 OFF = 30.0  # below the highest window, from which the table stands still [dB]
+STEP = 0.25  # between levels that are tried [dB]
 RUN = 3  # windows that make a level of their own
 
 
@@ -67,6 +69,8 @@ class Levels:
         The same in samples.
     dof : float
         Of the mean square of a window.
+    alike : float
+        Windows of one level lie so near its median [dB].
     stretches : tuple of Stretch
         All levels, in order of time; where the table stands still there is none.
     """
@@ -79,6 +83,7 @@ class Levels:
     window: float
     size: int
     dof: float
+    alike: float
     stretches: tuple[Stretch, ...]
 
     @property
@@ -100,12 +105,12 @@ class Levels:
     @property
     def above(self) -> float:
         """Time above full level [s]."""
-        return self.window * int(np.count_nonzero(~self.full & (self.level > ALIKE)))
+        return self.window * int(np.count_nonzero(~self.full & (self.level > self.alike)))
 
     @property
     def deviation(self) -> float:
         """Standard deviation of the level of a window by chance [dB]."""
-        return float(decibels(math.e)) * math.sqrt(float(special.polygamma(1, 0.5 * self.dof)))
+        return deviation_of(self.dof)
 
     def samples(self, n: int) -> Flags:
         """Return the samples at full level that are used for spectra, shape (n,)."""
@@ -148,7 +153,9 @@ def find_levels(x: Array, interval: float, width: float) -> Levels:
         ``too_short`` for a record of fewer than 20 windows; ``no_vibration`` where nothing moves.
     """
     n = len(x)
-    size = max(8, math.ceil(max(SHORTEST, DOF / (2.0 * width)) / interval))
+    least = max(8, math.ceil(SHORTEST / interval))
+    wanted = math.ceil(DOF / (2.0 * width) / interval)
+    size = max(least, min(wanted, n // MANY))  # of a narrow spectrum windows have fewer degrees of freedom
     count = n // size
     if count < FEWEST:
         what = f"{n * interval:.4g} s of vibration: its level over time takes {FEWEST * size * interval:.4g} s"
@@ -158,38 +165,52 @@ def find_levels(x: Array, interval: float, width: float) -> Levels:
     if not np.nanmax(power, initial=0.0) > 0.0:
         raise DataError("the control channels do not move", do="Check the columns of --control", code="no_vibration")
     raw = decibels(power)
-    top = _full_level(raw, size * interval)
+    dof = 2.0 * width * size * interval
+    alike = max(ALIKE, BY_CHANCE * deviation_of(dof))
+    top = _full_level(raw, size * interval, alike)
     level = raw - top
     time = (np.arange(count, dtype=np.float64) + 0.5) * (size * interval)
-    full = _filled(np.abs(np.nan_to_num(level, nan=1e3)) <= ALIKE, level)
-    stretches, edges = _stretches(level, full, size * interval)
+    full = _filled(np.abs(np.nan_to_num(level, nan=1e3)) <= alike, level, FAR + alike - ALIKE)
+    stretches, edges = _stretches(level, full, size * interval, alike)
     inner = full & ~edges
     inner = inner if inner.any() else full
-    dof = 2.0 * width * size * interval
-    return Levels(time, level, full, inner, float(10.0 ** (top / 10.0)), size * interval, size, dof, stretches)
+    return Levels(time, level, full, inner, float(10.0 ** (top / 10.0)), size * interval, size, dof, alike, stretches)
 
 
-def _full_level(raw: Array, window: float) -> float:
+def deviation_of(dof: float) -> float:
+    """Return the standard deviation by chance of a level of so many degrees of freedom [dB]."""
+    return float(decibels(math.e)) * math.sqrt(float(special.polygamma(1, 0.5 * dof)))
+
+
+def _full_level(raw: Array, window: float, alike: float) -> float:
     """Return the highest level that lasts [dB]."""
-    on = np.sort(raw[np.isfinite(raw) & (raw > np.nanmax(raw) - OFF)])[::-1]
-    counts = np.searchsorted(-on, -(on - ALIKE), side="right") - np.searchsorted(-on, -(on + ALIKE), side="left")
-    needed = max(math.ceil(LASTS / window), math.ceil(PART * counts.max()), RUN)
-    lasting = np.flatnonzero(counts >= min(needed, counts.max()))
-    best = on[lasting[0]]
+    highest = float(np.nanmax(raw))
+    on = raw[np.isfinite(raw) & (raw > highest - OFF)]
+    candidates = np.arange(highest, float(on.min()) - STEP, -STEP)
+    longest = [_longest_run(np.abs(raw - one) <= alike) for one in candidates.tolist()]
+    needed = max(math.ceil(LASTS / window), math.ceil(PART * max(longest)), RUN)
+    at = next(i for i, one in enumerate(longest) if one >= min(needed, max(longest)))
+    best = float(candidates[at])
     for _ in range(20):  # to the middle of the level that it stands at the edge of
-        near = on[np.abs(on - best) <= ALIKE]
+        near = on[np.abs(on - best) <= alike]
         middle = float(np.median(near))
         if middle == best:
             break
         best = middle
-    return float(best)
+    return best
 
 
-def _filled(full: Flags, level: Array) -> Flags:
+def _longest_run(marked: Flags) -> int:
+    """Return the length of the longest stretch of marks."""
+    edges = np.flatnonzero(np.diff(marked.astype(np.int8), prepend=0, append=0))
+    return int(np.max(edges[1::2] - edges[0::2], initial=0))
+
+
+def _filled(full: Flags, level: Array, far: float) -> Flags:
     """Return the windows at full level, with single ones filled in and single ones elsewhere left out."""
     found = full.copy()
     for i in range(1, len(full) - 1):
-        if not full[i] and full[i - 1] and full[i + 1] and abs(level[i]) <= FAR:
+        if not full[i] and full[i - 1] and full[i + 1] and abs(level[i]) <= far:
             found[i] = True
     edges = np.flatnonzero(np.diff(found.astype(int), prepend=0, append=0))
     for a, b in zip(edges[0::2], edges[1::2], strict=True):
@@ -198,14 +219,14 @@ def _filled(full: Flags, level: Array) -> Flags:
     return found if found.any() else full
 
 
-def _stretches(level: Array, full: Flags, window: float) -> tuple[tuple[Stretch, ...], Flags]:
+def _stretches(level: Array, full: Flags, window: float, alike: float) -> tuple[tuple[Stretch, ...], Flags]:
     """Return the levels one after another, and the windows beside a change from or to full level."""
     found: list[Stretch] = []
     edges = np.zeros(len(level), dtype=bool)
     n, i = len(level), 0
     while i < n:
         j, own = i + 1, [level[i]]
-        while j < n and full[j] == full[i] and (full[i] or abs(level[j] - np.median(own[-20:])) <= ALIKE):
+        while j < n and full[j] == full[i] and (full[i] or abs(level[j] - np.median(own[-20:])) <= alike):
             own.append(level[j])
             j += 1
         if full[i]:

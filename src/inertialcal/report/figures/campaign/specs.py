@@ -17,6 +17,14 @@ FIGURES = (
         top=10,
     ),
     FigureSpec(
+        "changes",
+        DRAWN + "changes",
+        "What figures changed by since the earlier test, with 95 % intervals, in parts of what is allowed (shaded)."
+        "{note}",
+        order=290,
+        top=30,
+    ),
+    FigureSpec(
         "matrix",
         DRAWN + "matrix",
         "Deviation of the matrix from the identity: scale factor errors on the diagonal, misalignments off it; rows ="
