@@ -47,7 +47,7 @@ def with_scale(plan: Plan, u: float) -> Plan:
 
 def lines_verdict(result: Result, tolerance: str, where: str = "") -> Verdict:
     """Return the verdict on all lines."""
-    asked = Asked("T", DEVIATION, None, "", tolerance, None, None, where)
+    asked = Asked("T", DEVIATION, limit=tolerance, where=where)
     (found,) = judge_lines(asked, [Tested("run", "", "fit", result.plan, result.readings, result)])
     return found
 

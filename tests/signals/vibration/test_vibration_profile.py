@@ -64,7 +64,7 @@ def test_against_an_independent_integration(order: float) -> None:
 
     def density(f: float) -> float:
         x = np.interp(math.log(f), np.log(own.frequency), np.log(own.density))
-        return math.exp(float(x)) * f**order
+        return math.exp(float(x)) * math.pow(f, order)
 
     for low, high in ((20.0, 50.0), (50.0, 500.0), (500.0, 2000.0), (30.0, 45.0), (700.0, 1300.0)):
         found, _ = quad(density, low, high, epsabs=0.0, epsrel=1e-12, limit=200)

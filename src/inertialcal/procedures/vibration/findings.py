@@ -176,11 +176,11 @@ def _channels(result: Result) -> Iterator[Remark]:
         density = result.spectra.density[:, :count]
         f = result.spectra.frequency
         use = (f >= result.band[0]) & (f <= result.band[1])
-        away = decibels(density[use] / np.exp(np.mean(np.log(density[use]), axis=1))[:, None])
-        strays = np.sqrt(np.mean(away**2, axis=0))
+        apart = decibels(density[use] / np.exp(np.mean(np.log(density[use]), axis=1))[:, None])
+        strays = np.sqrt(np.mean(apart**2, axis=0))
         i = int(np.argmax(strays))
         if strays[i] > DIFFERS:
-            at = float(f[use][int(np.argmax(np.abs(away[:, i])))])
+            at = float(f[use][int(np.argmax(np.abs(apart[:, i])))])
             size = number(float(strays[i]), 2)
             what = f"{_called(result.channels[i])} differs from the other control channels by {size} dB,"
             what += f" most at {number(at, 3)} Hz"

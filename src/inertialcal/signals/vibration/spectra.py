@@ -89,7 +89,7 @@ class CrossSpectra:
         found = np.clip((raw - chance) / (1.0 - chance), 0.0, 1.0)
         at = np.arange(found.shape[1])
         found[:, at, at] = 1.0
-        return found
+        return np.asarray(found)
 
     def mean(self, channels: NDArray[np.intp]) -> tuple[Array, Array]:
         """Return the mean density of channels and its degrees of freedom at each line, both shape (k,)."""
