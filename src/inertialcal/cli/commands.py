@@ -84,7 +84,7 @@ EXAMPLES = {  # word of a verb -> what may follow it, for its help
         "run1.cards",
         'run1.csv --column pulses --period "480 s" --amplitude "23 ng" --wrong 41 -o run1',
     ),
-    "vibration profile": ("table01.csv -o profile.svg", "table01.csv --band 20..100 --json"),
+    "vibration profile": ("table01.csv -o profile.svg", "table01.csv --band 20..100"),
     "filter": (
         "inertialcal-demo rest.csv",
         'inertialcal-demo rest.csv --motion "20 deg/s" --motion-time "0.5 s" --for px4',

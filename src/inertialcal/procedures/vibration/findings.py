@@ -170,7 +170,7 @@ def _channels(result: Result) -> Iterator[Remark]:
         one, two = (f"{_called(result.channels[k])}" for k in (i, other))
         away, near = (number(float(errors[k]), 2) for k in (i, other))
         what = f"{one} does not follow the profile ({away} dB), {two} does ({near} dB): they are swapped?"
-        do = "Check which cable is which; name the control with --control"
+        do = "Check which cable is which"
         yield Remark("swapped_channels", "error", what, _where(result), do=do, subject=result.channels[i].column)
     if count > 1 and not swapped:
         density = result.spectra.density[:, :count]

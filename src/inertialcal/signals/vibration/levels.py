@@ -163,7 +163,11 @@ def find_levels(x: Array, interval: float, width: float) -> Levels:
     parts = x[: count * size].reshape(count, size, x.shape[1])
     power = np.mean(np.var(parts, axis=1), axis=1)
     if not np.nanmax(power, initial=0.0) > 0.0:
-        raise DataError("the control channels do not move", do="Check the columns of --control", code="no_vibration")
+        raise DataError(
+            "the control channels do not move",
+            do="Check cables and range of the control accelerometers",
+            code="no_vibration",
+        )
     raw = decibels(power)
     dof = 2.0 * width * size * interval
     alike = max(ALIKE, BY_CHANCE * deviation_of(dof))
