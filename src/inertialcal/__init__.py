@@ -29,6 +29,7 @@ if TYPE_CHECKING:
         sine,
         thermal,
         vibration,
+        vibration_survey,
     )
     from .campaign.certificate.issue import certificate
     from .campaign.certificate.reading import read_certificate
@@ -115,6 +116,7 @@ __all__ = [
     "thermal",
     "vibration",
     "vibration_profile",
+    "vibration_survey",
     "write",
 ]
 
