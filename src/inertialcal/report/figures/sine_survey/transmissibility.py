@@ -74,6 +74,7 @@ def draw(axes: Sequence[Axes], model: Curve, tracked: Curve | None, other: Curve
     """
     size, phase = axes
     drawn: list[tuple[Curve, str, dict[str, Any]]] = []
+    look: dict[str, Any]
     if tracked is not None:
         look = {"linestyle": "none", "marker": ".", "markersize": 2.2, "color": COLOURS["quiet"], "zorder": 1}
         drawn.append((tracked, "tracking filter", look))
