@@ -28,6 +28,7 @@ if TYPE_CHECKING:
         sensitivity,
         sine,
         thermal,
+        vibration,
         vibration_survey,
     )
     from .campaign.certificate.issue import certificate
@@ -56,6 +57,8 @@ if TYPE_CHECKING:
     from .procedures.mass_attraction.recorded_series import programme_1969
     from .procedures.positions.batch import positions_batch
     from .procedures.positions.planning.planner import plan_positions
+    from .procedures.vibration.planning import plan_vibration
+    from .procedures.vibration.profile_table import vibration_profile
     from .report.plot import plot
     from .sensors.model.model_set import ModelSet
     from .sensors.model.sensor_model import SensorModel
@@ -95,6 +98,7 @@ __all__ = [
     "max_memory",
     "plan_mass_attraction",
     "plan_positions",
+    "plan_vibration",
     "plot",
     "positions",
     "positions_batch",
@@ -110,6 +114,8 @@ __all__ = [
     "simulate",
     "sine",
     "thermal",
+    "vibration",
+    "vibration_profile",
     "vibration_survey",
     "write",
 ]
@@ -144,6 +150,8 @@ _HOMES = {  # nouns of procedures apart, which are found by their commands
         "procedures.mass_attraction.recorded_series": "programme_1969",
         "procedures.positions.batch": "positions_batch",
         "procedures.positions.planning.planner": "plan_positions",
+        "procedures.vibration.planning": "plan_vibration",
+        "procedures.vibration.profile_table": "vibration_profile",
         "report.plot": "plot",
         "sensors.model.model_set": "ModelSet",
         "sensors.model.sensor_model": "SensorModel",
