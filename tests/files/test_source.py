@@ -9,12 +9,14 @@ import random
 import socket
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from inertialcal.core import batches
 from inertialcal.core.errors import DataError
+from inertialcal.files import read
 from inertialcal.files.budget import max_memory
 from inertialcal.files.source import FileBytes, load, settled
 
@@ -114,11 +116,36 @@ def test_a_long_file_that_changes_while_it_is_read_is_refused(tmp_path: Path, mo
     path.write_bytes(b"1,2\n")
     monkeypatch.setattr(batches, "HELD", 0)
     loaded = load(path, in_place=True)
-    assert settled(loaded) == hashlib.sha256(b"1,2\n").hexdigest()
+    assert settled(loaded) == (hashlib.sha256(b"1,2\n").hexdigest(), ())
     path.write_bytes(b"1,2\n3,4\n")
     with pytest.raises(DataError, match="changed while it was read") as caught:
         settled(loaded)
     assert [one.code for one in caught.value.problems] == ["input_changed"]
+    digest, (remark,) = settled(loaded, may_grow=True)
+    assert (digest, remark.code) == (hashlib.sha256(b"1,2\n").hexdigest(), "still_written")
+    for content in (b"1,3\n3,4\n", b"1,2", b"1,3\n"):  # other numbers, a shorter file
+        path.write_bytes(content)
+        with pytest.raises(DataError, match="changed while it was read"):
+            settled(loaded, may_grow=True)
+
+
+def test_a_log_that_is_still_written_is_read_to_its_last_whole_row(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, rows = tmp_path / "a.csv", 3000
+    path.write_text("time_s,x [V]\n" + "".join(f"{i / 100:.2f},{i % 7}.125\n" for i in range(rows)) + "30.00,1")
+    monkeypatch.setattr(batches, "HELD", 2**12)
+    first = FileBytes.__init__
+
+    def opened_and_written_on(self: FileBytes, name: Path, most: int | None = None) -> None:
+        first(self, name, most)
+        with path.open("a") as log:
+            log.write(".125\n30.01,2.125\n")
+
+    monkeypatch.setattr(FileBytes, "__init__", opened_and_written_on)
+    found = read(path)
+    assert {"row_cut_off", "still_written"} <= {one.code for one in found.remarks}
+    np.testing.assert_array_equal(found.channel("x [V]").data, np.arange(rows) % 7 + 0.125)
 
 
 @given(content=st.binary(max_size=60), part=st.sampled_from([b"a", b"ab", b"PK\x01\x02"]), chunk=st.integers(1, 9))

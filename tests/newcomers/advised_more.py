@@ -347,8 +347,8 @@ HEADS = (
     ),
     Case(
         "What a certificate states beside the figures, here invented: inertialcal certificate DIR -o FILE.pdf",
-        "simulate rate_table -o rig_certified",
-        "certificate rig_table -o rig_certified.pdf",
+        "simulate npsat1 -o rig_certified",
+        "run rig_certified ; certificate rig_certified -o rig_certified.pdf",
         "pdf rig_certified.pdf",
     ),
     Case(

@@ -111,7 +111,7 @@ def _written(words: Sequence[str]) -> str:
     path = Path(words[words.index("-o") + 1]) if "-o" in words else Path()
     path = path / "campaign.toml" if words[0] == "simulate" else path
     path = Path(words[1]) / "out" / "provenance.json" if words[0] == "run" else path
-    is_text = path.is_file() and path.suffix != ".png" and path.stat().st_size < LARGEST
+    is_text = path.is_file() and path.suffix not in (".png", ".pdf") and path.stat().st_size < LARGEST
     return path.read_text(encoding="utf-8") if is_text else ""
 
 

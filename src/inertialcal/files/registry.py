@@ -56,6 +56,7 @@ BUILT_IN = {  # name -> module and attribute, in the order in which they are ask
     "sqlite": "loggers.sqlite:READER",
     "json_lines": "loggers.json_lines:READER",
 }
+GROWING = (TEXT, "json_lines", "dataflash")  # read from the beginning to where the file ended when it was opened
 READERS: Registry[Reader] = Registry(
     "reader", Reader, "inertialcal.readers", {name: f"{__package__}.{place}" for name, place in BUILT_IN.items()}
 )
@@ -102,8 +103,9 @@ def read_recording(path: str | Path, request: Request, parsed: Parsed | None = N
         dates=request.dates,
     )
     if loaded is not None:  # units and clock were found while a thread hashed the file
-        source = replace(source, sha256=settled(loaded))
-        recording = replace(recording, source=source)
+        digest, remarks = settled(loaded, may_grow=source.reader in GROWING)
+        source = replace(source, sha256=digest)
+        recording = replace(recording, source=source, remarks=(*recording.remarks, *remarks))
     if parsed is not None:
         parsed[key] = content, source
     return cut(recording, request.window)

@@ -22,6 +22,7 @@ from typing import IO, cast, overload
 
 from ..core import batches
 from ..core.errors import DataError, InertialcalError, Problem, UsageError
+from ..core.remarks import Remark
 from .budget import DOCUMENT, check_count, claim
 
 AT_ONCE = 2**20  # bytes that are hashed at once; more of them by a thread
@@ -125,11 +126,12 @@ def whole(loaded: Loaded) -> Loaded:
 class FileBytes:
     """Bytes of a file that stay there: a piece is read where one is asked for."""
 
-    def __init__(self, path: str | os.PathLike[str]) -> None:
+    def __init__(self, path: str | os.PathLike[str], most: int | None = None) -> None:
         self.path = path
         self._file = open(path, "rb")  # noqa: SIM115 - as long as somebody holds the bytes
         about = os.fstat(self._file.fileno())
-        self._size, self._stamps = about.st_size, _stamps(about)
+        self._size = about.st_size if most is None else min(about.st_size, most)
+        self._stamps = _stamps(about)
         self._at, self._piece = 0, b""
 
     def __del__(self) -> None:
@@ -167,17 +169,27 @@ class FileBytes:
         return found
 
     def sha256(self) -> str:
-        """Return the SHA-256 of the file."""
+        """Return the SHA-256 of the bytes that the file had when it was opened."""
         self._file.seek(0)
-        digest, block = hashlib.sha256(), bytearray(CHUNK)
-        while got := self._file.readinto(block):
+        digest, block, left = hashlib.sha256(), bytearray(CHUNK), self._size
+        while left and (got := self._file.readinto(memoryview(block)[:left])):
             digest.update(memoryview(block)[:got])
+            left -= got
         return digest.hexdigest()
 
     def is_unchanged(self) -> bool:
         """Whether the file of that path is the one that was opened, and was not written to since."""
         try:
             return _stamps(os.stat(self.path)) == self._stamps
+        except OSError:
+            return False
+
+    def has_grown(self, digest: str) -> bool:
+        """Whether the file was only written on since it was opened, when it had that SHA-256: a log that goes on."""
+        try:
+            about = os.stat(self.path)
+            same = (about.st_dev, about.st_ino) == self._stamps[:2] and about.st_size > self._size
+            return same and FileBytes(self.path, self._size).sha256() == digest  # not what is buffered
         except OSError:
             return False
 
@@ -195,18 +207,23 @@ def _stamps(about: os.stat_result) -> tuple[int, ...]:
     return about.st_dev, about.st_ino, about.st_size, about.st_mtime_ns, about.st_ctime_ns
 
 
-def settled(loaded: Loaded) -> str:
-    """Return the SHA-256 of a file that was read.
+def settled(loaded: Loaded, *, may_grow: bool = False) -> tuple[str, tuple[Remark, ...]]:
+    """Return the SHA-256 of what was read of a file, and a remark where it was written on meanwhile.
+
+    ``may_grow``: whether its reader takes nothing behind what the file was when it was opened.
 
     Raises
     ------
     DataError
-        ``input_changed``, if it stayed in place, and is no longer what it was when it was opened.
+        ``input_changed``, if it stayed in place, and what was read of it is no longer there.
     """
     digest = loaded.sha256
-    if isinstance(loaded.data, FileBytes) and not loaded.data.is_unchanged():
+    if not isinstance(loaded.data, FileBytes) or loaded.data.is_unchanged():
+        return digest, ()
+    if not (may_grow and loaded.data.has_grown(digest)):
         raise DataError(changed_input(loaded.path))
-    return digest
+    what = f"the file was written on while it was read: its first {len(loaded.data):,} bytes were taken"
+    return digest, (Remark("still_written", "warning", what, loaded.path, do="Read it again when it is complete"),)
 
 
 def changed_input(path: str, what: str = "the file changed while it was read") -> Problem:
@@ -224,7 +241,7 @@ def _in_place(path: str | os.PathLike[str]) -> Loaded | None:
         data = FileBytes(path)
         if data.startswith(GZIP) or (size <= batches.HELD and not data.startswith(SOUGHT)):
             return None
-        same = FileBytes(path)  # its place in the file is its own
+        same = FileBytes(path, len(data))  # its place in the file is its own
     except (OSError, ValueError):  # said where it is read whole
         return None
     return Loaded(str(path), cast("bytes", data), _meanwhile(same.sha256), False, len(data))

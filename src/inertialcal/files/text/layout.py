@@ -58,6 +58,8 @@ PLAIN = "0123456789.-+eE"  # characters of plain numbers
 NUMBER = frozenset("ifn")  # kinds of cells
 WORDS_BELOW = 2  # lines of words, at most, between a header and its numbers
 RATIO = "1"  # where a unit stands
+WAVEFORM = ("waveform", "t0", "delta t")
+NUMBERED = 3  # lines: names, units, numbers
 COMMENT = ("#", "%", "//", "!")
 SEMICOLON_COMMENT = (*COMMENT, ";")
 SIGN = re.compile(r"[ \t]*(?://+|([#%!;])\1*)")  # of a comment, however often it stands there
@@ -315,13 +317,15 @@ def _first_data(table: Table, decimal: Decimal, width: int) -> tuple[int | None,
     spreadsheet fills the lines of its title up to the width of the table: they are none of it.
     """
     before: int | None = None
-    titles = _titles(table, decimal, width)
+    titles = max(_titles(table, decimal, width), _waveform(table))
+    if _is_numbered(table, decimal, width):
+        return 0, 1
     for i, cells in enumerate(table):
         kinds = [kind(cell, decimal) for cell in cells[:CELLS]]
         if i < titles:
             continue
         if not _has_number(kinds):
-            if len(_header(cells, table, width)) == width:
+            if len(_header(cells, table, width)) == width and not _is_title(table[i:], decimal, width):
                 return i, i + 1
             before = i if len(cells) > 1 else None
         elif i == 0 or kinds[0] in NUMBER or len(cells) == width:
@@ -346,6 +350,40 @@ def _titles(table: Table, decimal: Decimal, width: int) -> int:
         return 0
     header = filled.index(max(filled)) if filled else 0
     return header if header and all(abs(one) < filled[header] for one in filled[:header]) else 0
+
+
+def _waveform(table: Table) -> int:
+    """Lines above the header that say start and step of a waveform, as LabVIEW writes them."""
+    words = [cells[0].strip().lower() for cells in table[: len(WAVEFORM)]]
+    return len(WAVEFORM) if words == [*WAVEFORM] else 0
+
+
+def _is_numbered(table: Table, decimal: Decimal, width: int) -> bool:
+    """Whether the first line names columns by numbers, as oscilloscopes do: units stand below, then numbers alone."""
+    if len(table) < NUMBERED or any(len(cells) != width for cells in table[:NUMBERED]) or width == 1:
+        return False
+    names, given, first = ([kind(cell, decimal) for cell in cells] for cells in table[:NUMBERED])
+    filled = [cell for cell in table[1] if cell.strip()]
+    units_below = set(given) <= {"t", "e"} and bool(filled) and all(_is_unit(_unbracketed(cell)) for cell in filled)
+    return names[0] == "t" and units_below and set(first) <= NUMBER
+
+
+def _is_title(table: Table, decimal: Decimal, width: int) -> bool:
+    """Whether the first of some lines, of words, is hardly filled, and a full one that is no line of units follows it.
+
+    A line of numbers, as wide as most, ends the search.
+    """
+    filled = sum(bool(cell.strip()) for cell in table[0])
+    if 2 * filled >= width:
+        return False
+    for cells in table[1:]:
+        kinds = [kind(cell, decimal) for cell in cells[:CELLS]]
+        if len(cells) == width and kinds[0] in NUMBER:
+            return False
+        full = len(cells) == width and set(kinds) == {"t"}
+        if full and not all(_is_unit(_unbracketed(cell)) for cell in cells):
+            return True
+    return False
 
 
 def _has_number(kinds: list[str]) -> bool:
