@@ -28,6 +28,7 @@ if TYPE_CHECKING:
         sensitivity,
         sine,
         thermal,
+        vibration_effects,
     )
     from .campaign.certificate.issue import certificate
     from .campaign.certificate.reading import read_certificate
@@ -109,6 +110,7 @@ __all__ = [
     "simulate",
     "sine",
     "thermal",
+    "vibration_effects",
     "write",
 ]
 

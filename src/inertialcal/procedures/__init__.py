@@ -17,7 +17,17 @@ from ..core.results import WrittenRow
 from ..core.show.rows import Compared
 from .protocol import Procedure, Quantity
 
-BUILT_IN = ("rate_table", "flip", "thermal", "static_noise", "sine", "mass_attraction", "positions", "sensitivity")
+BUILT_IN = (
+    "rate_table",
+    "flip",
+    "thermal",
+    "static_noise",
+    "sine",
+    "mass_attraction",
+    "positions",
+    "sensitivity",
+    "vibration_effects",
+)
 
 PROCEDURES: Registry[Procedure[Any, Any, Any]] = Registry(
     "procedure",
