@@ -138,8 +138,8 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
 
 
 NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "thermal", "sensitivity", "allan", "psd", "sine",
-         "vibration_effects", "mass_attraction", "plan_mass_attraction", "positions", "positions_batch", "plan_positions",
-         "result", "estimate",
+         "vibration_effects", "mass_attraction", "plan_mass_attraction", "positions", "positions_batch",
+         "plan_positions", "result", "estimate",
          "check", "run", "budget", "model", "compare", "judged", "simulate", "score")  # fmt: skip
 
 

@@ -46,6 +46,8 @@ def _zip(*names: str) -> bytes:
         (b"FMT, 128, 89, FMT, BBnNZ, Type\n", "a.log", "dataflash_text"),
         (b"000001D IU COLA", "a", "miniseed"),
         (b"000001,2\n3,4\n", "a.csv", "text"),
+        (b'{"t": 1}\n{"t": 2}\n', "a.csv", "json_lines"),
+        (b'\xef\xbb\xbf{"t": [1]}\r\n{"t"', "a", "json_lines"),
         (b"t,x\n1,2\n", "a.parquet", "text"),
     ],
 )
@@ -68,6 +70,7 @@ def test_formats_that_are_not(magic: bytes, what: str) -> None:
     [
         (b"\xef\xbb\xbf <?xml version", "XML or HTML"),
         (b'{"a": 1}', "JSON"),
+        (b'{"a":\n{"b": 1}}', "JSON"),
         (_zip("a.csv"), r"a zip archive \(unpack it\)"),
     ],
 )

@@ -190,5 +190,5 @@ def test_all_formats_are_listed() -> None:
     assert readable() == (
         "CSV and other text, Parquet, MATLAB, HDF5, NumPy, card images of 1969, ROS 1 and 2 bags, MCAP, PX4 ULog, "
         "ArduPilot logs, Excel, TDMS, UFF 58, WAV, Arrow (Feather), ASAM MDF, enDAQ IDE, LabVIEW measurement (LVM), "
-        "miniSEED, SQLite, PAD pairs"
+        "miniSEED, SQLite, JSON lines, PAD pairs"
     )

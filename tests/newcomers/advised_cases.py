@@ -401,7 +401,7 @@ CASES = (
         "zero o1.csv",
     ),
     Case(
-        "Add --unit {}",
+        "Add --unit {} (UNIT: {})",
         "compensate thermal.json chamber_no_unit.csv -o o4.csv --temperature probe",
         "+ --unit probe=degC",
         "done",
@@ -477,26 +477,3 @@ CASES = (
 )
 
 INSTALLS = re.compile(r"^Type: pip install 'inertialcal\[(\w+)\]'$")  # `test_advice` looks up what the extra holds
-OPEN: dict[str, tuple[str, ...]] = {  # by reason; this list may only shrink
-    "needs a rig of an hour, or a deck, of its own": (
-        "State a start among them: --reference-temperature '{} degC'",
-        "Write one of them: inertialcal export MODEL --condition NAME --to json -o FILE",
-        "Cut the record there (--from, --to), or record the gain as a channel",
-        "Check plan.axis, columns and mounting (--axis {})",
-    ),
-    "takes most of a minute": (
-        "What a certificate states beside the figures, here invented: inertialcal certificate DIR -o FILE.pdf",
-        "Write a PDF: --build FILE.pdf",
-        "Write the list alone: --build FILE.csv",
-        "Give --arithmetic float32 or float64",
-        "Give --arithmetic float64, or q27",
-    ),
-    "reached by uneven samples further apart than a period, which are then refused for too few cycles": (
-        'Give what a sample is the mean of, at most --averaging "{} s"',
-    ),
-    "last resorts, behind checks that refuse before: tests call them as functions": (
-        "Look into its remarks: inertialcal show DIR",
-        "Look for readings that do not vary, or vary beyond all measure: inertialcal info FILE",
-    ),
-}
-OPEN_AT_MOST = 12

@@ -7,6 +7,18 @@ from advised_cases import Case
 
 COMPENSATED = (
     Case(
+        "; and its unit: --unit NAME=UNIT (UNIT: {})",
+        "compensate gauge.json gauge.csv -o gauged_out.csv",
+        "+ --column pressure=gauge --unit gauge=hPa",
+        "flat gauged_out.csv",
+    ),
+    Case(
+        "--column {}=COLUMN",
+        'rate-table turned_ref.csv --axis x --lsb "5 V / 4095" --reference channel --scale-factor "0.02 V/(deg/s)"',
+        "+ --column reference=v_ref",
+        "bias x 0.3542",
+    ),
+    Case(
         "the largest drive; --take NAME takes another",
         "allan walk.csv --for kalibr",
         "+ --take rate_random_walk",
@@ -307,7 +319,44 @@ LEVELS = (
         "gyro.bias x 0.0061087",
     ),
 )
+WINDOWS = " ".join(f'--window "{100 * i + 2}..{100 * i + 98}={one} deg"' for i, one in enumerate((0, 90, 180, 270, 0)))
 HEADS = (
+    Case(
+        "Check plan.axis, columns and mounting (--axis {})",
+        f"flip quarters.csv --axis x {WINDOWS}",
+        f"flip quarters.csv --axis z {WINDOWS}",
+        "bias y 980",
+    ),
+    Case(
+        "State a start among them: --reference-temperature '{} degC'",
+        "sensitivity warm_0.csv warm_1.csv warm_2.csv warm_3.csv warm_4.csv warm_5.csv --to warm_up --reference-temperature '100 degC'",
+        "sensitivity warm_0.csv warm_1.csv warm_2.csv warm_3.csv warm_4.csv warm_5.csv --to warm_up --reference-temperature '9.99 degC'",
+        "bias_warm_up x 0.020997",
+    ),
+    Case(
+        "Write one of them: inertialcal export MODEL --condition NAME --to json -o FILE",
+        "run ground",
+        "export ground/heads.json --condition air --to json -o ground/air.json ; edit ground/campaign.toml heads.json air.json ; run ground",
+        "done",
+    ),
+    Case(
+        "Cut the record there (--from, --to), or record the gain as a channel",
+        "run gained",
+        "convert gained/head_gain.csv gained/cut.csv --to 1500 ; edit gained/campaign.toml head_gain.csv cut.csv ; run gained",
+        "lacks record the gain as a channel",
+    ),
+    Case(
+        "What a certificate states beside the figures, here invented: inertialcal certificate DIR -o FILE.pdf",
+        "simulate rate_table -o rig_certified",
+        "certificate rig_table -o rig_certified.pdf",
+        "pdf rig_certified.pdf",
+    ),
+    Case(
+        "Give --arithmetic float64",
+        "export wide.json --to flight-c -o flight_32 --unjudged --nominal --arithmetic float32",
+        "export wide.json --to flight-c -o flight_64 --unjudged --nominal --arithmetic float64",
+        "done",
+    ),
     Case(
         "Cut the record there (--from, --to), or record the gain as well",
         'flip head_gain.csv --window "0..600=0 deg" --window "606..1200=180 deg" --window "1206..1800=0 deg"',
@@ -408,6 +457,18 @@ HEADS = (
     ),
 )
 MASSES = (
+    Case(
+        "Write a PDF: --build FILE.pdf",
+        "plan mass-attraction tall.toml --build tall.png",
+        "plan mass-attraction tall.toml --build tall.pdf",
+        "pdf tall.pdf",
+    ),
+    Case(
+        "Write the list alone: --build FILE.csv",
+        "plan mass-attraction fine.toml --build fine.pdf",
+        "plan mass-attraction fine.toml --build fine.csv",
+        "rows fine.csv 1240",
+    ),
     Case(
         "Split it, or use: inertialcal programme-1969 FILE",
         "info two.cards",

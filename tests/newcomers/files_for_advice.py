@@ -120,7 +120,10 @@ def _turned(log: Log, texts: dict[str, str]) -> dict[str, str]:
     digital = [[rate, str(PER_COUNT * float(reading)), str(PER_COUNT * float(scatter)), n]
                for rate, reading, scatter, n in cells]  # fmt: skip
     counted = _head(texts["turned_counts.csv"], *((f"gyro_{axis}", f"gyro_{axis} [deg/s]") for axis in "xyz"))
+    raw, *rows = texts["turned_counts.csv"].splitlines()
+    measured = [f"{raw},v_ref", *(f"{row},{2047 + i % 2}" for i, row in enumerate(rows))]  # 2.5 V, to a half count
     return {
+        "turned_ref.csv": "\n".join(measured) + "\n",
         "turned_bare.csv": _head(plain, *bare),
         "turned_abc.csv": _columns(_head(plain, *((one, name) for (one, _), name in zip(bare, "abc", strict=True))),
                                    slice(0, 5)),

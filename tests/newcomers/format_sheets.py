@@ -114,6 +114,11 @@ def sqlite(sheet: Sheet, path: Path) -> None:
     connection.close()
 
 
+def json_lines(sheet: Sheet, path: Path) -> None:
+    """Write an object a line."""
+    frame(sheet).to_json(path, orient="records", lines=True, double_precision=15)
+
+
 def excel(sheet: Sheet, path: Path) -> None:
     """Write a sheet, row by row."""
     from openpyxl import Workbook
@@ -217,6 +222,7 @@ SHEETS: dict[str, tuple[str, Callable[[Sheet, Path], None]]] = {
     "Parquet": (".parquet", lambda sheet, path: frame(sheet).to_parquet(path)),
     "Feather": (".feather", lambda sheet, path: frame(sheet).to_feather(path)),
     "SQLite": (".db", sqlite),
+    "JSON lines": (".jsonl", json_lines),
     "Excel": (".xlsx", excel),
     "TDMS": (".tdms", tdms),
     "MDF 4": (".mf4", mdf("4.10")),

@@ -19,6 +19,7 @@ from newcomer_boards import FACES, Board, G, board_at_rest, board_of, six_faces
 from newcomer_tables import rounded
 from newcomer_truths import BIASES, NOISE, at_rest, chamber
 
+from independent.warm.warm_up import Chamber, power_ups, starts
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.key import Key
 from inertialcal.core.units import factor
@@ -54,6 +55,31 @@ deviations = "none"
 laboratory = { name = "Laboratory", city = "Monterey", country = "US" }
 customer = { name = "Customer", city = "Monterey", country = "US" }
 signatures = [{ name = "A. Person", function = "head" }]
+"""
+GROUND = """schema = 2
+[campaign]
+id = "ground"
+[sensors.head]
+kind = "accelerometer"
+axes = ["x", "y", "z"]
+unit = "m/s^2"
+chain = {{ kind = "none", model = "heads.json" }}
+[recordings.rest]
+sensor = "head"
+file = "{file}"
+channels = {{ {channels} }}
+[[tests]]
+id = "noise"
+procedure = "static_noise"
+recordings = ["rest"]
+"""
+CUBES = """[motion]
+stroke = ["10 cm", "40 cm"]
+rig = ["0 cm", "60 cm"]
+direction = "along"
+[body]
+stand_off = "7.6 cm"
+cubes = [{{ count = {large}, edge = "10 cm" }}, {{ count = {count}, edge = "{edge} cm" }}]
 """
 STANDARD = """[standards.rate_table]
 rate = { u = "0.1 %" }
@@ -114,6 +140,10 @@ def write_records(folder: Path) -> None:
     _pads(folder)
     _heads(folder)
     _campaigns(folder)
+    _ground_campaigns(folder)
+    _warm_ups(folder)
+    (folder / "tall.toml").write_text(CUBES.format(large=12, count=60, edge="1"))
+    (folder / "fine.toml").write_text(CUBES.format(large=40, count=1200, edge="0.5"))
     _keys(folder)
     ros_1(folder / "drive.bag")
     ros_2(folder / "drive.db3")
@@ -126,6 +156,15 @@ def _model(condition: str) -> SensorModel:
     estimate = Estimate(tuple(f"bias_{axis}" for axis in "xyz"), bias, ("rad/s",) * 3, (scatter,))
     between = {"air": (90e3, 110e3), "vacuum": (0.0, 1e-2)}[condition]
     made = model_from(estimate, "gyro", ("x", "y", "z"), 1.0, "rad/s", judged=True)
+    return replace(made, condition=condition, pressure_range=between)
+
+
+def _head_model(condition: str = "", bias: float = 1e-3) -> SensorModel:
+    """Return a model of accelerometers that has nothing but a bias [m/s^2], in a condition."""
+    scatter = Component("scatter", "A", np.diag([1e-16] * 3), 7.0)
+    estimate = Estimate(tuple(f"bias_{axis}" for axis in "xyz"), np.full(3, bias), ("m/s^2",) * 3, (scatter,))
+    made = model_from(estimate, "accelerometer", ("x", "y", "z"), 1.0, "m/s^2", judged=True)
+    between = {"air": (90e3, 110e3), "vacuum": (0.0, 1e-2), "": None}[condition]
     return replace(made, condition=condition, pressure_range=between)
 
 
@@ -232,7 +271,15 @@ def _levels() -> dict[str, str]:
     swung = {axis: share * rate + BIASES[axis] + PER_VOLT[axis] * (volts - 5.0)
              for axis, share in zip("xyz", (0.8, 0.6, 0.0), strict=True)}  # fmt: skip
     supply = {"supply [V]": rounded(volts, 4)}
+    hpa = 600.0 + 500.0 * (volts - 5.0) / 0.2 + rng.standard_normal(n)
+
+    def gauged(header: str) -> str:
+        return csv({**columns, **read((hpa - 600.0) / 2500.0), header: rounded(hpa, 2)})
+
     return {
+        "gauge_1.csv": gauged("pressure [hPa]"),
+        "gauge_2.csv": gauged("pressure [hPa]"),
+        "gauge.csv": gauged("gauge"),
         "levels.csv": csv({**columns, **read(volts - 5.0), **supply}),
         "levels_2.csv": csv({**columns, **read(volts - 5.0), **supply}),
         "levels_two.csv": csv({**columns, **read(volts - 5.0), "vcc [V]": supply["supply [V]"], "vdd [V]": [3.3] * n}),
@@ -375,6 +422,7 @@ def _heads(folder: Path) -> None:
     for axis, flip, (word, sign) in product("xyz", range(1, 6), (("forward", 1.0), ("reverse", -1.0))):
         mean = HEAD_BIAS[axis] + sign * AMBIENT[axis] + 0.5 * rng.standard_normal()
         text += f"{axis},{flip},{word},{mean:.3f}\n"
+    (folder / "quarters.csv").write_text(_quarters())
     for name, column in (("halves", "mean_ug"), ("halves_bare", "mean"), ("halves_named", "read_out")):
         (folder / f"{name}.csv").write_text(text.replace("mean_ug", column, 1))
 
@@ -415,3 +463,37 @@ def _campaigns(folder: Path) -> None:
         if text is not None:
             (folder / name / "campaign.toml").write_text(text)
         (folder / name / "dwells_units.csv").write_text(table)
+
+
+def _ground_campaigns(folder: Path) -> None:
+    """Write campaigns of a head behind a ground model: of two conditions, and with a gain that changes."""
+    for name, file, column, unit in (("ground", "acc_rest.csv", "acc_{} [m/s2]", "m/s^2"),
+                                     ("gained", "head_gain.csv", "acc_{} [g]", "g")):  # fmt: skip
+        (folder / name).mkdir()
+        (folder / name / file).write_bytes((folder / file).read_bytes())
+        channels = ", ".join(f'{axis} = {{ column = "{column.format(axis)}", unit = "{unit}" }}' for axis in "xyz")
+        (folder / name / "campaign.toml").write_text(GROUND.format(file=file, channels=channels))
+    write_model(folder / "ground/heads.json", ModelSet((_head_model("air"), _head_model("vacuum"))))
+    write_model(folder / "gained/heads.json", _head_model())
+
+
+def _warm_ups(folder: Path) -> None:
+    """Write power-ups from several temperatures, whose amplitude goes with where they start."""
+    truth = Chamber(by_start=3e-4, starts=starts(-20.0, 40.0, 6), length=900.0)
+    time, readings, number, warmth = power_ups(1, truth)
+    for run in range(len(truth.starts)):
+        own = number == run
+        columns = {f"gyro_{axis} [deg/s]": rounded(readings[own, i], 6) for i, axis in enumerate("xyz")}
+        text = csv({"time_s": rounded(time[own], 1), **columns, "temperature [degC]": rounded(warmth[own, 0], 3)})
+        (folder / f"warm_{run}.csv").write_text(text)
+
+
+def _quarters() -> str:
+    """Return the record of a head that is turned by quarters about z, each for 100 s."""
+    rng, at_each = np.random.default_rng(71), 1000
+    angle = np.radians(np.repeat([0.0, 90.0, 180.0, 270.0, 0.0], at_each))
+    turned = {"x": 500.0 * np.cos(angle) + 300.0 * np.sin(angle), "y": 300.0 * np.cos(angle) - 500.0 * np.sin(angle),
+              "z": np.full(len(angle), 4.0)}  # fmt: skip
+    acc = {f"acc_{axis} [ug]": rounded(HEAD_BIAS[axis] + values + 2.0 * rng.standard_normal(len(angle)), 3)
+           for axis, values in turned.items()}  # fmt: skip
+    return csv({"time_s": rounded(np.arange(len(angle)) / 10.0, 1), **acc})

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
-from inertialcal.statistics.least_squares import Fit, fit, fit_correlated
+from inertialcal.statistics.least_squares import Fit, fit, fit_correlated, symmetric_inverse
 
 STRD = Path(__file__).parent / "strd"
 
@@ -237,3 +237,15 @@ def test_other_refusals_by_their_words() -> None:
         fit_correlated(X, y, np.ones((4, 4)))
     with pytest.raises(DataError, match=r"covariance of shape \(3, 3\)"):
         fit_correlated(X, y, np.eye(3))
+
+
+def test_inverse_of_symmetric_matrices_leaves_out_what_nothing_tells_of() -> None:
+    Q = np.linalg.qr(np.random.default_rng(1).normal(size=(2, 4, 4)))[0]
+    values = np.array([[3.0, 1.0, -0.5, 1e-13], [2.0, 1.0, 1e-3, 1e-11]])
+    matrix = np.einsum("gik,gk,gjk->gij", Q, values, Q)
+    kept = np.array([[1.0, 1.0, 1.0, 0.0], [1.0, 1.0, 1.0, 1.0]])
+    expected = np.einsum("gik,gk,gjk->gij", Q, kept / values, Q)
+    found = symmetric_inverse(matrix, 1e-12)
+    np.testing.assert_allclose(found[0], expected[0], rtol=1e-11, atol=1e-11)
+    np.testing.assert_allclose(matrix[1] @ found[1], np.eye(4), atol=1e-4)
+    assert np.array_equal(symmetric_inverse(matrix[0], 1e-12), found[0])

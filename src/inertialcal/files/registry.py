@@ -54,6 +54,7 @@ BUILT_IN = {  # name -> module and attribute, in the order in which they are ask
     "lvm": "loggers.lvm:READER",
     "miniseed": "loggers.miniseed:READER",
     "sqlite": "loggers.sqlite:READER",
+    "json_lines": "loggers.json_lines:READER",
 }
 READERS: Registry[Reader] = Registry(
     "reader", Reader, "inertialcal.readers", {name: f"{__package__}.{place}" for name, place in BUILT_IN.items()}

@@ -256,6 +256,7 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
             taken |= found
     chain = chain_of_units(given, chain, [recording.channel(name).unit for name in axes.values()])
     raw = raw_units(chain)
+    taken |= reference_columns(given, chain, [*axes], taken)
     units = {what: recording.channel(name).unit or ("count" if "count" in raw else None)
              for what, name in taken.items()}  # fmt: skip
     wanted = {what: _kinds(what, roles.get(what), sensor, raw) for what in taken}
@@ -373,6 +374,35 @@ def chain_of_units(
         do = f"Add that of its data sheet: {given.add('scale_factor', f'NUMBER {volts}/(UNIT)')}"
         raise UsageError(what, do=do, code="no_scale_factor")
     return kept
+
+
+def reference_columns(
+    given: GivenFile, chain: Mapping[str, Any], axes: Sequence[str], named: Mapping[str, str]
+) -> dict[str, str]:
+    """Return the columns of the reference voltages that a chain subtracts sample by sample, by what they are.
+
+    Those that are named, those whose header is the word, and the recorder's (``x_ref``).
+
+    Raises
+    ------
+    UsageError
+        ``no_column`` where one is missing: all that are missing at once.
+    """
+    if chain.get("reference") != "channel":
+        return {}
+    names, found = given.recording.names, dict[str, str]()
+    for what in ("reference", *(f"reference_{axis}" for axis in axes)):
+        header = full_name(names, what) or full_name(names, f"{what[-1]}_ref")
+        if column := named.get(what) or header:
+            found[what] = column
+    missing = [f"reference_{axis}" for axis in axes if not {"reference", f"reference_{axis}"} & set(found)]
+    if missing:
+        wanted = missing if found else ["reference"]
+        what = f"{given.name}: cannot tell which column is the {' and the '.join(wanted)}; it has {', '.join(names)}"
+        why = "the chain subtracts it sample by sample"
+        do = f"Add: {' '.join(given.add('column', f'{one}=COLUMN') for one in wanted)}"
+        raise UsageError(what, "", why, do, "no_column")
+    return found
 
 
 def without_effect(given: GivenFile, name: str, unit: str | None) -> UsageError:

@@ -23,6 +23,11 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+def pays(n: int) -> bool:
+    """Return whether two jobs, each on n samples, are worth a thread of their own."""
+    return n >= LARGE and cores() > 1
+
+
 def shares(n: int) -> list[tuple[int, int]]:
     """Return first and stop of each share of n samples, in order: one of a short record."""
     return [(first, min(first + SHARE, n)) for first in range(0, max(n, 1), SHARE)]

@@ -12,6 +12,7 @@ from contextlib import suppress
 from typing import Any, TypeVar, cast
 
 import numba
+import numpy as np
 from numba.core.caching import FunctionCache
 from numba.core.dispatcher import Dispatcher
 
@@ -89,13 +90,23 @@ class AtHand:
 def _chosen(kernel: Callable[..., Any], other: Callable[..., Any]) -> Callable[..., Any]:
     if not isinstance(kernel, Dispatcher):
         return other
-    known: dict[tuple[Any, ...], bool] = {}
+    known: dict[tuple[Any, ...], Callable[..., Any]] = {}
     cache: object = getattr(kernel, "_cache", None)
 
     def loop(*args: Any) -> Any:
-        types = tuple(map(kernel.typeof_pyval, args))
-        if types not in known:
-            known[types] = types in kernel.overloads or (isinstance(cache, _Cache) and cache.holds(kernel, types))
-        return (kernel if known[types] else other)(*args)
+        kinds = tuple(map(_kind, args))
+        if kinds not in known:
+            types = tuple(map(kernel.typeof_pyval, args))
+            held = types in kernel.overloads or (isinstance(cache, _Cache) and cache.holds(kernel, types))
+            known[kinds] = kernel if held else other
+        return known[kinds](*args)
 
     return loop
+
+
+def _kind(given: Any) -> Any:
+    """Return what numba tells arguments apart by: it takes longer to name their types than a short loop takes."""
+    if isinstance(given, np.ndarray):
+        flags = given.flags
+        return given.dtype, given.ndim, flags.c_contiguous, flags.f_contiguous, flags.writeable, flags.aligned
+    return type(given)

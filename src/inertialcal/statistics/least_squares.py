@@ -192,6 +192,18 @@ def fit_correlated(design: Array, readings: Array, covariance: Array, names: Seq
     )
 
 
+def symmetric_inverse(matrix: Array, least: float) -> Array:
+    """Return the pseudo-inverse of symmetric matrices, shape (..., p, p).
+
+    Directions are left out whose eigenvalue is not above ``least`` of the largest.
+    """
+    values, vectors = np.linalg.eigh(matrix)
+    size = np.abs(values)
+    inverse = np.zeros_like(values)
+    np.divide(1.0, values, out=inverse, where=size > least * size.max(axis=-1, keepdims=True))
+    return np.asarray((vectors * inverse[..., None, :]) @ vectors.swapaxes(-1, -2))
+
+
 def _checked(design: Array, readings: Array, names: Sequence[str] | None) -> tuple[Array, Array, tuple[str, ...]]:
     X, y = np.asarray(design, dtype=float), np.asarray(readings, dtype=float)
     if X.ndim != 2 or y.shape != X.shape[:1]:

@@ -33,10 +33,10 @@ OF_LOGGERS = {
     "rosbag1": "bz2.bag", "rosbag2": "ros2.db3", "mcap": "zstd.mcap", "ulog": "px4.ulg", "dataflash": "ardu.bin",
     "dataflash_text": "ardu.log", "excel": "book.xlsx", "tdms": "labview.tdms", "uff": "binary.uff",
     "wav": "sound.wav", "feather": "zstd.feather", "mdf": "packed.mf4", "lvm": "labview.lvm",
-    "miniseed": "steim.mseed", "sqlite": "table.db",
+    "miniseed": "steim.mseed", "sqlite": "table.db", "json_lines": "lines.jsonl",
 }  # fmt: skip
 # Formats whose records follow one another without a count or an end: one that is cut between two of them looks whole.
-NO_END = ("text", "mat4", "mat5", "dataflash", "dataflash_text", "ulog", "lvm", "miniseed", "uff")
+NO_END = ("text", "mat4", "mat5", "dataflash", "dataflash_text", "ulog", "lvm", "miniseed", "uff", "json_lines")
 SHORT_TEXT = 20  # rows of a text that do not show with how many digits its last number was to be written
 # What a file, as it is written here, holds against a changed byte; where there is nothing, values may change.
 CHECKED = {

@@ -6,6 +6,7 @@ Each writer puts three axes of a gyro and of an accelerometer into a file; what 
 from __future__ import annotations
 
 import gc
+import json
 import sqlite3
 import struct
 import warnings
@@ -457,6 +458,22 @@ def sqlite(path: Path) -> Written:
                    remarks=("other_topics", "text_column", "missing_cells"))  # fmt: skip
 
 
+def json_lines(path: Path, words: bool = True) -> Written:
+    """Write an object a line: nested, with a list, a text, a key that some lack, and of a second sensor among them."""
+    with path.open("w", encoding="utf-8") as file:
+        for i in range(N):
+            cells: dict[str, Any] = {"sensor": "imu", "time_ns": int(STAMPS[i]), "acc": GYRO[i].tolist(),
+                                     "gyro_dps": dict(zip(XYZ, ACC[i].tolist(), strict=True)), "raw": int(COUNTS[i, 0]),
+                                     **({"state": "run"} if words else {})}  # fmt: skip
+            file.write(json.dumps(cells | ({} if i == 3 else {"field": COUNTS[i, 1] / 8})) + "\n")
+            file.write(json.dumps({"sensor": "baro", "t": i, "p": 1013.2}) + "\n" if i % 4 == 0 else "")
+    field = COUNTS[:, 1] / 8
+    field[3] = np.nan
+    wanted = {f"acc.{i + 1}": GYRO[:, i] for i in range(3)} | _named("gyro_dps.", ACC)
+    return Written(wanted | {"raw": COUNTS[:, 0], "field": field}, {"gyro_dps.x": "deg/s", "raw": None}, STAMPS,
+                   remarks=("other_topics", "text_column", "missing_cells"))  # fmt: skip
+
+
 WRITERS: dict[str, Callable[[Path], Written]] = {
     "plain.bag": ros_1,
     "bz2.bag": lambda path: ros_1(path, "BZ2"),
@@ -483,4 +500,5 @@ WRITERS: dict[str, Callable[[Path], Written]] = {
     "labview.lvm": lvm,
     "steim.mseed": miniseed,
     "table.db": sqlite,
+    "lines.jsonl": json_lines,
 }

@@ -59,7 +59,7 @@ CUT_FILES = {  # name -> share of the file that is there, rows at least
     "flat.mcap": (0.6, 200), "px4.ulg": (0.6, 200), "ardu.bin": (0.6, 200), "ardu.log": (0.6, 200),
     "labview.tdms": (0.97, 200), "text.uff": (0.6, N), "sound.wav": (0.6, 200), "wide.wav": (0.97, 200),
     "zstd.feather": (0.6, 200), "stream.arrow": (0.6, 200), "labview.lvm": (0.6, 200), "steim.mseed": (0.6, 200),
-    "table.db": (0.6, 100),
+    "table.db": (0.6, 100), "lines.jsonl": (0.6, 200),
 }  # fmt: skip
 
 

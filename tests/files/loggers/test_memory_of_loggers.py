@@ -15,7 +15,7 @@ import pytest
 
 from inertialcal.core import batches
 from inertialcal.files.columns import Content
-from inertialcal.files.loggers import bags, dataflash, tdms, wav
+from inertialcal.files.loggers import bags, dataflash, json_lines, tdms, wav
 from inertialcal.files.source import Loaded, load
 
 pytestmark = pytest.mark.slow
@@ -30,6 +30,7 @@ BOUNDED: dict[str, tuple[Reading, str, int]] = {  # -> reader, topic, columns of
     "ardu.bin": (dataflash.read_binary, "IMU[1]", 6),
     "segments.tdms": (tdms.read_tdms, "", 3),
     "sound.wav": (wav.read_wav, "", 3),
+    "lines.jsonl": (json_lines.read_json_lines, "imu", 8),
 }
 
 
@@ -48,6 +49,7 @@ OWN: dict[str, Callable[[Path], object]] = {
     "plain.bag": lambda path: logger_files.ros_1(path, chunk=20_000),
     "zstd.mcap": lambda path: logger_files.mcap(path, stop=len(logger_files.GYRO)),
     "segments.tdms": segments,
+    "lines.jsonl": lambda path: logger_files.json_lines(path, words=False),
 }
 
 
@@ -70,6 +72,7 @@ def test_a_log_of_four_times_the_length_takes_no_more_memory(
     for module, constant, small in (
         (batches, "HELD", 2**12), (batches, "SIZE", 2**10), (bags, "AT_ONCE", 2**8), (bags, "ROWS", 2**6),
         (dataflash, "BLOCK", 2**14), (wav, "BATCH", 2**12), (tdms, "SIZE", 2**10),
+        (json_lines, "PIECE", 2**12), (json_lines, "BATCH", 2**8),
     ):  # fmt: skip
         monkeypatch.setattr(module, constant, small)
     reader, topic, columns = BOUNDED[name]

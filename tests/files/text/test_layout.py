@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from inertialcal.core.errors import DataError
-from inertialcal.files.text.layout import Layout, sniff, split
+from inertialcal.files.text.layout import Layout, sniff, split, without_signs
 
 
 def look(text: str) -> Layout:
@@ -164,3 +164,52 @@ def test_quotes_keep_a_separator() -> None:
 def test_a_table_cut_in_the_first_cell_of_its_only_row_is_refused(separator: str) -> None:
     with pytest.raises(DataError, match=r"header names 3 column"):
         look(separator.join(("t_s", "gyro_x [deg/s]", "gyro_y [deg/s]")) + "\n0.00")
+
+
+@pytest.mark.parametrize("mark", ["#", "%", "//", ";", "!"])
+class TestComments:
+    """The signs of comments of shells, MATLAB, C, assemblers and Fortran."""
+
+    def test_names_and_units_in_the_last_two(self, mark: str) -> None:
+        text = f"{mark} a log, 2024\n{mark}{mark} ----\n{mark}time_s gx gy\n{mark} s  deg/s deg/s\n{mark} --- ---\n"
+        found = look(text + "0.0 1.5 2\n0.1 2.5 3\n")
+        assert (found.names, found.units, found.row) == (("time_s", "gx", "gy"), ("s", "deg/s", "deg/s"), 6)
+
+    def test_a_sentence_above_units_names_nothing(self, mark: str) -> None:
+        assert look(f"{mark} made by us\n{mark} V, A\n1,2\n3.5,4\n").names == ("V", "A")
+
+    def test_units_below_the_header(self, mark: str) -> None:
+        found = look(f"t,x,n\n{mark}s,deg/s,\n{mark} by hand\n0.1,2,5\n0.2,3,6\n")
+        assert (found.units, found.row) == (("s", "deg/s", ""), 4)
+        assert look(f"t,x\n0.1,2\n{mark}s,V\n0.2,3\n").units == ("", "")
+
+    def test_before_every_row_it_is_none(self, mark: str) -> None:
+        text = f"{mark} a log\n\n{mark}t, x\n{mark}{mark} 0.5, 2\n {mark}1.5, 3\n{mark}2024-03-12T10:00:00Z, 4\n"
+        bare, found = without_signs(text)
+        assert found == mark
+        assert [len(line) for line in bare.split("\n")] == [len(line) for line in text.split("\n")]
+        assert look(bare).names == ("t", "x")
+        for other in ("1,2\n" + text, f"{mark} words\n{mark} alone 5\n", f"{mark} a\n1,2\n3,4\n", "", "\n"):
+            assert without_signs(other) == (other, "")
+
+
+def test_semicolons_that_separate_are_no_comments() -> None:
+    text = ";1;2\n;3;4\n"
+    assert without_signs(text) == (text, "")
+
+
+@pytest.mark.parametrize(
+    ("below", "units", "first"),
+    [
+        ("s,deg/s,n/a", ("s", "deg/s", "n/a"), 3),
+        ("master,IMU 1,2\ns,deg/s,-", ("s", "deg/s", ""), 4),
+        ("master,IMU,flag\ns,deg/s,1", ("s", "deg/s", "1"), 4),
+        ("s,deg/s,V\nmaster,IMU,flag", ("s", "deg/s", "V"), 4),
+        ("s,deg/s,2", ("", "", ""), 2),
+        ("one,two,three", ("", "", ""), 2),
+    ],
+)
+def test_units_among_lines_of_words(below: str, units: tuple[str, ...], first: int) -> None:
+    found = look(f"t,x,n\n{below}\n0.1,2.5,3\n0.2,3.5,4\n")
+    assert (found.names, found.row) == (("t", "x", "n"), first)
+    assert tuple(unit.replace("-", "") for unit in found.units) == units

@@ -61,6 +61,9 @@ def test_jumps_at_a_few_places_are_those_at_all(run: Any, n: int) -> None:
         jumps = np.empty(len(at))
         run.fill_jumps(x, w, at, jumps)
         np.testing.assert_allclose(jumps, every[at], atol=1e-9)
+        whole = np.empty(len(every))
+        run.fill_jumps(x, w, np.arange(len(every)), whole)
+        assert np.array_equal(jumps, whole[at])  # however many lie together
 
 
 @pytest.mark.parametrize("n", [3, 40, 13_000])

@@ -184,7 +184,7 @@ def content_of(folder: str | os.PathLike[str]) -> Content:
     _check_period(stated, results)
     figures = tuple(_figures(campaign, results))
     if not figures:
-        do = "Look into its remarks: inertialcal show DIR"
+        do = f"Look into {folder}/out/results.json: it says why each figure has none"
         raise DataError("no figure with an uncertainty to certify", str(folder), do=do, code="no_figures")
     standards = tuple(_standards(results, _last_day(stated), (stated.performed or [date.max])[0]))
     simulated = (campaign.folder / TRUTH).exists()

@@ -99,7 +99,7 @@ def computable(name: str, subject: str = "test") -> Iterator[None]:
         if isinstance(error, ValueError) and kind != "LinAlgError":  # which is one, too
             raise
         what = f"{subject} {name!r}: its figures cannot be computed from these readings ({kind}: {error})"
-        do = "Look for readings that do not vary, or vary beyond all measure: inertialcal info FILE"
+        do = "Look for readings that do not vary, or vary beyond all measure"
         raise DataError(what, do=do, code="not_computable") from error
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.batches import batches, empty, release
-from ...core.errors import DataError
+from ...core.errors import DataError, InertialcalError
 from ...core.estimate import Array
 from ...core.influence import lasting
 from ...core.key import Reason
@@ -34,7 +34,7 @@ from ...sensors.model.terms import values
 from ...sensors.model.uncertainty import compensated_uncertainty, without_uncertainty
 from ...statistics.intervals import t_interval
 from .find import load_models
-from .inputs import CONDITIONS, FORCES, UNCERTAINTY, Taken, from_chain, missing_conditions, taken
+from .inputs import CONDITIONS, FORCES, UNCERTAINTY, Taken, all_missing, from_chain, no_unit, taken
 
 FAR = 3.0  # times the largest input of a model, beyond which whole numbers are no inputs
 CUT = "Cut out the rows of one condition: inertialcal convert DATA OUT --from --to"
@@ -91,21 +91,12 @@ def compensate(
             do="Compensate the raw recording",
             code="already_compensated",
         )
-    model = model_for(model, recording, columns, condition)
+    model = settled_model(model, recording, columns, temperature, condition)
     check_item(model, serial=serial)
     recording, columns = from_chain(model, recording, columns)
     chosen = taken(model, recording, columns, temperature)
     axes = {axis: chosen.columns[axis] for axis in model.axes}
-    # Refuse axes without a unit, or with one of another kind, with the file and the way out
-    if bare := [name for name in axes.values() if recording.channel(name).unit is None]:
-        options = " ".join(f"--unit {shlex.quote(f'{name}=UNIT')}" for name in bare)
-        raise DataError(
-            f"unit of column {bare[0]!r} not given{', nor of ' * (len(bare) > 1)}{', '.join(map(repr, bare[1:]))}",
-            where=recording.source.path,
-            why=f"the model takes {_takes(model)}",
-            do=f"Say what it is: {options} (UNIT: {_takes(model)})",
-            code="no_unit",
-        )
+    # Refuse axes in a unit of another kind, with the file and the way out
     for name in axes.values():
         try:
             check_item(model, unit=recording.channel(name).unit)
@@ -149,14 +140,6 @@ def _check_whole_numbers(model: SensorModel, recording: Recording, axes: Mapping
         )
 
 
-def _takes(model: SensorModel) -> str:
-    """Return the units that a model takes readings in, for people."""
-    words = ["deg/s", "rad/s"] if model.kind == "gyro" else ["m/s2", "g"]
-    words += [model.output_unit] if model.output_unit not in (model.unit, *words) else []
-    counted = model.chain is not None and model.chain.input_unit == "count"
-    return ", ".join([*words, *(["count"] if counted and "count" not in words else [])])
-
-
 def _in_batches(
     model: SensorModel, recording: Recording, chosen: Taken, axes: Mapping[str, str], uncertainty: bool
 ) -> Recording:
@@ -180,6 +163,25 @@ def _in_batches(
     channels = [columns.pop(one.name, one) for one in recording.channels]
     remarks = (*recording.remarks, *(counted(one, len(recording)) for one in gather(outside)), *gather(lost))
     return replace(recording, channels=(*channels, *columns.values()), remarks=remarks)
+
+
+def settled_model(
+    models: SensorModel | ModelSet,
+    recording: Recording,
+    columns: Mapping[str, str] | None,
+    temperature: str | float | None,
+    condition: str | None,
+) -> SensorModel:
+    """Return the model of the condition, as `model_for`; where it is not known, refuse all else that is missing too."""
+    try:
+        return model_for(models, recording, columns, condition)
+    except InertialcalError as error:
+        if not {one.code for one in error.problems} & {"condition_needed", "no_unit", "wrong_column"}:
+            raise
+        first = next(iter(models.values())) if isinstance(models, ModelSet) else models
+        said = {one.what for one in error.problems}
+        others = [one for one in all_missing(first, recording, columns, temperature) if one.what not in said]
+        raise type(error)([*error.problems, *others]) from None
 
 
 def model_for(
@@ -313,8 +315,6 @@ def emptied(raw: Recording, done: Recording, axes: Mapping[str, str], conditions
 
 def _conditions(model: SensorModel, recording: Recording, chosen: Taken) -> Conditions:
     """Return what the terms of the model need, from columns or fixed."""
-    if missing := missing_conditions(model, recording, chosen):
-        raise DataError(missing)
     needs = needed(model)
     found: Conditions = {}
     for name, unit in CONDITIONS.items():
@@ -354,12 +354,7 @@ def _condition(
 def _in_unit(recording: Recording, name: str, unit: str) -> Array:
     channel = recording.channel(name)
     if channel.unit is None:
-        raise DataError(
-            f"unit of column {name!r} not given",
-            where=recording.source.path,
-            do=f"Add --unit {shlex.quote(f'{name}={unit}')}",
-            code="no_unit",
-        )
+        raise DataError(no_unit(recording, name, unit))
     values = recording.array([name])[:, 0]
     if unit == "degC/s":
         return values * factor(channel.unit, unit, difference=True)

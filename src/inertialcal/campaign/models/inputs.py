@@ -23,6 +23,7 @@ from ...sensors.model.sensor_model import RANGE_UNIT, SensorModel
 from ...sensors.model.terms import FORCE_AXES
 
 CONDITIONS = {"temperature": "degC", "temperature_rate": "degC/s", "pressure": "Pa", "time": "s"}
+USUAL = {"degC": ("degC", "K", "degF"), "Pa": ("Pa", "hPa", "Torr"), "V": ("V", "mV"), "m/s^2": ("m/s2", "g")}
 FORCES = tuple(f"force_{axis}" for axis in FORCE_AXES)
 UNCERTAINTY = "u_"  # before the name of a column that holds standard uncertainties
 RECORDED = {
@@ -79,6 +80,7 @@ def taken(
     found = {axis: names[0] for axis, names in by_axis.items() if len(names) == 1}
     asked = temperature is None and "temperature" not in named and "temperature" in needed(model)
     found |= _warm(model, recording) if asked else {}
+    found |= _pressure(recording) if "pressure" in needed(model) and "pressure" not in named else {}
     found |= {
         name: column for name in channels if name not in CONDITIONS and (column := full_name(recording.names, name))
     }
@@ -87,14 +89,33 @@ def taken(
         chosen = Taken({**found, "temperature": column, **named})
     else:
         chosen = Taken(found | named, None if temperature is None else _fixed_temperature(recording, temperature))
-    if unclear := {axis: names for axis, names in by_axis.items() if axis not in found}:
-        raise DataError([_unclear(model, recording, unclear), *missing_conditions(model, recording, chosen)])
+    unclear = {axis: names for axis, names in by_axis.items() if axis not in found}
+    problems = [_unclear(model, recording, unclear)] if unclear else []
+    problems += [*_missing_conditions(model, recording, chosen), *_without_unit(model, recording, chosen)]
+    if problems:
+        raise DataError(problems)
     return chosen
 
 
-def missing_conditions(model: SensorModel, recording: Recording, chosen: Taken) -> list[Problem]:
+def all_missing(
+    model: SensorModel,
+    recording: Recording,
+    columns: Mapping[str, str] | None = None,
+    temperature: str | float | None = None,
+) -> list[Problem]:
+    """Return what `from_chain` and `taken` would refuse of readings."""
+    try:
+        taken(model, *from_chain(model, recording, columns), temperature)
+    except DataError as error:
+        return list(error.problems)
+    return []
+
+
+def _missing_conditions(model: SensorModel, recording: Recording, chosen: Taken) -> list[Problem]:
     """Return a problem for each condition that a term of the model needs and nothing gives, with what to add."""
     found = []
+    units = CONDITIONS | dict.fromkeys(("specific_force",), "m/s^2") | {
+        one.channel: one.unit for one in model.sensitivities}  # fmt: skip
     for name, term in needed(model).items():
         each = [f"{name}_{axis}" for axis in model.axes] if name in CONDITIONS else []
         wanted = FORCES if name == "specific_force" else (name,)
@@ -102,6 +123,8 @@ def missing_conditions(model: SensorModel, recording: Recording, chosen: Taken) 
             continue
         if name != "temperature":
             do = f"Say it: {' '.join(f'--column {one}=NAME' for one in wanted)}"
+            if not any(one.unit and same_dimension(one.unit, units[name]) for one in recording.channels):
+                do += f"; and its unit: --unit NAME=UNIT (UNIT: {', '.join(USUAL.get(units[name], (units[name],)))})"
             what = f"the model needs {name.replace('_', ' ')}"
             found.append(Problem(what, recording.source.path, f"it has the term {term}", do, "missing_condition"))
         elif chosen.temperature is None:
@@ -113,6 +136,39 @@ def missing_conditions(model: SensorModel, recording: Recording, chosen: Taken) 
             what = "the model needs the temperature of the sensor"
             found.append(Problem(what, recording.source.path, f"it has the term {term}", do, "no_temperature"))
     return found
+
+
+def _without_unit(model: SensorModel, recording: Recording, chosen: Taken) -> list[Problem]:
+    """Return the problem of axes whose column has no unit, and one for each such column of a condition."""
+    found = []
+    axes = dict.fromkeys(chosen.columns[axis] for axis in model.axes if axis in chosen.columns)
+    if bare := [name for name in axes if recording.channel(name).unit is None]:
+        options = " ".join(f"--unit {shlex.quote(f'{name}=UNIT')}" for name in bare)
+        what = f"unit of column {bare[0]!r} not given{', nor of ' * (len(bare) > 1)}{', '.join(map(repr, bare[1:]))}"
+        why, do = f"the model takes {_takes(model)}", f"Say what it is: {options} (UNIT: {_takes(model)})"
+        found.append(Problem(what, recording.source.path, why, do, "no_unit"))
+    needs = needed(model)
+    units = {one.channel: one.unit for one in model.sensitivities if one.channel not in CONDITIONS}
+    units |= {name: unit for name, unit in CONDITIONS.items() if name in needs}
+    units |= dict.fromkeys(FORCES, "m/s^2") if "specific_force" in needs else {}
+    units |= {f"temperature_{axis}": "degC" for axis in model.axes} if "temperature" in needs else {}
+    others = {name: units[what] for what, name in chosen.columns.items() if what in units and name not in axes}
+    return found + [no_unit(recording, name, unit) for name, unit in others.items()
+                    if recording.channel(name).unit is None]  # fmt: skip
+
+
+def no_unit(recording: Recording, name: str, unit: str) -> Problem:
+    """Return the problem of a column of a condition that has no unit."""
+    do = f"Add --unit {shlex.quote(f'{name}=UNIT')} (UNIT: {', '.join(USUAL.get(unit, (unit,)))})"
+    return Problem(f"unit of column {name!r} not given", recording.source.path, do=do, code="no_unit")
+
+
+def _takes(model: SensorModel) -> str:
+    """Return the units that a model takes readings in, for people."""
+    words = ["deg/s", "rad/s"] if model.kind == "gyro" else ["m/s2", "g"]
+    words += [model.output_unit] if model.output_unit not in (model.unit, *words) else []
+    counted = model.chain is not None and model.chain.input_unit == "count"
+    return ", ".join([*words, *(["count"] if counted and "count" not in words else [])])
 
 
 def chain_columns(chain: Chain, recording: Recording, columns: Mapping[str, str] | None = None) -> dict[str, str]:
@@ -172,6 +228,13 @@ def _warm(model: SensorModel, recording: Recording) -> dict[str, str]:
     return by_axis if len(by_axis) == len(warm) == len(model.axes) else {}
 
 
+def _pressure(recording: Recording) -> dict[str, str]:
+    """Return the column that is called pressure, or the only one of its quantity."""
+    column = full_name(recording.names, "pressure")
+    gauges = [one.name for one in recording.channels if one.quantity == "pressure" and one.unit]
+    return {"pressure": column or gauges[0]} if column or len(gauges) == 1 else {}
+
+
 def from_chain(
     model: SensorModel, recording: Recording, columns: Mapping[str, str] | None = None
 ) -> tuple[Recording, dict[str, str]]:
@@ -208,6 +271,8 @@ def from_chain(
         chain = replace(chain, validity_minimum=None)
         what = "no column of the built-in test: whether readings were good was not looked at"
         remarks = (*remarks, Remark("no_built_in_test", "info", what, recording.source.path))
+    if missing := _missing_channels(chain, recording, found):
+        raise DataError([missing, *_missing_conditions(model, recording, Taken({**found, **named}))])
     done = apply_chain(chain, replace(recording, remarks=remarks), found)
     unit = RANGE_UNIT[model.kind]
     shown = tuple(
@@ -217,6 +282,22 @@ def from_chain(
     inputs = {*chain.axes, *(f"temperature_{axis}" for axis in chain.axes)}
     made = {name: name for name in done.names if name in inputs}
     return replace(done, channels=shown), {what: name for what, name in named.items() if what not in found} | made
+
+
+def _missing_channels(chain: Chain, recording: Recording, found: Mapping[str, str]) -> Problem | None:
+    """Return the problem of channels of a chain that some axes have and others lack, or that none has."""
+    missing = []
+    for kind in CHANNELS:
+        lack = [axis for axis in chain.axes if not {kind, f"{kind}_{axis}"} & set(found)]
+        if kind == "reference" and chain.reference == "channel" and len(lack) == len(chain.axes):
+            missing.append(kind)
+        elif len(lack) < len(chain.axes):
+            missing += [f"{kind}_{axis}" for axis in lack]
+    if not missing:
+        return None
+    code = f"missing_{next(kind for kind in reversed(CHANNELS) if missing[0].startswith(kind))}"
+    what, why = f"no channel {', '.join(missing)}", "the chain of the model takes one for each axis, or one for all"
+    return Problem(what, recording.source.path, why, said_by_column(missing, recording), code)
 
 
 def _check_raw(model: SensorModel, recording: Recording, named: Mapping[str, str]) -> None:

@@ -216,7 +216,7 @@ def _compensate(**given: Any) -> int:
     """Apply a model to a recording: true inputs in place of readings; time, gaps and other channels stay."""
     from ...campaign.calls.given import read_as_said
     from ...campaign.models.compensation import compensate as apply
-    from ...campaign.models.compensation import model_for
+    from ...campaign.models.compensation import settled_model
     from ...campaign.models.find import find_model, published
     from ...campaign.models.inputs import chain_columns, from_chain, taken
     from ...campaign.models.published import reading_steps
@@ -244,7 +244,7 @@ def _compensate(**given: Any) -> int:
         if as_json:
             json_out("compensate", {"inputs": inputs} | listed)
         return 0
-    whose = model_for(found.models, raw, columns, given["condition"])
+    whose = settled_model(found.models, raw, columns, temperature, given["condition"])
     started = {} if whose.chain is None else chain_columns(whose.chain, raw, columns)
     raw, columns = from_chain(whose, raw, columns)
     about = {name: given[name] for name in ("serial", "uncertainty")}

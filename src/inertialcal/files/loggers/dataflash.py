@@ -2,7 +2,8 @@
 
 A log describes itself [1]_: messages FMT say what the others hold, FMTU, UNIT and MULT in which units. A number is
 what is stored times its multiplier; where a log has none (before 2018), what the letter of its format says. Stamps
-count microseconds since the autopilot started.
+count microseconds since the autopilot started; where a message says when its sample was taken (SampleUS), that is its
+time.
 
 References
 ----------
@@ -37,7 +38,7 @@ KINDS = {"a": "(32,)<i2", "b": "i1", "B": "u1", "M": "u1", "h": "<i2", "H": "<u2
 SCALES = {"c": 0.01, "C": 0.01, "e": 0.01, "E": 0.01, "L": 1e-7}  # what a letter says, of the number stored
 ABOUT = ("FMT", "FMTU", "UNIT", "MULT", "PARM", "MSG", "FILE", "VER")
 READINGS = ("IMU", "IMU2", "IMU3", "ACC", "ACC1", "ACC2", "ACC3", "GYR", "GYR1", "GYR2", "GYR3", "IMT", "RAW_IMU")
-CLOCKS = {"TimeUS": "us", "TimeMS": "ms", "SampleUS": "us"}
+CLOCKS = {"SampleUS": "us", "TimeUS": "us", "TimeMS": "ms"}  # that of the measurement before that of the message
 KNOWN = {"Gyr": "rad/s", "Acc": "m/s^2"}  # of logs without units, from 2016 on
 FRAME = "body of the autopilot, x forward, y right, z down"
 FMT, FMT_LENGTH = 128, 89

@@ -46,6 +46,7 @@ from .layout import (
     sniff,
     split,
     without_first,
+    without_signs,
 )
 from .printed import as_table
 
@@ -84,8 +85,11 @@ def parse(
     """
     text = without_first(text, skip)
     printed = as_table(text, where)
-    text = text if printed is None else printed.text
+    text, sign = without_signs(text if printed is None else printed.text)
     layout = sniff(text, where, decimal)
+    if sign:
+        what = f"every line begins with {sign!r}, rows too: read without it"
+        layout = replace(layout, remarks=(Remark("rows_as_comments", "info", what, where), *layout.remarks))
     if printed is not None:
         units = (*printed.units, *layout.units[len(printed.units) :])
         names = printed.names if len(printed.names) == layout.width else layout.names
@@ -95,7 +99,7 @@ def parse(
     names = column_names(layout, where)
     raw = b"" if loaded is None else loaded.data
     same = (
-        not skip and printed is None and raw.isascii() and b"\r" not in raw and len(raw) >= len(text)
+        not (skip or sign) and printed is None and raw.isascii() and b"\r" not in raw and len(raw) >= len(text)
     )  # then the text needs no copy for Arrow
     text, cut = whole_rows(text, layout, where)
     rows = 1 + text.count("\n", layout.start)

@@ -3,8 +3,9 @@
 Judged from the first 200 lines that hold something. Candidates for separator and decimal sign are scored by
 the share of lines of equal width times the share of cells that are numbers; at a tie the first in
 ``CANDIDATES`` wins. The header is the first of these lines if no cell of it is a number and it is as wide as
-the rows; failing that the last comment line, if it is. Lines before a header that are neither (an export's
-preamble) are left out and counted.
+the rows; failing that the last comment line, if it is. Units stand in a line of words, or a comment, below it. Lines
+before a header that are neither (an export's preamble) are left out and counted. A sign of comments that stands
+before every line, rows too, is none.
 
 Text is UTF-8 with a Latin-1 fallback, or UTF-16 by its byte-order mark; binary data is refused.
 
@@ -19,7 +20,7 @@ import csv
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -56,8 +57,12 @@ WORDS = {",": "comma-separated", "\t": "tab-separated", ";": "semicolon-separate
 PLAIN = "0123456789.-+eE"  # characters of plain numbers
 NUMBER = frozenset("ifn")  # kinds of cells
 WORDS_BELOW = 2  # lines of words, at most, between a header and its numbers
-COMMENT = ("#", "%", "//")
+RATIO = "1"  # where a unit stands
+COMMENT = ("#", "%", "//", "!")
 SEMICOLON_COMMENT = (*COMMENT, ";")
+SIGN = re.compile(r"[ \t]*(?://+|([#%!;])\1*)")  # of a comment, however often it stands there
+SIGNS = "#%/;! \t"  # what may stand before the text of a comment
+ROW_AS_COMMENT = re.compile(r"[ \t]*[-+]?[0-9.][-+0-9.,;:/TZeE \t]*")  # numbers, and a date
 SAMPLE_RATE = re.compile(
     r"\b(?:fs|(?:sampl(?:e|ing)|data)[ _-]*(?:rate|frequency|freq))\b[^0-9=:]{0,12}[=:]?\s*"
     r"([0-9]+(?:\.[0-9]*)?(?:e[-+]?[0-9]+)?)\s*(k?hz|sps|/s)?",
@@ -120,6 +125,30 @@ def without_first(text: str, lines: int) -> str:
     return "\n" * lines + text[at:]
 
 
+def without_signs(text: str) -> tuple[str, str]:
+    """Return a text whose every line is a comment, and most of them rows, without the signs, and its sign.
+
+    Any other text as it is, and no sign. Blanks stand where the signs stood, so that rows and cells keep their places.
+    """
+    first = SIGN.match(text.lstrip())
+    mark = first[0] if first else ""
+    signs = text.count(";") if mark.startswith(";") else 0  # more of them than lines: they separate
+    rows = lines = 0
+    for line in _lines(text) if mark else ():
+        if lines == SAMPLE:
+            break
+        sign = SIGN.match(line.text)
+        if sign is None and line.text.strip():
+            return text, ""
+        if sign is not None and line.text[sign.end() :].strip():
+            lines += 1
+            rows += ROW_AS_COMMENT.fullmatch(line.text, sign.end()) is not None
+    if 2 * rows <= lines or signs > 1 + text.count("\n"):
+        return text, ""
+    bare = re.sub(rf"^{SIGN.pattern}", lambda sign: " " * len(sign[0]), text, flags=re.MULTILINE)
+    return bare, mark.strip()
+
+
 def split(line: str, separator: str | None) -> list[str]:
     """Return the cells of a line, without quotes and outer blanks."""
     if '"' in line:
@@ -153,27 +182,25 @@ def _sniff(text: str, where: str, comment: tuple[str, ...], stated: Decimal | No
     comments, lines = _head(text, comment, where)
     if not lines:
         raise DataError("no rows of data", where=where, do="Record again", code="empty_file")
-    for line in lines:
-        if len(lines) > 1 and len(line.text) < COLUMNS:  # it cannot have too many cells
-            continue
-        cells = max(len(line.text.split()), *(1 + line.text.count(sign) for sign in ",;\t"))
-        if len(lines) > 1 or cells < ACROSS:
-            check_count(len(line.text), LINE, "characters in a line", f"{where}:{line.row}")
-        if len(lines) > 1:
-            check_count(cells, COLUMNS, "columns", f"{where}:{line.row}")
+    _check_lines(lines, where)
     separator, decimal, table = _separator(lines, stated)
     width = _width(table)
     header, first = _first_data(table, decimal, width)
     notes = [line.text for line in lines[: first if header is None else header]]
-    names, from_comment = _names(table, header, comments, separator, width)
+    above = [one.text for one in comments if one.row < lines[0].row]
+    names, units_row = _comment_header(above, separator, width) if header is None else ((), ())
+    from_comment = bool(names)
+    names = names or (("",) * width if header is None else tuple(_header(table[header], table, width)))
     if header is not None and len(names) != width:
         raise _header_width(len(names), width, f"{where}:{lines[header].row}")
     if header is not None and width == 1 and len(lines) == header + 2:  # a row alone, cut off in its first cell
         wide = max(len(split(lines[header].text, sign)) for sign in ",;\t")
         if wide > 1:
             raise _header_width(wide, width, f"{where}:{lines[header].row}")
-    units_row, below = _units(table, header, decimal, width)
-    first += below
+    if header is not None:
+        units_row, below = _units(table[header:], decimal, width)
+        first += below
+        units_row = units_row or _units_in_comments(comments, lines[header : first + 1], separator, width)
     if first >= len(lines):
         raise DataError("a header, but no rows of data", where=where, code="empty_file")
     start = lines[first]
@@ -187,21 +214,32 @@ def _sniff(text: str, where: str, comment: tuple[str, ...], stated: Decimal | No
         row=start.row,
         comment=comment,
         across=len(lines) == 1 and header is None and width >= ACROSS,
-        sample_rate=_sample_rate(comments + notes),
+        sample_rate=_sample_rate(above + notes),
         remarks=_remarks(notes, lines, names if from_comment else (), where)
         + _ambiguous(table[first:], separator, header, where),
     )
 
 
-def _head(text: str, comment: tuple[str, ...], where: str) -> tuple[list[str], list[Line]]:
-    """Comment lines before the first line that holds something, and the first of these lines."""
-    comments: list[str] = []
+def _check_lines(lines: list[Line], where: str) -> None:
+    """Refuse lines with too many cells, or that are too long; a lone line may be a series across."""
+    for line in lines:
+        if len(lines) > 1 and len(line.text) < COLUMNS:  # it cannot have too many cells
+            continue
+        cells = max(len(line.text.split()), *(1 + line.text.count(sign) for sign in ",;\t"))
+        if len(lines) > 1 or cells < ACROSS:
+            check_count(len(line.text), LINE, "characters in a line", f"{where}:{line.row}")
+        if len(lines) > 1:
+            check_count(cells, COLUMNS, "columns", f"{where}:{line.row}")
+
+
+def _head(text: str, comment: tuple[str, ...], where: str) -> tuple[list[Line], list[Line]]:
+    """Comment lines up to the last line that is looked at, and the first lines that hold something."""
+    comments: list[Line] = []
     lines: list[Line] = []
     for line in _lines(text):
         stripped = line.text.strip()
         if stripped.startswith(comment):
-            if not lines:
-                comments.append(stripped[:LONGEST_COMMENT])
+            comments.append(replace(line, text=stripped[:LONGEST_COMMENT]))
         elif stripped:
             lines.append(line)
         if len(lines) == SAMPLE:
@@ -324,16 +362,6 @@ def _header(cells: list[str], table: Table, width: int) -> list[str]:
     return [*cells, ""] if ends == {""} else cells
 
 
-def _names(
-    table: Table, header: int | None, comments: list[str], separator: str | None, width: int
-) -> tuple[tuple[str, ...], bool]:
-    """Names of the columns, and whether they come from the last comment."""
-    if header is not None:
-        return tuple(_header(table[header], table, width)), False
-    names = _comment_names(comments[-1], separator, width) if comments else []
-    return tuple(names or [""] * width), bool(names)
-
-
 def _header_width(names: int, width: int, where: str) -> DataError:
     return DataError(
         f"the header names {names} column(s), the rows have {width}",
@@ -344,38 +372,74 @@ def _header_width(names: int, width: int, where: str) -> DataError:
     )
 
 
-def _comment_names(comment: str, separator: str | None, width: int) -> list[str]:
-    """Cells of a comment line, if they can name the columns."""
-    text = comment.lstrip("#%/; \t")
-    for parts in (split(text, separator), re.split(r"\s{2,}|\t", text)):
-        cells = [part.strip() for part in parts]
-        if len(cells) == width and all(kind(cell) == "t" for cell in cells) and len(set(cells)) == width:
-            # One column: a sentence is no name.
-            return cells if width > 1 or len(text.split()) == 1 else []
-    return []
+def _comment_header(comments: list[str], separator: str | None, width: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Names of the columns in the last comment, or in the one above the units, and the units; empty without them.
 
-
-def _units(table: Table, header: int | None, decimal: Decimal, width: int) -> tuple[tuple[str, ...], int]:
-    """Units below a header, and how many lines of words stand there, two at most, before numbers follow.
-
-    A line of words holds no number, in columns that do below it; the first of them whose cells are units, at least
-    half of them, says the units.
+    An underline is no comment.
     """
-    if header is None:
-        return (), 0
-    names, *below = table[header : header + 2 + WORDS_BELOW]
+    texts = [one.lstrip(SIGNS) for one in comments]
+    *above, last = [one for one in texts if not one or any(sign.isalnum() for sign in one)] or [""]
+    units_row = _comment_units(last, separator, width)
+    names = _comment_names(above[-1], separator, width) if above and units_row else ()
+    return (names, units_row) if names else (_comment_names(last, separator, width), ())
+
+
+def _comment_names(comment: str, separator: str | None, width: int) -> tuple[str, ...]:
+    """Cells of a comment, if they can name the columns."""
+    for cells in _comment_cells(comment, separator, width):
+        if all(kind(cell) == "t" for cell in cells) and len(set(cells)) == width:
+            # One column: a sentence is no name.
+            return cells if width > 1 or len(comment.split()) == 1 else ()
+    return ()
+
+
+def _units_in_comments(comments: list[Line], between: list[Line], separator: str | None, width: int) -> tuple[str, ...]:
+    """Units in a comment between two lines."""
+    rows = range(between[0].row, between[-1].row)
+    found = (_comment_units(one.text.lstrip(SIGNS), separator, width) for one in comments if one.row in rows)
+    return next(filter(None, found), ())
+
+
+def _comment_units(comment: str, separator: str | None, width: int) -> tuple[str, ...]:
+    """Cells of a comment, if all that are filled are units."""
+    for cells in _comment_cells(comment, separator, width):
+        given = tuple(_unbracketed(cell) for cell in cells)
+        if any(given) and all(_is_unit(unit) for unit in given if unit):
+            return given
+    return ()
+
+
+def _comment_cells(text: str, separator: str | None, width: int) -> Iterator[tuple[str, ...]]:
+    """Cells of a comment, by each way that gives as many as a row has."""
+    for parts in (split(text, separator), re.split(r"\s{2,}|\t", text)):
+        if len(parts) == width:
+            yield tuple(part.strip() for part in parts)
+
+
+def _units(table: Table, decimal: Decimal, width: int) -> tuple[tuple[str, ...], int]:
+    """Units below the first line of a table, and how many lines of words stand there, two at most, before the numbers.
+
+    Words stand in columns that hold numbers below; the first such line whose words are units, at least half of them,
+    says the units.
+    """
+    names, *below = table[: 2 + WORDS_BELOW]
     kinds = [[kind(cell, decimal) for cell in cells] for cells in below]
-    count = next((i for i, one in enumerate(kinds) if _has_number(one)), len(below))
-    if not 0 < count < len(below) or any(len(cells) != len(names) for cells in below[: count + 1]):
-        return (), 0
-    if any(not _is_of_words(one, kinds[count]) for one in kinds[:count]):
-        return (), 0
-    for cells in below[:count]:
-        given = [_unbracketed(cell) for cell in cells]
-        known = [_is_unit(unit) for unit in given if unit]
-        if 2 * sum(known) >= len(known) > 0:
-            return (*given, *[""] * (width - len(given))), count
+    for count in range(1, min(len(below), 1 + WORDS_BELOW)):
+        if any(len(cells) != len(names) for cells in below[: count + 1]):
+            break
+        if _has_number(kinds[count]) and all(_is_of_words(one, kinds[count]) for one in kinds[:count]):
+            given = [[_unbracketed(cell) for cell in cells] for cells in below[:count]]
+            row = next((one for one, own in zip(given, kinds, strict=False) if _are_units(one, own)), None)
+            if row is not None:
+                return (*row, *[""] * (width - len(row))), count
     return (), 0
+
+
+def _are_units(cells: list[str], kinds: list[str]) -> bool:
+    """Whether at least half of the words of a line are units, and nothing else stands there but ``1`` and ``n/a``."""
+    words = [cell for cell, one in zip(cells, kinds, strict=True) if one == "t"]
+    others = [cell for cell, one in zip(cells, kinds, strict=True) if one in "if"]
+    return 2 * sum(map(_is_unit, words)) >= len(words) > 0 and set(others) <= {RATIO}
 
 
 def _is_of_words(kinds: list[str], numbers: list[str]) -> bool:

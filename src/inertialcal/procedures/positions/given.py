@@ -29,8 +29,10 @@ from ..given import (
     bare,
     chain_of_units,
     chain_said,
+    named_columns,
     own_clock,
     raw_units,
+    reference_columns,
     sensor_said,
     spoken_unit,
 )
@@ -38,6 +40,7 @@ from .orientations import LABELS, direction_of, orientation_list, turn_of
 
 KINDS: Mapping[str, Kind] = {"acc": "accelerometer", "gyro": "gyro"}
 ROLES = tuple(f"{sensor}_{axis}" for sensor in KINDS for axis in AXES)
+REFERENCES = ("reference", *(f"reference_{axis}" for axis in AXES))
 TEMPERATURE = "temperature"
 IN_NAME = {"acc": "acc", "gyro": "gyr"}  # of a file without a header
 LONGEST = 1_000  # rows; a longer file without time is no table of positions
@@ -74,15 +77,17 @@ def described(given: GivenFile) -> list[Described]:
     """
     given = _with_sensor(given)
     said, recording = given.said, given.recording
-    wrong = [role for role in said.columns if role not in (*ROLES, TEMPERATURE)]
+    known = (*ROLES, TEMPERATURE, *REFERENCES)
+    wrong = [role for role in said.columns if role not in known]
     if wrong:
-        do = f"There are: {', '.join((*ROLES, TEMPERATURE))}"
+        do = f"There are: {', '.join(known)}"
         raise UsageError(f"column {wrong[0]!r}", do=do, code="unknown_name")
     entry = own_keys(given)
     is_table = recording.time_ns is None and recording.sample_interval is None and len(recording) <= LONGEST
     is_table = is_table and given.has_rows and "sections" not in entry and not given.label
     sensors, remarks = _channels(given, is_table)
     units = _units(given, sensors)
+    named = named_columns(recording, said.columns)
     found = []
     for sensor, by_axis in sensors.items():
         columns = {f"{sensor}_{axis}": channel.name for axis, channel in by_axis.items()}
@@ -103,6 +108,9 @@ def described(given: GivenFile) -> list[Described]:
         alone = not chain.keys() - {"kind", "scale_factor"} and chain.get("kind") == "output"
         chain = chain | ({"kind": "none"} if alone else {})  # readings stay in counts or volts: their scale is found
         through = kind(units[sensor]) in raw_units(chain)
+        voltages = reference_columns(given, chain, AXES, named) if through else {}
+        channels |= {what: {"column": name, "unit": recording.channel(name).unit or "count"}
+                     for what, name in voltages.items()}  # fmt: skip
         unit = spoken_unit(KINDS[sensor], chain) if through else units[sensor]
         said_sensor = sensor_said(given, KINDS[sensor], AXES, unit, chain)
         own = entry | own_clock(given, KINDS[sensor])

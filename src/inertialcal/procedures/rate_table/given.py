@@ -33,6 +33,7 @@ from ..given import (
     named_columns,
     raw_advice,
     raw_units,
+    reference_columns,
     sensor_said,
     spoken_unit,
     unit_advice,
@@ -234,7 +235,9 @@ def _recorded(given: GivenFile, applied: str) -> Described:
         do = f"Add: {given.add('axis', found or 'AXIS')}"
         raise UsageError(f"{given.name}: axis not given{hint}", do=do, code="no_axis")
     units = {name: str(one) for name, one in own.items()}
-    columns = {APPLIED: applied, **by_axis}
+    references = reference_columns(given, chain, [*by_axis], named_columns(recording, given.said.columns))
+    units |= {name: recording.channel(name).unit or "count" for name in references.values()}
+    columns = {APPLIED: applied, **by_axis, **references}
     channels = {what: {"column": name, "unit": normalise(units[name])} for what, name in columns.items()}
     spoken = spoken_unit("gyro", chain) if raw else units[next(iter(by_axis.values()))]
     sensor = sensor_said(given, "gyro", [*by_axis], normalise(spoken), chain)
@@ -266,7 +269,8 @@ def _channels(given: GivenFile, applied: str) -> dict[str, str]:
         axis, said = given.plan.get("axis"), named_columns(recording, said)
         found = {name if name in AXES else axis or recording.channel(one).axis: one for name, one in said.items()}
     else:
-        rates = [c for c in recording.channels if c.name != applied and c.quantity in ("gyro", "") and c.axis in AXES]
+        lettered = [c for c in recording.channels if c.name != applied and c.axis in AXES]
+        rates = [c for c in lettered if c.quantity == "gyro"] or [c for c in lettered if not c.quantity]
         found = {c.axis: c.name for c in rates}
         if len(found) != len(rates):
             return {}

@@ -70,7 +70,7 @@ def driven_by_sine(recording: Recording, channel: Channel, period: float, phase:
     if averaging is not None and averaging > LONGEST * longest:
         what = f"averaging over {number(averaging, 6)} s, samples every {number(drive.step, 6)} s,"
         what += f" a period of {number(period, 6)} s"
-        do = f'Give what a sample is the mean of, at most --averaging "{number(longest, 6)} s"'
+        do = "A sample is the mean of less than its interval, and shows the drive if that is less than a period"
         raise DataError(what, recording.source.path, do=do, code="averaging_time")
     response = 1.0 if averaging is None else averaging_response(1.0 / period, averaging)
     remarks += _cycles(drive)

@@ -36,12 +36,11 @@ from ...signals.spectrum.allan_check import Agreement, compare_allan
 from ...signals.spectrum.density import Spectrum
 from ...signals.spectrum.lines import Line, Lines, find_lines
 from ...signals.spectrum.psd import psd
-from ...signals.threads import LARGE, cores
+from ...signals.threads import pays
 from .band import Bands, bands_of, inside_band
 from .plan import Plan
 from .readings import Readings, Run
 
-MANY = 2  # cores from which two jobs go side by side
 FITTED: Deviation = "overlapping"  # that the terms are fitted to
 INTERVAL = 0.95  # of the deviations
 UNITS = {"gyro": "rad/s", "accelerometer": "m/s^2"}
@@ -255,27 +254,28 @@ def _each(plan: Plan, readings: Readings, axis: str) -> tuple[list[Recorded], li
 
 
 def _recorded(plan: Plan, run: Run, axis: str) -> Recorded:
+    """Return a record looked through and analysed: side by side, where it is large and has shown nothing so far."""
     rates = run.rates(axis)
-    looked, early = _at_once(plan, run, rates, axis)
-    there = None if looked.whole else finite(looked.rates)
+    if not pays(len(rates)) or is_stored(rates) or run.present.get(axis) is not None:
+        looked = looked_through(plan, run, rates, axis)
+        return _analysed(plan, run, axis, looked, looked.rates)
+    with ThreadPoolExecutor(1) as pool:
+        early = pool.submit(_analysed, plan, run, axis, None, rates)
+        looked = looked_through(plan, run, rates, axis)
+        if not looked.cleaned:
+            return replace(early.result(), looked=looked)
+    return _analysed(plan, run, axis, looked, looked.rates)
+
+
+def _analysed(plan: Plan, run: Run, axis: str, looked: Looked | None, rates: Array) -> Recorded:
+    """Return the deviations and the spectrum of a record; of all its samples, where it is not yet looked through."""
+    looked = Looked(rates, (), 0, (), False) if looked is None else looked
+    there = None if looked.whole else finite(rates)
     curve = fitted(plan, run, axis, there, looked.cleaned)
     alike = plan.deviation == FITTED and plan.taus == "octave" and not plan.tau
     chosen, remarks = (curve, ()) if alike else shown(plan, run, axis, there)
-    spectrum = early if early is not None and not looked.cleaned else _spectrum(plan, looked.rates, run.interval)
-    found = spectral(plan, spectrum, curve, axis, resolution_of_rates(run, axis))
+    found = spectral(plan, _spectrum(plan, rates, run.interval), curve, axis, resolution_of_rates(run, axis))
     return Recorded(run, looked, curve, chosen, replace(found, remarks=(*remarks, *found.remarks)))
-
-
-def _at_once(plan: Plan, run: Run, rates: Array, axis: str) -> tuple[Looked, Spectrum | DataError | None]:
-    """Return what is found of the disturbances of a record, and its spectrum where none of them may matter.
-
-    Of a large record that shows nothing so far, both are worked out side by side.
-    """
-    if len(rates) < LARGE or is_stored(rates) or cores() < MANY or run.present.get(axis) is not None:
-        return looked_through(plan, run, rates, axis), None
-    with ThreadPoolExecutor(1) as pool:
-        early = pool.submit(_spectrum, plan, rates, run.interval)
-        return looked_through(plan, run, rates, axis), early.result()
 
 
 def _spectrum(plan: Plan, rates: Array, interval: float) -> Spectrum | DataError:

@@ -8,25 +8,29 @@ in their place, the samples are taken as evenly spaced, which is remarked: gaps 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.batches import any_step, changed, count, every, extremes, finite, kept, made, masked, without
+from ...core.batches import any_step, changed, count, every, extremes, finite, is_stored, kept, made, masked, without
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.recording import SECOND
 from ...core.remarks import Remark, gather
 from ...core.show.rounding import number
 from ...core.units import factor
-from ...signals.allan import on_grid
+from ...signals.allan import Allan, on_grid
 from ...signals.record_quality import record_quality
 from ...signals.screening.remarks import remarks_of
 from ...signals.screening.resolution import Resolution, resolution_of
 from ...signals.screening.screen import NO_READINGS, Screening, screen
+from ...signals.threads import pays
 from ...signals.time.time_axis import TimeAxis, analyse
+from .axis_noise import fitted
 from .plan import Plan
 from .readings import AtRest, Readings, Run
 
@@ -113,8 +117,22 @@ def _run(plan: Plan, one: AtRest) -> tuple[Run, list[Remark]]:
         power_up=one.power_up,
     )
     shown = {axis: _shown_sample(one, axis, present.get(axis), skipped) for axis in values}
-    run, bad = screened(plan, run, shown, one.screening)
-    return run, [*remarks, *bad]
+    if not pays(len(run)) or run.present or any(map(is_stored, run.values.values())):
+        run, bad = screened(plan, run, shown, one.screening)
+        return run, [*remarks, *bad]
+    with ThreadPoolExecutor(1) as pool:  # nothing of a large record is left out, as a rule
+        early = pool.submit(_curves, plan, run)
+        looked, bad = screened(plan, run, shown, one.screening)
+        looked.curves.update({key: curve for key, curve in early.result().items() if key[0] not in looked.present})
+    return looked, [*remarks, *bad]
+
+
+def _curves(plan: Plan, run: Run) -> dict[tuple[str, str], Allan]:
+    """Return the deviations that terms are fitted to, of all samples; none of an axis that has none."""
+    for axis in run.values:
+        with suppress(DataError):
+            fitted(plan, run, axis, None)
+    return run.curves
 
 
 def steps_of(x: NDArray[Any]) -> NDArray[Any]:

@@ -111,6 +111,16 @@ def fill_jumps(x: Array, w: int, at: Indices, jumps: Array) -> None:
         while stop < len(at) and at[stop] - begin < batch and at[stop] - at[stop - 1] < 2 * w:
             stop += 1
         there = at[stop - 1] - begin + 2 * w
+        if stop == i + 1:  # alone: of the sums below, those that its two means are made of
+            for k in range(there):
+                one[k] = x[begin + k]
+            while there > 2:
+                there //= 2
+                for k in range(there):
+                    one[k] = one[2 * k] + one[2 * k + 1]
+            jumps[i] = share * abs(one[1] - one[0])
+            i = stop
+            continue
         sums, _ = _sums(x[begin : begin + there], w, one, other)
         for j in range(i, stop):
             jumps[j] = share * abs(sums[at[j] - begin + w] - sums[at[j] - begin])

@@ -9,6 +9,7 @@ from ...core.estimate import Array
 from ...statistics._kernels import compiled, reordered
 
 Whole = NDArray[np.int64]
+NONE = 1e-20  # correlation that is rounding
 PART = 2048  # frequencies whose products lie in the nearest cache
 
 
@@ -42,6 +43,8 @@ def sums_of_windows(
     ``fourth`` (n): of sin^4(pi k / n); ``neighbours``: correlation of values so many places apart, 1 first.
     """
     n, lags = len(fourth), min(len(neighbours), len(level))
+    while lags > 1 and abs(neighbours[lags - 1]) < NONE:
+        lags -= 1
     parts = np.empty(PART + lags)
     for i in range(len(m)):
         total, squares = 0.0, 0.0
@@ -54,7 +57,7 @@ def sums_of_windows(
                 apart = order[k] - last
                 if apart == 1:
                     at += step
-                    at -= n if at >= n else 0
+                    at -= n * (at >= n)
                 else:
                     at = (at + apart * step) % n
                 last = order[k]

@@ -118,7 +118,7 @@ def design(ideal: Ideal, how: Arithmetic) -> Design:
             raise DataError(
                 f"{how.name} cannot hold codes up to {largest}",
                 why=f"it is exact up to {EXACT_CODES[how.ctype]} only",
-                do="Give --arithmetic float64, or q27",
+                do="Give --arithmetic float64",
                 code="overflow",
             )
         return Design(how, whole | _floating(ideal, how))
@@ -132,9 +132,7 @@ def design(ideal: Ideal, how: Arithmetic) -> Design:
         f"{how.name} does not hold the outputs of all codes: {float(min(lowest)):.4g} to "
         f"{float(max(highest)):.4g} {ideal.unit}",
         why="they or what they are summed from would overflow",
-        do="Give --arithmetic float32 or float64"
-        if fits is None
-        else f"Give --arithmetic q{fits}, the largest that fits",
+        do="Give --arithmetic float64" if fits is None else f"Give --arithmetic q{fits}, the largest that fits",
         code="overflow",
     )
 

@@ -22,6 +22,7 @@ from typing import Literal
 import numpy as np
 
 from ....core.estimate import Array
+from ....statistics.least_squares import symmetric_inverse
 from .cells import Cells, Indices
 from .law import design, path_order_of
 
@@ -58,7 +59,7 @@ def choose_order(cells: Cells, largest: int, given: int | None = None) -> Choice
         scale = np.sqrt(np.maximum(np.einsum("gii->gi", rest)[:, keep], np.finfo(float).tiny))
         at = np.asarray(keep)
         grid = np.ix_(np.arange(len(tried)), at, at)
-        inverse = np.linalg.pinv(rest[grid] / (scale[:, :, None] * scale[:, None, :]), rcond=1e-10, hermitian=True)
+        inverse = symmetric_inverse(rest[grid] / (scale[:, :, None] * scale[:, None, :]), 1e-10)
         found = np.einsum("gij,gj->gi", inverse, rest[:, keep, -1] / scale) / scale
         own = squares[tried]
         cross = np.einsum("gi,gi->g", found, own[:, keep, -1])

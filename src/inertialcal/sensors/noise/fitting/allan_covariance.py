@@ -29,7 +29,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -63,11 +63,14 @@ def covariance_of_allan(phase: Phase, m: Array, n: Array, inflation: Array | Non
     m1, m2, n1, n2 = m[row], m[column], n[row], n[column]
     last = np.floor(np.maximum(np.minimum((n1 + n2) / 2.0 - 1.0, reach + m1 + m2), 0.0))
     lags = _lags(m1.tobytes(), m2.tobytes(), last.tobytes())
-    pair, distance, weight = lags.pair, lags.distance, lags.weight
-    size, there = m1[pair] * m2[pair], np.minimum(np.minimum(n1, n2)[pair], (n1 + n2)[pair] / 2.0 - distance)
-    more = 1.0 if inflation is None else np.sqrt(inflation[row] * inflation[column])[pair]
+    pair, size = lags.pair, lags.size
+    even = inflation is None or bool(np.all(inflation == 1.0))
+    more = 1.0 if inflation is None or even else np.sqrt(inflation[row] * inflation[column])[pair]
     s = _second_differences(lags, sizes, exponentials, more) / size
-    squares = weight * np.maximum(there, 0.0) * (0.5 * s * s + phase.ramp**2 * size * s)
+    squares = 0.5 * s * s
+    if phase.ramp:
+        squares += phase.ramp**2 * size * s
+    squares *= lags.windows(n1.tobytes(), n2.tobytes())
     out = np.empty((len(m), len(m)))
     out[row, column] = 2.0 * np.bincount(pair, squares, len(m1)) / (n1 * n2)  # t and -t are alike
     out[column, row] = out[row, column]
@@ -89,6 +92,24 @@ class Lags:
     weight: Array  # shape (t,)
     m1: Array  # of the pair, shape (t,) [samples]
     m2: Array
+    counted: dict[tuple[bytes, ...], Array] = field(default_factory=dict)  # of `windows`, what was asked for last
+
+    @cached_property
+    def size(self) -> Array:
+        """Of the pair: m1 m2, shape (t,)."""
+        return self.m1 * self.m2
+
+    def windows(self, *n: bytes) -> Array:
+        """Return how many pairs of differences there are so far apart, times the weight, shape (t,).
+
+        Given are the numbers of differences of either averaging time of each pair, as bytes; not to be changed.
+        """
+        if n not in self.counted:
+            n1, n2 = map(np.frombuffer, n)
+            there = np.minimum(np.minimum(n1, n2)[self.pair], (n1 + n2)[self.pair] / 2.0 - self.distance)
+            self.counted.clear()
+            self.counted[n] = self.weight * np.maximum(there, 0.0)
+        return self.counted[n]
 
     @cached_property
     def none(self) -> Array:

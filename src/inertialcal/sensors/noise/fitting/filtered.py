@@ -44,6 +44,7 @@ from scipy import optimize
 
 from ....core.estimate import Array
 from ....signals.spectrum.density import Spectrum
+from ....statistics.least_squares import symmetric_inverse
 from .._kernels import scored
 from ..expected import density_of_samples
 from ..terms import GaussMarkov, Phase
@@ -347,7 +348,7 @@ def level_of(
     slopes = np.column_stack([D[inside][:, there] * shape[:, None], -mu * part**2 / (1.0 + 0.5 * curve * part**2)])
     H = (slopes.T * (measured / mu**2)) @ slopes
     scale = 1.0 / np.sqrt(np.diag(H))
-    covariance = np.linalg.pinv(H * np.outer(scale, scale), rcond=1e-10, hermitian=True) * np.outer(scale, scale)
+    covariance = symmetric_inverse(H * np.outer(scale, scale), 1e-10) * np.outer(scale, scale)
     at = D[np.searchsorted(cycles, end) - 1, there]
     to = np.zeros((2, len(at) + 1))  # the logarithm of the level at its end, and the curve
     to[0, :-1], to[1, -1] = at / (at @ sizes[there]), 1.0

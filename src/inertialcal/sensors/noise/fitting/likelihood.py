@@ -32,6 +32,7 @@ import numpy as np
 from scipy import linalg
 
 from ....core.estimate import Array
+from ....statistics.least_squares import symmetric_inverse
 from .._kernels import scored, searched
 from ..terms import GaussMarkov, Phase, Sinusoid, Term, total_phase
 from .allan_covariance import covariance_of_allan
@@ -205,7 +206,7 @@ def sandwich_of(D: Array, weights: Array, sigma: Array) -> Sandwich:
     H = DW @ D
     scale = 1.0 / np.sqrt(np.diag(H))  # powers of different terms differ by orders of magnitude
     scales = np.outer(scale, scale)
-    inverse = np.linalg.pinv(H * scales, rcond=SINGULAR, hermitian=True) * scales
+    inverse = symmetric_inverse(H * scales, SINGULAR) * scales
     half = inverse @ DW
     covariance = half @ sigma @ half.T
     return Sandwich(0.5 * (covariance + covariance.T), inverse)

@@ -41,6 +41,7 @@ from scipy import optimize, special
 
 from ....core.estimate import Array
 from ....core.results import Interval
+from ....statistics.least_squares import symmetric_inverse
 from .likelihood import (
     Fitted,
     Sandwich,
@@ -67,6 +68,7 @@ TOLERANCE = 0.01  # of the logarithm of an end, and of a limit in standard uncer
 ROUGH = 0.1  # the same, where the stretch is taken
 NEARBY = 16.0  # rows of the table of correlation times that are searched while another unknown is held
 FIRST_STEP = 0.01  # of the logarithm of a power, towards an end
+ROUNDING = 1e-15  # of the largest eigenvalue: directions that nothing tells of
 STEEP = 1e6  # rise of the cost that is not looked into
 Held = Callable[[float], Fitted]  # least cost with one unknown held at a distance from its best
 
@@ -169,7 +171,8 @@ def record_needed(problem: Problem, fitted: Fitted, at: int, power: float, stret
     D = columns / mu[:, None] * np.sqrt(weight)[:, :, None]
     scale = np.sqrt(np.sum(D**2, axis=1, keepdims=True))
     D /= scale
-    variance = stretch * np.linalg.pinv(D.transpose(0, 2, 1) @ D)[:, column, column] / scale[:, 0, column] ** 2
+    inverse = symmetric_inverse(D.transpose(0, 2, 1) @ D, ROUNDING)
+    variance = stretch * inverse[:, column, column] / scale[:, 0, column] ** 2
     shown = np.flatnonzero(np.sqrt(variance) <= KNOWN)
     return run.length * 2.0 ** int(shown[0]) if len(shown) else None
 
