@@ -82,7 +82,7 @@ def vibrated(
     if missing:
         what = f"recordings.{name}: {missing} samples of the control are missing"
         why = "its level is not known there"
-        do = "Cut that out: windows of the test, or --from and --to"
+        do = "Record the control whole, or cut that out: windows of the test"
         raise DataError(what, file, why, do, "gaps")
     stamps = recording.time_ns
     if stamps is not None and len(stamps) > 2:
@@ -91,7 +91,7 @@ def vibrated(
         if longest > 1.9 * float(np.median(steps)):
             what = f"recordings.{name}: a gap of {number(longest, 4)} s"
             why = "lines of a spectrum need even samples"
-            raise DataError(what, file, why, "Cut the record there: windows of the test, or --from and --to", "gaps")
+            raise DataError(what, file, why, "Record again, or cut the gap out: windows of the test", "gaps")
     return Vibrated(axes, control, interval, names[0] == CONTROL_RMS, direction, name, file, cut_off, power_up)
 
 
