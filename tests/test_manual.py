@@ -565,7 +565,7 @@ def test_every_setting_of_a_planner_stands_in_the_manual_as_it_is_declared() -> 
 def test_a_page_names_only_commands_that_exist(path: Path) -> None:
     text = path.read_text(encoding="utf-8")
     for word in re.findall(r"(?:`|^\$ |^)inertialcal ([a-z][\w-]*)", text, re.MULTILINE):
-        assert word in COMMANDS, f"{path.name}: inertialcal {word}"
+        assert word in {one.split()[0] for one in COMMANDS}, f"{path.name}: inertialcal {word}"
 
 
 def test_every_exit_status_is_documented() -> None:

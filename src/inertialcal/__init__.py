@@ -29,6 +29,7 @@ if TYPE_CHECKING:
         sine,
         thermal,
         vibration_effects,
+        vibration_survey,
     )
     from .campaign.certificate.issue import certificate
     from .campaign.certificate.reading import read_certificate
@@ -111,6 +112,7 @@ __all__ = [
     "sine",
     "thermal",
     "vibration_effects",
+    "vibration_survey",
     "write",
 ]
 

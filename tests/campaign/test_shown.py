@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import inertialcal as ic
+from independent.shaking.shaker import Mode, Run, recorded
 from inertialcal.campaign.calls.call import Reduced
 from inertialcal.campaign.twins.score import Score
 from inertialcal.campaign.twins.twin import read_truth
@@ -87,6 +88,16 @@ def readings(units: int) -> np.ndarray[Any, np.dtype[np.float64]]:
     return 9.81 * up * 1.01 + 0.1 + rng.normal(0.0, 0.002, up.shape)
 
 
+def swept(folder: Path) -> Path:
+    """An item of one mode on a shaker."""
+    path, run = folder / "swept.csv", Run(50.0, 200.0, 40.0, sample_rate=1000.0, quiet=0.2)
+    both = recorded((Mode(100.0, 20.0),), run, np.random.default_rng(1))
+    time = np.arange(len(both[0])) / run.sample_rate
+    head = "time [s],control [g],acc_x [g]"
+    np.savetxt(path, np.column_stack([time, *both]), fmt="%.6f", delimiter=",", header=head, comments="")
+    return path
+
+
 def laid(folder: Path) -> Path:
     """A table of one unit, a row a position."""
     path, head = folder / "positions.csv", "acc_x [m/s2],acc_y [m/s2],acc_z [m/s2]"
@@ -119,6 +130,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
         "psd": ic.psd(still, sample_rate=100.0, units="rad/s"),
         "sine": ic.sine(still[:, 0] + 1e-3 * DRIVE, period="1 s", sample_rate=100.0, units="rad/s"),
         "vibration_effects": ic.vibration_effects(shaken(tmp_path_factory.mktemp("shaken")), axis="z"),
+        "vibration_survey": ic.vibration_survey(swept(tmp_path_factory.mktemp("swept"))),
         "mass_attraction": moved(tmp_path_factory.mktemp("moved")),
         "plan_mass_attraction": ic.plan_mass_attraction(body={"cube": "5 cm", "count": 40, "stand_off": "8 cm"}),
         "positions": ic.positions(laid(tmp_path_factory.mktemp("laid")), units={"acc": "m/s2"}, gravity="9.81 m/s2"),
@@ -138,8 +150,8 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
 
 
 NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "thermal", "sensitivity", "allan", "psd", "sine",
-         "vibration_effects", "mass_attraction", "plan_mass_attraction", "positions", "positions_batch",
-         "plan_positions", "result", "estimate",
+         "mass_attraction", "plan_mass_attraction", "positions", "positions_batch", "plan_positions",
+         "vibration_survey", "vibration_effects", "result", "estimate",
          "check", "run", "budget", "model", "compare", "judged", "simulate", "score")  # fmt: skip
 
 

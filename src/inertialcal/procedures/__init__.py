@@ -17,17 +17,8 @@ from ..core.results import WrittenRow
 from ..core.show.rows import Compared
 from .protocol import Procedure, Quantity
 
-BUILT_IN = (
-    "rate_table",
-    "flip",
-    "thermal",
-    "static_noise",
-    "sine",
-    "mass_attraction",
-    "positions",
-    "sensitivity",
-    "vibration_effects",
-)
+BUILT_IN = ("rate_table", "flip", "thermal", "static_noise", "sine", "mass_attraction", "positions", "sensitivity",
+            "sine_survey", "vibration_effects")  # fmt: skip
 
 PROCEDURES: Registry[Procedure[Any, Any, Any]] = Registry(
     "procedure",

@@ -22,6 +22,7 @@ BUILT_IN = (
     "six_faces",
     "six_faces_over_temperature",
     "climate",
+    "shaker",
 )
 DEMONSTRATED = "npsat1"  # where none is named
 

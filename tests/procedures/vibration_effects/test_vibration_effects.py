@@ -14,7 +14,7 @@ from scipy import stats
 
 from independent.case import csv_text
 from independent.coverage import keeps
-from independent.shaken import FAST, G, Shaken, record
+from independent.shaking.quadratic import FAST, G, Shaken, record
 from independent.trial import called
 from inertialcal.core.estimate import Array
 from inertialcal.core.results import Row

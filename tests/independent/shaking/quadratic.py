@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import fftconvolve
 
-from .case import Array, Table
+from ..case import Array, Table
 
 G = 9.80665
 FAST = 4  # samples of the truth a sample of the record

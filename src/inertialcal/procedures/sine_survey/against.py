@@ -1,0 +1,178 @@
+"""Modes after against modes before: which is which, and by how much frequency, Q and transmissibility changed.
+
+A change is relative to before. Two modes are one where nothing else is near: within `NEAR` of its frequency there is
+one mode in each survey; or as many in both, each nearer to its own, in order, than half of what parts it from the next.
+Else which is which is not told: the change is refused (``ambiguous``). A mode that only one survey has is ``lost`` or
+``new``.
+
+The uncertainty: the scatter of both. The clock of the recorder acts on both frequencies alike, and not on their ratio,
+unless it was another one (``redrawn_by`` of its standard).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...core.errors import PlanError
+from ...core.estimate import Array
+from ...core.influence import Occasion
+from ...core.key import Key, Reason
+from ...core.results import Row, not_estimated
+from ...core.show.rounding import number
+from ...statistics.difference import Figure, difference
+from ...statistics.intervals import t_interval
+from .plan import CLOCK
+from .reduction import AMPLIFICATION, FREQUENCY, OF_MODE, PEAK, Result, mode_key
+from .swept import OfAxis
+
+CHANGES = {
+    FREQUENCY: "resonance_frequency_change",
+    AMPLIFICATION: "amplification_change",
+    PEAK: "transmissibility_change",
+}
+NEAR = 0.1  # of a frequency, within which a mode may have moved
+
+
+def change_rows(
+    after: Result, before: Result, name: str, occasions: tuple[Occasion, Occasion] = (Occasion(), Occasion())
+) -> list[Row]:
+    """Return the relative changes of the modes of each response.
+
+    Parameters
+    ----------
+    after, before : Result
+        This survey, and the one that it is set against.
+    name : str
+        Of the other.
+    occasions : (Occasion, Occasion)
+        What drew the errors of standards in each.
+
+    Raises
+    ------
+    PlanError
+        ``plans_differ`` if no response is in both.
+    """
+    axes = [axis for axis in after.axes if axis in before.axes]
+    if not axes:
+        what = f"no response is in both surveys: {', '.join(after.axes)} and {', '.join(before.axes)}"
+        raise PlanError(what, do="Set a survey against one of the same channels", code="plans_differ")
+    found: list[Row] = []
+    for axis in axes:
+        found += _of_axis(after, before, axis, name, _clock_shared(after, before, occasions))
+    return found
+
+
+def _clock_shared(after: Result, before: Result, occasions: tuple[Occasion, Occasion]) -> bool:
+    one, other = (result.plan.standards.get(CLOCK) for result in (after, before))
+    if one is None or other is None or one.redrawn_by in ("", "never", "certificate"):
+        return True
+    labels = [each.drew(one.redrawn_by) for each in occasions]
+    return bool(labels[0]) and labels[0] == labels[1]
+
+
+def known(of_axis: OfAxis) -> Array:
+    """Return the frequencies of the modes that are estimated, in order."""
+    return np.asarray(of_axis.modes.frequency[~of_axis.edge])
+
+
+def _of_axis(after: Result, before: Result, axis: str, name: str, shared: bool) -> list[Row]:
+    mine, its = known(after.axes[axis]), known(before.axes[axis])
+    pairs, refused = matched(mine, its)
+    found: list[Row] = []
+    for i, j in pairs:
+        for quantity in OF_MODE:
+            found.append(_change(after, before, mode_key(quantity, axis, i + 1), mode_key(quantity, axis, j + 1),
+                                 name, shared))  # fmt: skip
+    for reason, own, frequency in refused:
+        key = mode_key(CHANGES[FREQUENCY], axis, own)
+        found.append(not_estimated(key, "1", Reason(reason.code, f"{number(frequency, 4)} Hz: {reason.text}")))
+    return found
+
+
+def _change(after: Result, before: Result, key: Key, other: Key, name: str, shared: bool) -> Row:
+    figures = []
+    for result, which in ((after, key), (before, other)):
+        estimate = result.estimate
+        assert estimate is not None  # noqa: S101 - it has this mode
+        at = estimate.index(which)
+        figures.append((float(estimate.values[at]), float(estimate.u[at]), float(estimate.dof[at]),
+                        estimate.shared(which)))  # fmt: skip
+    (new, u_new, dof_new, own), (old, u_old, dof_old, its) = figures
+    ratio = new / old
+    # of the ratio: in units of before, where what both share acts on both alike
+    one = Figure(ratio, u_new / old, dof_new, {k: v / old for k, v in own.items()})
+    two = Figure(1.0, u_old * ratio / old, dof_old, {k: v * ratio / old for k, v in its.items()})
+    change = difference(two, one, None if shared else ())
+    dof = change.dof if math.isfinite(change.dof) else None
+    reason = Reason("limits", f"relative to {name}, where it was {number(old, 6)}")
+    kept = key._replace(quantity=CHANGES[key.quantity])
+    return Row(kept, ratio - 1.0, change.u, "1", dof, t_interval(ratio - 1.0, change.u, change.dof), reason=reason)
+
+
+def matched(after: Array, before: Array) -> tuple[list[tuple[int, int]], list[tuple[Reason, int, float]]]:
+    """Return which mode after is which before, and those that cannot be told: reason, number, frequency.
+
+    Parameters
+    ----------
+    after, before : ndarray
+        Natural frequencies in order [Hz].
+
+    Returns
+    -------
+    pairs : list of (int, int)
+        Places in both.
+    refused : list of (Reason, int, float)
+        Modes without a pair; those of before are counted on behind those of after.
+    """
+    logs = [np.log(one) for one in (after, before)]
+    near = np.abs(logs[0][:, None] - logs[1][None]) < NEAR
+    pairs: list[tuple[int, int]] = []
+    refused: list[tuple[Reason, int, float]] = []
+    extra = len(after)
+    groups = _groups(near)
+    for mine, its in groups:
+        if len(mine) == len(its) and _in_order(logs[0][mine], logs[1][its]):
+            pairs += list(zip(mine, its, strict=True))
+            continue
+        if not its:
+            refused += [(Reason("mode_new", "before had no mode there"), i + 1, float(after[i])) for i in mine]
+            continue
+        if not mine:
+            for j in its:
+                extra += 1
+                refused.append((Reason("mode_lost", "it was there before, and is no more"), extra, float(before[j])))
+            continue
+        words = ", ".join(number(float(before[j]), 4) for j in its)
+        why = Reason("ambiguous", f"cannot tell which of the modes before it is: {words} Hz")
+        refused += [(why, i + 1, float(after[i])) for i in mine]
+    return sorted(pairs), sorted(refused, key=lambda one: one[1])
+
+
+def _groups(near: np.ndarray) -> list[tuple[list[int], list[int]]]:
+    """Return modes of both that are near to each other, directly or through others."""
+    rows, columns = near.shape
+    left, found = set(range(rows)), []
+    free = set(range(columns))
+    while left or free:
+        mine, its = ({left.pop()}, set()) if left else (set(), {free.pop()})
+        while True:
+            more = {j for i in mine for j in np.flatnonzero(near[i]).tolist() if j in free}
+            free -= more
+            its |= more
+            also = {i for j in its for i in np.flatnonzero(near[:, j]).tolist() if i in left}
+            left -= also
+            mine |= also
+            if not more and not also:
+                break
+        found.append((sorted(mine), sorted(its)))
+    return found
+
+
+def _in_order(after: Array, before: Array) -> bool:
+    """Whether each moved by less than half of what parts it from the next."""
+    if len(before) < 2:
+        return True
+    gap = min(float(np.diff(before).min()), float(np.diff(after).min()))
+    return bool(np.max(np.abs(after - before)) < 0.5 * gap)

@@ -1,0 +1,133 @@
+"""Rig of a vibration test: an item on a shaker, swept with a sine before and after vibration.
+
+The modes of the item are drawn about those of its design; vibration lets them settle a little, or cracks it. The
+controller keeps the level but for a ripple and harmonics; two accelerometers on the fixture record what it keeps. The
+clock of the recorder is off by one unknown error for the whole campaign.
+
+True values: natural frequency, Q and transmissibility at that frequency of each mode, relative to the mean of both
+control accelerometers; and their changes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from ...core.estimate import Array
+from ...core.key import At
+from ...core.recording import SECOND, Channel, Recording
+from ..parts.campaign import drawn_error, drawn_errors
+from ..protocol import Rig, on_bench
+from ..twin import Drawn, Fault, TrueValue, Twin
+from . import TITLE
+from .campaign import campaign_text, survey_file
+from .motion import Item, drive, fixture_ratio, moved
+from .setup import COLUMNS, CONTROLS, SURVEYS, Bench
+
+__all__ = ["FAULTS", "RIG", "Bench", "build"]
+
+BEGIN = 1_283_260_200  # 2010-08-31 13:10:00 UTC [s]
+FAULTS: dict[str, Fault] = {
+    "wrong_rate": Fault("the sweep goes at twice the rate that is stated", "sweep_rate", {"per_minute": 32.0}),
+    "level_high": Fault("the surveys are 2 dB too high", "drive_level", {"level": 0.25 * 10.0**0.1}),
+    "clipped_drive": Fault("the amplifier cuts the drive off", "clipped_drive", {"clipped": 0.75}),
+    "loose_fixture": Fault(
+        "the fixture is loose: it swings between the control accelerometers", "control_disagrees",
+        {"fixture": (620.0, 6.0)}, also=("control_lost",),
+    ),
+    "swapped_channels": Fault(
+        "control and response have changed places", "swapped_channels", {"swapped": True}, also=("control_disagrees",)
+    ),
+    "samples_lost": Fault("the recorder drops 40 samples", "lost_samples", {"lost": 40}),
+    "cracked": Fault("the vibration cracks the item", "", {"crack": 0.07}, "covered"),
+}  # fmt: skip
+
+
+def build(bench: Bench, seed: int) -> Twin:
+    """Return the campaign that a bench gives.
+
+    Parameters
+    ----------
+    bench : Bench
+        The test as it is made.
+    seed : int
+        Of all draws.
+    """
+    of_unit, of_bench, *of_surveys = np.random.default_rng(seed).spawn(2 + len(SURVEYS))
+    items = draw_items(bench, of_unit)
+    error = drawn_error(bench.clock, of_bench)
+    recordings = {
+        survey_file(name): _recording(bench, items[name], error, rng)
+        for name, rng in zip(SURVEYS, of_surveys, strict=True)
+    }
+    # a clock that is fast makes the rate that is said too low
+    errors = drawn_errors({"clock.rate": bench.clock}, {"clock.rate": -error})
+    drawn: Drawn = {"clock_error": error, "modes_before": items["before"].modes.ravel().tolist()}
+    return Twin(campaign_text(bench), recordings, tuple(true_values(bench, items)), drawn, errors=errors)
+
+
+def draw_items(bench: Bench, rng: np.random.Generator) -> dict[str, Item]:
+    """Return the item before and after vibration."""
+    nominal = np.array(bench.modes)
+    before = nominal.copy()
+    before[:, :2] *= 1.0 + bench.spread * rng.uniform(-1.0, 1.0, (len(nominal), 2))
+    after = before.copy()
+    settled = bench.settling * rng.uniform(-1.0, 1.0, (len(nominal), 2))
+    after[:, :2] *= 1.0 + settled * [1.0, 10.0]
+    after[0, :2] *= 1.0 - bench.crack * np.array([1.0, 5.0])
+    return {"before": Item(before), "after": Item(after)}
+
+
+def peaks(bench: Bench, item: Item, across: bool) -> Array:
+    """Return the transmissibility at the frequency of each mode, relative to the mean of both controls."""
+    own = item.modes[:, 0]
+    mean = 0.5 * (1.0 + fixture_ratio(bench, own))
+    return np.abs(item.transmissibility(own, across) / mean)
+
+
+def true_values(bench: Bench, items: dict[str, Item]) -> Iterator[TrueValue]:
+    """Yield the modes of both surveys, and what they differ by."""
+    for axis in COLUMNS:
+        both = {name: np.column_stack([item.modes[:, :2], peaks(bench, item, axis == "y")])
+                for name, item in items.items()}  # fmt: skip
+        for name, figures in both.items():
+            for k, (frequency, q, peak) in enumerate(figures.tolist(), 1):
+                yield TrueValue("resonance_frequency", axis, frequency, "Hz", name, at=At("mode", float(k), ""))
+                yield TrueValue("amplification", axis, q, "1", name, at=At("mode", float(k), ""))
+                yield TrueValue("transmissibility", axis, peak, "1", name, at=At("mode", float(k), ""))
+        changes = both["after"] / both["before"] - 1.0
+        for k, row in enumerate(changes.tolist(), 1):
+            for quantity, value in zip(("resonance_frequency", "amplification", "transmissibility"), row, strict=True):
+                yield TrueValue(f"{quantity}_change", axis, value, "1", "after", at=At("mode", float(k), ""))
+
+
+def _recording(bench: Bench, item: Item, clock_error: float, rng: np.random.Generator) -> Recording:
+    """Return one survey, as the recorder saves it."""
+    table = drive(bench, clock_error, rng)
+    seen = moved(bench, table, item, clock_error)
+    if bench.lost:
+        kept = np.delete(np.arange(len(table)), np.arange(bench.lost) + len(table) // 2)
+        seen = {name: values[kept] for name, values in seen.items()}
+    saved = {name: _saved(bench, values, rng) for name, values in seen.items()}
+    if bench.swapped:
+        saved["control_1"], saved["x"] = saved["x"], saved["control_1"]
+    channels = [Channel(name, saved[name], "g", "campaign") for name in CONTROLS]
+    channels += [Channel(column, saved[axis], "g", "campaign", axis, "acc") for axis, column in COLUMNS.items()]
+    elapsed = np.rint(np.arange(len(saved["x"])) * (SECOND / bench.sample_rate)).astype(np.int64)
+    stamps = BEGIN * SECOND + elapsed
+    return Recording(tuple(channels), stamps, 1.0 / bench.sample_rate, 0.0, "utc", "column", time_column="unix_s")
+
+
+def _saved(bench: Bench, values: Array, rng: np.random.Generator) -> Array:
+    noisy = values + bench.noise * rng.standard_normal(len(values))
+    return np.asarray(np.round(np.round(noisy / bench.resolution) * bench.resolution, 6))
+
+
+def small(bench: Bench) -> Bench:
+    """Return the same test, made faster: a shorter band, a faster sweep."""
+    return replace(bench, start=60.0, stop=900.0, per_minute=24.0, said=24.0, sample_rate=4000.0)
+
+
+RIG = Rig("shaker", TITLE, on_bench(build, Bench()), FAULTS, tests=("sine_survey",))

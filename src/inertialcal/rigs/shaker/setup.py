@@ -1,0 +1,45 @@
+"""How the simulated vibration test is set up: the item, the sweep, what is recorded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from ...core.influence import Influence
+
+SURVEYS = ("before", "after")
+CONTROLS = ("control_1", "control_2")
+COLUMNS = {"x": "acc_x", "y": "acc_y"}  # accelerometer on the item: along the drive, and across
+CLOCK = Influence(2e-5, "1", certificate="data sheet of the recorder", standard="clock", quantity="rate")
+
+
+@dataclass(frozen=True)
+class Bench:
+    """The test as it is made."""
+
+    start: float = 20.0  # of the sweep [Hz]
+    stop: float = 1000.0
+    per_minute: float = 16.0  # octaves; the sweep is said to have ``said`` of them
+    said: float = 16.0
+    level: float = 0.25  # of the sweep [g]; it is said to have ``said_level``
+    said_level: float = 0.25
+    sample_rate: float = 5000.0  # [Hz]
+    quiet: float = 0.5  # before and after the sweep [s]
+    ramp: float = 0.05  # of the level at both ends [s]
+    # nominal modes: frequency [Hz], Q, part in the response along and across the drive
+    modes: tuple[tuple[float, float, float, float], ...] = (
+        (142.0, 28.0, 1.15, 0.10),
+        (396.0, 40.0, -0.35, 0.30),
+        (710.0, 22.0, 0.25, -0.15),
+    )
+    spread: float = 0.05  # of frequency and Q from unit to unit (1)
+    settling: float = 0.002  # change of frequencies and, tenfold, of Q by a vibration that does no harm (1)
+    crack: float = 0.0  # of the frequency of the first mode by the vibration (1); its Q falls by five times as much
+    ripple: float = 0.03  # what the controller leaves of the level (1)
+    distortion: float = 0.004  # second and third harmonic over the drive (1)
+    noise: float = 0.0015  # of an accelerometer, in a sample [g]
+    resolution: float = 1e-4  # of what is saved [g]
+    fixture: tuple[float, float] = (6000.0, 20.0)  # its own mode at the second control accelerometer [Hz], Q
+    clipped: float = 0.0  # where the drive is cut off, over its amplitude; 0 for nowhere
+    swapped: bool = False  # whether the columns of control and response have changed places
+    lost: int = 0  # samples that the recorder drops once, without a word
+    clock: Influence = field(default_factory=lambda: CLOCK)

@@ -1,0 +1,1 @@
+"""An item on a shaker, moved in time."""
