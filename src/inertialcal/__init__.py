@@ -28,6 +28,7 @@ if TYPE_CHECKING:
         sensitivity,
         sine,
         thermal,
+        vibration,
         vibration_effects,
         vibration_survey,
     )
@@ -57,6 +58,8 @@ if TYPE_CHECKING:
     from .procedures.mass_attraction.recorded_series import programme_1969
     from .procedures.positions.batch import positions_batch
     from .procedures.positions.planning.planner import plan_positions
+    from .procedures.vibration.planning import plan_vibration
+    from .procedures.vibration.profile_table import vibration_profile
     from .report.plot import plot
     from .sensors.model.model_set import ModelSet
     from .sensors.model.sensor_model import SensorModel
@@ -96,6 +99,7 @@ __all__ = [
     "max_memory",
     "plan_mass_attraction",
     "plan_positions",
+    "plan_vibration",
     "plot",
     "positions",
     "positions_batch",
@@ -111,7 +115,9 @@ __all__ = [
     "simulate",
     "sine",
     "thermal",
+    "vibration",
     "vibration_effects",
+    "vibration_profile",
     "vibration_survey",
     "write",
 ]
@@ -146,6 +152,8 @@ _HOMES = {  # nouns of procedures apart, which are found by their commands
         "procedures.mass_attraction.recorded_series": "programme_1969",
         "procedures.positions.batch": "positions_batch",
         "procedures.positions.planning.planner": "plan_positions",
+        "procedures.vibration.planning": "plan_vibration",
+        "procedures.vibration.profile_table": "vibration_profile",
         "report.plot": "plot",
         "sensors.model.model_set": "ModelSet",
         "sensors.model.sensor_model": "SensorModel",

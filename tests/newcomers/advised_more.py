@@ -754,4 +754,18 @@ CAMPAIGNS = (
         "rate 50",
     ),
 )
-MORE = (*COMPENSATED, *LEVELS, *HEADS, *MASSES, *CAMPAIGNS)
+SHAKEN = (
+    Case(
+        "Add: --profile FILE.csv, with the nodes of the profile",
+        "vibration shaken.csv --control table",
+        "+ --profile level.csv",
+        "acceleration_rms control 1.3416",
+    ),
+    Case(
+        "Add: --control COLUMN",
+        "vibration shaken_bare.csv --profile level.csv",
+        "+ --control ch1 --unit ch1=g",
+        "acceleration_rms control 1.3416",
+    ),
+)
+MORE = (*COMPENSATED, *LEVELS, *HEADS, *MASSES, *CAMPAIGNS, *SHAKEN)

@@ -19,6 +19,7 @@ from newcomer_boards import FACES, Board, G, board_at_rest, board_of, six_faces
 from newcomer_tables import rounded
 from newcomer_truths import BIASES, NOISE, at_rest, chamber
 
+from independent.vibration.random_run import Run, simulate
 from independent.warm.warm_up import Chamber, power_ups, starts
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.key import Key
@@ -134,7 +135,7 @@ def write_records(folder: Path) -> None:
     warm = replace(_model("air"), condition="", pressure_range=None, bias_temperature=np.full((1, 3), 1e-5),
                    reference_temperature=np.full(3, 20.0))  # fmt: skip
     write_model(folder / "no_range.json", warm)
-    for text in (_series(), _commas(), _pressures(), _temperatures(), _levels(), _faces(), _others()):
+    for text in (_series(), _commas(), _pressures(), _temperatures(), _levels(), _faces(), _others(), _shaken()):
         for name, content in text.items():
             (folder / name).write_text(content)
     _pads(folder)
@@ -383,6 +384,18 @@ def _others() -> dict[str, str]:
         "no_terms.json": json.dumps({"sensors": []}),
         "kalibr_noise.yaml": KALIBR_NOISE,
         "kalibr_scaled.yaml": KALIBR_SCALED,
+    }
+
+
+def _shaken() -> dict[str, str]:
+    """Return a run on a shaker with a level density of 0.01 g^2/Hz from 20 to 200 Hz: 1.34 g, and its profile."""
+    run = Run(nodes=((20.0, 0.01), (200.0, 0.01)), rate=1000.0, duration=8.0, error=0.0)
+    table = rounded(simulate(run, 1)[0][:, 0] / G, 6)
+    time = rounded(np.arange(len(table)) / run.rate, 3)
+    return {
+        "shaken.csv": csv({"time_s": time, "table [g]": table}),
+        "shaken_bare.csv": csv({"time_s": time, "ch1": table, "ch2": table}),
+        "level.csv": "frequency [Hz],density [g2/Hz]\n20,0.01\n200,0.01\n",
     }
 
 

@@ -30,6 +30,7 @@ VERBS = {
     "show": "verbs.models", "compensate": "verbs.models", "convert": "verbs.models", "export": "verbs.models",
     "budget": "verbs.campaigns", "compare": "verbs.models", "simulate": "verbs.twins", "score": "verbs.twins",
     "programme-1969": "verbs.programme1969", "filter": "verbs.filters", "certificate": "verbs.certificate",
+    "vibration profile": "verbs.vibration_profile",
 }  # fmt: skip
 NO_FIGURES = (
     "info",
@@ -83,6 +84,7 @@ EXAMPLES = {  # word of a verb -> what may follow it, for its help
         "run1.cards",
         'run1.csv --column pulses --period "480 s" --amplitude "23 ng" --wrong 41 -o run1',
     ),
+    "vibration profile": ("table01.csv -o profile.svg", "table01.csv --band 20..100"),
     "filter": (
         "inertialcal-demo rest.csv",
         'inertialcal-demo rest.csv --motion "20 deg/s" --motion-time "0.5 s" --for px4',
@@ -161,7 +163,7 @@ def _held(name: str, metavar: str | None, holding: Callable[[Any], AbstractConte
 def _verb(word: str) -> Built:
     """Return a command that is no procedure's."""
     module = import_module(f".{(FIRST | VERBS)[word]}", __package__)
-    return _built(getattr(module, word.replace("-", "_")), word, epilog=_epilog(word, EXAMPLES[word]))
+    return _built(getattr(module, word.replace("-", "_").replace(" ", "_")), word, epilog=_epilog(word, EXAMPLES[word]))
 
 
 class _Lazy(TyperGroup):
@@ -202,7 +204,7 @@ class Root(_Lazy):
     def resolve_command(self, ctx: typer.Context, args: list[str]) -> tuple[str | None, Built | None, list[str]]:  # type: ignore[override]
         """Return the command that was typed, and what follows it: its name may be two words."""
         both = " ".join(args[:2])
-        if both in _nouns():
+        if both in words():
             return both, self.get_command(ctx, both), args[2:]
         found: tuple[str | None, Built | None, list[str]] = super().resolve_command(ctx, args)  # type: ignore[assignment]
         return found

@@ -26,7 +26,8 @@ from .units import Quantity, kind, parse_quantity, same_dimension, si_unit
 
 LEVEL = 0.95
 LONGEST = 400  # characters
-NAMES = {"rate": "angular_rate", "temperature": "temperature"}  # what may be compared, and which kind of quantity it is
+# What may be compared, and which kind of quantity it is
+NAMES = {"rate": "angular_rate", "temperature": "temperature", "frequency": "frequency"}
 OPERATORS: dict[str, Callable[[float, float], bool]] = {
     ">=": operator.ge,
     ">": operator.gt,

@@ -201,6 +201,8 @@ class Described:
         Its id where each sensor has its own test; else all that is described is one test.
     remarks : tuple of Remark
         What a reader of the figures should know.
+    requirements : list of dict
+        What was asked of the figures, as a campaign has it.
     """
 
     entry: dict[str, Any]
@@ -210,6 +212,7 @@ class Described:
     windows: list[list[str]] = field(default_factory=list[list[str]])
     test: str = ""
     remarks: tuple[Remark, ...] = ()
+    requirements: list[dict[str, Any]] = field(default_factory=list[dict[str, Any]])
 
 
 def bare(named: Mapping[str, str]) -> str | None:

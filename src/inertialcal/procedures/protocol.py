@@ -340,6 +340,11 @@ class Reduced(Protocol):
         ...
 
     @property
+    def verdicts(self) -> Sequence[Mapping[str, Any]]:
+        """On what was asked of the figures, as ``results.json`` has them."""
+        ...
+
+    @property
     def columns(self) -> Mapping[str, str]:
         """Which column was taken for what."""
         ...

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ import inertialcal as ic
 from independent.shaking.shaker import Mode, Run, recorded
 from inertialcal.procedures.sine_survey.against import matched
 from inertialcal.procedures.sine_survey.plan import range_of, rate_of
+from inertialcal.procedures.sine_survey.sweep import find_sweeps
 
 RUN = Run(50.0, 500.0, 30.0, sample_rate=2000.0, quiet=0.3)
 ITEM = (Mode(120.0, 20.0, 0.9), Mode(280.0, 30.0, -0.4))
@@ -117,3 +119,17 @@ def test_a_channel_that_is_not_swept_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ic.DataError, match="no swept sine") as caught:
         ic.vibration_survey(str(file))
     assert caught.value.problems[0].code == "no_sweep"
+
+
+def test_a_board_shaken_at_one_frequency_is_refused() -> None:
+    """Base and board of a real shaker, which was not swept: LVM file of Dataset-7 (see its README)."""
+    folder = Path(os.environ.get("INERTIALCAL_SHARED", "")) / "data/vibration/hrshm_dataset7"
+    file = folder / "amplitude__7_Impact_0.0_vibration_1.lvm"
+    if not file.is_file():
+        pytest.skip("the recordings of others are not here")
+    rows = file.read_text(encoding="utf-8").split("***End_of_Header***")[-1].strip().splitlines()[2:]
+    cells = [row.split(",")[1:7] for row in rows]
+    values = np.array([[float(cell) for cell in row] for row in cells if len(row) == 6 and all(row)])
+    base = values[:, 4]
+    with pytest.raises(ic.DataError, match="no swept sine"):
+        find_sweeps(base - base.mean(), 1.0 / float(np.median(np.diff(values[:, 0]))))

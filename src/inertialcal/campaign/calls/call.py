@@ -145,8 +145,16 @@ class Reduced:
         return tuple(dict.fromkeys(one for each in self.tests for one in each.errors))
 
     @property
+    def verdicts(self) -> Sequence[Mapping[str, Any]]:
+        """On what was asked of the figures, as ``results.json`` has them; none where nothing was."""
+        asked = bool(self.document.get("requirements"))
+        return self.results["verdicts"] if asked else ()
+
+    @property
     def exit_status(self) -> int:
-        """0, or 4 where the figures may not hold."""
+        """0, or 4 where the figures may not hold; by the verdict where something was asked of them."""
+        if self.document.get("requirements"):
+            return EXIT[self.whole.verdict]
         return EXIT["INCONCLUSIVE"] if self.errors else 0
 
     @property
@@ -172,6 +180,8 @@ class Reduced:
         caption = f"{procedure.kind_of_test or self.procedure.replace('_', ' ')}: {count} file{'s'[: count != 1]}"
         head = [f"columns: {taken}", *([summary] if (summary := procedure.summary(self)) else [])]
         opened = [one.what for each in self.tests for one in each.opened]
+        if self.document.get("requirements"):
+            opened.append(f"verdict: {self.whole.verdict}")
         return (*head, *estimate_table(rows, caption), *opened, *remarks_line(self.remarks))
 
     def __str__(self) -> str:

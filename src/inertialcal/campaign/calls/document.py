@@ -62,11 +62,13 @@ def document_of(
             document[table] = _over(like.document.get(table, {}), document[table])
     columns: dict[str, str] = {}
     uses: dict[tuple[str, str], dict[str, Any]] = {}
+    requirements: list[dict[str, Any]] = []
     remarks: list[Remark] = []
     for one in given:
         found = like.entries(one, procedure) if like is not None else list(procedure.described(one))
         for each in found:
             remarks += each.remarks
+            requirements += [one for one in each.requirements if one not in requirements]
             name = _named(one, each, document["recordings"], several=len(found) > 1)
             sensor = each.entry.get("sensor") or _sensor(sensors, each)
             own = {"sensor": sensor, "file": one.name} | each.entry | _reading(one.said, each.entry)
@@ -84,6 +86,8 @@ def document_of(
         stem = test_id or procedure.name
         head = {"id": stem if use == "fit" else f"{stem}_held_out", "procedure": procedure.name}
         document["tests"].append({**head, "use": use, **test, "plan": test["plan"] | dict(plan)})
+    if requirements:
+        document["requirements"] = requirements
     return document, columns, remarks
 
 

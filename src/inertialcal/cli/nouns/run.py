@@ -46,6 +46,7 @@ def run_noun(
             "results": [row.to_dict() for row in found.rows],
             "remarks": [one.to_dict() for one in (*found.remarks, *gone)],
             "columns": dict(found.columns),
+            "verdicts": found.verdicts,
             **procedure.content(found),
         } | ({"models": {to: exported}} if to else {})
         json_out(declared.word, content | ({"written": list(written)} if written else {}), found.exit_status)
@@ -58,6 +59,7 @@ def run_noun(
                 say(closed_loop_text(found.results))
         else:
             say("\n".join([folded(own), "", *remarks_text(remarks)]).rstrip())
+        _say_verdicts(found)
         if exported and output is None:
             print(f"\n{exported.rstrip()}")
         for line in written.values():
@@ -67,6 +69,15 @@ def run_noun(
     if show:
         figures.show_figure(output if form == "figure" else None, found, chosen, MOST)
     return found.exit_status
+
+
+def _say_verdicts(found: Reduced) -> None:
+    """Print what was asked of the figures, and the verdicts on it; nothing where nothing was."""
+    from ..shown.screen import say
+    from ..shown.summary import requirement_table, verdicts_part
+
+    if found.verdicts:
+        say("\n".join(["", verdicts_part(found.results), requirement_table(found.results)]))
 
 
 def _form(procedure: Procedure[Any, Any, Any], output: Path | None, to: str | None) -> str:

@@ -28,6 +28,7 @@ STANDARDS: dict[str, dict[str, str]] = {
     "gravity": {"value": "m/s^2"},
     "fixture": {"orientation": "rad", "repeatability": "rad", "mounting": "rad"},
     "clock": {"rate": "1"},
+    "control_accelerometer": {"scale_factor": "1"},
 }
 # An uncertainty in each of these units, as it may be written.
 WRITTEN = {"1": "0.1 %", "rad": "0.01 deg", "m/s^2": "10 ug", "rad/s": "0.01 deg/s", "degC": "0.1 K", "V": "1 mV"}

@@ -6,7 +6,8 @@ The list is closed: any other spelling is refused, because the general unit libr
 ``mg`` as a mass and ``G`` as either of two things. In this field ``g``, ``mg``, ``ug``, ``ng`` and ``pg`` are
 accelerations (standard gravity); masses are ``kg``, ``gram`` and ``lb``.
 
-Angle and count are dimensions of their own: ``deg/s`` is no frequency, ``count`` is no pure number.
+Angle and count are dimensions of their own: ``deg/s`` is no frequency, ``count`` is no pure number; so are decibel and
+octave, logarithms of ratios.
 
 Factors are those of the SI brochure and of NIST SP 811, Appendix B.
 """
@@ -111,6 +112,8 @@ ATOMS = (
     Atom("degC", "celsius", "temperature", 1.0, "K", "degC", offset=273.15),
     Atom("degF", "fahrenheit", "temperature", 5 / 9, "K", "degC", offset=233.15 + 200 / 9),
     Atom("Hz", "hertz", "frequency", 1.0, "1/s", "Hz", "umkMG"),
+    Atom("dB", "decibel", "other", 1.0, "dB", "dB", symbols=("db",)),
+    Atom("octave", "octave", "other", 1.0, "octave", "octave", symbols=("oct",)),
 )
 
 # Spellings that stand for a product; a prefix goes to its first factor.

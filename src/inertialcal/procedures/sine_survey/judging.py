@@ -16,7 +16,7 @@ from ...core.results import Row
 from ...statistics.decision import decide
 from ..protocol import Tested
 from .against import CHANGES, change_rows
-from .reduction import OF_MODE
+from .reduction import FREQUENCY, OF_MODE
 
 if TYPE_CHECKING:
     from .plan import Plan
@@ -43,17 +43,22 @@ def _rows(asked: Asked, test: Tested[Plan, Readings, Result]) -> Iterator[Row]:
 
 
 def _verdict(asked: Asked, test: Tested[Plan, Readings, Result], row: Row) -> Verdict:
-    mode = None if row.key.at is None else row.key.at.value
-    head = (asked.id, test.id, row.axis, mode, "", row.value, row.u, row.unit)
+    head = (asked.id, test.id, row.axis, _frequency(test.result, row), "", row.value, row.u, row.unit)
     try:
         lower, upper = asked.limits(row.unit)
     except DataError as error:
-        return Verdict(*head, row.interval, None, None, "INCONCLUSIVE", error.problems[0].what, at_unit="")
+        return Verdict(*head, row.interval, None, None, "INCONCLUSIVE", error.problems[0].what, at_unit="Hz")
     if row.status != "estimated":
-        return Verdict(*head, row.interval, lower, upper, "INCONCLUSIVE", row.reason.text, at_unit="")
+        return Verdict(*head, row.interval, lower, upper, "INCONCLUSIVE", row.reason.text, at_unit="Hz")
     dof = math.inf if row.dof is None else row.dof
     found = decide(row.value, row.u, dof, lower, upper, rule=asked.rule.within(row.unit, lower, upper))
-    return Verdict(*head, found.interval, lower, upper, found.status, found.reason, at_unit="", basis=found.basis)
+    return Verdict(*head, found.interval, lower, upper, found.status, found.reason, at_unit="Hz", basis=found.basis)
+
+
+def _frequency(result: Result, row: Row) -> float | None:
+    """Return the frequency of the mode that a row is of, as people know it; None of one that is not estimated."""
+    alike = row.key._replace(quantity=FREQUENCY)
+    return next((one.value for one in result.rows() if one.key == alike), None)
 
 
 __all__ = ["JUDGED", "judge"]

@@ -53,9 +53,13 @@ BEYOND = 0.2  # of the band, by which a mode may lie outside of it
 DAMPED, SHARP = 1.5, 2000.0  # limits of Q
 SEEN = 45.0  # chi-square of two terms that nothing else in the record reaches by chance: a search of 1e6 cells
 BETTER = 40.0  # by which a mode of four terms must lower the sum of squares
+NOISIEST = 0.1  # share of the power of the control that may be its noise
+RESOLVED = 0.2  # relative standard uncertainty of Q, from which a mode is none: noise has chance likenesses of one
 WIDTHS = (6.0, 20.0, 60.0, 200.0)  # frequency over the width that is looked at
-CELL = 0.5  # of time, in which the noise is taken as steady [s]
-BINS = 4  # of frequency on each side, over which its density is smooth
+CELL = 0.5  # of time, in which the noise is taken as steady, at most [s]
+PART = 0.5  # of what a figure rests on, that a cell lasts
+CYCLES = 4.0  # of the lowest frequency, that a cell lasts at least
+BINS = 2  # of frequency on each side, over which its density is smooth
 NEAREST = 3  # cells of time that are averaged
 
 
@@ -142,7 +146,7 @@ def find_modes(bands: Sequence[Band], most: int = MOST, least: float = 0.0) -> M
             problem = _Problem([_joined(one, poles) for one in bands])
             problem.start(poles)
             if weighed:
-                problem.weigh()
+                problem.weigh(corrected=False)  # a mode that is missing would pass for noise of the control
             poles = problem.improve(poles)
             before, kept = problem.cost, poles
             for candidate in problem.candidates()[:TRIED]:
@@ -153,7 +157,13 @@ def find_modes(bands: Sequence[Band], most: int = MOST, least: float = 0.0) -> M
             if kept is poles:
                 break
             poles = kept
-    return _finished(bands, _needed(bands, poles))
+    poles = _needed(bands, poles)
+    while True:
+        found = _finished(bands, poles)
+        unknown = np.sqrt(np.diag(found.covariance)[1::3]) / found.amplification
+        if not len(found) or unknown.max() < RESOLVED:
+            return found
+        poles = np.delete(np.column_stack([found.frequency, found.amplification]), int(np.argmax(unknown)), axis=0)
 
 
 def _needed(bands: Sequence[Band], poles: Array) -> Array:
@@ -367,7 +377,7 @@ class _Problem:
 
     # ---- noise -------------------------------------------------------------------------------------------------------
 
-    def weigh(self) -> None:
+    def weigh(self, *, corrected: bool = True) -> None:
         """Set weights by the power of what is left, and the part of the control's noise in it."""
         weight, noisy = np.empty(len(self.f)), np.zeros(len(self.f))
         for band, part in zip(self.bands, self.parts, strict=True):
@@ -385,7 +395,8 @@ class _Problem:
                 size = np.maximum(basis @ found, 1e-6 * max(float(np.mean(power)), 1e-300))
             smooth = np.maximum(_smooth(power / size, max(20, len(power) // 400)), 0.05) * size
             weight[part] = 1.0 / (smooth * band.length)
-            noisy[part] = found[-1] * band.length * self.count[part]
+            most = NOISIEST * float(np.median(np.abs(self.u[part]) ** 2 / self.count[part]))
+            noisy[part] = min(found[-1] * band.length, most) * self.count[part] if corrected else 0.0
         self.weight, self.noisy = weight, noisy
 
     # ---- where a mode is missing ---------------------------------------------------------------------------------
@@ -477,38 +488,41 @@ class _Problem:
         total, weights = np.zeros((p, p)), np.zeros((p, 2))
         for band, part in zip(self.bands, self.parts, strict=True):
             left = self._in_time(band, self.left[part])
-            size = max(64, round(CELL * band.rate))
-            size += size % 2
+            functions = [self._in_time(band, row.conj()) for row in influence[:, part]]
+            size = self._cell(functions, band)
             window = np.sin(np.pi * (np.arange(size) + 0.5) / size)
             cells, shape = _cells(left, window), self._shape(band, part, size)
             power = np.abs(cells) ** 2 / shape
-            smooth = _smooth_cells(power) * shape
             low, high = band.frequency[0] * size / band.rate, band.frequency[-1] * size / band.rate
             inside = slice(max(int(low), 0), min(int(high) + 2, cells.shape[1]))
-            own = []
-            for row in influence[:, part]:
-                own.append(_cells(self._in_time(band, row.conj()), window)[:, inside])
-            # in time: figure = n sum_t g(t) r(t) with g of conj(c); a cell has the share window^2
-            factor = (band.length / 2.0) ** 2 * 4.0 / size**2
-            there = smooth[:, inside]
+            there = _smooth_cells(power)[:, inside] * shape[inside]
+            own = [_cells(one, window)[:, inside] for one in functions]
+            factor = (band.length / size) ** 2
             for i in range(p):
-                spread = np.abs(own[i]) ** 2 * there
                 back = _smooth_cells(np.abs(own[i]) ** 2 * shape[inside])
                 each = back * power[:, inside]
                 weights[i] += each.sum(), (each**2).sum()
                 for j in range(i, p):
-                    value = float(np.sum((own[i] * own[j].conj()).real * there)) if j > i else float(spread.sum())
-                    total[i, j] += factor * value
+                    total[i, j] += factor * float(np.sum((own[i] * own[j].conj()).real * there))
                     total[j, i] = total[i, j]
         # squares of powers: E(P^2) = 2 E(P)^2
         dof = weights[:, 0] ** 2 / np.maximum(weights[:, 1] / 2.0, 1e-300)
         return total, np.maximum(dof, 1.0)
 
+    def _cell(self, functions: Sequence[Array], band: Band) -> int:
+        """Return the samples of a cell: shorter than what a figure rests on lasts, as noise may follow the level."""
+        lasting = min((float(np.sum(one**2) ** 2 / np.sum(one**4)) for one in functions), default=math.inf)
+        size: int = round(min(max(PART * lasting, CYCLES * band.rate / band.frequency[0]), CELL * band.rate))
+        return size + size % 2
+
     def _shape(self, band: Band, part: slice, size: int) -> Array:
         """Return the expected shape of what is left over the bins of a cell: noise of the control follows H."""
-        bins = np.arange(size // 2 + 1) * band.rate / size
         expected = 1.0 / (self.weight[part] * band.length)
-        return np.interp(bins, band.frequency, expected / np.mean(expected))
+        edges = np.searchsorted(band.frequency, (np.arange(size // 2 + 2) - 0.5) * band.rate / size)
+        sums = np.concatenate([[0.0], np.cumsum(expected)])
+        counts = np.diff(edges)
+        whole = float(np.mean(expected))
+        return np.where(counts > 0, np.diff(sums[edges]) / np.maximum(counts, 1) / whole, 1.0)
 
     def _in_time(self, band: Band, lines: Complex) -> Array:
         whole = np.zeros(band.length // 2 + 1, dtype=complex)

@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from ....core.estimate import Array
 from ....core.show.rounding import number, with_uncertainty
 from ..drawing.data import Curve, curves, numbers, unit
 from ..drawing.picture import Picture
+from ..drawing.scales import log_axis
 from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, with_unit
 
 NAME = "transmissibility"
@@ -71,27 +73,36 @@ def draw(axes: Sequence[Axes], model: Curve, tracked: Curve | None, other: Curve
         Above the first; empty for none.
     """
     size, phase = axes
+    drawn: list[tuple[Curve, str, dict[str, Any]]] = []
+    look: dict[str, Any]
     if tracked is not None:
-        look: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 2.6, "color": COLOURS["quiet"]}
-        size.loglog(
-            numbers(tracked, "frequency"), numbers(tracked, "transmissibility"), label="tracking filter", **look
-        )
-        phase.semilogx(numbers(tracked, "frequency"), np.degrees(numbers(tracked, "phase")), **look)
+        look = {"linestyle": "none", "marker": ".", "markersize": 2.2, "color": COLOURS["quiet"], "zorder": 1}
+        drawn.append((tracked, "tracking filter", look))
     if other is not None:
-        look = {"linestyle": "--", "color": COLOURS["vermilion"], "linewidth": 1.1}
-        size.loglog(numbers(other, "frequency"), numbers(other, "transmissibility"),
-                    label=plain(other.get("test", "")), **look)  # fmt: skip
-        phase.semilogx(numbers(other, "frequency"), np.degrees(numbers(other, "phase")), **look)
-    look = {"color": COLOURS["blue"], "linewidth": 1.1}
+        look = {"linestyle": "--", "color": COLOURS["vermilion"], "linewidth": 1.1, "zorder": 2}
+        drawn.append((other, plain(other.get("test", "")), look))
     label = plain(model.get("test", "")) if other is not None else "modes"
-    size.loglog(numbers(model, "frequency"), numbers(model, "transmissibility"), label=label, **look)
-    phase.semilogx(numbers(model, "frequency"), np.degrees(numbers(model, "phase")), **look)
+    drawn.append((model, label, {"color": COLOURS["blue"], "linewidth": 1.1, "zorder": 3}))
+    for curve, name, look in drawn:
+        size.plot(numbers(curve, "frequency"), numbers(curve, "transmissibility"), label=name, **look)
+        phase.plot(numbers(curve, "frequency"), _unbroken(np.degrees(numbers(curve, "phase"))), label=name, **look)
+    for ax in axes:
+        log_axis(ax, "x", numbers(model, "frequency"), 1.05)
+    log_axis(size, "y", np.concatenate([numbers(curve, "transmissibility") for curve, _, _ in drawn]), 1.2)
     phase.set_ylim(-190.0, 190.0)
     phase.set_yticks([-180, -90, 0, 90, 180])
     set_title(size, title)
-    set_labels(size, y=with_unit("transmissibility", unit(model, "transmissibility")))
+    own = unit(model, "transmissibility")
+    set_labels(size, y="transmissibility" if own in ("", "1") else with_unit("transmissibility", own))
     set_labels(phase, "frequency [Hz]", "phase [deg]")
-    set_legend(size)
+    set_legend(phase)
+
+
+def _unbroken(degrees: Array) -> Array:
+    """Return phases with nothing drawn from one end of the circle to the other."""
+    found = degrees.copy()
+    found[1:][np.abs(np.diff(degrees)) > 180.0] = np.nan
+    return found
 
 
 __all__ = ["NAME", "draw", "finding", "pictures"]

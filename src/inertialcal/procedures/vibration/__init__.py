@@ -1,0 +1,1 @@
+"""Random vibration to a profile."""

@@ -1,0 +1,321 @@
+"""What breaks a run, by its cause: level, time, distribution, channels, sampling, lines, resolution.
+
+Each is looked for with a chance of a false alarm of ``CHANCE`` a run, shared by channels and lines; and only said where
+it matters (``MATTERS``), as a long run shows deviations that nobody need care about.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import special
+
+from ...core.remarks import Remark
+from ...core.show.rounding import number
+from ...core.show.wording import listed
+from ...signals.spectrum.lines import Lines, find_lines
+from ...signals.vibration.deviation import NEPER
+from ...signals.vibration.gaussian import crest_reached, crossing_rate
+from ...signals.vibration.profile import decibels
+
+if TYPE_CHECKING:
+    from ...core.estimate import Array
+    from .reduction import ChannelFigures, Result
+
+CHANCE = 1e-4
+MATTERS = 1.0  # deviation of a level [dB]
+STEADY = 0.5  # range of the level at full level, below which nobody need care [dB]
+KURTOSIS = 0.25  # from 3
+CLIPPED = 4.0  # crest from which on nobody need care
+RAILS = 3  # runs of equal values at the end of a range
+RAIL_CREST = 5.0  # at which they matter
+FOLLOWS, STRAYS = (
+    2.0,
+    4.0,
+)  # root mean square of the deviation, without its mean, of a channel that does and does not [dB]
+DIFFERS = 3.0  # the same of two control channels [dB]
+ROLL_OFF = 0.79  # of half the sampling frequency: above it filters against aliasing begin
+FOLDED = 0.05  # density below half the sampling frequency, over that of the band, that no filter leaves
+TOP = 0.9  # of half the sampling frequency, from which that is looked at
+LOW_PASS = 3.0  # deviation at the top of the band [dB]
+STEEP = 6.0  # and its fall over the last half octave [dB]
+LINE = 0.02  # of the mean square in its bandwidth band, from which a line matters
+PEAK = 1.0  # that a line of the spectrum is too low [dB]
+SHOWN = 4  # lines that are listed
+
+
+def findings(result: Result) -> Iterator[Remark]:
+    """Yield remarks on a run."""
+    yield from _levels(result)
+    yield from _duration(result)
+    yield from _stationarity(result)
+    yield from _shapes(result)
+    yield from _channels(result)
+    yield from _sampling(result)
+    yield from _lines(result)
+    yield from _narrow(result)
+    yield from _gaps(result)
+    yield from _edges(result)
+
+
+def _where(result: Result) -> str:
+    return result.readings.where
+
+
+def _levels(result: Result) -> Iterator[Remark]:
+    """Yield a run at another level than its profile throughout; steps of level; time above."""
+    target = result.target.rms(*result.band)
+    away = float(decibels(result.control.square / target**2))
+    spread = NEPER * math.sqrt(2.0 / result.control.dof)
+    deviation = float(np.median(result.deviation.value))
+    if abs(deviation) > MATTERS and abs(away) > MATTERS + 4.0 * spread:
+        word = "above" if away > 0.0 else "below"
+        what = f"full level lies {number(abs(away), 2)} dB {word} the profile over its band"
+        do = f'Check the gain of the controller; a run meant to be at that level: level = "{number(away, 2)} dB"'
+        yield Remark("level", "warning", what, _where(result), do=do)
+    others = [one for one in result.levels.stretches if not one.full]
+    if others:
+        shown = ", ".join(
+            f"{number(one.level, 2)} dB for {number(one.stop - one.start, 2)} s" for one in others[:SHOWN]
+        )
+        more = f" and {len(others) - SHOWN} more" if len(others) > SHOWN else ""
+        what = f"other levels: {shown}{more}; spectra are of full level alone"
+        yield Remark("level_steps", "info", what, _where(result), count=len(others))
+    if result.levels.above > 0.0:
+        what = f"{number(result.levels.above, 2)} s lie above full level"
+        do = "Look at the level over time: an over-test counts for the item"
+        yield Remark("above_level", "warning", what, _where(result), do=do)
+
+
+def _duration(result: Result) -> Iterator[Remark]:
+    levels, wanted = result.levels, result.plan.duration
+    if levels.interruptions:
+        what = f"full level was left and reached again {levels.interruptions} time(s)"
+        yield Remark("interrupted", "warning", what, _where(result), do="The duration is the sum of its parts")
+    if wanted is not None and levels.duration < wanted - 2.0 * levels.u_duration:
+        what = f"{number(levels.duration, 4)} s at full level, {number(wanted, 4)} s were asked for"
+        yield Remark("short_run", "warning", what, _where(result), do="Run again for what is missing")
+
+
+def _stationarity(result: Result) -> Iterator[Remark]:
+    levels = result.levels
+    scatter, slope, change = levels.stationarity()
+    level = levels.level[levels.inner]
+    low, high = (float(one) for one in np.nanpercentile(level, (5, 95))) if len(level) else (0.0, 0.0)
+    chance = 2.0 * 1.645 * levels.deviation
+    if slope < CHANCE and abs(change) > STEADY:
+        what = f"the level at full level changes by {number(change, 2)} dB from its beginning to its end"
+        yield Remark("not_stationary", "warning", what, _where(result), do="The spectrum is a mean over it")
+    elif scatter < CHANCE and high - low > chance + STEADY:
+        what = (
+            f"the level at full level ranges over {number(high - low, 2)} dB (5 to 95 %), by chance {number(chance, 2)}"
+        )
+        yield Remark("not_stationary", "warning", what, _where(result), do="The spectrum is a mean over it")
+
+
+def _shapes(result: Result) -> Iterator[Remark]:
+    """Yield channels at rails, clipped ones, and those that are not Gaussian."""
+    chance = CHANCE / len(result.channels)
+    z = -float(special.ndtri(0.5 * chance))
+    n = int(np.count_nonzero(result.levels.samples(len(result.readings))))
+    for place, one in enumerate(result.channels):
+        control, name = place < len(result.readings.controls), _called(one)
+        shape = one.shape
+        if shape.rails >= RAILS and shape.crest < RAIL_CREST:
+            what = f"{name} stands at the end of its range {shape.rails} times: {number(shape.crest, 3)} times its rms"
+            do = "Take a larger range: peaks are cut off, the spectrum is wrong at all frequencies"
+            yield Remark("saturated", "error" if control else "warning", what, _where(result), shape.rails, do,
+                         subject=one.column)  # fmt: skip
+            continue
+        if control and shape.chance < chance and shape.crest < CLIPPED:
+            crossings = crossing_rate(result.fine.frequency, result.fine.density[:, place])
+            usual = crest_reached(crossings * n * result.readings.interval, n, 0.5)
+            what = (f"{name} never exceeds {number(shape.crest, 3)} times its rms, noise of its spectrum reaches "
+                    f"about {number(usual, 2)}")  # fmt: skip
+            do = "The drive is clipped: check the limit in the controller against what the document asks for"
+            yield Remark("clipped_drive", "warning", what, _where(result), do=do, subject=one.column)
+        elif abs(shape.kurtosis - 3.0) > max(z * shape.u_kurtosis, KURTOSIS):
+            what = (
+                f"{name} has a kurtosis of {number(shape.kurtosis, 3)}; 3 and {number(shape.u_kurtosis, 2)} by chance"
+            )
+            do = "Look for shocks, rattling or a loose part" if shape.kurtosis > 3.0 else "Look for a sine or a limit"
+            yield Remark("kurtosis", "warning", what, _where(result), do=do, subject=one.column)
+
+
+def _called(one: ChannelFigures) -> str:
+    return f"channel {one.column!r}" if one.column == one.name else f"channel {one.name} ({one.column})"
+
+
+def shape_errors(result: Result) -> Array:
+    """Return how far the shape of each channel's spectrum is from the profile: rms, mean level taken off [dB]."""
+    f = result.spectra.frequency
+    width = 2.0 * result.spectra.spacing
+    use = (f - width >= result.band[0]) & (f + width <= result.band[1])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        away = decibels(result.spectra.density[use] / result.target.at(f[use])[:, None])
+    return np.asarray(np.std(away, axis=0))
+
+
+def _channels(result: Result) -> Iterator[Remark]:
+    """Yield a control that is none, and control channels that differ."""
+    errors, count = shape_errors(result), len(result.readings.controls)
+    followers = [i for i in range(count, len(errors)) if result.channels[i].power.unit == "m/s^2"
+                 and errors[i] < FOLLOWS and abs(_level(result, i)) < 3.0]  # fmt: skip
+    swapped = [i for i in range(count) if errors[i] > STRAYS] if followers else []
+    for i in swapped:
+        other = min(followers, key=lambda k: float(errors[k]))
+        one, two = (f"{_called(result.channels[k])}" for k in (i, other))
+        away, near = (number(float(errors[k]), 2) for k in (i, other))
+        what = f"{one} does not follow the profile ({away} dB), {two} does ({near} dB): they are swapped?"
+        do = "Check which cable is which"
+        yield Remark("swapped_channels", "error", what, _where(result), do=do, subject=result.channels[i].column)
+    if count > 1 and not swapped:
+        density = result.spectra.density[:, :count]
+        f = result.spectra.frequency
+        use = (f >= result.band[0]) & (f <= result.band[1])
+        apart = decibels(density[use] / np.exp(np.mean(np.log(density[use]), axis=1))[:, None])
+        strays = np.sqrt(np.mean(apart**2, axis=0))
+        i = int(np.argmax(strays))
+        if strays[i] > DIFFERS:
+            at = float(f[use][int(np.argmax(np.abs(apart[:, i])))])
+            size = number(float(strays[i]), 2)
+            what = f"{_called(result.channels[i])} differs from the other control channels by {size} dB,"
+            what += f" most at {number(at, 3)} Hz"
+            do = "Check its mounting and the fixture: a mean hides it"
+            yield Remark("control_disagrees", "warning", what, _where(result), do=do, subject=result.channels[i].column)
+
+
+def _level(result: Result, place: int) -> float:
+    return float(decibels(result.channels[place].power.square / result.target.rms(*result.band) ** 2))
+
+
+def _sampling(result: Result) -> Iterator[Remark]:
+    """Yield a profile beyond what the sampling shows, energy that was folded, a low pass inside the band."""
+    nyquist, top = 0.5 / result.readings.interval, result.target.band[1]
+    if top > nyquist:
+        what = f"the profile goes up to {number(top, 5)} Hz, samples show {number(nyquist, 5)} Hz at most"
+        do = f"Record {number(2.56 * top, 3)} samples a second or more: what lies above is not judged"
+        yield Remark("sample_rate", "error", what, _where(result), do=do)
+    elif top > ROLL_OFF * nyquist:
+        what = f"the profile goes up to {number(top, 5)} Hz, half of the sampling frequency is {number(nyquist, 5)} Hz"
+        do = f"Record {number(2.56 * top, 3)} samples a second or more: no filter against aliasing is so steep"
+        yield Remark("sample_rate", "warning", what, _where(result), do=do)
+    density, _ = result.controlled(result.spectra)
+    f = result.spectra.frequency
+    near, inside = (f > TOP * nyquist) & (f > 1.1 * top), (f >= result.band[0]) & (f <= result.band[1])
+    if near.any() and inside.any():
+        share = float(np.median(density[near]) / np.median(density[inside]))
+        if share > FOLDED:
+            what = (
+                f"below half of the sampling frequency the density is still {number(100.0 * share, 2)} % of the band's"
+            )
+            do = "No filter against aliasing? What lies above is folded into the band: filter before sampling"
+            yield Remark("aliasing", "warning", what, _where(result), do=do)
+    yield from _low_pass(result)
+
+
+def _low_pass(result: Result) -> Iterator[Remark]:
+    away, f = result.deviation.value, result.deviation.frequency
+    top = float(f[-1])
+    last, before = f > top * 2.0**-0.1, (f > top * 2.0**-0.7) & (f <= top * 2.0**-0.5)
+    cut_off = result.readings.cut_off
+    falls = last.any() and before.any()
+    end = float(np.median(away[last])) if falls else 0.0
+    fall = float(np.median(away[before])) - end if falls else 0.0
+    middle = float(np.median(away))
+    known = cut_off is not None and cut_off < result.band[1] and result.readings.own
+    if (end < middle - LOW_PASS and fall > STEEP) or known:
+        what = f"the control falls off below {number(top, 4)} Hz by {number(fall, 2)} dB within half an octave"
+        if known:
+            what = f"the sensor's low pass of {number(cut_off or 0.0, 4)} Hz lies inside the profile"
+        do = "A low pass before the converter lies in the band: the true level is higher than what was read"
+        yield Remark("low_pass", "warning", what, _where(result), do=do)
+
+
+def lines_of(result: Result) -> Lines:
+    """Return sine tones in the channels, in the order of channels."""
+    return find_lines(result.fine.as_spectrum(), CHANCE)
+
+
+def _lines(result: Result) -> Iterator[Remark]:
+    """Yield sine tones in the control."""
+    count, spectra = len(result.readings.controls), result.spectra
+    found: list[str] = []
+    for one in lines_of(result).found:
+        if one.axis >= count or one.kind != "line" or not result.band[0] <= one.frequency <= result.band[1]:
+            continue
+        share = 0.5 * one.amplitude**2 / (float(result.target.at(one.frequency)) * spectra.enbw)
+        if share > LINE:
+            found.append(f"{number(one.frequency, 5)} Hz, amplitude {number(one.amplitude / 9.80665, 2)} g")
+    if found:
+        shown = list(dict.fromkeys(found))
+        more = f" and {len(shown) - SHOWN} more" if len(shown) > SHOWN else ""
+        what = f"sine in the random spectrum: {listed(shown[:SHOWN])}{more}"
+        do = "Look for hum, a fan or a rotating part: its density depends on the bandwidth"
+        yield Remark("lines", "warning", what, _where(result), len(shown), do)
+
+
+def _narrow(result: Result) -> Iterator[Remark]:
+    """Yield peaks that a line's bandwidth is too coarse for: by the spectrum four times finer."""
+    coarse, fine = result.spectra, result.fine
+    if fine.spacing >= coarse.spacing:
+        return
+    times = round(coarse.spacing / fine.spacing)
+    count = len(result.readings.controls)  # of a response a resonance may be as narrow as a sine
+    tones = {(one.axis, round(one.frequency / coarse.spacing)) for one in lines_of(result).found
+             if one.kind == "line" and one.axis < count}  # fmt: skip
+    low, high = result.band[0] + 2.0 * coarse.spacing, result.band[1] - 2.0 * coarse.spacing
+    use = np.flatnonzero((coarse.frequency >= low) & (coarse.frequency <= high))
+    z = -float(special.ndtri(CHANCE / (len(use) * len(result.channels))))
+    threshold = max(PEAK, z * NEPER * math.sqrt(2.0 / fine.edf))
+    for place, one in enumerate(result.channels):
+        own, near = coarse.density[:, place], fine.density[:, place]
+        gains = []
+        for k in use.tolist():
+            at = times * (k + 1) - 1  # the same frequency among the finer lines
+            peak = near[max(at - times // 2, 0) : at + times // 2 + 1].max(initial=0.0)
+            gains.append(float(decibels(peak / own[k])) if own[k] > 0.0 and peak > 0.0 else 0.0)
+        away = np.array(gains)
+        away[[i for i, k in enumerate(use.tolist()) if any((place, k + 1 + d) in tones for d in (-2, -1, 0, 1, 2))]] = (
+            0.0
+        )
+        if len(away) and away.max() > threshold:
+            f = float(coarse.frequency[use[int(np.argmax(away))]])
+            what = (f"{_called(one)} has a peak at {number(f, 4)} Hz that is narrower than a line: its density is "
+                    f"{number(float(away.max()), 2)} dB or more too low there")  # fmt: skip
+            do = f'Give a finer resolution: "{number(fine.spacing, 3)} Hz"'
+            yield Remark("narrow_peaks", "warning", what, _where(result), do=do, subject=one.column)
+
+
+def _gaps(result: Result) -> Iterator[Remark]:
+    missing = result.spectra.missing
+    if missing:
+        n = len(result.readings)
+        level = "warning" if missing > 0.01 * n else "info"
+        what = f"{missing} of {n} samples are missing: segments lie between the gaps"
+        do = "Look at the logger: gaps shorten what a spectrum is made of"
+        yield Remark("gaps", "warning" if level == "warning" else "info", what, _where(result), missing, do)
+
+
+def _edges(result: Result) -> Iterator[Remark]:
+    """Yield what of the profile is not judged."""
+    if result.plan.octave is not None:
+        return
+    low, high = result.band
+    first, last = float(result.deviation.frequency[0]), float(result.deviation.frequency[-1])
+    spacing = result.spectra.spacing
+    if first - low > 0.5 * low:
+        what = (
+            f"nothing is judged from {number(low, 4)} to {number(first, 4)} Hz: lines are {number(spacing, 3)} Hz apart"
+        )
+        yield Remark("edges", "warning", what, _where(result), do="Give a finer resolution")
+    else:
+        what = (f"judged from {number(first, 4)} to {number(last, 5)} Hz: windows of lines beyond reach out of the "
+                f"profile of {number(low, 4)} to {number(high, 5)} Hz")  # fmt: skip
+        yield Remark("edges", "info", what, _where(result))
+
+
+__all__ = ["findings", "lines_of", "shape_errors"]

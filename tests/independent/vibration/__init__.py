@@ -1,0 +1,1 @@
+"""Simulators of vibration that share nothing with the estimators."""
