@@ -11,7 +11,7 @@ FIGURES = (
         "rectification",
         DRAWN + "rectification",
         "Mean reading of {axis}, even drift taken off, against the mean square of the control; 95 % intervals.",
-        curves={"vibration_means": "means of segments {axis}"},
+        curves={"vibration_effect_means": "means of segments {axis}"},
         order=600,
         top=110,
     ),
@@ -20,7 +20,7 @@ FIGURES = (
         DRAWN + "response",
         "Response of {axis} to the acceleration of the control, and its noise under vibration and at rest, in thirds of"
         " an octave.",
-        curves={"vibration_bands": "bands {axis}"},
+        curves={"vibration_effect_bands": "bands {axis}"},
         order=610,
         rank=1,
     ),

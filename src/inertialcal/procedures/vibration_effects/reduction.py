@@ -263,7 +263,7 @@ def _curves(one: Effects, unit: str) -> Iterator[Curve]:
         columns["without_drift"] = Column(_without_drift(one.rectified), unit)
         columns["run"] = Column(np.array([each.run + 1.0 for each in points]))
         columns["level"] = Column(np.array([float(each.level) for each in points]))
-        yield Curve("vibration_means", one.name, columns)
+        yield Curve("vibration_effect_means", one.name, columns)
     if one.bands:
         density, gain = f"{unit}/sqrt(Hz)", _per(unit, 1)
         parts = {
@@ -275,7 +275,7 @@ def _curves(one: Effects, unit: str) -> Iterator[Curve]:
                    for name, (own, its) in parts.items()}  # fmt: skip
         columns["significant"] = Column([each.significant and each.shaken for each in one.bands])
         columns["shaken"] = Column([each.shaken for each in one.bands])
-        yield Curve("vibration_bands", one.name, columns)
+        yield Curve("vibration_effect_bands", one.name, columns)
 
 
 def _without_drift(found: Rectified) -> Array:

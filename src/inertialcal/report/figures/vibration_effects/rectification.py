@@ -25,7 +25,7 @@ LOOKS = (("o", "blue"), ("s", "vermilion"), ("^", "green"), ("D", "purple"))  # 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
     """Return a picture an axis and direction."""
     found = []
-    for curve in curves(results, "vibration_means"):
+    for curve in curves(results, "vibration_effect_means"):
         if len(finite(numbers(curve, "mean"))) > 1:
             test, axis = str(curve.get("test", "")), str(curve.get("axis", ""))
             found.append(_picture(curve, _row(results, test, axis), test, axis))
@@ -61,7 +61,7 @@ def draw(axes: Sequence[Axes], curve: Curve, title: str = "") -> None:
     axes : sequence of Axes, length 1
         To draw on.
     curve : mapping
-        ``vibration_means``.
+        ``vibration_effect_means``.
     title : str
         Above; empty for none.
     """

@@ -24,7 +24,7 @@ HEIGHTS = (2.2, 1.8)  # of the panels [in]
 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
     """Return a picture an axis and direction."""
-    return [_picture(one) for one in curves(results, "vibration_bands") if len(finite(numbers(one, "gain")))]
+    return [_picture(one) for one in curves(results, "vibration_effect_bands") if len(finite(numbers(one, "gain")))]
 
 
 def _picture(curve: Curve) -> Picture:
@@ -54,7 +54,7 @@ def draw(axes: Sequence[Axes], curve: Curve, title: str = "") -> None:
     axes : sequence of Axes, length 2
         To draw on.
     curve : mapping
-        ``vibration_bands``.
+        ``vibration_effect_bands``.
     title : str
         Above; empty for none.
     """
