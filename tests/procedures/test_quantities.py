@@ -16,7 +16,7 @@ from inertialcal.campaign.file.schema import Test as Entry
 from inertialcal.campaign.outcome.exclusions import LeftOut, exclusion_rows
 from inertialcal.campaign.outcome.requirements import judge
 from inertialcal.core.estimate import Component, Estimate
-from inertialcal.core.judging import Asked, Verdict
+from inertialcal.core.judging import NAMES, Asked, Verdict
 from inertialcal.core.key import At, Key
 from inertialcal.core.remarks import Remark
 from inertialcal.core.results import Interval, Row
@@ -123,7 +123,7 @@ def test_a_procedure_that_is_gone_says_no_more() -> None:
 def test_declared_units_exist_and_are_of_the_declared_kind(name: str) -> None:
     for quantity, said in PROCEDURES[name].quantities().items():
         assert said.kinds or said.shown_by_kind or PROCEDURES[name].inputs.bare, quantity  # in the unit of the file
-        assert said.over in {"", "rate", "temperature"}
+        assert said.over in {"", *NAMES}
         for sensor, unit in said.shown_by_kind.items():
             assert normalise(unit) == unit
             assert display_unit(quantity, unit, OF_SENSORS[sensor]) == unit

@@ -1,7 +1,7 @@
 r"""Units as the Digital System of Units writes them: ``deg/s`` is ``\degree\second\tothe{-1}``.
 
 It holds the SI and what is used beside it. ``g`` (standard gravity), ``Torr`` and the like are not in it: who wants to
-state such a figure converts it first. A count is a number: ``\one``.
+state such a figure converts it first. A count and an octave are numbers: ``\one``.
 
 References
 ----------
@@ -23,8 +23,9 @@ WORDS = {
     "%": "percent", "ppm": "ppm", "kg": "kilogram", "gram": "gram", "m": "metre", "s": "second", "min": "minute",
     "h": "hour", "day": "day", "rad": "radian", "deg": "degree", "arcmin": "arcminute", "arcsec": "arcsecond",
     "A": "ampere", "V": "volt", "ohm": "ohm", "W": "watt", "T": "tesla", "N": "newton", "Pa": "pascal", "K": "kelvin",
-    "degC": "degreecelsius", "Hz": "hertz",
+    "degC": "degreecelsius", "Hz": "hertz", "dB": "decibel",
 }  # fmt: skip
+NUMBERS = ("count", "octave")  # of dimension one
 NO_PREFIX = ("deg", "arcmin", "arcsec", "degC")
 
 
@@ -49,7 +50,7 @@ def d_si(unit: str) -> str:
     parts = []
     for symbol, exponent in sorted(read_unit(unit), key=lambda one: (one[1] < 0, one[0] == "s")):
         atom, prefix = by_symbol()[symbol]
-        if atom.symbol == "count":
+        if atom.symbol in NUMBERS:
             continue
         if atom.symbol not in WORDS or (prefix and atom.symbol in NO_PREFIX):
             raise DataError(

@@ -218,6 +218,7 @@ def _reference_rows(result: Result, axis: str) -> Iterator[Row]:
 
 
 ORDER = 3
+FEW = 1_000  # samples, to which the published fit is made as they are
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,9 +251,10 @@ def published_fit(plan: Plan, series: Series, cut: float) -> Published | None:
         return None
     domain, n = (temperatures.low, temperatures.high), outputs.count
     held = np.empty((0, ORDER + 2))
-    for T, y in parts():  # of more than a batch, what an orthogonal transformation leaves: the same cubic and sum
+    for T, y in parts():  # of more than a few, what an orthogonal transformation leaves: the same cubic and sum
         one = np.column_stack([_rows(T, domain), y])
-        held = np.asarray(np.linalg.qr(np.vstack([held, one]), mode="r")) if len(held) else one
+        few = not len(held) and len(one) <= FEW
+        held = one if few else np.asarray(np.linalg.qr(np.vstack([held, one]), mode="r"))
     found = fit(held[:, :-1], held[:, -1])
     rss, total, dof = float(found.residuals @ found.residuals), outputs.squares, n - ORDER - 1
     adjusted = 1.0 - (rss / dof) / (total / (n - 1)) if total > 0.0 else np.nan

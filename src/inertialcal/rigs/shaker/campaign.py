@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from ...core.campaign_text import Noted, toml_text
 from ..parts.campaign import EACH_ERROR, Content, campaign_head, standard_tables
-from .setup import COLUMNS, CONTROLS, SURVEYS, Bench
+from .setup import COLUMNS, CONTROLS, PROFILE, RUN, SURVEYS, Bench
+
+RUN_FILE = "recordings/run.csv"
 
 
 def survey_file(name: str) -> str:
@@ -21,23 +23,36 @@ def campaign_text(bench: Bench) -> str:
         {"id": "R2", "text": "amplifications change by at most 20 %", "quantity": "amplification_change",
          "limit": "20 %", "tests": ["after"]},
     ]  # fmt: skip
+    run = {RUN: _entry(RUN_FILE) | {"profile": PROFILE, "axis": "x"}} if bench.full_level else {}
+    if bench.full_level:
+        requirements.append({"id": "R3", "text": "overall level within 10 % of the profile",
+                             "quantity": "acceleration_rms_deviation", "limit": "10 %", "tests": [RUN]})  # fmt: skip
     return toml_text(
         {
             **campaign_head("shaker", "simulated item on a shaker", title, about),
-            "standards": Noted(standard_tables({"clock.rate": bench.clock}), above=EACH_ERROR),
+            "standards": Noted(standard_tables(bench.standards), above=EACH_ERROR),
             "sensors": {"item": {"kind": "accelerometer", "axes": list(COLUMNS), "unit": "g"}},
-            "recordings": {f"survey_{name}": _entry(name) for name in SURVEYS},
-            "tests": [_test(bench, name) for name in SURVEYS],
+            "recordings": {**{f"survey_{name}": _entry(survey_file(name)) for name in SURVEYS}, **run},
+            "tests": [_test(bench, name) for name in SURVEYS] + _random(bench),
             "requirements": requirements,
         }
     )
 
 
-def _entry(name: str) -> Content:
+def _random(bench: Bench) -> list[Noted]:
+    """Return the random run between the surveys, where there is one."""
+    if not bench.full_level:
+        return []
+    plan = {"resolution": "2.5 Hz", "duration": f"{bench.full_level:g} s"}
+    one: Content = {"id": RUN, "procedure": "vibration", "recordings": [RUN], "plan": plan}
+    return [Noted(one, above="Random vibration between the surveys")]
+
+
+def _entry(file: str) -> Content:
     channels = {"control": CONTROLS[0], "control_2": CONTROLS[1], **COLUMNS}
     return {
         "sensor": "item",
-        "file": survey_file(name),
+        "file": file,
         "clock": {"column": "unix_s"},
         "channels": {role: {"column": column, "unit": "g"} for role, column in channels.items()},
     }

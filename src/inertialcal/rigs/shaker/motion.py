@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from ...core.estimate import Array
-from .setup import Bench
+from .setup import NODES, STEPS_DB, Bench
 
 SWING = 12.0  # decay times for which a mode still swings
 HARMONICS = (2, 3)
@@ -76,6 +76,28 @@ def drive(bench: Bench, clock_error: float, rng: np.random.Generator) -> Array:
     octave = np.log2(bench.start) + k * inside / np.log(2.0)
     shape = sum(np.sin(2.0 * np.pi * (c * octave + p)) for c, p in zip((0.31, 0.74, 1.3), rng.random(3), strict=True))
     return np.asarray(bench.level * on * wave * (1.0 + bench.ripple * shape / np.sqrt(1.5)))
+
+
+def random_drive(bench: Bench, rng: np.random.Generator) -> Array:
+    """Return the acceleration of the table in the random run at the instants of the samples [g].
+
+    Gaussian noise of the profile (straight in logarithms between its nodes) with what the controller leaves uneven; the
+    level steps up.
+    """
+    length = bench.full_level + bench.step * len(STEPS_DB)
+    n = fft.next_fast_len(round(length * bench.sample_rate))
+    f = np.arange(n // 2 + 1) * bench.sample_rate / n
+    nodes = np.array(NODES)
+    inside = (f >= nodes[0, 0]) & (f <= nodes[-1, 0])
+    density = np.zeros(len(f))
+    density[inside] = np.exp(np.interp(np.log(f[inside]), np.log(nodes[:, 0]), np.log(nodes[:, 1])))
+    knots = np.arange(0.0, f[-1] + 25.0, 25.0)
+    uneven = bench.random_db + bench.unevenness_db * np.interp(f, knots, rng.standard_normal(len(knots)))
+    size = np.sqrt(density * 10.0 ** (uneven / 10.0) * bench.sample_rate * n / 4.0)
+    lines = size * (rng.standard_normal(len(f)) + 1j * rng.standard_normal(len(f)))
+    steps = np.minimum((np.arange(n) / bench.sample_rate / bench.step).astype(np.int64), len(STEPS_DB))
+    gain = 10.0 ** (np.array([*STEPS_DB, 0.0]) / 20.0)
+    return np.asarray(fft.irfft(lines, n) * gain[steps])
 
 
 def moved(bench: Bench, table: Array, item: Item, clock_error: float) -> dict[str, Array]:

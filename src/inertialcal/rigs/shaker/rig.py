@@ -10,7 +10,7 @@ control accelerometers; and their changes.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -20,11 +20,11 @@ from ...core.key import At
 from ...core.recording import SECOND, Channel, Recording
 from ..parts.campaign import drawn_error, drawn_errors
 from ..protocol import Rig, on_bench
-from ..twin import Drawn, Fault, TrueValue, Twin
+from ..twin import Drawn, Extra, Fault, TrueValue, Twin
 from . import TITLE
-from .campaign import campaign_text, survey_file
-from .motion import Item, drive, fixture_ratio, moved
-from .setup import COLUMNS, CONTROLS, SURVEYS, Bench
+from .campaign import RUN_FILE, campaign_text, survey_file
+from .motion import Item, drive, fixture_ratio, moved, random_drive
+from .setup import COLUMNS, CONTROLS, NODES, PROFILE, SURVEYS, Bench
 
 __all__ = ["FAULTS", "RIG", "Bench", "build"]
 
@@ -41,6 +41,7 @@ FAULTS: dict[str, Fault] = {
         "control and response have changed places", "swapped_channels", {"swapped": True}, also=("control_disagrees",)
     ),
     "samples_lost": Fault("the recorder drops 40 samples", "lost_samples", {"lost": 40}),
+    "run_high": Fault("the random run is 2 dB too high", "", {"random_db": 2.0}, "covered"),
     "cracked": Fault("the vibration cracks the item", "", {"crack": 0.07}, "covered"),
 }  # fmt: skip
 
@@ -58,14 +59,27 @@ def build(bench: Bench, seed: int) -> Twin:
     of_unit, of_bench, *of_surveys = np.random.default_rng(seed).spawn(2 + len(SURVEYS))
     items = draw_items(bench, of_unit)
     error = drawn_error(bench.clock, of_bench)
+    gain = drawn_error(bench.standards.get("control_accelerometer.scale_factor"), of_bench)
     recordings = {
-        survey_file(name): _recording(bench, items[name], error, rng)
+        survey_file(name): _recording(bench, items[name], (error, gain), rng)
         for name, rng in zip(SURVEYS, of_surveys, strict=True)
     }
+    extras = {}
+    if bench.full_level:
+        of_run, of_noise = np.random.default_rng([seed, 1]).spawn(2)
+        table = random_drive(bench, of_run)
+        recordings[RUN_FILE] = _saved_recording(bench, moved(bench, table, items["before"], error), gain, of_noise)
+        text = "frequency [Hz],density [g2/Hz]\n" + "".join(f"{f:g},{level:g}\n" for f, level in NODES)
+        extras = {PROFILE: Extra(NODES, text)}
     # a clock that is fast makes the rate that is said too low
-    errors = drawn_errors({"clock.rate": bench.clock}, {"clock.rate": -error})
-    drawn: Drawn = {"clock_error": error, "modes_before": items["before"].modes.ravel().tolist()}
-    return Twin(campaign_text(bench), recordings, tuple(true_values(bench, items)), drawn, errors=errors)
+    off = {"clock.rate": -error, "control_accelerometer.scale_factor": gain}
+    errors = drawn_errors(bench.standards, off)
+    drawn: Drawn = {
+        "clock_error": error,
+        "control_gain_error": gain,
+        "modes_before": items["before"].modes.ravel().tolist(),
+    }
+    return Twin(campaign_text(bench), recordings, tuple(true_values(bench, items, gain)), drawn, extras, errors)
 
 
 def draw_items(bench: Bench, rng: np.random.Generator) -> dict[str, Item]:
@@ -80,17 +94,17 @@ def draw_items(bench: Bench, rng: np.random.Generator) -> dict[str, Item]:
     return {"before": Item(before), "after": Item(after)}
 
 
-def peaks(bench: Bench, item: Item, across: bool) -> Array:
-    """Return the transmissibility at the frequency of each mode, relative to the mean of both controls."""
+def peaks(bench: Bench, item: Item, across: bool, gain: float = 0.0) -> Array:
+    """Return the transmissibility at the frequency of each mode, relative to the mean of both controls as they read."""
     own = item.modes[:, 0]
     mean = 0.5 * (1.0 + fixture_ratio(bench, own))
-    return np.abs(item.transmissibility(own, across) / mean)
+    return np.abs(item.transmissibility(own, across) / mean) / (1.0 + gain)
 
 
-def true_values(bench: Bench, items: dict[str, Item]) -> Iterator[TrueValue]:
+def true_values(bench: Bench, items: dict[str, Item], gain: float) -> Iterator[TrueValue]:
     """Yield the modes of both surveys, and what they differ by."""
     for axis in COLUMNS:
-        both = {name: np.column_stack([item.modes[:, :2], peaks(bench, item, axis == "y")])
+        both = {name: np.column_stack([item.modes[:, :2], peaks(bench, item, axis == "y", gain)])
                 for name, item in items.items()}  # fmt: skip
         for name, figures in both.items():
             for k, (frequency, q, peak) in enumerate(figures.tolist(), 1):
@@ -103,13 +117,19 @@ def true_values(bench: Bench, items: dict[str, Item]) -> Iterator[TrueValue]:
                 yield TrueValue(f"{quantity}_change", axis, value, "1", "after", at=At("mode", float(k), ""))
 
 
-def _recording(bench: Bench, item: Item, clock_error: float, rng: np.random.Generator) -> Recording:
+def _recording(bench: Bench, item: Item, errors: tuple[float, float], rng: np.random.Generator) -> Recording:
     """Return one survey, as the recorder saves it."""
+    clock_error, gain = errors
     table = drive(bench, clock_error, rng)
     seen = moved(bench, table, item, clock_error)
     if bench.lost:
         kept = np.delete(np.arange(len(table)), np.arange(bench.lost) + len(table) // 2)
         seen = {name: values[kept] for name, values in seen.items()}
+    return _saved_recording(bench, seen, gain, rng)
+
+
+def _saved_recording(bench: Bench, moving: Mapping[str, Array], gain: float, rng: np.random.Generator) -> Recording:
+    seen = {name: values * (1.0 + gain) if name in CONTROLS else values for name, values in moving.items()}
     saved = {name: _saved(bench, values, rng) for name, values in seen.items()}
     if bench.swapped:
         saved["control_1"], saved["x"] = saved["x"], saved["control_1"]
@@ -127,7 +147,7 @@ def _saved(bench: Bench, values: Array, rng: np.random.Generator) -> Array:
 
 def small(bench: Bench) -> Bench:
     """Return the same test, made faster: a shorter band, a faster sweep."""
-    return replace(bench, start=60.0, stop=900.0, per_minute=24.0, said=24.0, sample_rate=4000.0)
+    return replace(bench, start=60.0, stop=900.0, per_minute=24.0, said=24.0, sample_rate=4000.0, full_level=0.0)
 
 
-RIG = Rig("shaker", TITLE, on_bench(build, Bench()), FAULTS, tests=("sine_survey",))
+RIG = Rig("shaker", TITLE, on_bench(build, Bench()), FAULTS, tests=("sine_survey", "vibration"))

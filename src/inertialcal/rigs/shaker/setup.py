@@ -9,7 +9,12 @@ from ...core.influence import Influence
 SURVEYS = ("before", "after")
 CONTROLS = ("control_1", "control_2")
 COLUMNS = {"x": "acc_x", "y": "acc_y"}  # accelerometer on the item: along the drive, and across
+RUN, PROFILE = "run", "profile.csv"
+NODES = ((20.0, 0.01), (50.0, 0.04), (500.0, 0.04), (2000.0, 0.01))  # [Hz], [g^2/Hz]: table 1 of the thesis, as printed
+STEPS_DB = (-12.0, -6.0)  # of the level before it is full
 CLOCK = Influence(2e-5, "1", certificate="data sheet of the recorder", standard="clock", quantity="rate")
+
+GAINS = Influence(0.01, "1", certificate="simulated", standard="control_accelerometer", quantity="scale_factor")
 
 
 @dataclass(frozen=True)
@@ -22,7 +27,7 @@ class Bench:
     said: float = 16.0
     level: float = 0.25  # of the sweep [g]; it is said to have ``said_level``
     said_level: float = 0.25
-    sample_rate: float = 5000.0  # [Hz]
+    sample_rate: float = 5120.0  # [Hz]
     quiet: float = 0.5  # before and after the sweep [s]
     ramp: float = 0.05  # of the level at both ends [s]
     # nominal modes: frequency [Hz], Q, part in the response along and across the drive
@@ -40,6 +45,17 @@ class Bench:
     resolution: float = 1e-4  # of what is saved [g]
     fixture: tuple[float, float] = (6000.0, 20.0)  # its own mode at the second control accelerometer [Hz], Q
     clipped: float = 0.0  # where the drive is cut off, over its amplitude; 0 for nowhere
+    full_level: float = 20.0  # of the random run at full level, after steps of `step`; 0 for no random run [s]
+    step: float = 2.0  # [s]
+    random_db: float = 0.0  # of its level over the profile
+    unevenness_db: float = 0.3  # what the controller leaves between lines of 25 Hz
     swapped: bool = False  # whether the columns of control and response have changed places
     lost: int = 0  # samples that the recorder drops once, without a word
     clock: Influence = field(default_factory=lambda: CLOCK)
+    gains: Influence = field(default_factory=lambda: GAINS)  # of the control accelerometers
+
+    @property
+    def standards(self) -> dict[str, Influence]:
+        """By the names that results give them."""
+        run = {"control_accelerometer.scale_factor": self.gains} if self.full_level else {}
+        return {"clock.rate": self.clock, **run}
