@@ -29,6 +29,7 @@ if TYPE_CHECKING:
         sine,
         thermal,
         vibration,
+        vibration_effects,
         vibration_survey,
     )
     from .campaign.certificate.issue import certificate
@@ -115,6 +116,7 @@ __all__ = [
     "sine",
     "thermal",
     "vibration",
+    "vibration_effects",
     "vibration_profile",
     "vibration_survey",
     "write",

@@ -56,6 +56,17 @@ def moved(folder: Path) -> Reduced:
     return ic.mass_attraction(path, schedule=str(schedule), gate="100 s")
 
 
+def shaken(folder: Path) -> Path:
+    """A record of a gyro between two rests, vibrated at two levels."""
+    rng = np.random.default_rng(1)
+    control = np.repeat([0.0, 1.0, 2.0, 0.0], 1000) * rng.standard_normal(4000)
+    reading = 1e-3 * control**2 + 0.01 * rng.standard_normal(4000)
+    path, head = folder / "shaken.csv", "time [s],gyro_x [deg/s],control [g]"
+    table = np.column_stack([np.arange(4000) / 100.0, reading, control])
+    np.savetxt(path, table, fmt="%.6f", delimiter=",", header=head, comments="")
+    return path
+
+
 def over_supply(folder: Path) -> list[Path]:
     """Records of three power-ups of a gyro at rest at three supply voltages."""
     rng = np.random.default_rng(1)
@@ -118,6 +129,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
         "allan": ic.allan(still, sample_rate=100.0, units="rad/s"),
         "psd": ic.psd(still, sample_rate=100.0, units="rad/s"),
         "sine": ic.sine(still[:, 0] + 1e-3 * DRIVE, period="1 s", sample_rate=100.0, units="rad/s"),
+        "vibration_effects": ic.vibration_effects(shaken(tmp_path_factory.mktemp("shaken")), axis="z"),
         "vibration_survey": ic.vibration_survey(swept(tmp_path_factory.mktemp("swept"))),
         "mass_attraction": moved(tmp_path_factory.mktemp("moved")),
         "plan_mass_attraction": ic.plan_mass_attraction(body={"cube": "5 cm", "count": 40, "stand_off": "8 cm"}),
@@ -139,7 +151,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
 
 NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "thermal", "sensitivity", "allan", "psd", "sine",
          "mass_attraction", "plan_mass_attraction", "positions", "positions_batch", "plan_positions",
-         "vibration_survey", "result", "estimate",
+         "vibration_survey", "vibration_effects", "result", "estimate",
          "check", "run", "budget", "model", "compare", "judged", "simulate", "score")  # fmt: skip
 
 

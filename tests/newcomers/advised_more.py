@@ -7,6 +7,12 @@ from advised_cases import Case
 
 COMPENSATED = (
     Case(
+        "Add: --column control=COLUMN",
+        "vibration effects shaker.csv",
+        "+ --column control=front",
+        "vibration_rectification x 1.8",
+    ),
+    Case(
         "; and its unit: --unit NAME=UNIT (UNIT: {})",
         "compensate gauge.json gauge.csv -o gauged_out.csv",
         "+ --column pressure=gauge --unit gauge=hPa",

@@ -143,6 +143,7 @@ def write_records(folder: Path) -> None:
     _campaigns(folder)
     _ground_campaigns(folder)
     _warm_ups(folder)
+    (folder / "shaker.csv").write_text(_shaker())
     (folder / "tall.toml").write_text(CUBES.format(large=12, count=60, edge="1"))
     (folder / "fine.toml").write_text(CUBES.format(large=40, count=1200, edge="0.5"))
     _keys(folder)
@@ -499,6 +500,16 @@ def _warm_ups(folder: Path) -> None:
         columns = {f"gyro_{axis} [deg/s]": rounded(readings[own, i], 6) for i, axis in enumerate("xyz")}
         text = csv({"time_s": rounded(time[own], 1), **columns, "temperature [degC]": rounded(warmth[own, 0], 3)})
         (folder / f"warm_{run}.csv").write_text(text)
+
+
+def _shaker() -> str:
+    """Return the record of a gyro of 1.8 deg/h/g^2 on a shaker, between two rests, with two accelerometers."""
+    rng = np.random.default_rng(72)
+    front = np.repeat([0.0, 1.0, 2.0, 3.0, 0.0], 2000) * rng.standard_normal(10_000)
+    gyro = 0.02 + 5e-4 * front**2 + 1e-3 * rng.standard_normal(10_000)
+    back = 0.3 * front + 0.01 * rng.standard_normal(10_000)
+    return csv({"time_s": rounded(np.arange(10_000) / 200.0, 3), "gyro_x [deg/s]": rounded(gyro, 6),
+                "front [g]": rounded(front, 5), "back [g]": rounded(back, 5)})  # fmt: skip
 
 
 def _quarters() -> str:
