@@ -154,7 +154,7 @@ def find_sweeps(control: Array, rate: float, where: str = "") -> list[Sweep]:
     if not found:
         what = "the control channel has no swept sine"
         why = "its strongest frequency does not move steadily over a quarter of an octave"
-        do = "Check which column is the control: --column control=COLUMN"
+        do = "Check which column was taken for the control"
         raise DataError(what, where, why, do, "no_sweep")
     return found
 
