@@ -55,6 +55,8 @@ NAMES = [
     ("Unnamed: 0", "index", "", None),
     ("imu.t", "time", "", None),
     ("header.seq", "index", "", None),
+    ("i [g]", "acc", "", "g"),
+    ("record [V]", "voltage", "", "V"),
     ("imu.status", "status", "", None),
     ("Time Sigma", "", "", None),
     ("time_step", "", "", None),

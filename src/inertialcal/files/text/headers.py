@@ -184,6 +184,8 @@ def heading(name: str, unit: str | None = None) -> Heading:
     unknown = given.strip() if given is not None and known is None else ""
     if (bare, kind) == ("T", "temperature"):
         quantity = kind
+    if quantity == "index" and kind in BY_KIND and kind != "time":  # ``i [g]``
+        quantity = ""
     if known is not None and quantity in KINDS and kind not in KINDS[quantity]:
         known, unknown = None, given or ""
     return Heading(known, _axis(words), quantity or BY_KIND.get(kind, ""), unknown)

@@ -307,7 +307,7 @@ def _edges(result: Result) -> Iterator[Remark]:
     low, high = result.band
     first, last = float(result.deviation.frequency[0]), float(result.deviation.frequency[-1])
     spacing = result.spectra.spacing
-    if first - low > 0.5 * low:
+    if first > 1.6 * low:  # a quarter of the lowest frequency apart, as by default, they begin at 1.5 times it
         what = (
             f"nothing is judged from {number(low, 4)} to {number(first, 4)} Hz: lines are {number(spacing, 3)} Hz apart"
         )
