@@ -67,6 +67,15 @@ def shaken(folder: Path) -> Path:
     return path
 
 
+def shaken_at_random(folder: Path) -> tuple[Path, str]:
+    """A record of a control accelerometer at random, and the profile of the run."""
+    path, profile = folder / "random.csv", folder / "profile.csv"
+    rows = np.column_stack([np.arange(20_000) / 1000.0, np.random.default_rng(1).standard_normal(20_000)])
+    np.savetxt(path, rows, fmt="%.6f", delimiter=",", header="time [s],control [g]", comments="")
+    profile.write_text("frequency [Hz],density [g2/Hz]\n20,0.002\n300,0.002\n")
+    return path, str(profile)
+
+
 def over_supply(folder: Path) -> list[Path]:
     """Records of three power-ups of a gyro at rest at three supply voltages."""
     rng = np.random.default_rng(1)
@@ -117,6 +126,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
     lost = {**known[0], "inside": None}
     one = ic.rate_table(table, reading="reading_minus_ref_dps", axis="x", zero_reference=True, input_range="5 deg/s")
     still = np.random.default_rng(1).normal(0.0, 1e-3, (3000, 2))
+    random, profile = shaken_at_random(tmp_path_factory.mktemp("random"))
     return {
         "read": ic.read(table),
         "clock": ic.read(twin / written.recordings[0]),
@@ -129,6 +139,9 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
         "allan": ic.allan(still, sample_rate=100.0, units="rad/s"),
         "psd": ic.psd(still, sample_rate=100.0, units="rad/s"),
         "sine": ic.sine(still[:, 0] + 1e-3 * DRIVE, period="1 s", sample_rate=100.0, units="rad/s"),
+        "vibration": ic.vibration(random, profile=profile, control="control"),
+        "vibration_profile": ic.vibration_profile(profile),
+        "plan_vibration": ic.plan_vibration(profile=profile),
         "vibration_effects": ic.vibration_effects(shaken(tmp_path_factory.mktemp("shaken")), axis="z"),
         "vibration_survey": ic.vibration_survey(swept(tmp_path_factory.mktemp("swept"))),
         "mass_attraction": moved(tmp_path_factory.mktemp("moved")),
@@ -151,7 +164,8 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
 
 NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "thermal", "sensitivity", "allan", "psd", "sine",
          "mass_attraction", "plan_mass_attraction", "positions", "positions_batch", "plan_positions",
-         "vibration_survey", "vibration_effects", "result", "estimate",
+         "vibration", "vibration_profile", "plan_vibration", "vibration_survey", "vibration_effects",
+         "result", "estimate",
          "check", "run", "budget", "model", "compare", "judged", "simulate", "score")  # fmt: skip
 
 

@@ -152,12 +152,12 @@ def test_compensate_takes_units_columns_and_temperature(call: Call, tmp_path: Pa
     (tmp_path / "plain.csv").write_text("a,b,c,k\n1,2,3,20\n1,2,3,25\n")
     words = ["compensate", "published.json", "plain.csv", "-o", "out.csv"]
     words += [f"--column={axis}={name}" for axis, name in zip("xyz", "abc", strict=True)]
-    assert as_json(call, *words)["errors"][0]["code"] == "no_unit"
+    assert [one["code"] for one in as_json(call, *words)["errors"]] == ["no_temperature", "no_unit"]
     words += [f"--unit={name}=deg/s" for name in "abc"]
     content = as_json(call, *words)
     assert content["errors"][0]["code"] == "no_temperature"
     assert "--temperature" in content["errors"][0]["do"]
-    assert as_json(call, *words, "--temperature", "k")["errors"][0]["do"] == "Add --unit k=degC"
+    assert as_json(call, *words, "--temperature", "k")["errors"][0]["do"] == "Add --unit k=UNIT (UNIT: degC, K, degF)"
     fixed = as_json(call, *words, "--temperature", "20 degC")
     assert fixed["columns"]["temperature"] == "20 degC"
     first = read(tmp_path / "out.csv").array()[0, :3]
@@ -297,7 +297,7 @@ def test_compare_two_models(call: Call, tmp_path: Path) -> None:
     assert "taken as independent" in out
     content = as_json(call, "compare", "model.json", "other.json")
     rows = {(row["quantity"], row["axis"]): row for row in content["results"]}
-    assert set(rows["bias", "x"]) == ROW | {"first", "second", "p_value", "verdict"}
+    assert set(rows["bias", "x"]) == ROW | {"first", "second", "p_value", "verdict", "ratio"}
     assert rows["bias", "x"]["value"] == pytest.approx(np.degrees(1e-3))
     assert rows["bias", "x"]["u"] == pytest.approx(np.degrees(1e-5) * 2**0.5)
     assert rows["bias", "x"]["dof"] == pytest.approx(14.0)

@@ -27,7 +27,14 @@ NEEDED: dict[str, Callable[[Any], tuple[Any, ...]]] = {  # arguments of those th
     "positions_batch": lambda one: (one, 9.8),
     "write": lambda one: ("out.csv", one),
 }
-NO_CALL = ("max_memory", "plan_mass_attraction", "plan_positions", "simulate")  # that take no recording
+NO_CALL = (
+    "max_memory",
+    "plan_mass_attraction",
+    "plan_positions",
+    "plan_vibration",
+    "simulate",
+    "vibration_profile",
+)  # that take no recording
 
 
 def forms() -> dict[str, Any]:

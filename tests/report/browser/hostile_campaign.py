@@ -35,6 +35,7 @@ FILES = {
     "Schedule.file": ".parquet",
     "MovedMass.schedule": ".csv",
     "KnownDrive.schedule": ".csv",
+    "RecordingEntry.profile": ".csv",
 }
 LONGEST_NAME = 120  # characters of a folder or file name; each is up to 4 of the 255 bytes
 RATES = (-4.0, -1.0, 1.0, 4.0, 6.0)  # deg/s; the last is out of range
@@ -135,6 +136,13 @@ def document() -> dict[str, Any]:
                 "orientations": list(FACES * 2),
                 "sections": "",
             },
+            "shaken": {
+                "sensor": "unit",
+                "axis": "x",
+                "channels": {"x": {"unit": "m/s2"}},
+                "clock": {},
+                "profile": "",
+            },
             "rested": {
                 "sensor": "unit",
                 "rests": {
@@ -174,6 +182,7 @@ def document() -> dict[str, Any]:
             {"id": "drive", "procedure": "sine", "recordings": ["driven"], "use": "report_only"},
             {"id": "laid", "procedure": "positions", "recordings": ["laid"], "use": "report_only"},
             {"id": "rested", "procedure": "positions", "recordings": ["rested"], "use": "report_only"},
+            {"id": "shaken", "procedure": "vibration", "recordings": ["shaken"], "use": "report_only"},
         ],
         "requirements": [
             {"id": "R1", "quantity": "rate_error", "limit": "5 %"},
@@ -238,6 +247,8 @@ def filled(give: Give) -> dict[str, Any]:
         del made["recordings"][name]["run"]  # a table has a column of runs, or of flips, instead
     for name in made["recordings"].keys() - {"laid"}:
         del made["recordings"][name]["sections"]
+    for name in made["recordings"].keys() - {"shaken"}:
+        del made["recordings"][name]["profile"]
     turned = made["recordings"]["turned"]["positions"]
     turned[1]["flip"] = turned[0]["flip"]
     made["recordings"]["means"]["means"]["angles"] = {
@@ -291,6 +302,12 @@ def write(folder: Path, made: dict[str, Any], runs: tuple[str, ...]) -> Path:
     write_schedule(folder / driven["drive"]["schedule"], MOVED)
     laid = made["recordings"]["laid"]
     _save(folder / laid["file"], _laid(laid))
+    shaken = made["recordings"]["shaken"]
+    time = np.arange(20_000) * 1e-3
+    shocks = np.random.default_rng(10).standard_normal(len(time))
+    _save(folder / shaken["file"], {shaken["clock"]["column"]: time, shaken["channels"]["x"]["column"]: shocks})
+    (folder / shaken["profile"]).parent.mkdir(parents=True, exist_ok=True)
+    (folder / shaken["profile"]).write_text("frequency [Hz],density [m2/s4/Hz]\n20,0.002\n300,0.002\n")
     rested = made["recordings"]["rested"]
     _save(folder / rested["file"], _rested(rested["rests"]))
     (folder / laid["sections"]).parent.mkdir(parents=True, exist_ok=True)

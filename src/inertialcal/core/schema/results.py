@@ -228,7 +228,7 @@ class Verdict(Part):
     """A requirement judged at one place."""
 
     requirement: str
-    quantity: str
+    quantity: str = Field("", description="That it is about; not in files of version 0.2.0.")
     test: str
     axis: str
     sensor: str
@@ -355,6 +355,7 @@ class Compared(Figure):
     second: Side
     p_value: Number | None
     verdict: str
+    ratio: Figure | None = Field(None, description="Second over first, of sizes.")
 
 
 class Scored(Figure):

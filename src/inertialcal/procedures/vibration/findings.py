@@ -14,7 +14,7 @@ import numpy as np
 from scipy import special
 
 from ...core.remarks import Remark
-from ...core.show.rounding import number
+from ...core.show.rounding import number, uncertainty
 from ...core.show.wording import listed
 from ...signals.spectrum.lines import Lines, find_lines
 from ...signals.vibration.deviation import NEPER
@@ -139,7 +139,7 @@ def _shapes(result: Result) -> Iterator[Remark]:
             yield Remark("clipped_drive", "warning", what, _where(result), do=do, subject=one.column)
         elif abs(shape.kurtosis - 3.0) > max(z * shape.u_kurtosis, KURTOSIS):
             what = (
-                f"{name} has a kurtosis of {number(shape.kurtosis, 3)}; 3 and {number(shape.u_kurtosis, 2)} by chance"
+                f"{name} has a kurtosis of {number(shape.kurtosis, 3)}; 3 and {uncertainty(shape.u_kurtosis)} by chance"
             )
             do = "Look for shocks, rattling or a loose part" if shape.kurtosis > 3.0 else "Look for a sine or a limit"
             yield Remark("kurtosis", "warning", what, _where(result), do=do, subject=one.column)

@@ -36,7 +36,7 @@ from ...core.schema.settings import settings_values
 from ...core.settings import settings_of
 from ...core.show.frames import frame_of_rows
 from ...core.show.result_tables import remarks_line
-from ...core.show.rounding import number
+from ...core.show.rounding import dof, number
 from ...core.show.tables import Block, Table, html, text
 from ...signals.vibration.deviation import NEPER, Deviation
 from ...signals.vibration.profile import Profile, decibels
@@ -108,7 +108,7 @@ class VibrationPlan:
     def parts(self) -> tuple[Block, ...]:
         """Return what is shown: a row a resolution."""
         rows = [
-            (number(one.resolution, 3), str(one.lines), number(one.dof, 3), number(one.scatter, 2),
+            (number(one.resolution, 3), str(one.lines), dof(one.dof), number(one.scatter, 2),
              f"{100.0 * one.chance:.1f} %", "-" if one.needed is None else number(one.needed, 3), number(one.failed, 3))
             for one in self.forecasts
         ]  # fmt: skip

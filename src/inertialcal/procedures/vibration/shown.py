@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...core.show.rounding import number
+from ...core.show.rounding import freedom, number
 from ...signals.vibration.deviation import NEPER
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ def summary(result: Result) -> str:
     of = f"{result.plan.average} of {count} channels" if count > 1 else "one control channel"
     return (
         f"{len(one)} {what} ({width}) of {of}, {spectra.segments} segments over {number(result.levels.duration, 4)} s"
-        f" at full level, {number(dof, 3)} degrees of freedom:"
+        f" at full level, {freedom(dof)}:"
         f" a line scatters by {number(NEPER * math.sqrt(2.0 / dof), 2)} dB"
     )
 
