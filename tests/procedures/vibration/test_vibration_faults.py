@@ -175,6 +175,16 @@ def test_levels_and_duration_of_a_run_with_steps() -> None:
     assert result.control.rms / G == pytest.approx(reduced(replace(run, steps=()), 2).control.rms / G, rel=0.05)
 
 
+def test_missing_samples_do_not_break_the_time_at_full_level() -> None:
+    """A few samples, and more than a window: neither leaves full level."""
+    x = simulate(BASE, 1)[0].copy()
+    for start, count in ((3000, 1), (9000, 5), (15_000, 400)):
+        x[start : start + count] = np.nan
+    levels = reduce(PLAN, readings_of(BASE, 1, control=x)).levels
+    assert levels.interruptions == 0
+    assert levels.duration == pytest.approx(BASE.duration, abs=levels.window)
+
+
 def test_low_level_run_judged_at_its_level() -> None:
     result = reduced(replace(BASE, level=-6.0), 3, replace(PLAN, level=-6.0))
     assert codes(result) <= NOTHING

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from vibration_runs import PLAN, QUICK, SHORT, lines_verdict, overall_verdict, readings_of, reduced, with_scale
 
+import inertialcal as ic
 from independent.coverage import binomial
 from independent.vibration.random_run import G, Run, density, simulate
 from inertialcal.procedures.vibration.reduction import reduce
@@ -116,3 +118,16 @@ def test_maximum_and_bands_of_an_octave() -> None:
     assert len(bands.deviation) < 0.3 * len(mean.deviation)
     assert np.median(bands.deviation.edf) > 2.0 * np.median(mean.deviation.edf)
     assert np.max(np.abs(bands.deviation.value)) < np.max(np.abs(mean.deviation.value))
+
+
+@pytest.mark.parametrize("control", [None, "Control (g)", "Control"])
+def test_the_control_is_found_by_its_name(tmp_path: Path, control: str | None) -> None:
+    """The column that is called so, not the response, though that has the name of an axis."""
+    rows = np.column_stack([np.arange(20_000) / 1000.0, np.random.default_rng(1).standard_normal((20_000, 2))])
+    rows[:, 2] *= 2.0
+    run, profile = tmp_path / "run.csv", tmp_path / "profile.csv"
+    np.savetxt(run, rows, fmt="%.5f", delimiter=",", header="Time (s),Control (g),Acc_X (g)", comments="")
+    profile.write_text("frequency [Hz],density [g2/Hz]\n20,0.002\n300,0.002\n")
+    found = ic.vibration(run, profile=str(profile), control=[] if control is None else [control])
+    levels = {row.axis: row.value for row in found.rows if row.quantity == "acceleration_rms"}
+    assert levels["x"] == pytest.approx(2.0 * (levels["control"] or 0.0), rel=0.05)

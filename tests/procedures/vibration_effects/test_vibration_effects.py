@@ -211,6 +211,8 @@ def test_levels_are_found_and_blocks_at_changes_left_out() -> None:
         (0, 9, True, 0), (11, 21, False, 1), (23, 29, False, 2), (31, 39, True, 0),
     ]  # fmt: skip
     assert lost == 0
+    wild = 10.0 ** np.resize([0.0, 3.0, 1.0, 4.0], 15)
+    assert segments_of(wild, 0.1) == ([], 15)
 
 
 def test_density_is_that_of_white_noise() -> None:

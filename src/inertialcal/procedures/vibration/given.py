@@ -9,10 +9,11 @@ from typing import Any
 from ...core.errors import UsageError
 from ...core.key import AXES
 from ...core.units import kind
-from ...files.text.headers import full_name
+from ...files.text.headers import bare_name, full_name
 from ..given import GROUP, KIND_OF_UNIT, Described, GivenFile
 from ..given import described as described_by_unit
 from ..protocol import InputSpec
+from ..sine_survey.given import controls as named_controls
 from .plan import CONTROLS, DEVIATION, LEVEL_DEVIATION
 
 ACCELERATION = KIND_OF_UNIT["accelerometer"]
@@ -30,7 +31,8 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     if not profile:
         do = f"Add: {given.add('profile', 'FILE.csv')}, with the nodes of the profile"
         raise UsageError(f"{given.name}: no profile", why="a run is judged against one", do=do, code="missing")
-    controls = [_column(given, name) for name in _names(given, "control")]
+    said = _names(given, "control") or [given.said.columns[one] for one in CONTROLS if one in given.said.columns]
+    controls = [_column(given, name) for name in said] or _controls_by_name(given)
     if len(controls) > len(CONTROLS):
         what = f"{given.name}: {len(controls)} control channels, {len(CONTROLS)} at most"
         raise UsageError(what, do="Name those that the table was controlled by", code="too_many")
@@ -51,6 +53,12 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     entry: dict[str, Any] = {"profile": str(profile)}
     test = f"vibration_{given.number}" if len(given.together) > 1 else ""
     return replace(found, entry=found.entry | entry, test=test, requirements=_requirements(given))
+
+
+def _controls_by_name(given: GivenFile) -> list[str]:
+    """Return the columns whose names say that they are control accelerometers, as a survey finds them."""
+    taken = {*given.said.columns.values(), *_names(given, "response")}
+    return [one for one in named_controls(given.recording) if one not in taken and bare_name(one) not in taken]
 
 
 def _names(given: GivenFile, name: str) -> Sequence[str]:

@@ -23,7 +23,7 @@ def summary(result: Result) -> str:
     of = f"{result.plan.average} of {count} channels" if count > 1 else "one control channel"
     return (
         f"{len(one)} {what} ({width}) of {of}, {spectra.segments} segments over {number(result.levels.duration, 4)} s"
-        f" at full level, {freedom(dof)}:"
+        f" at full level, {freedom(dof, 3)}:"
         f" a line scatters by {number(NEPER * math.sqrt(2.0 / dof), 2)} dB"
     )
 

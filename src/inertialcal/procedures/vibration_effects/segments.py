@@ -56,7 +56,7 @@ def segments_of(mean_squares: Array, quiet: float) -> tuple[list[Segment], int]:
         if b - a >= FEWEST:
             found.append(Segment(a, b, float(np.mean(mean_squares[a:b]))))
     used = sum(one.stop - one.first for one in found)
-    return _levelled(found, floor), max(len(decibel) - used - 2 * (len(found) - 1), 0)
+    return _levelled(found, floor), max(len(decibel) - used - 2 * max(len(found) - 1, 0), 0)
 
 
 def _smoothed(values: Array) -> Array:

@@ -160,8 +160,7 @@ def find_levels(x: Array, interval: float, width: float) -> Levels:
     if count < FEWEST:
         what = f"{n * interval:.4g} s of vibration: its level over time takes {FEWEST * size * interval:.4g} s"
         raise DataError(what, do="Record longer", code="too_short")
-    parts = x[: count * size].reshape(count, size, x.shape[1])
-    power = np.mean(np.var(parts, axis=1), axis=1)
+    power = _powers(x[: count * size].reshape(count, size, x.shape[1]))
     if not np.nanmax(power, initial=0.0) > 0.0:
         raise DataError(
             "the control channels do not move",
@@ -174,11 +173,32 @@ def find_levels(x: Array, interval: float, width: float) -> Levels:
     top = _full_level(raw, size * interval, alike)
     level = raw - top
     time = (np.arange(count, dtype=np.float64) + 0.5) * (size * interval)
-    full = _filled(np.abs(np.nan_to_num(level, nan=1e3)) <= alike, level, FAR + alike - ALIKE)
+    full = _filled(_bridged(np.abs(level) <= alike, np.isnan(level)), level, FAR + alike - ALIKE)
     stretches, edges = _stretches(level, full, size * interval, alike)
     inner = full & ~edges
     inner = inner if inner.any() else full
     return Levels(time, level, full, inner, float(10.0 ** (top / 10.0)), size * interval, size, dof, alike, stretches)
+
+
+def _powers(parts: Array) -> Array:
+    """Return the mean variance of the channels by window; NaN where more than half of the samples of one are missing."""
+    known = np.isfinite(parts)
+    count = np.count_nonzero(known, axis=1)
+    there = np.where(known, parts, 0.0)
+    mean = there.sum(axis=1) / np.maximum(count, 1)
+    squares = np.where(known, (there - mean[:, np.newaxis]) ** 2, 0.0).sum(axis=1)
+    variance: Array = squares / np.where(2 * count >= parts.shape[1], count, np.nan)
+    return variance.mean(axis=1)
+
+
+def _bridged(full: Flags, unknown: Flags) -> Flags:
+    """Return the windows at full level, with those whose samples are missing between two of them."""
+    known = np.flatnonzero(~unknown)
+    found = full.copy()
+    for i in np.flatnonzero(unknown).tolist():
+        before, after = known[known < i], known[known > i]
+        found[i] = len(before) > 0 and len(after) > 0 and bool(full[before[-1]] and full[after[0]])
+    return found
 
 
 def deviation_of(dof: float) -> float:
