@@ -89,7 +89,15 @@ def at_rest(
             stamps = (begin + LAST[when] + number * APART) * SECOND + elapsed
             yield (
                 name,
-                Recording(tuple(channels), stamps, 1.0 / bench.rest_rate, 0.0, "utc", "column", time_column="unix_s"),
+                Recording(
+                    tuple(channels),
+                    stamps,
+                    1.0 / bench.rest_rate,
+                    1.0 / bench.rest_rate,
+                    "utc",
+                    "column",
+                    time_column="unix_s",
+                ),
             )
 
 
