@@ -16,7 +16,8 @@ from inertialcal.procedures.given import READING, Said
 from typed_commands import call, call_json
 
 COMMANDS = Root()
-READ_NONE = {"check", "run", "demo", "certificate", "show", "export", "budget", "compare", "simulate", "score", "plan"}
+READ_NONE = {"check", "run", "demo", "certificate", "show", "export", "budget", "compare", "simulate", "score", "plan",
+             "vibration profile"}  # fmt: skip
 OWN = {("sensitivity", "--to"): "stop"}  # an option of its test has the word; the setting is called as its field
 RNG = np.random.default_rng(5)
 BIAS = (0.3, -0.2, 0.1)

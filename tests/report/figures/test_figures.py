@@ -30,6 +30,7 @@ from test_figure_source_mass import planned
 from test_figure_thermal import CURVES as THERMAL_CURVES
 from test_figure_thermal import ROWS as THERMAL_ROWS
 from test_figure_thermal import SEQUENCE as THERMAL_SEQUENCE
+from test_figure_vibration import CHANGES, JUDGED, vibration_curves
 
 from inertialcal.core.errors import DataError
 from inertialcal.report.figures import figures, on_new_figure, prefix, to_svg
@@ -185,10 +186,10 @@ def results() -> dict[str, Any]:
         "curves": [input_output(), errors(), linearity(), *trace(), compensated(), compensated("y"), flip_dwells("y"),
                    flip_quiet("y"),
                    *copy.deepcopy([*THERMAL_CURVES, *MASS_CURVES, *POSITIONS_CURVES, *SENSITIVITY_CURVES,
-                                 *planned().results["curves"]]),
+                                 *planned().results["curves"], *vibration_curves()]),
                    noise_allan("z"), noise_terms("z"), noise_spectrum("z"), *sine_curves("z")],
-        "sequence": SEQUENCE + THERMAL_SEQUENCE, "verdicts": VERDICTS,
-        "results": [*ROWS, *BESIDE, *THERMAL_ROWS, *MASS_ROWS, *SENSITIVITY_ROWS,
+        "sequence": SEQUENCE + THERMAL_SEQUENCE, "verdicts": [*VERDICTS, *JUDGED],
+        "results": [*ROWS, *BESIDE, *CHANGES, *THERMAL_ROWS, *MASS_ROWS, *SENSITIVITY_ROWS,
                     *copy.deepcopy(planned().results["results"])],
         "budgets": SHARES, "closed_loop": LOOP,
     }  # fmt: skip
@@ -509,16 +510,16 @@ def poisoned(text: str) -> dict[str, Any]:
     for one in content["curves"]:
         one |= {"test": text, "recording": text, "of": text}
         for name, c in one["columns"].items():
-            if name in {"reason", "run", "group", "place"}:
+            if name in {"reason", "run", "group", "place"} and not isinstance(c["values"][0], float | int):
                 c["values"] = [text] * len(c["values"])
             elif c["unit"]:
                 c["unit"] = text
     content["results"] = [
         *ROWS,
-        *(one | {"test": text, "unit": text} for one in [*BESIDE, *THERMAL_ROWS, *SENSITIVITY_ROWS]),
+        *(one | {"test": text, "unit": text} for one in [*BESIDE, *THERMAL_ROWS, *SENSITIVITY_ROWS, *CHANGES]),
     ]
     content["sequence"] = [{"test": text, "against": text}]
-    content["verdicts"] = [one | {"test": text, "requirement": text} for one in VERDICTS]
+    content["verdicts"] = [one | {"test": text, "requirement": text} for one in [*VERDICTS, *JUDGED]]
     content["budgets"] = [one | {"source": text, "quantity": text} for one in SHARES]
     content["closed_loop"] = {"axes": [LOOP["axes"][0] | {"axis": text, "unit": text}]}
     return content

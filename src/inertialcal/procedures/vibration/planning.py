@@ -20,6 +20,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -157,7 +158,9 @@ def plan_vibration(**settings: Any) -> VibrationPlan:
 
 def planned(given: Mapping[str, Any], options: bool = True) -> VibrationPlan:
     """Return the plan that settings give, as text with units; messages speak of options, or of arguments of Python."""
-    said = {name: value for name, value in given.items() if value is not None}
+    said = {
+        name: str(value) if isinstance(value, Path) else value for name, value in given.items() if value is not None
+    }
     words = {one.name: f"--{one.option}" if options else one.name for one in settings_of(PlannedRun)}
     if unknown := [name for name in said if name not in words]:
         raise UsageError(f"no setting {unknown[0]!r}", do=f"There are: {', '.join(words)}", code="unknown_name")
