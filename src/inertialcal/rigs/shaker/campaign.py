@@ -4,14 +4,21 @@ from __future__ import annotations
 
 from ...core.campaign_text import Noted, toml_text
 from ..parts.campaign import EACH_ERROR, Content, campaign_head, standard_tables
-from .setup import COLUMNS, CONTROLS, PROFILE, RUN, SURVEYS, Bench
+from .gyro import rest_names
+from .setup import COLUMNS, CONTROLS, GYRO, PROFILE, RESTS, RUN, SURVEYS, Bench
 
 RUN_FILE = "recordings/run.csv"
+GYRO_FILE = "recordings/run_gyro.csv"
 
 
 def survey_file(name: str) -> str:
     """Return the file of a survey, in the campaign folder."""
     return f"recordings/survey_{name}.csv"
+
+
+def rest_file(name: str) -> str:
+    """Return the file of a record at rest, in the campaign folder."""
+    return f"recordings/{name}.csv"
 
 
 def campaign_text(bench: Bench) -> str:
@@ -23,17 +30,40 @@ def campaign_text(bench: Bench) -> str:
         {"id": "R2", "text": "amplifications change by at most 20 %", "quantity": "amplification_change",
          "limit": "20 %", "tests": ["after"]},
     ]  # fmt: skip
-    run = {RUN: _entry(RUN_FILE) | {"profile": PROFILE, "axis": "x"}} if bench.full_level else {}
+    run: dict[str, Content] = {}
+    if bench.full_level:
+        run[RUN] = _entry(RUN_FILE) | {"profile": PROFILE, "axis": "x"}
+        run[f"{RUN}_gyro"] = _gyro_entry(GYRO_FILE, {"control": {"column": CONTROLS[0], "unit": "g"}}) | {"axis": "x"}
     if bench.full_level:
         requirements.append({"id": "R3", "text": "overall level within 10 % of the profile",
                              "quantity": "acceleration_rms_deviation", "limit": "10 %", "tests": [RUN]})  # fmt: skip
+        requirements.append({"id": "R4", "text": "each line within 3 dB of the profile",
+                             "quantity": "spectral_density_deviation", "limit": "3 dB", "tests": [RUN]})  # fmt: skip
+    rests = {when: rest_names(bench, when) for when in RESTS} if bench.power_ups else {}
+    if rests:
+        for name, text, quantity, limit in (
+            ("R5", "the reading at rest shifts by at most 0.03 deg/s", "level_at_rest", "0.03 deg/s"),
+            ("R6", "the noise changes by at most 20 %", "angle_random_walk", "20 %"),
+        ):
+            requirements.append({"id": name, "text": text, "quantity": quantity, "of": "change", "limit": limit,
+                                 "tests": ["rest_after"]})  # fmt: skip
+    gyro: Content = {"kind": "gyro", "axes": list(GYRO), "unit": "deg/s"}
+    item: Content = {"kind": "accelerometer", "axes": list(COLUMNS), "unit": "g"}
     return toml_text(
         {
             **campaign_head("shaker", "simulated item on a shaker", title, about),
             "standards": Noted(standard_tables(bench.standards), above=EACH_ERROR),
-            "sensors": {"item": {"kind": "accelerometer", "axes": list(COLUMNS), "unit": "g"}},
-            "recordings": {**{f"survey_{name}": _entry(survey_file(name)) for name in SURVEYS}, **run},
-            "tests": [_test(bench, name) for name in SURVEYS] + _random(bench),
+            "sensors": {"item": item} | ({"gyro": gyro} if rests or run else {}),
+            "recordings": {
+                **{f"survey_{name}": _entry(survey_file(name)) for name in SURVEYS},
+                **run,
+                **{name: _gyro_entry(rest_file(name)) for names in rests.values() for name in names},
+            },
+            "tests": [
+                *(_test(bench, name) for name in SURVEYS),
+                *_random(bench),
+                *(_at_rest(when, names) for when, names in rests.items()),
+            ],
             "requirements": requirements,
         }
     )
@@ -45,7 +75,21 @@ def _random(bench: Bench) -> list[Noted]:
         return []
     plan = {"resolution": "2.5 Hz", "duration": f"{bench.full_level:g} s"}
     one: Content = {"id": RUN, "procedure": "vibration", "recordings": [RUN], "plan": plan}
-    return [Noted(one, above="Random vibration between the surveys")]
+    effects: Content = {"id": "effects", "procedure": "vibration_effects", "recordings": [f"{RUN}_gyro"],
+                        "plan": {"block": "0.25 s"}}  # fmt: skip
+    return [Noted(one, above="Random vibration between the surveys"), Noted(effects, above="What it does to the gyro")]
+
+
+def _at_rest(when: str, names: list[str]) -> Noted:
+    """Return the functional test before or after the vibration: the gyro stays where it is."""
+    one: Content = {"id": f"rest_{when}", "procedure": "static_noise", "recordings": names, "mounting": "fixture"}
+    later: Content = {} if when == "before" else {"use": "report_only", "against": "rest_before"}
+    return Noted(one | later, above=f"Gyro at rest {when} vibration, a record each power-up")
+
+
+def _gyro_entry(file: str, beside: Content | None = None) -> Content:
+    channels = {axis: {"column": column, "unit": "deg/s"} for axis, column in GYRO.items()}
+    return {"sensor": "gyro", "file": file, "clock": {"column": "unix_s"}, "channels": {**(beside or {}), **channels}}
 
 
 def _entry(file: str) -> Content:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from ...core.estimate import Array
-from .setup import NODES, STEPS_DB, Bench
+from .setup import NODES, PLAIN, STEPS_DB, Bench
 
 SWING = 12.0  # decay times for which a mode still swings
 HARMONICS = (2, 3)
@@ -82,12 +82,12 @@ def random_drive(bench: Bench, rng: np.random.Generator) -> Array:
     """Return the acceleration of the table in the random run at the instants of the samples [g].
 
     Gaussian noise of the profile (straight in logarithms between its nodes) with what the controller leaves uneven; the
-    level steps up.
+    level steps up, and the table rests before and after.
     """
-    length = bench.full_level + bench.step * len(STEPS_DB)
+    length = 2.0 * bench.rest + bench.full_level + bench.step * len(STEPS_DB)
     n = fft.next_fast_len(round(length * bench.sample_rate))
     f = np.arange(n // 2 + 1) * bench.sample_rate / n
-    nodes = np.array(NODES)
+    nodes = np.array(NODES if bench.notched else PLAIN)
     inside = (f >= nodes[0, 0]) & (f <= nodes[-1, 0])
     density = np.zeros(len(f))
     density[inside] = np.exp(np.interp(np.log(f[inside]), np.log(nodes[:, 0]), np.log(nodes[:, 1])))
@@ -95,9 +95,12 @@ def random_drive(bench: Bench, rng: np.random.Generator) -> Array:
     uneven = bench.random_db + bench.unevenness_db * np.interp(f, knots, rng.standard_normal(len(knots)))
     size = np.sqrt(density * 10.0 ** (uneven / 10.0) * bench.sample_rate * n / 4.0)
     lines = size * (rng.standard_normal(len(f)) + 1j * rng.standard_normal(len(f)))
-    steps = np.minimum((np.arange(n) / bench.sample_rate / bench.step).astype(np.int64), len(STEPS_DB))
+    kept = round(length * bench.sample_rate)
+    t = np.arange(kept) / bench.sample_rate - bench.rest
+    steps = np.clip((t / bench.step).astype(np.int64), 0, len(STEPS_DB))
     gain = 10.0 ** (np.array([*STEPS_DB, 0.0]) / 20.0)
-    return np.asarray(fft.irfft(lines, n) * gain[steps])
+    shaken = (t >= 0.0) & (t < length - 2.0 * bench.rest)
+    return np.asarray(fft.irfft(lines, n)[:kept] * np.where(shaken, gain[steps], 0.0))
 
 
 def moved(bench: Bench, table: Array, item: Item, clock_error: float) -> dict[str, Array]:

@@ -4,8 +4,12 @@ The modes of the item are drawn about those of its design; vibration lets them s
 controller keeps the level but for a ripple and harmonics; two accelerometers on the fixture record what it keeps. The
 clock of the recorder is off by one unknown error for the whole campaign.
 
+A gyro rides beside the first control accelerometer (``gyro``): vibration rectifies in it, and it is recorded at rest
+before and after, over several power-ups. The random run has a notch about the first mode of the item.
+
 True values: natural frequency, Q and transmissibility at that frequency of each mode, relative to the mean of both
-control accelerometers; and their changes.
+control accelerometers; and their changes. Of the gyro: its noise, and its rectification against the control as
+it reads.
 """
 
 from __future__ import annotations
@@ -22,9 +26,10 @@ from ..parts.campaign import drawn_error, drawn_errors
 from ..protocol import Rig, on_bench
 from ..twin import Drawn, Extra, Fault, TrueValue, Twin
 from . import TITLE
-from .campaign import RUN_FILE, campaign_text, survey_file
+from .campaign import GYRO_FILE, RUN_FILE, campaign_text, rest_file, survey_file
+from .gyro import at_rest, draw_gyro, gyro_truth, shaken
 from .motion import Item, drive, fixture_ratio, moved, random_drive
-from .setup import COLUMNS, CONTROLS, NODES, PROFILE, SURVEYS, Bench
+from .setup import COLUMNS, CONTROLS, GYRO, NODES, PROFILE, SURVEYS, Bench
 
 __all__ = ["FAULTS", "RIG", "Bench", "build"]
 
@@ -42,6 +47,10 @@ FAULTS: dict[str, Fault] = {
     ),
     "samples_lost": Fault("the recorder drops 40 samples", "lost_samples", {"lost": 40}),
     "run_high": Fault("the random run is 2 dB too high", "", {"random_db": 2.0}, "covered"),
+    "notch_missing": Fault(
+        "the random run is driven without the notch of its profile", "", {"notched": False}, "covered"
+    ),
+    "bias_shift": Fault("the vibration shifts the bias of the gyro", "", {"bias_shift": 0.06}, "covered"),
     "cracked": Fault("the vibration cracks the item", "", {"crack": 0.07}, "covered"),
 }  # fmt: skip
 
@@ -65,10 +74,22 @@ def build(bench: Bench, seed: int) -> Twin:
         for name, rng in zip(SURVEYS, of_surveys, strict=True)
     }
     extras = {}
+    truth = list(true_values(bench, items, gain))
+    gyro = draw_gyro(bench, np.random.default_rng([seed, 2]))
+    for name, recording in at_rest(bench, gyro, BEGIN, np.random.default_rng([seed, 3])):
+        recordings[rest_file(name)] = recording
     if bench.full_level:
         of_run, of_noise = np.random.default_rng([seed, 1]).spawn(2)
         table = random_drive(bench, of_run)
-        recordings[RUN_FILE] = _saved_recording(bench, moved(bench, table, items["before"], error), gain, of_noise)
+        on = slice(round(bench.rest * bench.sample_rate), len(table) - round(bench.rest * bench.sample_rate))
+        seen = {name: values[on] for name, values in moved(bench, table, items["before"], error).items()}
+        recordings[RUN_FILE] = _saved_recording(bench, seen, gain, of_noise)
+        rng = np.random.default_rng([seed, 4])
+        control = Channel(CONTROLS[0], _saved(bench, table * (1.0 + gain), rng), "g", "campaign")
+        read = shaken(bench, gyro, table, rng)
+        riding = [Channel(GYRO[axis], data, "deg/s", "campaign", axis, "gyro") for axis, data in read.items()]
+        recordings[GYRO_FILE] = _stamped(bench, [control, *riding])
+        truth += gyro_truth(bench, gyro, gain)
         text = "frequency [Hz],density [g2/Hz]\n" + "".join(f"{f:g},{level:g}\n" for f, level in NODES)
         extras = {PROFILE: Extra(NODES, text)}
     # a clock that is fast makes the rate that is said too low
@@ -78,8 +99,9 @@ def build(bench: Bench, seed: int) -> Twin:
         "clock_error": error,
         "control_gain_error": gain,
         "modes_before": items["before"].modes.ravel().tolist(),
+        "gyro_linear_square_bias": [[one.linear, one.square, one.bias] for one in gyro.values()],
     }
-    return Twin(campaign_text(bench), recordings, tuple(true_values(bench, items, gain)), drawn, extras, errors)
+    return Twin(campaign_text(bench), recordings, tuple(truth), drawn, extras, errors)
 
 
 def draw_items(bench: Bench, rng: np.random.Generator) -> dict[str, Item]:
@@ -135,7 +157,12 @@ def _saved_recording(bench: Bench, moving: Mapping[str, Array], gain: float, rng
         saved["control_1"], saved["x"] = saved["x"], saved["control_1"]
     channels = [Channel(name, saved[name], "g", "campaign") for name in CONTROLS]
     channels += [Channel(column, saved[axis], "g", "campaign", axis, "acc") for axis, column in COLUMNS.items()]
-    elapsed = np.rint(np.arange(len(saved["x"])) * (SECOND / bench.sample_rate)).astype(np.int64)
+    return _stamped(bench, channels)
+
+
+def _stamped(bench: Bench, channels: list[Channel]) -> Recording:
+    """Return channels as a recording, with the time that the recorder writes."""
+    elapsed = np.rint(np.arange(len(channels[0].data)) * (SECOND / bench.sample_rate)).astype(np.int64)
     stamps = BEGIN * SECOND + elapsed
     return Recording(tuple(channels), stamps, 1.0 / bench.sample_rate, 0.0, "utc", "column", time_column="unix_s")
 
@@ -147,7 +174,15 @@ def _saved(bench: Bench, values: Array, rng: np.random.Generator) -> Array:
 
 def small(bench: Bench) -> Bench:
     """Return the same test, made faster: a shorter band, a faster sweep."""
-    return replace(bench, start=60.0, stop=900.0, per_minute=24.0, said=24.0, sample_rate=4000.0, full_level=0.0)
+    return replace(
+        bench, start=60.0, stop=900.0, per_minute=24.0, said=24.0, sample_rate=4000.0, full_level=0.0, power_ups=0
+    )
 
 
-RIG = Rig("shaker", TITLE, on_bench(build, Bench()), FAULTS, tests=("sine_survey", "vibration"))
+RIG = Rig(
+    "shaker",
+    TITLE,
+    on_bench(build, Bench()),
+    FAULTS,
+    tests=("sine_survey", "vibration", "vibration_effects", "static_noise"),
+)

@@ -10,7 +10,12 @@ SURVEYS = ("before", "after")
 CONTROLS = ("control_1", "control_2")
 COLUMNS = {"x": "acc_x", "y": "acc_y"}  # accelerometer on the item: along the drive, and across
 RUN, PROFILE = "run", "profile.csv"
-NODES = ((20.0, 0.01), (50.0, 0.04), (500.0, 0.04), (2000.0, 0.01))  # [Hz], [g^2/Hz]: table 1 of the thesis, as printed
+# [Hz], [g^2/Hz]: table 1 of the thesis, as printed, and with a notch where the first mode of the item may lie
+PLAIN = ((20.0, 0.01), (50.0, 0.04), (500.0, 0.04), (2000.0, 0.01))
+NOTCH = ((120.0, 0.04), (132.0, 0.01), (154.0, 0.01), (168.0, 0.04))
+NODES = (*PLAIN[:2], *NOTCH, *PLAIN[2:])
+GYRO = {"x": "gyro_x", "y": "gyro_y"}
+RESTS = ("before", "after")
 STEPS_DB = (-12.0, -6.0)  # of the level before it is full
 CLOCK = Influence(2e-5, "1", certificate="data sheet of the recorder", standard="clock", quantity="rate")
 
@@ -49,6 +54,17 @@ class Bench:
     step: float = 2.0  # [s]
     random_db: float = 0.0  # of its level over the profile
     unevenness_db: float = 0.3  # what the controller leaves between lines of 25 Hz
+    notched: bool = True  # whether the drive of the random run has the notch of its profile
+    rest: float = 4.0  # of the record of the gyro before and after the random run [s]
+    # gyro beside the first control accelerometer: N [deg/s/sqrt(Hz)], and nominal sensitivities to vibration
+    gyro_noise: float = 0.001
+    sensitivity: float = 6.0  # with the acceleration [deg/h/g]
+    rectification: float = 5.0  # with its square [deg/h/g^2]
+    turn_on: float = 0.005  # standard deviation of its bias from power-up to power-up [deg/s]
+    power_ups: int = 5  # at rest, before and after the vibration each; 0 for none
+    rest_seconds: float = 60.0  # of each
+    rest_rate: float = 100.0  # samples [Hz]
+    bias_shift: float = 0.0  # of the gyro's x by the vibration [deg/s]
     swapped: bool = False  # whether the columns of control and response have changed places
     lost: int = 0  # samples that the recorder drops once, without a word
     clock: Influence = field(default_factory=lambda: CLOCK)
