@@ -31,8 +31,8 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     if not profile:
         do = f"Add: {given.add('profile', 'FILE.csv')}, with the nodes of the profile"
         raise UsageError(f"{given.name}: no profile", why="a run is judged against one", do=do, code="missing")
-    said = _names(given, "control") or [given.said.columns[one] for one in CONTROLS if one in given.said.columns]
-    controls = [_column(given, name) for name in said] or _controls_by_name(given)
+    named = _names(given, "control") or [given.said.columns[one] for one in CONTROLS if one in given.said.columns]
+    controls = [_column(given, name) for name in named] or _controls_by_name(given)
     if len(controls) > len(CONTROLS):
         what = f"{given.name}: {len(controls)} control channels, {len(CONTROLS)} at most"
         raise UsageError(what, do="Name those that the table was controlled by", code="too_many")

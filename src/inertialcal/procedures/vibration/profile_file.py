@@ -123,6 +123,13 @@ def read_profile(path: str | Path) -> StatedProfile:
         raise DataError(first.what, first.where or str(path), first.why, first.do, first.code) from None
 
 
+def stated(profile: Profile) -> StatedProfile:
+    """Return a profile as if a file stated its nodes."""
+    both = zip(profile.frequency.tolist(), profile.density.tolist(), strict=True)
+    nodes = [Node(frequency, density) for frequency, density in both]
+    return completed(nodes, [None] * (len(nodes) - 1))
+
+
 def completed(
     nodes: Sequence[Node], slopes: Sequence[float | None], unit: str = "g^2/Hz", overall: str = "", path: str = ""
 ) -> StatedProfile:

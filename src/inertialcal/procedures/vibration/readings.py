@@ -14,11 +14,12 @@ from ...core.key import AXES
 from ...core.recording import Recording
 from ...core.remarks import Remark
 from ...signals.allan import on_grid
+from ...signals.vibration.profile import Profile
 from ..protocol import Source
 from ..static_noise.readings import AtRest
 from ..static_noise.recordings import grid_of
 from .plan import CONTROLS, Plan
-from .profile_file import StatedProfile, read_profile
+from .profile_file import StatedProfile, read_profile, stated
 
 if TYPE_CHECKING:
     from .entry import VibrationEntry
@@ -91,7 +92,8 @@ def readings_from(plan: Plan, sources: Sequence[Source]) -> Readings:
         do = 'Say profile = "FILE.csv" in the entry of the recording'
         raise DataError(f"recordings.{source.name}: no profile", source.file, "a run is judged against one", do,
                         "no_profile")  # fmt: skip
-    profile = source.read_file(entry.profile, read_profile)
+    found = cast("StatedProfile | Profile", source.read_file(entry.profile, read_profile))
+    profile = found if isinstance(found, StatedProfile) else stated(found)  # a rig has the profile itself
     axes = tuple(axis for axis in AXES if axis in recording.names)
     controls = [name for name in CONTROLS if name in recording.names]
     own = CONTROLS[0] not in controls

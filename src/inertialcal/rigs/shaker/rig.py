@@ -19,9 +19,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...core.constants import STANDARD_GRAVITY
 from ...core.estimate import Array
 from ...core.key import At
 from ...core.recording import SECOND, Channel, Recording
+from ...signals.vibration.profile import Profile
 from ..parts.campaign import drawn_error, drawn_errors
 from ..protocol import Rig, on_bench
 from ..twin import Drawn, Extra, Fault, TrueValue, Twin
@@ -91,7 +93,8 @@ def build(bench: Bench, seed: int) -> Twin:
         recordings[GYRO_FILE] = _stamped(bench, [control, *riding])
         truth += gyro_truth(bench, gyro, gain)
         text = "frequency [Hz],density [g2/Hz]\n" + "".join(f"{f:g},{level:g}\n" for f, level in NODES)
-        extras = {PROFILE: Extra(NODES, text)}
+        frequency, level = np.array(NODES).T
+        extras = {PROFILE: Extra(Profile(frequency, level * STANDARD_GRAVITY.value**2), text)}
     # a clock that is fast makes the rate that is said too low
     off = {"clock.rate": -error, "control_accelerometer.scale_factor": gain}
     errors = drawn_errors(bench.standards, off)

@@ -181,14 +181,15 @@ def find_levels(x: Array, interval: float, width: float) -> Levels:
 
 
 def _powers(parts: Array) -> Array:
-    """Return the mean variance of the channels by window; NaN where more than half of the samples of one are missing."""
+    """Return the mean variance of the channels by window; NaN where over half of one's samples are missing."""
     known = np.isfinite(parts)
     count = np.count_nonzero(known, axis=1)
     there = np.where(known, parts, 0.0)
     mean = there.sum(axis=1) / np.maximum(count, 1)
     squares = np.where(known, (there - mean[:, np.newaxis]) ** 2, 0.0).sum(axis=1)
     variance: Array = squares / np.where(2 * count >= parts.shape[1], count, np.nan)
-    return variance.mean(axis=1)
+    power: Array = variance.mean(axis=1)
+    return power
 
 
 def _bridged(full: Flags, unknown: Flags) -> Flags:
