@@ -118,6 +118,10 @@ class SineSurvey(Procedure[Plan, "Readings", "Result"]):
 
         return (judge(asked, tests), []) if asked.quantity in JUDGED else None
 
+    def truths(self, result: Result) -> Sequence[Row]:
+        """Return the rows: modes have no joint estimate."""
+        return result.rows()
+
     def finding(self, rows: Sequence[WrittenRow]) -> Sentence:
         """Return the largest change, else the sharpest resonance."""
         from ...core.show.rows import Cited, Quoted

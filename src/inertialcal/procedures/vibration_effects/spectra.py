@@ -9,7 +9,7 @@ coherent::
 so that the gain of a band, ``g^2 = sum |H|^2 Gxx / sum Gxx``, is ``lambda N / (2 n sum Gxx)``: unbiased by what noise
 adds, and not lessened where the phase turns within a band. Its interval is that of lambda; a band is significant by the
 central chi-square, Bonferroni over the bands. Noise at rest and under vibration are compared by F, 2 L n degrees of
-freedom each.
+freedom each, less what neighbouring lines have in common.
 Assumed: noise that is normal and even within a band. What lies above half the sample rate folds into all of it.
 
 References
@@ -31,6 +31,8 @@ from ...core.estimate import Array
 
 THIRD = 2.0 ** (1.0 / 6.0)  # from the middle of a third of an octave to its end
 OVERLAP = 1.0 + 2.0 / 36.0  # variance of averages of Hann windows that overlap by half, against independent ones
+# The same for the lines of a band, every second one: neighbours in a window, and in the windows that overlap with it.
+NEIGHBOURS = 2.0 / 36.0 + 4.0 / 144.0
 FEWEST = 8  # windows of an average
 LEAST = 4  # lines of a band
 STRIDE = 2
@@ -127,12 +129,13 @@ def _band(
     gain = float(np.sqrt(max(s - dof, 0.0) * per))
     significant = bool(special.chdtrc(dof, s) < (1.0 - P) / bands)
     u = float(np.sqrt(4.0 * (dof / 2.0 + max(s - dof, 0.0))) * per / (2.0 * gain)) if gain else np.nan
-    rest, ratio, ends, u_ratio, free = np.nan, np.nan, (np.nan, np.nan), np.nan, 2.0 * lines * (n - 1.0)
+    apart = lines / (1.0 + NEIGHBOURS / OVERLAP * (lines - 1.0) / lines)  # as many independent lines scatter so
+    rest, ratio, ends, u_ratio, free = np.nan, np.nan, (np.nan, np.nan), np.nan, 2.0 * apart * (n - 1.0)
     shaken = power / lines > SHAKEN * float(np.max(vibration.xx))
     if quiet is not None:
         other = float(np.mean(quiet.yy[mask]))
         rest, ratio = float(np.sqrt(other)), float(np.sqrt(noise / other))
-        m = 2.0 * lines * quiet.averages
+        m = 2.0 * apart * quiet.averages
         u_ratio = ratio * float(np.sqrt(0.5 / free + 0.5 / m))
         shaken = shaken and power / lines > ABOVE * float(np.mean(quiet.xx[mask]))
         ends = tuple(ratio / float(np.sqrt(special.fdtri(free, m, q))) for q in (0.975, 0.025))  # type: ignore[assignment]
