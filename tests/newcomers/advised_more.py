@@ -761,8 +761,9 @@ SHAKEN = (
         "+ --profile level.csv",
         "acceleration_rms control 1.3416",
     ),
+    Case("Add: --control COLUMN", "vibration survey swept.csv", "+ --control table", "resonance_frequency x 100"),
     Case(
-        "Add: --control COLUMN",
+        "Add: --control COLUMN --unit COLUMN=UNIT",
         "vibration shaken_bare.csv --profile level.csv",
         "+ --control ch1 --unit ch1=g",
         "acceleration_rms control 1.3416",

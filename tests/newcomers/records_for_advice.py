@@ -19,6 +19,8 @@ from newcomer_boards import FACES, Board, G, board_at_rest, board_of, six_faces
 from newcomer_tables import rounded
 from newcomer_truths import BIASES, NOISE, at_rest, chamber
 
+from independent.shaking.shaker import Mode, recorded
+from independent.shaking.shaker import Run as Sweep
 from independent.vibration.random_run import Run, simulate
 from independent.warm.warm_up import Chamber, power_ups, starts
 from inertialcal.core.estimate import Component, Estimate
@@ -387,14 +389,21 @@ def _others() -> dict[str, str]:
     }
 
 
+SWEEP = Sweep(50.0, 200.0, 40.0, sample_rate=1000.0, quiet=0.2)
+
+
 def _shaken() -> dict[str, str]:
     """Return a run on a shaker with a level density of 0.01 g^2/Hz from 20 to 200 Hz: 1.34 g, and its profile."""
     run = Run(nodes=((20.0, 0.01), (200.0, 0.01)), rate=1000.0, duration=8.0, error=0.0)
     table = rounded(simulate(run, 1)[0][:, 0] / G, 6)
     time = rounded(np.arange(len(table)) / run.rate, 3)
+    driven, moved = recorded((Mode(100.0, 20.0),), SWEEP, np.random.default_rng(1))
     return {
         "shaken.csv": csv({"time_s": time, "table [g]": table}),
         "shaken_bare.csv": csv({"time_s": time, "ch1": table, "ch2": table}),
+        "swept.csv": csv(
+            {"time_s": np.arange(len(driven)) / SWEEP.sample_rate, "table [g]": driven, "acc_x [g]": moved}
+        ),
         "level.csv": "frequency [Hz],density [g2/Hz]\n20,0.01\n200,0.01\n",
     }
 

@@ -103,7 +103,8 @@ def _alone(given: GivenFile, controls: Sequence[str]) -> dict[str, str]:
     if not controls:
         have = ", ".join(given.recording.names)
         what = f"{given.name}: cannot tell which column is the control accelerometer; it has {have}"
-        raise UsageError(what, do=f"Add: {given.add('control', 'COLUMN')}", code="no_column")
+        do = f"Add: {given.add('control', 'COLUMN')} {given.add('unit', 'COLUMN=UNIT')}"
+        raise UsageError(what, do=do, code="no_column")
     axis = given.recording.channel(controls[0]).axis
     return {axis if axis in AXES else "x": controls[0]}
 

@@ -12,7 +12,7 @@ from ....core.show.rounding import number
 from ..drawing.data import Curve, curves, numbers
 from ..drawing.picture import Picture
 from ..drawing.scales import log_axis
-from ..drawing.style import COLOURS, set_labels, set_legend, set_title
+from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title
 
 NAME = "vibration_plan"
 SHOWS = "Chance of a PASS over the duration at full level, for several resolutions"
@@ -49,7 +49,7 @@ def draw(ax: Axes, known: Sequence[Curve], title: str = "") -> None:
     for place, curve in enumerate(known):
         colour, stroke = LOOKS[place % len(LOOKS)]
         ax.plot(duration, 100.0 * numbers(curve, "chance"), color=COLOURS[colour], linestyle=stroke,
-                label=str(curve.get("of", "")))  # fmt: skip
+                label=plain(curve.get("of", "")))  # fmt: skip
     ax.axhline(100.0 * float(np.nanmedian(numbers(known[0], "wanted"))), color=COLOURS["ink"], linewidth=0.9,
                linestyle=(0, (2, 2)), label="wanted")  # fmt: skip
     log_axis(ax, "x", duration, 1.05)

@@ -42,7 +42,7 @@ def finding(curve: Curve, axis: str) -> str:
     if not seen.any():
         return f"{plain(axis)}: no response stands out of the noise in any band"
     at = int(np.argmax(np.where(seen, gain, 0.0)))
-    shown = f"{number(float(gain[at]), 3)} {unit(curve, 'gain')}".removesuffix(" 1")
+    shown = f"{number(float(gain[at]), 3)} {plain(unit(curve, 'gain'))}".removesuffix(" 1")
     return f"{plain(axis)}: largest response {shown}, at {number(float(frequency[at]), 3)} Hz"
 
 
