@@ -402,7 +402,11 @@ def _shaken() -> dict[str, str]:
         "shaken.csv": csv({"time_s": time, "table [g]": table}),
         "shaken_bare.csv": csv({"time_s": time, "ch1": table, "ch2": table}),
         "swept.csv": csv(
-            {"time_s": np.arange(len(driven)) / SWEEP.sample_rate, "table [g]": driven, "acc_x [g]": moved}
+            {
+                "time_s": rounded(np.arange(len(driven)) / SWEEP.sample_rate, 3),
+                "table [g]": rounded(driven, 9),
+                "acc_x [g]": rounded(moved, 9),
+            }
         ),
         "level.csv": "frequency [Hz],density [g2/Hz]\n20,0.01\n200,0.01\n",
     }
