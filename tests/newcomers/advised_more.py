@@ -761,6 +761,13 @@ SHAKEN = (
         "+ --profile level.csv",
         "acceleration_rms control 1.3416",
     ),
+    Case(
+        "as many unknowns as segments: what the bias does by itself was not observed. Repeat levels and rests, or leave the "
+        "drift out: --no-drift",
+        "vibration effects one_level.csv --axis x",
+        "+ --no-drift",
+        "vibration_rectification xx 3.6",
+    ),
     Case("Add: --control COLUMN", "vibration survey swept.csv", "+ --control table", "resonance_frequency x 100"),
     Case(
         "Add: --control COLUMN --unit COLUMN=UNIT",

@@ -398,7 +398,11 @@ def _shaken() -> dict[str, str]:
     table = rounded(simulate(run, 1)[0][:, 0] / G, 6)
     time = rounded(np.arange(len(table)) / run.rate, 3)
     driven, moved = recorded((Mode(100.0, 20.0),), SWEEP, np.random.default_rng(1))
+    level = np.repeat([0.0, 2.0, 0.0], 1000) * np.random.default_rng(2).standard_normal(3000)
+    reading = 1e-3 * level**2 + 1e-5 * np.random.default_rng(3).standard_normal(3000)
+    at = rounded(np.arange(3000) / 100.0, 2)
     return {
+        "one_level.csv": csv({"time_s": at, "gyro_x [deg/s]": rounded(reading, 9), "control [g]": rounded(level, 6)}),
         "shaken.csv": csv({"time_s": time, "table [g]": table}),
         "shaken_bare.csv": csv({"time_s": time, "ch1": table, "ch2": table}),
         "swept.csv": csv(

@@ -74,6 +74,24 @@ def changes(folder: Path, document: Document) -> dict[tuple[str, str], Row]:
     return {(one.row.quantity, one.row.axis): one.row for one in of(tested, "after").changes}
 
 
+def test_a_survey_says_that_its_changes_are_quantities(tmp_path: Path) -> None:
+    sweep = {"sensor": "unit", "file": "s.csv", "channels": {"x": {"column": "x", "unit": "g"}}}
+    document = {
+        "schema": 2, "campaign": {"id": "c"},
+        "sensors": {"unit": {"kind": "accelerometer", "axes": ["x"], "unit": "g", "chain": {"kind": "none"}}},
+        "recordings": {"a": sweep, "b": sweep},
+        "tests": [{"id": "a", "procedure": "sine_survey", "recordings": ["a"]},
+                  {"id": "b", "procedure": "sine_survey", "recordings": ["b"], "against": "a"}],
+        "requirements": [{"id": "R", "quantity": "resonance_frequency", "of": "change", "limit": "5 %"}],
+    }  # fmt: skip
+    with pytest.raises(PlanError) as caught:
+        load(write(tmp_path, document))
+    (found,) = (one for one in caught.value.problems if "of = 'change'" in one.what)
+    assert (found.why, found.do) == (
+        "sine_survey tells changes as quantities of their own", "Leave of out, and give the change as quantity",
+    )  # fmt: skip
+
+
 def of(tested: list[ReducedTest], name: str) -> ReducedTest:
     return next(one for one in tested if one.test.id == name)
 

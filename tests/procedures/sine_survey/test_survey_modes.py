@@ -9,7 +9,9 @@ import pytest
 
 from independent.shaking.shaker import FINE, Mode, Run, recorded, transmissibility
 from inertialcal.procedures.sine_survey.modal import Modes, find_modes, spectra
+from inertialcal.procedures.sine_survey.readings import Shaken
 from inertialcal.procedures.sine_survey.sweep import find_sweeps
+from inertialcal.procedures.sine_survey.swept import sweeps_of
 from inertialcal.statistics.intervals import coverage_factor, covers
 from sized import sized
 
@@ -134,3 +136,10 @@ def test_the_rate_of_a_sweep_is_covered(seeds: int) -> None:
 def test_the_time_of_a_sweep_is_its_closed_form() -> None:
     assert math.log2(1000.0 / 20.0) / 4.0 * 60.0 == pytest.approx(84.658, abs=5e-4)
     assert Run().duration == pytest.approx(84.658, abs=5e-4)
+
+
+def test_sweeps_of_one_direction_have_names_of_their_own() -> None:
+    control, response = recorded((Mode(120.0, 20.0),), FAST, np.random.default_rng(3), (1e-4, 1e-4))
+    both, other = np.tile(control, 2), np.tile(response, 2)
+    shaken = Shaken("s", "s.csv", RATE, {"control": both}, {"x": other}, "m/s^2")
+    assert [one.label for one in sweeps_of(shaken)] == ["s, up 1", "s, up 2"]

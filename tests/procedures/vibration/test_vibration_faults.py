@@ -13,6 +13,7 @@ from vibration_runs import PLAN, QUICK, SHORT, codes, lines_verdict, readings_of
 from independent.vibration.random_run import Array, G, Run, noise, simulate
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.procedures.vibration.plan import Plan
+from inertialcal.procedures.vibration.procedure import PROCEDURE
 from inertialcal.procedures.vibration.reduction import Result, reduce
 
 NOTHING = {"edges", "level_steps"}  # said of every run
@@ -140,13 +141,13 @@ FAULTS: dict[str, tuple[Callable[[], Result], set[str]]] = {
     "above_level": (above, {"interrupted"}),
     "not_stationary": (drifting, set()),
     "kurtosis": (rattling, {"above_level", "interrupted", "not_stationary"}),
-    "swapped_channels": (swapped, {"narrow_peaks", "level", "low_pass", "not_stationary"}),
+    "swapped_channels": (swapped, {"narrow_peaks", "low_pass", "not_stationary"}),
     "control_disagrees": (loose, {"level", "narrow_peaks", "low_pass"}),
     "aliasing": (folded, {"level"}),
-    "low_pass": (low_passed, {"level"}),
+    "low_pass": (low_passed, set()),
     "sample_rate": (slow, set()),
     "narrow_peaks": (narrow, set()),
-    "gaps": (gaps, {"interrupted"}),
+    "gaps": (gaps, set()),
 }
 
 
@@ -156,6 +157,22 @@ def test_a_fault_is_named(name: str) -> None:
     found = codes(make())
     assert name in found
     assert found - NOTHING - also == {name}
+
+
+def test_a_level_that_is_off_by_gravity_is_a_unit() -> None:
+    for factor, word in ((G, "above"), (1.0 / G, "below")):
+        (found,) = (one for one in of(factor * control()).remarks if one.code == "level")
+        assert word in found.what
+        assert found.do == "Check the unit of the control channels"
+
+
+def test_an_error_that_a_check_finds_is_told_once() -> None:
+    x = control()[:, 0]
+    readings = readings_of(BASE, 1, control=resonance(x, 150.0, 20.0)[:, None], responses=x[:, None])
+    checked = PROCEDURE.agreement(PLAN, readings)
+    assert [one.code for one in checked] == ["swapped_channels"]
+    found = [one for one in reduce(PLAN, replace(readings, remarks=tuple(checked))).remarks if one.severity == "error"]
+    assert [(one.code, one.count) for one in found] == [("swapped_channels", 1)]
 
 
 def test_an_error_leaves_the_verdict_open_and_a_narrow_peak_is_said_in_decibels() -> None:

@@ -90,3 +90,12 @@ def test_what_cannot_be_planned_is_refused(profile: str, settings: dict[str, obj
     given = {"profile": profile, **settings} if settings else {}
     with pytest.raises(InertialcalError):
         ic.plan_vibration(**given)
+
+
+def test_only_resolutions_that_a_run_takes_are_planned(tmp_path: Path) -> None:
+    """A run needs four lines inside of its profile."""
+    path = tmp_path / "narrow.csv"
+    path.write_text("frequency [Hz],density [g2/Hz]\n20,0.01\n50,0.04\n")
+    assert all(one.lines >= 4 for one in ic.plan_vibration(profile=str(path)).forecasts)
+    with pytest.raises(InertialcalError, match="need 4"):
+        ic.plan_vibration(profile=str(path), resolution="8 Hz")

@@ -204,6 +204,18 @@ def test_bands_without_a_response_are_upper_limits_in_nearly_all_records() -> No
 # ---- parts ---------------------------------------------------------------------------------------------------------
 
 
+def test_missing_samples_cost_their_blocks_alone() -> None:
+    run = run_of(1, SHORT)
+    whole = reduce(Plan(), Readings((run,), "rad/s"))
+    x = run.axes["x"].copy()
+    x[[len(x) // 3, len(x) // 2]] = np.nan
+    found = reduce(Plan(), Readings((replace(run, axes={"x": x}),), "rad/s"))
+    assert codes(found) - codes(whole) == {"gaps"}
+    (one,), (other,) = (rows_of(result, QUADRATIC) for result in (found, whole))
+    assert one.value == pytest.approx(other.value, abs=other.u or 0.0)
+    assert len(rows_of(found, RESPONSE)) == len(rows_of(whole, RESPONSE))
+
+
 def test_levels_are_found_and_blocks_at_changes_left_out() -> None:
     squares = np.concatenate([np.full(10, 1e-6), np.full(12, 100.0), np.full(8, 400.0), np.full(9, 1e-6)])
     found, lost = segments_of(squares, 0.1)

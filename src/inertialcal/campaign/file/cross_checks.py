@@ -108,8 +108,12 @@ def _change(file: CampaignFile, one: Requirement, where: str) -> Iterator[Proble
     about = [test for test in file.tests if one.tests is None or test.id in one.tests]
     if not any(test.against is not None and test.procedure in changing for test in about):
         names = " or ".join(sorted(changing))
-        do = f'Give a {names} test against = "the earlier test"'
-        yield Problem(what, where, "no test that it is about is set against another", do, "wrong_value")
+        why, do = "no test that it is about is set against another", f'Give a {names} test against = "the earlier test"'
+        own = next((test.procedure for test in about if test.against is not None), "")
+        if own:  # it tells its changes as quantities of their own
+            why = f"{own} tells changes as quantities of their own"
+            do = "Leave of out, and give the change as quantity"
+        yield Problem(what, where, why, do, "wrong_value")
     if one.where or one.readings == "compensated":
         said = "where" if one.where else "readings"
         yield Problem(f"{what} with {said}", where, "it would have no effect", f"Leave {said} out", "wrong_value")

@@ -60,6 +60,7 @@ CELL = 0.5  # of time, in which the noise is taken as steady, at most [s]
 PART = 0.5  # of what a figure rests on, that a cell lasts
 CYCLES = 4.0  # of the lowest frequency, that a cell lasts at least
 BINS = 2  # of frequency on each side, over which its density is smooth
+MOST_TAKEN = 0.7  # share of the noise of a cell that the fit may have taken
 NEAREST = 3  # cells of time that are averaged
 
 
@@ -448,7 +449,7 @@ class _Problem:
             contrasts[3 * i + 1, 2 * i + 1] = poles[i, 1]
             contrasts[3 * i + 2] = self._peak_changes(poles, i, len(inverse))
         influence = contrasts @ inverse @ (jacobian.conj() * self.weight[:, None]).T  # (3 k, lines)
-        covariance, dof = self._covariance(influence)
+        covariance, dof = self._covariance(influence, _orthonormal(jacobian, matrix, scale))
         residual = sum(float(np.sum(np.abs(self.left[part]) ** 2)) for part in self.parts)
         whole = float(np.sum(np.abs(self.y) ** 2))
         lines = sum(one.length * len(one.frequency) for one in self.bands)
@@ -478,11 +479,12 @@ class _Problem:
         found[2 * k : 2 * k + len(terms)] = (terms * np.conj(value) / abs(value)).real
         return found
 
-    def _covariance(self, influence: Complex) -> tuple[Array, Array]:
+    def _covariance(self, influence: Complex, basis: Complex) -> tuple[Array, Array]:
         """Return the sandwich of functions of what is left, with its power in cells of time and frequency.
 
         A figure moves by ``Re sum_f c(f) R(f)``, which is a sum over time; cut into overlapping cells, each with its
-        spectrum, the variance is that of the cells, whose power is that of what is left, averaged over neighbours.
+        spectrum, the variance is that of the cells, whose power is that of what is left, averaged over neighbours. The
+        fit has taken a share of the noise of a cell with it, its leverage, which counts again.
         """
         p = len(influence)
         total, weights = np.zeros((p, p)), np.zeros((p, 2))
@@ -495,7 +497,12 @@ class _Problem:
             power = np.abs(cells) ** 2 / shape
             low, high = band.frequency[0] * size / band.rate, band.frequency[-1] * size / band.rate
             inside = slice(max(int(low), 0), min(int(high) + 2, cells.shape[1]))
-            there = _smooth_cells(power)[:, inside] * shape[inside]
+            taken = sum(np.abs(_cells(self._in_time(band, one), window)) ** 2 for one in basis[part].T)
+            noise = (
+                shape * size / band.length * float(np.mean(1.0 / self.weight[part]))
+            )  # two parts of a line, of one each
+            leverage = np.minimum(_smooth_cells(taken / noise), MOST_TAKEN)
+            there = (_smooth_cells(power) / (1.0 - leverage))[:, inside] * shape[inside]
             own = [_cells(one, window)[:, inside] for one in functions]
             factor = (band.length / size) ** 2
             for i in range(p):
@@ -528,6 +535,13 @@ class _Problem:
         whole = np.zeros(band.length // 2 + 1, dtype=complex)
         whole[band.first : band.first + len(lines)] = lines
         return np.asarray(fft.irfft(whole, band.length))
+
+
+def _orthonormal(jacobian: Complex, matrix: Array, scale: Array) -> Complex:
+    """Return columns that span those of a Jacobian, orthonormal with its weights as real functions."""
+    values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
+    kept = values > np.finfo(float).eps * len(values) * float(values.max())
+    return np.asarray(jacobian / scale @ (vectors[:, kept] / np.sqrt(values[kept])))
 
 
 def _root(squares: Array) -> Array:

@@ -62,9 +62,7 @@ def sweeps_of(shaken: Shaken) -> list[Swept]:
     found = find_sweeps(shaken.control, shaken.rate, shaken.where)
     cuts = [0, *(round(0.5 * (one.end + other.begin) * shaken.rate)
                  for one, other in pairwise(found)), len(shaken.control)]  # fmt: skip
-    several = len(found) > 1
-    return [
-        Swept(shaken, one, cuts[i], cuts[i + 1],
-              f"{shaken.name}, {'up' if one.up else 'down'}" if several else shaken.name)
-        for i, one in enumerate(found)
-    ]  # fmt: skip
+    ways = ["up" if one.up else "down" for one in found]
+    told = [f"{way} {ways[: i + 1].count(way)}" if ways.count(way) > 1 else way for i, way in enumerate(ways)]
+    labels = [f"{shaken.name}, {one}" for one in told] if len(found) > 1 else [shaken.name]
+    return [Swept(shaken, one, cuts[i], cuts[i + 1], labels[i]) for i, one in enumerate(found)]

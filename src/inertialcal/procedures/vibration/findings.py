@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import special
 
+from ...core.constants import STANDARD_GRAVITY
 from ...core.remarks import Remark
 from ...core.show.rounding import number, uncertainty
 from ...core.show.wording import listed
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
 CHANCE = 1e-4
 MATTERS = 1.0  # deviation of a level [dB]
+GRAVITY, ALMOST = 20.0 * math.log10(STANDARD_GRAVITY.value), 0.5  # a level in the wrong unit [dB]
 STEADY = 0.5  # range of the level at full level, below which nobody need care [dB]
 KURTOSIS = 0.25  # from 3
 CLIPPED = 4.0  # crest from which on nobody need care
@@ -71,7 +73,12 @@ def _levels(result: Result) -> Iterator[Remark]:
     away = float(decibels(result.control.square / target**2))
     spread = NEPER * math.sqrt(2.0 / result.control.dof)
     deviation = float(np.median(result.deviation.value))
-    if abs(deviation) > MATTERS and abs(away) > MATTERS + 4.0 * spread:
+    off = abs(deviation) > MATTERS and abs(away) > MATTERS + 4.0 * spread
+    in_g = next((word for word, one in (("above", away), ("below", -away)) if abs(one - GRAVITY) < ALMOST), "")
+    if off and in_g:
+        what = f"full level lies {number(abs(away), 3)} dB {in_g} the profile, which is the factor of g and m/s^2"
+        yield Remark("level", "warning", what, _where(result), do="Check the unit of the control channels")
+    elif off and not _swapped(result)[0] and not list(_low_pass(result)):  # these say why
         word = "above" if away > 0.0 else "below"
         what = f"full level lies {number(abs(away), 2)} dB {word} the profile over its band"
         do = f'Check the gain of the controller; a run meant to be at that level: level = "{number(away, 2)} dB"'
@@ -159,12 +166,18 @@ def shape_errors(result: Result) -> Array:
     return np.asarray(np.std(away, axis=0))
 
 
-def _channels(result: Result) -> Iterator[Remark]:
-    """Yield a control that is none, and control channels that differ."""
+def _swapped(result: Result) -> tuple[list[int], list[int]]:
+    """Return control channels that do not follow the profile, and responses that do; none where none does."""
     errors, count = shape_errors(result), len(result.readings.controls)
     followers = [i for i in range(count, len(errors)) if result.channels[i].power.unit == "m/s^2"
                  and errors[i] < FOLLOWS and abs(_level(result, i)) < 3.0]  # fmt: skip
-    swapped = [i for i in range(count) if errors[i] > STRAYS] if followers else []
+    return [i for i in range(count) if errors[i] > STRAYS] if followers else [], followers
+
+
+def _channels(result: Result) -> Iterator[Remark]:
+    """Yield a control that is none, and control channels that differ."""
+    errors, count = shape_errors(result), len(result.readings.controls)
+    swapped, followers = _swapped(result)
     for i in swapped:
         other = min(followers, key=lambda k: float(errors[k]))
         one, two = (f"{_called(result.channels[k])}" for k in (i, other))
@@ -249,7 +262,9 @@ def _lines(result: Result) -> Iterator[Remark]:
             continue
         share = 0.5 * one.amplitude**2 / (float(result.target.at(one.frequency)) * spectra.enbw)
         if share > LINE:
-            found.append(f"{number(one.frequency, 5)} Hz, amplitude {number(one.amplitude / 9.80665, 2)} g")
+            found.append(
+                f"{number(one.frequency, 5)} Hz, amplitude {number(one.amplitude / STANDARD_GRAVITY.value, 2)} g"
+            )
     if found:
         shown = list(dict.fromkeys(found))
         more = f" and {len(shown) - SHOWN} more" if len(shown) > SHOWN else ""

@@ -18,6 +18,7 @@ INFLUENCES = {
     SENSOR_SCALE: "levels of the sensor's own axes in proportion",
 }
 DEVIATION = "spectral_density_deviation"
+FEWEST_LINES = 4  # that are judged
 LEVEL, LEVEL_DEVIATION, RATE_LEVEL = "acceleration_rms", "acceleration_rms_deviation", "angular_rate_rms"
 DURATION, KURTOSIS = "duration_at_level", "kurtosis"
 

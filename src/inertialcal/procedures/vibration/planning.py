@@ -40,7 +40,7 @@ from ...core.show.rounding import dof, number
 from ...core.show.tables import Block, Table, html, text
 from ...signals.vibration.deviation import NEPER, Deviation
 from ...signals.vibration.profile import Profile, decibels
-from .plan import PlannedRun
+from .plan import FEWEST_LINES, PlannedRun
 from .profile_file import read_profile
 from .reduction import Power, default_resolution
 
@@ -178,10 +178,13 @@ def planned(given: Mapping[str, Any], options: bool = True) -> VibrationPlan:
     stated = read_profile(wanted.profile)
     usual = default_resolution(stated.profile)
     resolutions = [usual * one for one in RESOLUTIONS] if wanted.resolution is None else [wanted.resolution]
-    if any(lines_of(stated.profile, one) < 1 for one in resolutions[:1]):
-        what = f"{words['resolution']} {number(resolutions[0], 4)} Hz: no line lies inside the profile"
+    if lines_of(stated.profile, resolutions[0]) < FEWEST_LINES:
+        few = lines_of(stated.profile, resolutions[0])
+        what = (
+            f"{words['resolution']} {number(resolutions[0], 4)} Hz: {few} lines inside the profile, need {FEWEST_LINES}"
+        )
         raise UsageError(what, do="Give a finer resolution", code="wrong_value")
-    resolutions = [one for one in resolutions if lines_of(stated.profile, one) > 0]
+    resolutions = [one for one in resolutions if lines_of(stated.profile, one) >= FEWEST_LINES]
     found = tuple(_forecast(wanted, stated.profile, one) for one in resolutions)
     return VibrationPlan(wanted, stated.profile, found, _curves(wanted, stated.profile, resolutions),
                          (*stated.remarks, *_remarks(wanted, found)))  # fmt: skip

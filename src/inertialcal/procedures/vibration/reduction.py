@@ -36,13 +36,12 @@ from ...signals.vibration.gaussian import Shape, shape_of
 from ...signals.vibration.levels import Levels, find_levels
 from ...signals.vibration.profile import Profile, decibels, fractional_octaves
 from ...signals.vibration.spectra import CrossSpectra, cross_spectra, hann_kernel
-from .plan import CONTROL, CONTROL_SCALE, SENSOR_SCALE, Plan
+from .plan import CONTROL, CONTROL_SCALE, FEWEST_LINES, SENSOR_SCALE, Plan
 from .readings import Readings
 
 KEPT = "_reduced"  # with the readings: looking whether channels agree takes the result, too
 QUARTER = 4.0  # lines up to the lowest frequency of the profile, by default
 FINER = 4  # times, of the second spectrum
-FEWEST_LINES = 4  # that are judged
 SHORTEST_SEGMENT = 16  # samples
 ROUND = (1.0, 2.0, 2.5, 5.0, 10.0)  # what a default resolution is rounded down to
 
@@ -246,7 +245,9 @@ def _reduced(plan: Plan, readings: Readings) -> Result:
     result = Result(plan, readings, levels, spectra, fine, target, deviation, control, channels)
     from .findings import findings  # noqa: PLC0415 - it takes a result
 
-    return replace(result, remarks=gather([*readings.remarks, *findings(result)]))
+    known = {(one.code, one.what) for one in readings.remarks}  # what `agreement` has brought up
+    own = [one for one in findings(result) if (one.code, one.what) not in known]
+    return replace(result, remarks=gather([*readings.remarks, *own]))
 
 
 def _width(target: Profile, readings: Readings, segment: int) -> float:

@@ -32,8 +32,8 @@ from .segments import Segment
 ALPHA = 0.01  # chance of a false finding of curvature, or of an uneven drift
 NO_REST = Reason("no_rest", "no part at rest before and after the vibration: a drift cannot be told from its effect")
 NO_LEVEL = Reason("no_vibration", "no part under vibration is long enough")
-FEW = Reason("few_segments", "as many unknowns as levels: what the bias does by itself was not observed. Repeat "
-             "levels, or record longer")  # fmt: skip
+FEW = Reason("few_segments", "as many unknowns as segments: what the bias does by itself was not observed. Repeat "
+             "levels and rests, or leave the drift out: --no-drift")  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)

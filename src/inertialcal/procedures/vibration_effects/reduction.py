@@ -24,6 +24,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...core.constants import STANDARD_GRAVITY
 from ...core.curve import Column, Curve
 from ...core.estimate import Array, Component, Estimate
 from ...core.key import NO_REASON, At, Key, Origin, Reason
@@ -174,12 +175,12 @@ def _effects(plan: Plan, cut: list[Cut], axis: str, direction: str) -> Effects:
         values = one.run.axes[axis]
         blocks = len(one.mean_squares)
         loud = [values[one.stretch(each)] for each in one.segments if each.level]
-        bad += sum(clipped(part) + int(np.count_nonzero(~np.isfinite(part))) for part in loud)
+        bad += sum(clipped(part) for part in loud)
         means = values[: blocks * one.size].reshape(blocks, one.size).mean(axis=1)
         points += points_of(means, one.mean_squares, one.segments, one.size * one.run.interval, number_)
     cut_off = next((one.run.cut_off for one in cut if one.run.cut_off), None)
     if bad:
-        said = f"{bad} samples at the end of the range, or missing, under vibration: the mean is not that of the input"
+        said = f"{bad} samples at the end of the range under vibration: the mean is not that of the input"
         what = Reason("clipped", said)
         return Effects(axis, direction, Rectified(tuple(points), reason=what), (), what, bad, cut_off)
     bands, why = _bands(plan, cut, axis)
@@ -265,14 +266,17 @@ def _curves(one: Effects, unit: str) -> Iterator[Curve]:
         columns["level"] = Column(np.array([float(each.level) for each in points]))
         yield Curve("vibration_effect_means", one.name, columns)
     if one.bands:
-        density, gain = f"{unit}/sqrt(Hz)", _per(unit, 1)
+        density = f"{unit}/sqrt(Hz)"
         parts = {
-            "frequency": ("middle", "Hz"), "gain": ("gain", gain), "lo": ("lo", gain), "hi": ("hi", gain),
+            "frequency": ("middle", "Hz"), "gain": ("gain", unit), "lo": ("lo", unit), "hi": ("hi", unit),
             "coherence": ("coherence", "1"), "noise": ("noise", density), "quiet": ("quiet", density),
             "ratio": ("ratio", "1"), "ratio_lo": ("ratio_lo", "1"), "ratio_hi": ("ratio_hi", "1"),
         }  # fmt: skip
-        columns = {name: Column(np.array([getattr(each, own) for each in one.bands], dtype=float), its)
-                   for name, (own, its) in parts.items()}  # fmt: skip
+        scale = dict.fromkeys(("gain", "lo", "hi"), STANDARD_GRAVITY.value)  # to 1 g, in the unit that people speak
+        columns = {
+            name: Column(np.array([getattr(each, own) for each in one.bands], dtype=float) * scale.get(name, 1.0), its)
+            for name, (own, its) in parts.items()
+        }
         columns["significant"] = Column([each.significant and each.shaken for each in one.bands])
         columns["shaken"] = Column([each.shaken for each in one.bands])
         yield Curve("vibration_effect_bands", one.name, columns)
@@ -303,6 +307,10 @@ def _on_run(run: Vibrated, cut: Cut) -> Iterator[Remark]:
             where=run.file,
             recording=run.name,
         )
+    for axis, values in run.axes.items():
+        if missing := int(np.count_nonzero(~np.isfinite(values))):
+            what = f"{missing} samples of {axis} are missing: blocks and windows with them are left out"
+            yield Remark("gaps", "warning", what, run.file, missing, axis=axis, recording=run.name)
     if not run.direction:
         what = (
             f"recording {run.name}: along which axis it was vibrated is not said: figures are of the reading axis alone"
@@ -332,7 +340,7 @@ def _on_run(run: Vibrated, cut: Cut) -> Iterator[Remark]:
 def _on_effects(one: Effects) -> Iterator[Remark]:
     found, name = one.rectified, one.name
     if one.clipped:
-        what = f"{name}: {one.clipped} samples at the end of the range, or missing, under vibration: no figure is told"
+        what = f"{name}: {one.clipped} samples at the end of the range under vibration: no figure is told"
         yield Remark("clipped", "warning", what, do="Vibrate less, or use a wider range", axis=one.axis)
         return
     if not found.reason and found.levels == 1:

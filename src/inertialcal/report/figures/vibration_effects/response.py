@@ -43,7 +43,7 @@ def finding(curve: Curve, axis: str) -> str:
         return f"{plain(axis)}: no response stands out of the noise in any band"
     at = int(np.argmax(np.where(seen, gain, 0.0)))
     shown = f"{number(float(gain[at]), 3)} {plain(unit(curve, 'gain'))}".removesuffix(" 1")
-    return f"{plain(axis)}: largest response {shown}, at {number(float(frequency[at]), 3)} Hz"
+    return f"{plain(axis)}: largest response to 1 g {shown}, at {number(float(frequency[at]), 3)} Hz"
 
 
 def draw(axes: Sequence[Axes], curve: Curve, title: str = "") -> None:
@@ -79,7 +79,7 @@ def draw(axes: Sequence[Axes], curve: Curve, title: str = "") -> None:
         ax.set_xticklabels([f"{each:g}" for each in marks])
         ax.set_xticks([], minor=True)
     set_title(above, title)
-    set_labels(above, y=with_unit("response", unit(curve, "gain")))
+    set_labels(above, y=with_unit("response to 1 g", unit(curve, "gain")))
     set_labels(below, with_unit("frequency", "Hz"), with_unit("noise / at rest", unit(curve, "ratio")))
-    if seen.any() or limits.any():
+    if seen.any() and limits.any():
         set_legend(above)
