@@ -7,9 +7,9 @@ from advised_cases import Case
 
 COMPENSATED = (
     Case(
-        "Add: --column control=COLUMN",
+        "Add: --control COLUMN",
         "vibration effects shaker.csv",
-        "+ --column control=front",
+        "+ --control front",
         "vibration_rectification x 1.8",
     ),
     Case(

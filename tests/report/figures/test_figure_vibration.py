@@ -60,7 +60,7 @@ def vibration_curves() -> tuple[dict[str, Any], ...]:
             ic.vibration(run, profile=str(profile), control=["control"], response=["item"], tolerance="3 dB"),
             ic.vibration_profile(profile),
             ic.plan_vibration(profile=profile),
-            ic.vibration_survey(survey, control="control"),
+            ic.vibration_survey(survey, control=["control"]),
             ic.vibration_effects(effects),
         ]
         return tuple(curve for one in found for curve in one.results["curves"])

@@ -22,11 +22,16 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     Raises
     ------
     UsageError
-        ``no_column`` where it is not clear which channel is the control, ``no_unit``.
+        ``no_column`` where it is not clear which channel is the control, ``too_many``, ``no_unit``.
     """
     columns = dict(given.said.columns)
-    if control := given.own.get("control"):
-        columns.setdefault(CONTROL[0], str(control))
+    control = given.own.get("control") or ()
+    said = [control] if isinstance(control, str) else list(control)
+    if len(said) > len(CONTROL):
+        what = f"{given.name}: {len(said)} control channels, {len(CONTROL)} at most"
+        raise UsageError(what, do="Name those that the table was controlled by", code="too_many")
+    for role, name in zip(CONTROL, said, strict=False):
+        columns.setdefault(role, str(name))
     if CONTROL[0] not in columns:
         free = [name for name in controls(given.recording) if name not in columns.values()]
         columns |= dict(zip(CONTROL, free, strict=False))

@@ -24,9 +24,10 @@ OCTAVES_A_DECADE = 3.321928094887362
 class OfFile:
     """What the command can be told of a file."""
 
-    control: str | None = setting(
-        "Column of the control accelerometer; else the one whose name begins so.", None, example="ctrl1"
-    )
+    control: list[str] = setting(
+        "Column of a control accelerometer; up to four. Those whose names begin so where none is given.",
+        list[str], example="ctrl1",
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)

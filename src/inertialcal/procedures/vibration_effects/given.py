@@ -27,11 +27,13 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
         raise UsageError(f"axis {axis!r}", do=f"There are: {', '.join(AXES)}", code="unknown_name")
     own = {bare_name(one.name).lower(): one.name for one in given.recording.channels}
     columns = dict(given.said.columns)
+    if control := given.own.get("control"):
+        columns.setdefault(ROLES[0], str(control))
     if not any(name in columns for name in ROLES):
         columns |= {name: own[name] for name in ROLES if name in own}
     found = described_channels(replace(given, said=replace(given.said, columns=columns)), spec)
     if not any(name in found.columns for name in ROLES):
         what = f"{given.name}: cannot tell which column is the acceleration of the control"
-        do = f"Add: {given.add('column', 'control=COLUMN')}"
+        do = f"Add: {given.add('control', 'COLUMN')}"
         raise UsageError(what, why="nothing else says how strong the vibration was", do=do, code="no_column")
     return replace(found, entry=found.entry | ({"axis": axis} if axis else {}))

@@ -15,6 +15,9 @@ class Direction:
     """The vibration, as a caller says it of a file."""
 
     axis: str | None = setting("Body axis that was vibrated along; unknown if not given.", None, example="z")
+    control: str | None = setting(
+        "Column of the control accelerometer; the one that is named so if not given.", None, example="ctrl1"
+    )
 
 
 @dataclass(frozen=True)

@@ -51,7 +51,7 @@ def finding(results: Mapping[str, Any], test: str, axis: str) -> str:
     if changed:
         largest = max(changed, key=lambda row: abs(row["value"]))
         figure = with_uncertainty(largest["value"], largest["u"])
-        return f"{plain(axis)}: largest change of a resonance {figure} {plain(largest['unit'])}".rstrip(" 1")
+        return f"{plain(axis)}: largest change of a resonance {figure} {plain(largest['unit'])}".removesuffix(" 1")
     found = [row for row in mine if row["quantity"] == "resonance_frequency" and row["value"] is not None]
     if not found:
         return f"{plain(axis)}: no resonance"
