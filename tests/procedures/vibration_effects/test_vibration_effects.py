@@ -21,7 +21,7 @@ from inertialcal.core.results import Row
 from inertialcal.procedures.vibration_effects.plan import Plan
 from inertialcal.procedures.vibration_effects.readings import Readings, Vibrated, clipped
 from inertialcal.procedures.vibration_effects.rectification import Point, rectified
-from inertialcal.procedures.vibration_effects.reduction import Result, reduce
+from inertialcal.procedures.vibration_effects.reduction import Result, disagreements, reduce
 from inertialcal.procedures.vibration_effects.segments import segments_of
 from inertialcal.procedures.vibration_effects.spectra import summed
 
@@ -201,6 +201,45 @@ def test_bands_without_a_response_are_upper_limits_in_nearly_all_records() -> No
     assert stats.binom.sf(false - 1, 30, 0.05) > 0.001
 
 
+def from_columns(**columns: Array) -> Readings:
+    """One run of an accelerometer vibrated along x: its columns, and the control."""
+    axes = {name: values for name, values in columns.items() if name != "control"}
+    return Readings((Vibrated(axes, columns["control"], 1.0 / 400.0, False, "x", "r", "r.csv", unit="m/s^2"),), "m/s^2")
+
+
+def test_control_and_gyro_that_have_changed_places_are_named() -> None:
+    for seed in range(1, 11):
+        sound, wrong = run_of(seed, SHORT), run_of(seed, SHORT)
+        wrong = replace(wrong, axes={"x": sound.control}, control=sound.axes["x"])
+        assert not disagreements(Plan(), Readings((sound,), "rad/s"))
+        assert [one.code for one in disagreements(Plan(), Readings((wrong,), "rad/s"))] == ["swapped_channels"]
+    logged = replace(run_of(1, SHORT), control=run_of(1, SHORT).axes["x"] - SHORT.bias, rms=True)
+    assert [one.code for one in disagreements(Plan(), Readings((logged,), "rad/s"))] == ["swapped_channels"]
+
+
+def test_axes_of_an_accelerometer_that_have_changed_places_are_named() -> None:
+    table, rng = record(1, SHORT).columns["control [g]"] * G, np.random.default_rng(2)
+    along, across, third = (part * table + 5e-3 * rng.standard_normal(len(table)) for part in (1.02, 0.03, -0.02))
+    assert not disagreements(Plan(), from_columns(control=table, x=along, y=across, z=third))
+    for columns, code in (
+        ({"control": table, "x": across, "y": along, "z": third}, "axes_disagree"),
+        ({"control": across, "x": along, "y": table, "z": third}, "swapped_channels"),
+    ):
+        assert [one.code for one in disagreements(Plan(), from_columns(**columns))] == [code]
+
+
+def test_axes_that_change_places_within_a_test_are_named() -> None:
+    one = replace(run_of(1, SHORT), name="first")
+    axes = {axis: one.axes["x"] + off for axis, off in (("x", 0.0), ("y", 3e-3), ("z", -8e-3))}
+    one = replace(one, axes=axes)
+    again = replace(one, name="second", axes={axis: values + 2e-5 for axis, values in axes.items()})
+    mixed = replace(again, axes={"x": again.axes["y"], "y": again.axes["x"], "z": again.axes["z"]})
+    assert not disagreements(Plan(), Readings((one, again), "rad/s"))
+    (said,) = disagreements(Plan(), Readings((one, mixed), "rad/s"))
+    assert (said.code, said.recording) == ("axes_disagree", "second")
+    assert "x where y was, y where x was" in said.what
+
+
 # ---- parts ---------------------------------------------------------------------------------------------------------
 
 
@@ -214,6 +253,46 @@ def test_missing_samples_cost_their_blocks_alone() -> None:
     (one,), (other,) = (rows_of(result, QUADRATIC) for result in (found, whole))
     assert one.value == pytest.approx(other.value, abs=other.u or 0.0)
     assert len(rows_of(found, RESPONSE)) == len(rows_of(whole, RESPONSE))
+
+
+@pytest.mark.parametrize("share", [0.0001, 0.03])
+def test_missing_samples_of_the_control_are_counted_and_left_out(share: float) -> None:
+    """The control is known from what is left; coverage of the coefficient of a simulator that never saw the loss."""
+    hits = 0
+    for seed in range(1, 11):
+        run = run_of(seed, SHORT)
+        lost = np.random.default_rng(seed).random(len(run.control)) < share
+        lost[3000:3600] = True  # and a block and a half at once
+        result = reduce(Plan(), Readings((replace(run, control=np.where(lost, np.nan, run.control)),), "rad/s"))
+        (gaps,) = [one for one in result.remarks if one.code == "gaps"]
+        assert (gaps.count, "of the control" in gaps.what) == (int(lost.sum()), True)
+        hits += holds(rows_of(result, QUADRATIC)[0], SHORT.k2)
+        reason = rows_of(result, RESPONSE)[0].reason.code
+        assert (reason == "gaps") == (share == 0.03), reason
+    assert keeps("holds", hits, 10)
+
+
+def test_a_gap_of_time_is_worked_around(tmp_path: Path) -> None:
+    table = record(1, SHORT)
+    kept = np.ones(len(table.columns["control [g]"]), dtype=bool)
+    kept[5000:5100] = kept[9001] = False
+    table.columns = {name: values[kept] for name, values in table.columns.items()}
+    (tmp_path / "lossy.csv").write_text(csv_text(table))
+    found = called(["vibration", "effects", str(tmp_path / "lossy.csv"), "--axis", "z"], tmp_path)
+    assert found.exit == 0
+    assert any(code == "gaps" and "101 samples of the control" in text for code, text in found.said)
+    (row,) = [one for one in found.rows if one["quantity"] == QUADRATIC]
+    factor = math.degrees(1.0) * 3600.0 * G**2
+    assert row["interval"]["lo"] < factor * SHORT.k2 < row["interval"]["hi"]
+
+
+def test_a_control_of_which_most_is_missing_is_refused(tmp_path: Path) -> None:
+    table = record(1, SHORT)
+    table.columns["control [g]"][:12_000] = np.nan
+    (tmp_path / "lossy.csv").write_text(csv_text(table))
+    found = called(["vibration", "effects", str(tmp_path / "lossy.csv")], tmp_path)
+    assert found.exit == 3
+    assert "12000 of 16000 samples of the control are missing" in found.printed
 
 
 def test_levels_are_found_and_blocks_at_changes_left_out() -> None:

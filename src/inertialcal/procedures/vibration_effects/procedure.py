@@ -21,6 +21,7 @@ from .figures import FIGURES
 from .plan import INFLUENCES, Direction, Plan
 
 if TYPE_CHECKING:
+    from ...core.remarks import Remark
     from ...core.results import Row, WrittenRow
     from ...core.show.rows import Sentence
     from ..given import Described, GivenFile
@@ -89,7 +90,8 @@ class VibrationEffects(Procedure[Plan, "Readings", "Result"]):
             axis, run = source.entry.axis or "", source.run
             for label, recording in source.recordings():
                 remarks += list(recording.remarks)
-                found.append(vibrated(recording, label or source.name, source.file, axis, source.facts.cut_off, run))
+                name, facts = label or source.name, source.facts
+                found.append(vibrated(recording, name, source.file, axis, facts.cut_off, run, facts.si))
         return Readings(tuple(found), sources[0].facts.si, tuple(remarks))
 
     def reduce(self, plan: Plan, readings: Readings) -> Result:
@@ -97,6 +99,12 @@ class VibrationEffects(Procedure[Plan, "Readings", "Result"]):
         from .reduction import reduce
 
         return reduce(plan, readings)
+
+    def agreement(self, plan: Plan, readings: Readings) -> Sequence[Remark]:
+        """Return which columns have changed places."""
+        from .reduction import disagreements
+
+        return disagreements(plan, readings)
 
     def quantities(self) -> Mapping[str, Quantity]:
         """Return the figures that it can give."""

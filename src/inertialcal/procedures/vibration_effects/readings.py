@@ -13,10 +13,13 @@ from ...core.key import AXES
 from ...core.recording import Recording
 from ...core.remarks import Remark
 from ...core.show.rounding import number
+from ...signals.allan import on_grid
 
 CONTROL, CONTROL_RMS = "control", "control_rms"
 FEWEST = 200  # samples of a record
 EXTREME, PILED = 8, 2.0  # samples at the end of a range, and how many times those next to it: clipped
+GAP, MOST_PLACES = 1.9, 2.0  # intervals between samples that are a gap; places of a record for each sample
+HALF = 0.5  # of the control, that must be there
 NEXT = 0.1  # standard deviations that count as next to it
 
 
@@ -25,7 +28,8 @@ class Vibrated:
     """One run: readings by axis, shape (n,) [SI]; NaN where a sample is missing."""
 
     axes: Mapping[str, Array]
-    control: Array  # Acceleration, or where ``rms`` its root mean square as a controller logs it [m/s^2]
+    # Acceleration, or where ``rms`` its root mean square as a controller logs it; NaN where missing [m/s^2]
+    control: Array
     interval: float  # [s]
     rms: bool = False
     direction: str = ""  # Body axis that was vibrated along; empty where not known
@@ -33,6 +37,7 @@ class Vibrated:
     file: str = ""
     cut_off: float | None = None  # Of the sensor's low pass [Hz]
     power_up: str = ""
+    unit: str = "rad/s"  # Of the axes, SI
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,8 +59,9 @@ class Readings:
 
 
 def vibrated(
-    recording: Recording, name: str, file: str, direction: str, cut_off: float | None, power_up: str
-) -> Vibrated:
+    recording: Recording, name: str, file: str, direction: str, cut_off: float | None, power_up: str,
+    unit: str = "rad/s",
+) -> Vibrated:  # fmt: skip
     """Return one run.
 
     Raises
@@ -73,26 +79,45 @@ def vibrated(
     if interval is None or not interval > 0.0:
         do = "Give the sample rate: --sample-rate, or a time column: --time-column"
         raise DataError(f"recordings.{name}: no sample interval", file, "spectra need one", do, "no_time")
-    axes = {axis: np.asarray(recording.channel(axis).data, dtype=float) for axis in AXES if axis in recording.names}
-    control = np.asarray(recording.channel(names[0]).data, dtype=float)
-    if len(control) < FEWEST:
-        what = f"recordings.{name}: {len(control)} samples, need {FEWEST}"
+    axes_of = [axis for axis in AXES if axis in recording.names]
+    values = np.asarray(recording.array([names[0], *axes_of]), dtype=float)
+    if len(values) < FEWEST:
+        what = f"recordings.{name}: {len(values)} samples, need {FEWEST}"
         raise DataError(what, file, do="Record longer", code="too_short")
-    missing = int(np.count_nonzero(~np.isfinite(control)))
-    if missing:
-        what = f"recordings.{name}: {missing} samples of the control are missing"
-        why = "its level is not known there"
-        do = "Record the control whole, or cut that out: windows of the test"
-        raise DataError(what, file, why, do, "gaps")
     stamps = recording.time_ns
-    if stamps is not None and len(stamps) > 2:
-        steps = np.diff(stamps) * 1e-9
-        longest = float(np.max(steps))
-        if longest > 1.9 * float(np.median(steps)):
-            what = f"recordings.{name}: a gap of {number(longest, 4)} s"
-            why = "lines of a spectrum need even samples"
-            raise DataError(what, file, why, "Record again, or cut the gap out: windows of the test", "gaps")
-    return Vibrated(axes, control, interval, names[0] == CONTROL_RMS, direction, name, file, cut_off, power_up)
+    if stamps is not None and len(stamps) > 2 and float(np.max(np.diff(stamps))) * 1e-9 > GAP * interval:
+        places = round(float(stamps[-1] - stamps[0]) * 1e-9 / interval) + 1
+        if places > MOST_PLACES * len(values):
+            longest = number(float(np.max(np.diff(stamps))) * 1e-9, 4)
+            what = f"recordings.{name}: a gap of {longest} s: more is missing than was recorded"
+            do = "Make the parts before and after the gap two files, each with rest before and after its vibration"
+            raise DataError(what, file, "bias and drift are not known across it", do, "gaps")
+        placed, present = on_grid(values, stamps, interval)
+        values = np.asarray(placed, dtype=float)
+        values[~present] = np.nan
+    control = values[:, 0]
+    if np.count_nonzero(np.isfinite(control)) < max(FEWEST, HALF * len(control)):
+        what = f"recordings.{name}: {int(np.count_nonzero(~np.isfinite(control)))} of {len(control)} samples of the "
+        what += "control are missing"
+        do = "Check the column of the control; it needs half of its samples at least"
+        raise DataError(what, file, "how strong the vibration was is not known there", do, "gaps")
+    axes = {axis: values[:, i + 1] for i, axis in enumerate(axes_of)}
+    return Vibrated(axes, control, interval, names[0] == CONTROL_RMS, direction, name, file, cut_off, power_up, unit)
+
+
+def block_means(values: Array, size: int) -> Array:
+    """Return the means of blocks of ``size`` samples; NaN of those that have less than half of their samples."""
+    parts = values[: len(values) // size * size].reshape(-1, size)
+    there = np.isfinite(parts)
+    count = there.sum(axis=1)
+    total = np.where(there, parts, 0.0).sum(axis=1)
+    return np.asarray(np.where(count >= HALF * size, total / np.maximum(count, 1), np.nan))
+
+
+def block_squares(control: Array, size: int, rms: bool) -> Array:
+    """Return the mean squares of a control by block: about the mean, its own bias at rest; of a logged level none."""
+    squares = block_means(control**2, size)
+    return squares if rms else np.maximum(squares - block_means(control, size) ** 2, 0.0)
 
 
 def clipped(values: Array) -> int:

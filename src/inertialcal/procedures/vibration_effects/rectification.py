@@ -68,10 +68,11 @@ def points_of(block_means: Array, mean_squares: Array, segments: list[Segment], 
     """Return the means of segments of one run."""
     found = []
     for one in segments:
-        x = block_means[one.first : one.stop]
-        x = x[np.isfinite(x)]
+        x, squares = block_means[one.first : one.stop], mean_squares[one.first : one.stop]
+        there = np.isfinite(x) & np.isfinite(squares)
+        x = x[there]
         if len(x) >= 3:
-            square = float(np.mean(mean_squares[one.first : one.stop]))
+            square = float(np.mean(squares[there]))
             middle = 0.5 * (one.first + one.stop) * block
             variance = float(np.var(x, ddof=1)) / len(x)
             found.append(Point(run, middle, square, float(np.mean(x)), variance, one.level))

@@ -9,7 +9,8 @@ windows; the scale factor of the control is taken as exact, and K has twice its 
 
 Where real data break it, by remark: a range that is reached (``clipped``: no figure), vibration up to half the sample
 rate (``aliasing``), bands above the low pass of the unit (``in_band``), a mean that does not follow the square
-(``not_quadratic``), a drift that is not even or a shift (``uneven_drift``), one level alone (``one_level``).
+(``not_quadratic``), a drift that is not even or a shift (``uneven_drift``), one level alone (``one_level``), columns
+that have changed places (``doubts``), samples that are missing of a reading or of the control (``gaps``).
 
 References
 ----------
@@ -35,8 +36,9 @@ from ...core.show.rounding import number
 from ...core.show.tables import Block, html, text
 from ...core.units import normalise
 from ...statistics.intervals import t_interval
+from .doubts import doubts
 from .plan import Plan
-from .readings import Readings, Vibrated, clipped
+from .readings import Readings, Vibrated, block_means, block_squares, clipped
 from .rectification import Point, Rectified, points_of, rectified
 from .segments import Segment, segments_of
 from .spectra import Band, Spectra, bands_of, summed
@@ -143,6 +145,12 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     return Result(plan, readings, tuple(effects), levels, gather(remarks))
 
 
+def disagreements(plan: Plan, readings: Readings) -> tuple[Remark, ...]:
+    """Return which columns have changed places, as far as runs show it."""
+    cut = [_cut(plan, one) for one in readings.runs_of]
+    return tuple(doubts([(one.run, one.size, one.segments) for one in cut]))
+
+
 @dataclass(frozen=True, eq=False)
 class Cut:
     """One run, cut into blocks and segments."""
@@ -160,11 +168,11 @@ class Cut:
 
 def _cut(plan: Plan, run: Vibrated) -> Cut:
     size = max(round(plan.block / run.interval), 2)
-    blocks = len(run.control) // size
-    parts = run.control[: blocks * size].reshape(blocks, size)
-    # What a control reads at rest, its own bias, is no vibration; a logged level has none
-    squares = np.mean(parts**2, axis=1) if run.rms else np.var(parts, axis=1)
-    segments, lost = segments_of(squares, plan.quiet)
+    squares = block_squares(run.control, size, run.rms)
+    there = np.flatnonzero(np.isfinite(squares))
+    # A block that was not recorded has the level before it: it counts for no mean, but ends no segment
+    filled = squares[there[np.maximum(np.searchsorted(there, np.arange(len(squares)), side="right") - 1, 0)]]
+    segments, lost = segments_of(filled, plan.quiet)
     return Cut(run, size, squares, segments, lost)
 
 
@@ -173,10 +181,9 @@ def _effects(plan: Plan, cut: list[Cut], axis: str, direction: str) -> Effects:
     bad = 0
     for number_, one in enumerate(cut):
         values = one.run.axes[axis]
-        blocks = len(one.mean_squares)
         loud = [values[one.stretch(each)] for each in one.segments if each.level]
         bad += sum(clipped(part) for part in loud)
-        means = values[: blocks * one.size].reshape(blocks, one.size).mean(axis=1)
+        means = block_means(values, one.size)
         points += points_of(means, one.mean_squares, one.segments, one.size * one.run.interval, number_)
     cut_off = next((one.run.cut_off for one in cut if one.run.cut_off), None)
     if bad:
@@ -199,6 +206,8 @@ def _bands(plan: Plan, cut: list[Cut], axis: str) -> tuple[list[Band], Reason]:
     loud = [_pair(one, each, axis) for one, each in parts if each.level and each.mean_square > 0.7 * highest]
     rest = [_pair(one, each, axis) for one, each in parts if each.rest]
     vibration = summed(loud, interval, window)
+    if vibration is None and any(not np.isfinite(one).all() for pair in loud for one in pair):
+        return [], Reason("gaps", "missing samples leave too few whole windows for a spectrum: record without loss")
     if vibration is None or not np.all(vibration.xx > 0.0):
         said = "the highest level is too short for its spectrum: record longer, or give a coarser resolution"
         return [], Reason("too_short", said)
@@ -307,9 +316,12 @@ def _on_run(run: Vibrated, cut: Cut) -> Iterator[Remark]:
             where=run.file,
             recording=run.name,
         )
-    for axis, values in run.axes.items():
-        if missing := int(np.count_nonzero(~np.isfinite(values))):
-            what = f"{missing} samples of {axis} are missing: blocks and windows with them are left out"
+    lost = ~np.isfinite(run.control)
+    for axis, values in {"": run.control, **run.axes}.items():
+        there = np.isfinite(values)
+        if missing := int(np.count_nonzero(~there if not axis else ~there & ~lost)):
+            what = f"{missing} samples of {axis or 'the control'} are missing: means are of the others, blocks without "
+            what += "half of theirs and windows of spectra with any of them are left out"
             yield Remark("gaps", "warning", what, run.file, missing, axis=axis, recording=run.name)
     if not run.direction:
         what = (
