@@ -13,11 +13,11 @@ from ...core.key import AXES
 from ...core.recording import SECOND, Recording
 from ...core.remarks import Remark
 from ...signals.time.time_axis import analyse
+from ...signals.vibration.rails import rails_of
 from ..protocol import Source
 from .plan import CONTROL
 
-FLAT = 3  # equal samples at the end of the range, one after the other, that are clipped
-CLIPPED = 20  # such places
+CLIPPED = 20  # samples piled up at an end of the range
 JITTER = 0.01  # of the interval, that stamps may scatter by
 
 
@@ -111,13 +111,10 @@ def _clipped(one: Shaken) -> list[Remark]:
     """Return remarks on channels that stay at the end of their range."""
     found = []
     for name, values in {**one.controls, **one.responses}.items():
-        for end in (float(values.max()), float(values.min())):
-            at = np.flatnonzero(values == end)
-            places = int(np.count_nonzero(at[FLAT - 1 :] - at[: -(FLAT - 1) or None] == FLAT - 1)) if end else 0
-            if places >= CLIPPED:
-                what = f"recording {one.name}: {name} stays at {end:.4g} for {FLAT} samples or more, {places} times"
-                do = "Use a wider range: a clipped channel shows less of the motion, and harmonics that are none"
-                found.append(Remark("saturated", "error", what, one.where, do=do, axis=name if name in AXES else "",
-                                    subject=name, recording=one.name))  # fmt: skip
-                break
+        ends = rails_of(values)
+        if ends.samples >= CLIPPED:
+            what = f"recording {one.name}: {name} stays at {ends.value:.4g}, {ends.samples} samples"
+            do = "Use a wider range: a clipped channel shows less of the motion, and harmonics that are none"
+            found.append(Remark("saturated", "error", what, one.where, do=do, axis=name if name in AXES else "",
+                                subject=name, recording=one.name))  # fmt: skip
     return found

@@ -131,10 +131,10 @@ def _shapes(result: Result) -> Iterator[Remark]:
     for place, one in enumerate(result.channels):
         control, name = place < len(result.readings.controls), _called(one)
         shape = one.shape
-        if shape.rails >= RAILS and shape.crest < RAIL_CREST:
-            what = f"{name} stands at the end of its range {shape.rails} times: {number(shape.crest, 3)} times its rms"
+        if shape.rails.runs >= RAILS and shape.crest < RAIL_CREST:
+            what = f"{name} stands at the end of its range {shape.rails.runs} times: {number(shape.crest, 3)} times its rms"
             do = "Take a larger range: peaks are cut off, the spectrum is wrong at all frequencies"
-            yield Remark("saturated", "error" if control else "warning", what, _where(result), shape.rails, do,
+            yield Remark("saturated", "error" if control else "warning", what, _where(result), shape.rails.runs, do,
                          subject=one.column)  # fmt: skip
             continue
         if control and shape.chance < chance and shape.crest < CLIPPED:

@@ -14,13 +14,12 @@ from ...core.recording import Recording
 from ...core.remarks import Remark
 from ...core.show.rounding import number
 from ...signals.allan import on_grid
+from ...signals.vibration.levels import mean_squares
 
 CONTROL, CONTROL_RMS = "control", "control_rms"
 FEWEST = 200  # samples of a record
-EXTREME, PILED = 8, 2.0  # samples at the end of a range, and how many times those next to it: clipped
 GAP, MOST_PLACES = 1.9, 2.0  # intervals between samples that are a gap; places of a record for each sample
 HALF = 0.5  # of the control, that must be there
-NEXT = 0.1  # standard deviations that count as next to it
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,20 +115,4 @@ def block_means(values: Array, size: int) -> Array:
 
 def block_squares(control: Array, size: int, rms: bool) -> Array:
     """Return the mean squares of a control by block: about the mean, its own bias at rest; of a logged level none."""
-    squares = block_means(control**2, size)
-    return squares if rms else np.maximum(squares - block_means(control, size) ** 2, 0.0)
-
-
-def clipped(values: Array) -> int:
-    """Return how many samples stand at the ends of a range: many more than next to it; 0 where none seem to."""
-    x = values[np.isfinite(values)]
-    if len(x) < EXTREME:
-        return 0
-    sd, steps = float(np.std(x)), np.diff(np.unique(x))
-    width = max(NEXT * sd, 1.5 * float(np.min(steps, initial=np.inf))) if len(steps) else 0.0
-    found = 0
-    for end, sign in ((float(np.max(x)), 1.0), (float(np.min(x)), -1.0)):
-        at = int(np.count_nonzero(x == end))
-        near = int(np.count_nonzero((sign * (end - x) > 0.0) & (sign * (end - x) <= width)))
-        found += at if at >= EXTREME and at > PILED * near and abs(end - float(np.mean(x))) > sd else 0
-    return found
+    return block_means(control**2, size) if rms else mean_squares(control, size)

@@ -35,10 +35,11 @@ from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.rounding import number
 from ...core.show.tables import Block, html, text
 from ...core.units import normalise
+from ...signals.vibration.rails import rails_of
 from ...statistics.intervals import t_interval
 from .doubts import doubts
 from .plan import Plan
-from .readings import Readings, Vibrated, block_means, block_squares, clipped
+from .readings import Readings, Vibrated, block_means, block_squares
 from .rectification import Point, Rectified, points_of, rectified
 from .segments import Segment, segments_of
 from .spectra import Band, Spectra, bands_of, summed
@@ -182,7 +183,7 @@ def _effects(plan: Plan, cut: list[Cut], axis: str, direction: str) -> Effects:
     for number_, one in enumerate(cut):
         values = one.run.axes[axis]
         loud = [values[one.stretch(each)] for each in one.segments if each.level]
-        bad += sum(clipped(part) for part in loud)
+        bad += sum(rails_of(part).samples for part in loud)
         means = block_means(values, one.size)
         points += points_of(means, one.mean_squares, one.segments, one.size * one.run.interval, number_)
     cut_off = next((one.run.cut_off for one in cut if one.run.cut_off), None)

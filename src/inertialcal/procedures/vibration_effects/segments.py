@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...core.estimate import Array
+from ...signals.vibration.levels import pieces
 
 STEP = 1.5  # dB by which levels differ
 FEWEST = 4  # blocks of a segment
@@ -44,14 +45,8 @@ def segments_of(mean_squares: Array, quiet: float) -> tuple[list[Segment], int]:
     highest = float(np.max(_smoothed(mean_squares), initial=0.0))
     floor = max(quiet**2 * highest, np.finfo(float).tiny)
     decibel = 10.0 * np.log10(np.maximum(mean_squares, floor))  # rest is one level, however quiet
-    bounds, start = [], 0
-    for i in range(1, len(decibel) + 1):
-        middle = np.median(decibel[start:i])
-        if i == len(decibel) or min(abs(decibel[i] - middle), abs(np.median(decibel[i : i + 3]) - middle)) > STEP:
-            bounds.append((start, i))
-            start = i
     found = []
-    for first, stop in bounds:
+    for first, stop in pieces(decibel, STEP):
         a, b = first + (first > 0), stop - (stop < len(decibel))
         if b - a >= FEWEST:
             found.append(Segment(a, b, float(np.mean(mean_squares[a:b]))))

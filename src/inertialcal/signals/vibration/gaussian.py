@@ -22,6 +22,7 @@ import numpy as np
 from scipy import fft, special
 
 from ...core.estimate import Array
+from .rails import Rails, rails_of
 
 GAUSSIAN = 3.0  # kurtosis
 HALF = 0.5  # of the crossings expected
@@ -39,15 +40,15 @@ class Shape:
         Largest size over the standard deviation.
     chance : float
         That Gaussian noise of this spectrum stays below it, at most.
-    rails : int
-        Runs of two or more equal samples at the largest or the least value.
+    rails : Rails
+        Samples at the ends of its range.
     """
 
     kurtosis: float
     u_kurtosis: float
     crest: float
     chance: float
-    rails: int
+    rails: Rails
 
 
 def shape_of(x: Array, frequency: Array, density: Array, interval: float) -> Shape:
@@ -74,7 +75,7 @@ def shape_of(x: Array, frequency: Array, density: Array, interval: float) -> Sha
     u = math.sqrt(24.0 / n * float(np.sum(np.square(np.square(correlation)))))
     crest = float(np.max(np.abs(away))) / math.sqrt(square) if square > 0.0 else math.nan
     crossings = crossing_rate(frequency, density) * n * interval
-    return Shape(kurtosis, u, crest, math.exp(-HALF * _exceedances(crest, crossings, n)), _rails(there))
+    return Shape(kurtosis, u, crest, math.exp(-HALF * _exceedances(crest, crossings, n)), rails_of(there))
 
 
 def crossing_rate(frequency: Array, density: Array) -> float:
@@ -97,16 +98,6 @@ def _exceedances(k: float, crossings: float, n: int) -> float:
     if not math.isfinite(k):
         return 0.0
     return 2.0 * min(crossings * math.exp(-0.5 * k * k), n * float(special.ndtr(-k)))
-
-
-def _rails(x: Array) -> int:
-    """Return how many runs of two or more equal samples lie at either end."""
-    found = 0
-    for end in (x.max(), x.min()):
-        at = x == end
-        pairs = at[1:] & at[:-1]
-        found += int(np.count_nonzero(pairs & ~np.append(False, pairs[:-1])))
-    return found
 
 
 __all__ = ["Shape", "crest_reached", "crossing_rate", "shape_of"]

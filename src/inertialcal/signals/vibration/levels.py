@@ -160,7 +160,7 @@ def find_levels(x: Array, interval: float, width: float) -> Levels:
     if count < FEWEST:
         what = f"{n * interval:.4g} s of vibration: its level over time takes {FEWEST * size * interval:.4g} s"
         raise DataError(what, do="Record longer", code="too_short")
-    power = _powers(x[: count * size].reshape(count, size, x.shape[1]))
+    power = mean_squares(x, size)
     if not np.nanmax(power, initial=0.0) > 0.0:
         raise DataError(
             "the control channels do not move",
@@ -180,8 +180,23 @@ def find_levels(x: Array, interval: float, width: float) -> Levels:
     return Levels(time, level, full, inner, float(10.0 ** (top / 10.0)), size * interval, size, dof, alike, stretches)
 
 
-def _powers(parts: Array) -> Array:
-    """Return the mean variance of the channels by window; NaN where over half of one's samples are missing."""
+def mean_squares(x: Array, size: int) -> Array:
+    """Return the mean square of each window about its own mean, over the channels.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,) or (n, c)
+        Channels; NaN where a sample is missing [unit].
+    size : int
+        Samples of a window.
+
+    Returns
+    -------
+    ndarray, shape (n // size,)
+        [unit^2]; NaN where over half of the samples of a channel are missing.
+    """
+    count = len(x) // size
+    parts = x[: count * size].reshape(count, size, -1)
     known = np.isfinite(parts)
     count = np.count_nonzero(known, axis=1)
     there = np.where(known, parts, 0.0)
@@ -190,6 +205,21 @@ def _powers(parts: Array) -> Array:
     variance: Array = squares / np.where(2 * count >= parts.shape[1], count, np.nan)
     power: Array = variance.mean(axis=1)
     return power
+
+
+def pieces(level: Array, apart: float) -> list[tuple[int, int]]:
+    """Return the windows of each level, first and one past the last, one after another.
+
+    A new one begins where a window, and the median of three from it on, are further away than ``apart`` from the median
+    of the piece so far [dB].
+    """
+    found, start = [], 0
+    for i in range(1, len(level) + 1):
+        middle = np.median(level[start:i])
+        if i == len(level) or min(abs(level[i] - middle), abs(np.median(level[i : i + 3]) - middle)) > apart:
+            found.append((start, i))
+            start = i
+    return found
 
 
 def _bridged(full: Flags, unknown: Flags) -> Flags:
@@ -264,4 +294,4 @@ def _stretches(level: Array, full: Flags, window: float, alike: float) -> tuple[
     return tuple(found), edges
 
 
-__all__: Sequence[str] = ("Levels", "Stretch", "find_levels")
+__all__: Sequence[str] = ("Levels", "Stretch", "find_levels", "mean_squares", "pieces")
