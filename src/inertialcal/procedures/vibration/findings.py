@@ -132,7 +132,8 @@ def _shapes(result: Result) -> Iterator[Remark]:
         control, name = place < len(result.readings.controls), _called(one)
         shape = one.shape
         if shape.rails.runs >= RAILS and shape.crest < RAIL_CREST:
-            what = f"{name} stands at the end of its range {shape.rails.runs} times: {number(shape.crest, 3)} times its rms"
+            what = f"{name} stands at the end of its range {shape.rails.runs} times:"
+            what += f" {number(shape.crest, 3)} times its rms"
             do = "Take a larger range: peaks are cut off, the spectrum is wrong at all frequencies"
             yield Remark("saturated", "error" if control else "warning", what, _where(result), shape.rails.runs, do,
                          subject=one.column)  # fmt: skip

@@ -41,7 +41,7 @@ STRIDE = 2
 SHAKEN, ABOVE = 1e-3, 10.0  # of the highest density, and of that at rest: the control vibrates in a band
 P = 0.95
 CHANCES = 40  # equal chances of what the noise may be, that are averaged
-NORMAL = 500.0  # degrees of freedom and noncentrality, from which a power of a chi-square is taken as normal
+NORMAL = 200.0  # degrees of freedom and noncentrality, from which a power of a chi-square is taken as normal
 
 
 @dataclass(frozen=True, eq=False)
