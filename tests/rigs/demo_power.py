@@ -49,7 +49,8 @@ def decided(seed: int, bench: Bench | None = None) -> Decided:
 def judged(twin: Twin, seed: int) -> Decided:
     """Return what a simulated campaign comes to."""
     campaign = campaign_of(tomllib.loads(twin.campaign.replace(SEED, str(seed))))
-    whole = reduce_campaign(campaign, Memory(twin.recordings, {}))
+    extras = {name: one.content for name, one in twin.extras.items()}
+    whole = reduce_campaign(campaign, Memory(twin.recordings, extras))
     lines = requirement_lines(whole.results)
     raw = {one.requirement: one.raw_verdict for one in lines if one.compensated and one.raw_verdict}
     return Decided(whole.verdict, {one.requirement: one.verdict for one in lines}, raw)

@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from ...core.campaign_text import Noted, toml_text
-from ..parts.campaign import EACH_ERROR, Content, campaign_head, standard_tables
-from .gyro import rest_names
-from .setup import COLUMNS, CONTROLS, GYRO, PROFILE, RESTS, RUN, SURVEYS, Bench
+from ..parts.campaign import EACH_ERROR, Content, attitude, campaign_head, standard_tables
+from .gyro import APPLIED, rate_names, rest_names
+from .setup import COLUMNS, CONTROLS, GYRO, LATITUDE, PROFILE, RESTS, RUN, SURVEYS, Bench
 
 RUN_FILE = "recordings/run.csv"
 GYRO_FILE = "recordings/run_gyro.csv"
+
+ALLOWED = (  # changes of the gyro by the vibration
+    ("R5", "the reading at rest shifts by at most 0.03 deg/s", "level_at_rest", "0.03 deg/s", "rest_after"),
+    ("R6", "the noise changes by at most 20 %", "angle_random_walk", "20 %", "rest_after"),
+    ("R7", "the bias shifts by at most 0.03 deg/s", "bias", "0.03 deg/s", "rate_after"),
+    ("R8", "the scale factor changes by at most 0.1 %", "scale_factor_error", "0.1 %", "rate_after"),
+)
 
 
 def survey_file(name: str) -> str:
@@ -17,7 +26,7 @@ def survey_file(name: str) -> str:
 
 
 def rest_file(name: str) -> str:
-    """Return the file of a record at rest, in the campaign folder."""
+    """Return the file of a record at rest or on the rate table, in the campaign folder."""
     return f"recordings/{name}.csv"
 
 
@@ -40,29 +49,29 @@ def campaign_text(bench: Bench) -> str:
         requirements.append({"id": "R4", "text": "each line within 3 dB of the profile",
                              "quantity": "spectral_density_deviation", "limit": "3 dB", "tests": [RUN]})  # fmt: skip
     rests = {when: rest_names(bench, when) for when in RESTS} if bench.power_ups else {}
-    if rests:
-        for name, text, quantity, limit in (
-            ("R5", "the reading at rest shifts by at most 0.03 deg/s", "level_at_rest", "0.03 deg/s"),
-            ("R6", "the noise changes by at most 20 %", "angle_random_walk", "20 %"),
-        ):
-            requirements.append({"id": name, "text": text, "quantity": quantity, "of": "change", "limit": limit,
-                                 "tests": ["rest_after"]})  # fmt: skip
+    rates = {when: rate_names(bench, when) for when in RESTS} if bench.power_ups else {}
+    for name, text, quantity, limit, test in ALLOWED if rests else ():
+        requirements.append({"id": name, "text": text, "quantity": quantity, "of": "change", "limit": limit,
+                             "tests": [test]})  # fmt: skip
     gyro: Content = {"kind": "gyro", "axes": list(GYRO), "unit": "deg/s"}
     item: Content = {"kind": "accelerometer", "axes": list(COLUMNS), "unit": "g"}
     return toml_text(
         {
             **campaign_head("shaker", "simulated item on a shaker", title, about),
+            **({"site": {"latitude": Noted(f"{LATITUDE:g} deg", "geodetic")}} if rests else {}),
             "standards": Noted(standard_tables(bench.standards), above=EACH_ERROR),
             "sensors": {"item": item} | ({"gyro": gyro} if rests or run else {}),
             "recordings": {
                 **{f"survey_{name}": _entry(survey_file(name)) for name in SURVEYS},
                 **run,
                 **{name: _gyro_entry(rest_file(name)) for names in rests.values() for name in names},
+                **{name: _turned_entry(name, *of) for names in rates.values() for name, of in names.items()},
             },
             "tests": [
                 *(_test(bench, name) for name in SURVEYS),
                 *_random(bench),
                 *(_at_rest(when, names) for when, names in rests.items()),
+                *(_turned(bench, when, names) for when, names in rates.items()),
             ],
             "requirements": requirements,
         }
@@ -85,6 +94,19 @@ def _at_rest(when: str, names: list[str]) -> Noted:
     one: Content = {"id": f"rest_{when}", "procedure": "static_noise", "recordings": names, "mounting": "fixture"}
     later: Content = {} if when == "before" else {"use": "report_only", "against": "rest_before"}
     return Noted(one | later, above=f"Gyro at rest {when} vibration, a record each power-up")
+
+
+def _turned(bench: Bench, when: str, names: Iterable[str]) -> Noted:
+    """Return the functional test before or after the vibration on the rate table."""
+    plan: Content = {"attitude": attitude(0.0, bench.tilt, 0.0, 180.0)}
+    one: Content = {"id": f"rate_{when}", "procedure": "rate_table", "recordings": list(names)}
+    later: Content = {} if when == "before" else {"use": "report_only", "against": "rate_before"}
+    return Noted(one | later | {"plan": plan}, above=f"Gyro on the rate table {when} vibration, two axes each power-up")
+
+
+def _turned_entry(name: str, axis: str, run: int) -> Content:
+    entry = _gyro_entry(rest_file(name), {"applied": {"column": APPLIED, "unit": "deg/s"}})
+    return {**entry, "axis": axis, "run": str(run)}
 
 
 def _gyro_entry(file: str, beside: Content | None = None) -> Content:

@@ -5,11 +5,12 @@ controller keeps the level but for a ripple and harmonics; two accelerometers on
 clock of the recorder is off by one unknown error for the whole campaign.
 
 A gyro rides beside the first control accelerometer (``gyro``): vibration rectifies in it, and it is recorded at rest
-before and after, over several power-ups. The random run has a notch about the first mode of the item.
+and on a rate table before and after, over several power-ups. The random run has a notch about the first mode of the
+item.
 
 True values: natural frequency, Q and transmissibility at that frequency of each mode, relative to the mean of both
-control accelerometers; and their changes. Of the gyro: its noise, and its rectification against the control as
-it reads.
+control accelerometers; and their changes. Of the gyro: its noise, bias and scale factors, and its rectification against
+the control as it reads.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ from ..protocol import Rig, on_bench
 from ..twin import Drawn, Extra, Fault, TrueValue, Twin
 from . import TITLE
 from .campaign import GYRO_FILE, RUN_FILE, campaign_text, rest_file, survey_file
-from .gyro import at_rest, draw_gyro, gyro_truth, shaken
+from .gyro import at_rest, draw_gyro, gyro_truth, shaken, turned
 from .motion import Item, drive, fixture_ratio, moved, random_drive
 from .setup import COLUMNS, CONTROLS, GYRO, NODES, PROFILE, SURVEYS, Bench
 
@@ -53,6 +54,8 @@ FAULTS: dict[str, Fault] = {
         "the random run is driven without the notch of its profile", "", {"notched": False}, "covered"
     ),
     "bias_shift": Fault("the vibration shifts the bias of the gyro", "", {"bias_shift": 0.06}, "covered"),
+    "scale_shift": Fault("the vibration changes a scale factor of the gyro", "", {"scale_shift": 0.005}, "covered"),
+    "noisier": Fault("the vibration makes the gyro noisier", "", {"noisier": 1.5}, "covered"),
     "cracked": Fault("the vibration cracks the item", "", {"crack": 0.07}, "covered"),
 }  # fmt: skip
 
@@ -78,6 +81,11 @@ def build(bench: Bench, seed: int) -> Twin:
     extras = {}
     truth = list(true_values(bench, items, gain))
     gyro = draw_gyro(bench, np.random.default_rng([seed, 2]))
+    of_table = np.random.default_rng([seed, 5])
+    rate = drawn_error(bench.standards.get("rate_table.rate"), of_table)
+    for name, recording in turned(bench, gyro, BEGIN, 1.0 + rate, of_table) if bench.power_ups else ():
+        recordings[rest_file(name)] = recording
+    truth += gyro_truth(bench, gyro, gain)
     for name, recording in at_rest(bench, gyro, BEGIN, np.random.default_rng([seed, 3])):
         recordings[rest_file(name)] = recording
     if bench.full_level:
@@ -91,18 +99,18 @@ def build(bench: Bench, seed: int) -> Twin:
         read = shaken(bench, gyro, table, rng)
         riding = [Channel(GYRO[axis], data, "deg/s", "campaign", axis, "gyro") for axis, data in read.items()]
         recordings[GYRO_FILE] = _stamped(bench, [control, *riding])
-        truth += gyro_truth(bench, gyro, gain)
         text = "frequency [Hz],density [g2/Hz]\n" + "".join(f"{f:g},{level:g}\n" for f, level in NODES)
         frequency, level = np.array(NODES).T
         extras = {PROFILE: Extra(Profile(frequency, level * STANDARD_GRAVITY.value**2), text)}
     # a clock that is fast makes the rate that is said too low
-    off = {"clock.rate": -error, "control_accelerometer.scale_factor": gain}
+    off = {"clock.rate": -error, "control_accelerometer.scale_factor": gain, "rate_table.rate": -rate}
     errors = drawn_errors(bench.standards, off)
     drawn: Drawn = {
         "clock_error": error,
         "control_gain_error": gain,
         "modes_before": items["before"].modes.ravel().tolist(),
-        "gyro_linear_square_bias": [[one.linear, one.square, one.bias] for one in gyro.values()],
+        "gyro_linear_square_bias_scale": [[one.linear, one.square, one.bias, one.scale] for one in gyro.values()],
+        "table_rate_error": rate,
     }
     return Twin(campaign_text(bench), recordings, tuple(truth), drawn, extras, errors)
 
@@ -187,5 +195,6 @@ RIG = Rig(
     TITLE,
     on_bench(build, Bench()),
     FAULTS,
+    # General faults of a rate table belong to rigs that fit a model there and hold turns out
     tests=("sine_survey", "vibration", "vibration_effects", "static_noise"),
 )

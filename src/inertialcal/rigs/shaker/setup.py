@@ -21,6 +21,12 @@ CLOCK = Influence(2e-5, "1", certificate="data sheet of the recorder", standard=
 
 GAINS = Influence(0.01, "1", certificate="simulated", standard="control_accelerometer", quantity="scale_factor")
 
+LATITUDE = 36.6  # [deg]
+TABLE = {
+    name: Influence(u, unit, certificate="simulated", standard="rate_table", quantity=name.partition(".")[2])
+    for name, u, unit in (("rate_table.rate", 3e-4, "1"), ("rate_table.mounting", 1e-3, "rad"))
+}
+
 
 @dataclass(frozen=True)
 class Bench:
@@ -64,7 +70,16 @@ class Bench:
     power_ups: int = 5  # at rest, before and after the vibration each; 0 for none
     rest_seconds: float = 60.0  # of each
     rest_rate: float = 100.0  # samples [Hz]
+    # on a rate table, before and after the vibration in each power-up: rates of the dwells [deg/s], their length [s]
+    rates_deg_s: tuple[float, ...] = (0.0, 20.0, -20.0, 60.0, -60.0, 100.0, -100.0, 0.0)
+    dwell: float = 6.0
+    rate_interval: float = 0.1  # of the averages that are saved [s]
+    scale_error: float = 0.005  # standard deviation of the scale factors from unit to unit (1)
+    scale_turn_on: float = 1e-4  # from power-up to power-up (1)
+    tilt: float = 0.1  # standard uncertainty of how upright the axis of the table stands [deg]
     bias_shift: float = 0.0  # of the gyro's x by the vibration [deg/s]
+    scale_shift: float = 0.0  # of its scale factor (1)
+    noisier: float = 1.0  # times as much noise in it after the vibration
     swapped: bool = False  # whether the columns of control and response have changed places
     lost: int = 0  # samples that the recorder drops once, without a word
     clock: Influence = field(default_factory=lambda: CLOCK)
@@ -74,4 +89,4 @@ class Bench:
     def standards(self) -> dict[str, Influence]:
         """By the names that results give them."""
         run = {"control_accelerometer.scale_factor": self.gains} if self.full_level else {}
-        return {"clock.rate": self.clock, **run}
+        return {"clock.rate": self.clock, **run, **(TABLE if self.power_ups else {})}
