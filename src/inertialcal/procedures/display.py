@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy as np
 from ..core.curve import Column, Curve
 from ..core.results import Interval, Row
 from ..core.units import divide, factor, kind, kind_of_unit, normalise, power, same_dimension, si_unit
-from . import all_quantities
+from . import all_quantities, procedure_names
 
 CONDITIONS = ("degC", "V", "Pa")  # units that readings may change with
 PULSES = "count/s/(m/s^2)"  # scale factor of a pulse-rate converter
@@ -29,6 +30,11 @@ def display_unit(quantity: str, unit: str, sensor_unit: str) -> str:
     sensor_unit : str
         As the campaign has it: ``"deg/s"``.
     """
+    return _display_unit(quantity, unit, sensor_unit, procedure_names())
+
+
+@lru_cache(4096)
+def _display_unit(quantity: str, unit: str, sensor_unit: str, _: tuple[str, ...]) -> str:
     own = _own_unit(quantity, unit, sensor_unit)
     if own:
         return own
@@ -94,8 +100,7 @@ def displayed(row: Row, sensor_unit: str) -> Row:
     if unit == row.unit:
         return row
     scale = factor(row.unit, unit)
-    return replace(
-        row,
+    return row.changed(
         value=scaled(row.value, scale),
         u=scaled(row.u, scale),
         interval=scaled_interval(row.interval, scale),

@@ -25,7 +25,7 @@ References
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,15 +64,29 @@ def clustered_covariance(fit: Fit, clusters: NDArray[Any]) -> tuple[Array, Array
     return clustered_contrasts(fit, clusters, np.eye(fit.coefficients.size))
 
 
-def clustered_contrasts(fit: Fit, clusters: NDArray[Any], contrasts: Array) -> tuple[Array, Array]:
+class Members(NamedTuple):
+    """Readings by their cluster."""
+
+    order: NDArray[np.intp]  # that brings the readings of a cluster together, shape (n,)
+    starts: NDArray[np.intp]  # where each cluster starts in that order
+
+
+def members_of(labels: NDArray[Any]) -> Members:
+    """Return the readings of labels, shape (n,), by cluster."""
+    numbers = np.unique(labels, return_inverse=True)[1]
+    order = np.argsort(numbers, kind="stable")
+    return Members(order, np.flatnonzero(np.diff(numbers[order], prepend=-1)))
+
+
+def clustered_contrasts(fit: Fit, clusters: NDArray[Any] | Members, contrasts: Array) -> tuple[Array, Array]:
     """Return the CR2 covariance of linear combinations of the coefficients, and the dof of each.
 
     Parameters
     ----------
     fit : Fit
         Made by ``least_squares.fit``.
-    clusters : ndarray, shape (n,)
-        Label of the cluster of each reading.
+    clusters : ndarray, shape (n,), or Members
+        Label of the cluster of each reading, or what `members_of` gives for them.
     contrasts : ndarray, shape (m, p)
         Row = combination: the row of a design gives the fitted value there.
 
@@ -107,8 +121,8 @@ class Clustered:
         return spread @ spread.T, _satterthwaite(self.gram, self.adjust, to_contrast)
 
 
-def clustered(fit: Fit, clusters: NDArray[Any]) -> Clustered:
-    """Return a fit with what its clusters, labels (n,), disagree about; raises as `clustered_covariance`."""
+def clustered(fit: Fit, clusters: NDArray[Any] | Members) -> Clustered:
+    """Return a fit with what its clusters, labels (n,) or members, disagree about; raises as `clustered_covariance`."""
     order, starts = _clusters(fit, clusters)
     Q = fit.basis[order]
     root = 1.0 if fit.weights is None else np.sqrt(fit.weights)
@@ -118,23 +132,21 @@ def clustered(fit: Fit, clusters: NDArray[Any]) -> Clustered:
     return Clustered(fit, gram, adjust, np.einsum("gij,gj->gi", adjust, np.add.reduceat(Q * e[:, None], starts)))
 
 
-def _clusters(fit: Fit, clusters: NDArray[Any]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Order that brings the readings of a cluster together, and where each cluster starts."""
-    labels = np.asarray(clusters)
+def _clusters(fit: Fit, clusters: NDArray[Any] | Members) -> Members:
+    """Return readings by their cluster, checked."""
+    shape = clusters.order.shape if isinstance(clusters, Members) else np.shape(clusters)
     if fit.given:
         raise DataError("clusters of a fit with given covariance", do="Fit with weights instead")
-    if labels.shape != fit.residuals.shape:
-        raise DataError(f"labels of shape {labels.shape} for {fit.residuals.size} readings")
-    numbers = np.unique(labels, return_inverse=True)[1]
-    order = np.argsort(numbers, kind="stable")
-    starts = np.flatnonzero(np.diff(numbers[order], prepend=-1))
-    if starts.size < 2:
+    if shape != fit.residuals.shape:
+        raise DataError(f"labels of shape {shape} for {fit.residuals.size} readings")
+    found = clusters if isinstance(clusters, Members) else members_of(np.asarray(clusters))
+    if found.starts.size < 2:
         raise DataError(
-            f"{starts.size} cluster(s), need 2 or more for a scatter between clusters",
+            f"{found.starts.size} cluster(s), need 2 or more for a scatter between clusters",
             do="Repeat the test (another power-up run), or state the scatter of the level below",
             code="few_clusters",
         )
-    return order, starts
+    return found
 
 
 def _inverse_root(gram: Array) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -14,10 +14,11 @@ from thermal_sweeps import plan
 
 from inertialcal.core import batches as b
 from inertialcal.core.recording import Channel, Recording
-from inertialcal.procedures.thermal.fit.cells import cells_of, series_of
+from inertialcal.procedures.thermal.fit.cells import cells_of, lagging, series_of
 from inertialcal.procedures.thermal.fit.law import Law, law_of
 from inertialcal.procedures.thermal.fit.start_up import start_up_of
 from inertialcal.procedures.thermal.recordings import Readings, ThermalRecording, readings_from
+from inertialcal.procedures.thermal.reduction import reduce
 from inertialcal.procedures.thermal.rows import published_fit
 from inertialcal.procedures.thermal.thermometer import thermometer_rows
 
@@ -59,13 +60,13 @@ def worked_out(seed: int, stored: bool, law: Law | None = None) -> tuple[Law, li
     cells = cells_of(asked, series, 100.0)
     law = law_of(cells, 2) if law is None else law
     start_up = start_up_of(asked, series, cells, lambda: law)  # the means that its fit gets
-    lagging = cells_of(asked, series.smoothed(200.0), 100.0)
+    behind = lagging(asked, series, cells, 200.0, 100.0)
     cubic = published_fit(asked, series, 50.0)
     assert cubic is not None
     assert cubic.polynomial.covariance is not None
     known = list(thermometer_rows(asked, readings, "x"))
     return law, [
-        *(getattr(one, field.name) for one in (cells, lagging) for field in fields(one)),
+        *(getattr(one, field.name) for one in (cells, behind) for field in fields(one) if field.name != "once"),
         start_up.time, start_up.residual, start_up.run,
         cubic.polynomial.coefficients, cubic.polynomial.covariance, cubic.polynomial.dof, cubic.samples,
         cubic.residual_sum_of_squares, cubic.adjusted_r_square,
@@ -87,3 +88,36 @@ def test_what_is_made_of_the_samples_does_not_hang_on_the_size_of_a_batch(seed: 
         elif other is not None:
             scale = np.max(np.abs(np.nan_to_num(np.asarray(other, dtype=float))), initial=0.0)
             np.testing.assert_allclose(one, other, rtol=ROUNDING, atol=ROUNDING * scale)
+
+
+@pytest.mark.parametrize("fault", ["none", "missing readings", "missing temperature", "a sensor in one recording"])
+def test_sensors_that_share_a_thermometer_are_what_each_is_alone(fault: str) -> None:
+    rng, swept = np.random.default_rng(5), []
+    for number in range(3):
+        n = 900
+        T = 25.0 + 30.0 * np.sin(np.linspace(0.0, 4.0 * np.pi, n) + number)
+        late = T - (20.0 + 10.0 * number) * np.gradient(T, 5.0)
+        if fault == "missing temperature":
+            T[rng.random(n) < 0.05] = np.nan
+        data = {axis: 1e-3 * k * late + 1e-5 * late**2 + rng.normal(0.0, 1e-3, n) for k, axis in enumerate("xyz", 1)}
+        if fault == "missing readings":
+            data["y"][rng.random(n) < 0.05] = np.nan
+        if fault == "a sensor in one recording" and number:
+            del data["z"]
+        channels = [Channel(name, x, "rad/s") for name, x in data.items()] + [Channel("temperature", T, "degC")]
+        time = (5_000_000_000 * (np.arange(n) + 2000 * number)).astype(np.int64)
+        swept.append(ThermalRecording(Recording(tuple(channels), time, epoch="utc"), f"run {number}"))
+    together = reduce(plan(), readings_from(swept))
+    for axis in "xyz":
+        own = [
+            replace(one, recording=replace(one.recording, channels=tuple(kept)))
+            for one in swept
+            if axis in one.recording.names
+            for kept in [[c for c in one.recording.channels if c.name in (axis, "temperature")]]
+        ]
+        alone = [row for row in reduce(plan(), readings_from(own)).rows() if row.axis == axis]
+        found = [row for row in together.rows() if row.axis == axis]
+        assert [(row.key, row.status) for row in found] == [(row.key, row.status) for row in alone]
+        for one, other in zip(found, alone, strict=True):
+            for a, b, size in ((one.value, other.value, other.u), (one.u, other.u, None), (one.dof, other.dof, None)):
+                assert a == (None if b is None else pytest.approx(b, rel=1e-9, abs=1e-9 * (size or 0.0)))

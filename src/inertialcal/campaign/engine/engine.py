@@ -515,7 +515,7 @@ def reduced_tests(prepared: Sequence[Prepared], results: Mapping[str, Result]) -
             rows = procedure_of(one.test.procedure).rows(tested.result)
         behind = _with_those_before(one.test, {each.test.id: each.test for each in prepared})
         errors = tuple(remark for name in behind for remark in _remarks(plain[name]) if remark.severity == "error")
-        named = [replace(row, test=one.test.id) for row in rows]
+        named = [row.changed(test=one.test.id) for row in rows]
         found.append(ReducedTest(one.test, tested, named, errors=errors, recorded=one.recorded))
     return found
 

@@ -142,7 +142,7 @@ def with_shared(campaign: Campaign, one: ReducedTest) -> list[Row]:
             shared = shared or (estimate.shared(keys[row.key]) if row.key in keys else {})
             curvature = curvature or (estimate.curvature(keys[row.key]) if row.key in keys else {})
         lasts = lasting(shared, row.u, campaign.standards)
-        found.append(replace(row, condition=one.test.condition, shared=lasts, curvature=curvature))
+        found.append(row.changed(condition=one.test.condition, shared=lasts, curvature=curvature))
     return found
 
 

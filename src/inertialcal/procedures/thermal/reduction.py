@@ -33,6 +33,7 @@ from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.rounding import freedom
 from ...core.show.tables import Block, html, text
 from .curves import curves
+from .fit.cells import Series, series_of
 from .fit.law import Law
 from .fit.quantities import Asked, asked_of, bias_at, earth_along, estimate
 from .fit.sensor import OfSensor, reduce_sensor
@@ -121,12 +122,19 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     if not readings.axes:
         raise DataError("no sensor was read", readings.where, code="no_recordings")
     sensors: dict[str, OfSensor] = {}
+    series: list[Series] = []
     problems = {}
-    for axis in readings.axes:
+    for axis in readings.axes:  # all before the first is reduced: those that share a thermometer share what it tells
         try:
-            sensors[axis] = reduce_sensor(plan, readings, axis)
+            series.append(series_of(plan, readings, axis, series))
         except DataError as error:
             problems[axis] = error.problems[0]
+    for one in series:
+        try:
+            sensors[one.axis] = reduce_sensor(plan, readings, one)
+        except DataError as error:
+            problems[one.axis] = error.problems[0]
+    problems = {axis: problems[axis] for axis in readings.axes if axis in problems}
     if not sensors:
         raise DataError([replace(one, where=one.where or readings.where) for one in problems.values()])
     unit = readings.unit

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
 
 from ...core.batches import batches, near
 from ...core.batches.summaries import Moments
@@ -235,6 +236,10 @@ class Published:
 def published_fit(plan: Plan, series: Series, cut: float) -> Published | None:
     """Return the unweighted cubic through all samples after the start-up; None where there are too few."""
     axis = series.axis
+    if series.complete:
+        textbook = series.once(("textbook", cut), lambda: _textbook(series, cut))
+        if textbook is not None:
+            return _published(plan, axis, *textbook.held(series.reading), textbook.domain)
 
     def parts() -> Iterator[tuple[Array, Array]]:
         for first, stop in batches(series.temperature, series.reading, series.time, size=near()):
@@ -249,13 +254,47 @@ def published_fit(plan: Plan, series: Series, cut: float) -> Published | None:
         temperatures, outputs = temperatures.with_more(T), outputs.with_more(y)
     if len(distinct) <= ORDER + 1:
         return None
-    domain, n = (temperatures.low, temperatures.high), outputs.count
+    domain = temperatures.low, temperatures.high
     held = np.empty((0, ORDER + 2))
     for T, y in parts():  # of more than a few, what an orthogonal transformation leaves: the same cubic and sum
         one = np.column_stack([_rows(T, domain), y])
         few = not len(held) and len(one) <= FEW
         held = one if few else np.asarray(np.linalg.qr(np.vstack([held, one]), mode="r"))
-    found = fit(held[:, :-1], held[:, -1])
+    return _published(plan, axis, held, outputs, domain)
+
+
+@dataclass(frozen=True, eq=False)
+class _Textbook:
+    """What the cubics of sensors that share a thermometer have in common."""
+
+    used: NDArray[np.bool_]  # shape (n,)
+    domain: tuple[float, float]  # Of the temperature [degC]
+    basis: Array  # shape (k, ORDER + 1): orthonormal columns
+    rest: Array  # shape (ORDER + 1, ORDER + 1): what the columns of the cubic are of these
+
+    def held(self, reading: Array) -> tuple[Array, Moments]:
+        """Return what an orthogonal transformation leaves of cubic and reading, and the moments of the reading."""
+        y = reading[self.used]
+        along = self.basis.T @ y
+        left = y - self.basis @ along
+        last = np.append(np.zeros(len(along)), np.sqrt(left @ left))
+        return np.vstack([np.column_stack([self.rest, along]), last]), Moments().with_more(y)
+
+
+def _textbook(series: Series, cut: float) -> _Textbook | None:
+    """Return what is the same for all sensors of a thermometer; None of few samples, which are fitted as they are."""
+    T = series.temperature
+    used = np.isfinite(T) & ~(np.nan_to_num(series.time, nan=np.inf) < cut)
+    T = T[used]
+    if len(T) <= FEW or len(np.unique(T)) <= ORDER + 1:
+        return None
+    domain = float(T.min()), float(T.max())
+    return _Textbook(used, domain, *np.linalg.qr(_rows(T, domain)))
+
+
+def _published(plan: Plan, axis: str, held: Array, outputs: Moments, domain: tuple[float, float]) -> Published:
+    """Return the cubic by what an orthogonal transformation leaves of it and the readings of a sensor."""
+    found, n = fit(held[:, :-1], held[:, -1]), outputs.count
     rss, total, dof = float(found.residuals @ found.residuals), outputs.squares, n - ORDER - 1
     adjusted = 1.0 - (rss / dof) / (total / (n - 1)) if total > 0.0 else np.nan
     covariance = None if found.covariance is None else found.covariance * (found.dof / dof)

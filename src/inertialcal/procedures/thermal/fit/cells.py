@@ -11,11 +11,10 @@ and lie beyond the others (``one_path``), and in cells with few samples (``spars
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from itertools import pairwise
-from typing import Any
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,16 +26,30 @@ from ....core.errors import DataError
 from ....core.estimate import Array
 from ....signals.segmentation.ramps import COOLING, WARMING, find_ramps
 from ..plan import Plan
-from ..recordings import Readings, span_of
+from ..recordings import Readings, Sweep, span_of
 
 Indices = NDArray[np.int64]
 Paths = NDArray[np.int8]
 Mask = NDArray[np.bool_]
+R = TypeVar("R")
 
 SPARSE = 0.2  # of the samples of the median cell: a cell with fewer is left out
 FEWEST = 3  # samples of a cell
 STEPS, LONGEST = 20.0, 1e6  # of a lag, and of a run, that the temperature is filtered in
 NARROW = 1e-3  # of the range of all samples: cells inside it are at one temperature
+
+
+class Once:
+    """What does not depend on the readings: found once for all sensors that share a thermometer."""
+
+    def __init__(self) -> None:
+        self._found: dict[Hashable, object] = {}
+
+    def __call__(self, what: Hashable, make: Callable[[], R]) -> R:
+        """Return what stands under a name, made where there is none yet."""
+        if what not in self._found:
+            self._found[what] = make()
+        return cast("R", self._found[what])
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +68,27 @@ class Series:
     span: tuple[float, float]  # Ends of the temperature over all recordings [degC]
     turn_over: float  # [degC]
     rate: Array | None = None  # shape (n,): of the temperature, as a lag smooths it [degC/s]; None: by the cells alone
+    once: Once = field(default_factory=Once)  # Of times and temperatures
+
+    @property
+    def together(self) -> dict[str, Array]:
+        """Readings by axis of the sensors that share these times and temperatures."""
+        return self.once("together", lambda: {self.axis: self.reading})
+
+    @property
+    def complete(self) -> bool:
+        """Whether all sensors of the thermometer were read wherever it was, this one among them, in a short record."""
+
+        def found() -> bool:
+            known = np.isfinite(self.temperature)
+            return all(bool(np.isfinite(one[known]).all()) for one in self.together.values())
+
+        return self.short and self.reading is self.together.get(self.axis) and self.once("complete", found)
+
+    @property
+    def short(self) -> bool:
+        """Whether what is found of times and temperatures is kept: not of a long record."""
+        return len(self.temperature) <= near()
 
     @property
     def run(self) -> Indices:
@@ -85,14 +119,12 @@ class Series:
         """
         rate = joined([len(self.time)])
         for run in sorted({*self.runs}):
-            t, T = self._in_order(run)
+            t, T, median = self._timed(run)
             if len(t) < FEWEST:
                 continue
-            median = median_made(lambda first, stop, t=t: np.diff(t[first : stop + 1]), t[:-1])  # type: ignore[misc]
             step = max(min(median, lag / STEPS), float(t[-1] - t[0]) / LONGEST)
             if step > 0.0:
-                even = np.arange(t[0], t[-1] + step, step)
-                there = _interpolated(even, t, T) - T[0]
+                even, there = self._evenly(run, t, T, step)
                 left = np.exp(-step / lag)
                 new = 1.0 - lag / step * (1.0 - left)  # weight of the newer end of a ramp
                 behind = signal.lfilter([new, 1.0 - left - new], [1.0, -left], there)
@@ -101,6 +133,26 @@ class Series:
                     for first, stop in batches(time, out):
                         out[first:stop] = np.interp(time[first:stop], even, there - behind) / lag
         return replace(self, rate=rate)
+
+    def _evenly(self, run: int, t: Array, T: Array, step: float) -> tuple[Array, Array]:
+        """Return even times of a run, and the temperature there less the first."""
+
+        def found() -> tuple[Array, Array]:
+            even = np.arange(t[0], t[-1] + step, step)
+            return even, _interpolated(even, t, T) - T[0]
+
+        return self.once(("even", run, step), found) if self.short else found()
+
+    def _timed(self, run: int) -> tuple[Array, Array, float]:
+        """Return time and temperature of a run, where both are known, in order of time, and the usual step."""
+
+        def found() -> tuple[Array, Array, float]:
+            t, T = self._in_order(run)
+            if len(t) < FEWEST:
+                return t, T, np.nan
+            return t, T, median_made(lambda first, stop: np.diff(t[first : stop + 1]), t[:-1])
+
+        return self.once(("timed", run), found) if self.short else found()
 
     def _in_order(self, run: int) -> tuple[Array, Array]:
         """Return time and temperature of a run, where both are known, in order of time."""
@@ -116,9 +168,9 @@ class Series:
             t, T = t[order], T[order]
         return t, T
 
-    def of(self, reading: Array) -> Series:
-        """Return the same times and temperatures with another reading."""
-        return replace(self, reading=reading)
+    def of(self, reading: Array, axis: str = "") -> Series:
+        """Return the same times and temperatures with another reading, of this sensor or another one."""
+        return replace(self, reading=reading, axis=axis or self.axis)
 
 
 def joined(parts: Sequence[Array | int]) -> Array:
@@ -165,28 +217,44 @@ class Cells:
     left_out: Mapping[str, int] = field(default_factory=dict[str, int])  # Samples by the rule that leaves them out
     both: tuple[float, float] | None = None  # Ends of the temperatures that were seen on both paths [degC]
 
+    once: Once = field(default_factory=Once)  # Of all but reading, scatter and rate
+
     def __len__(self) -> int:
         return len(self.temperature)
 
-    @cached_property
+    @property
     def runs(self) -> int:
         """Number of runs that have a cell."""
-        return len(np.unique(self.run))
+        return self.once("runs", lambda: len(np.unique(self.run)))
 
-    @cached_property
+    @property
+    def run_number(self) -> NDArray[np.intp]:
+        """Number of the run of each cell, from 0 among those that have one, shape (c,)."""
+        return self.once("run_number", lambda: np.unique(self.run, return_inverse=True)[1])
+
+    @property
+    def bins(self) -> int:
+        """Number of bins that have a cell."""
+        return self.once("bins", lambda: len(np.unique(self.bin)))
+
+    @property
     def shared_bins(self) -> Indices:
         """Bins that were seen on both paths."""
-        warm, cool = (np.unique(self.bin[self.path == way]) for way in (WARMING, COOLING))
-        return np.asarray(np.intersect1d(warm, cool))
 
-    @cached_property
+        def found() -> Indices:
+            warm, cool = (np.unique(self.bin[self.path == way]) for way in (WARMING, COOLING))
+            return np.asarray(np.intersect1d(warm, cool))
+
+        return self.once("shared_bins", found)
+
+    @property
     def ways(self) -> tuple[int, ...]:
         """Paths that there are."""
-        return tuple(int(one) for one in np.unique(self.path))
+        return self.once("ways", lambda: tuple(int(one) for one in np.unique(self.path)))
 
 
-def series_of(plan: Plan, readings: Readings, axis: str) -> Series:
-    """Return all samples of one sensor with their paths.
+def series_of(plan: Plan, readings: Readings, axis: str, others: Sequence[Series] = ()) -> Series:
+    """Return all samples of one sensor with their paths; ``others``: those of sensors that may share its thermometer.
 
     Raises
     ------
@@ -202,10 +270,14 @@ def series_of(plan: Plan, readings: Readings, axis: str) -> Series:
         what = f"{axis} sensor: temperature from {lowest:.4g} to {highest:.4g} degC, a range of {highest - lowest:.3g}"
         why, do = f"a polynomial needs {plan.least_range:g} degC or more", "Ramp the chamber; check the channel"
         raise DataError(what, readings.where, why, do, "no_temperature_change")
+    reading = joined([one.outputs[axis] for one in sweeps])
+    for other in others:
+        if all(_alike(one, axis, other.axis) for one in readings.sweeps):
+            other.together[axis] = reading
+            return other.of(reading, axis)
     turn_over = plan.turn_over or 0.1 * (highest - lowest)
     labels = readings.labels
     warm = joined([one.temperature.get(axis, len(one)) for one in sweeps])
-    reading = joined([one.outputs[axis] for one in sweeps])
     time = joined([len(one) if one.time is None else one.time for one in sweeps])
     path, at = zeros(len(warm), np.int8), 0
     own: list[slice] = []
@@ -227,6 +299,12 @@ def series_of(plan: Plan, readings: Readings, axis: str) -> Series:
     return Series(axis, warm, reading, time, path, tuple(own), runs, tuple(ramps), tuple(ways), span, turn_over)
 
 
+def _alike(sweep: Sweep, axis: str, other: str) -> bool:
+    """Whether two sensors of a recording share one thermometer, or neither was read."""
+    same = sweep.temperature.get(axis) is sweep.temperature.get(other)
+    return same and (axis in sweep.outputs) == (other in sweep.outputs)
+
+
 def cells_of(plan: Plan, series: Series, cut: float = 0.0) -> Cells:
     """Return the cells of one sensor.
 
@@ -245,19 +323,31 @@ def cells_of(plan: Plan, series: Series, cut: float = 0.0) -> Cells:
         ``no_valid_sample`` if none is left, ``no_ramp`` if none is on a path, ``few_samples`` if no bin holds enough of
         them, ``no_temperature_change`` if those that do lie at one temperature.
     """
-    cells, left = _gathered(plan, series, cut)
+    cells, left = _means(plan, series, cut)
     if left["invalid"] == len(series.reading):
         what, do = f"{series.axis} sensor: no sample is valid", "Check the rails, the built-in test and the columns"
         raise DataError(what, do=do, code="no_valid_sample")
     if not len(cells):
         what = f"{series.axis} sensor: no sample lies on a ramp of {series.turn_over:.3g} degC or more"
         raise DataError(what, do="Ramp the chamber further, or give a smaller turn_over", code="no_ramp")
+    frame, used = cells.once("used", lambda: _frame(cells, left, series))
+    return replace(frame, reading=cells.reading[used], scatter=cells.scatter[used])
+
+
+def _frame(cells: Cells, left: Mapping[str, int], series: Series) -> tuple[Cells, Mask]:
+    """Return the cells that are used, and which of all these are.
+
+    Raises
+    ------
+    DataError
+        ``few_samples``, ``no_temperature_change``.
+    """
     full = cells.samples >= max(FEWEST, SPARSE * float(np.median(cells.samples)))
     if not full.any():
         what = f"{series.axis} sensor: no bin of temperature holds {FEWEST} samples of one ramp"
         do = "Give a recording with more samples, or fewer bins"
         raise DataError(what, why="a mean of fewer has no scatter", do=do, code="few_samples")
-    kept, beyond = _on_both_paths(cells, full, series)
+    kept, used = _on_both_paths(cells, full, series)
     lowest, highest = kept.range
     if not highest - lowest > NARROW * (series.span[1] - series.span[0]):
         what = f"{series.axis} sensor: the bins with {FEWEST} samples or more all lie at {lowest:.4g} degC"
@@ -265,78 +355,135 @@ def cells_of(plan: Plan, series: Series, cut: float = 0.0) -> Cells:
         raise DataError(what, why="a polynomial needs a range", do=do, code="no_temperature_change")
     left_out = {
         **left,
-        "one_path": int(cells.samples[beyond].sum()),
+        "one_path": int(cells.samples[full & ~used].sum()),
         "sparse": int(cells.samples[~full].sum()),
     }
-    return replace(kept, left_out=left_out)
+    return replace(kept, left_out=left_out), used
 
 
-def _gathered(plan: Plan, series: Series, cut: float) -> tuple[Cells, dict[str, int]]:
-    """Means of the samples of each ramp in each bin, in two passes, and how many samples are in none, by rule."""
+def lagging(plan: Plan, series: Series, cells: Cells, lag: float, cut: float) -> Cells:
+    """Return cells of a sensor with the rate of the temperature as a lag smooths it, mean over each."""
+    slow = series.smoothed(lag)
+    count, total = (np.zeros((len(series.ramps), plan.bins)) for _ in range(2))
+    for part in _samples(plan, slow, cut):
+        assert part.rate is not None  # noqa: S101 - the series has it
+        count[part.ramp] += np.bincount(part.bin, minlength=plan.bins)
+        total[part.ramp] += np.bincount(part.bin, part.rate, plan.bins)
+    at = cells.ramp, cells.bin
+    return replace(cells, rate=total[at] / count[at])
+
+
+@dataclass(frozen=True, eq=False)
+class _Samples:
+    """Samples of one ramp that count."""
+
+    ramp: int  # Its number
+    own: slice  # Of the series
+    used: Mask  # Which of it count, shape (n,)
+    temperature: Array  # shape (k,) [degC]
+    time: Array  # shape (k,) [s]
+    rate: Array | None  # shape (k,) [degC/s]
+    bin: Indices  # shape (k,)
+    left: tuple[int, int, int]  # How many of all do not count, by rule
+
+
+def _samples(plan: Plan, series: Series, cut: float) -> Iterable[_Samples]:
+    """Return the samples that count, batch by batch; those of a short record are kept."""
+    if not series.complete:
+        return _each(plan, series, cut)
+    kept = series.once(("samples", plan.bins, cut), lambda: list(_each(plan, replace(series, rate=None), cut)))
+    if series.rate is None:
+        return kept
+    return [replace(one, rate=series.rate[one.own][one.used]) for one in kept]
+
+
+def _each(plan: Plan, series: Series, cut: float) -> Iterator[_Samples]:
     lowest, highest = series.span
     width = (highest - lowest) / plan.bins
-    shape = (len(series.ramps), plan.bins)
-    left = dict.fromkeys(("invalid", "warm_up", "turn_over"), 0)
-
-    def samples(own: slice) -> tuple[Array, Array, Array, Array | None, Indices]:
-        """Return temperature, reading, time, rate and bin of the samples that count; note the others."""
+    for ramp, own in series.batches():
         T, y, t = series.temperature[own], series.reading[own], series.time[own]
         valid = np.isfinite(y) & np.isfinite(T)
         late = valid & ~(np.nan_to_num(t, nan=np.inf) < cut)
         used = late & (series.path[own] != 0)
-        some = [int(np.count_nonzero(flags)) for flags in (valid, late, used)]
-        for rule, before, after in zip(left, (len(T), *some), some, strict=False):
-            left[rule] += before - after
+        some = [len(T), *(int(np.count_nonzero(flags)) for flags in (valid, late, used))]
+        left = (some[0] - some[1], some[1] - some[2], some[2] - some[3])
         rate = None if series.rate is None else series.rate[own][used]
         T = T[used]
         at = np.minimum(((T - lowest) / width).astype(np.int64), plan.bins - 1)
-        return T, y[used], t[used], rate, at
+        yield _Samples(ramp, own, used, T, t[used], rate, at, left)
 
-    short = len(series.reading) <= near()
-    known = [(ramp, *samples(own)) for ramp, own in series.batches()] if short else []  # for both passes
 
-    def each() -> Iterator[tuple[int, Array, Array, Array, Array | None, Indices]]:
-        yield from known if short else ((ramp, *samples(own)) for ramp, own in series.batches())
+def _means(plan: Plan, series: Series, cut: float) -> tuple[Cells, dict[str, int]]:
+    """Means of the samples of each ramp in each bin, and how many samples are in none, by rule.
 
-    count, sum_T, sum_y, sum_t, sum_rate = (np.zeros(shape) for _ in range(5))
-    for ramp, T, y, t, rate, at in each():
-        count[ramp] += np.bincount(at, minlength=plan.bins)
-        for total, values in ((sum_T, T), (sum_y, y), (sum_t, t), (sum_rate, rate)):
+    Of sensors that share a thermometer, all are made at once, of a short record.
+    """
+    if not series.complete or series.rate is not None:
+        each, left = _gathered(plan, series, cut, [series.reading])
+        return each[0], left
+    together = series.together
+    each, left = series.once(("means", plan.bins, cut), lambda: _gathered(plan, series, cut, [*together.values()]))
+    return each[list(together).index(series.axis)], left
+
+
+def _gathered(plan: Plan, series: Series, cut: float, readings: Sequence[Array]) -> tuple[list[Cells], dict[str, int]]:
+    """Return the means of some readings on one clock, in two passes, and how many samples are in none, by rule."""
+    bins, k = plan.bins, len(readings)
+    shape = (len(series.ramps), bins)
+    left = dict.fromkeys(("invalid", "warm_up", "turn_over"), 0)
+    count, sum_T, sum_t, sum_rate = (np.zeros(shape) for _ in range(4))
+    sum_y = np.zeros((k, *shape))
+    for part in _samples(plan, series, cut):
+        ramp, at = part.ramp, part.bin
+        for rule, more in zip(left, part.left, strict=True):
+            left[rule] += more
+        count[ramp] += np.bincount(at, minlength=bins)
+        for total, values in ((sum_T, part.temperature), (sum_t, part.time), (sum_rate, part.rate)):
             if values is not None:
-                total[ramp] += np.bincount(at, values, plan.bins)
+                total[ramp] += np.bincount(at, values, bins)
+        for total, y in zip(sum_y, readings, strict=True):
+            total[ramp] += np.bincount(at, y[part.own][part.used], bins)
     numbers = np.flatnonzero(count)
     size = np.where(count, count, 1.0)
     mean_T, mean_y, mean_t = sum_T / size, sum_y / size, sum_t / size
-    left_out = dict(left)
-    squares = np.zeros((5, *shape))
-    for ramp, T, y, t, _, at in each():
-        dT, dy, dt = T - mean_T[ramp][at], y - mean_y[ramp][at], t - mean_t[ramp][at]
-        for total, values in zip(squares, (dT * dT, dy * dy, dt * dt, dT * dy, dT * dt), strict=True):
-            total[ramp] += np.bincount(at, values, plan.bins)
-    count, mean_T, mean_y, mean_t, sum_rate = (x.ravel()[numbers] for x in (count, mean_T, mean_y, mean_t, sum_rate))
-    var_T, var_y, var_t, cov_Ty, cov_Tt = squares.reshape(5, -1)[:, numbers] / count
-    along = np.divide(cov_Ty**2, var_T, out=np.zeros_like(count), where=var_T > 0.0)
+    squares, squares_y = np.zeros((3, *shape)), np.zeros((k, 2, *shape))
+    for part in _samples(plan, series, cut):
+        ramp, at = part.ramp, part.bin
+        dT, dt = part.temperature - mean_T[ramp][at], part.time - mean_t[ramp][at]
+        for total, values in zip(squares, (dT * dT, dt * dt, dT * dt), strict=True):
+            total[ramp] += np.bincount(at, values, bins)
+        for mean, (square, along), y in zip(mean_y, squares_y, readings, strict=True):
+            dy = y[part.own][part.used] - mean[ramp][at]
+            square[ramp] += np.bincount(at, dy * dy, bins)
+            along[ramp] += np.bincount(at, dT * dy, bins)
+    count, mean_T, mean_t, sum_rate = (x.ravel()[numbers] for x in (count, mean_T, mean_t, sum_rate))
+    var_T, var_t, cov_Tt = squares.reshape(3, -1)[:, numbers] / count
     free = np.maximum(count - 2.0, 1.0)
     rate = np.divide(cov_Tt, var_t, out=np.full(len(count), np.nan), where=var_t > 0.0)
-    number, bins = np.divmod(numbers, plan.bins)
+    number, bin_of = np.divmod(numbers, bins)
     first = np.array([one.start for one in series.ramps])[number]
     sweep = np.searchsorted([one.stop for one in series.sweeps], first, side="right")
-    cells = Cells(
-        mean_T,
-        var_T,
-        mean_y,
-        np.sqrt(np.maximum(var_y - along, 0.0) * count / free),
-        count,
-        rate if series.rate is None else sum_rate / count,
-        mean_t,
-        np.array(series.ways)[number],
-        np.array(series.runs)[sweep],
-        number,
-        bins,
-        np.ones(len(count)),
-        series.span,
-    )
-    return cells, left_out
+    once, found = Once(), []
+    for mean, (square, along) in zip(mean_y.reshape(k, -1), squares_y.reshape(k, 2, -1), strict=True):
+        var_y, cov_Ty = square[numbers] / count, along[numbers] / count
+        taken = np.divide(cov_Ty**2, var_T, out=np.zeros_like(count), where=var_T > 0.0)
+        found.append(Cells(
+            mean_T,
+            var_T,
+            mean[numbers],
+            np.sqrt(np.maximum(var_y - taken, 0.0) * count / free),
+            count,
+            rate if series.rate is None else sum_rate / count,
+            mean_t,
+            np.array(series.ways)[number],
+            np.array(series.runs)[sweep],
+            number,
+            bin_of,
+            np.ones(len(count)),
+            series.span,
+            once=once,
+        ))  # fmt: skip
+    return found, left
 
 
 def _on_both_paths(cells: Cells, full: Mask, series: Series) -> tuple[Cells, Mask]:
@@ -344,7 +491,7 @@ def _on_both_paths(cells: Cells, full: Mask, series: Series) -> tuple[Cells, Mas
     kept = _taken(cells, full)
     shared = kept.shared_bins
     if not len(shared):
-        return _weighed(kept, _ends(kept, series)), np.zeros(len(cells), dtype=bool)
+        return _weighed(kept, _ends(kept, series)), full
     low = kept.temperature[kept.bin == shared[0]].min()
     high = kept.temperature[kept.bin == shared[-1]].max()
     width = (series.span[1] - series.span[0]) / (int(cells.bin.max()) + 1)
@@ -352,7 +499,7 @@ def _on_both_paths(cells: Cells, full: Mask, series: Series) -> tuple[Cells, Mas
     inside = (cells.temperature >= low - reach) & (cells.temperature <= high + reach)
     kept = _taken(cells, full & inside)
     both = (float(low), float(high))
-    return replace(_weighed(kept, _ends(kept, series)), both=both), full & ~inside
+    return replace(_weighed(kept, _ends(kept, series)), both=both), full & inside
 
 
 def _ends(cells: Cells, series: Series) -> tuple[float, float]:
@@ -366,11 +513,11 @@ def _ends(cells: Cells, series: Series) -> tuple[float, float]:
 
 def _taken(cells: Cells, keep: Mask) -> Cells:
     rows = ("temperature", "spread", "reading", "scatter", "samples", "rate", "time", "path", "run", "ramp", "bin")
-    return replace(cells, weight=cells.weight[keep], **{name: getattr(cells, name)[keep] for name in rows})
+    return replace(cells, weight=cells.weight[keep], once=Once(), **{name: getattr(cells, name)[keep] for name in rows})
 
 
 def _weighed(cells: Cells, ends: tuple[float, float]) -> Cells:
     """Give the cells of one run, path and bin the weight 1 together."""
     key = (cells.run * 3 + cells.path + 1) * (int(cells.bin.max()) + 1) + cells.bin
     shared = np.unique(key, return_inverse=True)[1]
-    return replace(cells, weight=1.0 / np.bincount(shared)[shared], range=ends)
+    return replace(cells, weight=1.0 / np.bincount(shared)[shared], range=ends, once=Once())

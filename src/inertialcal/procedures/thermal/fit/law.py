@@ -40,7 +40,7 @@ from numpy.typing import ArrayLike
 
 from ....core.errors import DataError
 from ....core.estimate import Array
-from ....statistics.clustered import Clustered, clustered, clustered_contrasts
+from ....statistics.clustered import Clustered, Members, clustered, clustered_contrasts, members_of
 from ....statistics.intervals import coverage_factor
 from ....statistics.least_squares import Fit, fit
 from ....statistics.polynomial import Polynomial
@@ -75,6 +75,11 @@ class Scatter:
         return self._judged[1]
 
     @property
+    def members(self) -> Members:
+        """Cells by their member of the level."""
+        return members(self.cells, self.level, self.clusters)
+
+    @property
     def of_fit(self) -> Clustered:
         """Of P."""
         return self._judged[2]
@@ -87,12 +92,12 @@ class Scatter:
     @cached_property
     def of_path_fit(self) -> Clustered:
         """Of D."""
-        return self.of_fit if self.path_fit is self.fit else clustered(self.path_fit, self.clusters)
+        return self.of_fit if self.path_fit is self.fit else clustered(self.path_fit, self.members)
 
     @cached_property
     def _judged(self) -> tuple[Level, Indices, Clustered, tuple[Array, Array]]:
         for level, clusters in _levels(self.cells):
-            found = clustered(self.fit, clusters)
+            found = clustered(self.fit, members(self.cells, level, clusters))
             each = _contrasts(found, np.eye(self.order + 1), 0)
             if level == "block" or np.all(each[1] > 0.0):
                 return level, clusters, found, each
@@ -170,15 +175,15 @@ def _contrasts(found: Clustered, rows: Array, start: int) -> tuple[Array, Array]
     return found.contrasts(whole)
 
 
-def law_of(cells: Cells, order: int) -> Law:
-    """Return the law of a sensor with a polynomial of a given order.
+def law_of(cells: Cells, order: int, alone: Fit | None = None) -> Law:
+    """Return the law of a sensor with a polynomial of a given order; ``alone``: the fit without the lag, where known.
 
     Raises
     ------
     DataError
         If the cells are fewer than the coefficients, do not tell them apart, or show no scatter.
     """
-    return judged(unjudged_law_of(cells, order))
+    return judged(unjudged_law_of(cells, order, alone))
 
 
 def judged(law: Law) -> Law:
@@ -187,13 +192,13 @@ def judged(law: Law) -> Law:
     return law
 
 
-def unjudged_law_of(cells: Cells, order: int) -> Law:
+def unjudged_law_of(cells: Cells, order: int, alone: Fit | None = None) -> Law:
     """Return the same for its values alone: its scatter is found when it is wanted."""
     path_order = path_order_of(cells)
     domain = cells.range
-    columns = design(cells, order, path_order, domain)
-    names = [f"T_{k}" for k in range(order + 1)] + [f"D_{k}" for k in range(path_order + 1)]
-    alone = _fitted(cells, columns, names)
+    if alone is None:
+        names = [f"T_{k}" for k in range(order + 1)] + [f"D_{k}" for k in range(path_order + 1)]
+        alone = _fitted(cells, design(cells, order, path_order, domain), names)
     behind = alone if path_order < 0 else _with_lag(cells, alone, order, max(path_order, order - 1), domain)
     return Law(cells, order, path_order, domain, behind, alone, Scatter(cells, order, behind, alone))
 
@@ -224,7 +229,7 @@ def _with_lag(cells: Cells, alone: Fit, order: int, path_order: int, domain: tup
         return found
     if cells.runs < 2:
         return alone
-    covariance, dof = clustered_contrasts(found, cells.run, np.eye(columns.shape[1])[-1:])
+    covariance, dof = clustered_contrasts(found, members(cells, "run", cells.run), np.eye(columns.shape[1])[-1:])
     resolved = dof[0] > 0.0 and abs(found.coefficients[-1]) > coverage_factor(float(dof[0])) * np.sqrt(covariance[0, 0])
     return found if resolved else alone
 
@@ -243,10 +248,13 @@ def path_order_of(cells: Cells) -> int:
 
 def design(cells: Cells, order: int, path_order: int, domain: tuple[float, float]) -> Array:
     """Return what the cells see of P and D, shape (c, order + 1 + path_order + 1)."""
-    highest = max(order, path_order)
-    rows = _mean_rows(cells, highest, domain)
-    paths = 0.5 * cells.path[:, None] * rows[:, : path_order + 1]
-    return np.hstack([rows[:, : order + 1], paths])
+
+    def found() -> Array:
+        rows = _mean_rows(cells, max(order, path_order), domain)
+        paths = 0.5 * cells.path[:, None] * rows[:, : path_order + 1]
+        return np.hstack([rows[:, : order + 1], paths])
+
+    return cells.once(("design", order, path_order, domain), found)
 
 
 def _mean_rows(cells: Cells, order: int, domain: tuple[float, float]) -> Array:
@@ -278,6 +286,11 @@ def _levels(cells: Cells) -> Sequence[tuple[Level, Indices]]:
     elif all(len(np.unique(cells.ramp[cells.path == way])) >= 2 for way in cells.ways):
         found.append(("ramp", cells.ramp))
     return [*found, ("block", blocks(cells))]
+
+
+def members(cells: Cells, level: Level, clusters: Indices) -> Members:
+    """Return cells by their member of a level, of labels shape (c,)."""
+    return cells.once(("members", level), lambda: members_of(clusters))
 
 
 def blocks(cells: Cells) -> Indices:

@@ -45,26 +45,20 @@ class Choice:
 
 def choose_order(cells: Cells, largest: int, given: int | None = None) -> Choice:
     """Return the order of P, chosen on what is held out where none is given; the scores are found either way."""
-    held_out, groups, offsets, path_order = _groups(cells)
-    whole = design(cells, largest, path_order, cells.range)
-    columns = np.column_stack([whole, cells.reading])
-    squares, counts = _moments(columns, cells.weight, groups, offsets)
-    numbers = np.arange(len(np.unique(groups)))
-    tried = numbers[1:-1] if held_out == "blocks" and len(numbers) > 3 else numbers
+    held_out, groups, offsets, path_order = cells.once("held out", lambda: _groups(cells))
+    without = cells.once(("moments", largest), lambda: _Moments(cells, largest, path_order, groups, offsets, held_out))
+    tried, counts = without.tried, without.counts
+    along, squares = without.of(cells.reading)
     errors = np.full((largest + 1, len(tried)), np.nan)
     for order in range(largest + 1):
-        keep = [*range(order + 1), *range(largest + 1, columns.shape[1] - 1)]
+        keep = without.columns(order)
         # Mean square error of prediction of each group that is held out, fitted to the others
-        rest = squares.sum(axis=0) - squares[tried]
-        scale = np.sqrt(np.maximum(np.einsum("gii->gi", rest)[:, keep], np.finfo(float).tiny))
-        at = np.asarray(keep)
-        grid = np.ix_(np.arange(len(tried)), at, at)
-        inverse = symmetric_inverse(rest[grid] / (scale[:, :, None] * scale[:, None, :]), 1e-10)
-        found = np.einsum("gij,gj->gi", inverse, rest[:, keep, -1] / scale) / scale
-        own = squares[tried]
-        cross = np.einsum("gi,gi->g", found, own[:, keep, -1])
-        bent = np.einsum("gi,gij,gj->g", found, own[grid], found)
-        errors[order] = np.asarray(np.maximum(own[:, -1, -1] - 2.0 * cross + bent, 0.0) / counts[tried])
+        inverse, scale, own = without.solved(order)
+        rest = along.sum(axis=0) - along[tried]
+        found = np.einsum("gij,gj->gi", inverse, rest[:, keep] / scale) / scale
+        cross = np.einsum("gi,gi->g", found, along[tried][:, keep])
+        bent = np.einsum("gi,gij,gj->g", found, own, found)
+        errors[order] = np.asarray(np.maximum(squares[tried] - 2.0 * cross + bent, 0.0) / counts[tried])
     scores = np.sqrt(np.mean(errors, axis=1))
     if given is not None:
         return Choice(given, "given", scores)
@@ -89,16 +83,49 @@ def _groups(cells: Cells) -> tuple[HeldOut, Indices, Indices, int]:
     return "blocks", stretch, np.zeros(len(cells), dtype=np.int64), path_order
 
 
-def _moments(columns: Array, weights: Array, groups: Indices, offsets: Indices) -> tuple[Array, Array]:
-    """Weighted second moments of design and readings in each group, offsets taken away, (g, q, q), and its weight."""
-    own = np.unique(offsets, return_inverse=True)[1]
-    if own.any():
-        total = np.bincount(own, weights)
-        means = np.column_stack([np.bincount(own, column * weights) for column in columns.T]) / total[:, None]
-        columns = columns - means[own]
-    number = np.unique(groups, return_inverse=True)[1]
-    order = np.argsort(number, kind="stable")
-    starts = np.flatnonzero(np.diff(number[order], prepend=-1))
-    sorted_columns, sorted_weights = columns[order], weights[order]
-    products = sorted_columns[:, :, None] * sorted_columns[:, None, :] * sorted_weights[:, None, None]
-    return np.add.reduceat(products, starts), np.add.reduceat(sorted_weights, starts)
+class _Moments:
+    """Weighted second moments of the design in each group, offsets taken away, and what else no reading changes."""
+
+    def __init__(
+        self, cells: Cells, largest: int, path_order: int, groups: Indices, offsets: Indices, held_out: HeldOut
+    ) -> None:
+        number = np.unique(groups, return_inverse=True)[1]
+        self._order = np.argsort(number, kind="stable")
+        self._starts = np.flatnonzero(np.diff(number[self._order], prepend=-1))
+        self._own, self._weights, self._largest = np.unique(offsets, return_inverse=True)[1], cells.weight, largest
+        self._design = self._sorted(design(cells, largest, path_order, cells.range))
+        self._weighted = self._design * cells.weight[self._order][:, None]
+        self._squares = np.add.reduceat(self._design[:, :, None] * self._weighted[:, None, :], self._starts)
+        self._rest: dict[int, tuple[Array, Array, Array]] = {}
+        self.counts = np.add.reduceat(cells.weight[self._order], self._starts)  # weight of each group, shape (g,)
+        numbers = np.arange(len(self._starts))
+        self.tried = numbers[1:-1] if held_out == "blocks" and len(numbers) > 3 else numbers  # groups held out
+
+    def _sorted(self, columns: Array) -> Array:
+        """Return columns (c, q) without the weighted mean of each offset, group after group."""
+        if self._own.any():
+            total = np.bincount(self._own, self._weights)
+            sums = [np.bincount(self._own, column * self._weights) for column in columns.T]
+            columns = columns - (np.column_stack(sums) / total[:, None])[self._own]
+        return columns[self._order]
+
+    def of(self, reading: Array) -> tuple[Array, Array]:
+        """Return the moments of the design with a reading, (g, q), and those of the reading, (g,)."""
+        y = self._sorted(reading[:, None])
+        weighted = y[:, 0] * self._weights[self._order]
+        return np.add.reduceat(self._weighted * y, self._starts), np.add.reduceat(y[:, 0] * weighted, self._starts)
+
+    def columns(self, order: int) -> Indices:
+        """Return the columns of an order: of P up to it, and all of D."""
+        return np.asarray([*range(order + 1), *range(self._largest + 1, self._design.shape[1])])
+
+    def solved(self, order: int) -> tuple[Array, Array, Array]:
+        """Return of each group that is held out: inverse of the scaled moments of the others, scales, own moments."""
+        if order not in self._rest:
+            at = self.columns(order)
+            rest = self._squares.sum(axis=0) - self._squares[self.tried]
+            scale = np.sqrt(np.maximum(np.einsum("gii->gi", rest)[:, at], np.finfo(float).tiny))
+            grid = np.ix_(np.arange(len(self.tried)), at, at)
+            inverse = symmetric_inverse(rest[grid] / (scale[:, :, None] * scale[:, None, :]), 1e-10)
+            self._rest[order] = inverse, scale, self._squares[self.tried][grid]
+        return self._rest[order]

@@ -107,11 +107,12 @@ def _difference(law: Law) -> PathEffect:
 
 def _loops(cells: Cells) -> int:
     """Count pairs of a ramp of warming and one of cooling in one run."""
-    found = 0
-    for run in np.unique(cells.run):
-        own = cells.run == run
-        found += min(len(np.unique(cells.ramp[own & (cells.path == way)])) for way in (1, -1))
-    return found
+
+    def found() -> int:
+        owns = [cells.run == run for run in np.unique(cells.run)]
+        return sum(min(len(np.unique(cells.ramp[own & (cells.path == way)])) for way in (1, -1)) for own in owns)
+
+    return cells.once("loops", found)
 
 
 def _rates(cells: Cells) -> tuple[float, ...]:
@@ -135,17 +136,22 @@ def _separated(law: Law, loops: int) -> tuple[PathEffect, PathEffect]:
     columns, names, behind = _columns(law)
     root = np.sqrt(cells.weight)[:, None]
     row, lag = np.zeros(columns.shape[1]), np.eye(columns.shape[1])[behind]
-    ways = slice(law.order + 1, behind)
-    row[ways] = series_rows(shared_grid(law), law.domain, behind - law.order - 2).mean(axis=0)
+    row[law.order + 1 : behind] = cells.once(
+        ("mean over the paths", law.order, behind),
+        lambda: series_rows(shared_grid(law), law.domain, behind - law.order - 2).mean(axis=0),
+    )
     try:
         found = fit(columns * root, cells.reading * root[:, 0], names=names)
     except DataError:
         return _not_told()
-    alone = fit((columns * root)[:, :behind], cells.reading * root[:, 0])
-    if _grown(found.transform, row) > MIXED * _grown(alone.transform, row[:behind]):
+
+    def alone() -> float:
+        return _grown(fit((columns * root)[:, :behind], cells.reading * root[:, 0]).transform, row[:behind])
+
+    if _grown(found.transform, row) > MIXED * cells.once(("grown", law.order, behind), alone):
         return _not_told()
     rows = np.vstack([row, lag])
-    covariance, dof = clustered_contrasts(found, law.clusters, rows)
+    covariance, dof = clustered_contrasts(found, law.scatter.members, rows)
     values = rows @ found.coefficients
     effects = [
         PathEffect(float(v), float(np.sqrt(c)), float(d)) if d > 0.0 else PathEffect(None, reason=ONE_RUN)
@@ -167,16 +173,19 @@ def _columns(law: Law) -> tuple[Array, list[str], int]:
 
     H bends as much as the slope of P can, so that at one rate nothing passes for a lag.
     """
-    cells, bent = law.cells, max(law.path_order, law.order - 1)
-    runs, number = np.unique(cells.run, return_inverse=True)
-    each = np.eye(len(runs))[number]
-    middle = np.bincount(number, cells.time) / np.bincount(number)
-    scale = max(float(np.ptp(cells.time)), 1.0)
-    drift = each * ((cells.time - middle[number]) / scale)[:, None]
-    own = design(cells, law.order, bent, law.domain)
-    columns = np.column_stack([own, lag_column(cells, law.coefficients, law.domain), drift, each[:, 1:]])
+    cells, bent, runs = law.cells, max(law.path_order, law.order - 1), law.cells.runs
+
+    def by_run() -> Array:
+        number = cells.run_number
+        each = np.eye(runs)[number]
+        middle = np.bincount(number, cells.time) / np.bincount(number)
+        scale = max(float(np.ptp(cells.time)), 1.0)
+        return np.hstack([each * ((cells.time - middle[number]) / scale)[:, None], each[:, 1:]])
+
+    own, drift = design(cells, law.order, bent, law.domain), cells.once("drift and offset", by_run)
+    columns = np.column_stack([own, lag_column(cells, law.coefficients, law.domain), drift])
     names = [f"P{i}" for i in range(law.order + 1)] + [f"H{i}" for i in range(bent + 1)] + ["lag"]
-    names += [f"drift {i}" for i in range(len(runs))] + [f"offset {i}" for i in range(1, len(runs))]
+    names += [f"drift {i}" for i in range(runs)] + [f"offset {i}" for i in range(1, runs)]
     return columns, names, law.order + bent + 2
 
 

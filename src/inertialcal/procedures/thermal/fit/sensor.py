@@ -15,7 +15,7 @@ from ....core.remarks import Remark
 from ..plan import Plan
 from ..recordings import Readings
 from .agreement import disagreements
-from .cells import Cells, Series, cells_of, joined, series_of
+from .cells import Cells, Series, cells_of, joined, lagging
 from .law import Law, judged, law_of, unjudged_law_of
 from .order import Choice, choose_order
 from .paths import Paths, paths_of, separated
@@ -46,15 +46,15 @@ class OfSensor:
         return self.law.cells
 
 
-def reduce_sensor(plan: Plan, readings: Readings, axis: str) -> OfSensor:
+def reduce_sensor(plan: Plan, readings: Readings, series: Series) -> OfSensor:
     """Reduce one sensor.
 
     Raises
     ------
     DataError
-        If its temperature hardly changes or nothing valid is left of it.
+        If nothing valid is left of it, or what is left lies at one temperature.
     """
-    series = series_of(plan, readings, axis)
+    axis = series.axis
     cells = cells_of(plan, series, plan.warm_up or 0.0)
     first = plan.order if plan.order is not None else _largest(cells, plan.largest_order)
     fitted = cache(unjudged_law_of)  # the first may be that of the order chosen
@@ -68,8 +68,8 @@ def reduce_sensor(plan: Plan, readings: Readings, axis: str) -> OfSensor:
         lag = apart.lag
         if lag.value is None or lag.u is None or not lag.value > RESOLVED * lag.u:
             break
-        cells = cells_of(plan, series.smoothed(lag.value), start_up.cut)
-        law = law_of(cells, choice.order)
+        cells = lagging(plan, series, cells, lag.value, start_up.cut)
+        law = law_of(cells, choice.order, law.path_fit)
         apart = separated(law)
     paths = paths_of(law, apart, plan.no_hysteresis)
     highest = min(choice.order + NEXT, _largest(cells, plan.largest_order + NEXT))
@@ -86,7 +86,7 @@ def reduce_sensor(plan: Plan, readings: Readings, axis: str) -> OfSensor:
 
 def _largest(cells: Cells, wanted: int) -> int:
     """Return the largest order that comes into question: that the bins carry, and no larger than wanted."""
-    return min(wanted, max((len(np.unique(cells.bin)) - 1) // BINS_AN_ORDER, 0))
+    return min(wanted, max((cells.bins - 1) // BINS_AN_ORDER, 0))
 
 
 def _references(plan: Plan, readings: Readings, series: Series, cut: float) -> dict[str, Law]:
@@ -110,7 +110,7 @@ def run_offsets(law: Law) -> Array:
     if law.midway:
         ways = law.path_fit.coefficients[law.order + 1 :]
         fitted = fitted + 0.5 * cells.path * np.einsum("ij,j->i", law.path_basis(cells.temperature), ways)
-    number = np.unique(cells.run, return_inverse=True)[1]
+    number = cells.run_number
     left = cells.weight * (cells.reading - fitted)
     return np.asarray(np.bincount(number, left) / np.bincount(number, cells.weight))
 

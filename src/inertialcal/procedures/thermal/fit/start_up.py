@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -99,6 +100,15 @@ def _steady_means(series: Series, first: Callable[[], Law]) -> tuple[Array, Arra
 
 def _steady_part(series: Series, run: int) -> Indices:
     """Return the samples of a run until its temperature leaves that of the start, in order of time."""
+    still = partial(_still_part, series, run)
+    steady = series.once(("still", run), still) if series.short else still()
+    steady = steady[np.isfinite(_at(series.reading, steady))]
+    long = len(steady) >= FEWEST and np.ptp(_at(series.time, steady)) >= SHORTEST
+    return steady if long else steady[:0]
+
+
+def _still_part(series: Series, run: int) -> Indices:
+    """Return the same by the temperature alone."""
     ordered = _in_order(series, run)
     few = max(sum(len(own) for own in ordered()) // 1000, 1)
     first = np.empty(0)
@@ -118,10 +128,7 @@ def _steady_part(series: Series, run: int) -> Indices:
     warm = _at(series.temperature, steady)
     half = warm[: max(len(steady) // 2, 1)]
     at_rest = np.flatnonzero(np.abs(warm - half.mean()) <= NOISE * half.std())
-    steady = steady[: at_rest[-1] + 1] if len(at_rest) else steady[:0]
-    steady = steady[np.isfinite(_at(series.reading, steady))]
-    long = len(steady) >= FEWEST and np.ptp(_at(series.time, steady)) >= SHORTEST
-    return steady if long else steady[:0]
+    return steady[: at_rest[-1] + 1] if len(at_rest) else steady[:0]
 
 
 def _in_order(series: Series, run: int) -> Callable[[], Iterable[Indices]]:
