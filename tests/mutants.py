@@ -1159,8 +1159,8 @@ MUTANTS = (
     ),
     Mutant(
         "order.py",
-        "own[:, -1, -1] - 2.0 * cross + bent",
-        "own[:, -1, -1] - cross",
+        "squares[tried] - 2.0 * cross + bent",
+        "squares[tried] - cross",
         "test_thermal_law test_thermal_test",
     ),
     Mutant(

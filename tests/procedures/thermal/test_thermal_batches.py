@@ -119,5 +119,5 @@ def test_sensors_that_share_a_thermometer_are_what_each_is_alone(fault: str) -> 
         found = [row for row in together.rows() if row.axis == axis]
         assert [(row.key, row.status) for row in found] == [(row.key, row.status) for row in alone]
         for one, other in zip(found, alone, strict=True):
-            for a, b, size in ((one.value, other.value, other.u), (one.u, other.u, None), (one.dof, other.dof, None)):
-                assert a == (None if b is None else pytest.approx(b, rel=1e-9, abs=1e-9 * (size or 0.0)))
+            for a, c, size in ((one.value, other.value, other.u), (one.u, other.u, None), (one.dof, other.dof, None)):
+                assert a == (None if c is None else pytest.approx(c, rel=1e-9, abs=1e-9 * (size or 0.0)))
