@@ -74,10 +74,56 @@ def test_units_and_forms_of_a_table(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    "head",
+    [
+        "frequency [Hz],density [g2/Hz]", "frequency [Hz],density [g^2/Hz]", "frequency [Hz],density [g**2/Hz]",
+        "Frequency (Hz),PSD (g²/Hz)", "frequency [Hz],density [G^2/Hz]", "Frequency (Hz),Amplitude (G²/Hz)",
+        "freq [Hz],asd [grms^2/Hz]", "f,g2/Hz", "frequency,level\nHz,g2/Hz", "frequency_hz,psd_g2_per_hz",
+        "frequency [Hz],level g^2/Hz",
+    ],
+)  # fmt: skip
+def test_a_level_in_g_is_read_however_it_is_written(tmp_path: Path, head: str) -> None:
+    found = read_profile(written(tmp_path, "p.csv", f"{head}\n20,0.01\n80,0.04\n"))
+    assert (found.profile.density / G**2).tolist() == pytest.approx([0.01, 0.04])
+    assert not found.remarks
+
+
+@pytest.mark.parametrize(
+    "unit", ["(m/s2)2/Hz", "(m/s²)²/Hz", "(m/s^2)^2/Hz", "(m/s2)^2 / Hz", "m2/s3", "(m/s**2)**2/Hz", "m^2/s^4/Hz"]
+)
+def test_a_level_in_si_is_read_however_it_is_written(tmp_path: Path, unit: str) -> None:
+    for name, text in (
+        ("p.csv", f"frequency [Hz],density [{unit}]\n20,1\n80,4\n"),
+        (
+            "p.toml",
+            f'nodes = [{{frequency = "20 Hz", level = "1 {unit}"}}, {{frequency = "80 Hz", level = "4 {unit}"}}]',
+        ),
+    ):
+        assert read_profile(written(tmp_path, name, text)).profile.density.tolist() == pytest.approx([1.0, 4.0])
+    table = ic.vibration_profile({"20 Hz": f"1 {unit}", "80 Hz": f"4 {unit}"})
+    assert table.stated.profile.density.tolist() == pytest.approx([1.0, 4.0])
+
+
+def test_the_root_of_a_density_is_squared_and_that_is_told(tmp_path: Path) -> None:
+    found = read_profile(written(tmp_path, "p.csv", "frequency [Hz],asd [g/sqrt(Hz)],slope\n20,0.1,3\n80,0.2,\n"))
+    assert (found.profile.density / G**2).tolist() == pytest.approx([0.01, 0.04])
+    assert (found.unit, [one.code for one in found.remarks]) == ("g^2/Hz", ["squared"])
+    nodes = '{frequency = "20 Hz", level = "0.1 g/rtHz"}, {frequency = "80 Hz", level = "0.04 G2/Hz"}'
+    text = f'rms = "0.99 Grms"\nnodes = [{nodes}]'
+    both = read_profile(written(tmp_path, "p.toml", text))
+    assert (both.profile.density / G**2).tolist() == pytest.approx([0.01, 0.04])
+    assert both.overall == pytest.approx(0.99 * G)
+
+
+@pytest.mark.parametrize(
     ("name", "text", "code"),
     [
         ("a.csv", "frequency [Hz],density\n20,0.01\n50,0.04\n", "wrong_unit"),
         ("a.csv", "frequency [Hz],density [g/Hz]\n20,0.01\n50,0.04\n", "wrong_unit"),
+        ("a.csv", "frequency [Hz],density [dB]\n20,0.01\n50,0.04\n", "wrong_unit"),
+        ("a.csv", "frequency [Hz],density [(deg/s)^2/Hz]\n20,0.01\n50,0.04\n", "wrong_unit"),
+        ("a.csv", "frequency [Hz],density [g/sqrt(Hz)]\n20,-0.01\n50,0.04\n", "profile"),
+        ("a.toml", 'nodes = [ { frequency = "20 Hz", level = "0.01 g/Hz" }, { frequency = "50 Hz" } ]', "wrong_unit"),
         ("a.csv", "place,density [g2/Hz]\n20,0.01\n50,0.04\n", "no_column"),
         ("a.csv", "frequency [Hz],density [g2/Hz]\n20,0.01\n", "profile"),
         ("a.csv", "frequency [Hz],density [g2/Hz]\n20,0.01\n10,0.04\n", "profile"),

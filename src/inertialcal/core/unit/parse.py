@@ -2,7 +2,8 @@
 
 A text is a chain of factors with ``*`` and ``/``, read from left to right; a blank or a dot multiplies too.
 ``sqrt``, ``rt``, ``root`` and the root sign take the factor that follows them; ``^``, ``**``, raised digits
-or a digit right behind a name (``s2``, ``s-2``) are exponents; ``per`` divides. Nothing else is evaluated.
+or a digit right behind a name (``s2``, ``s-2``) or a bracket of units (``(m/s2)2``) are exponents; ``per`` divides.
+Nothing else is evaluated.
 
 What has two readings is refused, and both are spelled out: a product after a division without a sign
 (``deg/s g``), division by an angle or a length and then by a time (``mV/deg/s``), ``ms-2``, ``m/s-2``.
@@ -282,7 +283,7 @@ def _operand(at: Cursor, depth: int) -> _Factor:
     if token.text == "(":
         inner = _chain(at, depth + 1)
         at.expect(")")
-        return _raise(at, _Factor(inner.value, inner.unit))
+        return _raise(at, _Factor(inner.value, inner.unit), power=bool(inner.unit) and inner.value == 1.0)
     if token.kind != "name":
         at.refuse(f"a unit is missing before {token.text!r}" if token.text else "a unit is missing at the end")
     root = _ROOT.fullmatch(token.text)
@@ -314,9 +315,9 @@ def _name(at: Cursor, token: Token) -> _Factor:
     return _Factor(1.0, factor.unit, spell(factor.unit), factor.unit[0][1] < 0)
 
 
-def _raise(at: Cursor, factor: _Factor, name: str = "") -> _Factor:
-    """Apply the exponent that follows, if one does."""
-    exponent = read_exponent(at, named=bool(name))
+def _raise(at: Cursor, factor: _Factor, name: str = "", *, power: bool = False) -> _Factor:
+    """Apply the exponent that follows, if one does; ``power`` of a bracket of units: ``(m/s2)2``."""
+    exponent = read_exponent(at, named=bool(name) or power)
     if exponent is None:
         return factor
     if name == "ms" and exponent < 0:

@@ -1,9 +1,9 @@
 """A profile as people write it: nodes, slopes, an overall level; what is missing follows, what disagrees is named.
 
 CSV, a row a node or a segment: columns ``frequency``, ``density`` (or ``asd``, ``psd``, ``level``) and ``slope``, with
-units in the header or in the name (``asd_g2_per_hz``). A segment has ``20-50`` in place of a frequency; a slope that
-stands at a node is that of the segment behind it. TOML: ``nodes``, a list of ``{ frequency, level }`` and
-``{ slope }`` in between, and ``rms`` for the overall level.
+units in the header or in the name (``asd_g2_per_hz``; module ``density``). A segment has ``20-50`` in place of a
+frequency; a slope that stands at a node is that of the segment behind it. TOML: ``nodes``, a list of
+``{ frequency, level }`` and ``{ slope }`` in between, and ``rms`` for the overall level.
 
 Where a node has no level, the slopes lead to it from one that has. Where both levels and the slope are given, levels
 are taken, and a slope that misses the next level by more than ``SAME`` is remarked with both figures: as printed,
@@ -18,7 +18,7 @@ import math
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -34,14 +34,16 @@ from ...files.text.headers import bare_name
 from ...files.text.layout import decode
 from ...files.text.table import Table, read_table
 from ...signals.vibration.profile import Profile, decibels, octaves
+from .density import EXPECTED, DensityUnit, density_unit, level_of, plain
 
-DENSITY, SLOPE = "(m/s^2)^2/Hz", "dB/octave"
+SLOPE = "dB/octave"
 SAME = 0.25  # a slope may miss the next level by so much: levels are printed with one or two digits [dB]
 FLAT = 1e-9  # slope that is none [dB/octave]
 MOST = 1000  # nodes
 SEGMENT = re.compile(r"\s*([0-9.eE+]+)\s*(?:-|\N{EN DASH}|to|\.\.+)\s*([0-9.eE+]+)\s*(?:[kK]?[hH][zZ])?\s*")
 WORDS = {"frequency": "frequency", "freq": "frequency", "f": "frequency", "density": "density", "asd": "density",
-         "psd": "density", "level": "density", "slope": "slope"}  # fmt: skip
+         "psd": "density", "level": "density", "slope": "slope", "hz": "frequency",
+         "amplitude": "density", "magnitude": "density", "g2": "density"}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -117,10 +119,14 @@ def read_profile(path: str | Path) -> StatedProfile:
     else:
         nodes, slopes, unit, overall = _of_table(read_table(path))
     try:
-        return completed(nodes, slopes, unit, overall, str(path))
+        found = completed(nodes, slopes, unit.unit if unit else "g^2/Hz", overall, str(path))
     except DataError as error:
         first = error.problems[0]
         raise DataError(first.what, first.where or str(path), first.why, first.do, first.code) from None
+    if unit is None or not unit.root:
+        return found
+    what = f"levels are roots of a density: squared, they are in {unit.unit}"
+    return replace(found, remarks=(Remark("squared", "info", what, str(path)), *found.remarks))
 
 
 def stated(profile: Profile) -> StatedProfile:
@@ -172,13 +178,12 @@ def completed(
     found = [_contradiction(nodes[i], nodes[i + 1], slope) for i, slope in enumerate(slopes) if slope is not None]
     wrong = tuple(one for one in found if one is not None)
     mended = _mended(profile, wrong[0]) if wrong else None
-    stated = None if not overall else parse_quantity(overall).to("m/s^2")
+    stated = None if not overall else parse_quantity(plain(overall)).to("m/s^2")
     remarks = [_remark(one, profile, mended, path, first=i == 0) for i, one in enumerate(wrong)]
     if stated is not None and not _agrees(overall, profile.rms()):
-        own = Quantity(profile.rms(), "m/s^2").to(parse_quantity(overall).unit)
-        what = (
-            f"the overall level is stated as {overall}, the nodes give {number(own, 5)} {parse_quantity(overall).unit}"
-        )
+        shown = parse_quantity(plain(overall)).unit
+        own = Quantity(profile.rms(), "m/s^2").to(shown)
+        what = f"the overall level is stated as {overall}, the nodes give {number(own, 5)} {shown}"
         do = "Check nodes and overall level against the document: the nodes are used"
         remarks.append(Remark("overall_disagrees", "warning", what, path, do=do))
     return StatedProfile(profile, unit, known, wrong, mended, stated, overall, path, tuple(remarks))
@@ -221,21 +226,21 @@ def _remark(one: Contradiction, profile: Profile, mended: Profile | None, path: 
 
 def _agrees(text: str, value: float) -> bool:
     """Return whether a value rounds to what was written."""
-    quantity = parse_quantity(text)
+    quantity = parse_quantity(plain(text))
     digits = re.match(r"\s*[0-9]+(?:\.([0-9]+))?", text)
     decimals = len(digits[1] or "") if digits else 0
     own = Quantity(value, "m/s^2").to(quantity.unit)
     return abs(own - quantity.value) <= 0.5 * 10.0**-decimals * (1.0 + 1e-9)
 
 
-Parsed = tuple[list[Node], list[float | None], str, str]
+Parsed = tuple[list[Node], list[float | None], DensityUnit | None, str]
 
 
 def _of_toml(text: str, path: str) -> Parsed:
     rows, overall = _stated_rows(text, path)
     nodes: list[Node] = []
     slopes: list[float | None] = []
-    unit = ""
+    unit: DensityUnit | None = None
     for place, row in enumerate(rows, 1):
         where = f"{path}: nodes, {place}"
         if wrong := sorted(set(row) - {"frequency", "level", "slope"}):
@@ -243,8 +248,10 @@ def _of_toml(text: str, path: str) -> Parsed:
         slope = _quantity(row, "slope", SLOPE, where)
         if "frequency" in row:
             frequency = _quantity(row, "frequency", "Hz", where)
-            level = _quantity(row, "level", DENSITY, where)
-            unit = unit or (parse_quantity(str(row["level"])).unit if "level" in row else "")
+            level = None
+            if "level" in row:
+                level, of_level = _level(str(row["level"]), where)
+                unit = unit or of_level
             nodes.append(Node(frequency or 0.0, level))
             slopes += [None] * (len(nodes) - 1 - len(slopes))
             if slope is not None:
@@ -256,7 +263,7 @@ def _of_toml(text: str, path: str) -> Parsed:
     if len(slopes) > max(len(nodes) - 1, 0):
         do = "End with a node: its frequency is enough"
         raise DataError("a slope behind the last node", path, do=do, code="profile")
-    return nodes, slopes, unit or "g^2/Hz", overall
+    return nodes, slopes, unit, overall
 
 
 def _stated_rows(text: str, path: str) -> tuple[list[dict[str, Any]], str]:
@@ -282,21 +289,29 @@ def _quantity(row: Mapping[str, Any], name: str, unit: str, where: str) -> float
         return None
     text = str(row[name])
     try:
-        quantity = parse_quantity(text)
+        quantity = parse_quantity(plain(text))
     except DataError as error:
         first = error.problems[0]
         raise DataError(f"{name}: {first.what}", where, first.why, first.do, first.code) from None
     if not same_dimension(quantity.unit, unit):
         what = f"{name} = {text!r}: no {'slope' if name == 'slope' else 'quantity'} in {unit}"
-        raise DataError(what, where, do=f"Write it in {'g2/Hz' if unit == DENSITY else unit}", code="wrong_unit")
+        raise DataError(what, where, do=f"Write it in {unit}", code="wrong_unit")
     return quantity.to(unit)
+
+
+def _level(text: str, where: str) -> tuple[float, DensityUnit]:
+    try:
+        return level_of(text)
+    except DataError as error:
+        first = error.problems[0]
+        raise DataError(f"level = {text!r}: {first.what}", where, first.why, first.do, first.code) from None
 
 
 def _of_table(table: Table) -> Parsed:
     """Return what the rows of a table state."""
     columns: dict[str, int] = {}
     for place, name in enumerate(table.names):
-        word = WORDS.get(re.split(r"[^a-z0-9]", bare_name(name).strip().lower())[0])
+        word = WORDS.get(re.split(r"[^a-z0-9]", (bare_name(name) or name).strip().lower())[0])
         if word is not None:
             columns.setdefault(word, place)
     lacking = [word for word in ("frequency", "density") if word not in columns]
@@ -305,14 +320,14 @@ def _of_table(table: Table) -> Parsed:
         do = "Write a header: frequency [Hz],density [g2/Hz],slope [dB/octave]"
         raise DataError(what, table.source.path, do=do, code="no_column")
     unit = _unit_of(table, columns["density"])
-    scale, hertz = Quantity(1.0, unit).to(DENSITY), _hertz(table, columns["frequency"])
+    hertz = _hertz(table, columns["frequency"])
     nodes: list[Node] = []
     slopes: list[float | None] = []
     for row in range(len(table)):
         cells = {word: table.cells[place][row].strip() for word, place in columns.items()}
         where = table.where(row)
         level, slope = (_number(cells.get(name, ""), where, name) for name in ("density", "slope"))
-        level = None if level is None else level * scale
+        level = None if level is None else unit.density(level)
         segment = SEGMENT.fullmatch(cells["frequency"])
         if segment is None:
             frequency = _number(cells["frequency"], where, "frequency")
@@ -343,23 +358,27 @@ def _add(nodes: list[Node], slopes: list[float | None], node: Node) -> None:
     slopes += [None] * (len(nodes) - 1 - len(slopes))
 
 
-def _unit_of(table: Table, place: int) -> str:
-    """Return the unit of the levels: of the header, else of the name of the column.
+def _unit_of(table: Table, place: int) -> DensityUnit:
+    """Return the unit of the levels: what stands in brackets or behind the word, else of the row of units.
 
     Raises
     ------
     DataError
         ``wrong_unit``.
     """
-    unit = table.units[place] if place < len(table.units) else None
-    match = re.fullmatch(r"[a-z]+_(g2|m2_s4)_(?:per_)?hz", table.names[place].lower())
-    if match is not None:  # whose end alone would be a unit
-        unit = "g^2/Hz" if match[1] == "g2" else DENSITY
-    if unit is None or not same_dimension(unit, DENSITY):
-        what = f"column {table.names[place]!r} has {f'the unit {unit}' if unit else 'no unit'}"
-        do = "Write density [g2/Hz] or density [(m/s^2)^2/Hz] in the header"
-        raise DataError(what, table.source.path, do=do, code="wrong_unit")
-    return unit
+    name = table.names[place]
+    bare = bare_name(name)
+    behind = name[len(bare) :].strip(" _,/")[1:-1] if bare != name.strip() else re.sub(r"^[A-Za-z]+[ _.,]*", "", bare)
+    said = [one for one in (behind, bare, table.units[place] if place < len(table.units) else None) if one]
+    for one in said:
+        try:
+            return density_unit(one)
+        except DataError:
+            continue
+    shown = said[0] if said[0] != bare else said[-1]
+    what = f"column {name!r} has {f'the unit {shown}' if shown != bare else 'no unit'}"
+    do = f"Write density [g2/Hz] in the header: a level is in {EXPECTED}"
+    raise DataError(what, table.source.path, "a level is a spectral density of acceleration", do, "wrong_unit")
 
 
 def _hertz(table: Table, place: int) -> float:

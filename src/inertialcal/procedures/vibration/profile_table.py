@@ -26,8 +26,9 @@ from ...core.show.rounding import number
 from ...core.show.tables import Block, Table, html, text
 from ...core.units import factor, parse_quantity, same_dimension
 from ...files.source import load
+from .density import DENSITY, level_of
 from .plan import LEVEL
-from .profile_file import DENSITY, Node, StatedProfile, completed, read_profile
+from .profile_file import Node, StatedProfile, completed, read_profile
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -193,12 +194,13 @@ def vibration_profile(profile: str | Path | Mapping[str, str], *, bands: Sequenc
 def _of_levels(levels: Mapping[str, str]) -> StatedProfile:
     nodes, unit = [], ""
     for frequency, level in levels.items():
-        f, s = parse_quantity(frequency), parse_quantity(level)
-        if not same_dimension(f.unit, "Hz") or not same_dimension(s.unit, DENSITY):
+        f = parse_quantity(frequency)
+        if not same_dimension(f.unit, "Hz"):
             do = 'Write {"20 Hz": "0.01 g2/Hz", ...}'
             raise DataError(f"node {frequency!r}: {level!r}", do=do, code="wrong_unit")
-        nodes.append(Node(f.to("Hz"), s.to(DENSITY)))
-        unit = unit or s.unit
+        density, of_level = level_of(level)
+        nodes.append(Node(f.to("Hz"), density))
+        unit = unit or of_level.unit
     return completed(nodes, [None] * max(len(nodes) - 1, 0), unit)
 
 
