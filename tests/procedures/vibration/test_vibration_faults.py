@@ -142,7 +142,7 @@ FAULTS: dict[str, tuple[Callable[[], Result], set[str]]] = {
     "not_stationary": (drifting, set()),
     "kurtosis": (rattling, {"above_level", "interrupted", "not_stationary"}),
     "swapped_channels": (swapped, {"narrow_peaks", "low_pass", "not_stationary"}),
-    "control_disagrees": (loose, {"level", "narrow_peaks", "low_pass"}),
+    "control_disagrees": (loose, {"level", "narrow_peaks", "low_pass", "band_off"}),
     "aliasing": (folded, {"level"}),
     "low_pass": (low_passed, set()),
     "sample_rate": (slow, set()),
@@ -198,7 +198,7 @@ def test_missing_samples_do_not_break_the_time_at_full_level() -> None:
     for start, count in ((3000, 1), (9000, 5), (15_000, 400)):
         x[start : start + count] = np.nan
     levels = reduce(PLAN, readings_of(BASE, 1, control=x)).levels
-    assert levels.interruptions == 0
+    assert not levels.left
     assert levels.duration == pytest.approx(BASE.duration, abs=levels.window)
 
 

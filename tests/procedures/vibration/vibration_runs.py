@@ -10,8 +10,8 @@ from independent.vibration.random_run import Array, G, Run, simulate
 from inertialcal.core.influence import Influence
 from inertialcal.core.judging import Asked, Verdict
 from inertialcal.procedures.protocol import Tested
-from inertialcal.procedures.vibration.judging import judge_lines
-from inertialcal.procedures.vibration.plan import CONTROL_SCALE, DEVIATION, Plan
+from inertialcal.procedures.vibration.judging import judge_level, judge_lines
+from inertialcal.procedures.vibration.plan import CONTROL_SCALE, DEVIATION, LEVEL_DEVIATION, Plan
 from inertialcal.procedures.vibration.profile_file import Node, completed
 from inertialcal.procedures.vibration.readings import Readings
 from inertialcal.procedures.vibration.reduction import Result, reduce
@@ -56,6 +56,13 @@ def overall_verdict(result: Result, limit: float) -> str:
     """Return the verdict on the overall level, as the general rule judges it."""
     row = next(one for one in result.rows() if one.quantity == "acceleration_rms_deviation")
     return decide(row.value, row.u, row.dof, -limit, limit).status
+
+
+def step_verdict(result: Result, limit: str) -> str:
+    """Return the verdict on the overall level that steps above full level make; empty where they make none."""
+    asked = Asked("O", LEVEL_DEVIATION, limit=limit)
+    found = judge_level(asked, [Tested("run", "", "fit", result.plan, result.readings, result)])
+    return found[0].verdict if found else ""
 
 
 def codes(result: Result) -> set[str]:

@@ -7,7 +7,7 @@ it matters (``MATTERS``), as a long run shows deviations that nobody need care a
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,9 +21,11 @@ from ...signals.spectrum.lines import Lines, find_lines
 from ...signals.vibration.deviation import NEPER
 from ...signals.vibration.gaussian import crest_reached, crossing_rate
 from ...signals.vibration.profile import decibels
+from .notches import CARVED, departures, standing_out
 
 if TYPE_CHECKING:
     from ...core.estimate import Array
+    from ...signals.vibration.levels import Stretch
     from .reduction import ChannelFigures, Result
 
 CHANCE = 1e-4
@@ -56,6 +58,7 @@ def findings(result: Result) -> Iterator[Remark]:
     yield from _stationarity(result)
     yield from _shapes(result)
     yield from _channels(result)
+    yield from _shape(result)
     yield from _sampling(result)
     yield from _lines(result)
     yield from _narrow(result)
@@ -69,8 +72,7 @@ def _where(result: Result) -> str:
 
 def _levels(result: Result) -> Iterator[Remark]:
     """Yield a run at another level than its profile throughout; steps of level; time above."""
-    target = result.target.rms(*result.band)
-    away = float(decibels(result.control.square / target**2))
+    away = result.away
     spread = NEPER * math.sqrt(2.0 / result.control.dof)
     deviation = float(np.median(result.deviation.value))
     off = abs(deviation) > MATTERS and abs(away) > MATTERS + 4.0 * spread
@@ -83,28 +85,46 @@ def _levels(result: Result) -> Iterator[Remark]:
         what = f"full level lies {number(abs(away), 2)} dB {word} the profile over its band"
         do = f'Check the gain of the controller; a run meant to be at that level: level = "{number(away, 2)} dB"'
         yield Remark("level", "warning", what, _where(result), do=do)
-    others = [one for one in result.levels.stretches if not one.full]
+    above, between = result.levels.above, result.levels.left
+    others = [one for one in result.levels.stretches if not one.full
+              and not any(each.start <= one.start < each.stop for each in (*above, *between))]  # fmt: skip
     if others:
-        shown = ", ".join(
-            f"{number(one.level, 2)} dB for {number(one.stop - one.start, 2)} s" for one in others[:SHOWN]
-        )
-        more = f" and {len(others) - SHOWN} more" if len(others) > SHOWN else ""
-        what = f"other levels: {shown}{more}; spectra are of full level alone"
+        what = f"other levels: {_few([_stretch(one) for one in others])}; spectra are of full level alone"
         yield Remark("level_steps", "info", what, _where(result), count=len(others))
-    if result.levels.above > 0.0:
-        what = f"{number(result.levels.above, 2)} s lie above full level"
-        do = "Look at the level over time: an over-test counts for the item"
-        yield Remark("above_level", "warning", what, _where(result), do=do)
+    if result.excursions:
+        what = f"the level steps up: {_few([str(one) for one in result.excursions])}"
+        do = "Find what the controller did then: an over-test counts for the item, spectra are of full level alone"
+        yield Remark("above_level", "warning", what, _where(result), len(result.excursions), do)
+
+
+def _stretch(one: Stretch) -> str:
+    """Return a level and when it was; a ramp by its ends."""
+    when = f"from {number(one.start, 4)} to {number(one.stop, 4)} s"
+    if one.ends is not None:
+        return f"a ramp {when} from {number(one.ends[0], 2)} to {number(one.ends[1], 2)} dB"
+    return f"{number(one.level, 2)} dB {when}"
+
+
+def _few(shown: Sequence[str]) -> str:
+    more = f" and {len(shown) - SHOWN} more" if len(shown) > SHOWN else ""
+    return f"{', '.join(shown[:SHOWN])}{more}"
 
 
 def _duration(result: Result) -> Iterator[Remark]:
     levels, wanted = result.levels, result.plan.duration
-    if levels.interruptions:
-        what = f"full level was left and reached again {levels.interruptions} time(s)"
-        yield Remark("interrupted", "warning", what, _where(result), do="The duration is the sum of its parts")
+    below = [one for one in levels.left if not one.level > levels.alike]
+    if below:
+        what = f"full level was left and reached again: {_few([_pause(one) for one in below])}"
+        do = "The duration is the sum of its parts"
+        yield Remark("interrupted", "warning", what, _where(result), len(below), do)
     if wanted is not None and levels.duration < wanted - 2.0 * levels.u_duration:
         what = f"{number(levels.duration, 4)} s at full level, {number(wanted, 4)} s were asked for"
         yield Remark("short_run", "warning", what, _where(result), do="Run again for what is missing")
+
+
+def _pause(one: Stretch) -> str:
+    how = "at rest" if one.level == -math.inf else f"at {number(one.level, 2)} dB" if one.level == one.level else "lost"
+    return f"{how} from {number(one.start, 4)} to {number(one.stop, 4)} s"
 
 
 def _stationarity(result: Result) -> Iterator[Remark]:
@@ -113,7 +133,11 @@ def _stationarity(result: Result) -> Iterator[Remark]:
     level = levels.level[levels.inner]
     low, high = (float(one) for one in np.nanpercentile(level, (5, 95))) if len(level) else (0.0, 0.0)
     chance = 2.0 * 1.645 * levels.deviation
-    if slope < CHANCE and abs(change) > STEADY:
+    at, size, by_chance = levels.step()
+    if by_chance < 0.1 * CHANCE and abs(size) > STEADY:  # of few windows, whose levels are skewed
+        what = f"the level at full level steps by {number(size, 2)} dB at {number(at, 4)} s"
+        yield Remark("not_stationary", "warning", what, _where(result), do="The spectrum is a mean over it")
+    elif slope < CHANCE and abs(change) > STEADY:
         what = f"the level at full level changes by {number(change, 2)} dB from its beginning to its end"
         yield Remark("not_stationary", "warning", what, _where(result), do="The spectrum is a mean over it")
     elif scatter < CHANCE and high - low > chance + STEADY:
@@ -200,6 +224,33 @@ def _channels(result: Result) -> Iterator[Remark]:
             what += f" most at {number(at, 3)} Hz"
             do = "Check its mounting and the fixture: a mean hides it"
             yield Remark("control_disagrees", "warning", what, _where(result), do=do, subject=result.channels[i].column)
+
+
+def _shape(result: Result) -> Iterator[Remark]:
+    """Yield bands that do not have the shape of the profile, where nothing else says why."""
+    if _swapped(result)[0]:
+        return
+    low_pass = bool(list(_low_pass(result)))
+    tones = [one.frequency for one in lines_of(result).found
+             if one.axis < len(result.readings.controls) and one.kind == "line"]  # fmt: skip
+    for one in departures(result, CHANCE):
+        if (one.open_high and one.mean < 0.0 and low_pass) or any(one.low <= f <= one.high for f in tones):
+            continue
+        if one.mean > 0.0 and one.carved > CARVED:
+            what = f"{one}: its notch of {number(one.carved, 2)} dB there is missing in the run"
+            do = "Check that the controller was given this profile: the item saw more than was asked for"
+            yield Remark("notch_missing", "warning", what, _where(result), do=do)
+        elif one.mean < 0.0 and not one.open_low and not one.open_high:
+            names = standing_out(result, one)
+            what = f"{one}: the run has a notch that its profile has not"
+            if names:
+                what += f"; there {listed(names)} {'stands' if len(names) == 1 else 'stand'} out over the control"
+            do = "Was a response limited there? Then judge by the profile with that notch"
+            yield Remark("notch_not_asked", "warning", what, _where(result), do=do)
+        else:
+            what = str(one)
+            do = "Check the controller's limits and lines there, and that the table and the fixture can follow"
+            yield Remark("band_off", "warning", what, _where(result), do=do)
 
 
 def _level(result: Result, place: int) -> float:

@@ -4,6 +4,9 @@ PASS where each line's own interval lies inside the limits: a run with any line 
 one line, 2.5 % with two limits (an intersection-union test). FAIL where, of intervals that hold for all lines
 together, one lies wholly outside: a good run fails with 5 % at most, however many lines there are. Else INCONCLUSIVE,
 and a longer run, or a coarser resolution, is what decides it.
+
+A time above full level, a step upwards, whose overall level lies wholly above the upper limit, is FAIL too, of the
+lines and of the overall level: spectra are of full level, but the item saw more.
 """
 
 from __future__ import annotations
@@ -14,15 +17,16 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+from scipy import special
 
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.judging import LEVEL, Asked, Basis, Verdict
 from ...core.results import Interval
 from ...core.show.rounding import number
-from ...signals.vibration.deviation import Deviation
+from ...signals.vibration.deviation import NEPER, Deviation
 from ...statistics.decision import Verdict as Decision
-from ...statistics.decision import decide_by
+from ...statistics.decision import decide, decide_by
 from ..protocol import Tested
 from .plan import CONTROL, Plan
 from .readings import Readings
@@ -32,8 +36,47 @@ VibrationTest = Tested[Plan, Readings, Result]
 
 
 def judge_lines(asked: Asked, tests: Sequence[VibrationTest]) -> list[Verdict]:
-    """Return a verdict a run, at its line that does worst."""
-    return [_judged(asked, one) for one in tests if asked.axis is None]
+    """Return a verdict a run, at its line that does worst, or of its step above full level."""
+    return [_of_steps(asked, one, "dB") or _judged(asked, one) for one in tests if asked.axis in (None, CONTROL)]
+
+
+def judge_level(asked: Asked, tests: Sequence[VibrationTest]) -> list[Verdict] | None:
+    """Return verdicts on the overall level, where a run has a step above full level that is too high; else None."""
+    steps = [_of_steps(asked, one, "1") for one in tests]
+    if asked.axis not in (None, CONTROL) or not any(steps):
+        return None
+    return [step or _of_level(asked, one) for step, one in zip(steps, tests, strict=True)]
+
+
+def _of_level(asked: Asked, test: VibrationTest) -> Verdict:
+    row = next(one for one in test.result.rows() if one.quantity == asked.quantity)
+    lower, upper = asked.limits("1")
+    found = decide(row.value, row.u, row.dof, lower, upper, rule=asked.rule)
+    return Verdict(asked.id, test.id, CONTROL, None, "", row.value, row.u, "1", found.interval, lower, upper,
+                   found.status, found.reason, basis=found.basis)  # fmt: skip
+
+
+def _of_steps(asked: Asked, test: VibrationTest, unit: str) -> Verdict | None:
+    """Return FAIL for the highest step above full level, where it is wholly above the limit."""
+    steps = sorted(test.result.excursions, key=lambda one: one.value)
+    try:
+        lower, upper = asked.limits(unit)
+    except DataError:
+        return None
+    if not steps or upper is None:
+        return None
+    one = steps[-1]
+    z = -float(special.ndtri(0.5 * (1.0 - LEVEL)))
+    ends = [one.value + sign * z * one.u_value for sign in (-1.0, 1.0)]
+    value, u = one.value, one.u_value
+    if unit != "dB":  # of the root mean square, less 1
+        value, *ends = (10.0 ** (0.05 * level) - 1.0 for level in (value, *ends))
+        u = (value + 1.0) * one.u_value / (2.0 * NEPER)
+    if not ends[0] > upper:
+        return None
+    reason = f"the level steps up {one}: {number(one.value, 2)} dB above the profile"
+    return Verdict(asked.id, test.id, CONTROL, None, "", value, u, unit, Interval(ends[0], ends[1], LEVEL), lower,
+                   upper, "FAIL", reason)  # fmt: skip
 
 
 def _judged(asked: Asked, test: VibrationTest) -> Verdict:
@@ -112,4 +155,4 @@ def _reason(
     return f"not decided at {open_lines} of {len(one)} lines; worst {at}: run longer, or take a coarser resolution"
 
 
-__all__ = ["judge_lines"]
+__all__ = ["judge_level", "judge_lines"]

@@ -142,12 +142,13 @@ class Vibration(Procedure[Plan, "Readings", "Result"]):
     def judge(
         self, asked: Asked, tests: Sequence[Tested[Plan, Readings, Result]]
     ) -> tuple[list[Verdict], list[Row]] | None:
-        """Return verdicts on the lines of a spectrum together."""
-        if asked.quantity != DEVIATION:
+        """Return verdicts on the lines of a spectrum together, and on an overall level that stepped up."""
+        if asked.quantity not in (DEVIATION, LEVEL_DEVIATION):
             return None
-        from .judging import judge_lines
+        from .judging import judge_level, judge_lines
 
-        return judge_lines(asked, tests), []
+        found = judge_lines(asked, tests) if asked.quantity == DEVIATION else judge_level(asked, tests)
+        return None if found is None else (found, [])
 
     def interval_at(self, result: Result, row: Row, p: float) -> Interval | None:
         """Return the interval of a level."""

@@ -33,7 +33,7 @@ from ...core.results import Interval, Row
 from ...core.show.rounding import number
 from ...signals.vibration.deviation import NEPER, Deviation, lines_against
 from ...signals.vibration.gaussian import Shape, shape_of
-from ...signals.vibration.levels import Levels, find_levels
+from ...signals.vibration.levels import Levels, Stretch, find_levels
 from ...signals.vibration.profile import Profile, decibels, fractional_octaves
 from ...signals.vibration.spectra import CrossSpectra, cross_spectra, hann_kernel
 from .plan import CONTROL, CONTROL_SCALE, FEWEST_LINES, SENSOR_SCALE, Plan
@@ -105,6 +105,27 @@ class ChannelFigures:
     shape: Shape
 
 
+@dataclass(frozen=True)
+class Excursion:
+    """A time above full level: its level against the profile [dB], degrees of freedom, u of the scale factor [dB]."""
+
+    stretch: Stretch
+    value: float
+    dof: float
+    u: float
+
+    @property
+    def u_value(self) -> float:
+        """Standard uncertainty of the level [dB]."""
+        return math.hypot(NEPER * math.sqrt(2.0 / self.dof), self.u)
+
+    def __str__(self) -> str:
+        """Return when, how long, and how much."""
+        one = self.stretch
+        when = f"from {number(one.start, 4)} to {number(one.stop, 4)} s"
+        return f"{when}, for {number(one.stop - one.start, 3)} s, {number(one.level, 2)} dB above full level"
+
+
 @dataclass(frozen=True, eq=False)
 class Result:
     """A run reduced.
@@ -148,6 +169,17 @@ class Result:
         """Of the profile, below half of the sampling frequency [Hz]."""
         low, high = self.target.band
         return low, min(high, 0.5 / self.readings.interval)
+
+    @property
+    def away(self) -> float:
+        """Overall level of the control at full level against that of the profile [dB]."""
+        return float(decibels(self.control.square / self.target.rms(*self.band) ** 2))
+
+    @property
+    def excursions(self) -> tuple[Excursion, ...]:
+        """Times above full level, with their level against the profile."""
+        return tuple(Excursion(one, self.away + one.level, one.dof, 2.0 * NEPER * self.control.u)
+                     for one in self.levels.above)  # fmt: skip
 
     @property
     def errors(self) -> tuple[Remark, ...]:
@@ -220,7 +252,8 @@ def _reduced(plan: Plan, readings: Readings) -> Result:
     every = np.hstack([readings.control, readings.responses])
     resolution = plan.resolution or default_resolution(target)
     segment = round(1.0 / (resolution * interval))
-    levels = find_levels(readings.control, interval, _width(target, readings, segment))
+    band = (target.band[0], min(target.band[1], nyquist))
+    levels = find_levels(readings.control, interval, _width(target, readings, segment), target.power(*band))
     chosen = levels.samples(len(readings))
     if segment < SHORTEST_SEGMENT:
         what = f"resolution = {number(resolution, 4)} Hz: {segment} samples of a segment"
@@ -232,7 +265,6 @@ def _reduced(plan: Plan, readings: Readings) -> Result:
     count = len(readings.controls)
     density, edf = controlled(plan, spectra, count)
     u = _u(plan, CONTROL_SCALE)
-    band = (target.band[0], min(target.band[1], nyquist))
     expected = target.smoothed(spectra.frequency, *hann_kernel(spectra.spacing))
     edges = None if plan.octave is None else fractional_octaves(*band, plan.octave)
     each = spectra.density[:, : count if plan.average == "maximum" and count > 1 else 0]
@@ -301,4 +333,4 @@ def _channel(
     return ChannelFigures(name, readings.controls[i] if control else name, power, shape)
 
 
-__all__ = ["ChannelFigures", "Power", "Result", "controlled", "default_resolution", "reduce"]
+__all__ = ["ChannelFigures", "Excursion", "Power", "Result", "controlled", "default_resolution", "reduce"]

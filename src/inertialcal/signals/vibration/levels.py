@@ -4,10 +4,13 @@ The record is cut into windows of equal length; the level of a window is its mea
 control channels. Windows are long enough for some hundred degrees of freedom, so that chance moves a level by 0.3 dB.
 
 *Full level* is the highest level that lasts: at least a second, and a tenth of the time of the longest level of the
-record, window after window. A window belongs to it within 1.5 dB of the median of its windows, or four deviations by
-chance where that is more (a narrow spectrum). A single window that strays is chance and is filled in. Windows beside a
-change of level hold a part of it and are not used for spectra, but count in the duration, whose error is that of two
-ends inside a window.
+record, window after window. A level above the one that the run was meant to have is none where a lower one is nearer to
+that, and has lasted four times as long, or twice as long on both sides of it: it is a step upwards that was not meant.
+A window belongs to full level within 1.5 dB of the median of its windows, or four deviations by chance where that is
+more (a narrow spectrum). A single window that strays is chance and is filled in. What is lower than the rest at an end,
+within these 1.5 dB, is the end of a ramp and does not belong to it: a slope, or a step, that lowers the sum of squares
+by `RAMP` variances by chance. Windows beside a change of level hold a part of it and are not used for spectra, but
+count in the duration, whose error is that of two ends inside a window.
 
 Whether the full level stays is judged by its windows against each other: chance alone gives the sum of their squared
 deviations, over the variance that the degrees of freedom ask for, a chi-square distribution; and a slope over time the
@@ -18,7 +21,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +42,9 @@ LASTS, PART = 1.0, 0.1  # of a level: so long at least [s]; so much of the longe
 OFF = 30.0  # below the highest window, from which the table stands still [dB]
 STEP = 0.25  # between levels that are tried [dB]
 RUN = 3  # windows that make a level of their own
+REMEMBERED = 500  # windows of a level that the next one is compared with
+BRIEF, AMID = 0.25, 0.5  # of the time of a lower level, that a step upwards lasts; that one amid it lasts
+RAMP, DEEP, END = 30.0, 1.0, 4  # variances by chance; dB at its end; parts of a stretch, of which it is one at most
 
 
 @dataclass(frozen=True)
@@ -46,8 +53,10 @@ class Stretch:
 
     start: float  # Since the first sample [s]
     stop: float
-    level: float  # Median, against full level [dB]
+    level: float  # Median, against full level [dB]; minus infinity where the table stands still
     full: bool  # Whether it is full level
+    dof: float = 0.0  # Of its mean square
+    ends: tuple[float, float] | None = None  # Levels at both ends of a ramp [dB]; None where it is none
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,14 +107,33 @@ class Levels:
         return self.window * math.sqrt(max(edges, 1) / 12.0)
 
     @property
-    def interruptions(self) -> int:
-        """How often full level was left and reached again."""
-        return max(0, sum(one.full for one in self.stretches) - 1)
+    def above(self) -> tuple[Stretch, ...]:
+        """Steps upwards from full level: stretches above it, those that follow each other as one."""
+        found: list[list[Stretch]] = []
+        for one in self.stretches:
+            if one.full or not one.level > self.alike:
+                continue
+            if found and one.start - found[-1][-1].stop < 0.5 * self.window:
+                found[-1].append(one)
+            else:
+                found.append([one])
+        longest = [max(each, key=lambda one: (one.dof, one.level)) for each in found]
+        return tuple(
+            replace(one, start=each[0].start, stop=each[-1].stop) for each, one in zip(found, longest, strict=True)
+        )
 
     @property
-    def above(self) -> float:
-        """Time above full level [s]."""
-        return self.window * int(np.count_nonzero(~self.full & (self.level > self.alike)))
+    def left(self) -> tuple[Stretch, ...]:
+        """Where full level was left and reached again, with the level in between."""
+        full = [one for one in self.stretches if one.full]
+        found = []
+        for before, after in pairwise(full):
+            inside = (self.time > before.stop) & (self.time < after.start)
+            level = self.level[inside & np.isfinite(self.level)]
+            middle = float(np.median(level)) if len(level) else math.nan
+            still = len(level) > 0 and float(level.min()) <= -OFF
+            found.append(Stretch(before.stop, after.start, -math.inf if still else middle, full=False))
+        return tuple(found)
 
     @property
     def deviation(self) -> float:
@@ -134,8 +162,29 @@ class Levels:
         u = self.deviation / math.sqrt(float(about @ about))
         return scatter, float(2.0 * special.ndtr(-abs(slope / u))), slope * float(np.ptp(time))
 
+    def step(self) -> tuple[float, float, float]:
+        """Return time [s] and size [dB] of the step that explains most of the scatter at full level, and its chance.
 
-def find_levels(x: Array, interval: float, width: float) -> Levels:
+        The chance is 1 where a slope explains more.
+        """
+        use = self.inner & np.isfinite(self.level)
+        level, time = self.level[use], self.time[use]
+        n = len(level)
+        if n < 2 * RUN:
+            return 0.0, 0.0, 1.0
+        before = np.arange(RUN, n - RUN + 1)
+        sums = np.cumsum(level)
+        sizes = (sums[-1] - sums[before - 1]) / (n - before) - sums[before - 1] / before
+        gains = sizes**2 * before * (n - before) / n
+        i = int(np.argmax(gains))
+        about = time - time.mean()
+        if float(about @ level) ** 2 / float(about @ about) > gains[i]:
+            return 0.0, 0.0, 1.0
+        at = 0.5 * float(time[before[i] - 1] + time[before[i]])
+        return at, float(sizes[i]), min(1.0, 2.0 * n * float(special.ndtr(-math.sqrt(gains[i]) / self.deviation)))
+
+
+def find_levels(x: Array, interval: float, width: float, meant: float) -> Levels:
     """Return the level of a record over time, and where it is at full level.
 
     Parameters
@@ -146,6 +195,8 @@ def find_levels(x: Array, interval: float, width: float) -> Levels:
         From sample to sample [s].
     width : float
         Statistical bandwidth of the vibration (``Profile.width``) [Hz].
+    meant : float
+        Mean square that the run was meant to have [unit^2].
 
     Raises
     ------
@@ -170,11 +221,12 @@ def find_levels(x: Array, interval: float, width: float) -> Levels:
     raw = decibels(power)
     dof = 2.0 * width * size * interval
     alike = max(ALIKE, BY_CHANCE * deviation_of(dof))
-    top = _full_level(raw, size * interval, alike)
+    top = _full_level(raw, size * interval, alike, float(decibels(meant)))
     level = raw - top
     time = (np.arange(count, dtype=np.float64) + 0.5) * (size * interval)
     full = _filled(_bridged(np.abs(level) <= alike, np.isnan(level)), level, FAR + alike - ALIKE)
-    stretches, edges = _stretches(level, full, size * interval, alike)
+    full = _without_ramps(full, level, deviation_of(dof))
+    stretches, edges = _stretches(level, full, size * interval, alike, dof)
     inner = full & ~edges
     inner = inner if inner.any() else full
     return Levels(time, level, full, inner, float(10.0 ** (top / 10.0)), size * interval, size, dof, alike, stretches)
@@ -210,12 +262,12 @@ def mean_squares(x: Array, size: int) -> Array:
 def pieces(level: Array, apart: float) -> list[tuple[int, int]]:
     """Return the windows of each level, first and one past the last, one after another.
 
-    A new one begins where a window, and the median of three from it on, are further away than ``apart`` from the median
-    of the piece so far [dB].
+    A new one begins where a window, and the median of three from it on, are further away than ``apart`` [dB] from the
+    median of the piece so far (of its last 500 windows).
     """
     found, start = [], 0
     for i in range(1, len(level) + 1):
-        middle = np.median(level[start:i])
+        middle = np.median(level[max(start, i - REMEMBERED) : i])
         if i == len(level) or min(abs(level[i] - middle), abs(np.median(level[i : i + 3]) - middle)) > apart:
             found.append((start, i))
             start = i
@@ -237,22 +289,45 @@ def deviation_of(dof: float) -> float:
     return float(decibels(math.e)) * math.sqrt(float(special.polygamma(1, 0.5 * dof)))
 
 
-def _full_level(raw: Array, window: float, alike: float) -> float:
-    """Return the highest level that lasts [dB]."""
+def _full_level(raw: Array, window: float, alike: float, meant: float) -> float:
+    """Return the highest level that lasts, and is no step upwards that was not meant [dB]."""
+    levels = _lasting(raw, window, alike)
+    for i, one in enumerate(levels):
+        if not any(_stray(raw, one, lower, alike, meant) for lower in levels[i + 1 :]):
+            return one
+    return levels[-1]
+
+
+def _lasting(raw: Array, window: float, alike: float) -> list[float]:
+    """Return all levels that last, the highest first [dB]."""
     highest = float(np.nanmax(raw))
     on = raw[np.isfinite(raw) & (raw > highest - OFF)]
     candidates = np.arange(highest, float(on.min()) - STEP, -STEP)
     longest = [_longest_run(np.abs(raw - one) <= alike) for one in candidates.tolist()]
-    needed = max(math.ceil(LASTS / window), math.ceil(PART * max(longest)), RUN)
-    at = next(i for i, one in enumerate(longest) if one >= min(needed, max(longest)))
-    best = float(candidates[at])
-    for _ in range(20):  # to the middle of the level that it stands at the edge of
-        near = on[np.abs(on - best) <= alike]
-        middle = float(np.median(near))
-        if middle == best:
-            break
-        best = middle
-    return best
+    needed = min(max(math.ceil(LASTS / window), math.ceil(PART * max(longest)), RUN), max(longest))
+    found: list[float] = []
+    for one, run in zip(candidates.tolist(), longest, strict=True):
+        if run < needed or (found and one > found[-1] - 2.0 * alike):
+            continue
+        best = one
+        for _ in range(20):  # to the middle of the level that it stands at the edge of
+            near = on[np.abs(on - best) <= alike]
+            middle = float(np.median(near))
+            if middle == best:
+                break
+            best = middle
+        if not found or best < found[-1] - alike:
+            found.append(best)
+    return found
+
+
+def _stray(raw: Array, level: float, lower: float, alike: float, meant: float) -> bool:
+    """Whether a level is a step upwards from a lower one, which is nearer to what was meant."""
+    if abs(level - meant) <= abs(lower - meant):
+        return False
+    own, base = (np.flatnonzero(np.abs(raw - one) <= alike) for one in (level, lower))
+    amid = base[0] < own[0] and own[-1] < base[-1]
+    return len(own) <= (AMID if amid else BRIEF) * len(base)
 
 
 def _longest_run(marked: Flags) -> int:
@@ -274,24 +349,82 @@ def _filled(full: Flags, level: Array, far: float) -> Flags:
     return found if found.any() else full
 
 
-def _stretches(level: Array, full: Flags, window: float, alike: float) -> tuple[tuple[Stretch, ...], Flags]:
+def _without_ramps(full: Flags, level: Array, deviation: float) -> Flags:
+    """Return the windows at full level without the ends of ramps that lead to it, or away from it."""
+    found = full.copy()
+    edges = np.flatnonzero(np.diff(full.astype(int), prepend=0, append=0))
+    for a, b in zip(edges[0::2].tolist(), edges[1::2].tolist(), strict=True):
+        own = level[a:b]
+        found[a : a + _ramp(own, deviation)] = False
+        found[b - _ramp(own[::-1], deviation) : b] = False
+    return found
+
+
+def _ramp(level: Array, deviation: float) -> int:
+    """Return how many windows at the beginning of a stretch lie below the rest, as a slope or a step."""
+    most = len(level) // END
+    if most < RUN:
+        return 0
+    away = np.nan_to_num(level - np.nanmedian(level[most:]))
+    found, best = 0, RAMP * deviation**2
+    for n in range(RUN, most + 1):
+        for shape in (np.ones(n), np.arange(n, 0.0, -1.0)):
+            size = float(shape @ away[:n]) / float(shape @ shape)
+            less = size**2 * float(shape @ shape)
+            if size * float(shape[0]) < -DEEP and less > best:
+                found, best = n, less
+    return found
+
+
+def _stretches(level: Array, full: Flags, window: float, alike: float, dof: float) -> tuple[tuple[Stretch, ...], Flags]:
     """Return the levels one after another, and the windows beside a change from or to full level."""
     found: list[Stretch] = []
     edges = np.zeros(len(level), dtype=bool)
-    n, i = len(level), 0
-    while i < n:
-        j, own = i + 1, [level[i]]
-        while j < n and full[j] == full[i] and (full[i] or abs(level[j] - np.median(own[-20:])) <= alike):
-            own.append(level[j])
-            j += 1
-        if full[i]:
-            edges[i] |= i > 0
-            edges[j - 1] |= j < n
-        middle = float(np.nanmedian(own)) if np.isfinite(own).any() else math.nan
-        if (full[i] or j - i >= RUN) and middle > -OFF:
-            found.append(Stretch(i * window, j * window, middle, bool(full[i])))
-        i = j
+    cuts = [0, *(np.flatnonzero(np.diff(full.astype(int))) + 1).tolist(), len(level)]
+    for a, b in pairwise(cuts):
+        if full[a]:
+            edges[a] |= a > 0
+            edges[b - 1] |= b < len(level)
+            found.append(Stretch(a * window, b * window, float(np.nanmedian(level[a:b])), full=True, dof=(b - a) * dof))
+        else:
+            known = np.where(np.isfinite(level[a:b]), np.maximum(level[a:b], -2.0 * OFF), -2.0 * OFF)
+            found += _others(known, a, window, alike, dof)
     return tuple(found), edges
+
+
+def _others(level: Array, first: int, window: float, alike: float, dof: float) -> list[Stretch]:
+    """Return the levels that are not full, and ramps, of windows that follow each other."""
+    parts = pieces(level, alike)
+    middle = [float(np.median(level[a:b])) for a, b in parts]
+    found: list[Stretch] = []
+    i = 0
+    while i < len(parts):
+        j = i + 1
+        while j + 1 < len(parts) and (middle[j] - middle[i]) * (middle[j + 1] - middle[j]) > 0.0:
+            j += 1
+        a, b = parts[i][0], parts[min(j, len(parts) - 1)][1]
+        if j < len(parts) and (ends := _sloping(level, parts[i : j + 1])):
+            at = (first + a) * window, (first + b) * window
+            found.append(Stretch(*at, float(np.median(level[a:b])), full=False, dof=(b - a) * dof, ends=ends))
+            i = j + 1
+            continue
+        a, b = parts[i]
+        lasts = b - a >= RUN or middle[i] > alike  # a step upwards counts however brief it is
+        if lasts and middle[i] > -OFF:
+            at = (first + a) * window, (first + b) * window
+            found.append(Stretch(*at, middle[i], full=False, dof=(b - a) * dof))
+        i += 1
+    return found
+
+
+def _sloping(level: Array, parts: Sequence[tuple[int, int]]) -> tuple[float, float] | None:
+    """Return the ends of the line that pieces follow better than levels of their own; None where they do not."""
+    a, b = parts[0][0], parts[-1][1]
+    t, own = np.arange(a, b), level[a:b]
+    slope, start = np.polyfit(t, own, 1)
+    of_line = float(np.sum((own - start - slope * t) ** 2))
+    of_levels = sum(float(np.sum((level[i:j] - np.mean(level[i:j])) ** 2)) for i, j in parts)
+    return (float(start + slope * a), float(start + slope * (b - 1))) if of_line < of_levels else None
 
 
 __all__: Sequence[str] = ("Levels", "Stretch", "find_levels", "mean_squares", "pieces")
