@@ -167,7 +167,7 @@ def heading(name: str, unit: str | None = None) -> Heading:
     unit : str, optional
         As a units row or metadata say it; goes before the name.
     """
-    bare, bracket = _plain(bare_name(name)), _bracket(name)
+    bare, bracket = _plain(bare_name(name)), in_brackets(name)
     words = [word.lower() for word in WORD.findall(bare)]
     given = unit if unit is not None else bracket
     known, rest = _suffix(bare)
@@ -242,7 +242,7 @@ def _opening(name: str) -> int | None:
     return None
 
 
-def _bracket(name: str) -> str | None:
+def in_brackets(name: str) -> str | None:
     """Return what stands in brackets at the end of a name; a number there counts columns, and is no unit."""
     at = _opening(name)
     inside = None if at is None else name.strip()[at + 1 : -1]

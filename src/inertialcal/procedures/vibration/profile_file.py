@@ -30,7 +30,7 @@ from ...core.remarks import Remark
 from ...core.show.rounding import number
 from ...core.units import Quantity, parse_quantity, same_dimension
 from ...files.source import load
-from ...files.text.headers import bare_name
+from ...files.text.headers import bare_name, in_brackets
 from ...files.text.layout import decode
 from ...files.text.table import Table, read_table
 from ...signals.vibration.profile import Profile, decibels, octaves
@@ -368,7 +368,7 @@ def _unit_of(table: Table, place: int) -> DensityUnit:
     """
     name = table.names[place]
     bare = bare_name(name)
-    behind = name[len(bare) :].strip(" _,/")[1:-1] if bare != name.strip() else re.sub(r"^[A-Za-z]+[ _.,]*", "", bare)
+    behind = in_brackets(name) or re.sub(r"^[A-Za-z]+[ _.,]*", "", bare)
     said = [one for one in (behind, bare, table.units[place] if place < len(table.units) else None) if one]
     for one in said:
         try:
