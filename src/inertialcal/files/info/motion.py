@@ -12,9 +12,10 @@ from ...core.errors import InertialcalError
 from ...core.key import AXES
 from ...core.recording import SECOND, Channel, Recording
 from ...core.remarks import Remark
-from ...core.units import kind
+from ...core.units import factor, kind
 from ...signals.segmentation.segments import detect, static_intervals
 from ...signals.segmentation.stillness import Stillness, judge_in_pieces
+from ...signals.vibration.recognised import LONGEST, recognised
 from .channel_survey import ChannelSurvey
 
 SHORT = 1_000  # samples: a shorter record says little about noise, and may be a dwell
@@ -107,6 +108,16 @@ def is_sensed(channel: Channel) -> bool:
     return channel.quantity in SENSED or bool(unsaid)
 
 
+def _is_shaken(channel: Channel, recording: Recording) -> bool:
+    """Whether an accelerometer whose unit is known was on a shaker."""
+    interval = recording.sample_interval
+    if not interval or channel.unit is None or kind(channel.unit) != "acceleration":
+        return False
+    if channel.data.dtype.kind not in "iuf" or len(channel.data) > LONGEST:
+        return False
+    return bool(recognised(np.asarray(channel.data, dtype=np.float64) * factor(channel.unit, "m/s^2"), interval))
+
+
 def motion_remarks(recording: Recording, surveys: Sequence[ChannelSurvey]) -> tuple[Remark, ...]:
     """Return one remark on motion or disturbance, or none.
 
@@ -125,6 +136,9 @@ def motion_remarks(recording: Recording, surveys: Sequence[ChannelSurvey]) -> tu
         judged = judge_in_pieces(channel.data, survey.resolution or 0.0)
         if judged is not None:
             found[channel.name] = judged
+    if any(_is_shaken(channel, recording) for channel in recording.channels):
+        what = "the sensor is vibrated, at random or by a swept sine: not a recording at rest"
+        return (Remark("not_at_rest", "info", what, where=recording.source.path),)
     stretches = _merged([(d.first, d.last) for s in found.values() for d in s.disturbances])
     path = recording.source.path
     if not all(s.at_rest for s in found.values()) or len(stretches) > MOST:

@@ -12,10 +12,13 @@ from .plan import CONTROL, INFLUENCES, OfFile, Plan
 if TYPE_CHECKING:
     from ...core.errors import Problem
     from ...core.judging import Asked, Verdict
+    from ...core.recording import Recording
     from ...core.results import Row, WrittenRow
     from ...core.show.rows import Sentence
+    from ...files.info.survey import Survey
     from ..entries import SaidTest
     from ..given import Described, GivenFile
+    from ..suggestions import Claim, Draft, FolderFile, Suggestion
     from .readings import Readings
     from .reduction import Result
 
@@ -156,6 +159,24 @@ class SineSurvey(Procedure[Plan, "Readings", "Result"]):
                 except PlanError as error:
                     where = test.at("tests", test.number, "plan", name)
                     yield from (Problem(one.what, where, one.why, one.do, one.code) for one in error.problems)
+
+    def suggests(self, recording: Recording, survey: Survey) -> Suggestion | None:
+        """Return the command to type next."""
+        from .suggest import suggests
+
+        return suggests(recording, survey)
+
+    def claims(self, file: FolderFile) -> Claim | None:
+        """Return how much a file of a folder is made for this test."""
+        from .suggest import claims
+
+        return claims(file)
+
+    def draft(self, contents: Mapping[str, object]) -> Draft:
+        """Return what a first campaign.toml says of them."""
+        from .suggest import draft
+
+        return draft(contents)
 
 
 PROCEDURE = SineSurvey()

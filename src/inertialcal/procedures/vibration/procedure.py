@@ -35,12 +35,15 @@ from .plan import (
 if TYPE_CHECKING:
     from ...core.errors import Problem
     from ...core.judging import Asked, Verdict
+    from ...core.recording import Recording
     from ...core.remarks import Remark
     from ...core.results import Interval, Row, WrittenRow
     from ...core.show.rows import Sentence
+    from ...files.info.survey import Survey
     from ..entries import Entry, EntryKey, SaidTest
     from ..given import Described, GivenFile
     from ..protocol import Planned, Reduced
+    from ..suggestions import Claim, Draft, FolderFile, Suggestion
     from .entry import VibrationEntry
     from .readings import Readings
     from .reduction import Result
@@ -185,6 +188,24 @@ class Vibration(Procedure[Plan, "Readings", "Result"]):
             what = f"recordings.{name}: no profile"
             do = 'Say profile = "FILE.csv"'
             yield Problem(what, test.at("recordings", name), "a run is judged against one", do, "missing_key")
+
+    def suggests(self, recording: Recording, survey: Survey) -> Suggestion | None:
+        """Return the command to type next."""
+        from .suggest import suggests
+
+        return suggests(recording, survey)
+
+    def claims(self, file: FolderFile) -> Claim | None:
+        """Return how much a file of a folder is made for this test."""
+        from .suggest import claims
+
+        return claims(file)
+
+    def draft(self, contents: Mapping[str, object]) -> Draft:
+        """Return what a first campaign.toml says of them."""
+        from .suggest import draft
+
+        return draft(contents)
 
 
 PROCEDURE = Vibration()

@@ -21,10 +21,13 @@ from .figures import FIGURES
 from .plan import INFLUENCES, Direction, Plan
 
 if TYPE_CHECKING:
+    from ...core.recording import Recording
     from ...core.remarks import Remark
     from ...core.results import Row, WrittenRow
     from ...core.show.rows import Sentence
+    from ...files.info.survey import Survey
     from ..given import Described, GivenFile
+    from ..suggestions import Claim, Draft, FolderFile, Suggestion
     from .readings import Readings
     from .reduction import Result
 
@@ -119,6 +122,24 @@ class VibrationEffects(Procedure[Plan, "Readings", "Result"]):
         from ...core.show.rows import largest_of
 
         return largest_of(("vibration_rectification",), rows) or ("No rectification could be estimated",)
+
+    def suggests(self, recording: Recording, survey: Survey) -> Suggestion | None:
+        """Return the command to type next."""
+        from .suggest import suggests
+
+        return suggests(recording, survey)
+
+    def claims(self, file: FolderFile) -> Claim | None:
+        """Return how much a file of a folder is made for this test."""
+        from .suggest import claims
+
+        return claims(file)
+
+    def draft(self, contents: Mapping[str, object]) -> Draft:
+        """Return what a first campaign.toml says of them."""
+        from .suggest import draft
+
+        return draft(contents)
 
 
 PROCEDURE = VibrationEffects()
