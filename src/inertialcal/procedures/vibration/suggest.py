@@ -99,7 +99,7 @@ def profile_columns(names: Mapping[str, str | None]) -> bool:
     """Return whether columns, by name with their unit, are frequencies and densities of acceleration."""
     words = {bare_name(name).lower(): unit for name, unit in names.items()}
     frequency = [name for name, unit in words.items() if name in FREQUENCY and unit in (None, "Hz")]
-    level = [unit for name, unit in words.items() if name in DENSITY or name.startswith(DENSITY)]
+    level = [unit for heading, unit in words.items() if heading.startswith(DENSITY)]
     return len(frequency) == 1 and any(unit and same_dimension(unit, "(m/s^2)^2/Hz") for unit in level)
 
 

@@ -23,8 +23,8 @@ GAINS = Influence(0.01, "1", certificate="simulated", standard="control_accelero
 
 LATITUDE = 36.6  # [deg]
 TABLE = {
-    name: Influence(u, unit, certificate="simulated", standard="rate_table", quantity=name.partition(".")[2])
-    for name, u, unit in (("rate_table.rate", 3e-4, "1"), ("rate_table.mounting", 1e-3, "rad"))
+    f"rate_table.{quantity}": Influence(u, unit, certificate="simulated", standard="rate_table", quantity=quantity)
+    for quantity, u, unit in (("rate", 3e-4, "1"), ("mounting", 1e-3, "rad"))
 }
 
 
