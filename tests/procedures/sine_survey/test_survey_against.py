@@ -10,7 +10,7 @@ import pytest
 
 import inertialcal as ic
 from independent.shaking.shaker import Mode, Run, recorded
-from inertialcal.procedures.sine_survey.against import matched
+from inertialcal.procedures.sine_survey.match import matched
 from inertialcal.procedures.sine_survey.plan import range_of, rate_of
 from inertialcal.procedures.sine_survey.sweep import find_sweeps
 
@@ -101,9 +101,9 @@ def test_up_and_down_of_an_item_that_changed_in_between_is_named(tmp_path: Path)
     up = write(tmp_path / "up.csv", RUN, ITEM, 1)
     softer = (Mode(119.0, 18.0, 0.9), ITEM[1])
     down = write(tmp_path / "down.csv", Run(500.0, 50.0, 30.0, sample_rate=2000.0, quiet=0.3), softer, 2)
-    assert "not_linear" in codes(ic.vibration_survey([up, down]))
+    assert "sweeps_differ" in codes(ic.vibration_survey([up, down]))
     same = write(tmp_path / "same.csv", Run(500.0, 50.0, 30.0, sample_rate=2000.0, quiet=0.3), ITEM, 3)
-    assert "not_linear" not in codes(ic.vibration_survey([up, same]))
+    assert "sweeps_differ" not in codes(ic.vibration_survey([up, same]))
 
 
 def test_a_mode_at_the_end_of_the_sweep_is_not_estimated(tmp_path: Path) -> None:

@@ -23,6 +23,7 @@ from ...core.results import Row, not_estimated
 from ...core.show.rounding import number
 from ...statistics.difference import Figure, difference
 from ...statistics.intervals import t_interval
+from .match import NEAR, matched
 from .plan import CLOCK
 from .reduction import AMPLIFICATION, FREQUENCY, OF_MODE, PEAK, Result, mode_key
 from .swept import OfAxis
@@ -32,7 +33,6 @@ CHANGES = {
     AMPLIFICATION: "amplification_change",
     PEAK: "transmissibility_change",
 }
-NEAR = 0.1  # of a frequency, within which a mode may have moved
 
 
 def change_rows(
@@ -85,7 +85,10 @@ def _of_axis(after: Result, before: Result, axis: str, name: str, shared: bool) 
         for quantity in OF_MODE:
             found.append(_change(after, before, mode_key(quantity, axis, i + 1), mode_key(quantity, axis, j + 1),
                                  name, shared))  # fmt: skip
+    single = [f for one in (after, before) for f, _ in one.axes[axis].sweeps.single]
     for reason, own, frequency in refused:
+        if any(abs(math.log(frequency / one)) < NEAR for one in single):
+            reason = Reason("sweeps_differ", "not every sweep of one survey has it")  # noqa: PLW2901
         key = mode_key(CHANGES[FREQUENCY], axis, own)
         found.append(not_estimated(key, "1", Reason(reason.code, f"{number(frequency, 4)} Hz: {reason.text}")))
     return found
@@ -109,70 +112,3 @@ def _change(after: Result, before: Result, key: Key, other: Key, name: str, shar
     reason = Reason("limits", f"relative to {name}, where it was {number(old, 6)}")
     kept = key._replace(quantity=CHANGES[key.quantity])
     return Row(kept, ratio - 1.0, change.u, "1", dof, t_interval(ratio - 1.0, change.u, change.dof), reason=reason)
-
-
-def matched(after: Array, before: Array) -> tuple[list[tuple[int, int]], list[tuple[Reason, int, float]]]:
-    """Return which mode after is which before, and those that cannot be told: reason, number, frequency.
-
-    Parameters
-    ----------
-    after, before : ndarray
-        Natural frequencies in order [Hz].
-
-    Returns
-    -------
-    pairs : list of (int, int)
-        Places in both.
-    refused : list of (Reason, int, float)
-        Modes without a pair; those of before are counted on behind those of after.
-    """
-    logs = [np.log(one) for one in (after, before)]
-    near = np.abs(logs[0][:, None] - logs[1][None]) < NEAR
-    pairs: list[tuple[int, int]] = []
-    refused: list[tuple[Reason, int, float]] = []
-    extra = len(after)
-    groups = _groups(near)
-    for mine, its in groups:
-        if len(mine) == len(its) and _in_order(logs[0][mine], logs[1][its]):
-            pairs += list(zip(mine, its, strict=True))
-            continue
-        if not its:
-            refused += [(Reason("mode_new", "before had no mode there"), i + 1, float(after[i])) for i in mine]
-            continue
-        if not mine:
-            for j in its:
-                extra += 1
-                refused.append((Reason("mode_lost", "it was there before, and is no more"), extra, float(before[j])))
-            continue
-        words = ", ".join(number(float(before[j]), 4) for j in its)
-        why = Reason("ambiguous", f"cannot tell which of the modes before it is: {words} Hz")
-        refused += [(why, i + 1, float(after[i])) for i in mine]
-    return sorted(pairs), sorted(refused, key=lambda one: one[1])
-
-
-def _groups(near: np.ndarray) -> list[tuple[list[int], list[int]]]:
-    """Return modes of both that are near to each other, directly or through others."""
-    rows, columns = near.shape
-    left, found = set(range(rows)), []
-    free = set(range(columns))
-    while left or free:
-        mine, its = ({left.pop()}, set()) if left else (set(), {free.pop()})
-        while True:
-            more = {j for i in mine for j in np.flatnonzero(near[i]).tolist() if j in free}
-            free -= more
-            its |= more
-            also = {i for j in its for i in np.flatnonzero(near[:, j]).tolist() if i in left}
-            left -= also
-            mine |= also
-            if not more and not also:
-                break
-        found.append((sorted(mine), sorted(its)))
-    return found
-
-
-def _in_order(after: Array, before: Array) -> bool:
-    """Whether each moved by less than half of what parts it from the next."""
-    if len(before) < 2:
-        return True
-    gap = min(float(np.diff(before).min()), float(np.diff(after).min()))
-    return bool(np.max(np.abs(after - before)) < 0.5 * gap)

@@ -4,21 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from itertools import combinations
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...core.estimate import Array
 from ...core.remarks import Remark
 from ...core.show.rounding import number
-from ...statistics.intervals import coverage_factor
+from .lost import lost_samples
+from .modal import Modes
 from .plan import Plan
+from .residual import amplitudes, residual_at_drive
 from .sweep import LOST
 from .swept import OfAxis, Swept
 
-FALSE_ALARM = 1e-3  # of a remark on a clean survey
 OFF_RATE, OFF_RANGE, OFF_LEVEL = 0.01, 0.05, 0.1  # relative, from which a sweep is another one than stated
 WEAK = 0.5  # of the level, below which the control is lost
 DISTORTED, CLIPPED, EVEN = 0.1, 0.02, 3.0  # harmonics over the drive; third of a clipped one, over the second
@@ -26,6 +25,7 @@ FLATTER = 3.0  # times as flat as the control, that only a controlled channel is
 RIPPLE = 0.2  # of the logarithm of a level
 APART = 0.1  # of their mean, that control channels may differ by
 EXPLAINED = 0.98
+SOME = 4  # modes that a remark names
 HIGH = 0.4  # of the sample rate
 
 
@@ -50,11 +50,16 @@ def doubts(plan: Plan, swept: Swept) -> Iterator[Remark]:
     if one.highest > HIGH * shaken.rate:
         what = f"the sweep goes to {number(one.highest, 4)} Hz, sampled at {number(shaken.rate, 5)} Hz"
         yield said("aliasing", f"{what}: what lies above half of that folds back", "Sample five times as fast or more")
-    steps = np.abs(np.diff(one.left))
-    if len(steps) and float(steps.max()) > LOST:
+    strong = one.amplitude > WEAK * float(np.median(one.amplitude))  # the phase of nothing is no phase
+    steps = np.where(strong[1:] & strong[:-1], np.abs(np.diff(one.left)), 0.0)
+    do = "Check the recorder for lost samples: all later ones are out of step. Repeat the sweep"
+    if (loss := lost_samples(one, shaken.rate)) is not None:
+        count = number(abs(loss.samples), 2)
+        what = f"about {count} sample(s) {'are missing' if loss.samples > 0.0 else 'too many'} at {loss.time:.4g} s"
+        yield said("lost_samples", f"{what}: behind them the phase of the drive runs beside its law", do, error=True)
+    elif len(steps) and float(steps.max()) > LOST:
         at = int(np.argmax(steps))
         what = f"the drive jumps by {number(float(steps[at]), 2)} of a cycle at {one.times[at]:.4g} s"
-        do = "Check for lost samples: all later ones are out of step. Repeat the sweep"
         yield said("lost_samples", what, do, error=True)
 
 
@@ -142,43 +147,39 @@ def _flatness(amplitude: Array) -> float:
     return float(np.std(np.log(np.maximum(amplitude, 1e-300))))
 
 
-def amplitudes(swept: Swept, values: Array) -> NDArray[np.complex128]:
-    """Return the complex amplitude of a channel at the drive, at the times of the sums of the sweep."""
-    one, rate = swept.sweep, swept.shaken.rate
-    edges = np.concatenate([[1.5 * one.times[0] - 0.5 * one.times[1]], 0.5 * (one.times[1:] + one.times[:-1]),
-                            [1.5 * one.times[-1] - 0.5 * one.times[-2]]])  # fmt: skip
-    first, stop = max(0, round(edges[0] * rate)), min(len(values), round(edges[-1] * rate))
-    t = np.arange(first, stop) / rate
-    starts = np.clip(np.round(edges[:-1] * rate).astype(np.int64) - first, 0, len(t) - 1)
-    turned = values[first:stop] * np.exp(-1j * one.phase(t))
-    counts = np.diff(np.append(starts, len(t)))
-    return np.asarray(2.0 * np.add.reduceat(turned, starts) / np.maximum(counts, 1))
-
-
 def _amplitude(swept: Swept, axis: str) -> Array:
     return np.abs(amplitudes(swept, swept.shaken.responses[axis]))
 
 
-def fit_doubts(of_axis: OfAxis, swept: Sequence[Swept]) -> Iterator[Remark]:
+def fit_doubts(of_axis: OfAxis, swept: Sequence[Swept], least: float) -> Iterator[Remark]:
     """Yield what the modes leave, and where sweeps differ by more than their noise."""
-    modes, axis = of_axis.modes, of_axis.axis
-    if modes.explained < EXPLAINED:
-        what = f"{axis}: the modes explain {number(100.0 * modes.explained, 3)} % of the response"
+    sweeps, axis = of_axis.sweeps, of_axis.axis
+    if (explained := min(one.explained for one in (sweeps.modes, *sweeps.each))) < EXPLAINED:
+        what = f"{axis}: the modes explain {number(100.0 * explained, 3)} % of the response"
         do = "Check whether the item moves with the control point, chatters, or is driven by something else"
         yield Remark("unexplained", "warning", what, do=do, axis=axis)
-    if not len(modes) or not len(of_axis.each):
+    own = sweeps.each if sweeps.differ else [sweeps.drawn] * len(swept)
+    found = [(one, there) for one, modes in zip(swept, own, strict=True)
+             if (there := residual_at_drive(one, axis, modes, least)) is not None]  # fmt: skip
+    if found:
+        one, there = max(found, key=lambda pair: pair[1].share)
+        what = (
+            f"{axis}: {number(100.0 * there.share, 2)} % of the resonance near {number(there.frequency, 4)} Hz follows"
+        )
+        what += f" the drive beside the modes, {one.label} at {there.time:.4g} s: no modes give the whole sweep"
+        do = "The item changed during the sweep, or it is not linear: look for what came loose, sweep up and down again"
+        yield Remark("changed_in_sweep", "warning", what, one.shaken.where, do=do, axis=axis)
+    if not sweeps.differ:
         return
-    tests = len(of_axis.each) * (len(of_axis.each) - 1) // 2 * len(modes) * 2
-    chance = 1.0 - FALSE_ALARM / max(tests, 1)
-    for (i, one), (j, other) in combinations(enumerate(of_axis.each), 2):
-        for k in range(len(modes)):
-            for place, values, word in ((3 * k, "frequency", "frequency"), (3 * k + 1, "amplification", "Q")):
-                a, b = (float(getattr(each, values)[k]) for each in (one, other))
-                u = math.sqrt(one.covariance[place, place] + other.covariance[place, place])
-                dof = float(min(one.dof[place], other.dof[place]))
-                if u > 0.0 and abs(b - a) > coverage_factor(dof, chance) * u and abs(b / a - 1.0) > 1e-3:
-                    what = f"{axis}: {word} of the mode at {number(float(modes.frequency[k]), 4)} Hz is {number(a, 5)}"
-                    what += f" in {swept[i].label}, {number(b, 5)} in {swept[j].label}"
-                    do = "The item is not linear, or it changed between the sweeps: compare sweeps of one direction"
-                    yield Remark("not_linear", "warning", what, do=do, axis=axis)
-                    return
+    told = [
+        f"{', '.join(_modes_named(one)) or 'none'} in {label}"
+        for label, one in zip(of_axis.labels, sweeps.each, strict=True)
+    ]
+    what = f"{axis}: the sweeps differ by more than their noise: {'; '.join(told)}"
+    do = "The item changed between them, or it is not linear: set sweeps of one direction and level against each other"
+    yield Remark("sweeps_differ", "warning", what, do=do, axis=axis)
+
+
+def _modes_named(modes: Modes) -> list[str]:
+    pairs = zip(modes.frequency.tolist(), modes.amplification.tolist(), strict=True)
+    return [f"{number(f, 5)} Hz (Q {number(q, 4)})" for f, q in pairs][:SOME]

@@ -37,6 +37,8 @@ def _rows(asked: Asked, test: Tested[Plan, Readings, Result]) -> Iterator[Row]:
         rows += change_rows(test.result, test.against.result, test.against.id, (test.occasion, test.against.occasion))
     seen = set()
     for row in rows:
+        if row.member is not None:  # of one sweep alone
+            continue
         if row.key.quantity == asked.quantity and asked.axis in (None, row.axis) and row.key not in seen:
             seen.add(row.key)
             yield row

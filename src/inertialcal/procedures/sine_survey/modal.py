@@ -183,11 +183,6 @@ def _needed(bands: Sequence[Band], poles: Array) -> Array:
     return poles
 
 
-def fitted_from(bands: Sequence[Band], start: Modes) -> Modes:
-    """Return the same modes fitted to other sweeps."""
-    return _finished(bands, np.column_stack([start.frequency, start.amplification]))
-
-
 def _finished(bands: Sequence[Band], poles: Array) -> Modes:
     """Return the modes near where they are known to be, with their covariance from all lines."""
     for _ in range(2):
@@ -575,4 +570,4 @@ def _smooth(values: Array, half: int) -> Array:
     return _box(values, half, 0)
 
 
-__all__ = ["Band", "Modes", "find_modes", "fitted_from", "spectra"]
+__all__ = ["Band", "Modes", "find_modes", "spectra"]

@@ -6,10 +6,11 @@ linear, and moves with the control point alone; both channels have one clock and
 on what the fit leaves, where and when it leaves it. Of the standards only the clock acts: on frequencies, in
 proportion, alike for all; not on Q.
 
-Where real data break it: an item that is not linear (``not_linear``, where it was swept up and down, and
-``unexplained``), a mode at an end of the sweep (not estimated: ``edge``), a drive that is clipped (``clipped_drive``),
-that loses its level (``control_lost``) or samples (``lost_samples``), columns that changed places
-(``swapped_channels``), control accelerometers that move apart (``control_disagrees``).
+Where real data break it: an item that changed between sweeps or is not linear (``sweeps_differ``: see ``apart``), or
+that changed during one (``changed_in_sweep``, ``unexplained``), a mode at an end of the sweep (not estimated:
+``edge``), a drive that is clipped (``clipped_drive``), that loses its level (``control_lost``) or samples
+(``lost_samples``), columns that changed places (``swapped_channels``), control accelerometers that move apart
+(``control_disagrees``).
 
 References
 ----------
@@ -35,8 +36,8 @@ from ...core.results import Interval, Row, not_estimated
 from ...core.show.rounding import number
 from ...core.units import divide
 from ...statistics.intervals import t_interval
+from .apart import modes_of_sweeps
 from .doubts import doubts, fit_doubts
-from .modal import find_modes, fitted_from
 from .plan import CLOCK, Plan
 from .readings import Readings
 from .swept import OfAxis, Swept, sweeps_of
@@ -74,6 +75,8 @@ class Result:
                 number_of_mode += 1
                 found += [self._row(mode_key(name, axis, number_of_mode)) for name in OF_MODE]
             found += self._edges(of_axis, number_of_mode)
+            if of_axis.sweeps.differ:
+                found += self._of_each(of_axis, number_of_mode + int(of_axis.edge.sum()))
         return tuple(found)
 
     def _row(self, key: Key) -> Row:
@@ -92,10 +95,28 @@ class Result:
             why = Reason("edge", f"{what}: sweep beyond {number(low, 4)} to {number(high, 4)} Hz")
             yield from (not_estimated(mode_key(name, of_axis.axis, known + 1 + i), unit, why)
                         for name, unit in zip(OF_MODE, ("Hz", "1", self.unit), strict=True))  # fmt: skip
-        if not known and not len(outer):
+        if not known and not len(outer) and not of_axis.sweeps.differ:
             what = f"no mode makes {self.plan.least:g} or more of the transmissibility"
             why = Reason("no_resonance", f"{what} between {number(low, 4)} and {number(high, 4)} Hz")
             yield not_estimated(mode_key(FREQUENCY, of_axis.axis, 1), "Hz", why)
+
+    def _of_each(self, of_axis: OfAxis, known: int) -> Iterator[Row]:
+        """Yield modes that not all sweeps have, and those of each sweep, where the sweeps differ."""
+        for i, (frequency, has) in enumerate(of_axis.sweeps.single, known + 1):
+            what = f"a mode at {number(frequency, 4)} Hz is in {of_axis.labels[has]}, and not in every sweep"
+            key = mode_key(FREQUENCY, of_axis.axis, i)
+            yield not_estimated(key, "Hz", Reason("sweeps_differ", f"{what}: the item changed, or it is not linear"))
+        for label, modes in zip(of_axis.labels, of_axis.sweeps.each, strict=True):
+            for k in range(len(modes)):
+                for place, (name, values, unit) in enumerate(
+                    zip(
+                        OF_MODE, (modes.frequency, modes.amplification, modes.peak), ("Hz", "1", self.unit), strict=True
+                    )
+                ):
+                    value, dof = float(values[k]), float(modes.dof[3 * k + place])
+                    u = math.sqrt(modes.covariance[3 * k + place, 3 * k + place])
+                    yield Row(mode_key(name, of_axis.axis, k + 1), value, u, unit, dof, t_interval(value, u, dof),
+                              member=told_for(label))  # fmt: skip
 
     def _of_sweep(self, swept: Swept) -> Iterator[Row]:
         one, member = swept.sweep, told_for(swept.label if len(self.swept) > 1 else "")
@@ -116,13 +137,16 @@ class Result:
                 interval = Interval(value - 0.95 * math.sqrt(3.0) * u, value + 0.95 * math.sqrt(3.0) * u)
             yield Row(Key(name, "control"), value, u, its, joined if math.isfinite(joined) else None, interval,
                       member=member, shared={CLOCK: value * u_clock} if u_clock else {})  # fmt: skip
-        level = float(np.median(one.amplitude))
-        why = Reason("scatter", "median of the amplitude along the sweep; u is its scatter")
-        yield Row(Key("drive_level", "control"), level, 1.4826 * float(np.median(np.abs(one.amplitude - level))),
-                  "m/s^2", reason=why, member=member)  # fmt: skip
-        why = Reason("median", "harmonics 2 to 5 below 0.45 of the sample rate, median along the sweep")
         total = np.sqrt(np.sum(one.harmonics**2, axis=0))
-        yield Row(Key("drive_distortion", "control"), float(np.median(total)), None, "1", reason=why, member=member)
+        text = "harmonics 2 to 5 below 0.45 of the sample rate, median along the sweep; u is their scatter"
+        for name, values, its, why in (
+            ("drive_level", one.amplitude, "m/s^2",
+             Reason("scatter", "median of the amplitude along the sweep; u is its scatter")),
+            ("drive_distortion", total, "1", Reason("median", text)),
+        ):  # fmt: skip
+            value = float(np.median(values))
+            scatter = 1.4826 * float(np.median(np.abs(values - value)))
+            yield Row(Key(name, "control"), value, scatter, its, reason=why, member=member)
 
     def curves(self) -> list[Curve]:
         """Return transmissibilities: as the tracking filter reads them, and as the modes give them."""
@@ -137,10 +161,11 @@ class Result:
         yield Curve("transmissibility_tracked", axis, columns, picture=True)
         one = swept.sweep
         grid = np.geomspace(one.lowest, min(one.highest, 0.49 * swept.shaken.rate), POINTS)
-        for f, q in zip(of_axis.modes.frequency, of_axis.modes.amplification, strict=True):
+        drawn = of_axis.sweeps.drawn
+        for f, q in zip(drawn.frequency, drawn.amplification, strict=True):
             grid = np.append(grid, f * (1.0 + np.linspace(-3.0, 3.0, 41) / q))
         grid = np.unique(grid[(grid >= one.lowest) & (grid <= one.highest)])
-        found = of_axis.modes.transmissibility(grid)
+        found = drawn.transmissibility(grid)
         columns = {"frequency": Column(grid, "Hz"), "transmissibility": Column(np.abs(found), self.unit, self.unit),
                    "phase": Column(np.angle(found), "rad")}  # fmt: skip
         yield Curve("transmissibility", axis, columns, picture=True)
@@ -172,17 +197,18 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     for axis in dict.fromkeys(axis for one in readings.shaken for axis in one.responses):
         mine = [one for one in swept if axis in one.shaken.responses]
         bands = [one.band(axis) for one in mine]
-        modes = find_modes(bands, plan.modes, plan.least)
-        each = tuple(fitted_from([one], modes) for one in bands) if len(bands) > 1 and len(modes) else ()
+        sweeps = modes_of_sweeps(bands, plan.modes, plan.least)
+        modes = sweeps.modes
         low, high = max(one.frequency[0] for one in bands), min(one.frequency[-1] for one in bands)
         half = 0.5 * modes.frequency / modes.amplification
         edge = (modes.frequency - half < low) | (modes.frequency + half > high)
-        axes[axis] = OfAxis(axis, modes, each, edge)
+        axes[axis] = OfAxis(axis, sweeps, tuple(one.label for one in mine), edge)
     remarks = [*readings.remarks]
     for one in swept:
         remarks += doubts(plan, one)
     for of_axis in axes.values():
-        remarks += fit_doubts(of_axis, swept)
+        mine = [one for one in swept if of_axis.axis in one.shaken.responses]
+        remarks += fit_doubts(of_axis, mine, plan.least)
     return Result(plan, readings, tuple(swept), axes, _estimate(plan, readings, axes), gather(remarks))
 
 

@@ -32,6 +32,8 @@ ACTIVE = 0.2  # of the typical level, from which the drive is on
 CYCLES = 8  # that are summed to one phase
 STRETCHES = 24  # of the phase left, that are independent
 HARMONICS = (2, 3, 4, 5)
+RISEN, ABOVE_NOISE = 0.1, 3.0  # of the level, and times the noise, from which it rises
+FULL = 0.9  # of the level, where it has risen
 LOST = 0.1  # jump of the phase beside the law [cycles]
 SWEPT = 0.4  # share of the power of the control that is the sine
 STEADY = 0.5  # share of the frames of a sweep that move the one way
@@ -330,7 +332,10 @@ def _measured(control: Array, rate: float, law: str, laws: tuple[float, float], 
         return None
     sums = found[1]
     typical = float(np.median(np.abs(sums[0])))
-    ends = [_edge(control, rate, law, laws, zero, one, typical, up) for one, up in ((first, True), (last, False))]
+    noise = math.sqrt(max(2.0 * float(np.var(control[round(first * rate) : round(last * rate)])) - typical**2, 0.0))
+    low = min(max(RISEN, ABOVE_NOISE * noise / typical), 0.5 * FULL)
+    ends = [_edge(control, rate, law, laws, zero, one, typical, low, up)
+            for one, up in ((first, True), (last, False))]  # fmt: skip
     if any(one is None for one in ends):
         return None
     (begin, u_begin), (end, u_end) = (one for one in ends if one is not None)
@@ -339,7 +344,7 @@ def _measured(control: Array, rate: float, law: str, laws: tuple[float, float], 
         return None
     middles, sums, _ = found
     own = control[round(begin * rate) : round(end * rate)]
-    if float(np.mean(np.abs(sums[0]) ** 2)) < 2.0 * SWEPT * float(np.var(own)):
+    if not len(own) or float(np.mean(np.abs(sums[0]) ** 2)) < 2.0 * SWEPT * float(np.var(own)):
         return None
     t = middles - zero
     left = np.unwrap(np.angle(sums[0])) / (2.0 * np.pi)
@@ -372,9 +377,8 @@ def _steepness(law: str, laws: tuple[float, float], t: float) -> float:
     return laws[1] * float(_frequency(law, laws, np.array([t]))[0]) if law == "log" else laws[1]
 
 
-def _edge(
-    control: Array, rate: float, law: str, laws: tuple[float, float], zero: float, near: float, typical: float, up: bool
-) -> tuple[float, float] | None:
+def _edge(control: Array, rate: float, law: str, laws: tuple[float, float], zero: float, near: float, typical: float,
+          risen: float, up: bool) -> tuple[float, float] | None:  # fmt: skip
     """Return when the level rises (or falls), and its standard uncertainty [s]."""
     frequency = float(_frequency(law, laws, np.array([near - zero]))[0])
     if not 0.0 < frequency < 0.5 * rate:
@@ -389,7 +393,7 @@ def _edge(
     level = np.sqrt(np.maximum(2.0 * (total[cycle:] - total[:-cycle]) / cycle, 0.0))
     at = a + np.arange(len(level)) + 0.5 * (cycle - 1)
     order = slice(None) if up else slice(None, None, -1)
-    low, high = ((level > share * typical)[order] for share in (0.1, 0.9))
+    low, high = ((level > share * typical)[order] for share in (risen, FULL))
     at = at[order]
     if not low.any():
         return None
@@ -400,7 +404,7 @@ def _edge(
     rise = at[off[-1] if len(off) else 0], at[where]
     middle, width = 0.5 * (rise[0] + rise[1]), abs(rise[1] - rise[0])
     ramp = max(float(width) - cycle, 0.0)  # the mean over a cycle widens a step by one
-    outward = (-1.0 if up else 1.0) * 0.6 * ramp
+    outward = (-1.0 if up else 1.0) * ramp * 0.5 * (FULL + risen) / (FULL - risen)
     return float((middle + outward) / rate), max(float(cycle), ramp) / rate / math.sqrt(12.0)
 
 

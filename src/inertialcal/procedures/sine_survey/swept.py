@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from .apart import Sweeps
 from .modal import Band, Modes, spectra
 from .readings import Shaken
 from .sweep import Sweep, find_sweeps
@@ -49,12 +50,17 @@ class Swept:
 
 @dataclass(frozen=True, eq=False)
 class OfAxis:
-    """The modes of one response, and those of each sweep alone."""
+    """The modes of one response."""
 
     axis: str
-    modes: Modes
-    each: tuple[Modes, ...]
+    sweeps: Sweeps
+    labels: tuple[str, ...]  # Of its sweeps
     edge: NDArray[np.bool_]  # shape (k,): too near to an end of the sweep
+
+    @property
+    def modes(self) -> Modes:
+        """Modes that all its sweeps have."""
+        return self.sweeps.modes
 
 
 def sweeps_of(shaken: Shaken) -> list[Swept]:
