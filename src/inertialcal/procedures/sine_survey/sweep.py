@@ -332,7 +332,8 @@ def _measured(control: Array, rate: float, law: str, laws: tuple[float, float], 
         return None
     sums = found[1]
     typical = float(np.median(np.abs(sums[0])))
-    noise = math.sqrt(max(2.0 * float(np.var(control[round(first * rate) : round(last * rate)])) - typical**2, 0.0))
+    own = control[round(first * rate) : round(last * rate)]
+    noise = math.sqrt(max(2.0 * float(np.var(own)) - float(np.mean(np.abs(sums[0]) ** 2)), 0.0))
     low = min(max(RISEN, ABOVE_NOISE * noise / typical), 0.5 * FULL)
     ends = [_edge(control, rate, law, laws, zero, one, typical, low, up)
             for one, up in ((first, True), (last, False))]  # fmt: skip
