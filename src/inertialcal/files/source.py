@@ -6,6 +6,7 @@ one may stay where it is, for a reader that takes it piece by piece (`FileBytes`
 
 from __future__ import annotations
 
+import _thread
 import hashlib
 import io
 import os
@@ -14,7 +15,7 @@ import stat
 import warnings
 import zlib
 from collections.abc import Callable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,6 +28,8 @@ from .budget import DOCUMENT, check_count, claim
 
 AT_ONCE = 2**20  # bytes that are hashed at once; more of them by a thread
 CHUNK = 2**22  # bytes that are unpacked at once
+HASHED = 2**18  # bytes of a file in place that are hashed at once: a cache holds them
+SHORT = 2**24  # bytes of a file that is read whole, whatever its reader can: one reading for all that look at it
 FIRST, STEP = 2**10, 2**16  # bytes of a gzip member that are unpacked first, as members can be tiny, and then
 PIECE = 2**12  # bytes of a file in place that are read for one
 MEMBERS = 200_000  # of a gzip file; bgzip makes one of each 64 KiB
@@ -111,10 +114,19 @@ def _hash(raw: bytes) -> str:
 
 
 def _meanwhile(work: Callable[[], str]) -> Future[str]:
-    """Return what a thread works out while the file is read."""
-    thread = ThreadPoolExecutor(1)
-    result = thread.submit(work)
-    thread.shutdown(wait=False)
+    """Return what a thread works out while the file is read.
+
+    A thread of the library waits until the new one runs, which on a busy machine takes as long as its work.
+    """
+    result: Future[str] = Future()
+
+    def run() -> None:
+        try:
+            result.set_result(work())
+        except BaseException as error:
+            result.set_exception(error)
+
+    _thread.start_new_thread(run, ())
     return result
 
 
@@ -171,7 +183,7 @@ class FileBytes:
     def sha256(self) -> str:
         """Return the SHA-256 of the bytes that the file had when it was opened."""
         self._file.seek(0)
-        digest, block, left = hashlib.sha256(), bytearray(CHUNK), self._size
+        digest, block, left = hashlib.sha256(), bytearray(HASHED), self._size
         while left and (got := self._file.readinto(memoryview(block)[:left])):
             digest.update(memoryview(block)[:got])
             left -= got
@@ -239,7 +251,7 @@ def _in_place(path: str | os.PathLike[str]) -> Loaded | None:
         if size <= min(AT_ONCE, batches.HELD) or not os.path.isfile(path):
             return None
         data = FileBytes(path)
-        if data.startswith(GZIP) or (size <= batches.HELD and not data.startswith(SOUGHT)):
+        if data.startswith(GZIP) or (size <= batches.HELD and (size <= SHORT or not data.startswith(SOUGHT))):
             return None
         same = FileBytes(path, len(data))  # its place in the file is its own
     except (OSError, ValueError):  # said where it is read whole

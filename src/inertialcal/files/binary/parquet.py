@@ -85,15 +85,21 @@ def read_parquet(loaded: Loaded, variables: Sequence[str] | None = None) -> Cont
         slow = _claim(loaded, about, groups, leaves, [i for i in read if i not in large])
         claim_room(loaded.path, loaded.on_disk, VALUE * about.num_rows * len(large), f"{about.num_rows:,} rows")
         _check_pages(loaded, about, groups, large)
-        names = Counter(file.schema_arrow.names)
+        schema = file.schema_arrow
+        names = Counter(schema.names)
         twice = [name for name, count in names.items() if count > 1]
         if twice:
             raise DataError(f"column name {min(twice)!r} appears twice", where=loaded.path, code="duplicate_column")
         quick = [leaves[i].path for i in read if i not in slow and i not in large]
         texts = [leaf.path for leaf in leaves if leaf.physical_type == "BYTE_ARRAY" and leaf.path in quick]
-        file = parquet.ParquetFile(
-            opened(), metadata=about, read_dictionary=texts, buffer_size=BUFFER if large else 0, pre_buffer=not large
-        )
+        if texts or large:
+            file = parquet.ParquetFile(
+                opened(),
+                metadata=about,
+                read_dictionary=texts,
+                buffer_size=BUFFER if large else 0,
+                pre_buffer=not large,
+            )
         table = file.read(columns=quick)
         while any(pa.types.is_struct(kind) for kind in table.schema.types):
             table = table.flatten()
@@ -105,7 +111,7 @@ def read_parquet(loaded: Loaded, variables: Sequence[str] | None = None) -> Cont
         columns += _batch_by_batch(file, [leaves[i].path for i in large], loaded.path)
         order = {leaf.path: i for i, leaf in enumerate(leaves)}
         columns.sort(key=lambda one: order.get(one.name if isinstance(one, Column) else one, 0))
-        rate = sample_rate_of(file.schema_arrow.metadata or {})
+        rate = sample_rate_of(schema.metadata or {})
     unread = (leaf.path for i, leaf in enumerate(leaves) if i not in read)
     columns += dict.fromkeys(path.split(".list.")[0].split(".key_value.")[0] for path in unread)
     kept = tuple(column for column in columns if isinstance(column, Column))

@@ -11,6 +11,7 @@ import re
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from unicodedata import combining
 
 from ...core import units
@@ -142,6 +143,7 @@ BY_KIND = {
 SETTLED = {("temperature", "C"): "degC", ("temperature", "F"): "degF", ("acc", "G"): "g", ("acc", "mG"): "mg"}
 WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+")
 COUNTED = re.compile(r"(.*\S)\[([012])\]")
+OF_GRAPH = re.compile(r"[XY]\[[0-9]+\]", re.IGNORECASE)  # as LabVIEW counts the curves of a graph: no axes
 CLOSING = {"]": "[", ")": "("}
 
 
@@ -157,6 +159,7 @@ class Heading:
     unknown: str = ""  # Text in brackets that is no unit
 
 
+@lru_cache(1024)  # files of one logger have the same names
 def heading(name: str, unit: str | None = None) -> Heading:
     """Return what the name of a column says.
 
@@ -188,7 +191,8 @@ def heading(name: str, unit: str | None = None) -> Heading:
         quantity = ""
     if known is not None and quantity in KINDS and kind not in KINDS[quantity]:
         known, unknown = None, given or ""
-    return Heading(known, _axis(words), quantity or BY_KIND.get(kind, ""), unknown)
+    axis = "" if OF_GRAPH.fullmatch(name.strip()) else _axis(words)
+    return Heading(known, axis, quantity or BY_KIND.get(kind, ""), unknown)
 
 
 def _plain(name: str) -> str:

@@ -32,6 +32,7 @@ from ...core.remarks import Remark
 from ..budget import COLUMNS, LINE, check_count, claim
 from ..columns import Rows
 from ..source import Loaded
+from .settings_head import LONGEST, settings_of
 
 SAMPLE = 200  # lines
 MOST_BEFORE = 100_000  # comments and blank lines before the table
@@ -185,12 +186,17 @@ def _sniff(text: str, where: str, comment: tuple[str, ...], stated: Decimal | No
     if not lines:
         raise DataError("no rows of data", where=where, do="Record again", code="empty_file")
     _check_lines(lines, where)
+    settings = settings_of([line.text for line in lines[: 2 * LONGEST]])
+    given = lines[: settings.lines + settings.below] if settings else []
+    lines, all_lines = lines[len(given) :], lines
     separator, decimal, table = _separator(lines, stated)
     width = _width(table)
     header, first = _first_data(table, decimal, width)
-    notes = [line.text for line in lines[: first if header is None else header]]
+    notes = [line.text for line in (*given, *lines[: first if header is None else header])]
     above = [one.text for one in comments if one.row < lines[0].row]
-    names, units_row = _comment_header(above, separator, width) if header is None else ((), ())
+    if settings is not None and len(settings.units) != width:
+        raise _header_width(len(settings.units), width, f"{where}:{lines[0].row}")
+    names, units_row = _comment_header(above, separator, width) if header is None and not settings else ((), ())
     from_comment = bool(names)
     names = names or (("",) * width if header is None else tuple(_header(table[header], table, width)))
     if header is not None and len(names) != width:
@@ -206,6 +212,11 @@ def _sniff(text: str, where: str, comment: tuple[str, ...], stated: Decimal | No
     if first >= len(lines):
         raise DataError("a header, but no rows of data", where=where, code="empty_file")
     start = lines[first]
+    rate = _sample_rate(above + notes)
+    if settings is not None:
+        names = settings.names or names
+        units_row = tuple(own or one for own, one in zip(units_row or settings.units, settings.units, strict=True))
+        rate = rate or (1.0 / settings.step if settings.step else None)
     return Layout(
         separator=separator,
         decimal=stated or _decimal(text, start, separator, decimal),
@@ -216,8 +227,8 @@ def _sniff(text: str, where: str, comment: tuple[str, ...], stated: Decimal | No
         row=start.row,
         comment=comment,
         across=len(lines) == 1 and header is None and width >= ACROSS,
-        sample_rate=_sample_rate(above + notes),
-        remarks=_remarks(notes, lines, names if from_comment else (), where)
+        sample_rate=rate,
+        remarks=_remarks(notes, all_lines, names if from_comment else (), where)
         + _ambiguous(table[first:], separator, header, where),
     )
 
