@@ -74,7 +74,8 @@ EXPORTS: dict[str, tuple[str, list[str], bool]] = {  # text, channels, whether a
     ),
     "instek.csv": (
         "Format,1.0B\nMemory Length,600\nTrigger Address,299\nSource,CH1\nVertical Units,V\nLabel,,\n"
-        "Horizontal Units,s\nSampling Period,1.0E-02\nTime,12-Mar-24 09:15:00\nMode,Fast\nWaveform Data,\n" + rows("{t:.6f},{a:.7f}"),
+        "Horizontal Units,s\nSampling Period,1.0E-02\nTime,12-Mar-24 09:15:00\nMode,Fast\nWaveform Data,\n"
+        + rows("{t:.6f},{a:.7f}"),
         TWO[:1], True,
     ),
     "yokogawa.csv": (
@@ -141,7 +142,8 @@ def test_curves_of_a_graph_are_no_axes(header: str, tmp_path: Path) -> None:
 
 HEADS = (
     "Record Length,1", "Sample Interval,", "X,CH1,Start,Increment", "Vertical Units,V", "TIME,CH1", "Sequence,Volt",
-    "1,2", "LECROY,1", "0.1,2e3,,", "CH1V,t0 = 1, tInc = 0", "XInc:,nan", "Data:", ",,,", "a", '"', "Record Length,1,,0,1",
+    "1,2", "LECROY,1", "0.1,2e3,,", "CH1V,t0 = 1, tInc = 0", "XInc:,nan", "Data:", ",,,", "a", '"',
+    "Record Length,1,,0,1",
 )  # fmt: skip
 
 
