@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
+import shlex
 import zipfile
 
 from ..core.errors import DataError
 from .source import opened
 
 ZIP, ZIP_MEMBER = b"PK\x03\x04", b"PK\x01\x02"
+YAML = "YAML, settings or a model and no recording"
 UNREAD = (
     (b"#ROSBAG", "a ROS 1 bag of an old version"),
     (b"RIFF", "a RIFF file without sound"),
     (b"%PDF", "a PDF"),
     (b"\xff\xd8\xff", "a JPEG picture"),
     (b"\x89PNG", "a PNG picture"),
-    (b"BZh", "a bzip2 file"),
-    (b"\xfd7zXZ\x00", "an xz file"),
-    (b"\x28\xb5\x2f\xfd", "a zstd file"),
-    (b"7z\xbc\xaf\x27\x1c", "a 7-zip archive"),
     (b"version https://git-lfs", "a Git LFS pointer, not the file itself (run git lfs pull)"),
 )
-UNREAD_TEXT = ((b"<", "XML or HTML"), (b"{", "JSON"))  # after blanks
+UNREAD_TEXT = ((b"<", "XML or HTML"), (b"{", "JSON"), (b"%YAML", YAML))  # after blanks
+PACKED = (  # and what unpacks them
+    (b"BZh", "a bzip2 file", "bunzip2 -k"),
+    (b"\xfd7zXZ\x00", "an xz file", "unxz -k"),
+    (b"\x28\xb5\x2f\xfd", "a zstd file", "zstd -d"),
+    (b"7z\xbc\xaf\x27\x1c", "a 7-zip archive", "7z x"),
+)
 
 
 def refusal(data: bytes, path: str, readable: str) -> DataError | None:
@@ -35,7 +39,11 @@ def refusal(data: bytes, path: str, readable: str) -> DataError | None:
     readable : str
         Formats that are read.
     """
-    what = _zipped(data) if data.startswith(ZIP) else _unread(data)
+    packed = next((one for one in PACKED if data.startswith(one[0])), None)
+    if packed is not None:
+        do = f"Unpack it: {packed[2]} {shlex.quote(path)}"
+        return DataError(f"this is {packed[1]}, which is read unpacked", where=path, do=do, code="unsupported_format")
+    what = _zipped(data) if data.startswith(ZIP) else _unread(data, path)
     if what is None:
         return None
     if not what:
@@ -65,8 +73,10 @@ def _zipped(data: bytes) -> str:
     return "a zip archive (unpack it)" if found else ""
 
 
-def _unread(data: bytes) -> str | None:
+def _unread(data: bytes, path: str) -> str | None:
     """Return which format that is not read this is, by its first bytes."""
+    if path.lower().endswith((".yaml", ".yml")) and b"\x00" not in data[:64]:
+        return YAML
     start = data[:64].lstrip(b"\xef\xbb\xbf \t\r\n")
     found = next((what for magic, what in UNREAD if data.startswith(magic)), None)
     return found or next((what for magic, what in UNREAD_TEXT if start.startswith(magic)), None)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+import shlex
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
@@ -25,6 +26,7 @@ from .topics import on_disk
 
 ABOUT = "metadata.yaml"
 ENDINGS = (".db3", ".mcap")
+PACKED = (".db3.zstd", ".mcap.zstd")
 ASIDE = (".db3-wal", ".db3-shm", ".db3-journal")
 
 
@@ -67,6 +69,11 @@ def _files(folder: Path) -> list[Path]:
     except OSError:
         return []
     found = [one for one in inside if one.suffix in ENDINGS]
+    packed = [one.name for one in inside if one.name.endswith(PACKED)]
+    if packed and not found:
+        what, why = f"the files of this bag are packed as a whole: {packed[0]}", "they are read unpacked"
+        do = f"Unpack them: zstd -d {shlex.quote(str(folder / packed[0]))}"
+        raise DataError(what, where=str(folder), why=why, do=do, code="unsupported_format")
     others = [one for one in inside if one not in found and one.name != ABOUT and not one.name.endswith(ASIDE)]
     if not found or (others and not any(one.name == ABOUT for one in inside)):
         return []

@@ -12,11 +12,13 @@ References
 
 from __future__ import annotations
 
+import json
 import struct
 import zlib
 from collections import Counter
 from collections.abc import Callable, Generator, Iterator, Sequence
-from dataclasses import dataclass, field
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -33,6 +35,7 @@ from ..reader import Reader
 from ..source import FileBytes, Loaded, as_data_errors
 from ..time.stamps import is_utc
 from .database import SQLITE, is_bag_2, missing_bytes, opened, whole_pages
+from .json_lines import read_json_lines
 from .ros_messages import ENCODINGS, MESSAGES, Decoded, decode, message_type, stated
 from .topics import NO_NUMBERS, Topic, choose, joined, library, on_disk, other_topics, stamps, torn
 
@@ -47,6 +50,9 @@ MCAP_MESSAGE = 22  # bytes of channel, sequence, times of recording and of publi
 PLAIN = frozenset((3, 4, 5))  # schema, channel, message
 ENDS = frozenset((2, 6, 15))  # footer, chunk, end of the data
 DATA_END = 4  # bytes of the checksum
+JSON = "json"  # encoding of messages that are objects of JSON
+ZSTD = b"\x28\xb5\x2f\xfd"  # with which a packed message begins, and no other one
+LARGEST = 2**16  # bytes that a packed message may unpack to: no reading is longer
 PIECE = 2**22  # bytes that are summed at once
 
 
@@ -143,6 +149,8 @@ def content_of(bag: Bag, variables: Sequence[str] | None) -> Content:
     for one in bag.connections.values():
         by_topic.setdefault(one.topic, []).append(one)
     topics = [_topic(name, own, rows[name]) for name, own in by_topic.items()]
+    if rows and not any(one.rank for one in topics) and any(one.encoding == JSON for one in bag.connections.values()):
+        return _of_json(bag, variables)
     if not any(one.rank and one.rows for one in topics) and bag.remarks:
         raise DataError(bag.remarks[0].what, bag.path, "no reading before that is whole", code="damaged_file")
     chosen = choose(topics, variables, bag.path)
@@ -161,7 +169,51 @@ def _topic(name: str, own: Sequence[Connection], rows: int) -> Topic:
     kinds = dict.fromkeys(one.kind for one in own)
     known = len(kinds) == 1 and all(one.encoding in ENCODINGS for one in own)
     kind = message_type(own[0].kind) if known else ""
-    return Topic(name, ", ".join(kinds), rows, MESSAGES[kind][0] if kind else NO_NUMBERS)
+    others = dict.fromkeys(one.encoding for one in own if one.encoding not in ENCODINGS)
+    what = ", ".join(kinds) + (f" in {', '.join(others)}, which is not read" if others and any(others) else "")
+    return Topic(name, what, rows, MESSAGES[kind][0] if kind else NO_NUMBERS)
+
+
+def _of_json(bag: Bag, variables: Sequence[str] | None) -> Content:
+    """Return the objects of a topic whose messages are JSON, as JSON lines with the times of recording."""
+    lines: list[bytes] = []
+    left = held = 0
+    for part in bag.messages():
+        contents = part.content(np.arange(len(part.keys)))
+        for key, time, content in zip(part.keys.tolist(), part.time_ns.tolist(), contents, strict=True):
+            connection = bag.connections[key]
+            inside = content.strip()
+            if connection.encoding != JSON or inside[:1] + inside[-1:] != b"{}":
+                left += 1
+                continue
+            about = json.dumps({"topic": connection.topic, "log_time_ns": time}).encode()
+            more = b", " if inside[1:-1].strip() else b""
+            lines.append(about[:-1] + more + inside[1:].replace(b"\n", b" "))
+            held += len(lines[-1])
+        claim(bag.path, bag.size, 3 * held, f"{len(lines):,} messages of JSON", least=True)
+    found = read_json_lines(Loaded(bag.path, b"\n".join(lines), "", size=bag.size), variables)
+    what = "times of recording are used: messages of JSON have no stamp that all agree on"
+    remarks = [*found.remarks, Remark("log_time", "info", what, where=bag.path)]
+    if left:
+        what = "messages that are no objects of JSON: left out"
+        remarks.append(Remark("damaged_records", "warning", what, where=bag.path, count=left))
+    return replace(found, format=f"{bag.title}, JSON", rows=None, remarks=(*remarks, *bag.remarks))
+
+
+def _without_packing(messages: Sequence[bytes], path: str) -> list[bytes]:
+    """Return messages unpacked that were packed one by one; one that unpacks to more than a reading stays as it is."""
+    if not any(one.startswith(ZSTD) for one in messages):
+        return list(messages)
+    zstandard = library("zstandard", "a bag packed by zstd", path)
+    made = []
+    for one in messages:
+        content = one
+        if one.startswith(ZSTD):
+            with suppress(zstandard.ZstdError), zstandard.ZstdDecompressor().stream_reader(one) as stream:
+                found = stream.read(LARGEST + 1)
+                content = found if len(found) <= LARGEST else one
+        made.append(content)
+    return made
 
 
 def _decoded(bag: Bag, topic: Topic, connection: Connection) -> Content:
@@ -179,7 +231,7 @@ def _decoded(bag: Bag, topic: Topic, connection: Connection) -> Content:
 
     def flush() -> None:
         nonlocal broken, first, low, high
-        found: Decoded = decode(held, kind, connection.encoding)
+        found: Decoded = decode(_without_packing(held, bag.path), kind, connection.encoding)
         broken += len(held) - len(found.values)
         frames.update(dict.fromkeys(found.frames))
         if len(found.values):

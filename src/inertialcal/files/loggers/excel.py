@@ -22,12 +22,14 @@ from ..columns import Content
 from ..formats import ZIP, members
 from ..reader import Reader
 from ..source import Loaded
+from ..text.layout import Decimal, kind
 from ..text.pieces import read_text
 from .topics import NO_NUMBERS, OTHER, Topic, choose, library, other_topics
 
 OLD = b"\xd0\xcf\x11\xe0"
 CELL = 100  # bytes of a cell in Python
 HEADER_ROWS = 2  # names and units
+SIGNS: tuple[Decimal, ...] = (".", ",")  # of decimals, in cells of text
 UNCOMPUTED = re.compile(rb"<f[ />](?:[^<]|<(?!v>[^<]|/c>|c[ >]))*</c>")  # a formula without a value behind it
 ERRORS = re.compile(r"#(?:DIV/0!|N/A|NAME\?|NULL!|NUM!|REF!|VALUE!)")
 Cell = Any  # number, text, truth value, date or time
@@ -49,7 +51,7 @@ def read_excel(loaded: Loaded, variables: Sequence[str] | None = None) -> Conten
             claim(loaded.path, loaded.on_disk, len(loaded.data) + 2 * size, f"{size:,} bytes unpacked")
             parts = [one.filename.encode() for one in archive.infolist()]
     book = calamine.load_workbook(io.BytesIO(loaded.data))
-    sheets: dict[str, list[list[Cell]]] = {}
+    sheets: dict[str, tuple[list[list[Cell]], bool]] = {}
     topics = []
     cells = 0
     for about in book.sheets_metadata:
@@ -59,33 +61,39 @@ def read_excel(loaded: Loaded, variables: Sequence[str] | None = None) -> Conten
         cells += sheet.total_height * sheet.total_width
         claim(loaded.path, loaded.on_disk, len(loaded.data) + CELL * cells, f"{cells:,} cells")
         rows = sheet.to_python(skip_empty_area=False)
-        first = next((i for i, row in enumerate(rows) if _is_data(row)), None)
+        as_text = sum(map(_is_data, rows)) < HEADER_ROWS  # a sheet without numbers: its texts may be some
+        first = next((i for i, row in enumerate(rows) if _is_data(row, as_text)), None)
         hidden = "" if about.visible == calamine.SheetVisibleEnum.Visible else "hidden"
-        numbers = 0 if first is None else sum(map(_is_data, rows))
+        numbers = 0 if first is None else sum(_is_data(row, as_text) for row in rows)
         rank = NO_NUMBERS if numbers < HEADER_ROWS else OTHER
         topics.append(Topic(about.name, hidden, numbers, rank))
-        sheets[about.name] = rows
+        sheets[about.name] = rows, as_text
     chosen = choose(topics, variables, loaded.path)
     if len(chosen) > 1:
         raise DataError("several sheets", where=loaded.path, do="Read one at a time", code="several_clocks")
     (topic,) = chosen
-    text = _text(sheets[topic.name])
-    content = read_text(replace(loaded, data=text.encode(), packed=False), None, ".")
+    rows, as_text = sheets[topic.name]
+    text = _text(rows, as_text)
+    content = read_text(replace(loaded, data=text.encode(), packed=False), None, None if as_text else ".")
     what = "OpenDocument" if b"content.xml" in parts else "Excel"
     remarks = (*content.remarks, *_not_computed(loaded), *other_topics(topics, chosen, loaded.path))
     return replace(content, format=f"{what}, sheet {topic.name!r}", remarks=remarks)
 
 
-def _is_data(row: Sequence[Cell]) -> bool:
-    """Whether a row holds numbers: as many as half of what it holds, or a date and a number."""
+def _is_data(row: Sequence[Cell], as_text: bool = False) -> bool:
+    """Whether a row holds numbers, ``as_text`` too: as many as half of what it holds, or a date and a number."""
     there = [cell for cell in row if cell != ""]
-    numbers = [cell for cell in there if isinstance(cell, int | float)]
+    numbers = [cell for cell in there if isinstance(cell, int | float) or (as_text and _is_spelled(cell))]
     return bool(numbers) and 2 * len(numbers) >= len(there) - sum(isinstance(one, datetime.date) for one in there)
 
 
-def _text(rows: Sequence[Sequence[Cell]]) -> str:
+def _is_spelled(cell: Cell) -> bool:
+    return isinstance(cell, str) and any(kind(cell.strip(), sign) in ("i", "f") for sign in SIGNS)
+
+
+def _text(rows: Sequence[Sequence[Cell]], as_text: bool) -> str:
     """Return a sheet as text, tabs between the cells; what stands above its header as comments."""
-    first = next((i for i, row in enumerate(rows) if _is_data(row)), 0)
+    first = next((i for i, row in enumerate(rows) if _is_data(row, as_text)), 0)
     used = [i for i in range(max(map(len, rows), default=0)) if any(_cell(row[i]) for row in rows[first:])]
     if used:  # a column with nothing but a title or a remark beside the table is none of it
         used = list(range(used[0], used[-1] + 1))

@@ -68,6 +68,8 @@ def read_feather(loaded: Loaded, variables: Sequence[str] | None = None) -> Cont
             columns += [one] if isinstance(one, Column) else []
         columns.sort(key=lambda one: schema.names.index(one.name))
         rate = sample_rate_of(schema.metadata or {})
+    if remarks and not any(len(one.values) for one in columns):
+        raise DataError(remarks[0].what, where=path, why="no rows before that are whole", code="damaged_file")
     return Content(tuple(columns), "Arrow (Feather)", None, rate, (*left_out(list(gone), path), *remarks))
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import shlex
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +13,7 @@ from ...core.errors import DataError
 from ...core.remarks import Remark
 from ..apart import apart
 from ..binary.arrays import number_column
-from ..budget import COLUMNS, VALUE, check_count, claim, claim_room
+from ..budget import COLUMNS, VALUE, check_count, claim, claim_room, size_on_disk
 from ..columns import Column, Content, LongColumns
 from ..reader import Reader
 from ..source import Loaded
@@ -56,6 +58,9 @@ def _content(connection: Connection, loaded: Loaded, variables: Sequence[str] | 
         numbers = rows > 1 and any(isinstance(cell, int | float) for cell in first)
         topics.append(Topic(name, " ".join(columns[:6]), rows, OTHER if numbers else NO_NUMBERS))
         columns_of[name] = columns
+    beside = _not_taken_over(loaded.path)
+    if beside and not any(one.rank > NO_NUMBERS for one in topics):
+        raise DataError(beside[0].what, where=loaded.path, do=beside[0].do, code="no_channel")
     chosen = choose(topics, variables, loaded.path)
     if len(chosen) > 1:
         raise DataError("several tables", where=loaded.path, do="Read one at a time", code="several_clocks")
@@ -68,9 +73,18 @@ def _content(connection: Connection, loaded: Loaded, variables: Sequence[str] | 
         what = f"the database is damaged ({f'{missing:,} bytes at its end are gone' if missing else why})"
         do = "Rows behind that place are not read"
         remarks += (Remark("torn_file", "warning", what, where=loaded.path, count=max(missing, 1), do=do),)
-    remarks += other_topics(topics, chosen, loaded.path)
+    remarks += (*beside, *other_topics(topics, chosen, loaded.path))
     rows = topic.rows or 0
     return Content(taken, f"SQLite, table {topic.name!r}", range(1, rows + 1), None, remarks)
+
+
+def _not_taken_over(path: str) -> tuple[Remark, ...]:
+    """Return a remark where rows that were written last lie beside the file, not yet in it."""
+    if not size_on_disk(f"{path}-wal"):
+        return ()
+    what = f"what was written last lies in {os.path.basename(path)}-wal, which is not read"
+    do = f"Close the program that writes it, or type: sqlite3 {shlex.quote(path)} 'PRAGMA wal_checkpoint(TRUNCATE)'"
+    return (Remark("beside_not_read", "warning", what, where=path, do=do),)
 
 
 def _rows(connection: Connection, table: str) -> tuple[int, str]:
