@@ -158,11 +158,13 @@ def _watch(given: Sequence[str]) -> None:
     """End the process ``GRACE`` after a signal, where the main thread does not."""
 
     def end() -> None:
-        os.read(signals, 1)
-        time.sleep(GRACE)
-        while interruption.holds:  # a write that must be whole
-            time.sleep(0.01)
-        _leave(given)
+        while True:
+            os.read(signals, 1)
+            time.sleep(GRACE)
+            while interruption.holds:  # a write that must be whole
+                time.sleep(0.01)
+            if interruption.requested:  # and not accepted as the way to end
+                _leave(given)
 
     if sys.platform == "win32":
         return

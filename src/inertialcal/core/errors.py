@@ -1,6 +1,6 @@
 """Errors that a user can act on: what, where, why it matters, what to do.
 
-Four classes, one for each kind of cause. None of them ever reaches a terminal as a traceback:
+Five classes, one for each kind of cause. None of them ever reaches a terminal as a traceback:
 the command line prints the parts and ends with the exit status of the class.
 """
 
@@ -65,6 +65,10 @@ class UsageError(InertialcalError):
     """The command was called wrongly."""
 
     exit_status = 2
+
+
+class InstrumentError(InertialcalError):
+    """An instrument cannot be reached, does not answer, or was asked for what its limits do not allow."""
 
 
 class StoreError(InertialcalError):

@@ -49,6 +49,10 @@ class Interruption:
         if self.requested and not self.holds:
             raise KeyboardInterrupt
 
+    def accept(self) -> None:
+        """Take what was requested as the way to end the command: it goes on to its end, held back from nothing."""
+        self.requested = False
+
     def note(self, path: str | os.PathLike[str], complete: bool = True) -> None:
         """Note a file or folder that is on disk, for the message of an interruption."""
         if self.noting:

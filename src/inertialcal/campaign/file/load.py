@@ -5,18 +5,16 @@ from __future__ import annotations
 import hashlib
 import json
 import shlex
-from collections.abc import Iterator
 from dataclasses import dataclass
-from difflib import get_close_matches
 from itertools import islice
 from pathlib import Path
-from typing import Any
 
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 
 from ...core.campaign_text import FILE, MARK
 from ...core.errors import DataError, PlanError, Problem
 from ...core.influence import Influence, Standards
+from ...core.schema.problems import model_problems
 from ...core.schema.standards import STANDARDS, WRITTEN
 from ...core.schema.toml import At, key_lines, nearest_line, parse_toml
 from ...core.schema.toml import Path as KeyPath
@@ -94,7 +92,7 @@ def load(folder: str | Path) -> Campaign:
     try:
         file = CampaignFile.model_validate(document)
     except ValidationError as error:
-        problems = list(islice(_problems(error, document, lines), MOST))
+        problems = list(islice(model_problems(error, CampaignFile, lambda *key: place(lines, key)), MOST))
         if error.error_count() > MOST:
             problems.append(Problem(f"and {error.error_count() - MOST} more problems", FILE, do="Correct these first"))
         raise PlanError(problems) from None
@@ -103,51 +101,6 @@ def load(folder: str | Path) -> Campaign:
     if problems:
         raise PlanError(problems)
     return Campaign(root, file, standards, lines, hashlib.sha256(raw).hexdigest())
-
-
-def _problems(error: ValidationError, document: dict[str, Any], lines: dict[KeyPath, int]) -> Iterator[Problem]:
-    for entry in error.errors(include_url=False, include_context=False, include_input=False):
-        path = tuple(part for part in entry["loc"] if part != "[key]")
-        key = ".".join(str(part) for part in path)
-        where = place(lines, path)
-        if entry["type"] == "extra_forbidden":
-            yield _unknown_key(path, key, where)
-        elif entry["type"] == "missing":
-            yield Problem(f"{key} is missing", where, code="missing_key")
-        else:
-            what = entry["msg"].removeprefix("Value error, ").replace("Input should be", "should be")
-            yield Problem(f"{key}: {what}", where, code="wrong_value")
-
-
-def _unknown_key(path: KeyPath, key: str, where: str) -> Problem:
-    # Names that may stand in the table at a path of the schema
-    model: Any = CampaignFile
-    for part in path[:-1]:
-        if isinstance(model, type) and issubclass(model, BaseModel):
-            fields = {field.alias or name: field.annotation for name, field in model.model_fields.items()}
-            model = fields.get(str(part))
-        else:
-            model = _element(model)
-        while (
-            not _is_model(model)
-            and _element(model) is not None
-            and getattr(model, "__origin__", None) not in (list, dict)
-        ):
-            model = _element(model)
-    model = model if _is_model(model) else None
-    known = [field.alias or name for name, field in model.model_fields.items()] if model else []
-    near = get_close_matches(str(path[-1]), known, n=1)
-    do = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(known)}" if known else ""
-    return Problem(f"unknown key {key}", where, "it would have no effect", do, "unknown_key")
-
-
-def _is_model(annotation: Any) -> bool:
-    return isinstance(annotation, type) and issubclass(annotation, BaseModel)
-
-
-def _element(annotation: Any) -> Any:
-    arguments = [one for one in getattr(annotation, "__args__", ()) if one is not type(None)]
-    return arguments[-1] if arguments else None
 
 
 def standards_of(file: CampaignFile, at: At) -> tuple[dict[str, Influence], list[Problem]]:

@@ -37,7 +37,8 @@ from ..time.stamps import is_utc
 from .database import SQLITE, is_bag_2, missing_bytes, opened, whole_pages
 from .json_lines import read_json_lines
 from .ros_messages import ENCODINGS, MESSAGES, Decoded, decode, message_type, stated
-from .topics import NO_NUMBERS, Topic, choose, joined, library, on_disk, other_topics, stamps, torn
+from .rows import ENCODING, layout_in, rows_content
+from .topics import INERTIAL, NO_NUMBERS, Topic, choose, joined, library, on_disk, other_topics, stamps, torn
 
 ROS_1, MCAP = b"#ROSBAG V2.0\n", b"\x89MCAP0\r\n"
 CUT = "it ends in the middle of a chunk, which is read as far as it is whole"
@@ -50,6 +51,7 @@ MCAP_MESSAGE = 22  # bytes of channel, sequence, times of recording and of publi
 PLAIN = frozenset((3, 4, 5))  # schema, channel, message
 ENDS = frozenset((2, 6, 15))  # footer, chunk, end of the data
 DATA_END = 4  # bytes of the checksum
+FOOTER = 29  # bytes of the last record
 JSON = "json"  # encoding of messages that are objects of JSON
 ZSTD = b"\x28\xb5\x2f\xfd"  # with which a packed message begins, and no other one
 LARGEST = 2**16  # bytes that a packed message may unpack to: no reading is longer
@@ -70,7 +72,8 @@ class Connection:
 
     topic: str
     kind: str  # As the bag names the type
-    encoding: str  # ``"ros1"``, ``"cdr"``, or one that is not read
+    encoding: str  # ``"ros1"``, ``"cdr"``, that of `rows`, or one that is not read
+    schema: bytes = b""  # Content of the schema
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,7 +154,7 @@ def content_of(bag: Bag, variables: Sequence[str] | None) -> Content:
     topics = [_topic(name, own, rows[name]) for name, own in by_topic.items()]
     if rows and not any(one.rank for one in topics) and any(one.encoding == JSON for one in bag.connections.values()):
         return _of_json(bag, variables)
-    if not any(one.rank and one.rows for one in topics) and bag.remarks:
+    if not any(one.rank and one.rows != 0 for one in topics) and bag.remarks:
         raise DataError(bag.remarks[0].what, bag.path, "no reading before that is whole", code="damaged_file")
     chosen = choose(topics, variables, bag.path)
     for topic in chosen:
@@ -159,7 +162,7 @@ def content_of(bag: Bag, variables: Sequence[str] | None) -> Content:
             what = f"topic {topic.name} holds {topic.what or 'messages of no type'}"
             do = f"Read are {', '.join(f'sensor_msgs/{name}' for name in MESSAGES)}"
             raise DataError(what, where=bag.path, do=do, code="no_channel")
-    parts = [(one, _decoded(bag, one, by_topic[one.name][0])) for one in chosen]
+    parts = [(one, _content(bag, one, by_topic[one.name][0])) for one in chosen]
     content = joined(parts, bag.path)
     remarks = (*content.remarks, *other_topics(topics, chosen, bag.path), *bag.remarks)
     return Content(content.columns, bag.title, remarks=remarks)
@@ -167,6 +170,8 @@ def content_of(bag: Bag, variables: Sequence[str] | None) -> Content:
 
 def _topic(name: str, own: Sequence[Connection], rows: int) -> Topic:
     kinds = dict.fromkeys(one.kind for one in own)
+    if all(one.encoding == ENCODING for one in own):
+        return Topic(name, "rows of an instrument", None if rows else 0, INERTIAL)
     known = len(kinds) == 1 and all(one.encoding in ENCODINGS for one in own)
     kind = message_type(own[0].kind) if known else ""
     others = dict.fromkeys(one.encoding for one in own if one.encoding not in ENCODINGS)
@@ -216,8 +221,15 @@ def _without_packing(messages: Sequence[bytes], path: str) -> list[bytes]:
     return made
 
 
-def _decoded(bag: Bag, topic: Topic, connection: Connection) -> Content:
+def _content(bag: Bag, topic: Topic, connection: Connection) -> Content:
     """Return the readings of one topic."""
+    if connection.encoding == ENCODING:
+        return rows_content(bag, topic.name, layout_in(connection.schema, bag.path))
+    return _decoded(bag, topic, connection)
+
+
+def _decoded(bag: Bag, topic: Topic, connection: Connection) -> Content:
+    """Return the readings of one topic of messages of ROS."""
     kind, rows = message_type(connection.kind), topic.rows or 0
     width = sum(len(part.names) + part.covariance for part in MESSAGES[kind][1])
     claim_room(bag.path, bag.size, 16 * rows * (width + 2), f"{rows:,} messages")
@@ -424,12 +436,17 @@ def unpacked(packed: bytes, how: str, size: int, loaded: Loaded, at: int, cut: b
 def _mcap(loaded: Loaded, bag: Bag) -> Iterator[Messages]:
     """Yield the messages of an MCAP file, chunk by chunk, up to its summary."""
     data, at = loaded.data, len(MCAP)
-    schemas: dict[int, str] = {}
+    schemas: dict[int, tuple[str, bytes]] = {}
     while at < len(data):
         op, size = OP_LENGTH.unpack(_take(data, at, 9))
-        if op == OF_MCAP["data_end"] and size == DATA_END:
-            _mcap_sum(data, at, bag)
+        if op == 0:
+            raise TornError(at, "a record is damaged")
         if op in (OF_MCAP["footer"], OF_MCAP["data_end"]):
+            if op == OF_MCAP["data_end"] and size == DATA_END:
+                _mcap_sum(data, at, bag)
+                _mcap_end(data, at, bag)
+            else:
+                _mcap_damaged(bag)
             return
         if at + 9 + size > len(data):
             raise TornError(at, "it ends in the middle of a record")
@@ -445,7 +462,9 @@ def _mcap(loaded: Loaded, bag: Bag) -> Iterator[Messages]:
     raise TornError(at, "it has no end")
 
 
-def _mcap_inside(inside: bytes, bag: Bag, schemas: dict[int, str], at: int) -> Generator[Messages, None, int]:
+def _mcap_inside(
+    inside: bytes, bag: Bag, schemas: dict[int, tuple[str, bytes]], at: int
+) -> Generator[Messages, None, int]:
     """Yield the messages of records that follow each other; return the bytes of those that are whole.
 
     A chunk, and the end of the data, are not gone into.
@@ -497,6 +516,28 @@ def _mcap_sum(data: bytes, at: int, bag: Bag) -> None:
         bag.remarks += (Remark("wrong_checksum", "warning", what, where=bag.path, do=do),)
 
 
+def _mcap_end(data: bytes, at: int, bag: Bag) -> None:
+    """Look at what stands behind the data: a file that was finished ends with a footer, whose checksum covers it."""
+    end = len(data) - len(MCAP)
+    foot = end - FOOTER
+    whole = foot >= at and data[end:] == MCAP and data[foot : foot + 9] == OP_LENGTH.pack(OF_MCAP["footer"], FOOTER - 9)
+    if whole:
+        summary, _, said = struct.unpack("<QQI", data[foot + 9 : end])
+        begin = summary if at < summary <= foot else foot
+        found = 0
+        for first in range(begin, end - DATA_END, PIECE):
+            found = zlib.crc32(data[first : min(first + PIECE, end - DATA_END)], found)
+        whole = said in (0, found)
+    if not whole:
+        _mcap_damaged(bag)
+
+
+def _mcap_damaged(bag: Bag) -> None:
+    what = "the end of the file is damaged, so that the checksum of its content is not known"
+    do = "Copy it again from the logger"
+    bag.remarks += (Remark("wrong_checksum", "warning", what, where=bag.path, do=do),)
+
+
 def _mcap_chunk(body: bytes, loaded: Loaded, at: int) -> bytes:
     """Return the records of a chunk; its checksum is looked at."""
     try:
@@ -514,17 +555,21 @@ def _mcap_chunk(body: bytes, loaded: Loaded, at: int) -> bytes:
     return found
 
 
-def _mcap_about(op: int, body: bytes, bag: Bag, schemas: dict[int, str], at: int) -> None:
+def _mcap_about(op: int, body: bytes, bag: Bag, schemas: dict[int, tuple[str, bytes]], at: int) -> None:
     """Write down a schema or a channel."""
     try:
         if op == OF_MCAP["schema"]:
             (key,) = struct.unpack_from("<H", body)
-            schemas[key], _ = _text(body, 2)
+            name, place = _text(body, 2)
+            _, place = _text(body, place)
+            (length,) = struct.unpack_from("<I", body, place)
+            schemas[key] = name, body[place + 4 : place + 4 + length]
         else:
             key, schema = struct.unpack_from("<HH", body)
             topic, place = _text(body, 4)
             encoding, _ = _text(body, place)
-            bag.connections[key] = Connection(topic, schemas.get(schema, ""), encoding)
+            kind, content = schemas.get(schema, ("", b""))
+            bag.connections[key] = Connection(topic, kind, encoding, content)
             check_count(len(bag.connections), PARTS, "channels", bag.path)
     except struct.error:
         raise TornError(at, "a record is damaged") from None

@@ -1,0 +1,1 @@
+"""Instruments: protocol, dialects (as data), links (how bytes come), devices of the two, some to rehearse on."""
