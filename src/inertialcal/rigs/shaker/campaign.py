@@ -127,7 +127,7 @@ def _entry(file: str) -> Content:
 def _test(bench: Bench, name: str) -> Noted:
     plan = {
         "sweep": f"{bench.start:g} Hz to {bench.stop:g} Hz",
-        "rate": f"{bench.said:g} oct/min",
+        "rate": f"{bench.per_minute:g} oct/min",
         "level": f"{bench.said_level:g} g",
     }
     beside: Content = {} if name == "before" else {"against": "before"}

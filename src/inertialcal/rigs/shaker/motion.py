@@ -17,6 +17,7 @@ from .setup import NODES, PLAIN, STEPS_DB, Bench
 
 SWING = 12.0  # decay times for which a mode still swings
 HARMONICS = (2, 3)
+PASSED = 0.45  # of the sample rate, by the filter of the recorder
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +46,7 @@ def fixture_ratio(bench: Bench, frequency: Array) -> NDArray[np.complex128]:
 
 def duration(bench: Bench) -> float:
     """Return how long the sweep lasts [s]."""
-    return float(60.0 * abs(np.log2(bench.stop / bench.start)) / bench.per_minute)
+    return float(60.0 * abs(np.log2(bench.stop / bench.start)) / (bench.per_minute * bench.speed))
 
 
 def drive(bench: Bench, clock_error: float, rng: np.random.Generator) -> Array:
@@ -63,14 +64,15 @@ def drive(bench: Bench, clock_error: float, rng: np.random.Generator) -> Array:
     length = duration(bench)
     n = round((length + 2.0 * bench.quiet) * bench.sample_rate)
     t = np.arange(n) / (bench.sample_rate * (1.0 + clock_error)) - bench.quiet
-    k = np.sign(bench.stop - bench.start) * bench.per_minute * np.log(2.0) / 60.0
+    k = np.sign(bench.stop - bench.start) * bench.per_minute * bench.speed * np.log(2.0) / 60.0
     inside = np.clip(t, 0.0, length)
     cycles = bench.start * np.expm1(k * inside) / k
     on = np.clip(np.minimum(t, length - t) / bench.ramp, 0.0, 1.0)
     turns = rng.uniform(0.0, 2.0 * np.pi, 1 + len(HARMONICS))
     wave = np.sin(2.0 * np.pi * cycles + turns[0])
     for m, turn in zip(HARMONICS, turns[1:], strict=True):
-        wave += bench.distortion * np.sin(2.0 * np.pi * m * cycles + turn)
+        passed = m * bench.start * np.exp(k * inside) < PASSED * bench.sample_rate
+        wave += bench.distortion * passed * np.sin(2.0 * np.pi * m * cycles + turn)
     if bench.clipped:
         wave = np.clip(wave, -bench.clipped, bench.clipped)
     octave = np.log2(bench.start) + k * inside / np.log(2.0)

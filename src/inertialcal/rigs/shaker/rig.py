@@ -38,7 +38,7 @@ __all__ = ["FAULTS", "RIG", "Bench", "build"]
 
 BEGIN = 1_283_260_200  # 2010-08-31 13:10:00 UTC [s]
 FAULTS: dict[str, Fault] = {
-    "wrong_rate": Fault("the sweep goes at twice the rate that is stated", "sweep_rate", {"per_minute": 32.0}),
+    "wrong_rate": Fault("the sweep goes at twice the rate that is stated", "sweep_rate", {"speed": 2.0}),
     "level_high": Fault("the surveys are 2 dB too high", "drive_level", {"level": 0.25 * 10.0**0.1}),
     "clipped_drive": Fault("the amplifier cuts the drive off", "clipped_drive", {"clipped": 0.75}),
     "loose_fixture": Fault(
@@ -153,6 +153,7 @@ def true_values(bench: Bench, items: dict[str, Item], gain: float) -> Iterator[T
 def _recording(bench: Bench, item: Item, errors: tuple[float, float], rng: np.random.Generator) -> Recording:
     """Return one survey, as the recorder saves it."""
     clock_error, gain = errors
+    bench = replace(bench, sample_rate=bench.survey_rate)
     table = drive(bench, clock_error, rng)
     seen = moved(bench, table, item, clock_error)
     if bench.lost:
@@ -186,7 +187,14 @@ def _saved(bench: Bench, values: Array, rng: np.random.Generator) -> Array:
 def small(bench: Bench) -> Bench:
     """Return the same test, made faster: a shorter band, a faster sweep."""
     return replace(
-        bench, start=60.0, stop=900.0, per_minute=24.0, said=24.0, sample_rate=4000.0, full_level=0.0, power_ups=0
+        bench,
+        start=60.0,
+        stop=900.0,
+        per_minute=24.0,
+        sample_rate=4000.0,
+        survey_rate=4000.0,
+        full_level=0.0,
+        power_ups=0,
     )
 
 

@@ -34,11 +34,12 @@ class Bench:
 
     start: float = 20.0  # of the sweep [Hz]
     stop: float = 1000.0
-    per_minute: float = 16.0  # octaves; the sweep is said to have ``said`` of them
-    said: float = 16.0
+    per_minute: float = 4.0  # octaves, as they are said
+    speed: float = 1.0  # of the sweep over that
     level: float = 0.25  # of the sweep [g]; it is said to have ``said_level``
     said_level: float = 0.25
     sample_rate: float = 5120.0  # [Hz]
+    survey_rate: float = 2560.0  # of the surveys, behind a filter that passes no harmonic beyond 0.45 of it [Hz]
     quiet: float = 0.5  # before and after the sweep [s]
     ramp: float = 0.05  # of the level at both ends [s]
     # nominal modes: frequency [Hz], Q, part in the response along and across the drive
