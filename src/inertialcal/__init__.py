@@ -58,6 +58,7 @@ if TYPE_CHECKING:
     from .procedures.mass_attraction.recorded_series import programme_1969
     from .procedures.positions.batch import positions_batch
     from .procedures.positions.planning.planner import plan_positions
+    from .procedures.sine_survey.planning import plan_vibration_survey
     from .procedures.vibration.planning import plan_vibration
     from .procedures.vibration.profile_table import vibration_profile
     from .report.plot import plot
@@ -100,6 +101,7 @@ __all__ = [
     "plan_mass_attraction",
     "plan_positions",
     "plan_vibration",
+    "plan_vibration_survey",
     "plot",
     "positions",
     "positions_batch",
@@ -152,6 +154,7 @@ _HOMES = {  # nouns of procedures apart, which are found by their commands
         "procedures.mass_attraction.recorded_series": "programme_1969",
         "procedures.positions.batch": "positions_batch",
         "procedures.positions.planning.planner": "plan_positions",
+        "procedures.sine_survey.planning": "plan_vibration_survey",
         "procedures.vibration.planning": "plan_vibration",
         "procedures.vibration.profile_table": "vibration_profile",
         "report.plot": "plot",

@@ -142,6 +142,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
         "vibration": ic.vibration(random, profile=profile, control="control"),
         "vibration_profile": ic.vibration_profile(profile),
         "plan_vibration": ic.plan_vibration(profile=profile),
+        "plan_vibration_survey": ic.plan_vibration_survey(rate="4 oct/min"),
         "vibration_effects": ic.vibration_effects(shaken(tmp_path_factory.mktemp("shaken")), axis="z"),
         "vibration_survey": ic.vibration_survey(swept(tmp_path_factory.mktemp("swept"))),
         "mass_attraction": moved(tmp_path_factory.mktemp("moved")),
@@ -164,7 +165,8 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
 
 NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "thermal", "sensitivity", "allan", "psd", "sine",
          "mass_attraction", "plan_mass_attraction", "positions", "positions_batch", "plan_positions",
-         "vibration", "vibration_profile", "plan_vibration", "vibration_survey", "vibration_effects",
+         "vibration", "vibration_profile", "plan_vibration", "plan_vibration_survey", "vibration_survey",
+         "vibration_effects",
          "result", "estimate",
          "check", "run", "budget", "model", "compare", "judged", "simulate", "score")  # fmt: skip
 

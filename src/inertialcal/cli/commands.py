@@ -188,6 +188,18 @@ class _Lazy(TyperGroup):
         plain.list_commands = lambda ctx: list(self.commands)  # type: ignore[method-assign]
         plain.format_commands(ctx, formatter)
 
+    def get_command(self, ctx: object, cmd_name: str) -> Built | None:
+        """Return a command, built now; None if there is none of that name."""
+        raise NotImplementedError
+
+    def resolve_command(self, ctx: typer.Context, args: list[str]) -> tuple[str | None, Built | None, list[str]]:  # type: ignore[override]
+        """Return the command that was typed, and what follows it: its name may be two words."""
+        both = " ".join(args[:2])
+        if both in self.names():
+            return both, self.get_command(ctx, both), args[2:]
+        found: tuple[str | None, Built | None, list[str]] = super().resolve_command(ctx, args)  # type: ignore[assignment]
+        return found
+
 
 class Root(_Lazy):
     """All commands."""
@@ -200,14 +212,6 @@ class Root(_Lazy):
         """Return a command that has nothing but its help; a verb is cheap, and built."""
         nouns = {noun: one for noun, (_, one) in _nouns().items()} | {PLAN.word: PLAN}
         return TyperCommand(word, help=nouns[word].help) if word in nouns else _verb(word)
-
-    def resolve_command(self, ctx: typer.Context, args: list[str]) -> tuple[str | None, Built | None, list[str]]:  # type: ignore[override]
-        """Return the command that was typed, and what follows it: its name may be two words."""
-        both = " ".join(args[:2])
-        if both in words():
-            return both, self.get_command(ctx, both), args[2:]
-        found: tuple[str | None, Built | None, list[str]] = super().resolve_command(ctx, args)  # type: ignore[assignment]
-        return found
 
     def get_command(self, ctx: object, cmd_name: str) -> Built | None:
         """Return a command, built now; None if there is none of that name."""

@@ -32,6 +32,7 @@ NO_CALL = (
     "plan_mass_attraction",
     "plan_positions",
     "plan_vibration",
+    "plan_vibration_survey",
     "simulate",
     "vibration_profile",
 )  # that take no recording

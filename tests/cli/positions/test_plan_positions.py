@@ -111,4 +111,9 @@ def test_a_refusal_as_json_names_both_words(capsys: pytest.CaptureFixture[str]) 
 
 
 def test_both_plans_are_there() -> None:
-    assert Planners(name="plan").list_commands(None) == ["mass-attraction", "positions", "vibration"]
+    assert Planners(name="plan").list_commands(None) == [
+        "mass-attraction",
+        "positions",
+        "vibration",
+        "vibration survey",
+    ]

@@ -78,6 +78,25 @@ class Plan:
         return None if self.rate is None else rate_of(self.rate)
 
 
+@dataclass(frozen=True)
+class PlannedSurvey:
+    """What is known of a survey before it is made."""
+
+    sweep: str = setting("From which frequency to which.", "20 Hz to 1000 Hz", example="20 Hz to 1000 Hz")
+    rate: str | None = setting(
+        "Octaves, decades or hertz a minute or second; several are compared where not given.", None, example="4 oct/min"
+    )
+    level: float = setting("Amplitude of the drive.", 2.4516625, unit="m/s^2", example="0.25 g", above=0.0)
+    frequency: float = setting("Natural frequency of the mode.", 100.0, unit="Hz", example="100 Hz", above=0.0)
+    amplification: float = setting("Its Q.", 30.0, example="30", above=0.5, most=2000.0)
+    part: float = setting("Its part of the motion: Q times this is about its transmissibility.", 1.0, example="0.3",
+                          above=0.0)  # fmt: skip
+    noise: float = setting("Noise of the response.", 5.5e-4, unit="m/s^2/sqrt(Hz)", example="56 ug/sqrt(Hz)",
+                           above=0.0)  # fmt: skip
+    control_noise: float = setting("Noise of the control.", 5.5e-4, unit="m/s^2/sqrt(Hz)", example="56 ug/sqrt(Hz)",
+                                   least=0.0)  # fmt: skip
+
+
 def range_of(text: str) -> tuple[float, float]:
     """Return the two frequencies of a text like ``"20 Hz to 1000 Hz"``.
 

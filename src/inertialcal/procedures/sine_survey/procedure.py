@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..protocol import Command, Correction, Facts, InputSpec, Procedure, Quantity, Reduced, Role, Source, Tested
 from .figures import FIGURES
-from .plan import CONTROL, INFLUENCES, OfFile, Plan
+from .plan import CONTROL, INFLUENCES, OfFile, Plan, PlannedSurvey
 
 if TYPE_CHECKING:
     from ...core.errors import Problem
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from ..entries import SaidTest
     from ..given import Described, GivenFile
     from ..suggestions import Claim, Draft, FolderFile, Suggestion
+    from .planning import SurveyPlan
     from .readings import Readings
     from .reduction import Result
 
@@ -53,6 +54,13 @@ class SineSurvey(Procedure[Plan, "Readings", "Result"]):
             ),
         ),
     )
+    planner = Command(
+        "vibration survey",
+        "How long a sweep lasts, whether a mode follows it, how well the mode will be known.",
+        "vibration_survey_plan",
+        examples=('--sweep "20 Hz to 1000 Hz" --frequency "80 Hz" --amplification 30', '--rate "4 oct/min"'),
+    )
+    planner_type = PlannedSurvey
     plan_type, said_type, influences = Plan, OfFile, INFLUENCES
     figures = FIGURES
     uses = frozenset({"fit", "report_only"})
@@ -145,6 +153,12 @@ class SineSurvey(Procedure[Plan, "Readings", "Result"]):
         from .shown import summary
 
         return summary(found.result)
+
+    def planned(self, given: Mapping[str, Any]) -> SurveyPlan:
+        """Return how long a sweep lasts and what it will tell of a mode."""
+        from .planning import planned
+
+        return planned(given)
 
     def check(self, test: SaidTest) -> Iterator[Problem]:
         """Yield a sweep or a rate that is none."""
