@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from vibration_runs import PLAN, SHORT, lines_verdict, readings_of
 import inertialcal as ic
 from independent.coverage import binomial
 from independent.vibration.random_run import Run, simulate
-from inertialcal.core.errors import InertialcalError
+from inertialcal.core.errors import InertialcalError, UsageError
 from inertialcal.procedures.vibration.plan import PlannedRun
 from inertialcal.procedures.vibration.planning import degrees_of_freedom, pass_chance
 from inertialcal.procedures.vibration.reduction import reduce
@@ -99,3 +100,43 @@ def test_only_resolutions_that_a_run_takes_are_planned(tmp_path: Path) -> None:
     assert all(one.lines >= 4 for one in ic.plan_vibration(profile=str(path)).forecasts)
     with pytest.raises(InertialcalError, match="need 4"):
         ic.plan_vibration(profile=str(path), resolution="8 Hz")
+
+
+@pytest.mark.parametrize(
+    ("settings", "named"),
+    [
+        ({"control_error": "3 dB"}, {"control_error", "tolerance"}),
+        ({"control_error": "50 dB"}, {"control_error", "tolerance"}),
+        ({"tolerance": "1e-6 dB"}, {"tolerance"}),
+        ({"u": "50 %"}, {"u", "tolerance"}),
+        ({"overall": "0.1 %"}, {"overall"}),
+        ({"overall": "5 %", "u": "5 %"}, {"u", "overall"}),
+        ({"resolution": "0.001 Hz"}, {"resolution", "tolerance"}),
+    ],
+)
+def test_what_no_duration_gives_is_advised_by_what_alone_gives_it(
+    profile: str, settings: dict[str, str], named: set[str]
+) -> None:
+    def never(given: dict[str, str]) -> str:
+        found = [one.do for one in ic.plan_vibration(profile=profile, **given).remarks if one.code == "never"]
+        return found[0] if found else ""
+
+    base = {"u": "1 %", **settings}
+    advised = dict(re.findall(r'(\w+)="([^"]+)"', never(base)))
+    assert set(advised) == named
+    for name, value in advised.items():
+        assert not never({**base, name: value}), (name, value)
+
+
+def test_all_at_once_is_said_where_nothing_alone_helps(profile: str) -> None:
+    plan = ic.plan_vibration(profile=profile, control_error="3 dB", overall="1 %", u="5 %")
+    (one,) = [remark for remark in plan.remarks if remark.code == "never"]
+    assert one.do.startswith("Change more than one of")
+
+
+def test_a_duration_that_holds_no_spectrum_is_refused_and_finer_resolutions_are_left_out(profile: str) -> None:
+    with pytest.raises(UsageError) as short:
+        ic.plan_vibration(profile=profile, u="1 %", duration="0.1 s")
+    assert "0.15 s at 10 Hz" in short.value.problems[0].what
+    found = ic.plan_vibration(profile=profile, u="1 %", duration="0.4 s").forecasts
+    assert [one.resolution for one in found] == [5.0, 10.0]

@@ -17,9 +17,10 @@ FAIL of a line takes an interval that holds for all lines together; how far out 
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -52,6 +53,9 @@ STEPS = 21  # of the controller's error, from its lowest to its highest
 RESOLUTIONS = (0.25, 0.5, 1.0, 2.0)  # times the default, that are compared
 DURATIONS = np.geomspace(2.0, 600.0, 40)  # of the curve [s]
 LONGEST, SHORTEST = 1e5, 0.5  # [s] that are looked through
+MOST_MORE = 200.0  # [dB], and (1), by which a larger tolerance is looked for
+LONG = 600.0  # [s] that a run may take where a setting is advised
+FEWEST_SEGMENTS = 1.5  # lengths of a segment, that hold two that overlap by half
 USUAL = 60.0  # [s] for which figures are told where no duration is given
 TEST = "plan"
 NODES, WEIGHTS = np.polynomial.hermite_e.hermegauss(21)
@@ -184,22 +188,74 @@ def planned(given: Mapping[str, Any], options: bool = True) -> VibrationPlan:
             f"{words['resolution']} {number(resolutions[0], 4)} Hz: {few} lines inside the profile, need {FEWEST_LINES}"
         )
         raise UsageError(what, do="Give a finer resolution", code="wrong_value")
-    resolutions = [one for one in resolutions if lines_of(stated.profile, one) >= FEWEST_LINES]
+    shortest = FEWEST_SEGMENTS / max(resolutions)
+    if wanted.duration is not None and wanted.duration < shortest:
+        what = f"{words['duration']} {number(wanted.duration, 3)} s: shorter than a spectrum takes, "
+        what += f"{number(shortest, 3)} s at {number(max(resolutions), 3)} Hz"
+        raise UsageError(what, do=f"Give {number(shortest, 3)} s or more", code="wrong_value")
+    carried = math.inf if wanted.duration is None else wanted.duration
+    resolutions = [one for one in resolutions if lines_of(stated.profile, one) >= FEWEST_LINES
+                   and FEWEST_SEGMENTS / one <= carried]  # fmt: skip
     found = tuple(_forecast(wanted, stated.profile, one) for one in resolutions)
     return VibrationPlan(wanted, stated.profile, found, _curves(wanted, stated.profile, resolutions),
-                         (*stated.remarks, *_remarks(wanted, found)))  # fmt: skip
+                         (*stated.remarks, *_remarks(wanted, stated.profile, found, words, options)))  # fmt: skip
 
 
-def _remarks(wanted: PlannedRun, found: Sequence[RunForecast]) -> list[Remark]:
+def _remarks(
+    wanted: PlannedRun, profile: Profile, found: Sequence[RunForecast], words: Mapping[str, str], options: bool
+) -> list[Remark]:
     remarks = []
     if wanted.u == 0.0:
         what = "scale factor of the control accelerometers taken as exact"
         remarks.append(Remark("no_standard_uncertainty", "warning", what, do="State it: --u"))
     if all(one.needed is None for one in found):
-        what = "no duration gives that chance of a PASS: tolerance, controller's error and scale factor are too close"
-        do = "Allow more, control better, or judge bands of a fraction of an octave"
+        what = "no duration gives that chance of a PASS"
+        if wanted.control_error >= wanted.tolerance:
+            what += f": a controller's error of {number(wanted.control_error, 3)} dB uses the tolerance of "
+            what += f"{number(wanted.tolerance, 3)} dB up"
+        ways = list(_what_helps(wanted, profile, max(one.resolution for one in found)))
+        shown = [f"{words[name]}{' ' if options else '='}{json.dumps(value)} or {word}" for name, value, word in ways]
+        do = f"Plan with {', or with '.join(shown)}" if shown else \
+            "Change more than one of tolerance, controller's error, overall tolerance and scale factor"  # fmt: skip
         remarks.append(Remark("never", "warning", what, do=do))
     return remarks
+
+
+def _what_helps(wanted: PlannedRun, profile: Profile, resolution: float) -> Iterator[tuple[str, str, str]]:
+    """Yield each setting that alone gives the wanted chance in ten minutes, from which value on, and which way.
+
+    A coarser resolution is left to the table: its first row is the finest.
+    """
+
+    def enough(**changes: float) -> bool:
+        return pass_chance(replace(wanted, **changes), profile, resolution, LONG) >= wanted.power
+
+    usual = default_resolution(profile)
+    if resolution < usual and pass_chance(wanted, profile, usual, LONG) >= wanted.power:
+        yield "resolution", f"{number(usual, 4)} Hz", "coarser"
+    known = {"control_error": (wanted.control_error, 1.0, "dB"), "u": (wanted.u, 100.0, "%")}
+    for name, (value, scale, unit) in known.items():
+        if value > 0.0 and enough(**{name: 0.0}):
+            low, high = 0.0, value
+            for _ in range(12):
+                middle = 0.5 * (low + high)
+                low, high = (middle, high) if enough(**{name: middle}) else (low, middle)
+            size = _rounded(low * scale, math.floor)
+            yield name, f"{size:g} {unit}", "less"
+    upward = {"tolerance": (wanted.tolerance, 1.0, "dB"), "overall": (wanted.overall or math.inf, 100.0, "%")}
+    for name, (value, scale, unit) in upward.items():
+        low, high = value, value + MOST_MORE
+        if math.isfinite(value) and enough(**{name: high}):
+            while high / low > 1.01:
+                middle = math.sqrt(low * high)
+                low, high = (low, middle) if enough(**{name: middle}) else (middle, high)
+            yield name, f"{_rounded(high * scale, math.ceil):g} {unit}", "more"
+
+
+def _rounded(value: float, way: Callable[[float], int]) -> float:
+    """Return a positive value with two digits, rounded down or up."""
+    step = 10.0 ** (math.floor(math.log10(value)) - 1) if value > 0.0 else 1.0
+    return round(way(value / step * (1.0 + 1e-12)) * step, 12)
 
 
 def lines_of(profile: Profile, resolution: float) -> int:
@@ -264,7 +320,7 @@ def _line(dof: float, u: float) -> Deviation:
 
 def _forecast(wanted: PlannedRun, profile: Profile, resolution: float) -> RunForecast:
     needed = _needed(wanted, profile, resolution)
-    duration = wanted.duration or USUAL
+    duration = wanted.duration or max(USUAL, FEWEST_SEGMENTS / resolution)
     dof, lines = degrees_of_freedom(duration, resolution, wanted.channels), lines_of(profile, resolution)
     together = P ** (1.0 / max(lines, 1))
     one = _line(dof, 2.0 * NEPER * wanted.u)
