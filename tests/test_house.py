@@ -219,6 +219,19 @@ def test_the_report_names_no_procedure_but_the_folders_of_their_figures(path: Pa
     assert not [one for one in names_of_procedures(path) if calls not in one]
 
 
+def test_no_curve_has_the_name_of_one_of_another_procedure() -> None:
+    """The figures of both would be drawn from the curves of either."""
+    owners: dict[str, set[str]] = {}
+    for path in (PACKAGE / "procedures").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "Curve" and node.args:
+                name, owner = node.args[0], path.relative_to(PACKAGE / "procedures").parts[0]
+                if isinstance(name, ast.Constant):
+                    owners.setdefault(str(name.value), set()).add(owner)
+    assert len(owners) > 30
+    assert not {name: found for name, found in owners.items() if len(found) > 1}
+
+
 def test_sensitivity_changed_three_existing_files() -> None:
     """A procedure is added in folders of its own: the rest has its name, its standards and its signature, once each."""
     own = ("procedures/sensitivity/", "report/figures/sensitivity/", "rigs/")

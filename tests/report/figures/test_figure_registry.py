@@ -72,6 +72,14 @@ def test_every_procedure_of_ours_declares_its_figures_and_no_name_twice() -> Non
 
 
 @pytest.mark.usefixtures("toy")
+def test_a_curve_of_others_under_a_name_of_ours_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    taken = FigureSpec("toy_noise", "toy_spin_figure", "Noise of {axis}.", {"toy_spin": "", "allan": ""})
+    monkeypatch.setattr(Spin, "figures", (SPEC, taken))
+    with pytest.raises(PlanError, match="a curve 'allan' is one of procedure 'static_noise' already"):
+        figures()
+
+
+@pytest.mark.usefixtures("toy")
 def test_a_figure_of_others_is_drawn_where_it_says() -> None:
     content = results() | {"curves": [CURVE, CURVE | {"recording": "b"}]}
     assert list(figures()).index("toy_spin") == list(figures()).index("input_output") + 1

@@ -77,13 +77,21 @@ def figures() -> dict[str, Figure]:
     Raises
     ------
     PlanError
-        ``broken_plugin`` if a procedure of others declares a figure under a name that is taken.
+        ``broken_plugin`` if a procedure of others declares a figure, or draws it from curves, under a name that is
+        taken: the figures of both would be drawn from the curves of either.
     """
     found: dict[str, FigureSpec] = {one.name: one for one in OF_A_CAMPAIGN}
+    drawn: dict[str, str] = {}  # curve -> its procedure
     for procedure in loaded_procedures():
         for spec in procedure.figures:
             if spec.name in found:
                 what = f"procedure {procedure.name!r}: there is a figure {spec.name!r} already"
                 raise PlanError(what, do="Give it another name", code="broken_plugin")
             found[spec.name] = spec
+            for curve in spec.curves:
+                if drawn.setdefault(curve, procedure.name) != procedure.name:
+                    what = (
+                        f"procedure {procedure.name!r}: a curve {curve!r} is one of procedure {drawn[curve]!r} already"
+                    )
+                    raise PlanError(what, do="Give it another name", code="broken_plugin")
     return {one.name: Figure(one) for one in sorted(found.values(), key=lambda one: one.order)}
