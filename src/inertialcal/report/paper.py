@@ -15,7 +15,7 @@ from typing import Any
 
 from ..core.show import wording
 from ..core.show.requirement_lines import HEADS, requirement_lines
-from ..core.show.rows import case_name, quantity_name
+from ..core.show.rows import Changed, case_name, quantity_name
 from ..files.write.typst import typst_pdf
 from . import findings, numbers
 from .drawings import Drawing
@@ -177,6 +177,10 @@ def _test(
         "more": f"… and {wording.counted(len(section.more_lines), 'quantity')} more: see results.csv"
         if section.more_lines
         else "",
+        "changes_title": plain(f"What changed since {step['against']}") if section.changes else "",
+        "change_heads": [plain(one) for one in _change_heads(section, step)] if section.changes else [],
+        "changes": [_change(one) for one in _changes(section)[:FEW]],
+        "more_changes": _more(section.changes, "change"),
         "missing": [plain(one) for one in missing[:FEW]],
         "more_missing": _more(missing, "reason", "results.csv"),
         "remarks": [_remark(one) for one in section.remarks[:FEW]],
@@ -214,6 +218,27 @@ def _line(line: Line) -> list[str]:
     status = reason or ("upper limit" if limit else "estimated")
     cells = (name, line.axis, f"{'< ' if limit else ''}{_tagless(value)}", _unit(line.unit), _interval(row), status)
     return [plain(cell) for cell in cells]
+
+
+def _changes(section: Section) -> list[Changed[Any]]:
+    """Return what figures changed by, those that a requirement is about first."""
+    return sorted(section.changes, key=lambda one: not one.verdict)
+
+
+def _change_heads(section: Section, step: Any) -> tuple[str, ...]:
+    return "quantity", "axis", str(step["against"]), section.test, "unit", "change", "95 % interval", "verdict"
+
+
+def _change(one: Changed[Any]) -> list[str]:
+    """Return the cells of a change: the figure in both tests, and by how much; of sizes, times how much."""
+    row, own = one.change, one.before or one.after or one.change
+    both = [
+        "–" if each is None else _tagless(numbers.both(each["value"], each["u"])) for each in (one.before, one.after)
+    ]
+    change = f"{'× ' if one.is_ratio else ''}{_tagless(numbers.both(row['value'], row['u']))}"
+    cells = (one.name, f"{row['sensor'] or ''} {row['axis']}", *both, _unit(own["unit"]), change,
+             _interval(row), one.verdict)  # fmt: skip
+    return [plain(str(cell).strip()) for cell in cells]
 
 
 def _interval(row: Any) -> str:
@@ -261,6 +286,10 @@ def _appendices(
 ) -> list[dict[str, Any]]:
     """Return the long tables: every quantity of each test, every verdict, every input."""
     found = [_table(f"Quantities of {one.test}", LINE_HEADS, map(_line, one.together)) for one in page["sections"]]
+    for one in page["sections"]:
+        if one.changes and one.step is not None:
+            title = f"What {one.test} changed by since {one.step['against']}"
+            found.append(_table(title, _change_heads(one, one.step), map(_change, _changes(one))))
     judged = page["lists"]["verdicts"]
     heads = ("requirement", "test", "axis", "at", "value ± u", "limits", "margin", "verdict")
     found.append(_table("Verdicts", heads, map(_verdict, judged)))

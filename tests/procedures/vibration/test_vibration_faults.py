@@ -183,6 +183,26 @@ def test_an_error_leaves_the_verdict_open_and_a_narrow_peak_is_said_in_decibels(
     assert "1.25 Hz" in remark.do
 
 
+def test_a_sine_is_no_random_vibration_and_nothing_else_is_said_of_it() -> None:
+    t = np.arange(25_600) / BASE.rate
+    rng = np.random.default_rng(1)
+    x = 60.0 * np.sin(2.0 * np.pi * 100.0 * t) + 5.0 * np.sin(2.0 * np.pi * 200.0 * t) + rng.standard_normal(len(t))
+    result = of(x[:, None])
+    assert [one.code for one in result.errors] == ["not_random"]
+    assert "100 Hz" in result.errors[0].what
+    assert codes(result) == {"not_random"}
+    loud = replace(BASE, tones=((150.0, 2.0),))  # a tone that is less than the noise
+    assert "not_random" not in codes(of(control(loud)))
+
+
+def test_a_run_of_another_profile_is_one_remark() -> None:
+    wild = ((20.0, 0.001), (40.0, 0.04), (60.0, 0.002), (80.0, 0.04), (110.0, 0.005), (140.0, 0.05), (170.0, 0.003),
+            (200.0, 0.04), (260.0, 0.003), (320.0, 0.04), (400.0, 0.004), (500.0, 0.01))  # fmt: skip
+    found = [one for one in of(control(replace(BASE, nodes=wild))).remarks if one.code.startswith(("band", "notch"))]
+    assert [one.code for one in found] == ["band_off"]
+    assert found[0].count > 4
+
+
 def test_levels_and_duration_of_a_run_with_steps() -> None:
     run = replace(BASE, steps=((-6.0, 5.0), (-3.0, 5.0)))
     result = reduced(run, 2)

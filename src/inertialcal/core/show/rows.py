@@ -19,7 +19,7 @@ from typing import Generic, TypeVar
 
 from ..key import CHANGES, PLAIN, WAYS, Case, Method
 from ..results import WrittenRow, case_of, key_of
-from .wording import VERDICTS
+from .wording import VERDICTS, words
 
 R = TypeVar("R", bound=WrittenRow)
 MOST = 5  # columns beside the result
@@ -253,6 +253,13 @@ class Changed(Generic[R]):
     verdict: str  # The worst; empty where no requirement is about it
 
     @property
+    def name(self) -> str:
+        """The quantity in words, with the place that it is of."""
+        at = case_of(self.change).at
+        name = words(quantity_name(self.change))
+        return name if at is None else f"{name} ({at.what} {at})"
+
+    @property
     def is_ratio(self) -> bool:
         """Whether it is told as the later figure over the earlier one."""
         return case_of(self.change).method is Method.RATIO
@@ -276,7 +283,7 @@ def changed(rows: Iterable[R], verdicts: Iterable[R], test: str, other: str) -> 
         Names of both tests.
     """
     every = list(rows)
-    plain = {(row["test"], key_of(row)): row for row in every if case_of(row).plain}
+    plain = {(row["test"], key_of(row)): row for row in every if case_of(row)._replace(at=None).plain}
     judged = [one for one in verdicts if one["test"] == test and one["of"] == "change"]
     found = []
     for row in every:

@@ -46,6 +46,7 @@ FOLDED = 0.05  # density below half the sampling frequency, over that of the ban
 TOP = 0.9  # of half the sampling frequency, from which that is looked at
 LOW_PASS = 3.0  # deviation at the top of the band [dB]
 STEEP = 6.0  # and its fall over the last half octave [dB]
+SINE = 0.5  # of the mean square, from which a vibration is no random one
 LINE = 0.02  # of the mean square in its bandwidth band, from which a line matters
 PEAK = 1.0  # that a line of the spectrum is too low [dB]
 SHOWN = 4  # lines that are listed
@@ -53,6 +54,11 @@ SHOWN = 4  # lines that are listed
 
 def findings(result: Result) -> Iterator[Remark]:
     """Yield remarks on a run."""
+    if sine := list(_not_random(result)):
+        yield from sine
+        yield from (one for one in _sampling(result) if one.code == "sample_rate")
+        yield from _gaps(result)
+        return
     yield from _levels(result)
     yield from _duration(result)
     yield from _stationarity(result)
@@ -68,6 +74,19 @@ def findings(result: Result) -> Iterator[Remark]:
 
 def _where(result: Result) -> str:
     return result.readings.where
+
+
+def _not_random(result: Result) -> Iterator[Remark]:
+    """Yield a control that is a sine, or several, for the most part: nothing else of a random run can be said of it."""
+    whole, count = result.control.square, len(result.readings.controls)
+    found = [one for one in lines_of(result).found if one.axis < count and one.kind == "line"]
+    power = sum(0.5 * one.amplitude**2 for one in found) / count
+    if power > SINE * whole:
+        largest = max(found, key=lambda one: one.amplitude)
+        what = f"{number(100.0 * min(power / whole, 1.0), 3)} % of the control's mean square is a sine at"
+        what += f" {number(largest.frequency, 5)} Hz or several: this is no random vibration"
+        do = "Give the recording of the random run; a sine that is swept is one of: vibration survey"
+        yield Remark("not_random", "error", what, _where(result), do=do)
 
 
 def _levels(result: Result) -> Iterator[Remark]:
@@ -231,9 +250,16 @@ def _shape(result: Result) -> Iterator[Remark]:
     if _swapped(result)[0]:
         return
     low_pass = bool(list(_low_pass(result)))
+    off = list(departures(result, CHANCE))
+    if len(off) > SHOWN:
+        most = max(off, key=lambda one: abs(one.most))
+        what = f"the control has not the shape of the profile: {len(off)} bands are off, the furthest {most}"
+        do = "Check that this is the profile of this run, and that the control channel is the one"
+        yield Remark("band_off", "warning", what, _where(result), len(off), do)
+        return
     tones = [one.frequency for one in lines_of(result).found
              if one.axis < len(result.readings.controls) and one.kind == "line"]  # fmt: skip
-    for one in departures(result, CHANCE):
+    for one in off:
         if (one.open_high and one.mean < 0.0 and low_pass) or any(one.low <= f <= one.high for f in tones):
             continue
         if one.mean > 0.0 and one.carved > CARVED:

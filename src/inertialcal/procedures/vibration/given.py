@@ -41,6 +41,13 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     responses = [_column(given, name) for name in _names(given, "response")]
     columns = {what: name for what, name in given.said.columns.items() if what not in CONTROLS}
     axes = columns or _axes(given, responses, controls)
+    accelerations = [name for name in axes.values() if given.recording.channel(_column(given, name)).quantity != "gyro"]
+    if not controls and axes and len(accelerations) != 1:
+        have = ", ".join(given.recording.names)
+        what = f"{given.name}: cannot tell which column is the control accelerometer; it has {have}"
+        known = any(one.unit and kind(one.unit) == ACCELERATION or not one.unit for one in given.recording.channels)
+        do = f"Add: {given.add('control', 'COLUMN')}" if known else "Record the control accelerometer on the same clock"
+        raise UsageError(what, do=do, code="no_column")
     if not axes:  # the control accelerometers are the sensor
         axes, controls = _alone(given, controls), controls[1:]
         roles = dict(zip(CONTROLS[1:], controls, strict=False))
