@@ -92,6 +92,24 @@ def test_a_campaign_of_the_suite_keeps_to_its_pages(campaign_ran: Ran) -> None:
     assert pages(report_pdf(results, None, provenance, squares)) <= 2 + len(results["sequence"])
 
 
+def test_what_changed_since_another_test_has_a_table(small: Files, words: Callable[[bytes], str]) -> None:
+    results, model, provenance = copy.deepcopy(small)
+    step = results["sequence"][0]
+    row = next(one for one in results["results"] if one["test"] == step["test"] and one["u"] and not one["condition"])
+    later = row | {"test": "later", "value": 3.0, "u": 0.1}
+    at = {"what": "mode", "value": 2.0, "unit": ""}
+    change = later | {"method": "change", "value": 1.25, "u": 0.125, "interval": {"lo": 1.0, "hi": 1.5, "p": 0.95}}
+    placed = change | {"value": 7.5, "u": 0.25, "at": at}
+    results["results"] += [later, change, placed]
+    results["sequence"].append(step | {"test": "later", "against": step["test"]})
+    said = words(report_pdf(results, model, provenance, squares, appendices=True))
+    assert f"What changed since {step['test']}" in said
+    assert f"Appendix: What later changed by since {step['test']}" in said
+    for text in ("1.25 ± 0.12", "1.00 … 1.50", "3.00 ± 0.10", "(mode 2)", "7.50 ± 0.25"):
+        assert said.count(text) >= 2
+    assert "What changed" not in words(report_pdf(*small, squares))
+
+
 def test_same_bytes_twice_and_the_date_that_is_asked_for(small: Files) -> None:
     first = report_pdf(*small, drawn)
     assert first == report_pdf(*copy.deepcopy(small), drawn)

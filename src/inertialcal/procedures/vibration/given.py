@@ -45,7 +45,7 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     if not controls and axes and len(accelerations) != 1:
         have = ", ".join(given.recording.names)
         what = f"{given.name}: cannot tell which column is the control accelerometer; it has {have}"
-        known = any(one.unit and kind(one.unit) == ACCELERATION or not one.unit for one in given.recording.channels)
+        known = any((one.unit and kind(one.unit) == ACCELERATION) or not one.unit for one in given.recording.channels)
         do = f"Add: {given.add('control', 'COLUMN')}" if known else "Record the control accelerometer on the same clock"
         raise UsageError(what, do=do, code="no_column")
     if not axes:  # the control accelerometers are the sensor

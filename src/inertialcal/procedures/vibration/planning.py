@@ -227,28 +227,32 @@ def _what_helps(wanted: PlannedRun, profile: Profile, resolution: float) -> Iter
     A coarser resolution is left to the table: its first row is the finest.
     """
 
-    def enough(**changes: float) -> bool:
-        return pass_chance(replace(wanted, **changes), profile, resolution, LONG) >= wanted.power
+    def enough(name: str, value: float) -> bool:
+        changed = {
+            "control_error": replace(wanted, control_error=value), "u": replace(wanted, u=value),
+            "tolerance": replace(wanted, tolerance=value), "overall": replace(wanted, overall=value),
+        }  # fmt: skip
+        return pass_chance(changed[name], profile, resolution, LONG) >= wanted.power
 
     usual = default_resolution(profile)
     if resolution < usual and pass_chance(wanted, profile, usual, LONG) >= wanted.power:
         yield "resolution", f"{number(usual, 4)} Hz", "coarser"
     known = {"control_error": (wanted.control_error, 1.0, "dB"), "u": (wanted.u, 100.0, "%")}
     for name, (value, scale, unit) in known.items():
-        if value > 0.0 and enough(**{name: 0.0}):
+        if value > 0.0 and enough(name, 0.0):
             low, high = 0.0, value
             for _ in range(12):
                 middle = 0.5 * (low + high)
-                low, high = (middle, high) if enough(**{name: middle}) else (low, middle)
+                low, high = (middle, high) if enough(name, middle) else (low, middle)
             size = _rounded(low * scale, math.floor)
             yield name, f"{size:g} {unit}", "less"
     upward = {"tolerance": (wanted.tolerance, 1.0, "dB"), "overall": (wanted.overall or math.inf, 100.0, "%")}
     for name, (value, scale, unit) in upward.items():
         low, high = value, value + MOST_MORE
-        if math.isfinite(value) and enough(**{name: high}):
+        if math.isfinite(value) and enough(name, high):
             while high / low > 1.01:
                 middle = math.sqrt(low * high)
-                low, high = (low, middle) if enough(**{name: middle}) else (middle, high)
+                low, high = (low, middle) if enough(name, middle) else (middle, high)
             yield name, f"{_rounded(high * scale, math.ceil):g} {unit}", "more"
 
 
