@@ -1557,8 +1557,8 @@ MUTANTS = (
     ),
     Mutant(
         "limits.py",
-        "run.edf[at - back] * 2.0 ** (doublings - back)",
-        "run.edf[at - back]",
+        "run.edf[np.where(there, at - back, 0)] * 2.0 ** (doublings - back)",
+        "run.edf[np.where(there, at - back, 0)]",
         "test_noise_fit test_noise_limits",
     ),
     Mutant(

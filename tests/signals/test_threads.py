@@ -8,7 +8,7 @@ import time
 import pytest
 
 from inertialcal.signals import threads
-from inertialcal.signals.threads import LARGE, each_of
+from inertialcal.signals.threads import LARGE, each_of, side_by_side
 
 
 @pytest.fixture(autouse=True, params=[1, 2, 5])
@@ -55,4 +55,18 @@ def test_no_thread_is_left_behind() -> None:
     """A fork beside other threads may hang."""
     before = threading.active_count()
     each_of(str, range(3), LARGE)
+    assert threading.active_count() == before
+
+
+def test_two_jobs_side_by_side(cores: int) -> None:
+    def own() -> str:
+        time.sleep(0.01)
+        return threading.current_thread().name
+
+    one, other = side_by_side(own, own, LARGE)
+    assert (one != other) == (cores > 1)
+    assert len({*side_by_side(own, own, LARGE - 1)}) == 1
+    before = threading.active_count()
+    with pytest.raises(ZeroDivisionError):
+        side_by_side(own, lambda: 1 // 0, LARGE)
     assert threading.active_count() == before

@@ -75,6 +75,41 @@ def fill_set(words: NDArray[np.uint64], room: int, table: NDArray[np.uint64], fi
 
 
 @compiled
+def _whole_sums(x: NDArray[Any]) -> tuple[float, int, float, float]:
+    """Return sum, number, least and largest of samples, four at a time; the sum is not finite where one of them is."""
+    a, b, c, d = 0.0, 0.0, 0.0, 0.0
+    least, low, lower, lowest = np.inf, np.inf, np.inf, np.inf
+    largest, high, higher, highest = -np.inf, -np.inf, -np.inf, -np.inf
+    fours = len(x) // 4
+    for i in range(fours):
+        e, f, g, h = (
+            np.float64(x[4 * i]), np.float64(x[4 * i + 1]), np.float64(x[4 * i + 2]), np.float64(x[4 * i + 3])
+        )  # fmt: skip
+        a, b, c, d = a + e, b + f, c + g, d + h
+        least, low, lower, lowest = min(least, e), min(low, f), min(lower, g), min(lowest, h)
+        largest, high, higher, highest = max(largest, e), max(high, f), max(higher, g), max(highest, h)
+    for i in range(4 * fours, len(x)):
+        e = np.float64(x[i])
+        a, least, largest = a + e, min(least, e), max(largest, e)
+    return (a + b) + (c + d), len(x), min(least, low, lower, lowest), max(largest, high, higher, highest)
+
+
+@compiled
+def _squares_about(x: NDArray[Any], level: float) -> float:
+    """Return the sum of the squares of samples less a level, four at a time."""
+    a, b, c, d = 0.0, 0.0, 0.0, 0.0
+    fours = len(x) // 4
+    for i in range(fours):
+        e, f = np.float64(x[4 * i]) - level, np.float64(x[4 * i + 1]) - level
+        g, h = np.float64(x[4 * i + 2]) - level, np.float64(x[4 * i + 3]) - level
+        a, b, c, d = a + e * e, b + f * f, c + g * g, d + h * h
+    for i in range(4 * fours, len(x)):
+        e = np.float64(x[i]) - level
+        a += e * e
+    return (a + b) + (c + d)
+
+
+@compiled
 def fill_moments(
     x: NDArray[Any],
     first: NDArray[np.int64],
@@ -91,17 +126,21 @@ def fill_moments(
     beside a large level.
     """
     for b in range(len(first)):
-        total, n, least, largest = 0.0, 0, np.inf, -np.inf
-        for i in range(first[b], stop[b]):
-            value = np.float64(x[i])
-            if np.isfinite(value):
-                total += value
-                n += 1
-                least = min(least, value)
-                largest = max(largest, value)
-        level, squares = total / n if n > 0 else np.nan, 0.0
-        for i in range(first[b], stop[b]):
-            value = np.float64(x[i]) - level
+        part = x[first[b] : stop[b]]
+        total, n, least, largest = _whole_sums(part)
+        if not np.isfinite(total):  # not all are finite
+            total, n, least, largest = 0.0, 0, np.inf, -np.inf
+            for i in range(len(part)):
+                value = np.float64(part[i])
+                if np.isfinite(value):
+                    total += value
+                    n += 1
+                    least = min(least, value)
+                    largest = max(largest, value)
+        level = total / n if n > 0 else np.nan
+        squares = _squares_about(part, level) if n == len(part) else 0.0
+        for i in range(0 if n == len(part) else len(part)):
+            value = np.float64(part[i]) - level
             if np.isfinite(value):
                 squares += value * value
         count[b], mean[b] = n, level

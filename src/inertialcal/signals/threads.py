@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 from collections import deque
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from threading import Thread
 from typing import TypeVar
 
@@ -31,6 +32,15 @@ def pays(n: int) -> bool:
 def shares(n: int) -> list[tuple[int, int]]:
     """Return first and stop of each share of n samples, in order: one of a short record."""
     return [(first, min(first + SHARE, n)) for first in range(0, max(n, 1), SHARE)]
+
+
+def side_by_side(one: Callable[[], Share], other: Callable[[], Found], n: int) -> tuple[Share, Found]:
+    """Return what two functions return that look at n samples each: at the same time, where that pays."""
+    if not pays(n):
+        return one(), other()
+    with ThreadPoolExecutor(1) as pool:
+        later = pool.submit(other)
+        return one(), later.result()
 
 
 def each_of(function: Callable[[Share], Found], shares: Sequence[Share], size: int) -> list[Found]:

@@ -10,7 +10,7 @@ from hypothesis.extra import numpy as arrays
 
 from inertialcal.core import batches as b
 from inertialcal.core.batches import summaries
-from inertialcal.core.batches.summaries import median, medians, moments
+from inertialcal.core.batches.summaries import median, medians, moments, quantile
 from inertialcal.core.estimate import Array
 
 ROUNDING = 1e-12
@@ -67,3 +67,20 @@ def test_integers_and_the_largest_numbers() -> None:
 def test_medians_are_those_of_each_row(rows: int, values: list[float]) -> None:
     x = np.stack([np.roll(values, k) + k for k in range(rows)])
     np.testing.assert_array_equal(medians(x), np.median(x, axis=1))
+
+
+@pytest.mark.parametrize("kind", ["smooth", "few", "sorted", "periodic"])
+@pytest.mark.parametrize("share", [0.0, 0.2, 0.5, 0.999, 1.0])
+def test_quantile_of_many_numbers_is_that_of_all(kind: str, share: float) -> None:
+    n = 2**17 + 5
+    x = np.random.default_rng(1).normal(size=n)
+    if kind == "few":
+        x = np.round(x)
+    if kind == "sorted":
+        x.sort()
+    if kind == "periodic":  # every 32nd tells nothing of the others
+        x[::32] = 100.0
+    ordered = np.sort(x)
+    rank = int(share * (n - 1))
+    after = ordered[min(rank + 1, n - 1)]
+    assert quantile(x, share) == ordered[rank] + (share * (n - 1) - rank) * (after - ordered[rank])

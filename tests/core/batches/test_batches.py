@@ -16,6 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from inertialcal.core import batches as b
+from inertialcal.core.batches import extremes, unchanged
 from inertialcal.core.errors import DataError
 
 
@@ -140,3 +141,15 @@ def test_what_is_put_into_a_stored_array_stands_there_at_once(kind: str, first: 
     expected[at + first : at + first + n] = values
     b.put(x[at:], first, values)
     np.testing.assert_array_equal(x, expected)
+
+
+def test_what_is_unchanged_is_looked_through_once() -> None:
+    x, y = np.arange(5.0), np.array([1.0, np.nan, np.inf])
+    with unchanged([x, y]):
+        assert extremes(x) == extremes(x[:]) == (0.0, 4.0)
+        assert extremes(x[1:4]) == (1.0, 3.0)
+        assert extremes(y) == (1.0, np.inf)
+        assert extremes(y, infinite=False) == (1.0, 1.0)  # nothing is kept of what is not finite
+        x[0] = -9.0
+        assert extremes(x) == (0.0, 4.0)
+    assert extremes(x) == (-9.0, 4.0)

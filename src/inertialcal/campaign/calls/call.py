@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, get_args
 
 from pydantic import ValidationError
 
+from ...core.batches import unchanged
 from ...core.campaign_text import FILE, toml_text
 from ...core.errors import DataError, InertialcalError, Problem, StoreError, UsageError
 from ...core.interruption import interruption
@@ -328,8 +329,9 @@ def call(
     if procedure.shown_type is not None:
         shown = procedure.shown_type(**_settings(procedure.shown_type, parts["shown"], options)[1])
     try:
-        document, columns, described = document_of(procedure, given_files, plan, held)
-        campaign, whole, refused = _reduced(document, files)
+        with unchanged(channel.data for one in files.held.values() for channel in one.channels):
+            document, columns, described = document_of(procedure, given_files, plan, held)
+            campaign, whole, refused = _reduced(document, files)
     except InertialcalError as error:
         read = [(one, files.held[one].source.sha256) for one in names if one in files.held]
         error.inputs = error.inputs or tuple(read)

@@ -22,6 +22,9 @@ from numpy.typing import NDArray
 from . import batches, is_stored, near
 
 AT_ONCE = 2**20  # numbers that are held to take their median
+SPARED = 2**16  # numbers from which a rank is looked for among those near to it alone
+THINNED = 32  # of so many numbers one tells where a rank lies ...
+WIDE = 3.0  # ... to so many times the most that one standard deviation of it may be
 DIGIT = 16  # bits that are looked at in one pass
 SIGN, ALL = np.uint64(2**63), np.uint64(2**64 - 1)
 
@@ -124,9 +127,11 @@ def quantile(x: NDArray[Any], share: float) -> float:
     """Return the quantile of finite numbers, shape (n,), a straight line between the two nearest ranks."""
     rank = int(share * (len(x) - 1))
     if not is_stored(x):
-        numbers = np.partition(x, rank)  # of several ranks it takes thrice as long
-        apart = numbers[rank + 1 :].min() - numbers[rank] if rank + 1 < len(x) else 0.0
-        return float(numbers[rank] + (share * (len(x) - 1) - rank) * apart)
+        part, before = _about(x, rank)
+        numbers = np.partition(part, rank - before)  # of several ranks it takes thrice as long
+        one, above = numbers[rank - before], numbers[rank - before + 1 :]
+        apart = above.min() - one if len(above) else 0.0
+        return float(one + (share * (len(x) - 1) - rank) * apart)
     ends = moments(x)
     low, high = (int(_keys(np.array([one]))[0]) for one in (ends.low, ends.high))
 
@@ -137,6 +142,17 @@ def quantile(x: NDArray[Any], share: float) -> float:
     if rank + 1 == len(x):
         return lower
     return lower + (share * (len(x) - 1) - rank) * ((at(rank + 1)[0] if after is None else after) - lower)
+
+
+def _about(x: NDArray[Any], rank: int) -> tuple[NDArray[Any], int]:
+    """Return numbers among which a rank and the next one are, and how many are less than all of these."""
+    if len(x) < SPARED:
+        return x, 0
+    some = np.sort(x[::THINNED])
+    reach = int(WIDE * np.sqrt(len(some)))
+    low, high = some[max(rank // THINNED - reach, 0)], some[min(rank // THINNED + reach, len(some) - 1)]
+    before, near = int(np.count_nonzero(x < low)), x[(x >= low) & (x <= high)]
+    return (near, before) if before <= rank < before + len(near) - 1 else (x, 0)
 
 
 def _selected(

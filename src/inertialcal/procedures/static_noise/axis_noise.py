@@ -7,8 +7,11 @@ Drift stays in: how much of a warm-up to leave out is the user's choice.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from threading import Event
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,13 +33,13 @@ from ...signals.allan import Allan, allan
 from ...signals.codes import coarse_steps
 from ...signals.names import Deviation
 from ...signals.record_quality import record_quality
-from ...signals.screening.resolution import Resolution
+from ...signals.screening.resolution import Resolution, resolution_of
 from ...signals.segmentation.stillness import Disturbance
 from ...signals.spectrum.allan_check import Agreement, compare_allan
 from ...signals.spectrum.density import Spectrum
 from ...signals.spectrum.lines import Line, Lines, find_lines
 from ...signals.spectrum.psd import psd
-from ...signals.threads import pays
+from ...signals.threads import pays, side_by_side
 from .band import Bands, bands_of, inside_band
 from .plan import Plan
 from .readings import Readings, Run
@@ -81,8 +84,20 @@ class Recorded:
     shown: Allan  # The deviation to show [SI]
     spectral: Spectral  # Its spectrum
     own: NoiseFit | None = None  # Its own terms, where there are several records
+    ahead: Fitted | None = None  # Its terms as they were fitted before it was looked through, if it was
     band: Band | None = None  # What a filter leaves of its noise
     unseen: Band | None = None  # What one might leave that the spectrum does not show, nor excludes
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """Terms of records of one axis, or why there are none."""
+
+    records: tuple[Recorded, ...]  # Each with its band
+    bands: Bands  # What a filter of the sensor leaves of their noise
+    lines: tuple[float, ...]  # Frequencies of the lines in the fit [Hz]
+    fit: NoiseFit | None = None  # The terms
+    problem: Problem | None = None  # Why there are none
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,33 +201,43 @@ def noise_of(plan: Plan, readings: Readings, axis: str) -> AxisNoise:
     records, problems, remarks = _each(plan, readings, axis)
     if not records:
         return AxisNoise(axis, (), None, problems[0], (), (*remarks, *_no_terms(axis, problems[0])))
+    waves = tuple(_waves(records, axis))
+    ahead = records[0].ahead if len(readings.records) == 1 and not waves else None
+    found = fit_records(plan, records, axis, waves) if ahead is None else ahead
+    records = [replace(one, looked=own.looked, run=own.run) for one, own in zip(found.records, records, strict=True)]
+    remarks += found.bands.remarks
+    several = len(readings.records) > 1
+    own_lines = [(one, remark) for one in records for remark in lines_remark(one.spectral.lines, axis)]
+    remarks += [remark.at(one.run.name) if several else remark for one, remark in own_lines]
+    if found.fit is None:
+        assert found.problem is not None  # noqa: S101 - either is there
+        remarks += _no_terms(axis, found.problem)
+        return AxisNoise(axis, tuple(records), None, found.problem, found.lines, tuple(remarks), found.bands)
+    remarks += [Remark(one.code, one.severity, f"{axis}: {one.what}", "", 1, one.do, axis) for one in found.fit.remarks]
+    if len(records) > 1:
+        records = [_with_own(plan, one, found.lines) for one in records]
+    remarks += _tested(axis, found.fit)
+    return AxisNoise(axis, tuple(records), found.fit, None, found.lines, tuple(remarks), found.bands)
+
+
+def fit_records(plan: Plan, records: Sequence[Recorded], axis: str, waves: tuple[float, ...] = ()) -> Fitted:
+    """Return the terms of records of one axis, whose slowest waves are given [Hz]."""
     bands = bands_of(plan, records, axis)
-    records = [
+    inside = tuple(
         inside_band(replace(one, band=band, unseen=unseen))
         for one, band, unseen in zip(records, bands.each, bands.unseen, strict=True)
-    ]
-    remarks += bands.remarks
-    several = len(readings.records) > 1
-    own = [(one, remark) for one in records for remark in lines_remark(one.spectral.lines, axis)]
-    remarks += [remark.at(one.run.name) if several else remark for one, remark in own]
-    lines = tuple(sorted((*lines_to_fit([one.spectral for one in records]), *_waves(records, axis))))
+    )
+    lines = tuple(sorted((*lines_to_fit([one.spectral for one in inside]), *waves)))
     try:
         try:
-            found_terms = _fitted(plan, records, lines)
+            return Fitted(inside, bands, lines, _fitted(plan, inside, lines))
         except DataError as error:  # the lines may leave the chosen terms without noise
             if error.problems[0].code != "no_noise" or not lines or plan.terms is not None:
                 raise
             lines = ()
-            found_terms = _fitted(plan, records, lines)
+            return Fitted(inside, bands, lines, _fitted(plan, inside, lines))
     except DataError as error:
-        problem = error.problems[0]
-        return AxisNoise(axis, tuple(records), None, problem, lines, (*remarks, *_no_terms(axis, problem)), bands)
-    remarks += [
-        Remark(one.code, one.severity, f"{axis}: {one.what}", "", 1, one.do, axis) for one in found_terms.remarks
-    ]
-    if len(records) > 1:
-        records = [_with_own(plan, one, lines) for one in records]
-    return AxisNoise(axis, tuple(records), found_terms, None, lines, (*remarks, *_tested(axis, found_terms)), bands)
+        return Fitted(inside, bands, lines, None, error.problems[0])
 
 
 def _waves(records: Sequence[Recorded], axis: str) -> Iterator[float]:
@@ -260,11 +285,98 @@ def _recorded(plan: Plan, run: Run, axis: str) -> Recorded:
         looked = looked_through(plan, run, rates, axis)
         return _analysed(plan, run, axis, looked, looked.rates)
     with ThreadPoolExecutor(1) as pool:
-        early = pool.submit(_analysed, plan, run, axis, None, rates)
+        early = _early.get(run)
+        found = None if early is None else early.found(plan, axis)
+        if found is None:
+            found = pool.submit(_analysed, plan, run, axis, None, rates)
         looked = looked_through(plan, run, rates, axis)
-        if not looked.cleaned:
-            return replace(early.result(), looked=looked)
-    return _analysed(plan, run, axis, looked, looked.rates)
+        known = None if looked.cleaned else found.result()
+    if known is None:
+        return _analysed(plan, run, axis, looked, looked.rates)
+    return replace(known, looked=looked, run=run)
+
+
+class Early:
+    """What is worked out of a large record beside its screening, which finds nothing to be left out as a rule.
+
+    The thread of it ends with `end`, or when nobody holds this any more, after what it is at.
+    """
+
+    def __init__(self, plan: Plan, run: Run, times: Mapping[str, float], whole: bool) -> None:
+        """Begin, with ``times`` that samples of an axis are shown by; ``whole``: the deviations are not all."""
+        self._plan, self._ended, self._pool = plan, Event(), ThreadPoolExecutor(1)
+        own = {axis: replace(run) for axis in run.values}
+        self._steps = {axis: self._pool.submit(_resolution, one, axis, times[axis]) for axis, one in own.items()}
+        self._curves = {axis: self._pool.submit(_curve, plan, one, axis) for axis, one in own.items()}
+        self._found = {
+            axis: self._pool.submit(_ahead, plan, one, axis, self._steps[axis], self._ended)
+            for axis, one in own.items()
+            if whole
+        }
+        self._pool.shutdown(wait=False)
+
+    def __del__(self) -> None:
+        """Let it end."""
+        self._ended.set()
+
+    def end(self) -> None:
+        """Wait until it has ended."""
+        self._ended.set()
+        self._pool.shutdown(cancel_futures=True)
+
+    def resolution(self, axis: str) -> Resolution | None:
+        """Return the resolution of an axis; None where samples are missing."""
+        return self._steps[axis].result()
+
+    def given_to(self, run: Run) -> None:
+        """Let what is found be used for a record once it is screened."""
+        for axis, one in self._curves.items():
+            curve = one.result() if run.present.get(axis) is None else None
+            if curve is not None:
+                run.curves[axis, unit_of(self._plan)] = curve
+        if self._found:
+            _early[run] = self
+
+    def found(self, plan: Plan, axis: str) -> Future[Recorded | None] | None:
+        """Return what is found of an axis, None where it shows a fault; nothing where another plan began it."""
+        return self._found.get(axis) if plan == self._plan else None
+
+
+_early: WeakKeyDictionary[Run, Early] = WeakKeyDictionary()
+
+
+def end_early(run: Run) -> None:
+    """Let nothing more be worked out of a record."""
+    early = _early.pop(run, None)
+    if early is not None:
+        early.end()
+
+
+def _resolution(run: Run, axis: str, times: float) -> Resolution | None:
+    values = run.values[axis]
+    return resolution_of(values, times) if every(values, lambda part: np.isfinite(part).all()) else None
+
+
+def _curve(plan: Plan, run: Run, axis: str) -> Allan | None:
+    """Return the deviation that terms are fitted to, of all samples; None where there is none."""
+    with suppress(DataError):
+        return fitted(plan, run, axis, None)
+    return None
+
+
+def _ahead(plan: Plan, run: Run, axis: str, resolution: Future[Resolution | None], ended: Event) -> Recorded | None:
+    """Return a record with all that is found of it if it shows no fault; None where it shows one."""
+    known, rates = resolution.result(), run.rates(axis)
+    if known is None or ended.is_set() or not run.curves or is_stored(rates):
+        return None
+    curves, run = run.curves, replace(run, resolution={axis: known})
+    run.curves.update(curves)
+    try:
+        found = _analysed(plan, run, axis, None, rates)
+        run_of(found.curve, 0, sample_unit(plan.kind, plan.unit))
+    except DataError:
+        return None
+    return None if ended.is_set() else replace(found, ahead=fit_records(plan, [found], axis))
 
 
 def _analysed(plan: Plan, run: Run, axis: str, looked: Looked | None, rates: Array) -> Recorded:
@@ -499,13 +611,14 @@ def spectral(plan: Plan, spectrum: Spectrum | DataError, curve: Allan, axis: str
         for one in spectrum.remarks
         if one.code not in TOLD
     ]
-    every = find_lines(spectrum) if plan.lines else None
+    every, agreement = side_by_side(
+        lambda: find_lines(spectrum) if plan.lines else None, lambda: compare_allan(spectrum, curve), spectrum.used
+    )
     lines = None if every is None else _meaningful(every, spectrum, resolution)
     if every is not None and lines is not None and len(lines) < len(every):
         count = len(every) - len(lines)
         what = f"{axis}: {count} line{'s' * (count > 1)} of the spectrum below the resolution of the record: not listed"
         remarks.append(Remark("lines_below_resolution", "info", what, axis=axis))
-    agreement = compare_allan(spectrum, curve)
     remarks += [
         Remark(one.code, one.severity, one.what.replace("axis 0", axis, 1), do=one.do, axis=axis)
         for one in agreement.remarks

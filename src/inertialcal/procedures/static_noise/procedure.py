@@ -89,7 +89,7 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
     def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
         """Return the records at rest, a record a recording or a window."""
         from ..corrections import corrected
-        from .axis_noise import check
+        from .axis_noise import check, end_early
         from .readings import AtRest
         from .recordings import readings_from
 
@@ -105,7 +105,12 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
                 cut_off, run = source.facts.cut_off, source.run
                 found.append(AtRest(one, channels, samples, label, shown, source.screening, cut_off, run))
         readings = readings_from(plan, found)
-        check(plan, readings)
+        try:
+            check(plan, readings)
+        except BaseException:
+            for record in readings.records:
+                end_early(record)
+            raise
         return readings
 
     def agreement(self, plan: Plan, readings: Readings) -> Sequence[Remark]:

@@ -8,8 +8,6 @@ in their place, the samples are taken as evenly spaced, which is remarked: gaps 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -23,14 +21,14 @@ from ...core.recording import SECOND
 from ...core.remarks import Remark, gather
 from ...core.show.rounding import number
 from ...core.units import factor
-from ...signals.allan import Allan, on_grid
+from ...signals.allan import on_grid
 from ...signals.record_quality import record_quality
 from ...signals.screening.remarks import remarks_of
 from ...signals.screening.resolution import Resolution, resolution_of
 from ...signals.screening.screen import NO_READINGS, Screening, screen
 from ...signals.threads import pays
 from ...signals.time.time_axis import TimeAxis, analyse
-from .axis_noise import fitted
+from .axis_noise import Early
 from .plan import Plan
 from .readings import AtRest, Readings, Run
 
@@ -63,7 +61,7 @@ def readings_from(plan: Plan, recordings: Sequence[AtRest]) -> Readings:
         if tuple(one.channels) != axes:
             what = f"axes {', '.join(one.channels)}, the first recording has {', '.join(axes)}"
             raise DataError(what, one.place, do="Name recordings of the same axes", code="wrong_column")
-    found = [_run(plan, one) for one in recordings]
+    found = [_run(plan, one, len(recordings) == 1) for one in recordings]
     several = len(recordings) > 1
     remarks = [
         remark.at(one.place) if several else remark
@@ -74,7 +72,7 @@ def readings_from(plan: Plan, recordings: Sequence[AtRest]) -> Readings:
     return Readings(tuple(run for run, _ in found), gather([*read, *remarks]))
 
 
-def _run(plan: Plan, one: AtRest) -> tuple[Run, list[Remark]]:
+def _run(plan: Plan, one: AtRest, alone: bool) -> tuple[Run, list[Remark]]:
     grid = grid_of(one)
     averaging = averaging_of(one, grid.interval)
     values: dict[str, NDArray[Any]] = {}
@@ -120,19 +118,14 @@ def _run(plan: Plan, one: AtRest) -> tuple[Run, list[Remark]]:
     if not pays(len(run)) or run.present or any(map(is_stored, run.values.values())):
         run, bad = screened(plan, run, shown, one.screening)
         return run, [*remarks, *bad]
-    with ThreadPoolExecutor(1) as pool:  # nothing of a large record is left out, as a rule
-        early = pool.submit(_curves, plan, run)
-        looked, bad = screened(plan, run, shown, one.screening)
-        looked.curves.update({key: curve for key, curve in early.result().items() if key[0] not in looked.present})
+    early = Early(plan, run, {axis: sample.times for axis, sample in shown.items()}, alone)
+    try:
+        looked, bad = screened(plan, run, shown, one.screening, early)
+        early.given_to(looked)
+    except BaseException:
+        early.end()
+        raise
     return looked, [*remarks, *bad]
-
-
-def _curves(plan: Plan, run: Run) -> dict[tuple[str, str], Allan]:
-    """Return the deviations that terms are fitted to, of all samples; none of an axis that has none."""
-    for axis in run.values:
-        with suppress(DataError):
-            fitted(plan, run, axis, None)
-    return run.curves
 
 
 def steps_of(x: NDArray[Any]) -> NDArray[Any]:
@@ -278,7 +271,7 @@ class ShownSample:
 
 
 def screened(
-    plan: Plan, run: Run, shown: Mapping[str, ShownSample], screening: bool = True
+    plan: Plan, run: Run, shown: Mapping[str, ShownSample], screening: bool = True, early: Early | None = None
 ) -> tuple[Run, list[Remark]]:
     """Return a record without the samples that are no readings, and what its channels show.
 
@@ -292,6 +285,8 @@ def screened(
         How a sample of each axis is shown.
     screening : bool
         False keeps them whatever the plan says.
+    early : Early, optional
+        That is at work on the record already.
     """
     left_out = screening and plan.disturbed == "leave_out"
     found: dict[str, Screening] = {}
@@ -302,8 +297,9 @@ def screened(
         there = run.there(axis)
         whole = every(there, np.all)
         x = values if whole else masked(values, there)
-        fine[axis] = resolution_of(values if whole else kept(values, there), shown[axis].times)
         one = found[axis] = _undisturbed(screen(x), x, run.interval, left_out)
+        known = None if early is None else early.resolution(axis)
+        fine[axis] = known or resolution_of(values if whole else kept(values, there), shown[axis].times)
         if "stuck" in one and one["stuck"].count == len(run):
             continue  # the curve says that the channel is constant
         left, counts = there, bad.setdefault(axis, {})

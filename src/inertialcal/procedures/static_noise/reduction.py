@@ -29,7 +29,7 @@ from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.tables import Block, html, text
 from ...sensors.noise.fitting.noise_fit import duration
 from ...sensors.noise.terms import Sinusoid, quantity_name
-from .axis_noise import FAST, AxisNoise, Recorded, check, noise_of, problems_of
+from .axis_noise import FAST, AxisNoise, Recorded, check, end_early, noise_of, problems_of
 from .curves import curves as curves_of
 from .plan import INFLUENCES, Plan
 from .readings import AtRest, Readings, Run, Truth, simulate
@@ -129,7 +129,11 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     """
     if not len(readings) or not readings.axes:
         raise DataError("no record of a sensor at rest", code="no_records")
-    axes = tuple(noise_of(plan, readings, axis) for axis in readings.axes)
+    try:
+        axes = tuple(noise_of(plan, readings, axis) for axis in readings.axes)
+    finally:
+        for run in readings.records:
+            end_early(run)
     if all(one.fit is None and not one.curve_alone for one in axes):
         found = {one.axis: one.problem for one in axes if one.problem is not None}
         raise DataError(problems_of(found, readings))

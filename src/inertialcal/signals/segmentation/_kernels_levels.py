@@ -214,40 +214,36 @@ def fill_loud(y: Array, cuts: Indices, w: int, limit: float, at: Indices) -> int
     Sums of w samples are those of 1, 2, 4, ... samples put together: none waits for the one before it. Returns how many
     there are, room or not.
     """
-    found = 0
-    room = LOUD + w
+    found, room = 0, LOUD + w
     residual, squared, doubled, again = np.empty(room), np.empty(room), np.empty(room), np.empty(room)
-    first, second = np.empty(LOUD), np.empty(LOUD)
+    first, second, levels = np.empty(LOUD), np.empty(LOUD), np.empty(max(len(cuts) - 1, 1))
+    for piece in range(len(cuts) - 1):
+        levels[piece] = sum_of(y[cuts[piece] : cuts[piece + 1]]) / max(cuts[piece + 1] - cuts[piece], 1)
     limit *= w - 1
-    share = 1.0 / w
-    piece, level = -1, 0.0
-    held = 0  # samples of ``residual`` from the batch before
-    for begin in range(0, len(y), LOUD):
-        stop = min(begin + LOUD, len(y))
-        i = begin
+    share, piece = 1.0 / w, 0
+    for begin in range(0, len(y) - w + 1, LOUD):
+        stop = min(begin + LOUD + w - 1, len(y))
+        while begin >= cuts[piece + 1]:
+            piece += 1
+        if stop <= cuts[piece + 1] and _none_above(y[begin:stop], levels[piece], w, limit):
+            continue
+        i, own = begin, piece
         while i < stop:
-            while piece < 0 or i >= cuts[piece + 1]:
-                piece += 1
-                level = sum_of(y[cuts[piece] : cuts[piece + 1]]) / max(cuts[piece + 1] - cuts[piece], 1)
-            end = min(stop, cuts[piece + 1])
-            to, source = residual[held + i - begin : held + end - begin], y[i:end]
+            while i >= cuts[own + 1]:
+                own += 1
+            end, level = min(stop, cuts[own + 1]), levels[own]
+            to, source = residual[i - begin : end - begin], y[i:end]
             for j in range(len(to)):
                 to[j] = source[j] - level
             i = end
-        there = held + stop - begin
+        there = stop - begin
         _square(residual[:there], squared)
         size = there - w + 1
-        if size <= 0:
-            held = there
-            continue
-        if not _none_above(squared[:there], w, limit):
-            fill_sums(residual[:there], w, doubled, again, first[:size])
-            fill_sums(squared[:there], w, doubled, again, second[:size])
-            for j in range(size):
-                second[j] -= share * first[j] * first[j]
-            found = _filled(second[:size], limit, stop - w + 1 - size, at, found)
-        held = w - 1
-        residual[:held] = residual[size:there]
+        fill_sums(residual[:there], w, doubled, again, first[:size])
+        fill_sums(squared[:there], w, doubled, again, second[:size])
+        for j in range(size):
+            second[j] -= share * first[j] * first[j]
+        found = _filled(second[:size], limit, begin, at, found)
     return found
 
 
@@ -259,11 +255,19 @@ def _square(x: Array, out: Array) -> None:
 
 
 @compiled
-def _none_above(squared: Array, w: int, limit: float) -> bool:
-    """Return whether no sum of w squares is above a limit: a window lies in two neighbouring blocks of w samples."""
+def _none_above(x: Array, level: float, w: int, limit: float) -> bool:
+    """Return whether no w samples scatter more about a level: they lie in two neighbouring blocks of w samples."""
     before, most = 0.0, 0.0
-    for first in range(0, len(squared), w):
-        total = sum_of(squared[first : first + w])
+    for first in range(0, len(x), w):
+        part = x[first : first + w]
+        a, b, c, d = 0.0, 0.0, 0.0, 0.0
+        fours = len(part) // 4
+        for i in range(fours):
+            e, f, g, h = part[4 * i] - level, part[4 * i + 1] - level, part[4 * i + 2] - level, part[4 * i + 3] - level
+            a, b, c, d = a + e * e, b + f * f, c + g * g, d + h * h
+        for i in range(4 * fours, len(part)):
+            a += (part[i] - level) ** 2
+        total = (a + b) + (c + d)
         most = max(most, before + total)
         before = total
     return most * ROUNDED <= limit

@@ -49,19 +49,10 @@ def sums_of_windows(
     for i in range(len(m)):
         total, squares = 0.0, 0.0
         held = 0  # products of the frequencies before, that those of the next still meet
-        step, share = m[i] % n, 1.0 / (1.0 * m[i] * m[i])
-        at, last = 0, 0  # of sin^4, and the frequency that it is of
+        share = 1.0 / (1.0 * m[i] * m[i])
         for first in range(0, len(level), PART):
             stop = min(first + PART, len(level))
-            for k in range(first, stop):
-                apart = order[k] - last
-                if apart == 1:
-                    at += step
-                    at -= n * (at >= n)
-                else:
-                    at = (at + apart * step) % n
-                last = order[k]
-                parts[held + k - first] = level[k] * fourth[at] * share
+            _fill_products(level[first:stop], fourth, order[first:stop], m[i] % n, share, parts[held:])
             own = parts[held : held + stop - first]
             total += _sum(own)
             squares += _product(own, own)
@@ -74,6 +65,36 @@ def sums_of_windows(
                 parts[j] = parts[held + stop - first - kept + j]
             held = kept
         sums[i], spread[i] = total, squares
+
+
+@compiled
+def _fill_products(level: Array, fourth: Array, order: Whole, step: int, share: float, out: Array) -> None:
+    """Fill level times fourth at order times a step, modulo its length, times a share.
+
+    Where orders follow each other, four places go ahead at a time: none waits for the one before it.
+    """
+    n, many = len(fourth), len(level)
+    if many == 0 or order[many - 1] - order[0] != many - 1:
+        for k in range(many):
+            out[k] = level[k] * fourth[order[k] % n * step % n] * share
+        return
+    a = order[0] % n * step % n
+    b, by = (a + step) % n, 4 * step % n
+    c, d = (b + step) % n, (b + 2 * step) % n
+    for i in range(many // 4):
+        k = 4 * i  # the nearer half of the table is read alone: sines are alike from both ends
+        out[k] = level[k] * fourth[min(a, n - a)] * share
+        out[k + 1] = level[k + 1] * fourth[min(b, n - b)] * share
+        out[k + 2] = level[k + 2] * fourth[min(c, n - c)] * share
+        out[k + 3] = level[k + 3] * fourth[min(d, n - d)] * share
+        a, b, c, d = a + by, b + by, c + by, d + by
+        a -= n * (a >= n)
+        b -= n * (b >= n)
+        c -= n * (c >= n)
+        d -= n * (d >= n)
+    for k in range(many // 4 * 4, many):
+        out[k] = level[k] * fourth[a] * share
+        a = (a + step) % n
 
 
 @reordered

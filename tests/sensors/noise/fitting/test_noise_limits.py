@@ -11,10 +11,10 @@ from scipy import optimize, special
 
 from inertialcal.sensors.noise.fitting.likelihood import covariance_of_runs, estimate, sandwich
 from inertialcal.sensors.noise.fitting.limits import (
-    _edf_of_longer,
     end_of,
     interval_of,
     limit_and_record,
+    longer_records,
     wide_interval,
 )
 from inertialcal.sensors.noise.fitting.problem import Problem, problem_of
@@ -76,7 +76,9 @@ def test_ends_lie_where_the_cost_has_risen_by_the_point_of_chi_square() -> None:
 def test_the_degrees_of_freedom_of_a_longer_record_are_those_of_white_noise() -> None:
     short, long = (exact_run((RandomWalk(1.0),), n, 1.0) for n in (4096, 16384))
     at = [0, *range(4, len(long.edf) - 2)]  # between them neighbouring windows overlap by less than at the longest
-    np.testing.assert_allclose(_edf_of_longer(short, 2)[at], long.edf[at], rtol=0.1)
+    _, roots = longer_records(short)
+    np.testing.assert_allclose(2.0 * roots[2, : len(long.edf)][at] ** 2, long.edf[at], rtol=0.1)
+    assert np.all(roots[2, len(long.edf) :] == 0.0)
 
 
 @pytest.mark.parametrize(

@@ -113,9 +113,8 @@ def time_at(problem: Problem, position: float) -> float:
 
 def mean_of(problem: Problem, fitted: Fitted) -> Array:
     """Return the expected Allan variances, shape (k,)."""
-    return np.asarray(
-        problem.columns @ fitted.powers[:-1] + fitted.powers[-1] * column_at(problem, fitted.position)
-    )  # fmt: skip
+    linear = np.asarray(problem.columns @ fitted.powers[:-1])
+    return linear + fitted.powers[-1] * column_at(problem, fitted.position) if fitted.powers[-1] > 0.0 else linear
 
 
 def terms_of(problem: Problem, fitted: Fitted) -> tuple[Term, ...]:
@@ -140,8 +139,10 @@ def slopes_of(problem: Problem, fitted: Fitted, timed: bool = True) -> Array:
     (``timed``).
     """
     there = fitted.powers > 0.0
+    if not there[-1]:
+        return np.asarray(problem.columns[:, there[:-1]])
     columns = np.column_stack([problem.columns, column_at(problem, fitted.position)])[:, there]
-    if not there[-1] or not timed:
+    if not timed:
         return np.asarray(columns)
     by = column_at(problem, fitted.position + 0.05) - column_at(problem, fitted.position - 0.05)
     return np.column_stack([columns, fitted.powers[-1] * by / 0.1 * PER_E])
@@ -168,7 +169,7 @@ def covariance_of_runs(problem: Problem, fitted: Fitted) -> Array:
         own = covariance_of_allan(phase, run.m, run.n, run.inflation)
         more = 1.0 + level / np.sqrt(np.diag(own))  # the level comes from the same noise
         blocks.append(own * np.outer(more, more) + np.outer(shape, shape))
-    sigma = linalg.block_diag(*blocks)
+    sigma = blocks[0] if len(blocks) == 1 else linalg.block_diag(*blocks)
     if problem.misfit > 0.0:
         left = problem.misfit * mean_of(problem, fitted)
         alike = np.isclose(problem.tau, problem.tau[:, None], rtol=SAME_TAU, atol=0.0)

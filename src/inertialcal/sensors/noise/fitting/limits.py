@@ -158,17 +158,11 @@ def record_needed(problem: Problem, fitted: Fitted, at: int, power: float, stret
     run = problem.runs[int(np.argmax([run.length for run in problem.runs]))]
     powers = fitted.powers.copy()
     powers[at] = power
-    m = np.concatenate([run.m, run.m[-1] * 2.0 ** np.arange(1, DOUBLINGS + 1)])  # as many octaves more
-    ones = np.ones(len(m))
-    inflation = np.concatenate([run.inflation, ones[:DOUBLINGS]])
-    longest = Run(m, ones, ones, ones, run.interval, run.averaging, inflation, band=run.band)
+    longest, weight = longer_records(run)
     terms = terms_of(problem, replace(fitted, powers=powers))
     columns = np.column_stack([expected(term, longest) for term in terms])
     mu, column = columns.sum(axis=1), column_of(fitted, at)
-    weight = np.zeros((DOUBLINGS + 1, len(m)))  # a record of each length has an octave more than the one before
-    for doublings in range(DOUBLINGS + 1):
-        weight[doublings, : len(run.m) + doublings] = 0.5 * _edf_of_longer(run, doublings)
-    D = columns / mu[:, None] * np.sqrt(weight)[:, :, None]
+    D = columns / mu[:, None] * weight[:, :, None]
     scale = np.sqrt(np.sum(D**2, axis=1, keepdims=True))
     D /= scale
     inverse = symmetric_inverse(D.transpose(0, 2, 1) @ D, ROUNDING)
@@ -177,11 +171,23 @@ def record_needed(problem: Problem, fitted: Fitted, at: int, power: float, stret
     return run.length * 2.0 ** int(shown[0]) if len(shown) else None
 
 
-def _edf_of_longer(run: Run, doublings: int) -> Array:
-    """Degrees of freedom at the averaging times of a record of 2^doublings the length: they go with length over tau."""
-    at = np.arange(len(run.edf) + doublings)
+@lru_cache(2)
+def longer_records(run: Run) -> tuple[Run, Array]:
+    """Return a record 2^24 times as long, and roots of half the degrees of freedom of records of 2^0 .. 2^24 times it.
+
+    Those go with length over tau; a record of each length has an octave more than the one before. Shape (25, k + 24),
+    zero at averaging times that a record does not have; not to be changed.
+    """
+    more = np.arange(DOUBLINGS + 1)
+    m = np.concatenate([run.m, run.m[-1] * 2.0 ** more[1:]])
+    ones = np.ones(len(m))
+    inflation = np.concatenate([run.inflation, ones[:DOUBLINGS]])
+    longest = Run(m, ones, ones, ones, run.interval, run.averaging, inflation, band=run.band)
+    at, doublings = np.arange(len(m)), more[:, None]
     back = np.minimum(at, doublings)
-    return np.asarray(run.edf[at - back] * 2.0 ** (doublings - back))
+    there = at < len(run.m) + doublings
+    weight = 0.5 * run.edf[np.where(there, at - back, 0)] * 2.0 ** (doublings - back)
+    return longest, np.sqrt(np.where(there, weight, 0.0))
 
 
 def crossing(
