@@ -4,8 +4,9 @@ The true reading at a fast rate, with the acceleration a::
 
     y = bias + drift t + k1 (h * a) + k2 a^2 + growth a_rms white + white
 
-h is a first-order low pass; y and a are low-passed and decimated to the rate of the record, by plain convolution with a
-windowed sinc. So the mean over a level is bias + k2 a_rms^2, with a_rms of the fast acceleration.
+and, where they are asked for, hum of the mains in y, a bend in its drift, and a low pass of the sensor over all of it
+but its noise. h is a first-order low pass; y and a are low-passed and decimated to the rate of the record, by plain
+convolution with a windowed sinc. So the mean over a level is bias + k2 a_rms^2, with a_rms of the fast acceleration.
 """
 
 from __future__ import annotations
@@ -40,6 +41,9 @@ class Shaken:
     limit: float = np.inf
     axis: str = "x"
     filtered: bool = True
+    hum: float = 0.0  # amplitude of 50.2 Hz in the reading
+    bend: float = 0.0  # drift of the bias with the square of time, from the middle to an end of the record
+    low_pass: float = 0.0  # cut-off of the sensor, first order; 0 for none [Hz]
 
 
 def record(seed: int, truth: Shaken) -> Table:
@@ -62,6 +66,12 @@ def record(seed: int, truth: Shaken) -> Table:
     lag = np.exp(-np.arange(round(0.02 * fast)) * 2.0 * np.pi * 120.0 / fast)
     felt = fftconvolve(a, lag / lag.sum())[: len(a)]
     y = truth.bias + truth.drift * time + np.concatenate(offsets) + truth.k1 * felt + truth.k2 * a**2
+    y = y + truth.bend * (2.0 * time / time[-1] - 1.0) ** 2
+    if truth.low_pass:
+        kernel = np.exp(-np.arange(round(3.0 / truth.low_pass * fast)) * 2.0 * np.pi * truth.low_pass / fast)
+        kernel /= kernel.sum()
+        y = fftconvolve(np.concatenate([np.full(len(kernel), y[0]), y]), kernel)[len(kernel) : len(kernel) + len(y)]
+    y = y + truth.hum * np.sin(2.0 * np.pi * 50.2 * time + 2.0 * np.pi * rng.random()) if truth.hum else y
     a, y = (_decimated(one, truth.filtered) for one in (a, y))
     size = np.repeat(np.array(truth.levels), round(truth.seconds * truth.rate))[: len(a)]
     y = y + np.hypot(truth.white, truth.growth * size) * rng.standard_normal(len(y))
