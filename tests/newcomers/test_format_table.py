@@ -12,9 +12,15 @@ from pathlib import Path
 from typing import Any
 
 import format_sheets
+import numpy as np
 import pytest
 from format_sheets import SHEETS, Sheet
+from newcomer_boards import Board, G
 
+from independent.shaking.quadratic import Shaken, record
+from independent.shaking.shaker import Mode, recorded
+from independent.shaking.shaker import Run as Sweep
+from independent.vibration.random_run import Run, simulate
 from inertialcal.core.units import parse_quantity, si_unit
 from inertialcal.files import apart
 from typed_commands import call
@@ -216,3 +222,67 @@ def test_each_cell_is_true(row: list[str], reference: Path, capsys: pytest.Captu
         made = folder / f"made{target.strip('`')}"
         assert call(capsys, "convert", str(written(kind, "bench", folder)), str(made))[0] == 0
         assert call(capsys, "info", str(made))[0] == 0
+
+
+# ---- vibration: channels of a shaker in g, as laboratories save them ------------------------------------------------
+
+LEVEL = "frequency [Hz],density [g2/Hz]\n20,0.01\n80,0.04\n500,0.04\n2000,0.01\n"
+SHAKER = {  # command, the figure that is compared, what WAV does not say
+    "run": (
+        ["vibration", "FILE", "--profile", "LEVEL"],
+        "acceleration_rms",
+        "--control channel_1 --response channel_2 --unit channel_1=g --unit channel_2=g",
+    ),
+    "sweep": (
+        ["vibration", "survey", "FILE"],
+        "resonance_frequency",
+        "--control channel_1 --unit channel_1=g --unit channel_2=g",
+    ),
+    "ride": (
+        ["vibration", "effects", "FILE"],
+        "vibration_rectification",
+        "--column x=channel_2 --control channel_1 --unit channel_1=g --unit channel_2=deg/s",
+    ),
+}
+
+
+@cache
+def shaker(name: str) -> Sheet:
+    """Return control and response of a shaker in g, of simulators that share nothing with the estimators."""
+    if name == "run":
+        control = simulate(Run(duration=4.0), 1)[0][:, 0] / G
+        rate, columns = 5120.0, {"control": (control, "g"), "acc_x": (1.1 * control, "g")}
+    elif name == "sweep":
+        rate = 4000.0
+        swept = Sweep(per_minute=60.0, sample_rate=rate)
+        table, item = recorded((Mode(300.0, 20.0),), swept, np.random.default_rng(1), noise=(0.02, 0.02))
+        columns = {"control": (table / G, "g"), "acc_x": (item / G, "g")}
+    else:
+        rate, made = 400.0, record(1, Shaken(seconds=8.0)).columns
+        columns = {"control": (made["control [g]"], "g"),
+                   "gyro_x": (np.degrees(made["gyro_x [rad/s]"]), "deg/s")}  # fmt: skip
+    n = len(columns["control"][0])
+    board = Board(np.arange(n) / rate, np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n), rate)
+    return Sheet(board.time, columns, board)
+
+
+@pytest.mark.parametrize("kind", ["UFF 58", "WAV", "MATLAB", "TDMS", "LVM"])
+@pytest.mark.parametrize("name", list(SHAKER))
+def test_files_of_a_shaker_give_what_their_text_gives(
+    kind: str, name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words, quantity, unsaid = SHAKER[name]
+    (tmp_path / "level.csv").write_text(LEVEL)
+    found = []
+    for one in ("CSV", kind):
+        ending, write = SHEETS[one]
+        path = tmp_path / f"{name}{ending}"
+        write(shaker(name), path)
+        stand = {"FILE": str(path), "LEVEL": str(tmp_path / "level.csv")}
+        typed_words = [stand.get(word, word) for word in words] + (unsaid.split() if one == "WAV" else [])
+        status, out, err = call(capsys, *typed_words, "--json")
+        assert status == 0, err
+        rows = [row for row in json.loads(out)["results"] if row["quantity"] == quantity and row["value"] is not None]
+        found.append([(row["axis"], row["unit"], row["value"]) for row in rows])
+    assert found[0]
+    assert found[1] == [(axis, unit, pytest.approx(value, rel=1e-4)) for axis, unit, value in found[0]]

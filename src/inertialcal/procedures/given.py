@@ -551,9 +551,12 @@ def _no_unit(
     axes = [one for name, one in channels.items() if name in {taken[what] for what in bad if what in AXES}]
     raw = [one for one in axes if one.unit is not None and kind(one.unit) in RAW]
     unsaid = [what for what in bad if given.recording.channel(taken[what]) not in raw]
-    groups = {GROUP[sensor] if what in AXES else what: wanted[what][0] for what in unsaid}
-    named = {name: (unit, [given.recording.channel(taken[what]) for what in unsaid
-                           if (what in AXES) == (name == GROUP[sensor])]) for name, unit in groups.items()}  # fmt: skip
+    named: dict[str, tuple[str, list[Channel]]] = {}
+    for role in unsaid:
+        one = given.recording.channel(taken[role])
+        known = role in (one.quantity, bare_name(one.name))
+        group = GROUP[sensor] if role in AXES else role if known else bare_name(one.name)
+        named.setdefault(group, (wanted[role][0], []))[1].append(one)
     do = [raw_advice(given, [one.unit for one in raw], EXAMPLE[KIND_OF_UNIT[sensor]])] if raw else []
     do += unit_advice(given, named)
     return UsageError(

@@ -13,6 +13,7 @@ from ..given import described as described_channels
 from ..protocol import InputSpec
 from .plan import CONTROL
 
+GENERAL = "channel_"  # before the name of a channel of UFF 58
 BEGINS = ("control", "ctrl", "ctl")  # names of control channels, and a number behind them
 
 
@@ -56,5 +57,6 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
 
 def controls(recording: Recording) -> list[str]:
     """Return the columns whose names begin as those of a control accelerometer, in the order of their names."""
-    named = [one.name for one in recording.channels if bare_name(one.name).lower().startswith(BEGINS)]
+    every = {one.name: bare_name(one.name).lower().removeprefix(GENERAL) for one in recording.channels}
+    named = [column for column, word in every.items() if word.startswith(BEGINS)]
     return sorted(named)[: len(CONTROL)]

@@ -15,7 +15,7 @@ REQUIREMENT = {"quantity": "resonance_frequency_change", "limit": "5 %"}
 
 def suggests(recording: Recording, survey: Survey) -> Suggestion | None:
     """Return ``vibration survey`` of a swept sine."""
-    one = None if recording.time_ns is None else shaken(recording)
+    one = shaken(recording)
     if one is None or one.kind != "swept":
         return None
     return Suggestion(("vibration survey",), Strength.STEPPED, options=one.options)

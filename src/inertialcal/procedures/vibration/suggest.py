@@ -105,7 +105,7 @@ def profile_columns(names: Mapping[str, str | None]) -> bool:
 
 def suggests(recording: Recording, survey: Survey) -> Suggestion | None:
     """Return ``vibration`` of a random run, ``vibration profile`` of a table of nodes."""
-    if recording.time_ns is None:
+    if recording.sample_interval is None:
         columns = {one.name: one.unit for one in recording.channels}
         if len(recording) <= NODES and profile_columns(columns):
             return Suggestion(("vibration profile",), Strength.SURE, complete=True, in_campaign=True)

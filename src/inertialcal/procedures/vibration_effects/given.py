@@ -10,6 +10,7 @@ from ...files.text.headers import bare_name
 from ..given import Described, GivenFile
 from ..given import described as described_channels
 from ..protocol import InputSpec
+from ..sine_survey.given import controls as named_controls
 
 ROLES = ("control", "control_rms")
 
@@ -31,6 +32,8 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
         columns.setdefault(ROLES[0], str(control))
     if not any(name in columns for name in ROLES):
         columns |= {name: own[name] for name in ROLES if name in own}
+    if not any(name in columns for name in ROLES) and (named := named_controls(given.recording)):
+        columns[ROLES[0]] = named[0]
     found = described_channels(replace(given, said=replace(given.said, columns=columns)), spec)
     if not any(name in found.columns for name in ROLES):
         what = f"{given.name}: cannot tell which column is the acceleration of the control"

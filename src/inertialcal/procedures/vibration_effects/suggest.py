@@ -26,7 +26,7 @@ REQUIREMENT = {"quantity": "vibration_rectification", "limit": "10 deg/h/g^2"}
 
 def suggests(recording: Recording, survey: Survey) -> Suggestion | None:
     """Return ``vibration effects`` of gyros beside the control of a random run."""
-    one = None if recording.time_ns is None else shaken(recording)
+    one = shaken(recording)
     if one is None or not _rides(one):
         return None
     return Suggestion(("vibration effects",), Strength.STEPPED, options=one.options)
