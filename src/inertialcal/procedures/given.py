@@ -351,7 +351,7 @@ def chain_said(given: GivenFile, sensor: Kind | None = None) -> dict[str, Any]:
         own["zero"] = own.pop("reference")
     if not chain and not own:
         return {}
-    return {"kind": "adc" if "lsb" in own else "output"} | chain | own
+    return {"kind": "adc" if "lsb" in chain | own else "output"} | chain | own
 
 
 def chain_of_units(

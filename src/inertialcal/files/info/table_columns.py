@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...core.recording import Channel
+from ...core.units import kind
 from ..text.table import Table
 
 PATTERNS = {
@@ -25,7 +26,8 @@ PATTERNS = {
 }
 RATE = r"^(drehrate|winkelgeschwindigkeit)(_|$)"  # of the table, where it names no axis beside columns that do
 OTHER = r"(^|_)(error|percent|temp|temperature|time|warm)(_|$)"
-READING = r"(^|_)(reading|output|measured|mean|sensor|gyro|gyr)(_|$)"
+RAW = ("voltage", "count")  # kinds of unit
+READING = r"(^|_)(reading|output|measured|mean|sensor|gyro|gyr|ist|istwert|messwert|ausgang|mesure|sortie)(_|$)"
 AXIS = re.compile(r"(^|_)[gw]?([xyz])(_|$)", re.IGNORECASE)  # x, gx, wx
 REDUCED = re.compile(r"(?:\b|_)(?:(?<!sample[_ ])rate|applied|reading)(?:_|\b)", re.IGNORECASE)
 
@@ -53,11 +55,16 @@ def guess(table: Table) -> Guess:
     names = list(table.names)
     spreads = [name for name in names if _matches(name, PATTERNS["scatter"])]
     means = [name for name in names if name not in spreads]
-    found = {what: _only(means, pattern) for what, pattern in PATTERNS.items()}
+    kinds = {name: kind(unit) for name in names if (unit := table.unit(name))}
+    inputs = [name for name in means if kinds.get(name) not in RAW]  # no table says its rate in volts
+    found = {what: _only(inputs if what == "applied" else means, pattern) for what, pattern in PATTERNS.items()}
     found["scatter"] = spreads[0] if len(spreads) == 1 else None
     taken = {*found.values(), *spreads}
     rest = [name for name in names if name not in taken and not _matches(name, OTHER)]
     readings = [name for name in rest if _matches(name, READING)] or [name for name in rest if AXIS.search(_key(name))]
+    if not readings and len(rest) == 1 and found["applied"] is not None:  # nothing else is left
+        is_rate = kinds.get(found["applied"]) == "angular_rate"
+        readings = rest if is_rate and kinds.get(rest[0]) in RAW else []
     by_axis = {match[2].lower(): name for name in readings if (match := AXIS.search(_key(name)))}
     if found["applied"] is None and by_axis:
         found["applied"] = _only([name for name in means if name not in readings], RATE)

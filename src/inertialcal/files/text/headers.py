@@ -20,6 +20,8 @@ from ...core.errors import InertialcalError
 # English, German, French; letters without their marks (`_plain`).
 GYRO = {"gyro", "gyros", "gyr", "gyroscope", "gyroscopes", "omega", "angvel"}
 GYRO |= {"drehrate", "drehraten", "winkelgeschwindigkeit", "kreisel", "gyrometre", "gyrometres"}
+RATE = {"vitesse", "rate", "rotation"}  # of what turns, where it is read in volts or counts about an axis
+RAW = {"voltage", "count"}
 ACC = {"acc", "accs", "accel", "accels", "accelerometer", "accelerometers", "acceleration", "accelerations"}
 ACC |= {"beschleunigung", "beschleunigungen", "beschl", "accelerometre", "accelerometres"}
 MAGNETOMETER = {"mag", "magn", "magnetometer", "magnetic"}
@@ -184,6 +186,8 @@ def heading(name: str, unit: str | None = None) -> Heading:
         quantity = "temperature"
     if quantity == "spread":
         return Heading(known, "", quantity, "")
+    if not quantity and kind in RAW and RATE.intersection(words) and _axis(words):
+        quantity = "gyro"  # ``Vitesse X (V)``: in m/s it is none
     unknown = given.strip() if given is not None and known is None else ""
     if (bare, kind) == ("T", "temperature"):
         quantity = kind

@@ -350,7 +350,8 @@ def _titles(table: Table, decimal: Decimal, width: int) -> int:
     There are some only if a line of words, not of units, that is filled further stands between them and the numbers.
     """
     filled: list[int] = []
-    for cells in table:
+    for line in table:
+        cells = line if len(line) <= width else _header(line, table, width)  # a title may have more empty cells
         kinds = [kind(cell, decimal) for cell in cells[:CELLS]]
         if len(cells) != width or width == 1 or kinds[0] in NUMBER:
             break

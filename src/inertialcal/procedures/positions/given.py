@@ -214,6 +214,8 @@ def _units(given: GivenFile, sensors: Mapping[str, Mapping[str, Channel]]) -> di
         said = given.said.units.get(sensor)
         units = {one.unit if said is None or one.unit_from == "flag" else said for one in by_axis.values()}
         unit = units.pop()
+        if unit is None and not units and "count" in raw_units(chain_said(given, KINDS[sensor])):
+            unit = "count"  # what the chain that was said begins with
         if units or unit is None:
             missing[sensor] = [one.name for one in by_axis.values()]
             continue
