@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -132,3 +133,10 @@ def test_rows_are_read_back(row: Row) -> None:
     assert Row.from_dict(written) == row
     assert (key_of(written), case_of(written)) == (row.key, row.case)
     assert tuple(flat(written)) == COLUMNS
+
+
+@pytest.mark.parametrize("fields", [{"test": "again"}, {"value": math.inf}, {"u": 2.0, "unit": "g"}])
+def test_a_changed_row_is_what_a_new_one_would_be(fields: dict[str, object]) -> None:
+    row = Row(Key("bias", "x"), 1.0, 0.5, "m/s^2", 4.0, Interval(0.0, 2.0))
+    assert row.changed(**fields) == replace(row, **fields)  # type: ignore[arg-type]
+    assert row == Row(Key("bias", "x"), 1.0, 0.5, "m/s^2", 4.0, Interval(0.0, 2.0))

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import is_dataclass
 from functools import wraps
-from hashlib import sha256
+from hashlib import sha1
 from threading import Lock
 from typing import ParamSpec, TypeVar
 
@@ -115,7 +115,7 @@ def _read_only(found: R) -> R:
 
 
 def _digest(given: object) -> bytes:
-    digest = sha256()
+    digest = sha1(usedforsecurity=False)  # takes half the time of sha256
     for one in _parts(given):
         if isinstance(one, np.ndarray):
             digest.update(f"{one.dtype.str}{one.shape}".encode())

@@ -212,8 +212,8 @@ def _checked(design: Array, readings: Array, names: Sequence[str] | None) -> tup
     labels = tuple(names) if names is not None else tuple(f"column {i}" for i in range(p))
     if len(labels) != p or p == 0:
         raise DataError(f"{len(labels)} names for {p} columns of the design")
-    bad = np.flatnonzero(~(np.isfinite(X).all(axis=1) & np.isfinite(y)))
-    if bad.size:
+    if not (np.isfinite(X).all() and np.isfinite(y).all()):
+        bad = np.flatnonzero(~(np.isfinite(X).all(axis=1) & np.isfinite(y)))
         raise DataError(
             f"{bad.size} readings or rows of the design are not finite, the first is number {bad[0] + 1}",
             do="Leave out what is missing, and count it",

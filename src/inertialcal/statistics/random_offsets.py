@@ -27,7 +27,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import linalg, optimize
+from scipy import optimize
 from scipy.linalg import lapack
 
 from ..core.errors import DataError
@@ -79,11 +79,18 @@ def fit_with_offsets(
     DataError
         As ``least_squares.fit``; or if a weight is not positive.
     """
+    return fit_numbered(design, readings, weights, np.unique(groups, return_inverse=True)[1], names)
+
+
+def fit_numbered(
+    design: Array, readings: Array, weights: Array, numbers: NDArray[np.intp], names: Sequence[str] | None = None
+) -> Fit:
+    """Return the same for readings whose groups are numbered from 0, and all numbers occur."""
     if weights.shape != readings.shape or not np.all(weights > 0.0):
         raise DataError(f"weights of shape {weights.shape} for {readings.size} readings: need one above zero for each")
-    numbers = np.unique(groups, return_inverse=True)[1]
-    ratio = offset_ratio(group_moments(design, readings, weights, numbers))
-    white = whitened(np.column_stack([design, readings]), weights, numbers, ratio)
+    columns = np.column_stack([design, readings])
+    moments = _moments(columns, weights, numbers)
+    white = _whitened(columns, weights, numbers, moments.means, moments.weights, offset_ratio(moments))
     return fit(white[:, :-1], white[:, -1], names=names)
 
 
@@ -103,6 +110,12 @@ def whitened(columns: Array, weights: Array, numbers: NDArray[np.intp], ratio: f
     """
     total = np.bincount(numbers, weights)
     means = _group_sums(columns * weights[:, None], numbers) / total[:, None]
+    return _whitened(columns, weights, numbers, means, total, ratio)
+
+
+def _whitened(
+    columns: Array, weights: Array, numbers: NDArray[np.intp], means: Array, total: NDArray[Any], ratio: float
+) -> Array:
     return np.asarray(np.sqrt(weights)[:, None] * (columns - (_part(total, ratio)[:, None] * means)[numbers]))
 
 
@@ -155,7 +168,7 @@ def deviance_of(moments: Grouped) -> Callable[[float], float]:
         return partial(restricted_deviance, moments)
     *root, last = factor.diagonal().tolist()
     p = len(root)
-    V = linalg.solve_triangular(factor, moments.means.T, lower=True)
+    V = lapack.dtrtrs(factor, moments.means.T, lower=1)[0]
     a, b, c = (V[:p].T @ V[:p])[[0, 0, 1], [0, 1, 1]].tolist()
     u, v = V[p].tolist()
     first, second = moments.weights.tolist()
@@ -205,10 +218,13 @@ def _factored(square: Array) -> tuple[float | None, float]:
 
 def group_moments(design: Array, readings: Array, weights: Array, numbers: NDArray[np.intp]) -> Grouped:
     """Return the moments of readings, numbered by group from 0."""
-    columns = np.column_stack([design, readings])
-    total = np.asarray(np.bincount(numbers, weights), dtype=np.float64)
-    means = _group_sums(columns * weights[:, None], numbers) / total[:, None]
-    return Grouped(columns.T @ (columns * weights[:, None]), means, total, len(readings))
+    return _moments(np.column_stack([design, readings]), weights, numbers)
+
+
+def _moments(columns: Array, weights: Array, numbers: NDArray[np.intp]) -> Grouped:
+    total, weighted = np.asarray(np.bincount(numbers, weights), dtype=np.float64), columns * weights[:, None]
+    means = _group_sums(weighted, numbers) / total[:, None]
+    return Grouped(columns.T @ weighted, means, total, len(columns))
 
 
 def _group_sums(columns: Array, numbers: NDArray[np.intp]) -> Array:

@@ -172,7 +172,8 @@ def prepare_test(
         )
         for name, one in entries.items()
     ]
-    compared = screening and (len(sources) > 1 or any(counts_twice(file, test, one) for one in file.tests))
+    several = len({one.file for one in entries.values()}) > 1  # one file is no copy of itself
+    compared = screening and (several or any(counts_twice(file, test, one) for one in file.tests))
     contents = [one.content for one in sources if compared or one.is_table]
     problems = list(duplicates(contents))
     if problems:

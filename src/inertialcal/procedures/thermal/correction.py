@@ -196,11 +196,7 @@ def _changes(found: Estimate, component: Component, laws: Mapping[str, Law], ask
     blocks = []
     for axis, law in laws.items():
         rows, more = dict(zip(asked[axis].keys, asked[axis].rows, strict=True)), asked[axis].changes
-        steps = (
-            np.zeros((1, law.order + 1))
-            if component.origin == ORDER
-            else factor(law.contrasts(np.eye(law.order + 1))[0])
-        )
+        steps = np.zeros((1, law.order + 1)) if component.origin == ORDER else factor(law.scatter.each[0])
         own = [rows.get(key, np.zeros(law.order + 1)) for key in found.keys]
         block = steps @ np.array(own).T
         if component.origin == ORDER and more is not None:

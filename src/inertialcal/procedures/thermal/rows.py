@@ -286,7 +286,7 @@ def _textbook(series: Series, cut: float) -> _Textbook | None:
     T = series.temperature
     used = np.isfinite(T) & ~(np.nan_to_num(series.time, nan=np.inf) < cut)
     T = T[used]
-    if len(T) <= FEW or len(np.unique(T)) <= ORDER + 1:
+    if len(T) <= FEW or (len(np.unique(T[:FEW])) <= ORDER + 1 and len(np.unique(T)) <= ORDER + 1):
         return None
     domain = float(T.min()), float(T.max())
     return _Textbook(used, domain, *np.linalg.qr(_rows(T, domain)))

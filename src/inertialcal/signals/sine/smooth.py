@@ -141,13 +141,16 @@ class Stretch:
     @one_blas_thread()
     def drift(self, rest: Array) -> Array:
         """Return the drift in readings less the drive, shape (n, k)."""
-        trend = self._trend
-        root = self._root
-        white, y = (linalg.solve_triangular(root, one, lower=True) for one in (trend, rest))
-        size = np.linalg.norm(white, axis=0)
-        by_trend = np.linalg.lstsq(white / size, y, rcond=None)[0] / size[:, None]
-        left = linalg.solve_triangular(root, y - white @ by_trend, lower=True, trans="T")
+        root, basis = self._root, self._white_trend
+        y = linalg.solve_triangular(root, rest, lower=True)
+        left = linalg.solve_triangular(root, y - basis @ (basis.T @ y), lower=True, trans="T")
         return np.asarray(rest - left)  # V^-1 of the residual is what is neither trend nor drift
+
+    @cached_property
+    def _white_trend(self) -> Array:
+        """Orthonormal columns of the trend in whitened readings, shape (n, p)."""
+        white = linalg.solve_triangular(self._root, self._trend, lower=True)
+        return np.linalg.qr(white / np.linalg.norm(white, axis=0))[0]
 
     @cached_property
     def _root(self) -> Array:

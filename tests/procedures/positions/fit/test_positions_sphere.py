@@ -16,6 +16,7 @@ from inertialcal.procedures.positions.fit.accelerometer import (
     lengths,
     nominal,
     parts,
+    shortest,
     variances,
 )
 from inertialcal.procedures.positions.fit.linear_sensor import BIAS, MATRIX
@@ -108,3 +109,13 @@ def test_one_plane_is_refused_and_named() -> None:
         check_plane(ring, G)
     assert error.value.problems[0].code == "one_plane"
     check_plane(ring * [1.0, 5.0, 1.0], G)
+
+
+@pytest.mark.parametrize("rows", [24, 9, 5])
+def test_shortest_solution_is_that_of_numpy(rows: int) -> None:
+    rng = np.random.default_rng(rows)
+    design, readings = rng.normal(size=(rows, 9)) * 0.5 ** np.arange(9.0), rng.normal(size=rows)
+    found = shortest(design, readings, 0.02)
+    np.testing.assert_allclose(found, np.linalg.lstsq(design, readings, rcond=0.02)[0], rtol=1e-10, atol=1e-12)
+    with pytest.raises(np.linalg.LinAlgError):
+        shortest(np.full((rows, 9), np.nan), readings, 0.02)

@@ -443,35 +443,49 @@ def parts(theta: Array, g: float) -> tuple[Array, Array]:
 
 def lengths(theta: Array, r: Array, g: float) -> tuple[Array, Array, Array]:
     """Return errors of length (m,), derivatives by the scaled parameters (m, 9), unit vectors (m, 3)."""
+    e, by_each, u = _lengths(theta, r.T, g)
+    return e, np.ascontiguousarray(by_each.T), np.ascontiguousarray(u.T)
+
+
+def _lengths(theta: Array, r: Array, g: float) -> tuple[Array, Array, Array]:
+    """Return the same a row a component, of readings (3, m): (m,), (9, m), (3, m). Numpy is fast along long rows."""
     T, b = parts(theta, g)
-    d = r - b
-    x = d @ T.T
-    length = np.sqrt(np.einsum("mi,mi->m", x, x))
-    jacobian = np.empty((len(r), 9))
+    d = r - b[:, None]
+    x = T @ d
+    length = np.sqrt(_squares(x))
+    by_each = np.empty((9, len(length)))
     with np.errstate(divide="ignore", invalid="ignore"):  # a reading of no length has no direction: no solution
-        u = x / length[:, None]
-        jacobian[:, :6] = u[:, ROW] * d[:, COLUMN] / g
-        jacobian[:, 6:] = -(u @ T)
-    return length - g, jacobian, u
+        u = x / length
+        by_each[:6] = u[ROW] * d[COLUMN] / g
+        by_each[6:] = -(T.T @ u)
+    return length - g, by_each, u
+
+
+def _squares(x: Array) -> Array:
+    """Return the squared lengths of vectors, (..., 3, m)."""
+    squares = x * x
+    return np.asarray(squares[..., 0, :] + squares[..., 2, :] + squares[..., 1, :])
 
 
 def converged(
     r: Array, g: float, root: Array, theta: Array, cut: float, prior: Callable[[Array], Prior] | None = None
 ) -> Array:
     """Return where damped Gauss-Newton with weights root^2 ends; what is not determined stays as it starts."""
+    across = np.ascontiguousarray(r.T)
 
     def errors(at: Array) -> tuple[Array, Array]:
-        e, jacobian, _ = lengths(at, r, g)
-        e, jacobian = root * e, root[:, None] * jacobian
-        also = () if prior is None else prior(at).values()
+        e, by_each, _ = _lengths(at, across, g)
+        e, jacobian = root * e, (root * by_each).T
+        if prior is None:
+            return e, jacobian
+        also = prior(at).values()
         return np.concatenate([e, *(q for _, q in also)]), np.vstack([jacobian, *(rows for rows, _ in also)])
 
     def costs(trials: Array) -> Array:
         """Return the cost of each of some parameters, shape (k,)."""
         T = np.zeros((len(trials), 9))
         T[:, FLAT] = trials[:, :6] / g
-        x = (r - trials[:, None, 6:]) @ T.reshape(-1, 3, 3).transpose(0, 2, 1)
-        e = root * (np.sqrt(np.einsum("kmi,kmi->km", x, x)) - g)
+        e = root * (np.sqrt(_squares(T.reshape(-1, 3, 3) @ (across - trials[:, 6:, None]))) - g)
         found: Array = np.einsum("km,km->k", e, e)
         if prior is not None:
             found += [sum(float(q @ q) for _, q in prior(at).values()) for at in trials]
@@ -479,16 +493,19 @@ def converged(
 
     e, jacobian = errors(theta)
     cost = float(costs(theta[None])[0])
+    whole = True
     for _ in range(STEPS):
         step = shortest(jacobian, -e, cut)
-        for sizes in (SIZES[:1], SIZES[1:]):  # the first is most often right
+        # The whole step is most often right, and where the last was not, all sizes take little more than the first
+        for sizes in (SIZES[:1], SIZES[1:]) if whole or prior is not None else (SIZES,):
             new = costs(theta + sizes * step)
             lower = np.flatnonzero(new <= cost)  # at the minimum, where rounding decides, no step of all is taken
             if len(lower):
                 break
         else:
             break
-        step = float(sizes[lower[0], 0]) * step
+        taken = float(sizes[lower[0], 0])
+        whole, step = taken == 1.0, taken * step
         theta, cost = theta + step, float(new[lower[0]])
         e, jacobian = errors(theta)
         if np.max(np.abs(step)) <= SETTLED * g:

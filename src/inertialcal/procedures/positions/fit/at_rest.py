@@ -101,7 +101,8 @@ def at_rest(
     found = np.linalg.lstsq(design[kept], r[kept], rcond=None)[0]
     slow: tuple[Slow | None, ...] = (None,) * 3
     if fits is not None and rests is not None:
-        timed = [_over_time(one, force[kept], rests.take(kept)) for one in fits]
+        used = rests.take(kept)
+        timed = [_over_time(one, force[kept], used) for one in fits]
         fits, slow = tuple(one for one, _ in timed), tuple(one for _, one in timed)
     if fits is not None:
         found = np.column_stack([one.coefficients for one in fits])

@@ -129,15 +129,15 @@ def problem_of(plan: Plan, readings: Readings, acc: Fitted, rest: AtRest, ideal:
 
 
 def _packed(rotations: Sequence[Rotation], acc: Fitted, rest: AtRest, ideal: Array, zero: Array) -> Packed:
-    z, f = [], []
-    for one in rotations:
-        force = np.zeros_like(one.gyro) if one.acc is None else acc.sensor.applied(one.acc)
-        rate = (one.gyro - zero) / ideal - rest.bias
-        if rest.g_sensitivity is not None:
-            rate = rate - force @ rest.g_sensitivity.T
-        z.append(rate)
-        f.append(force if rest.g_sensitivity is not None else np.zeros_like(force))
-    return packed(rotations, z, f)
+    empty = np.empty((0, 3))
+    rate = (np.concatenate([empty, *(one.gyro for one in rotations)]) - zero) / ideal - rest.bias
+    force = np.zeros_like(rate)
+    if rest.g_sensitivity is not None:
+        seen = np.repeat([one.acc is not None for one in rotations], [len(one.gyro) for one in rotations])
+        read = [one.acc for one in rotations if one.acc is not None]
+        force[seen.astype(bool)] = acc.sensor.applied(np.concatenate([empty, *read]))
+        rate = rate - force @ rest.g_sensitivity.T
+    return packed(rotations, [rate], [force])
 
 
 def _sensor(

@@ -217,15 +217,17 @@ def dof_of_each(shares: Array, dof: Array) -> Array:
     dof : ndarray, shape (k,)
         Of the whole.
     """
-    if not np.any(dof < MOST_DOF):
-        return np.full(len(dof), np.inf)
-    low, high = np.log(np.full(len(dof), LEAST_DOF)), np.log(dof.clip(LEAST_DOF, MOST_DOF))
-    fewer_with = fewer_joined(shares, dof)
+    found, some = np.full(len(dof), np.inf), dof < MOST_DOF
+    if not some.any():
+        return found
+    low, high = np.log(np.full(np.count_nonzero(some), LEAST_DOF)), np.log(np.maximum(dof[some], LEAST_DOF))
+    fewer_with = fewer_joined(shares[:, some], dof[some])
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         fewer = fewer_with(np.exp(middle))
         low, high = np.where(fewer, middle, low), np.where(fewer, high, middle)
-    return np.where(dof < MOST_DOF, np.exp(high), np.inf)
+    found[some] = np.exp(high)
+    return found
 
 
 def _scatter(per_square: Array, square: Array) -> Array:

@@ -33,6 +33,7 @@ References
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,6 +71,17 @@ class Rests:
     def take(self, kept: NDArray[np.bool_]) -> Rests:
         """Return some of them."""
         return Rests(self.start[kept], self.stop[kept], self.length)
+
+    @cached_property
+    def kernels(self) -> Array:
+        """Covariances of positions, 1/f noise and walk in the rests and the next record, shape (3, m + 1, m + 1)."""
+        first = float(self.start.min())
+        found = np.array([np.eye(len(self.start) + 1)] * 3)
+        for k, (noise, ahead) in enumerate(AHEAD, 1):
+            start = np.append(self.start, first + ahead * self.length)
+            stop = np.append(self.stop, first + (ahead + 1.0) * self.length)
+            found[k] = window_covariance(start, stop, noise)
+        return found
 
     @property
     def weights(self) -> Array:
@@ -153,12 +165,7 @@ def slow_noise_of(wander: Wander, rests: Rests) -> Slow | None:
     blind = axes[:, values > len(values) * np.finfo(float).eps * values[-1]]  # contrasts that the design does not see
     if blind.shape[1] < FEWEST:
         return None
-    first = float(rests.start.min())
-    kernels = np.array([np.eye(len(rests.start) + 1)] * 3)
-    for k, (noise, ahead) in enumerate(AHEAD, 1):
-        start = np.append(rests.start, first + ahead * rests.length)
-        stop = np.append(rests.stop, first + (ahead + 1.0) * rests.length)
-        kernels[k] = window_covariance(start, stop, noise)
+    kernels = rests.kernels
     y = blind.T @ wander.residuals
     known = np.linalg.inv(blind.T @ wander.projector @ blind) - wander.between * np.eye(len(y))
     exact = EXACT * float(np.mean(y**2))

@@ -41,6 +41,7 @@ from .outliers import found_outliers
 BETWEEN = "scatter between rotations"
 ANGLE, ORIENTATION = "turn.angle", "fixture.orientation"
 STEPS, HALVINGS = 40, 10
+SHORT = 2**15  # samples of which what was found last is kept
 SETTLED = 1e-10
 SMALL = 1e-6  # step that is not halved: where it lowers nothing, rounding and the size of a sample decide
 SAME_AXIS = 1e-9  # one less the cosine between axes that are the same
@@ -358,6 +359,22 @@ class Packed:
     first: NDArray[np.int64]  # shape (k + 1,): where each begins, and the end
 
     @cached_property
+    def _last(self) -> dict[bytes, tuple[Array, Array]]:
+        return {}
+
+    def turned(self, W: Array) -> tuple[Array, Array]:
+        """Return what `through` fills for the rate W z, which stays what it is; that of the last W is kept."""
+        key, n = W.tobytes(), len(self.z)
+        if key in self._last:
+            return self._last[key]
+        weighted, C = np.empty((n, 9)), np.empty((len(self.first) - 1, 3, 3))
+        through(np.ascontiguousarray(self.z @ W.T), self.h, self.first, weighted, C)
+        self._last.clear()
+        if n <= SHORT:
+            self._last[key] = weighted, C
+        return weighted, C
+
+    @cached_property
     def squares(self) -> Array:
         """Sums of h^2, shape (k,) [s^2]: the variance of an integral over that of a sample."""
         return np.array([np.sum(self.h[a:b] ** 2) for a, b in pairwise(self.first)])
@@ -407,9 +424,8 @@ def carried(samples: Packed, W: Array, signal: Array | None = None) -> tuple[Arr
     integrals : ndarray, shape (k, 3, 3, m)
         [:, :, j, l] for component l of the signal along axis j.
     """
-    n, k = len(samples.z), len(samples.first) - 1
-    weighted, C = np.empty((n, 9)), np.empty((k, 3, 3))
-    through(np.ascontiguousarray(samples.z @ W.T), samples.h, samples.first, weighted, C)
+    k = len(samples.first) - 1
+    weighted, C = samples.turned(W)
     if signal is None:
         return C, np.empty((k, 3, 3, 0))
     parts = [weighted[a:b].T @ signal[a:b] for a, b in pairwise(samples.first)]

@@ -31,7 +31,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Literal
 
 import numpy as np
@@ -44,7 +44,7 @@ from ....statistics.clustered import Clustered, Members, clustered, clustered_co
 from ....statistics.intervals import coverage_factor
 from ....statistics.least_squares import Fit, fit
 from ....statistics.polynomial import Polynomial
-from ....statistics.random_offsets import fit_with_offsets
+from ....statistics.random_offsets import fit_numbered
 from .cells import Cells, Indices
 
 Level = Literal["run", "ramp", "block"]
@@ -205,7 +205,7 @@ def unjudged_law_of(cells: Cells, order: int, alone: Fit | None = None) -> Law:
 
 def _fitted(cells: Cells, columns: Array, names: Sequence[str] | None = None) -> Fit:
     if cells.runs >= 2:
-        return fit_with_offsets(columns, cells.reading, cells.weight, cells.run, names)
+        return fit_numbered(columns, cells.reading, cells.weight, cells.run_number, names)
     root = np.sqrt(cells.weight)
     return fit(columns * root[:, None], cells.reading * root, names=names)
 
@@ -236,7 +236,8 @@ def _with_lag(cells: Cells, alone: Fit, order: int, path_order: int, domain: tup
 
 def lag_column(cells: Cells, coefficients: Array, domain: tuple[float, float]) -> Array:
     """Return what a lag of one second changes each cell by, with the slope of a first P, shape (c,)."""
-    slope = chebyshev.chebval(_scaled(cells.temperature, domain), chebyshev.chebder(coefficients))
+    at = cells.once(("scaled", domain), lambda: _scaled(cells.temperature, domain))
+    slope = chebyshev.chebval(at, chebyshev.chebder(coefficients))
     return np.asarray(-slope * 2.0 / (domain[1] - domain[0]) * cells.rate)
 
 
@@ -264,8 +265,13 @@ def _mean_rows(cells: Cells, order: int, domain: tuple[float, float]) -> Array:
     if order < 2:
         return np.asarray(rows)
     spread = cells.spread * (2.0 / (domain[1] - domain[0])) ** 2
-    bent = chebyshev.chebder(np.eye(order + 1), 2)  # (order - 1, order + 1)
-    return np.asarray(rows + 0.5 * spread[:, None] * (chebyshev.chebvander(s, order - 2) @ bent))
+    return np.asarray(rows + 0.5 * spread[:, None] * (rows[:, : order - 1] @ _bent(order)))
+
+
+@cache
+def _bent(order: int) -> Array:
+    """Return what second derivatives of the series are of the series, shape (order - 1, order + 1)."""
+    return np.asarray(chebyshev.chebder(np.eye(order + 1), 2))
 
 
 def series_rows(temperature: ArrayLike, domain: tuple[float, float], order: int) -> Array:
