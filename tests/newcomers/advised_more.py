@@ -776,4 +776,36 @@ SHAKEN = (
         "acceleration_rms control 1.3416",
     ),
 )
-MORE = (*COMPENSATED, *LEVELS, *HEADS, *MASSES, *CAMPAIGNS, *SHAKEN)
+LAB = (
+    Case(
+        "Try: inertialcal acquire --help",
+        "acquire",
+        "acquire --help",
+        "has acquire LAB.toml -o recorded",
+    ),
+    Case(
+        "Say: inertialcal acquire {} -o DIR",
+        "acquire LAB.toml",
+        "acquire LAB.toml -o lab_said",
+        "has suite.parquet",
+    ),
+    Case(
+        "inertialcal info{}",
+        "text acquire LAB.toml -o lab_next",
+        "info lab_next/suite.parquet",
+        "has stamp",
+    ),
+    Case(
+        "; to seal what is there: inertialcal acquire --seal {}",
+        "acquire LAB.toml -o lab_said",
+        "acquire --seal lab_said",
+        "has suite.parquet",
+    ),
+    Case(
+        "Make room, then type: inertialcal acquire --seal {}",
+        "acquire FULL.toml -o lab_full",
+        "acquire --seal lab_full",
+        "done",
+    ),
+)
+MORE = (*LAB, *COMPENSATED, *LEVELS, *HEADS, *MASSES, *CAMPAIGNS, *SHAKEN)

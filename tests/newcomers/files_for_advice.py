@@ -31,6 +31,18 @@ procedure = "rate_table"
 recordings = ["table"]
 plan = { axis = "x" }
 """
+LAB = """schema = 1
+[lab]
+speed = 20000
+sync = "60 s"
+{}
+[instruments.suite]
+link = "rig"
+rig = "npsat1"
+recording = "x_run1"
+over = "tcp"
+interval = "2 s"
+"""
 CAMPAIGNS = ("campaign", "campaign_new", "campaign_new2")  # never run, so far
 FOLDERS = ("no_campaign", "no_campaign3")
 
@@ -38,6 +50,8 @@ FOLDERS = ("no_campaign", "no_campaign3")
 def write_files(folder: Path) -> None:
     """Write every file into a folder."""
     logs = {name: made() for name, made in LOGS.items()}
+    (folder / "LAB.toml").write_text(LAB.format(""))
+    (folder / "FULL.toml").write_text(LAB.format('keep_free = "900000 TB"'))
     texts = {made.name: made.write(logs[made.noun]).decode() for made in FILES}
     for text in (
         texts,

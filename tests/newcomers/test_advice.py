@@ -57,6 +57,8 @@ MADE = {name: shlex.split(line) for name, line in {  # models, terms and campaig
 }.items()}  # fmt: skip
 LARGEST = 200_000  # bytes of a written file that is looked into
 
+OF_MODULE = {"serial": "pyserial"}  # packages whose modules are called otherwise
+
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -238,8 +240,7 @@ def test_an_extra_to_install_holds_what_was_missing() -> None:
     extras = {name: {re.split(r"[<>=\[ ]", one)[0].lower() for one in packages}
               for name, packages in project["optional-dependencies"].items()}  # fmt: skip
     trees = {path: ast.parse(path.read_text(encoding="utf-8")) for path in SOURCES.rglob("*.py")
-             if "pip install" in (text := path.read_text(encoding="utf-8")) or "library(" in text}  # fmt: skip
-    read = {module for tree in trees.values() for module in _literals(tree, "library")}
+             if re.search(r"pip install|library\(|package\(", path.read_text(encoding="utf-8"))}  # fmt: skip
     advised = [one for one in advices() if INSTALLS.match(one.template)]
     assert len(advised) >= len(extras.keys() & {"pdf", "sign", "frame", "formats"})
     for one in advised:
@@ -249,7 +250,10 @@ def test_an_extra_to_install_holds_what_was_missing() -> None:
                     and node.lineno < line <= (node.end_lineno or 0)]  # fmt: skip
         named = {name.name for node in tried.body if isinstance(node, ast.Import) for name in node.names}
         named |= {module for node in tried.body for module in _literals(node, "import_module")}
-        packages = {name.partition(".")[0].replace("_", "-") for name in named or read}
+        (around,) = [node.name for node in ast.walk(trees[path]) if isinstance(node, ast.FunctionDef)
+                     and node.lineno < line <= (node.end_lineno or 0)] if not named else [""]  # fmt: skip
+        named |= {module for tree in trees.values() for module in _literals(tree, around)} if around else set()
+        packages = {OF_MODULE.get(name, name.partition(".")[0].replace("_", "-")) for name in named}
         assert packages, one
         assert packages <= extras[extra], one
 

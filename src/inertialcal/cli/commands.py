@@ -30,7 +30,7 @@ VERBS = {
     "show": "verbs.models", "compensate": "verbs.models", "convert": "verbs.models", "export": "verbs.models",
     "budget": "verbs.campaigns", "compare": "verbs.models", "simulate": "verbs.twins", "score": "verbs.twins",
     "programme-1969": "verbs.programme1969", "filter": "verbs.filters", "certificate": "verbs.certificate",
-    "vibration profile": "verbs.vibration_profile",
+    "vibration profile": "verbs.vibration_profile", "acquire": "verbs.acquire",
 }  # fmt: skip
 NO_FIGURES = (
     "info",
@@ -45,6 +45,7 @@ NO_FIGURES = (
     "simulate",
     "score",
     "certificate",
+    "acquire",
 )
 READ_NOTHING = ("demo", "simulate")  # commands that read no file of a user
 Built = TyperCommand | TyperGroup
@@ -84,6 +85,7 @@ EXAMPLES = {  # word of a verb -> what may follow it, for its help
         "run1.cards",
         'run1.csv --column pulses --period "480 s" --amplitude "23 ng" --wrong 41 -o run1',
     ),
+    "acquire": ("LAB.toml -o recorded", "--seal recorded"),
     "vibration profile": ("table01.csv -o profile.svg", "table01.csv --band 20..100"),
     "filter": (
         "inertialcal-demo rest.csv",

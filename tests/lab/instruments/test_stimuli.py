@@ -55,7 +55,7 @@ class Wire:
             if said is not None:
                 self.answers.append(said.encode() + b"\n")
 
-    def close(self) -> None:
+    def close(self, again: bool = False) -> None:
         pass
 
 

@@ -38,6 +38,7 @@ from .database import SQLITE, is_bag_2, missing_bytes, opened, whole_pages
 from .json_lines import read_json_lines
 from .ros_messages import ENCODINGS, MESSAGES, Decoded, decode, message_type, stated
 from .rows import ENCODING, layout_in, rows_content
+from .rows import LIBRARY as OURS
 from .topics import INERTIAL, NO_NUMBERS, Topic, choose, joined, library, on_disk, other_topics, stamps, torn
 
 ROS_1, MCAP = b"#ROSBAG V2.0\n", b"\x89MCAP0\r\n"
@@ -45,7 +46,7 @@ CUT = "it ends in the middle of a chunk, which is read as far as it is whole"
 AT_ONCE = 2**14  # messages that are decoded at once
 ROWS = 2**9  # of a database that are taken at once
 CHUNK = 2**30  # bytes that a chunk may unpack to
-OF_MCAP = {"footer": 2, "schema": 3, "channel": 4, "message": 5, "chunk": 6, "data_end": 15}
+OF_MCAP = {"header": 1, "footer": 2, "schema": 3, "channel": 4, "message": 5, "chunk": 6, "data_end": 15}
 OP_LENGTH = struct.Struct("<BQ")  # of a record of MCAP
 MCAP_MESSAGE = 22  # bytes of channel, sequence, times of recording and of publication, before the content
 PLAIN = frozenset((3, 4, 5))  # schema, channel, message
@@ -437,6 +438,7 @@ def _mcap(loaded: Loaded, bag: Bag) -> Iterator[Messages]:
     """Yield the messages of an MCAP file, chunk by chunk, up to its summary."""
     data, at = loaded.data, len(MCAP)
     schemas: dict[int, tuple[str, bytes]] = {}
+    always_summed = False
     while at < len(data):
         op, size = OP_LENGTH.unpack(_take(data, at, 9))
         if op == 0:
@@ -451,9 +453,12 @@ def _mcap(loaded: Loaded, bag: Bag) -> Iterator[Messages]:
         if at + 9 + size > len(data):
             raise TornError(at, "it ends in the middle of a record")
         if op == OF_MCAP["chunk"]:
-            inside = _mcap_chunk(_take(data, at + 9, size), loaded, at)
+            inside = _mcap_chunk(_take(data, at + 9, size), loaded, at, always_summed)
             if (yield from _mcap_inside(inside, bag, schemas, at)) != len(inside):
                 raise TornError(at, "a chunk is damaged")
+            at += 9 + size
+        elif op == OF_MCAP["header"]:
+            always_summed = _text(data[at + 9 : at + 9 + size], _text(data[at + 9 : at + 9 + size], 0)[1])[0] == OURS
             at += 9 + size
         elif op in PLAIN:
             at += yield from _mcap_inside(data[at : at + max(PIECE, 9 + size)], bag, schemas, at)
@@ -538,8 +543,8 @@ def _mcap_damaged(bag: Bag) -> None:
     bag.remarks += (Remark("wrong_checksum", "warning", what, where=bag.path, do=do),)
 
 
-def _mcap_chunk(body: bytes, loaded: Loaded, at: int) -> bytes:
-    """Return the records of a chunk; its checksum is looked at."""
+def _mcap_chunk(body: bytes, loaded: Loaded, at: int, summed: bool) -> bytes:
+    """Return the records of a chunk; its checksum is looked at, which only other writers may leave out."""
     try:
         _, _, size, checksum, length = struct.unpack_from("<QQQII", body)
         how = body[32 : 32 + length].decode("ascii", "replace")
@@ -550,7 +555,7 @@ def _mcap_chunk(body: bytes, loaded: Loaded, at: int) -> bytes:
     if len(records) != packed:
         raise TornError(at, "a chunk is damaged")
     found = unpacked(records, how, size, loaded, at)
-    if checksum and zlib.crc32(found) != checksum:
+    if (checksum or summed) and zlib.crc32(found) != checksum:
         raise TornError(at, "the checksum of a chunk is not that of its content")
     return found
 

@@ -27,7 +27,7 @@ from .topics import stamps
 if TYPE_CHECKING:
     from .bags import Bag
 
-ENCODING = "inertialcal.rows"
+ENCODING, LIBRARY = "inertialcal.rows", "inertialcal.acquire"  # of messages; who wrote the file
 HEAD = 22  # bytes of channel, sequence and both times in front of the content of a message
 Role = Literal["reading", "time", "counter"]
 Rows = NDArray[np.void]

@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Protocol
 
 from ...core.remarks import Remark
-from ...files.loggers.rows import ENCODING, RowLayout
+from ...files.loggers.rows import ENCODING, LIBRARY, RowLayout
 from ...files.write.atomic import BINARY, sync
 from ..clock import Instant
 from ..instruments.protocol import Batch
@@ -98,7 +98,7 @@ class Recorder:
             self._declare(name, "inertialcal.rows", "inertialcal", layout.schema(), ENCODING)
         self._declare(EVENTS, "inertialcal.event", "jsonschema", EVENT_SCHEMA, "json")
         pairs = b"".join(_text(name) + _text(text) for name, text in about.items())
-        self._write(MAGIC + _record(HEADER, _text("") + _text("inertialcal"))
+        self._write(MAGIC + _record(HEADER, _text("") + _text(LIBRARY))
                     + _record(METADATA, _text("lab") + _sized(pairs)))  # fmt: skip
 
     def _declare(self, topic: str, name: str, encoding: str, schema: bytes, messages: str) -> None:

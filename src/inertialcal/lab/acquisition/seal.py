@@ -60,7 +60,7 @@ class Summary:
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain values."""
         return {
-            "schema": 1,
+            "acquisition": 1,
             "finished": self.whole,
             "recording": {"file": RECORDING, "sha256": sha256(self.folder / RECORDING)},
             "instruments": [_instrument(one) for one in self.instruments],

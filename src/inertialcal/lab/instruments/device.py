@@ -177,7 +177,7 @@ class Device:
                         do="It is tried again until the end"))  # fmt: skip
         while not self.clock.wait(AGAIN, stop):
             with self._lock:
-                self.link.close()
+                self.link.close(again=True)
                 try:
                     self.link.open()
                     self.connected = True

@@ -115,6 +115,7 @@ class Dialect(Strict):
         rows = [one for one in self.fields if one.type != "pad"]
         kind = self.frame.kind if self.frame is not None else ""
         yield (bool(kind) == bool(rows)), "frame and fields belong together: rows need both"
+        yield all("name" in one.model_fields_set for one in rows), "each field but a pad needs its name"
         yield len({one.name for one in rows}) == len(rows), "a name stands twice in fields"
         for role in ("time", "counter"):
             yield sum(one.role == role for one in rows) < 2, f"more than one field has the role {role}"

@@ -54,7 +54,7 @@ class FileLink:
         """Refuse: it belongs to another program."""
         raise LinkLostError("nothing can be sent to a file")
 
-    def close(self) -> None:
+    def close(self, again: bool = False) -> None:
         """Close the file."""
         if self._file is not None:
             self._file.close()

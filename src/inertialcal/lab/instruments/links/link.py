@@ -60,8 +60,8 @@ class Link(Protocol):
         """Send; raises LinkLostError."""
         ...
 
-    def close(self) -> None:
-        """Disconnect; never raises."""
+    def close(self, again: bool = False) -> None:
+        """Disconnect, to connect again or for good; never raises."""
         ...
 
 

@@ -93,7 +93,7 @@ class SocketLink:
         except OSError as error:
             raise LinkLostError(str(error)) from None
 
-    def close(self) -> None:
+    def close(self, again: bool = False) -> None:
         """Disconnect."""
         if self._socket is not None:
             self._socket.close()

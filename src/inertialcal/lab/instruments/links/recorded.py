@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
 
@@ -53,41 +54,53 @@ class ReplayLink:
         """Refuse: nobody is there."""
         raise LinkLostError("nothing can be sent to a recording")
 
-    def close(self) -> None:
+    def close(self, again: bool = False) -> None:
         """End."""
 
 
 class RigLink:
-    """A device of a simulated rig, served on a pty or a socket, and the link to it."""
+    """A device of a simulated rig, served on a pty or a socket, and the link to it: both begin at the first opening."""
 
-    def __init__(self, device: Served, link: Link) -> None:
-        self.device, self.link = device, link
-        self.whole, self.begins_whole = link.whole, link.begins_whole
-        self._started = False
+    def __init__(self, over: str, device: Callable[[], Served], link: Callable[[str], Link]) -> None:
+        self.whole, self.begins_whole = over == "udp", False
+        self._make_device, self._make_link = device, link
+        self._device: Served | None = None
+        self._link: Link | None = None
 
     def open(self) -> None:
         """Start the device at the first time, and connect."""
-        self.link.open()
-        if not self._started:
-            self.device.start().ready()
-            self._started = True
+        if self._device is None:
+            self._device = self._make_device()
+            self._link = self._make_link(self._device.address)
+            self._link.open()
+            self._device.start().ready()
+        else:
+            self._opened.open()
+
+    @property
+    def _opened(self) -> Link:
+        if self._link is None:
+            raise LinkLostError("not open")
+        return self._link
 
     def read(self, wait: float) -> list[bytes]:
         """Return what came; when the device has sent all, there is no more."""
-        over = self.device.done.is_set()
-        found = self.link.read(wait)
+        over = self._device is not None and self._device.done.is_set()
+        found = self._opened.read(wait)
         if not found and over:
-            self.device.close()
             raise LinkEndedError
         return found
 
     def write(self, data: bytes) -> None:
         """Send."""
-        self.link.write(data)
+        self._opened.write(data)
 
-    def close(self) -> None:
-        """Disconnect; the device stays, until it has sent all."""
-        self.link.close()
+    def close(self, again: bool = False) -> None:
+        """Disconnect; the device stays, unless this is for good."""
+        if self._link is not None:
+            self._link.close()
+        if self._device is not None and not again:
+            self._device.close()
 
 
 @lru_cache(maxsize=8)
@@ -125,10 +138,17 @@ def _rig(entry: LinkEntry, folder: Path, clock: Clock) -> RigLink:
     sent = list(zip(due(recording), frames(rows_of(recording, dialect, 0, len(recording)), dialect), strict=True))
     faults = [one for one in entry.faults if one in FRAME_FAULTS]
     hello = f"{dialect.frame.comment if dialect.frame else ''}{entry.rig}\n".encode()
-    device = Served(with_faults(sent, faults, entry.seed), clock, entry.over, hello, "unplugged" in entry.faults)
-    if entry.over == "serial":
-        return RigLink(device, SerialLink(device.address, entry.baud, clock))
-    return RigLink(device, SocketLink(device.address, entry.over == "udp", clock))
+
+    def device() -> Served:
+        broken = with_faults(sent, faults, entry.seed)
+        return Served(broken, clock, entry.over, hello, "unplugged" in entry.faults)
+
+    def link(address: str) -> Link:
+        if entry.over == "serial":
+            return SerialLink(address, entry.baud, clock)
+        return SocketLink(address, entry.over == "udp", clock)
+
+    return RigLink(entry.over, device, link)
 
 
 def _of_a_rig(entry: LinkEntry, folder: Path) -> Dialect:

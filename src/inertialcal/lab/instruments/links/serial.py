@@ -53,7 +53,7 @@ class SerialLink:
         except (serial.SerialException, OSError, TypeError, AttributeError) as error:
             raise LinkLostError(str(error)) from None
 
-    def close(self) -> None:
+    def close(self, again: bool = False) -> None:
         """Close the port."""
         if self._port is not None:
             self._port.close()

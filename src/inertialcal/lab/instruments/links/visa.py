@@ -55,7 +55,7 @@ class VisaLink:
         except (visa.Error, OSError) as error:
             raise LinkLostError(str(error)) from None
 
-    def close(self) -> None:
+    def close(self, again: bool = False) -> None:
         """Close the resource."""
         for one in (self._resource, self._manager):
             if one is not None:
