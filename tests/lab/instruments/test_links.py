@@ -25,13 +25,13 @@ from inertialcal.lab.instruments.links.network import SocketLink, host_and_port
 from inertialcal.lab.instruments.links.serial import SerialLink
 from inertialcal.lab.instruments.served import Served, with_faults
 
-FAST = 20  # of the clock: 1 kHz of a device is 20 kHz of the machine
+FAST = {"serial": 20, "tcp": 20, "udp": 4}  # of the clock; nothing holds datagrams back where a reader is slow
 RATE = 1000.0
 
 
 def stream_of(over: str, **given: object) -> tuple[np.ndarray[tuple[int], np.dtype[np.void]], list[Remark], object]:
     """Return the rows that came of a device of 12 channels at 1 kHz, and the remarks."""
-    clock, remarks = Clock(FAST), list[Remark]()
+    clock, remarks = Clock(FAST[over]), list[Remark]()
     sent, _ = packets()
     timed = with_faults([(i / RATE, one) for i, one in enumerate(sent)], given.pop("faults", ()), 1)  # type: ignore[arg-type]
     served = Served(timed, clock, over, **given)  # type: ignore[arg-type]
@@ -49,7 +49,7 @@ def stream_of(over: str, **given: object) -> tuple[np.ndarray[tuple[int], np.dty
 
         def end() -> None:
             served.done.wait(20.0)
-            clock.wait(0.3 * FAST, stop)
+            clock.wait(0.3 * FAST[over], stop)
             stop.set()
 
         threading.Thread(target=end, daemon=True).start()
@@ -83,8 +83,8 @@ def test_faults_are_counted_and_no_wrong_number_comes(over: str) -> None:
     assert np.all(np.diff(rows["counter"].astype(int)) > 0)
     assert counts.doubled > 0
     assert counts.damaged > 0
-    gone = SAMPLES - len(rows)
-    assert counts.lost == gone, "each row that is missing is counted, once"
+    missing = int(rows["counter"][-1]) + 1 - len(rows)  # what is missing at the end nobody can know
+    assert counts.lost == missing, "each row that is missing is counted, once"
 
 
 @pytest.mark.parametrize("over", ["serial", "tcp"])
