@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.batches import release
+from ...core.batches import every, release
 from ...core.estimate import Array
 from .segments import Detection, detect
 
@@ -103,13 +103,13 @@ def judge_in_pieces(x: NDArray[Any], floor: float = 0.0) -> Stillness | None:
     size = PIECE if len(x) > WHOLE else max(len(x), 1)
     for first in range(0, len(x), size):
         part = np.asarray(x[first : first + size], dtype=np.float64)
-        good = np.isfinite(part)
-        whole = bool(good.all())
+        whole = every(part, lambda own: np.isfinite(own).all())
+        good = np.arange(0) if whole else np.isfinite(part)
         rest = judge(part if whole else part[good], floor)
         release(x[first : first + size])
         if rest is None:
             continue
-        count = int(np.count_nonzero(good))
+        count = len(part) if whole else int(np.count_nonzero(good))
         judged, still, widening = judged + count, still + count * rest.at_rest, max(widening, rest.widening)
         rows = np.flatnonzero(good) if rest.disturbances and not whole else np.arange(0)
         for one in rest.disturbances:
