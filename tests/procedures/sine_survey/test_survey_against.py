@@ -10,6 +10,7 @@ import pytest
 
 import inertialcal as ic
 from independent.shaking.shaker import Mode, Run, recorded
+from inertialcal.core.show.requirement_lines import requirement_lines
 from inertialcal.procedures.sine_survey.match import matched
 from inertialcal.procedures.sine_survey.plan import range_of, rate_of
 from inertialcal.procedures.sine_survey.sweep import find_sweeps
@@ -133,3 +134,119 @@ def test_a_board_shaken_at_one_frequency_is_refused() -> None:
     base = values[:, 4]
     with pytest.raises(ic.DataError, match="no swept sine"):
         find_sweeps(base - base.mean(), 1.0 / float(np.median(np.diff(values[:, 0]))))
+
+
+CAMPAIGN = """schema = 2
+[campaign]
+id = "shaken"
+[sensors.item]
+kind = "accelerometer"
+axes = ["x"]
+unit = "g"
+"""
+
+
+def changed(folder: Path, before: tuple[Mode, ...], after: tuple[Mode, ...]) -> ic.CampaignRun:
+    """Run a campaign of two surveys, with a requirement on each change."""
+    text = CAMPAIGN
+    for seed, (name, item) in enumerate((("before", before), ("after", after)), 1):
+        write(folder / f"{name}.csv", RUN, item, seed)
+        text += f"""
+[recordings.{name}]
+sensor = "item"
+file = "{name}.csv"
+clock = {{ column = "time" }}
+channels = {{ control = {{ column = "control", unit = "g" }}, x = {{ column = "acc_x", unit = "g" }} }}
+[[tests]]
+id = "{name}"
+procedure = "sine_survey"
+recordings = ["{name}"]
+{'against = "before"' if name == "after" else ""}
+"""
+    for name in ("resonance_frequency", "amplification", "transmissibility"):
+        text += f"""
+[[requirements]]
+id = "{name}"
+text = "it did not change"
+quantity = "{name}_change"
+limit = "20 %"
+tests = ["after"]
+"""
+    (folder / "campaign.toml").write_text(text, encoding="utf-8")
+    return ic.run(folder)
+
+
+@pytest.mark.parametrize(
+    ("after", "code", "verdict"),
+    [
+        ((Mode(119.8, 20.1, 0.9), Mode(279.8, 30.1, -0.4)), None, "PASS"),
+        ((Mode(119.8, 20.1, 0.9),), "mode_lost", "INCONCLUSIVE"),
+        ((*ITEM, Mode(190.0, 30.0, 0.5)), "mode_new", "INCONCLUSIVE"),
+        ((Mode(80.0, 20.0, 0.9), ITEM[1]), "mode_new", "INCONCLUSIVE"),  # it moved by a third: which is not told
+    ],
+)
+def test_a_mode_that_is_gone_or_new_passes_no_requirement(
+    tmp_path: Path, after: tuple[Mode, ...], code: str | None, verdict: str
+) -> None:
+    found = changed(tmp_path, ITEM, after)
+    verdicts = {one.requirement: one.verdict for one in requirement_lines(found.results)}
+    assert verdicts == dict.fromkeys(("resonance_frequency", "amplification", "transmissibility"), verdict)
+    reasons = {row["reason"]["code"] for row in found.results["results"] if row["quantity"].endswith("_change")}
+    assert code is None or code in reasons
+
+
+def test_modes_whose_sizes_are_each_others_are_not_told(tmp_path: Path) -> None:
+    pair = (Mode(150.0, 40.0, 0.9), Mode(160.0, 40.0, 0.2))
+    found = changed(tmp_path, pair, (Mode(150.0, 40.0, 0.2), Mode(160.0, 40.0, 0.9)))
+    reasons = [row["reason"]["text"] for row in found.results["results"] if row["quantity"] == "resonance_frequency_change"]
+    assert len(reasons) == 2
+    assert all("changed places" in one for one in reasons)
+    same = [row["value"] for row in changed(tmp_path, pair, pair).results["results"]
+            if row["quantity"] == "resonance_frequency_change"]  # fmt: skip
+    assert same == pytest.approx([0.0, 0.0], abs=3e-4)
+
+
+@pytest.mark.parametrize(
+    ("header", "told"),
+    [
+        ("frequency [Hz],magnitude [g/g],phase [deg]", "a table over frequency"),
+        ("time [s],acc_x [g],acc_y [g]", "a response alone does not tell drive from resonance"),
+    ],
+)
+def test_a_file_without_a_control_over_time_says_what_to_do(tmp_path: Path, header: str, told: str) -> None:
+    file, rng = tmp_path / "a.csv", np.random.default_rng(1)
+    values = np.column_stack([50.0 + np.arange(4000) / 2000.0, rng.standard_normal((4000, 2))])
+    np.savetxt(file, values, "%.6f", ",", header=header, comments="")
+    with pytest.raises(ic.UsageError, match=told):
+        ic.vibration_survey(str(file))
+
+
+def test_a_sine_in_steps_is_refused() -> None:
+    rate, phase, parts = 2000.0, 0.0, []
+    for f in np.geomspace(60.0, 400.0, 40):
+        n = round(30.0 / f * rate)
+        parts.append(np.sin(2.0 * np.pi * f * np.arange(n) / rate + phase))
+        phase += 2.0 * np.pi * f * n / rate
+    with pytest.raises(ic.DataError, match="steps of a sine do not"):
+        find_sweeps(np.concatenate(parts), rate)
+
+
+def test_a_response_in_another_unit_than_the_control(tmp_path: Path) -> None:
+    file = write(tmp_path / "a.csv", RUN, ITEM, 1)
+    time, control, response = np.loadtxt(file, delimiter=",", skiprows=1).T
+    other = tmp_path / "b.csv"
+    np.savetxt(other, np.column_stack([time, control, 9.80665 * response]), "%.6f", ",",
+               header="time [s],control [g],acc_x [m/s2]", comments="")  # fmt: skip
+    one, two = ([row.value for row in ic.vibration_survey(str(path)).rows if row.quantity == "transmissibility"]
+                for path in (file, other))  # fmt: skip
+    assert two == pytest.approx(one, rel=1e-4)
+
+
+def test_a_sweep_that_was_cut_at_its_start(tmp_path: Path) -> None:
+    file = write(tmp_path / "a.csv", RUN, ITEM, 1)
+    values = np.loadtxt(file, delimiter=",", skiprows=1)[1500:]
+    np.savetxt(file, values, "%.6f", ",", header="time [s],control [g],acc_x [g]", comments="")
+    found = ic.vibration_survey(str(file))
+    (value,) = [row.value for row in found.rows if row.quantity == "resonance_frequency" and row.key.at.value == 1.0]
+    assert value == pytest.approx(120.0, rel=1e-4)
+    assert codes(found) <= {"standard_missing"}

@@ -2,8 +2,8 @@
 
 A change is relative to before. Two modes are one where nothing else is near: within `NEAR` of its frequency there is
 one mode in each survey; or as many in both, each nearer to its own, in order, than half of what parts it from the next.
-Else which is which is not told: the change is refused (``ambiguous``). A mode that only one survey has is ``lost`` or
-``new``.
+Else, or where the sizes of two near modes are each other's, which is which is not told: the change is refused
+(``ambiguous``). A mode that only one survey has is ``lost`` or ``new``.
 
 The uncertainty: the scatter of both. The clock of the recorder acts on both frequencies alike, and not on their ratio,
 unless it was another one (``redrawn_by`` of its standard).
@@ -12,6 +12,8 @@ unless it was another one (``redrawn_by`` of its standard).
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -33,6 +35,7 @@ CHANGES = {
     AMPLIFICATION: "amplification_change",
     PEAK: "transmissibility_change",
 }
+CROSSED = 3.0  # times as alike as they stand, that sizes of two modes are across
 
 
 def change_rows(
@@ -80,17 +83,38 @@ def known(of_axis: OfAxis) -> Array:
 def _of_axis(after: Result, before: Result, axis: str, name: str, shared: bool) -> list[Row]:
     mine, its = known(after.axes[axis]), known(before.axes[axis])
     pairs, refused = matched(mine, its)
+    places = _changed_places(pairs, its, *(one.axes[axis].modes.peak[~one.axes[axis].edge] for one in (after, before)))
+    pairs = [one for one in pairs if one not in places]
+    for one, (_, j) in places.items():
+        why = f"its size is that of the mode at {number(float(its[j]), 4)} Hz before: they may have changed places"
+        refused.append((Reason("ambiguous", why), one[0] + 1, float(mine[one[0]])))
     found: list[Row] = []
     for i, j in pairs:
         for quantity in OF_MODE:
             found.append(_change(after, before, mode_key(quantity, axis, i + 1), mode_key(quantity, axis, j + 1),
                                  name, shared))  # fmt: skip
     single = [f for one in (after, before) for f, _ in one.axes[axis].sweeps.single]
-    for reason, own, frequency in refused:
+    for reason, own, frequency in sorted(refused, key=lambda one: one[1]):
         if any(abs(math.log(frequency / one)) < NEAR for one in single):
             reason = Reason("sweeps_differ", "not every sweep of one survey has it")  # noqa: PLW2901
-        key = mode_key(CHANGES[FREQUENCY], axis, own)
-        found.append(not_estimated(key, "1", Reason(reason.code, f"{number(frequency, 4)} Hz: {reason.text}")))
+        why = Reason(reason.code, f"{number(frequency, 4)} Hz: {reason.text}")
+        found += [not_estimated(mode_key(CHANGES[quantity], axis, own), "1", why) for quantity in OF_MODE]
+    return found
+
+
+def _changed_places(
+    pairs: Sequence[tuple[int, int]], before: Array, new: Array, old: Array
+) -> dict[tuple[int, int], tuple[int, int]]:
+    """Return pairs whose sizes are each other's, and whose; only of modes that are near to each other."""
+    found = {}
+    for one, other in pairwise(pairs):
+        straight, crossed = (
+            sum(abs(math.log(new[i] / old[j])) for i, j in both)
+            for both in ((one, other), ((one[0], other[1]), (other[0], one[1])))
+        )
+        near = math.log(before[other[1]] / before[one[1]]) < NEAR
+        if near and straight > math.log(2.0) and crossed < straight / CROSSED:
+            found |= {one: other, other: one}
     return found
 
 

@@ -14,6 +14,7 @@ from ..protocol import InputSpec
 from .plan import CONTROL
 
 GENERAL = "channel_"  # before the name of a channel of UFF 58
+OVER_FREQUENCY = ("freq",)  # names of the first column of a transfer function
 BEGINS = ("control", "ctrl", "ctl")  # names of control channels, and a number behind them
 
 
@@ -23,7 +24,7 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     Raises
     ------
     UsageError
-        ``no_column`` where it is not clear which channel is the control, ``too_many``, ``no_unit``.
+        ``no_column`` where it is not clear which channel is the control, ``over_frequency``, ``too_many``, ``no_unit``.
     """
     columns = dict(given.said.columns)
     control = given.own.get("control") or ()
@@ -37,8 +38,13 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
         free = [name for name in controls(given.recording) if name not in columns.values()]
         columns |= dict(zip(CONTROL, free, strict=False))
     if CONTROL[0] not in columns:
+        if any(bare_name(name).lower().startswith(OVER_FREQUENCY) for name in given.recording.names):
+            what = f"{given.name}: a table over frequency; it has {', '.join(given.recording.names)}"
+            why = "a transfer function that a controller worked out is not read: modes are fitted to the record in time"
+            raise UsageError(what, why=why, do="Export control and response over time", code="over_frequency")
         what = f"{given.name}: cannot tell which column is the control; it has {', '.join(given.recording.names)}"
-        raise UsageError(what, do=f"Add: {given.add('control', 'COLUMN')}", code="no_column")
+        why = "a response alone does not tell drive from resonance; both stand in one file, on one clock"
+        raise UsageError(what, why=why, do=f"Add: {given.add('control', 'COLUMN')}", code="no_column")
     taken = {columns[name] for name in CONTROL if name in columns}
     # A control channel is an accelerometer too, and may bear the letter of an axis: it is no axis of the item.
     names = {bare_name(one) for one in taken} | taken

@@ -104,8 +104,9 @@ class Result:
         """Yield modes that not all sweeps have, and those of each sweep, where the sweeps differ."""
         for i, (frequency, has) in enumerate(of_axis.sweeps.single, known + 1):
             what = f"a mode at {number(frequency, 4)} Hz is in {of_axis.labels[has]}, and not in every sweep"
-            key = mode_key(FREQUENCY, of_axis.axis, i)
-            yield not_estimated(key, "Hz", Reason("sweeps_differ", f"{what}: the item changed, or it is not linear"))
+            why = Reason("sweeps_differ", f"{what}: the item changed, or it is not linear")
+            yield from (not_estimated(mode_key(name, of_axis.axis, i), unit, why)
+                        for name, unit in zip(OF_MODE, ("Hz", "1", self.unit), strict=True))  # fmt: skip
         for label, modes in zip(of_axis.labels, of_axis.sweeps.each, strict=True):
             for k in range(len(modes)):
                 for place, (name, values, unit) in enumerate(

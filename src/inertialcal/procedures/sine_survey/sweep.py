@@ -155,7 +155,7 @@ def find_sweeps(control: Array, rate: float, where: str = "") -> list[Sweep]:
     found = [one for part in parts if (one := _refined(control, rate, times[part], ridge[part], level[part]))]
     if not found:
         what = "the control channel has no swept sine"
-        why = "its strongest frequency does not move steadily over a quarter of an octave"
+        why = "its strongest frequency does not move steadily over a quarter of an octave; steps of a sine do not"
         do = "Check which column was taken for the control"
         raise DataError(what, where, why, do, "no_sweep")
     return found
