@@ -86,8 +86,8 @@ def _of_axis(after: Result, before: Result, axis: str, name: str, shared: bool) 
     places = _changed_places(pairs, its, *(one.axes[axis].modes.peak[~one.axes[axis].edge] for one in (after, before)))
     pairs = [one for one in pairs if one not in places]
     for one, (_, j) in places.items():
-        why = f"its size is that of the mode at {number(float(its[j]), 4)} Hz before: they may have changed places"
-        refused.append((Reason("ambiguous", why), one[0] + 1, float(mine[one[0]])))
+        size = f"its size is that of the mode at {number(float(its[j]), 4)} Hz before: they may have changed places"
+        refused.append((Reason("ambiguous", size), one[0] + 1, float(mine[one[0]])))
     found: list[Row] = []
     for i, j in pairs:
         for quantity in OF_MODE:
@@ -106,7 +106,7 @@ def _changed_places(
     pairs: Sequence[tuple[int, int]], before: Array, new: Array, old: Array
 ) -> dict[tuple[int, int], tuple[int, int]]:
     """Return pairs whose sizes are each other's, and whose; only of modes that are near to each other."""
-    found = {}
+    found: dict[tuple[int, int], tuple[int, int]] = {}
     for one, other in pairwise(pairs):
         straight, crossed = (
             sum(abs(math.log(new[i] / old[j])) for i, j in both)
