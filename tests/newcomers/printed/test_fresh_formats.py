@@ -180,3 +180,15 @@ def test_settings_are_no_recording(name: str, content: bytes, tmp_path: Path) ->
 def test_a_packed_file_says_what_unpacks_it(content: bytes, tool: str, tmp_path: Path) -> None:
     (tmp_path / "a b.csv").write_bytes(content + bytes(50))
     assert refused(tmp_path / "a b.csv").do == f"Unpack it: {tool} '{tmp_path / 'a b.csv'}'"
+
+
+def test_words_are_no_table(tmp_path: Path) -> None:
+    lines = [
+        "MIT License",
+        "",
+        "Copyright (c) 2014 a person",
+        "",
+        "Permission is hereby granted, free of charge, to any",
+    ]
+    (tmp_path / "LICENSE.txt").write_text("\n".join([*lines, "person obtaining a copy of this", "software, to deal"]))
+    assert refused(tmp_path / "LICENSE.txt").what.startswith("no table of numbers")

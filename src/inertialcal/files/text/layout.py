@@ -57,6 +57,7 @@ PERFECT = (1.0, True, 1.0)  # score of a separator: lines of one width in severa
 WORDS = {",": "comma-separated", "\t": "tab-separated", ";": "semicolon-separated", None: "blank-separated"}
 PLAIN = "0123456789.-+eE"  # characters of plain numbers
 NUMBER = frozenset("ifn")  # kinds of cells
+HARDLY = 0.05  # share of numbers in a text that is no table
 WORDS_BELOW = 2  # lines of words, at most, between a header and its numbers
 RATIO = "1"  # where a unit stands
 WAVEFORM = ("waveform", "t0", "delta t")
@@ -191,6 +192,9 @@ def _sniff(text: str, where: str, comment: tuple[str, ...], stated: Decimal | No
     lines, all_lines = lines[len(given) :], lines
     separator, decimal, table = _separator(lines, stated)
     width = _width(table)
+    if _is_prose(table, decimal):
+        what, do = "no table of numbers: lines of words, with different numbers of cells", "Name a recording"
+        raise DataError(what, where=where, do=do, code="no_channel")
     header, first = _first_data(table, decimal, width)
     notes = [line.text for line in (*given, *lines[: first if header is None else header])]
     above = [one.text for one in comments if one.row < lines[0].row]
@@ -319,6 +323,14 @@ def _width(table: Table) -> int:
     """Most frequent number of cells in the later half, where data is."""
     counts = Counter(len(cells) for cells in table[len(table) // 2 :])
     return max(counts, key=lambda width: (counts[width], width))
+
+
+def _is_prose(table: Table, decimal: Decimal) -> bool:
+    """Whether hardly a cell of some lines, which differ in width, is a number."""
+    if len(table) < NUMBERED or len({len(cells) for cells in table}) < NUMBERED:
+        return False
+    kinds = Counter(kind(cell, decimal) for cells in table for cell in cells[:CELLS])
+    return sum(kinds[one] for one in NUMBER) < HARDLY * kinds.total()
 
 
 def _first_data(table: Table, decimal: Decimal, width: int) -> tuple[int | None, int]:
