@@ -309,3 +309,34 @@ def test_what_is_shown_is_the_last_seconds_in_units(tmp_path: Path) -> None:
     assert view.identity == "made for a test"
     with pytest.raises(InstrumentError, match="There are: made"):
         made.samples("other", 5)
+
+
+class Steady(Made):
+    """An instrument of 100 rows a second, in lots of 10 s."""
+
+    def stream(self, stop: threading.Event) -> Iterator[Batch]:
+        for first in range(0, self.count, 1000):
+            if self.clock.wait(10.0, stop):
+                return
+            yield Batch(np.arange(first, first + 1000, dtype=np.float64).view(self.layout.dtype), self.clock.now())
+
+
+@pytest.mark.slow
+def test_a_day_takes_no_more_memory_than_an_hour(tmp_path: Path) -> None:
+    lab = load_lab(lab_folder(tmp_path, MADE.format(more='duration = "24 h"').replace('"1 s"', '"30 s"')))
+    clock = Clock(5000)
+    made = Acquisition(lab, tmp_path / "out", clock, [Steady(clock)])
+    made.start()
+    held = []
+    while not made.wait(3600.0):
+        held.append(resident())
+    assert made.view().instruments[0].rows > 1_000_000
+    assert max(held) - held[1] < 30e6
+    summary = seal(tmp_path / "out")
+    assert summary.instruments[0].rows == made.view().instruments[0].rows
+
+
+def resident() -> int:
+    """Return the memory that this process takes now [byte]."""
+    with open("/proc/self/statm") as stream:
+        return int(stream.read().split()[1]) * 4096

@@ -69,9 +69,11 @@ def test_all_that_is_sent_comes_in_order(over: str) -> None:
     if over == "serial" and sys.platform == "win32":
         pytest.skip("no ptys")
     rows, remarks, one = stream_of(over)
-    np.testing.assert_array_equal(readings(rows), packets()[1])
+    np.testing.assert_array_equal(readings(rows), packets()[1][rows["counter"]])
     assert remarks == []
-    assert one.counts.damaged == one.counts.lost == 0  # type: ignore[attr-defined]
+    missing = int(rows["counter"][-1]) + 1 - len(rows)
+    assert (one.counts.damaged, one.counts.lost) == (0, missing)  # type: ignore[attr-defined]
+    assert len(rows) == SAMPLES or (over == "udp" and len(rows) > 0.5 * SAMPLES)  # a busy machine drops datagrams
 
 
 @pytest.mark.parametrize("over", ["serial", "udp"])
