@@ -12,6 +12,7 @@ from independent.shaking.masses import FINE, Item, oscillators, read, sampled, s
 from inertialcal.procedures.sine_survey.plan import Plan
 from inertialcal.procedures.sine_survey.readings import Readings, Shaken
 from inertialcal.procedures.sine_survey.reduction import Result, reduce
+from inertialcal.report.figures.sine_survey.transmissibility import finding
 from inertialcal.statistics.intervals import covers
 from sized import sized
 
@@ -72,6 +73,14 @@ def test_an_item_that_changed_between_two_sweeps_is_told_by_each(
     (remark,) = [one for one in found.remarks if one.code == "sweeps_differ"]
     for truth in truths:
         assert f"{truth:.2f}" in remark.what
+
+
+def test_the_picture_of_sweeps_that_differ_names_the_one_that_it_shows() -> None:
+    found = swept_twice(item(), item(114.0), 1)
+    rows = [{**row.to_dict(), "test": "s"} for row in found.rows()]
+    assert finding({"results": rows}, "s", "x") == "x: the sweeps differ; s, up: 113.6, 317 Hz"
+    same = [{**row.to_dict(), "test": "s"} for row in swept_twice(item(), item(), 1).rows()]
+    assert finding({"results": same}, "s", "x") == "x: 2 resonances, at 113.6, 317 Hz"
 
 
 def test_a_change_of_q_alone_is_told_and_the_frequency_keeps_its_uncertainty() -> None:

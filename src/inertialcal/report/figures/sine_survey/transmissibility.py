@@ -52,11 +52,15 @@ def finding(results: Mapping[str, Any], test: str, axis: str) -> str:
         largest = max(changed, key=lambda row: abs(row["value"]))
         figure = with_uncertainty(largest["value"], largest["u"])
         return f"{plain(axis)}: largest change of a resonance {figure} {plain(largest['unit'])}".removesuffix(" 1")
-    found = [row for row in mine if row["quantity"] == "resonance_frequency" and row["value"] is not None]
+    known = [row for row in mine if row["quantity"] == "resonance_frequency" and row["value"] is not None]
+    one_sweep = next((row["member"] for row in known if row.get("member")), None)  # where sweeps differ: the first
+    found = [row for row in known if row.get("member") == one_sweep]
     if not found:
         return f"{plain(axis)}: no resonance"
     words = ", ".join(number(row["value"], 4) for row in found[:SOME])
     more = f" and {len(found) - SOME} more" if len(found) > SOME else ""
+    if one_sweep is not None:
+        return f"{plain(axis)}: the sweeps differ; {plain(one_sweep['label'])}: {words} Hz{more}"
     return f"{plain(axis)}: {len(found)} resonance{'s' if len(found) > 1 else ''}, at {words} Hz{more}"
 
 
