@@ -257,6 +257,49 @@ def test_noise_is_told_as_a_ratio_and_rest_as_a_change_of_level(tmp_path: Path) 
     assert 2.0 <= level.dof <= 4.0 + 1e-9
 
 
+def doubts_of(folder: Path, document: Document) -> set[str]:
+    tested = reduce_tests(load(write(folder, document)))[1]
+    return {one.code for one in of(tested, "after").compared} & {"unit_disagrees", "order", "axes_disagree"}
+
+
+def rewrite(folder: Path, change: Any) -> None:
+    """Change the columns of the records after, shape (n, axes)."""
+    for path in folder.glob("after_*.csv"):
+        head, *rows = path.read_text().splitlines()
+        table = np.array([[float(cell) for cell in row.split(",")] for row in rows])
+        table[:, 1:] = change(table[:, 1:])
+        path.write_text("\n".join([head, *(",".join(f"{cell:.9g}" for cell in row) for row in table)]) + "\n")
+
+
+def test_a_unit_that_was_taken_for_another_is_named(tmp_path: Path) -> None:
+    document = still_test(tmp_path, (0.1, 0.1), 3, "A")
+    assert not doubts_of(tmp_path, document)
+    rewrite(tmp_path, lambda x: np.radians(x) / 1.5)
+    assert doubts_of(tmp_path, document) == {"unit_disagrees"}
+
+
+def test_an_earlier_test_that_came_later_is_named(tmp_path: Path) -> None:
+    document = still_test(tmp_path, (0.1, 0.1), 3, "A")
+    for one, day in zip(document["tests"], ("2026-05-04", "2026-05-01"), strict=True):
+        one["day"] = day
+    assert doubts_of(tmp_path, document) == {"order"}
+
+
+def test_axes_that_have_changed_places_since_are_named(tmp_path: Path) -> None:
+    document = still_test(tmp_path, (0.1, 0.1), 3, "A")
+    document["sensors"]["gyro"]["axes"] = ["x", "y"]
+    rng = np.random.default_rng(2)
+    for name, one in document["recordings"].items():
+        path = tmp_path / one["file"]
+        head, *rows = path.read_text().splitlines()
+        levels = -0.8 + 0.01 * rng.standard_normal() + 0.05 * rng.standard_normal(len(rows))
+        path.write_text("\n".join([head + ",y", *(f"{r},{v:.7g}" for r, v in zip(rows, levels, strict=True))]) + "\n")
+        document["recordings"][name]["channels"]["y"] = {"column": "y", "unit": "deg/s"}
+    assert not doubts_of(tmp_path, document)
+    rewrite(tmp_path, lambda x: x[:, ::-1])
+    assert doubts_of(tmp_path, document) == {"axes_disagree"}
+
+
 def test_a_level_in_another_mounting_holds_the_rate_of_the_earth(tmp_path: Path) -> None:
     document = still_test(tmp_path, (0.1, 0.1), 3, "")
     same = changes(tmp_path, still_test(tmp_path, (0.1, 0.1), 3, "A"))["level_at_rest", "x"]

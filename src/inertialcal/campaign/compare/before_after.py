@@ -23,17 +23,20 @@ References
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import permutations
 
 import numpy as np
 
 from ...core.errors import InertialcalError
-from ...core.key import NO_REASON, Key, Method, Reason
+from ...core.key import AXES, NO_REASON, Key, Method, Reason
 from ...core.remarks import Remark
 from ...core.results import Row, not_estimated
 from ...core.schema.standards import REDRAWN
+from ...core.show.rounding import number
 from ...procedures import all_quantities
+from ...procedures.agreement import unit_mistaken
 from ...procedures.protocol import Quantity, Result
 from ...statistics.difference import Part
 from ..engine.engine import Change, ReducedTest, computable, placed
@@ -53,6 +56,8 @@ REMOUNTED = Reason(
     "the unit counts as laid anew, and how far a laying is off is not stated. State it under [standards], or the same "
     "mounting in both tests if the unit stayed where it was",
 )
+# Standard uncertainties of all changes together, beyond which axes may have changed places; and what is left then
+FAR, SAME = 5.0, 0.1
 OF_CAMPAIGN = ("certificate", "never")  # what draws a standard anew does not happen within a campaign
 
 
@@ -120,7 +125,51 @@ def changes_of(campaign: Campaign, one: ReducedTest, other: ReducedTest) -> tupl
     lasting = frozenset(name for name, each in campaign.standards.items() if each.redrawn_by in OF_CAMPAIGN)
     common = Common(first.compared, second.compared, lasting, "")
     found = [_change(campaign, first, second, each) for each in differences(pairs, common)]
-    return found, tuple(replace(remark, do="") for remark in common.remarks(pairs) if remark.code != "same_file")
+    shared = tuple(replace(remark, do="") for remark in common.remarks(pairs) if remark.code != "same_file")
+    return found, (*shared, *_doubts(one, other, found))
+
+
+def _doubts(one: ReducedTest, other: ReducedTest, found: Sequence[Change]) -> Iterator[Remark]:
+    """Yield a unit that one of the tests is taken to be in and is not, and a test that came before its earlier one."""
+    kind = {"rad/s": "angular_rate", "m/s^2": "acceleration"}.get(one.tested.facts.si, "")
+    ratios: dict[str, list[float]] = {}
+    for each in found:
+        if (
+            each.row.method == Method.RATIO
+            and each.row.value
+            and each.first.status == each.second.status == "estimated"
+        ):
+            ratios.setdefault(each.row.quantity, []).append(each.row.value)
+    for quantity, values in ratios.items():
+        mistaken = {unit_mistaken(value, kind) for value in values}
+        if len(mistaken) == 1 and (why := mistaken.pop()):
+            what = f"{quantity} changed {number(values[0], 3)} times since {other.test.id}: {why}?"
+            yield Remark("unit_disagrees", "warning", what, count=len(values), do="Check the units of both tests")
+            break
+    yield from _exchanged(other, [each for each in found if each.row.method == Method.CHANGE])
+    first, second = other.tested.occasion.day, one.tested.occasion.day
+    if first and second and second < first:
+        what = f"recorded on {second}, {other.test.id} on {first}: against names the earlier test"
+        yield Remark("order", "warning", what, do="Let the later test name the earlier one")
+
+
+def _exchanged(other: ReducedTest, found: Sequence[Change]) -> Iterator[Remark]:
+    """Yield axes whose level is the one that another axis had."""
+    for quantity in dict.fromkeys(each.row.quantity for each in found):
+        levels = {each.row.key.axis: (float(each.first.value), float(each.second.value), float(each.row.u))
+                  for each in found if each.row.quantity == quantity and each.row.u
+                  and each.first.value is not None and each.second.value is not None}  # fmt: skip
+        if not levels or not set(levels) <= set(AXES):
+            continue
+        axes = list(levels)
+        apart = {order: sum(abs(levels[a][1] - levels[b][0]) for a, b in zip(axes, order, strict=True))
+                 for order in permutations(axes)}  # fmt: skip
+        own, best = apart[tuple(axes)], min(apart, key=apart.__getitem__)
+        if own > FAR * sum(u for *_, u in levels.values()) and apart[best] < SAME * own:
+            moved = ", ".join(f"{a} reads what {b} read" for a, b in zip(axes, best, strict=True) if a != b)
+            what = f"{quantity}: {moved} in {other.test.id}"
+            yield Remark("axes_disagree", "warning", what, do="Check the columns of the axes in both tests")
+            return
 
 
 def _side(campaign: Campaign, one: ReducedTest) -> Side:
