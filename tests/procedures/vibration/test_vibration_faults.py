@@ -195,6 +195,29 @@ def test_a_sine_is_no_random_vibration_and_nothing_else_is_said_of_it() -> None:
     assert "not_random" not in codes(of(control(loud)))
 
 
+@pytest.mark.parametrize("times", [0.5, 2.0])
+def test_a_wrong_sample_rate_is_an_error_with_the_factor(times: float) -> None:
+    readings = readings_of(BASE, 1)
+    found = reduce(PLAN, replace(readings, interval=readings.interval * times)).errors
+    assert found[0].code == "wrong_rate"
+    factor = float(found[0].what.partition("profile at ")[2].partition(" times")[0])
+    assert factor == pytest.approx(times, rel=0.06)
+    assert "wrong_rate" not in codes(low_passed())
+
+
+def test_a_dead_control_channel_is_refused_and_a_dead_response_left_out() -> None:
+    x = control(replace(BASE, channels=2, coherence=0.95))
+    for dead in (0.0, 0.012, 0.002 * np.random.default_rng(1).standard_normal(len(x))):
+        x[:, 1] = dead
+        with pytest.raises(DataError, match="control_2") as refused:
+            of(x)
+        assert refused.value.problems[0].code == "dead_channel"
+    both = np.column_stack([np.full(len(x), 0.5), x[:, 0]])
+    result = of(x[:, :1], responses=both)
+    assert [one.name for one in result.channels] == ["control_1", "y"]
+    assert codes(result) - NOTHING == {"dead_channel"}
+
+
 def test_a_run_of_another_profile_is_one_remark() -> None:
     wild = ((20.0, 0.001), (40.0, 0.04), (60.0, 0.002), (80.0, 0.04), (110.0, 0.005), (140.0, 0.05), (170.0, 0.003),
             (200.0, 0.04), (260.0, 0.003), (320.0, 0.04), (400.0, 0.004), (500.0, 0.01))  # fmt: skip

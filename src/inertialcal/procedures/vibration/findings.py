@@ -22,6 +22,7 @@ from ...signals.vibration.deviation import NEPER
 from ...signals.vibration.gaussian import crest_reached, crossing_rate
 from ...signals.vibration.profile import decibels
 from .notches import CARVED, departures, standing_out
+from .plan import FEWEST_LINES
 
 if TYPE_CHECKING:
     from ...core.estimate import Array
@@ -40,6 +41,7 @@ FOLLOWS, STRAYS = (
     2.0,
     4.0,
 )  # root mean square of the deviation, without its mean, of a channel that does and does not [dB]
+FITS, RATES = 2.0, 241  # root mean square of the deviation by another sample rate [dB]; rates that are tried
 DIFFERS = 3.0  # the same of two control channels [dB]
 ROLL_OFF = 0.79  # of half the sampling frequency: above it filters against aliasing begin
 FOLDED = 0.05  # density below half the sampling frequency, over that of the band, that no filter leaves
@@ -249,7 +251,11 @@ def _shape(result: Result) -> Iterator[Remark]:
     """Yield bands that do not have the shape of the profile, where nothing else says why."""
     if _swapped(result)[0]:
         return
-    low_pass = bool(list(_low_pass(result)))
+    if wrong := list(_wrong_rate(result)):
+        yield from wrong
+        return
+    if list(_low_pass(result)):
+        return
     off = list(departures(result, CHANCE))
     if len(off) > SHOWN:
         most = max(off, key=lambda one: abs(one.most))
@@ -260,7 +266,7 @@ def _shape(result: Result) -> Iterator[Remark]:
     tones = [one.frequency for one in lines_of(result).found
              if one.axis < len(result.readings.controls) and one.kind == "line"]  # fmt: skip
     for one in off:
-        if (one.open_high and one.mean < 0.0 and low_pass) or any(one.low <= f <= one.high for f in tones):
+        if any(one.low <= f <= one.high for f in tones):
             continue
         if one.mean > 0.0 and one.carved > CARVED:
             what = f"{one}: its notch of {number(one.carved, 2)} dB there is missing in the run"
@@ -277,6 +283,36 @@ def _shape(result: Result) -> Iterator[Remark]:
             what = str(one)
             do = "Check the controller's limits and lines there, and that the table and the fixture can follow"
             yield Remark("band_off", "warning", what, _where(result), do=do)
+
+
+def _wrong_rate(result: Result) -> Iterator[Remark]:
+    """Yield a sample rate by which the spectrum is that of the profile, which it is not by the rate that was said.
+
+    Each octave counts alike, in the fine spectrum: the lower edge of the profile tells a wrong rate from a low pass.
+    """
+    f, (density, _) = result.fine.frequency, result.controlled(result.fine)
+    low, high = result.target.band
+    width = 2.0 * result.fine.spacing
+
+    def error(times: float, top: float) -> float:
+        use = (f - width >= low / times) & (f + width <= min(high / times, top))
+        if np.count_nonzero(use) < FEWEST_LINES or high / times > top:
+            return math.inf
+        away = decibels(density[use] / result.target.at(times * f[use]))
+        away = away - np.average(away, weights=1.0 / f[use])
+        return math.sqrt(float(np.average(away**2, weights=1.0 / f[use])))
+
+    if not error(1.0, math.inf) > STRAYS:
+        return
+    rates = np.geomspace(0.125, 8.0, RATES)
+    errors = [error(one, float(f[-1]) + width) for one in rates.tolist()]
+    i = int(np.argmin(errors))
+    if errors[i] < FITS and abs(math.log2(rates[i])) > 0.1:
+        rate = 1.0 / result.readings.interval
+        what = f"the spectrum has the shape of the profile at {number(float(rates[i]), 3)} times the sample rate, of"
+        what += f" {number(rate, 5)} Hz"
+        do = "Check the sample rate, or the time column"
+        yield Remark("wrong_rate", "error", what, _where(result), do=do)
 
 
 def _level(result: Result, place: int) -> float:

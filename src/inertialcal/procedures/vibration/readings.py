@@ -119,6 +119,9 @@ def readings_from(plan: Plan, sources: Sequence[Source]) -> Readings:
 
 def _on_grid(recording: Recording, names: Sequence[str], label: str) -> tuple[Array, float, tuple[Remark, ...]]:
     """Return channels, shape (n, c), on the grid of the sample interval; NaN where no sample came."""
+    if recording.sample_interval is None:
+        do = "Add the sample rate (--sample-rate HZ) or the time column (--time-column)"
+        raise DataError("sample interval not known", label, "a spectrum needs it", do, "no_time")
     grid = grid_of(AtRest(recording, dict(zip(names, names, strict=True)), "rate", label))
     values = recording.array(names)
     if not grid.placed or recording.time_ns is None:

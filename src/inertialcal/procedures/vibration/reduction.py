@@ -24,6 +24,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import special
 
+from ...core.constants import STANDARD_GRAVITY
 from ...core.curve import Curve
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array, Estimate
@@ -31,6 +32,7 @@ from ...core.key import Key
 from ...core.remarks import Remark, gather
 from ...core.results import Interval, Row
 from ...core.show.rounding import number
+from ...core.show.wording import listed
 from ...signals.vibration.deviation import NEPER, Deviation, lines_against
 from ...signals.vibration.gaussian import Shape, shape_of
 from ...signals.vibration.levels import Levels, Stretch, find_levels
@@ -43,6 +45,8 @@ KEPT = "_reduced"  # with the readings: looking whether channels agree takes the
 QUARTER = 4.0  # lines up to the lowest frequency of the profile, by default
 FINER = 4  # times, of the second spectrum
 SHORTEST_SEGMENT = 16  # samples
+DEAD = 0.02  # of the largest control channel, below which another one is dead
+TINY = 1e-9  # of the largest value, below which a channel stands still
 ROUND = (1.0, 2.0, 2.5, 5.0, 10.0)  # what a default resolution is rounded down to
 
 
@@ -249,6 +253,7 @@ def _reduced(plan: Plan, readings: Readings) -> Result:
     if nyquist <= target.band[0] * 1.5:
         what = f"{number(2.0 * nyquist, 4)} samples a second, the profile begins at {number(target.band[0], 4)} Hz"
         raise DataError(what, readings.where, "nothing of it can be seen", "Record faster", "beyond_nyquist")
+    readings = _alive(readings)
     every = np.hstack([readings.control, readings.responses])
     resolution = plan.resolution or default_resolution(target)
     segment = round(1.0 / (resolution * interval))
@@ -280,6 +285,38 @@ def _reduced(plan: Plan, readings: Readings) -> Result:
     known = {(one.code, one.what) for one in readings.remarks}  # what `agreement` has brought up
     own = [one for one in findings(result) if (one.code, one.what) not in known]
     return replace(result, remarks=gather([*readings.remarks, *own]))
+
+
+def _alive(readings: Readings) -> Readings:
+    """Return a run without the responses that do not move.
+
+    Raises
+    ------
+    DataError
+        ``dead_channel`` where one of several control channels does not move with the others; ``no_vibration`` where
+        none moves.
+    """
+    control, responses = (np.nanstd(one, axis=0) if one.shape[1] else np.zeros(0)
+                          for one in (readings.control, readings.responses))  # fmt: skip
+    if not np.nanmax(control) > TINY * max(float(np.nanmax(np.abs(readings.control))), 1e-300):
+        do = "Check cables and range of the control accelerometers"
+        raise DataError("the control channels do not move", readings.where, do=do, code="no_vibration")
+    i = int(np.argmin(control))
+    if not control[i] > DEAD * np.max(control):
+        sizes = [number(float(one) / STANDARD_GRAVITY.value, 2) for one in (control[i], np.max(control))]
+        what = f"control channel {readings.controls[i]!r} reads {sizes[0]} g rms, the largest {sizes[1]} g: it is dead"
+        why = "a mean over it is too low, and the table is then driven too hard"
+        raise DataError(what, readings.where, why, "Check its cable, or judge by the others: leave it out",
+                        "dead_channel")  # fmt: skip
+    sizes_of = np.nanmax(np.abs(readings.responses), axis=0, initial=0.0) if len(responses) else responses
+    moves = responses > TINY * np.maximum(sizes_of, 1e-300)
+    if moves.all():
+        return readings
+    dead = [axis for axis, moving in zip(readings.axes, moves.tolist(), strict=True) if not moving]
+    remark = Remark("dead_channel", "warning", f"response {listed(dead)} does not move: left out", readings.where,
+                    do="Check its cable")  # fmt: skip
+    axes = tuple(axis for axis in readings.axes if axis not in dead)
+    return replace(readings, responses=readings.responses[:, moves], axes=axes, remarks=(*readings.remarks, remark))
 
 
 def _width(target: Profile, readings: Readings, segment: int) -> float:
