@@ -9,11 +9,12 @@ from typing import Any
 from ...core.errors import UsageError
 from ...core.key import AXES
 from ...core.units import kind
-from ...files.text.headers import bare_name, full_name
+from ...files.text.headers import bare_name, full_name, in_brackets
 from ..given import GROUP, KIND_OF_UNIT, Described, GivenFile
 from ..given import described as described_by_unit
 from ..protocol import InputSpec
 from ..sine_survey.given import controls as named_controls
+from .density import plain
 from .plan import CONTROLS, DEVIATION, LEVEL_DEVIATION
 
 ACCELERATION = KIND_OF_UNIT["accelerometer"]
@@ -27,6 +28,7 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     UsageError
         ``missing`` without a profile; ``no_column``, ``too_many``; as ``given.described``.
     """
+    given = _in_g(given)
     profile = given.own.get("profile")
     if not profile:
         do = f"Add: {given.add('profile', 'FILE.csv')}, with the nodes of the profile"
@@ -66,6 +68,15 @@ def _controls_by_name(given: GivenFile) -> list[str]:
     """Return the columns whose names say that they are control accelerometers, as a survey finds them."""
     taken = {*given.said.columns.values(), *_names(given, "response")}
     return [one for one in named_controls(given.recording) if one not in taken and bare_name(one) not in taken]
+
+
+def _in_g(given: GivenFile) -> GivenFile:
+    """Return a file with g as the unit of columns that are headed ``[G]`` or ``[grms]``: here that is no gauss."""
+    own = given.recording
+    channels = tuple(replace(one, unit="g") if one.unit is None and plain(in_brackets(one.name) or "") == "g" else one
+                     for one in own.channels)  # fmt: skip
+    found = replace(own, channels=channels)
+    return replace(given, read=lambda: found)
 
 
 def _names(given: GivenFile, name: str) -> Sequence[str]:
