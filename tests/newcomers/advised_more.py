@@ -768,6 +768,12 @@ SHAKEN = (
         "+ --no-drift",
         "vibration_rectification xx 3.6",
     ),
+    Case(
+        "Add the sample rate (--sample-rate HZ) or the time column (--time-column)",
+        "vibration shaken_untimed.csv --control table --profile level.csv",
+        "+ --sample-rate 1000",
+        "acceleration_rms control 1.3416",
+    ),
     Case("Add: --control COLUMN", "vibration survey swept.csv", "+ --control table", "resonance_frequency x 100"),
     Case(
         "Add: --control COLUMN --unit COLUMN=UNIT",

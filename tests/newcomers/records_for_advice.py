@@ -405,6 +405,7 @@ def _shaken() -> dict[str, str]:
         "one_level.csv": csv({"time_s": at, "gyro_x [deg/s]": rounded(reading, 9), "control [g]": rounded(level, 6)}),
         "shaken.csv": csv({"time_s": time, "table [g]": table}),
         "shaken_bare.csv": csv({"time_s": time, "ch1": table, "ch2": table}),
+        "shaken_untimed.csv": csv({"table [g]": table}),
         "swept.csv": csv(
             {
                 "time_s": rounded(np.arange(len(driven)) / SWEEP.sample_rate, 3),
