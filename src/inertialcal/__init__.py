@@ -54,6 +54,7 @@ if TYPE_CHECKING:
     from .files.info.survey import Survey
     from .files.text.table import Table, read_table
     from .files.write.recording import write
+    from .lab.guide.engine import Guide
     from .procedures.mass_attraction.planning.planner import plan_mass_attraction
     from .procedures.mass_attraction.recorded_series import programme_1969
     from .procedures.positions.batch import positions_batch
@@ -70,6 +71,7 @@ __all__ = [
     "Component",
     "DataError",
     "Estimate",
+    "Guide",
     "InertialcalError",
     "Interval",
     "ModelSet",
@@ -150,6 +152,7 @@ _HOMES = {  # nouns of procedures apart, which are found by their commands
         "files.info.survey": "Survey",
         "files.text.table": "Table read_table",
         "files.write.recording": "write",
+        "lab.guide.engine": "Guide",
         "procedures.mass_attraction.planning.planner": "plan_mass_attraction",
         "procedures.mass_attraction.recorded_series": "programme_1969",
         "procedures.positions.batch": "positions_batch",

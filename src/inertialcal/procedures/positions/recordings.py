@@ -32,9 +32,9 @@ from ...signals.segmentation.placements import (
     placements,
     shortest_placement,
 )
-from ...signals.segmentation.segments import detect
+from ...signals.segmentation.segments import Detection, detect
 from ...signals.time.interpolation import interpolated
-from ...signals.time.samples import Samples, all_finite, samples_of
+from ...signals.time.samples import LONGEST_GAP, Samples, all_finite, samples_of
 from .orientations import check_sections, pointing
 from .plan import Plan
 from .readings import Readings, Rotation, Triad
@@ -70,6 +70,7 @@ def readings_from(
     faces: bool = False,
     saturated: Sequence[bool] = (),
     gyros: Sequence[Recording | None] = (),
+    noise: tuple[float, ...] | None = None,
 ) -> Readings:
     """Return static intervals and rotations.
 
@@ -89,6 +90,9 @@ def readings_from(
     gyros : sequence of Recording or None, optional
         For each recording that of its gyros as it was, ``gyro_x``, ..., where its stamps are others: the recording then
         holds what was interpolated to its own stamps.
+    noise : tuple of float, optional
+        Standard deviation of a sample of each accelerometer at rest, in the unit of the output; by default the
+        recording itself shows it. To be stated of a part of a recording that may have no rest.
 
     Raises
     ------
@@ -110,13 +114,13 @@ def readings_from(
     ends = [*saturated, *([False] * (len(recordings) - len(saturated)))]
     others = [*gyros, *([None] * (len(recordings) - len(gyros)))]
     apart = [_own_gyros(one, other) for one, other in zip(recordings, others, strict=True)]
-    parts = [_one(plan, *one) for one in zip(recordings, chosen, ends, apart, strict=True)]
+    parts = [_one(plan, noise, *one) for one in zip(recordings, chosen, ends, apart, strict=True)]
     if not any(len(part) for part in parts):
         do, why = "Name the parts in which it rests: x_p, x_a, ...", "gravity at rest calibrates the accelerometers"
         raise DataError("no section is a position", recordings[0].source.path, why, do, "wrong_section")
     readings = parts[0]
     for part in parts[1:]:
-        readings = _joined(readings, part)
+        readings = joined(readings, part)
     return on_faces(readings) if faces else readings
 
 
@@ -173,7 +177,12 @@ def on_faces(readings: Readings) -> Readings:
 
 
 def _one(
-    plan: Plan, recording: Recording, sections: Sequence[Section], saturated: bool, own: OwnGyros | None
+    plan: Plan,
+    noise: tuple[float, ...] | None,
+    recording: Recording,
+    sections: Sequence[Section],
+    saturated: bool,
+    own: OwnGyros | None,
 ) -> Readings:
     values = {"acc": np.asfortranarray(recording.array(ACC), dtype=np.float64)}  # a stored one is so already
     if all(name in recording.names for name in GYRO):
@@ -182,7 +191,8 @@ def _one(
     if sections:
         return _by_sections(recording, values, seconds, sections, saturated, own)
     try:
-        segmentation = detect(values["acc"], recording.time_ns, recording.sample_interval, place=recording.place)
+        found = Detection(noise=noise)
+        segmentation = detect(values["acc"], recording.time_ns, recording.sample_interval, found, recording.place)
     except DataError as error:
         raise DataError([replace(p, where=p.where or recording.source.path) for p in error.problems]) from None
     shortest = plan.shortest if plan.shortest is not None else shortest_placement(segmentation)
@@ -256,6 +266,9 @@ def _rotation(
     late = 0
     if own is None:
         at, acc, gyro = seconds[a:b], values["acc"][a:b], values.get("gyro", np.empty((len(seconds), 3)))[a:b]
+        steps = np.diff(at)
+        usual, longest = float(np.median(steps)), float(np.max(steps))
+        late = round(longest / usual) - 1 if longest > LONGEST_GAP * usual > 0.0 else 0
     else:
         first, stop = own.span(seconds[a], seconds[b - 1])
         at, acc, gyro = (one[first:stop] for one in (own.seconds, own.acc, own.samples.values))
@@ -410,8 +423,14 @@ def _disturbed(readings: Readings, values: Mapping[str, Array], placed: Sequence
     return found
 
 
-def _joined(one: Readings, other: Readings) -> Readings:
-    """Return the positions of both; rotations lie inside each."""
+def joined(one: Readings, other: Readings) -> Readings:
+    """Return the positions of both; rotations lie inside each.
+
+    Raises
+    ------
+    DataError
+        ``wrong_unit`` if they differ in unit, or one has no gyros.
+    """
     if (one.gyro is None) != (other.gyro is None) or one.acc.unit != other.acc.unit:
         raise DataError("recordings of one test differ in their channels or units", code="wrong_unit")
     shift = len(one)

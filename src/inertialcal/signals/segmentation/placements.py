@@ -127,6 +127,8 @@ def placements(segmentation: Segmentation, min_duration: float, rates: Array | N
     PlanError
         If no sample interval is known.
     """
+    if not segmentation.still.any():
+        return ()
     samples = segmentation.samples
     shortest = samples.duration(None, min_duration, segmentation.plan.shortest)
     interval = samples.sample_interval or min_duration / shortest

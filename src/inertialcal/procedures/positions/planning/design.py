@@ -210,7 +210,10 @@ def _covariance(setup: Setup, weighted: Array, kept: Array, determined: NDArray[
 
 
 def next_position(
-    setup: Setup, directions: ArrayLike, candidates: ArrayLike | None = None, goal: str = DETERMINANT
+    setup: Setup,
+    directions: ArrayLike,
+    candidates: ArrayLike | None = None,
+    goal: str | Mapping[str, float] = DETERMINANT,
 ) -> Array:
     """Return the candidate that helps most after the positions taken.
 
@@ -220,9 +223,10 @@ def next_position(
         Positions taken; may be empty.
     candidates : array_like, shape (c, 3), optional
         By default the 26 directions of a cube.
-    goal : str
+    goal : str, or mapping of str to float
         ``"determinant"`` (all parameters together: D-optimal), ``"trace"`` (sum of variances, biases in gravities:
-        A-optimal), or the name of a parameter.
+        A-optimal), or the name of a parameter; or what is wanted, as `course` takes it: the sum of the variances over
+        the squares of what is wanted.
 
     Returns
     -------
@@ -235,10 +239,12 @@ def next_position(
         ``unknown_parameter``.
     """
     names, weights = parameter_names(setup.known), None
-    if goal not in (DETERMINANT, TRACE, *names):
+    if not isinstance(goal, str):
+        weights = _wanted(setup, _limits(setup, goal))
+    elif goal not in (DETERMINANT, TRACE, *names):
         do = f"Use {DETERMINANT}, {TRACE} or one of {', '.join(names)}"
         raise PlanError(f"goal {goal!r}: no such parameter", do=do, code="unknown_parameter")
-    if goal != DETERMINANT:
+    elif goal != DETERMINANT:
         weights = np.array([float(goal in (TRACE, name)) for name in names])
     options = cube() if candidates is None else np.asarray(candidates, dtype=np.float64).reshape(-1, 3)
     best = _best(setup, directions, options, weights)
@@ -309,9 +315,7 @@ def course(
             do="Give gravity with a smaller uncertainty, or another target",
             code="target_not_reached",
         )
-    scale = np.ones(len(limits))
-    scale[-3:] = setup.gravity
-    wanted = (scale / limits) ** 2
+    wanted = _wanted(setup, limits)
     while True:
         found = predict_uncertainty(setup, np.array(taken)) if taken else None
         if found is not None and np.all(found.u <= limits):
@@ -329,6 +333,13 @@ def course(
                 code="target_not_reached",
             )
         taken.append(options[_best(setup, np.array(taken).reshape(-1, 3), options, wanted)])
+
+
+def _wanted(setup: Setup, limits: Array) -> Array:
+    """Return the weight of each variance, biases in gravities: that of one that is as wanted is 1."""
+    scale = np.ones(len(limits))
+    scale[-3:] = setup.gravity
+    return np.asarray((scale / limits) ** 2)
 
 
 def _limits(setup: Setup, target: Mapping[str, float]) -> Array:

@@ -147,7 +147,7 @@ def planned(given: Mapping[str, Any], options: bool = True) -> PositionsPlan:
         raise UsageError(problems)
     wanted = Wanted(**values)
     setup = Setup(wanted.scatter, wanted.known, wanted.pose, wanted.gravity, wanted.gravity_u)
-    limits = _limits(setup, wanted.target, words)
+    limits = limits_of(setup, wanted.target, words)
     taken = cube()[SETS[wanted.have]]
     _check(wanted, setup, len(taken), words)
     if limits:
@@ -168,7 +168,7 @@ def planned(given: Mapping[str, Any], options: bool = True) -> PositionsPlan:
     return PositionsPlan(len(taken), directions, found, _rows(found, wanted.target, str(said["scatter"])), remarks)
 
 
-def _limits(setup: Setup, target: Mapping[str, str], words: Mapping[str, str]) -> dict[str, float]:
+def limits_of(setup: Setup, target: Mapping[str, str], words: Mapping[str, str]) -> dict[str, float]:
     """Return the uncertainty wanted by parameter or quantity, SI."""
     every = list(zip(*parameters(setup.known), strict=True))
     units = {str(key): unit for key, unit in every} | {key.quantity: unit for key, unit in every}
