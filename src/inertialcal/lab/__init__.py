@@ -2,5 +2,5 @@
 
 ``clock`` is the one clock of an acquisition. ``instruments`` holds the protocol of an instrument, dialects (what is
 said to an instrument, as data), links (how its bytes come) and devices made of the two. ``acquisition`` reads LAB.toml,
-records, watches and seals.
+records, watches and seals. ``guide`` tells a person with an IMU in the hand what to do next.
 """

@@ -89,7 +89,7 @@ class Hand:
     @property
     def up(self) -> np.ndarray:
         """Up, in body axes."""
-        return self.pose.inv().apply([0.0, 0.0, 1.0])
+        return np.asarray(self.pose.inv().apply([0.0, 0.0, 1.0]))
 
     def batch(self, code: str, target: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
         """Return stamps [ns], specific force, rate; and the time now [s]."""
@@ -200,8 +200,9 @@ class Hand:
 CLEAN = Habits(repeats=0.0, wrong=0.0, early=0.0, shakes=0.0, drops=0.0, unplugs=0.0)
 
 
-def only(**one: float) -> Habits:
+def only(mistake: str, chance: float) -> Habits:
     """Return a hand that makes one mistake only."""
+    one: dict[str, Any] = {mistake: chance}
     return replace(CLEAN, **one)
 
 

@@ -235,3 +235,25 @@ def test_a_disturbance_while_the_unit_lay_is_told_and_left_out(shared: Path, nam
     largest = np.abs(gyro[:n, 0] - np.median(gyro[:n, 0])).max()  # deg/s
     assert bool(largest > 4.0) is disturbed
     assert len(readings) == 1
+
+
+@pytest.mark.parametrize(("lost", "left"), [((0, 0), 3), ((60, 64), 3), ((60, 110), 2)])
+def test_rotation_through_a_gap_in_time_is_left_out_where_the_gap_matters(lost: tuple[int, int], left: int) -> None:
+    """Four rests of 5 s with quarter turns of 2 s between them; of the second turn samples never came."""
+    rng, rest, turn, rate = np.random.default_rng(1), 500, 200, 100.0
+    speed = np.concatenate(
+        [np.r_[np.zeros(rest), np.pi / 4.0 * (1.0 - np.cos(np.linspace(0.0, 2.0 * np.pi, turn)))]] * 3
+    )
+    speed = np.r_[speed, np.zeros(rest)]
+    angle = np.cumsum(speed) / rate
+    force = 9.8 * np.column_stack([np.cos(angle), -np.sin(angle), np.zeros(len(angle))])
+    gyro = np.column_stack([np.zeros((len(angle), 2)), speed])
+    time = np.arange(len(angle)) / rate
+    there = np.ones(len(angle), dtype=bool)
+    there[2 * rest + turn + lost[0] : 2 * rest + turn + lost[1]] = False
+    noisy = [one + 1e-3 * rng.standard_normal(one.shape) for one in (force, gyro)]
+    one = recording(noisy[0][there], noisy[1][there], ("m/s^2", "rad/s"), rate, time[there])
+    found = readings_from(Plan(gravity=9.8), [one])
+    assert len(found) == 4
+    assert len(found.transitions) == left
+    assert ("rotation_incomplete" in {remark.code for remark in found.remarks}) == (left < 3)

@@ -29,10 +29,10 @@ from ...core.influence import Influence
 from ...core.recording import SECOND, Times
 from ...core.results import Row
 from ...procedures.positions.plan import Plan
-from ...procedures.positions.readings import local_gravity
-from ...procedures.positions.reduction import Result, reduce
 from ...procedures.positions.planning.design import Setup, course, next_position
 from ...procedures.positions.planning.planner import limits_of
+from ...procedures.positions.readings import local_gravity
+from ...procedures.positions.reduction import Result, reduce
 from .rests import HELD, MARGIN, LiveRests
 from .words import named, turn
 
@@ -142,14 +142,19 @@ class Guide:
         self._last: int | None = None
         self._result: Result | None = None
         self._figures: tuple[Known, ...] = ()
-        self._refusal, self._target, self._to_go = "", None, None  # type: str, Array | None, int | None
+        self._refusal = ""
+        self._target: Array | None = None
+        self._to_go: int | None = None
         self._more = 0  # positions that are needed at least
         self._unplugged = self._out_of_reach = False
 
     @property
     def settings(self) -> dict[str, Any]:
-        """What `inertialcal.positions` is called with on the recording: the same plan."""
-        said: dict[str, Any] = {"gravity": f"{local_gravity(self.plan)!r} m/s2", "shortest": f"{self.plan.shortest!r} s"}
+        """What `inertialcal.positions` is called with on the recording, whose channels have units: the same plan."""
+        said: dict[str, Any] = {
+            "gravity": f"{local_gravity(self.plan)!r} m/s2",
+            "shortest": f"{self.plan.shortest!r} s",
+        }
         if self._setup.gravity_u:
             said["standards"] = {"gravity.value": f"{self._setup.gravity_u!r} m/s2"}
         return said
@@ -284,13 +289,15 @@ class Guide:
         if fit is not None and fit.between is not None and fit.free >= FREE:
             scatter = float(np.hypot(fit.between, inside))
         setup, taken = replace(self._setup, scatter=scatter), self._directions()
-        if self._target is None or (len(taken) and taken[-1] @ self._target >= THERE):  # else it is asked for still
+        other = self._target is not None and len(taken) > 0 and taken[-1] @ self._target < THERE
+        repeated = other and np.max(taken[:-1] @ taken[-1], initial=-1.0) > SAME
+        if not repeated:  # who repeats a position is asked for the same one still
             self._target = next_position(setup, taken, goal=self.wanted)
         self._out_of_reach = False
         try:
             to_go = len(course(setup, self.wanted, taken, most=MOST).directions) - len(taken)
             least = max(UNKNOWNS + FREE, self._more) - len(taken)
-            self._to_go = max(to_go, least, 0)
+            self._to_go = max(to_go, least, 1)
         except PlanError:
             self._to_go, self._out_of_reach = None, True
 
@@ -325,29 +332,33 @@ class Guide:
 
     def _instruction(self, enough: bool, up: Array | None, left: float | None) -> tuple[str, str]:
         """Return what to do now."""
-        target = self._target
-        if self._unplugged:
-            return "unplugged", "The sensor sends nothing: plug it in again. What was measured so far counts"
-        if self._refusal:
-            return "refused", self._refusal
-        if enough:
-            return "enough", "Enough: every figure is known as well as was asked for"
-        if self._out_of_reach and self._count() >= UNKNOWNS + FREE:
-            text = f"More than {MOST} positions would be needed: the readings scatter too much for what is wanted"
-            return "out_of_reach", f"{text}. Rest it on something firmer, and longer; or ask for less"
         now = self._rests.now
-        if not now.still and now.since > HELD and now.wanders < TURNS:
-            return "held_in_hand", "It is never quite still: put it on a table or against a wall, and take the hand away"
+        far = f"More than {MOST} positions would be needed: the readings scatter too much for what is wanted"
+        first = (
+            (self._unplugged, "unplugged",
+             "The sensor sends nothing: plug it in again. What was measured so far counts"),
+            (bool(self._refusal), "refused", self._refusal),
+            (enough, "enough", "Enough: every figure is known as well as was asked for"),
+            (self._out_of_reach and self._count() >= UNKNOWNS + FREE, "out_of_reach",
+             f"{far}. Rest it on something firmer, and longer; or ask for less"),
+            (not now.still and now.since > HELD and now.wanders < TURNS, "held_in_hand",
+             "It is never quite still: put it on a table or against a wall, and take the hand away"),
+        )  # fmt: skip
+        return next(((code, text) for so, code, text in first if so), None) or self._move(up, left)
+
+    def _move(self, up: Array | None, left: float | None) -> tuple[str, str]:
+        """Return how to lay it, or for how long to leave it."""
+        target = self._target
         if up is None or target is None:
             if left:
-                return "hold_still", f"Good. Leave it as it lies for {left:.0f} s more"
+                return "hold_still", f"Good. Leave it as it lies for {max(left, 1.0):.0f} s more"
             return "lay_down", "Lay the sensor on a table and leave it"
-        if not left and left is not None:
-            return "turn", f"Turn now. {turn(up, target, self._labels, self._sides)}"
         if left is None:
             return "turn", f"Lay it {named(target, self._labels)}, and leave it"
+        how = turn(up, target, self._labels, self._sides)
+        if left == 0.0:
+            return "turn", f"Turn now. {how}"
         if up @ target < THERE and np.max(self._directions() @ up, initial=-1.0) > SAME:
-            how = turn(up, target, self._labels, self._sides)
             return "repeated", f"You have shown this position already. {how}"
         other = "" if up @ target >= THERE else "Not the position that was asked for, but a new one: it counts. "
         return "hold_still", f"{other}Leave it as it lies for {max(left, 1.0):.0f} s more"

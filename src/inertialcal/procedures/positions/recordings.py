@@ -191,8 +191,8 @@ def _one(
     if sections:
         return _by_sections(recording, values, seconds, sections, saturated, own)
     try:
-        found = Detection(noise=noise)
-        segmentation = detect(values["acc"], recording.time_ns, recording.sample_interval, found, recording.place)
+        still = Detection(noise=noise)
+        segmentation = detect(values["acc"], recording.time_ns, recording.sample_interval, still, recording.place)
     except DataError as error:
         raise DataError([replace(p, where=p.where or recording.source.path) for p in error.problems]) from None
     shortest = plan.shortest if plan.shortest is not None else shortest_placement(segmentation)
