@@ -10,6 +10,7 @@ from independent.shaking.shaker import Mode, recorded
 from independent.shaking.shaker import Run as Sweep
 from independent.vibration.random_run import Run, simulate
 from inertialcal.core.estimate import Array
+from inertialcal.signals.sense.changes import changes
 from inertialcal.signals.vibration.recognised import recognised
 
 SEEDS = range(1, 6)
@@ -90,3 +91,15 @@ def test_short_and_slow_records_are_none_and_a_few_lost_samples_do_not_matter() 
     assert recognised(x, 1.0 / 5120.0) == "random"
     x[1000:3000] = np.nan
     assert recognised(x, 1.0 / 5120.0) == ""
+
+
+def test_levels_of_a_shaker_are_no_change_of_unit() -> None:
+    """One of 4,800 simulated records, rests of a milli-g before a run: its noise rises by the factor of g and m/s^2."""
+    x = simulate(Run(duration=4.0, rate=2000.0, nodes=((20.0, 0.01), (80.0, 0.04), (500.0, 0.04), (800.0, 0.01))), 3)[0]
+    for seed in range(1, 11):
+        rng = np.random.default_rng(seed)
+        run = np.concatenate([np.zeros(12_000), x[:, 0] / x[:, 0].std(), np.zeros(8000)])
+        each = [gain * run + off + 1e-3 * rng.standard_normal(len(run))
+                for gain, off in ((1.0, 0.05), (0.1, 0.0), (0.03, -0.001))]  # fmt: skip
+        found = changes(each, ("x", "y", "z"), "acceleration", 5e-4)
+        assert not [one for one in found if one.code in ("unit_changed", "scale_changed")]

@@ -27,6 +27,7 @@ from ...core.batches import batches, extremes
 from ...core.estimate import Array
 from ..remembered import remembered
 from ..time.samples import Flags, Indices
+from ..vibration.recognised import recognised
 from .change import ANY, FACTORS, Change, Factors, unit_of
 from .jumps import CLEAR, FEWEST, OFFSET, Jump, candidates, common_factor, jump_at, jumps
 from .levels import by_levels
@@ -116,6 +117,9 @@ def changes(
         if ratio is not None and np.isfinite(y).all():
             found = _found(_as_stored(record, y), names, factors, given, motion / ratio)
     found = [replace(one, index=int(rows[one.index]) * size) for one in found]
+    if found and kind == "acceleration" and interval is not None:  # levels of a shaker are as far apart as units
+        shaken = any(recognised(np.asarray(one, dtype=np.float64), interval) for one in channels)
+        found = [one for one in found if not (shaken and one.code in ("unit_changed", "scale_changed"))]
     return tuple(
         one for one in found if one.code != "scale_changed" or not any(_steps(c, one.index) for c in conditions)
     )
