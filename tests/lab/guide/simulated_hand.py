@@ -209,7 +209,7 @@ def only(mistake: str, chance: float) -> Habits:
 def guided(
     guide: Any, hand: Hand, longest: float = 1200.0, gyros: bool = True
 ) -> Iterator[tuple[Any, np.ndarray, np.ndarray, np.ndarray]]:
-    """Yield the state after each batch, and the samples that were accepted, until it is enough."""
+    """Yield the state after each batch, and the samples that were accepted, until nobody asks for more."""
     code, target = "lay_down", None
     while hand.t < longest:
         stamps, f, w, now = hand.batch(code, target)
@@ -217,5 +217,3 @@ def guided(
         kept = state.accepted if len(stamps) else slice(0)
         yield state, stamps[kept], f[kept], w[kept]
         code, target = state.code, state.target
-        if code == "enough":
-            return
