@@ -184,3 +184,23 @@ def test_init_goes_by_what_info_suggests(made: object, tmp_path: Path, capsys: p
     tests = tomllib.loads((folder / "campaign.toml").read_text())["tests"]
     procedure = {"rate-table": "rate_table", "thermal": "thermal", "allan": "static_noise", "info": "static_noise"}
     assert {one["procedure"] for one in tests} == {procedure[word]}
+
+
+def test_an_answer_holds_only_where_a_header_says_no_unit(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """One answer for the gyros of a folder leaves those of other files in the unit of their header; an option wins."""
+    heads = {"bare.csv": "time_s,gyro_x,gyro_y,gyro_z", "said.csv": "time_s,gyro_x [rad/s],gyro_y [rad/s],gyro_z"}
+    for folder in ("asked", "options"):
+        (tmp_path / folder).mkdir()
+        for number, (name, head) in enumerate(heads.items()):
+            rows = [f"{n / 50},{0.1 + 0.01 * math.sin(n * (n + number))},0.{n % 7},0.{n % 5}" for n in range(1200)]
+            (tmp_path / folder / name).write_text("\n".join([head, *rows]), encoding="utf-8")
+    shown, status = on_terminal(["init", str(tmp_path / "asked")], ["deg/s", ENTER, ENTER, ENTER])
+    assert status == 0, shown
+    assert "the option wins" not in shown
+    units = {}
+    for one in campaign(tmp_path / "asked")["recordings"].values():  # type: ignore[attr-defined]
+        units[one["file"]] = [one["channels"][axis]["unit"] for axis in "xyz"]
+    assert units == {"bare.csv": ["deg/s"] * 3, "said.csv": ["rad/s", "rad/s", "deg/s"]}
+    status, out, _ = call(capsys, "init", str(tmp_path / "options"), "--unit", "gyro=deg/s", "--json")
+    assert status == 0
+    assert [one["code"] for one in json.loads(out)["remarks"]] == ["unit_overridden"] * 2

@@ -13,6 +13,7 @@ from ...core.campaign_text import FILE, MARK, SCHEMA, Noted, toml_text
 from ...core.errors import InertialcalError, PlanError, UsageError
 from ...core.remarks import Remark
 from ...core.show.tables import clean
+from ...core.units import normalise
 from ...files.info.survey import survey_recording
 from ...files.write.atomic import atomic_write
 from ...procedures import procedure_names, procedure_of
@@ -45,11 +46,14 @@ class Told:
         That was turned on a rate table; empty where the answer is to be filled in.
     item : mapping of str to str
         Maker, part and serial number of the sensor.
+    asked : set of str
+        Kinds of sensors whose unit in ``said`` is an answer: it holds where a header says none, as the question does.
     """
 
     said: Said = field(default_factory=Said)
     axis: str | None = None
     item: Mapping[str, str] = field(default_factory=dict[str, str])
+    asked: frozenset[str] = frozenset()
 
     def answered(self, question: Question, text: str) -> Told:
         """Return the same with one more answer."""
@@ -57,7 +61,8 @@ class Told:
             return replace(self, axis=text)
         if question.name in ITEM:
             return replace(self, item={**self.item, question.name: text})
-        return replace(self, said=answered(self.said, question, text))
+        asked = self.asked | ({question.group} if question.name == "units" else set())
+        return replace(self, said=answered(self.said, question, text), asked=asked)
 
 
 def first_question(folder: str | Path, told: Told) -> Question | None:
@@ -121,7 +126,9 @@ def _found(folder: str | Path, told: Told) -> tuple[Found, list[Remark]]:
         raise PlanError(f"{path} exists already", do=f"Try: inertialcal check {root}", code="exists")
     with np.errstate(over="ignore", invalid="ignore"):  # of numbers that nothing has: they suggest nothing
         known = {group: unit for group, unit in told.said.units.items() if unit}  # a question passed over gives none
-        found, remarks = _files(root, replace(told.said, units=known))
+        answers = {group: unit for group, unit in known.items() if group in told.asked}
+        stated = {group: unit for group, unit in known.items() if group not in told.asked}
+        found, remarks = _files(root, replace(told.said, units=stated), answers)
     if not any(found.values()) and not any(one.subject == AMBIGUOUS for one in remarks):
         do = "Add recordings with gyro or accelerometer channels, tables with columns of rate and reading (a row per "
         do += "dwell), or tables of means (a row per axis and orientation)"
@@ -141,8 +148,8 @@ class _Taken:
     claim: Claim
 
 
-def _files(root: Path, said: Said) -> tuple[Found, list[Remark]]:
-    """Return what a folder holds, and what was left out."""
+def _files(root: Path, said: Said, answers: Mapping[str, str]) -> tuple[Found, list[Remark]]:
+    """Return what a folder holds, and what was left out; ``answers`` are units of sensors whose header says none."""
     read = Files(said)
     found: Found = {}
     remarks: list[Remark] = []
@@ -159,7 +166,7 @@ def _files(root: Path, said: Said) -> tuple[Found, list[Remark]]:
             remarks.append(Remark("not_taken", "warning", what, clean(file), do="Rename the file"))
             continue
         try:
-            remarks += _take(found, taken, path, file, read)
+            remarks += _take(found, taken, path, file, read, answers)
         except InertialcalError as error:
             first = error.problems[0]
             subject = AMBIGUOUS if first.code == AMBIGUOUS else ""
@@ -168,7 +175,9 @@ def _files(root: Path, said: Said) -> tuple[Found, list[Remark]]:
     return found, remarks
 
 
-def _take(found: Found, taken: dict[str, _Taken], path: Path, name: str, files: Files) -> list[Remark]:
+def _take(
+    found: Found, taken: dict[str, _Taken], path: Path, name: str, files: Files, answers: Mapping[str, str]
+) -> list[Remark]:
     """Give a file to the procedure that claims it most; return what there is to remark.
 
     It is the one that `info` suggests, where that one claims it.
@@ -177,6 +186,9 @@ def _take(found: Found, taken: dict[str, _Taken], path: Path, name: str, files: 
     claimed = _claims(FolderFile(table))
     if not claimed:
         recording = with_said_columns(files.read(str(path)), files.said)
+        for group, unit in answers.items():
+            open_ones = [one.name for one in recording.channels if one.quantity == group and one.unit is None]
+            recording = recording.with_unit(open_ones, normalise(unit), "flag") if open_ones else recording
         overruled = [one for one in recording.remarks if one.code == "unit_overridden"]
         claimed = [] if recording.time_ns is None else _claims(FolderFile(table, recording))
         if len(claimed) > 1:
