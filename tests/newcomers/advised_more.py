@@ -781,6 +781,18 @@ SHAKEN = (
         "+ --control ch1 --unit ch1=g",
         "acceleration_rms control 1.3416",
     ),
+    Case(
+        "--profile FILE.csv {}",
+        "text info shaken.csv",
+        "vibration shaken.csv --profile level.csv --control table",
+        "acceleration_rms control 1.3416",
+    ),
+    Case(
+        "--control {}",
+        "text info swept.csv",
+        "vibration survey swept.csv --control table",
+        "resonance_frequency x 100",
+    ),
 )
 LAB = (
     Case(
