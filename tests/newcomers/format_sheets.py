@@ -65,6 +65,17 @@ def faces() -> Sheet:
     return _sheet(six_faces(), {})
 
 
+def shaken(seed: int = 10) -> Sheet:
+    """Return a board on a shaker that moves along z at a flat density of 0.01 g2/Hz from 20 to 200 Hz."""
+    rng = np.random.default_rng(seed)
+    rate, n = 1000.0, 12_000
+    lines = np.fft.rfftfreq(n, 1.0 / rate)
+    spectrum = np.fft.rfft(rng.standard_normal(n)) * ((lines >= 10.0) & (lines <= 300.0))
+    acc = G * np.sqrt(0.01 * rate / 2.0) * np.outer(np.fft.irfft(spectrum, n), [0.02, 0.03, 1.0]) + [0.0, 0.0, G]
+    gyro = GYRO_NOISE * rng.standard_normal((n, 3))
+    return _sheet(Board(np.arange(n) / rate, gyro, acc, np.full(n, 23.0), rate), {})
+
+
 def _sheet(board: Board, others: Mapping[str, tuple[Array, str]]) -> Sheet:
     gyro = {f"gyro_{axis}": (DEG * board.gyro[:, i], "deg/s") for i, axis in enumerate(XYZ)}
     acc = {f"acc_{axis}": (board.acc[:, i], "m/s^2") for i, axis in enumerate(XYZ)}

@@ -35,7 +35,16 @@ QUICK = ("CSV", "npz", "WAV", "ULog `sensor_gyro`")  # the others are slow
 GYRO = {axis: f"gyro_{axis}" for axis in "xyz"}
 ACC = {axis: f"acc_{axis}" for axis in "xyz"}
 UNSAID = ("WAV", "miniSEED")  # formats without units: figures in those of the file
-COMPARED = ("bias", "scale_factor", "amplitude", "noise_density", "angle_random_walk", "velocity_random_walk")
+FLAT = "frequency [Hz],density [g2/Hz]\n20,0.01\n200,0.01\n"
+COMPARED = (
+    "acceleration_rms",
+    "bias",
+    "scale_factor",
+    "amplitude",
+    "noise_density",
+    "angle_random_walk",
+    "velocity_random_walk",
+)
 NEAR = 1.0  # standard uncertainties that roundings of a format may move a figure
 
 
@@ -58,6 +67,9 @@ NOUNS = {
     "positions": Noun("faces", {name: name for name in (*ACC.values(), *GYRO.values())}),
     "flip": Noun("bench", ACC, "--largest-bias", "2 g", "--window", "FIRST=0 deg", "--window", "SECOND=180 deg"),
     "mass-attraction": Noun("bench", {"x": "pulses"}, "--schedule", "SCHEDULE", "--gate", "0.1 s", always=True),
+    "vibration": Noun(
+        "shaken", {"x": "acc_x", "y": "acc_y"}, "--profile", "FLAT", "--sensor", "acc", "--control", "acc_z"
+    ),
     "compensate": Noun("bench", GYRO | {"temperature": "temperature"}, "-o", "OUT"),
 }
 MESSAGES = {  # what messages with fixed fields call the axes
@@ -75,7 +87,7 @@ WINDOWS = {  # by the clock of a format
 
 @cache
 def content(name: str) -> Sheet:
-    """Return one of the three contents."""
+    """Return one of the contents."""
     made: Sheet = getattr(format_sheets, name)()
     return made
 
@@ -115,17 +127,19 @@ def typed(kind: str, word: str, cell: str, folder: Path) -> list[str]:
     out = str(folder / "out.csv")
     first, second = WINDOWS.get(kind.split(maxsplit=1)[0], ("0..25", "30..60"))
     stand = {"OUT": out, "SCHEDULE": str(folder / "schedule.csv"), "FIRST=0 deg": f"{first}=0 deg",
-             "SECOND=180 deg": f"{second}=180 deg"}  # fmt: skip
+             "SECOND=180 deg": f"{second}=180 deg", "FLAT": str(folder / "flat.csv")}  # fmt: skip
+    stand |= {one: named(kind, one, sheet) for one in noun.options if one in sheet.columns}
     words = [word, *([str(folder / "model.json")] if word == "compensate" else []), str(path)]
     words += [stand.get(one, one) for one in noun.options]
     roles = {role: named(kind, column, sheet) for role, column in noun.roles.items()}
     if "--column" in cell or noun.always:
         words += [part for role, name in roles.items() for part in ("--column", f"{role}={name}")]
     if "--unit" in cell:
-        units = {named(kind, column, sheet): sheet.columns[column][1] for column in noun.roles.values()}
+        columns = [*noun.roles.values(), *(one for one in noun.options if one in sheet.columns)]
+        units = {named(kind, column, sheet): sheet.columns[column][1] for column in columns}
         words += [part for name, unit in units.items() for part in ("--unit", f"{name}={unit}")]
     if "--topic" in cell:
-        words += ["--topic", "sensor_accel" if word in ("positions", "flip") else "sensor_gyro"]
+        words += ["--topic", "sensor_accel" if word in ("positions", "flip", "vibration") else "sensor_gyro"]
     if "--scale-factor" in cell:
         unit = sheet.columns[next(iter(noun.roles.values()))][1]
         words += ["--scale-factor", f"1e6 count/({unit})"]
@@ -154,6 +168,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with a model and a schedule."""
     made = tmp_path_factory.mktemp("formats")
     rows = [f"{1.5 * i},{1.5 * i + 1.1},{i % 2},{10 * (-1) ** i}\n" for i in range(40)]
+    (made / "flat.csv").write_text(FLAT)
     (made / "schedule.csv").write_text("start [s],stop [s],position [m],applied [ug]\n" + "".join(rows))
     return made
 
@@ -200,7 +215,7 @@ def test_each_cell_is_true(row: list[str], reference: Path, capsys: pytest.Captu
     kind, *cells, target = row
     folder = reference / kind.replace(" ", "_").replace("`", "")
     folder.mkdir(exist_ok=True)
-    for name in ("model.json", "schedule.csv"):
+    for name in ("model.json", "schedule.csv", "flat.csv"):
         (folder / name).write_bytes((reference / name).read_bytes())
     for word, cell in zip(WORDS, cells, strict=True):
         status, out, err = call(capsys, *typed(kind, word, cell, folder), "--json")
