@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -128,14 +129,15 @@ def typed(kind: str, word: str, cell: str, folder: Path) -> list[str]:
     first, second = WINDOWS.get(kind.split(maxsplit=1)[0], ("0..25", "30..60"))
     stand = {"OUT": out, "SCHEDULE": str(folder / "schedule.csv"), "FIRST=0 deg": f"{first}=0 deg",
              "SECOND=180 deg": f"{second}=180 deg", "FLAT": str(folder / "flat.csv")}  # fmt: skip
-    stand |= {one: named(kind, one, sheet) for one in noun.options if one in sheet.columns}
+    control = [b for a, b in pairwise(noun.options) if a == "--control"]
+    stand |= {one: named(kind, one, sheet) for one in control}
     words = [word, *([str(folder / "model.json")] if word == "compensate" else []), str(path)]
     words += [stand.get(one, one) for one in noun.options]
     roles = {role: named(kind, column, sheet) for role, column in noun.roles.items()}
     if "--column" in cell or noun.always:
         words += [part for role, name in roles.items() for part in ("--column", f"{role}={name}")]
     if "--unit" in cell:
-        columns = [*noun.roles.values(), *(one for one in noun.options if one in sheet.columns)]
+        columns = [*noun.roles.values(), *control]
         units = {named(kind, column, sheet): sheet.columns[column][1] for column in columns}
         words += [part for name, unit in units.items() for part in ("--unit", f"{name}={unit}")]
     if "--topic" in cell:
