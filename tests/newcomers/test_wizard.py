@@ -21,6 +21,8 @@ from newcomer_tables import FILES
 from newcomer_texts import FORMS
 from newcomer_truths import BIASES, ERRORS, chamber
 
+from inertialcal.campaign.start.starter import ENDINGS
+from inertialcal.files.registry import READERS
 from typed_commands import call
 
 if sys.platform == "win32":
@@ -204,3 +206,10 @@ def test_an_answer_holds_only_where_a_header_says_no_unit(tmp_path: Path, capsys
     status, out, _ = call(capsys, "init", str(tmp_path / "options"), "--unit", "gyro=deg/s", "--json")
     assert status == 0
     assert [one["code"] for one in json.loads(out)["remarks"]] == ["unit_overridden"] * 2
+
+
+def test_a_recording_of_every_reader_is_looked_at() -> None:
+    """Only what has no ending of its own, a file without time, and a JSON file of any kind are passed over."""
+    passed = {"", ".asc", ".prn", ".tab", ".npy", ".cards", ".json"}
+    for reader in READERS.values():
+        assert set(reader.endings) - passed <= set(ENDINGS), reader.name

@@ -105,3 +105,11 @@ def test_any_name_gives_a_heading_with_a_unit_that_is_printed_alike(name: str, u
     said = heading(name, unit)
     assert said.axis in ("", "x", "y", "z")
     assert said.unit is None or units.normalise(said.unit) == said.unit
+
+
+@pytest.mark.parametrize(("name", "quantity"), [
+    ("acc_GYRO_3_x [m/s^2]", "acc"), ("gyro_acc_x [deg/s]", "gyro"), ("gyro_x [m/s^2]", "gyro"),
+])  # fmt: skip
+def test_a_name_with_both_sensors_is_that_of_its_unit(name: str, quantity: str) -> None:
+    """A name of one alone stays with it: its unit is then wrong, and ignored."""
+    assert heading(name).quantity == quantity

@@ -27,8 +27,9 @@ from .questions import ITEM, answered, questions
 from .settled import settle
 
 ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".parquet", ".csv.gz", ".txt.gz", ".mat", ".h5", ".hdf5", ".npz",
-           ".xlsx", ".ods", ".feather", ".wav", ".bag", ".db3", ".mcap", ".ulg", ".tdms", ".uff", ".unv", ".mf4",
-           ".ide", ".lvm", ".mseed")  # fmt: skip
+           ".xlsx", ".xlsb", ".xls", ".ods", ".feather", ".arrow", ".wav", ".bag", ".db3", ".mcap", ".ulg", ".ulog",
+           ".bin", ".log", ".tdms", ".uff", ".uff58", ".unv", ".mf4", ".mdf", ".ide", ".lvm", ".mseed", ".msd", ".seed",
+           ".db", ".sqlite", ".sqlite3", ".jsonl", ".ndjson")  # fmt: skip
 MOST = 200  # files
 AMBIGUOUS = "ambiguous_date"  # code of a file whose dates can be read in two ways
 Found = dict[str, dict[str, object]]  # what procedures make of files, by procedure and file

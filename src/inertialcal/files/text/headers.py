@@ -141,6 +141,7 @@ BY_KIND = {
     "pressure": "pressure",
     "voltage": "voltage",
 }
+SENSOR_WORDS = {"gyro": GYRO, "acc": ACC}
 # Readings that core.units refuses on its own, and that the quantity settles.
 SETTLED = {("temperature", "C"): "degC", ("temperature", "F"): "degF", ("acc", "G"): "g", ("acc", "mG"): "mg"}
 WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+")
@@ -193,6 +194,9 @@ def heading(name: str, unit: str | None = None) -> Heading:
         quantity = kind
     if quantity == "index" and kind in BY_KIND and kind != "time":  # ``i [g]``
         quantity = ""
+    other = BY_KIND.get(kind, "")
+    if quantity in SENSOR_WORDS and other != quantity and SENSOR_WORDS.get(other, set()).intersection(words):
+        quantity = other  # ``acc_GYRO_3_x [m/s^2]``: of an accelerometer in a box called GYRO
     if known is not None and quantity in KINDS and kind not in KINDS[quantity]:
         known, unknown = None, given or ""
     axis = "" if OF_GRAPH.fullmatch(name.strip()) else _axis(words)
