@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 import sys
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -33,6 +34,12 @@ def acquire(
             "--seal", help="Folder of a recording that was cut off: seal it, and record nothing.", show_default=False
         ),
     ] = None,
+    live: Annotated[
+        bool, typer.Option("--live", help="Show it while it runs: a page for a browser of this computer.")
+    ] = False,
+    port: Annotated[
+        int, typer.Option("--port", min=0, max=65535, help="Of the live page, on this computer; 0: one that is free.")
+    ] = 8650,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -43,15 +50,17 @@ def acquire(
     if (unsealed is None) == (lab is None):
         raise UsageError("acquire needs LAB.toml, or --seal and a folder", do="Try: inertialcal acquire --help")
     if unsealed is not None:
+        if live:
+            raise UsageError("--seal records nothing that --live could show", do="Leave out --live")
         return _summary(seal(unsealed), unsealed, as_json, quiet)
     if output is None:
         do = f"Say: inertialcal acquire {shlex.quote(str(lab))} -o DIR"
         raise UsageError("acquire needs a new folder", do=do)
-    _record(lab, output, quiet or as_json)
+    _record(lab, output, port if live else None, quiet or as_json)
     return _summary(seal(output), output, as_json, quiet)
 
 
-def _record(lab: Path | None, output: Path, quiet: bool) -> None:
+def _record(lab: Path | None, output: Path, port: int | None, quiet: bool) -> None:
     """Record until it ends; an interruption is a way to end, and what moves is safe then."""
     from ...core.interruption import interruption
     from ...lab.acquisition.acquisition import Acquisition
@@ -60,8 +69,10 @@ def _record(lab: Path | None, output: Path, quiet: bool) -> None:
 
     acquisition = Acquisition(load_lab(str(lab)), output)
     machine = Clock()
-    with interruption.held():
+    with interruption.held(), _page(acquisition, port) as page:
         acquisition.start()
+        if page:
+            print(f"live: {page}", file=sys.stderr, flush=True)
         interruption.note(output, complete=False)
         shown = _Shown(quiet)
         while not acquisition.wait(LOOK * acquisition.clock.speed):
@@ -70,6 +81,20 @@ def _record(lab: Path | None, output: Path, quiet: bool) -> None:
             shown.show(acquisition, machine.seconds())
         shown.end()
         interruption.accept()
+
+
+def _page(acquisition: Acquisition, port: int | None) -> AbstractContextManager[str]:
+    """Return what gives the live page, and its address; an empty one without a port."""
+    from ...core.errors import UsageError
+
+    if port is None:
+        return nullcontext("")
+    try:
+        from ...lab.live.server import live_page
+    except ImportError as error:
+        what = f"the live page needs the package {error.name}, which is not installed"
+        raise UsageError(what, do="Type: pip install 'inertialcal[web]'", code="missing_extra") from None
+    return live_page(acquisition, port)
 
 
 class _Shown:

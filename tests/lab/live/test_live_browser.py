@@ -1,0 +1,137 @@
+"""The page in a browser: it draws, reads on when the server was killed, and shows names as the text that they are."""
+
+from __future__ import annotations
+
+import os
+import resource
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from browsing import PATIENCE, PHONE
+from playwright.sync_api import Browser, Dialog, Page, Request
+from shown_lab import HOSTILE, PLAIN, shown
+
+from inertialcal.core.remarks import Remark
+from inertialcal.lab.live.server import TOKEN
+
+DRAWN = "n => { const c = document.querySelectorAll('.traces canvas')[n]; return c.width > 0 && " \
+        "c.getContext('2d').getImageData(0, 0, c.width, c.height).data.some(one => one); }"  # fmt: skip
+
+
+@contextmanager
+def opened(
+    browser: Browser, address: str, width: int = 1280, scheme: str = "light"
+) -> Iterator[tuple[Page, list[str]]]:
+    """Open the page, and keep what it asks for of others and what goes wrong in it."""
+    context = browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme)  # type: ignore[arg-type]
+    try:
+        context.set_default_timeout(PATIENCE)
+        page, odd = context.new_page(), list[str]()
+        place = address.partition("?")[0]
+
+        def asked(one: Request) -> None:
+            if not one.url.startswith(place):
+                odd.append(f"asked: {one.url}")
+
+        def dialog(one: Dialog) -> None:
+            odd.append(f"dialog: {one.message}")
+            one.dismiss()
+
+        page.on("request", asked)
+        page.on("dialog", dialog)
+        page.on("pageerror", lambda one: odd.append(f"error: {one}"))
+        page.on("console", lambda one: odd.append(f"console: {one.text}"))
+        page.goto(address)
+        yield page, odd
+    finally:
+        context.close()
+
+
+def until(page: Page, holds: Callable[[], object], seconds: float = 60.0) -> bool:
+    """Wait until something holds; return whether it does."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if holds():
+            return True
+        page.wait_for_timeout(50)
+    return False
+
+
+def frames(page: Page) -> int:
+    return int(page.evaluate("live().frames"))
+
+
+def test_it_draws_what_comes(browser: Browser, tmp_path: Path) -> None:
+    """12 channels at 1 kHz; how many frames a second come is measured and printed, as it depends on the machine."""
+    with shown(tmp_path) as (made, address), opened(browser, address) as (page, odd):
+        assert until(page, lambda: frames(page) > 20)
+        made.say(Remark("lost_rows", "warning", "rows that are missing by the counter", where="imu", count=7))
+        first, begin, used = frames(page), time.monotonic(), resource.getrusage(resource.RUSAGE_SELF).ru_utime
+        page.wait_for_timeout(2000)
+        passed = time.monotonic() - begin
+        share = (resource.getrusage(resource.RUSAGE_SELF).ru_utime - used) / passed
+        print(f"{(frames(page) - first) / passed:.1f} frames/s; acquisition, server and test: {share:.0%} of a core")
+        assert all(page.evaluate(DRAWN, i) for i in range(len(PLAIN) + 1))
+        told = page.inner_text("body")
+        for text in ("gyro on the desk", "connected", "running", "temperature", "25 degC", "deg/s", "(7 x)", *PLAIN):
+            assert text in told, text
+        assert until(page, lambda: "stuck at 4.25 deg/s" in page.inner_text("body"))
+        assert "end of the range" in page.inner_text("body")
+        assert odd == []
+
+
+@pytest.mark.parametrize("width", [PHONE, 1440])
+def test_names_are_text_and_fit(browser: Browser, tmp_path: Path, width: int) -> None:
+    with (
+        shown(tmp_path, names=HOSTILE, title=HOSTILE[0]) as (made, address),
+        opened(browser, address, width) as (page, odd),
+    ):
+        made.say(Remark("lost_rows", "error", HOSTILE[1] * 5, where=HOSTILE[2]))
+        assert until(page, lambda: frames(page) > 5 and "onload" in page.inner_text("#remarks"))
+        assert until(page, lambda: page.inner_text(".noise h3 >> nth=0").startswith("Allan"))
+        told = [page.text_content(f".traces div:nth-child({i + 1}) span") for i in range(len(HOSTILE))]
+        assert told == [*HOSTILE]
+        assert page.text_content("#title") == HOSTILE[0]
+        assert page.locator("img, svg, b").count() == 0
+        assert page.locator("script").count() == 1
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        assert odd == []
+
+
+@contextmanager
+def process(folder: Path, port: int) -> Iterator[subprocess.Popen[str]]:
+    """Give a process that gives the page, once it does; it is killed at the end of the block."""
+    made = subprocess.Popen(
+        [sys.executable, str(Path(__file__).with_name("shown_lab.py")), str(folder), str(port)], text=True,
+        stdout=subprocess.PIPE, env={**os.environ, TOKEN: "k" * 24, "PYTHONPATH": os.pathsep.join(sys.path)},
+    )  # fmt: skip
+    with made:
+        try:
+            assert made.stdout is not None
+            assert "token" in made.stdout.readline()
+            yield made
+        finally:
+            made.kill()
+
+
+@pytest.mark.slow
+def test_it_reads_on_after_a_kill(browser: Browser, tmp_path: Path) -> None:
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    with opened(browser, "about:blank", PHONE) as (page, _):
+        with process(tmp_path / "one", port):
+            page.goto(f"http://127.0.0.1:{port}/?token={'k' * 24}")
+            assert until(page, lambda: frames(page) > 5)
+        assert until(page, lambda: "not connected" in page.inner_text("#link"))
+        with process(tmp_path / "two", port):
+            begin = time.monotonic()
+            assert until(page, lambda: page.inner_text("#link") == "connected" and frames(page) > 0)
+            print(f"connected again {time.monotonic() - begin:.1f} s after the server was there again")
+            assert until(page, lambda: page.evaluate(DRAWN, 0))
