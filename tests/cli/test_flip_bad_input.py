@@ -276,3 +276,17 @@ def test_a_folder_that_is_no_record(capsys: pytest.CaptureFixture[str], tmp_path
     assert "Name one of its files: a.csv, b.csv, c.csv, ... (4 in all)" in call(capsys, "info", tmp_path)[1]
     (tmp_path / "campaign.toml").write_text("", encoding="utf-8")
     assert f"It holds a campaign: inertialcal run {tmp_path}" in call(capsys, "flip", tmp_path)[1]
+
+
+@pytest.mark.parametrize("unit", ["V", "count"])
+def test_a_table_of_means_that_are_no_accelerations(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, unit: str
+) -> None:
+    """No chain is applied to means: that is said, with what to do, and no arithmetic error of units."""
+    rows = [f"{axis},{k},{way},{2.5 + k}" for axis in "xyz" for k in (1, 2) for way in ("forward", "reverse")]
+    (tmp_path / "means.csv").write_text("\n".join([f"axis,time,orientation,mean [{unit}]", *rows]))
+    at = ("--position", "forward=0 deg", "--position", "reverse=180 deg")
+    status, said = call(capsys, "flip", tmp_path / "means.csv", *at, "--scale-factor", "100 V/g")
+    assert status == 2
+    assert f"means in {unit}: a table of means is taken in a unit of acceleration alone" in said
+    assert "Give the recordings, or the means in g" in said

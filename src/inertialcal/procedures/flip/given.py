@@ -69,6 +69,11 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
         means, columns = means_columns(given)
         stated = given.table.unit(means["mean"])
         remarks = overridden(means["mean"], stated and normalise(stated), means["unit"], given.name)
+        if kind(means["unit"]) != "acceleration":
+            what = f"means in {means['unit']}: a table of means is taken in a unit of acceleration alone"
+            why = "the chain of a sensor makes readings of a recording only"
+            do = f"Give the recordings, or the means in g: ({means['unit']} - reference) / scale factor of the sensor"
+            raise UsageError(what, given.name, why, do, "unit_mismatch")
         values = given.table.numbers(means["mean"]) * factor(means["unit"], "g")
         axes = [axis for axis in AXES if axis in {one.lower() for one in given.table.text(means["axis"])}] or [*AXES]
         sensor = {"kind": "accelerometer", "axes": axes, "unit": _shown(means["unit"], [values])}
