@@ -42,7 +42,7 @@ FOLLOWS, STRAYS = (
     4.0,
 )  # root mean square of the deviation, without its mean, of a channel that does and does not [dB]
 FITS, RATES = 2.0, 241  # root mean square of the deviation by another sample rate [dB]; rates that are tried
-DIFFERS = 3.0  # the same of two control channels [dB]
+DIFFERS = 3.0  # the same of a control channel and the mean of the others [dB]
 ROLL_OFF = 0.79  # of half the sampling frequency: above it filters against aliasing begin
 FOLDED = 0.05  # density below half the sampling frequency, over that of the band, that no filter leaves
 TOP = 0.9  # of half the sampling frequency, from which that is looked at
@@ -235,15 +235,18 @@ def _channels(result: Result) -> Iterator[Remark]:
         density = result.spectra.density[:, :count]
         f = result.spectra.frequency
         use = (f >= result.band[0]) & (f <= result.band[1])
-        apart = decibels(density[use] / np.exp(np.mean(np.log(density[use]), axis=1))[:, None])
+        logs = decibels(density[use])
+        apart = (logs - logs.mean(axis=1, keepdims=True)) * count / (count - 1.0)  # from the mean of the others
         strays = np.sqrt(np.mean(apart**2, axis=0))
         i = int(np.argmax(strays))
         if strays[i] > DIFFERS:
             at = float(f[use][int(np.argmax(np.abs(apart[:, i])))])
             size = number(float(strays[i]), 2)
             what = f"{_called(result.channels[i])} differs from the other control channels by {size} dB,"
+            if count == 2:  # which of the two it is, nobody knows
+                what = f"{_called(result.channels[0])} and {_called(result.channels[1])} differ by {size} dB,"
             what += f" most at {number(at, 3)} Hz"
-            do = "Check its mounting and the fixture: a mean hides it"
+            do = "Check gain, mounting and fixture: a mean hides it"
             yield Remark("control_disagrees", "warning", what, _where(result), do=do, subject=result.channels[i].column)
 
 
@@ -376,9 +379,9 @@ def _lines(result: Result) -> Iterator[Remark]:
             continue
         share = 0.5 * one.amplitude**2 / (float(result.target.at(one.frequency)) * spectra.enbw)
         if share > LINE:
-            found.append(
-                f"{number(one.frequency, 5)} Hz, amplitude {number(one.amplitude / STANDARD_GRAVITY.value, 2)} g"
-            )
+            digits = 2 + int(math.log10(one.frequency / result.fine.spacing))  # to a tenth of a line
+            size = number(one.amplitude / STANDARD_GRAVITY.value, 2)
+            found.append(f"{number(one.frequency, digits)} Hz, amplitude {size} g")
     if found:
         shown = list(dict.fromkeys(found))
         more = f" and {len(shown) - SHOWN} more" if len(shown) > SHOWN else ""

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 LINE, DEEP = 1.0, 2.0  # deviation of a line, and of a band on the mean, from which it counts [dB]
 OVERLAP = 1.5  # lines that count as one
 SIDE = 0.25  # octaves beside a band, where the profile's surroundings are
+OWN = 0.5  # level of a run that is told with its bands, as they lie so much elsewhere without it [dB]
 CARVED = 2.0  # of the profile, below its surroundings: a notch [dB]
 STANDS_OUT = 3.0  # a response in a band, over its surroundings [dB]
 
@@ -44,6 +45,8 @@ class Departure:
         How far the profile lies below its surroundings there [dB].
     open_low, open_high : bool
         Whether it reaches to the lowest, the highest line.
+    level : float
+        Of the run against the profile, median over all lines: it is taken off [dB].
     """
 
     low: float
@@ -53,18 +56,21 @@ class Departure:
     carved: float
     open_low: bool
     open_high: bool
+    level: float
 
     def __str__(self) -> str:
         """Return where, and how much."""
         side = "above" if self.mean > 0.0 else "below"
-        size = f"{number(abs(self.mean), 2)} dB {side} the profile ({number(abs(self.most), 2)} dB at most)"
+        own = f" moved by {number(self.level, 2)} dB to the run's own level" if abs(self.level) > OWN else ""
+        size = f"{number(abs(self.mean), 2)} dB {side} the profile{own} ({number(abs(self.most), 2)} dB at most)"
         return f"from {number(self.low, 4)} to {number(self.high, 4)} Hz the control lies {size}"
 
 
 def departures(result: Result, chance: float) -> Iterator[Departure]:
     """Yield the bands, by a chance of one that is none."""
     one = result.deviation
-    away = one.value - float(np.median(one.value))
+    level = float(np.median(one.value))
+    away = one.value - level
     scatter = np.hypot(np.sqrt(one.u_value**2 - one.u**2), 0.0)
     z = -float(special.ndtri(0.5 * chance / len(one)))
     start = 0
@@ -77,7 +83,8 @@ def departures(result: Result, chance: float) -> Iterator[Departure]:
         if abs(mean) > DEEP and abs(mean) > z * float(np.mean(u)) * math.sqrt(OVERLAP / len(own)):
             at = int(np.argmax(np.abs(own)))
             low, high = float(one.low[start]), float(one.high[stop - 1])
-            yield Departure(low, high, mean, float(own[at]), _carved(result, low, high), start == 0, stop == len(away))
+            carved = _carved(result, low, high)
+            yield Departure(low, high, mean, float(own[at]), carved, start == 0, stop == len(away), level)
         start = stop
 
 

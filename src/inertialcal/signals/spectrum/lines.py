@@ -221,7 +221,9 @@ def _measured(spectrum: Spectrum, axis: int, level: Background, first: int, stop
     """Frequency, amplitude and kind of a run of values that stand out."""
     density, lobe = spectrum.density[:, axis], spectrum.lobe
     a, b = max(0, first - lobe), min(len(density), stop + lobe)
-    noise = np.where(np.isfinite(level.level[a:b]), level.level[a:b], density[a:b])
+    known = np.isfinite(level.level[a:b])
+    around = np.flatnonzero(known)  # a peak at the lowest tested frequency has a flank, or its top, below it
+    noise = np.interp(np.arange(b - a), around, level.level[a:b][around])
     excess = density[a:b] - noise
     if excess.sum() < excess.max():  # the flanks lie below the noise by chance
         excess = np.maximum(excess, 0.0)

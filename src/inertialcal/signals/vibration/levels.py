@@ -80,6 +80,8 @@ class Levels:
         Of the mean square of a window.
     alike : float
         Windows of one level lie so near its median [dB].
+    rest : float
+        What lies behind the last window, shorter than one: of the level of that [s].
     stretches : tuple of Stretch
         All levels, in order of time; where the table stands still there is none.
     """
@@ -93,12 +95,13 @@ class Levels:
     size: int
     dof: float
     alike: float
+    rest: float
     stretches: tuple[Stretch, ...]
 
     @property
     def duration(self) -> float:
         """Time at full level [s]."""
-        return self.window * int(np.count_nonzero(self.full))
+        return self.window * int(np.count_nonzero(self.full)) + (self.rest if self.full[-1] else 0.0)
 
     @property
     def u_duration(self) -> float:
@@ -229,7 +232,8 @@ def find_levels(x: Array, interval: float, width: float, meant: float) -> Levels
     stretches, edges = _stretches(level, full, size * interval, alike, dof)
     inner = full & ~edges
     inner = inner if inner.any() else full
-    return Levels(time, level, full, inner, float(10.0 ** (top / 10.0)), size * interval, size, dof, alike, stretches)
+    window, rest = size * interval, (n - count * size) * interval
+    return Levels(time, level, full, inner, float(10.0 ** (top / 10.0)), window, size, dof, alike, rest, stretches)
 
 
 def mean_squares(x: Array, size: int) -> Array:
