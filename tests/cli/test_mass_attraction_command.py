@@ -145,6 +145,8 @@ def test_a_table_without_time_is_a_row_a_dwell(folder: Path, tmp_path: Path) -> 
         (("--gate=-100 s", "--column", "pulses"), "gate -100 s: need a positive time"),
         ((*OPTIONS, "--begin", "2010-04-28T20:00:00Z"), "100 of 100 samples lie in no dwell"),
         ((*OPTIONS, "--stamp", "late"), "'late' is not one of"),
+        ((*OPTIONS, "--reference", "1 V"), "lsb and reference are of readings in volts"),
+        (("--column", "x=pulses", "--lsb", "5 V / 4095"), "lsb and reference are of readings in volts"),
         (("--gate", "130 s", "--column", "x=pulses"), "the mass dwells for 100 s"),
         ((*OPTIONS, "--column", "tilt=case_degc"), "unit missing or of the wrong kind: 'case_degc'"),
         ((*OPTIONS, "--null", "null2.csv"), "no such file among those given"),

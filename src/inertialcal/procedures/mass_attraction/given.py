@@ -31,6 +31,9 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
         raise UsageError("the schedule of the mass is missing", do=do, code="missing")
     chain = said.chain
     if chain is None:
+        if said.lsb is not None or said.reference:
+            what = "mass_attraction needs pulses, counted over a gate: lsb and reference are of readings in volts"
+            raise UsageError(what, given.name, do="Leave it out, and give the pulses", code="option_without_effect")
         if own.get("gate") is None:
             what, do = (
                 f"{given.name}: pulses without the time over which they are counted",
