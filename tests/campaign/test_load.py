@@ -204,3 +204,12 @@ def test_the_same_file_under_two_names_is_no_data_held_out(campaign: Write) -> N
 def test_a_line_marked_by_init_must_be_filled_in(campaign: Write) -> None:
     found = problems(campaign(('serial = "7"', 'serial = "7"  # FILL IN')))
     assert (found[0].code, found[0].where) == ("fill_in", "campaign.toml:5")
+
+
+@pytest.mark.parametrize(
+    ("unit", "words"), [("", "channel x without a unit"), (', unit = "V/s"', "channel x in 'V/s'")]
+)
+def test_a_channel_without_a_unit_is_told_so(campaign: Write, unit: str, words: str) -> None:
+    entry = f'[recordings.two]\nsensor = "suite"\nfile = "one.csv"\nchannels = {{ x = {{ column = "x"{unit} }} }}\n'
+    found = problems(campaign(("[[tests]]", entry + "[[tests]]")))
+    assert any(f"recordings.two: {words}, need a unit of " in one.what for one in found), found

@@ -104,7 +104,8 @@ def _channel_units(name: str, entry: CommonKeys, sensor: Sensor, at: At) -> Iter
         if sensor.kind == "other" and channel in AXES:
             continue
         if need and (not one.unit or kind(one.reading_unit) not in need):
-            what = f"recordings.{name}: channel {channel} in {one.unit!r}, need a unit of {' or '.join(need)}"
+            given = f"in {one.unit!r}" if one.unit else "without a unit"
+            what = f"recordings.{name}: channel {channel} {given}, need a unit of {' or '.join(need)}"
             yield Problem(what, where, code="wrong_value")
 
 
