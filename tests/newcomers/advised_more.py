@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import socket
+
 from advised_cases import Case
 
 COMPENSATED = (
@@ -794,7 +796,20 @@ SHAKEN = (
         "resonance_frequency x 100",
     ),
 )
+TAKEN = socket.create_server(("127.0.0.1", 0))  # a port that another program has
 LAB = (
+    Case(
+        "Leave out --live",
+        "acquire LAB.toml -o lab_shown ; acquire --seal lab_shown --live",
+        "acquire --seal lab_shown",
+        "has suite.parquet",
+    ),
+    Case(  # the name is so long that the port, another in each process, is no part of the name of the test
+        "Name another: --port N",
+        f"acquire LAB.toml -o lab_of_a_page_whose_port_another_has --live --port {TAKEN.getsockname()[1]}",
+        "acquire LAB.toml -o lab_of_a_page --live --port 0",
+        "has suite.parquet",
+    ),
     Case(
         "Try: inertialcal acquire --help",
         "acquire",
