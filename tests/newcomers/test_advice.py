@@ -250,12 +250,26 @@ def test_an_extra_to_install_holds_what_was_missing() -> None:
                     and node.lineno < line <= (node.end_lineno or 0)]  # fmt: skip
         named = {name.name for node in tried.body if isinstance(node, ast.Import) for name in node.names}
         named |= {module for node in tried.body for module in _literals(node, "import_module")}
+        named |= {
+            name
+            for node in tried.body
+            if isinstance(node, ast.ImportFrom) and node.level
+            for name in _foreign(path.parents[node.level - 1], node.module or "") & set.union(*extras.values())
+        }
         (around,) = [node.name for node in ast.walk(trees[path]) if isinstance(node, ast.FunctionDef)
                      and node.lineno < line <= (node.end_lineno or 0)] if not named else [""]  # fmt: skip
         named |= {module for tree in trees.values() for module in _literals(tree, around)} if around else set()
         packages = {OF_MODULE.get(name, name.partition(".")[0].replace("_", "-")) for name in named}
         assert packages, one
         assert packages <= extras[extra], one
+
+
+def _foreign(folder: Path, module: str) -> set[str]:
+    """Return the packages that a module of ours imports."""
+    tree = ast.parse(folder.joinpath(*module.split(".")).with_suffix(".py").read_text(encoding="utf-8"))
+    names = {name.name for node in ast.walk(tree) if isinstance(node, ast.Import) for name in node.names}
+    names |= {node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and not node.level}
+    return {name.partition(".")[0].replace("_", "-") for name in names}
 
 
 def _literals(tree: ast.AST, function: str) -> set[str]:

@@ -99,3 +99,8 @@ def test_a_unit_that_nobody_knows_is_refused_by_its_name_not_dropped() -> None:
     )
     with pytest.raises(ic.InertialcalError, match="furlong"):
         ic.allan(made)
+
+
+def test_a_unit_alone_is_that_of_columns_whose_names_say_nothing(folder: Path) -> None:
+    said = ic.allan(str(folder / "speed_rates.csv"), units={"deg/s": "deg/s"})
+    assert {row.unit for row in said.rows if row.quantity == "angle_random_walk"} == {"deg/sqrt(h)"}

@@ -254,7 +254,7 @@ def _by_column(said: Said) -> dict[str, str]:
 
 
 def _with_unit(recording: Recording, unit: str | None, columns: Mapping[str, str]) -> Recording:
-    """Return a recording with a unit without a name: of all channels of its kind, else those of an axis, else named."""
+    """Return a recording with a unit without a name: of all of its kind, else of an axis, else named, else nameless."""
     if unit is None:
         return recording
     group = GROUPS.get(kind(unit), "")  # counts and volts are those of any axis
@@ -266,6 +266,8 @@ def _with_unit(recording: Recording, unit: str | None, columns: Mapping[str, str
     own = [one for one in own if one.unit is None or one.axis] or own  # not the rate of the table, which states its own
     own = own or [one for one in axes if not one.quantity or (not group and one.quantity in GROUPS.values())]
     own = own or [one for one in recording.channels if one.name in columns.values() and one.unit is None]
+    if not own and not axes and not columns:  # names that say nothing: what no header tells is a reading
+        own = [one for one in recording.channels if not one.quantity and one.unit is None]
     named, unit = {one.name for one in own}, normalise(unit)
     channels = [replace(one, unit=unit, unit_from="flag", quantity=group or one.quantity)
                 if one.name in named else one for one in recording.channels]  # fmt: skip
