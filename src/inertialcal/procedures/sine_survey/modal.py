@@ -20,6 +20,9 @@ squares [2]_). The noise need be neither white nor steady. The covariance is the
 left in cells of time and frequency: where the drive passes a resonance only the noise of that time counts, and hum or
 chatter elsewhere does not.
 
+Channels are sampled at the same instants. A delay d turns the phase of H by ``2 pi d f / Q`` across a resonance, which
+a and b take up at its frequency alone.
+
 What breaks it: an item that is not linear (an upward and a downward sweep then differ, which is tested); a mode nearer
 than its width to an end of the sweep (refused); two modes nearer than the noise can part (they are one, with its Q).
 
