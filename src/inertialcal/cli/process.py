@@ -163,8 +163,9 @@ def _watch(given: Sequence[str]) -> None:
             time.sleep(GRACE)
             while interruption.holds:  # a write that must be whole
                 time.sleep(0.01)
-            if interruption.requested:  # and not accepted as the way to end
+            if not interruption.accepted:  # the main thread may never have heard of it
                 _leave(given)
+            interruption.accepted = False
 
     if sys.platform == "win32":
         return

@@ -16,6 +16,7 @@ class Interruption:
 
     def __init__(self) -> None:
         self.requested = False
+        self.accepted = False  # The last request is the way to end the command
         self.holds = 0
         self.written: dict[str, bool] = {}  # Paths of this command, and whether each is complete
         self.noting = False  # Only in the command line, which ends
@@ -51,7 +52,7 @@ class Interruption:
 
     def accept(self) -> None:
         """Take what was requested as the way to end the command: it goes on to its end, held back from nothing."""
-        self.requested = False
+        self.requested, self.accepted = False, True
 
     def note(self, path: str | os.PathLike[str], complete: bool = True) -> None:
         """Note a file or folder that is on disk, for the message of an interruption."""

@@ -388,7 +388,8 @@ def _opens_text(call: ast.Call) -> bool:
         return isinstance(call.func, ast.Attribute)
     if name == "open":  # members of archives are binary, os.open gives a descriptor
         owner = ast.unparse(call.func).rpartition(".")[0]
-        return not binary and owner not in {"os", "archive", "webbrowser", "nptdms.TdmsFile"}
+        ours = owner.rpartition(".")[2] in {"instrument", "link", "_link", "_opened"}  # those of the lab
+        return not binary and not ours and owner not in {"os", "archive", "webbrowser", "nptdms.TdmsFile"}
     return name in {"NamedTemporaryFile", "TextIOWrapper"} and not binary
 
 

@@ -130,7 +130,7 @@ class _Patient(H11Protocol):
 def _application(content: LiveContent, token: str) -> Starlette:
     """Return what answers; all that it does not know is refused as what has no token is."""
     places = files(__package__)
-    page, script = (places.joinpath(name).read_text("utf-8") for name in ("page.html", "page.js"))
+    page, script = (places.joinpath(name).read_text(encoding="utf-8") for name in ("page.html", "page.js"))
     pages = 0
 
     def allowed(one: HTTPConnection) -> bool:
