@@ -125,7 +125,7 @@ def seal(folder: str | Path) -> Summary:
     own = [remark for one in sealed for remark in one.remarks]
     summary = Summary(folder, tuple(sealed), gather([*events, *missing, *of_file, *own]), not of_file)
     with atomic_write(folder / SUMMARY) as aside:
-        aside.write_text(json.dumps(summary.to_dict(), indent=1) + "\n", encoding="utf-8")
+        aside.write_text(json.dumps(summary.to_dict(), indent=1) + "\n", encoding="utf-8", newline="\n")
     return summary
 
 

@@ -32,7 +32,7 @@ from ...core.schema.settings import settings_values
 from ...core.settings import settings_of
 from ...core.show.frames import frame_of_rows
 from ...core.show.result_tables import remarks_line
-from ...core.show.rounding import number
+from ...core.show.rounding import number, uncertainty
 from ...core.show.tables import Block, Table, html, text
 from .modal import BACKGROUND
 from .plan import PlannedSurvey, range_of, rate_of
@@ -105,7 +105,7 @@ class SurveyPlan:
             cells = (one.u_frequency, one.u_amplification, one.u_peak)
             rows.append((f"{number(one.rate * size, 4)} {'oct/min' if one.law == 'log' else unit}",
                          f"{one.duration:.3f}", number(one.eta, 2), number(one.passing, 2),
-                         *(number(u, 2) for u in cells)))  # fmt: skip
+                         *(uncertainty(one) for one in cells)))  # fmt: skip
         heads = ("rate", "duration [s]", "eta", "in the width [s]", "u frequency [Hz]", "u Q", "u transmissibility")
         caption = f"{wanted.sweep}; a mode at {number(wanted.frequency, 4)} Hz, Q {number(wanted.amplification, 3)}"
         return (Table(heads, rows, caption, tuple(range(1, 7))),)
