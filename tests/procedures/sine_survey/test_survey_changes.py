@@ -119,3 +119,13 @@ def test_a_joint_that_loosens_while_the_drive_passes_it_is_named() -> None:
     (remark,) = [one for one in found.remarks if one.code == "changed_in_sweep"]
     assert "near 11" in remark.what
     assert "loose" in remark.do
+
+
+@pytest.mark.parametrize("level", [0.02, 0.3])
+def test_hum_is_no_change_of_the_item(level: float) -> None:
+    rng = np.random.default_rng(1)
+    table = swept(*UP, SPEED, RATE, rng)
+    response = sampled(read(item(), table, RATE), 0.002, rng)
+    loudest = level * float(np.abs(response).max())
+    hum = loudest * np.sin(2.0 * np.pi * 99.98 * np.arange(len(response)) / RATE + 0.4)
+    assert "changed_in_sweep" not in codes(surveyed(sampled(table, 0.002, rng), response + hum))

@@ -3,7 +3,8 @@
 Where an item changes during a sweep (a joint loosens, a crack opens), or is not linear, no set of modes gives both
 parts of the record, and what is left follows the drive. It is set against what is left beside the drive at the same
 time, so that noise which is coloured or follows the level does not count, and against the resonance nearby: a mode too
-small to be one (`least`) leaves something at the drive, too.
+small to be one (`least`) leaves something at the drive, too. A steady tone (hum) stands in a line or two of the whole
+record, as no resonance does: it is taken out before.
 """
 
 from __future__ import annotations
@@ -25,6 +26,8 @@ SIZE = 0.05  # of the resonance nearby, from which it is told
 LEAST = 2.0  # times the least part of a mode
 NEAR = 0.15  # of a frequency, within which a resonance is nearby
 ENDS = 3  # sums at each end that are left out
+LINE, FOOT = 3, 12  # lines of the record that a tone lies in, and to which it reaches, on each side
+STEADY = 100.0  # power of a tone over that of its foot
 
 
 class Residual(NamedTuple):
@@ -54,6 +57,7 @@ def residual_at_drive(swept: Swept, axis: str, modes: Modes, least: float) -> Re
     whole[band.first : band.first + len(band.frequency)] = (
         band.response - modes.transmissibility(band.frequency) * band.control
     )
+    whole[_of_tones(np.abs(whole) ** 2)] = 0.0
     left = np.zeros(len(swept.shaken.control))
     left[swept.part] = fft.irfft(whole, band.length)
     if len(one.times) < 4 * ENDS:
@@ -73,6 +77,13 @@ def residual_at_drive(swept: Swept, axis: str, modes: Modes, least: float) -> Re
         return None
     at = int(np.argmax(np.where(told, ratio, 0.0)))
     return Residual(float(one.times[at]), float(frequency[at]), float(ratio[at] / max(nearby[at], 1e-300)))
+
+
+def _of_tones(power: Array) -> NDArray[np.bool_]:
+    """Return whether each line of a record belongs to a steady tone."""
+    sides = [np.roll(power, shift) for k in range(LINE + 1, FOOT + 1) for shift in (-k, k)]
+    peaks = power > STEADY * np.median(sides, axis=0)
+    return np.asarray(np.convolve(peaks, np.ones(2 * FOOT + 1), "same") > 0.0)
 
 
 def amplitudes(swept: Swept, values: Array, multiple: float = 1.0) -> NDArray[np.complex128]:
