@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from shown_lab import HOSTILE, PLAIN, RAIL, RATE, STUCK, TOP, WHITE, lively
 
-from inertialcal.lab.live.content import LiveContent, asked
+from inertialcal.lab.live.content import LiveContent, _spectrum, asked
 
 
 def unpacked(data: bytes) -> tuple[float, list[tuple[float, np.ndarray, np.ndarray, np.ndarray]]]:
@@ -109,3 +109,11 @@ def test_what_is_not_given_is_not_asked_for(text: str) -> None:
 
 def test_what_is_given() -> None:
     assert asked("600 10") == (600, 10.0)
+
+
+def test_a_channel_that_stays_has_no_spectrum() -> None:
+    varying = np.random.default_rng(1).normal(size=4096)
+    _, density = _spectrum(np.column_stack([np.full(4096, 3439.8), varying]), 1e-3)
+    assert isinstance(density, list)
+    assert not any(density[0])
+    assert all(density[1])

@@ -201,7 +201,7 @@ def _of_json(bag: Bag, variables: Sequence[str] | None) -> Content:
     what = "times of recording are used: messages of JSON have no stamp that all agree on"
     remarks = [*found.remarks, Remark("log_time", "info", what, where=bag.path)]
     if left:
-        what = "messages that are no objects of JSON: left out"
+        what = "messages that are not JSON objects: left out"
         remarks.append(Remark("damaged_records", "warning", what, where=bag.path, count=left))
     return replace(found, format=f"{bag.title}, JSON", rows=None, remarks=(*remarks, *bag.remarks))
 

@@ -355,7 +355,7 @@ class Acquisition:
         one.told = now
         odd = sum(one.intervals.odd.values()) if one.intervals is not None else 0
         if odd > one.odd:
-            what = f"saves not as often as they should be: {one.intervals}"
+            what = f"not saved as often as stated: {one.intervals}"
             self.say(Remark("save_intervals", "warning", what, where=name, count=odd))
         one.odd = odd
 
@@ -438,7 +438,9 @@ class Acquisition:
         if full_in is not None and full_in < max(needed, 0.0) and full_in < 0.5 * self._warned:
             self._warned = full_in
             what = f"the disk will be full in {_long(full_in)}: {free / 1e6:,.0f} MB are free"
-            self.say(Remark("disk_filling", "warning", what, where=str(self.folder), do="Make room: it goes on"))
+            self.say(
+                Remark("disk_filling", "warning", what, where=str(self.folder), do="Free some space: recording goes on")
+            )
 
     def _disk_failed(self, error: OSError) -> None:
         what = error.strerror or str(error)
@@ -474,7 +476,11 @@ class Acquisition:
                         return
                     self._need_links()
         except InertialcalError as error:
-            self.say(Remark("sequence_ended", "error", error.problems[0].what, do="All that moves is made safe"))
+            self.say(
+                Remark(
+                    "sequence_ended", "error", error.problems[0].what, do="All that moves was brought to its safe state"
+                )
+            )
             self._make_safe()
             self._fail(error)
             return

@@ -191,7 +191,7 @@ class _Reading:
         try:
             parse_size(self.file.lab.keep_free)
         except UsageError:
-            what = f"lab.keep_free: {self.file.lab.keep_free!r} is no size"
+            what = f"lab.keep_free: {self.file.lab.keep_free!r} is not a size"
             yield Problem(what, self.at("lab", "keep_free"), do='Write it like "200 MB"', code="wrong_value")
         for name, one in self.file.instruments.items():
             where = ("instruments", name)

@@ -174,7 +174,7 @@ class Device:
         begin = self.clock.seconds()
         self.connected = False
         self.say(Remark("unplugged", "error", f"the link was lost: {why}", where=self.name,
-                        do="It is tried again until the end"))  # fmt: skip
+                        do="Check the cable: the link is tried again until the end"))  # fmt: skip
         while not self.clock.wait(AGAIN, stop):
             with self._lock:
                 self.link.close(again=True)

@@ -192,6 +192,7 @@ def _spectrum(values: Array, interval: float) -> tuple[Plain, Plain]:
     first = np.flatnonzero(np.diff(place, prepend=-1))
     count = np.diff(first, append=len(place))
     density = np.add.reduceat(found.density, first, axis=0) / count[:, None]
+    density[:, np.all(values == values[:1], axis=0)] = 0.0  # a channel that stays: what is left of its mean is rounding
     return (np.add.reduceat(found.frequency, first) / count).tolist(), _columns(np.sqrt(density))
 
 

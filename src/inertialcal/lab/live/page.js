@@ -226,7 +226,8 @@ function curves(canvas, hue, places, axis, xs, all, lows, highs) {
     const found = [], decades = [];
     for (let d = Math.floor(a); d <= Math.ceil(b); d++) { decades.push(10 ** d); for (const m of [1, 2, 5]) found.push(m * 10 ** d); }
     const inside = (list) => list.filter((one) => Math.log10(one) >= a - 1e-9 && Math.log10(one) <= b + 1e-9);
-    return inside(decades).length > 1 ? inside(decades) : inside(found);
+    const some = inside(decades), step = Math.ceil(some.length / 6);
+    return some.length > 1 ? some.filter((_, i) => i % step === 0) : inside(found);
   };
   const label = (x) => (x >= 0.01 && x < 1e4 ? String(+x.toPrecision(3)) : x.toExponential(0));
   pen.strokeStyle = colour("line");

@@ -61,7 +61,7 @@ def live_page(acquisition: Acquisition, port: int) -> Iterator[str]:
     """
     token = os.environ.get(TOKEN) or secrets.token_urlsafe(24)
     if len(token) < SHORTEST or not token.replace("-", "").replace("_", "").isalnum() or not token.isascii():
-        what = f"{TOKEN} is no token: {SHORTEST} or more letters, digits, - and _ are needed"
+        what = f"{TOKEN} is not a token: {SHORTEST} or more letters, digits, - and _ are needed"
         raise UsageError(what, do="Unset it, for a random one", code="bad_token")
     listening = _listening(port)
     config = uvicorn.Config(

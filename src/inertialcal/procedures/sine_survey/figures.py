@@ -8,8 +8,8 @@ FIGURES = (
     FigureSpec(
         "transmissibility",
         "inertialcal.report.figures.sine_survey.transmissibility",
-        "Transmissibility of {axis}: as the modes give it (line), as the tracking filter reads it (dots), and in the"
-        " survey that it is set against (dashed).",
+        "Transmissibility of {axis}: as the modes give it (line), as the tracking filter reads it (dots), and as"
+        " an earlier survey has it, where it is set against one (dashed).",
         curves={"transmissibility": "transmissibility {axis}", "transmissibility_tracked": "tracked {axis}"},
         order=520,
         top=95,

@@ -37,12 +37,14 @@ def matched(after: Array, before: Array) -> tuple[list[tuple[int, int]], list[tu
             pairs += list(zip(mine, its, strict=True))
             continue
         if not its:
-            refused += [(Reason("mode_new", "before had no mode there"), i + 1, float(after[i])) for i in mine]
+            refused += [
+                (Reason("mode_new", "the earlier survey has no mode there"), i + 1, float(after[i])) for i in mine
+            ]
             continue
         if not mine:
             for j in its:
                 extra += 1
-                refused.append((Reason("mode_lost", "it was there before, and is no more"), extra, float(before[j])))
+                refused.append((Reason("mode_lost", "it was there before and is gone"), extra, float(before[j])))
             continue
         words = ", ".join(number(float(before[j]), 4) for j in its)
         why = Reason("ambiguous", f"cannot tell which of the modes before it is: {words} Hz")

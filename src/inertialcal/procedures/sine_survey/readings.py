@@ -114,7 +114,7 @@ def _clipped(one: Shaken) -> list[Remark]:
         ends = rails_of(values)
         if ends.samples >= CLIPPED:
             what = f"recording {one.name}: {name} stays at {ends.value:.4g}, {ends.samples} samples"
-            do = "Use a wider range: a clipped channel shows less of the motion, and harmonics that are none"
+            do = "Use a wider range: a clipped channel shows less of the motion, and harmonics that are not there"
             found.append(Remark("saturated", "error", what, one.where, do=do, axis=name if name in AXES else "",
                                 subject=name, recording=one.name))  # fmt: skip
     return found

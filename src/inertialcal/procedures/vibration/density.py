@@ -52,7 +52,9 @@ def density_unit(text: str) -> DensityUnit:
     if unit and same_dimension(unit, ROOT):
         squared = normalise(f"({unit})^2")
         return DensityUnit(squared, Quantity(1.0, squared).to(DENSITY), root=True)
-    raise DataError(f"unit {text!r}: no spectral density of acceleration", do=f"Write {EXPECTED}", code="wrong_unit")
+    raise DataError(
+        f"unit {text!r} is not a spectral density of acceleration", do=f"Write {EXPECTED}", code="wrong_unit"
+    )
 
 
 def level_of(text: str) -> tuple[float, DensityUnit]:

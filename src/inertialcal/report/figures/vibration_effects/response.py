@@ -82,4 +82,4 @@ def draw(axes: Sequence[Axes], curve: Curve, title: str = "") -> None:
     set_labels(above, y=with_unit("response to 1 g", unit(curve, "gain")))
     set_labels(below, with_unit("frequency", "Hz"), with_unit("noise / at rest", unit(curve, "ratio")))
     if seen.any() and limits.any():
-        set_legend(above)
+        set_legend(below, above.get_legend_handles_labels()[0])
