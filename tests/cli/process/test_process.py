@@ -30,14 +30,6 @@ slow = pytest.mark.slow  # the default suite has one of each kind
 COMMAND = [sys.executable, "-m", "inertialcal"]
 
 
-@pytest.fixture(autouse=True, scope="module")
-def _default_signals() -> Iterator[None]:
-    """Commands take signals also where the tests are a job in the background, for which the shell ignores them."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
-
-
 @pytest.fixture(scope="module", name="campaign")
 def _campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A published campaign, which ends as INCONCLUSIVE."""
