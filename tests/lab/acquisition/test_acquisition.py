@@ -303,6 +303,10 @@ def test_what_is_shown_is_the_last_seconds_in_units(tmp_path: Path) -> None:
     assert recent.high[-1, 0] == view.rows - 1
     assert np.all(recent.low[1:, 0] == recent.high[:-1, 0] + 1)  # no sample is left out, none stands twice
     came, _ = made.samples("made", 10**6)
+    count, later, values = made.since("made", 100)
+    assert count == 100 + len(later)
+    assert np.array_equal(later, came[100:])
+    assert len(made.since("made", count)[2]) == 0
     late = came[came >= came[-1] - 5.0]
     assert view.row_rate == pytest.approx((len(late) - 1) / (late[-1] - late[0]))
     assert [(one.name, one.unit) for one in view.channels] == [("value", "deg/s")]

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from shown_lab import HOSTILE, PLAIN, RAIL, RATE, STUCK, TOP, WHITE, lively
 
-from inertialcal.lab.live.content import LiveContent, _spectrum, asked
+from inertialcal.lab.live.content import LiveContent, _spectrum, drawing
 
 
 def unpacked(data: bytes) -> tuple[float, list[tuple[float, np.ndarray, np.ndarray, np.ndarray]]]:
@@ -104,11 +104,11 @@ def test_what_it_is_told_does_not_grow(tmp_path: Path) -> None:
 @pytest.mark.parametrize("text", ["", "600", "600 ", "9 10", "2001 10", "600 0", "600 nan", "600 inf", "600 1e9",
                                   "-5 5", "1_000_000 5", "６００ ten", "a b", "600 10 10"])  # fmt: skip
 def test_what_is_not_given_is_not_asked_for(text: str) -> None:
-    assert asked(text) is None
+    assert drawing(text) is None
 
 
 def test_what_is_given() -> None:
-    assert asked("600 10") == (600, 10.0)
+    assert drawing("600 10") == (600, 10.0)
 
 
 def test_a_channel_that_stays_has_no_spectrum() -> None:

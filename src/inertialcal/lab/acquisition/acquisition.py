@@ -228,6 +228,10 @@ class Acquisition:
         """Return times [s], shape (n,), and values, shape (n, channels), of the last samples of an instrument."""
         return self._ring(name).last(count)
 
+    def since(self, name: str, first: int) -> tuple[int, Array, Array]:
+        """Return how many samples of an instrument ever came; times and values of those from number ``first`` on."""
+        return self._ring(name).since(first)
+
     def _ring(self, name: str) -> Ring:
         ring = self._watched[name].ring if name in self._watched else None
         if ring is None:

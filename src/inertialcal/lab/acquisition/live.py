@@ -133,6 +133,12 @@ class Ring:
             places = self._places(count)
             return self._seconds[places], self._values[places]
 
+    def since(self, first: int) -> tuple[int, Array, Array]:
+        """Return how many ever came; times [s] and values of those from number ``first`` on that are held."""
+        with self._lock:
+            places = self._places(max(self.count - first, 0))
+            return self.count, self._seconds[places], self._values[places]
+
     def _places(self, count: int) -> NDArray[np.int64]:
         count = min(count, self.count, self._kept)
         return (self.count - count + np.arange(count)) % self._kept

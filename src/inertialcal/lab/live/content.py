@@ -10,11 +10,13 @@ that is moved shows its motion there, not its noise.
 
 from __future__ import annotations
 
+import asyncio
 import json
 import math
 import struct
 import threading
 from collections.abc import Sequence
+from importlib.resources import files
 
 import numpy as np
 
@@ -50,10 +52,25 @@ class LiveContent:
         That runs.
     """
 
+    largest = 256
+
     def __init__(self, acquisition: Acquisition) -> None:
+        places = files(__package__)
+        self.page, self.script = (
+            places.joinpath(name).read_text(encoding="utf-8") for name in ("page.html", "page.js")
+        )
         self._acquisition = acquisition
         self._lock, self._machine = threading.Lock(), Clock()
         self._noise, self._due = "", -math.inf
+
+    async def answer(self, asked: str | bytes) -> str | bytes | None:
+        """Return the answer to what a page asks; None where it asks for what is not given."""
+        if asked == "state":
+            return self.state()
+        if asked == "noise":
+            return await asyncio.to_thread(self.noise)
+        drawn = drawing(asked) if isinstance(asked, str) else None
+        return None if drawn is None else self.traces(*drawn)
 
     def state(self) -> str:
         """Return state, instruments, step, disk and remarks, the latest first, as JSON."""
@@ -125,7 +142,7 @@ class LiveContent:
         }  # fmt: skip
 
 
-def asked(text: str) -> tuple[int, float] | None:
+def drawing(text: str) -> tuple[int, float] | None:
     """Return points and span [s] that a page asks for, ``"600 10"``; None where it asks for what is not given."""
     count, _, length = text.partition(" ")
     try:

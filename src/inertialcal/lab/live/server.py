@@ -15,8 +15,8 @@ import secrets
 import socket
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
-from importlib.resources import files
+from contextlib import AbstractContextManager, contextmanager
+from typing import Protocol
 
 import h11
 import uvicorn
@@ -32,7 +32,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from ...core.errors import UsageError
 from ..acquisition.acquisition import Acquisition
-from .content import LiveContent, asked
+from .content import LiveContent
 
 ADDRESS, HOSTS = "127.0.0.1", ["127.0.0.1", "localhost"]
 TOKEN = "INERTIALCAL_LIVE_TOKEN"  # noqa: S105 - the name of a variable
@@ -43,14 +43,31 @@ PAGES, CONNECTIONS = 8, 32  # at a time
 REFUSED = 1008  # of RFC 6455, 7.4.1: a message that violates the policy
 
 
+class Content(Protocol):
+    """What a page shows."""
+
+    page: str  # HTML, with ``{nonce}`` and ``{script}``
+    script: str
+    largest: int  # Bytes of a message of the page
+
+    async def answer(self, asked: str | bytes) -> str | bytes | None:
+        """Return the answer to what a page asks; None where it asks for what is not given."""
+        ...
+
+
+def live_page(acquisition: Acquisition, port: int) -> AbstractContextManager[str]:
+    """Give the live page of an acquisition, which may start later; else as `served`."""
+    return served(LiveContent(acquisition), port)
+
+
 @contextmanager
-def live_page(acquisition: Acquisition, port: int) -> Iterator[str]:
-    """Give the live page of an acquisition while the block runs; the address of the page, with its token, comes out.
+def served(content: Content, port: int) -> Iterator[str]:
+    """Give a page while the block runs; its address, with its token, comes out.
 
     Parameters
     ----------
-    acquisition : Acquisition
-        That is shown; it may start later.
+    content : Content
+        That is shown.
     port : int
         Of this computer; 0 for one that is free.
 
@@ -65,10 +82,11 @@ def live_page(acquisition: Acquisition, port: int) -> Iterator[str]:
         raise UsageError(what, do="Unset it, for a random one", code="bad_token")
     listening = _listening(port)
     config = uvicorn.Config(
-        _application(LiveContent(acquisition), token), http=_Patient, ws="websockets-sansio", loop="asyncio",
+        _application(content, token), http=_Patient, ws="websockets-sansio", loop="asyncio",
         lifespan="off", log_config=None, log_level="critical", access_log=False, server_header=False,
-        proxy_headers=False, ws_per_message_deflate=False, ws_max_size=256, h11_max_incomplete_event_size=LARGEST,
-        limit_concurrency=CONNECTIONS, timeout_keep_alive=2, timeout_graceful_shutdown=1,
+        proxy_headers=False, ws_per_message_deflate=False, ws_max_size=content.largest,
+        h11_max_incomplete_event_size=LARGEST, limit_concurrency=CONNECTIONS,
+        timeout_keep_alive=2, timeout_graceful_shutdown=1,
     )  # fmt: skip
     server = uvicorn.Server(config)
     thread = threading.Thread(target=server.run, args=([listening],), name="lab page", daemon=True)
@@ -127,10 +145,8 @@ class _Patient(H11Protocol):
             self._end.cancel()
 
 
-def _application(content: LiveContent, token: str) -> Starlette:
+def _application(content: Content, token: str) -> Starlette:
     """Return what answers; all that it does not know is refused as what has no token is."""
-    places = files(__package__)
-    page, script = (places.joinpath(name).read_text(encoding="utf-8") for name in ("page.html", "page.js"))
     pages = 0
 
     def allowed(one: HTTPConnection) -> bool:
@@ -138,10 +154,10 @@ def _application(content: LiveContent, token: str) -> Starlette:
 
     def shown(request: Request) -> Response:
         if not allowed(request):
-            return PlainTextResponse("open the address that acquire printed\n", 403, _headers("'none'", ""))
+            return PlainTextResponse("open the address that was printed\n", 403, _headers("'none'", ""))
         nonce = secrets.token_urlsafe(16)
         headers = _headers(f"'nonce-{nonce}'", f"; connect-src ws://{request.headers['host']}")
-        return HTMLResponse(page.replace("{nonce}", nonce).replace("{script}", script), headers=headers)
+        return HTMLResponse(content.page.replace("{nonce}", nonce).replace("{script}", content.script), headers=headers)
 
     async def told(web: WebSocket) -> None:
         nonlocal pages
@@ -151,10 +167,14 @@ def _application(content: LiveContent, token: str) -> Starlette:
         pages += 1
         try:
             await web.accept()
-            while await _answered(web, content, await web.receive_text()):
-                pass
-            await web.close(REFUSED)
-        except (WebSocketDisconnect, KeyError):  # KeyError: bytes came in place of text
+            while (message := await web.receive())["type"] == "websocket.receive":
+                text: str | None = message.get("text")
+                answer = await content.answer(message["bytes"] if text is None else text)
+                if answer is None:
+                    await web.close(REFUSED)
+                    return
+                await (web.send_text(answer) if isinstance(answer, str) else web.send_bytes(answer))
+        except WebSocketDisconnect:
             pass
         finally:
             pages -= 1
@@ -177,17 +197,4 @@ def _from_here(headers: Headers) -> bool:
     return headers.getlist("origin") == [f"http://{headers.get('host', '')}"]
 
 
-async def _answered(web: WebSocket, content: LiveContent, text: str) -> bool:
-    """Answer what the page asks; return whether it asked for what there is."""
-    if text == "state":
-        await web.send_text(content.state())
-    elif text == "noise":
-        await web.send_text(await asyncio.to_thread(content.noise))
-    elif (drawn := asked(text)) is not None:
-        await web.send_bytes(content.traces(*drawn))
-    else:
-        return False
-    return True
-
-
-__all__ = ["ADDRESS", "CONNECTIONS", "LARGEST", "PAGES", "PATIENCE", "TOKEN", "live_page"]
+__all__ = ["ADDRESS", "CONNECTIONS", "LARGEST", "PAGES", "PATIENCE", "TOKEN", "live_page", "served"]
