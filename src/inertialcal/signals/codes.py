@@ -17,6 +17,7 @@ SORTED = 100_000  # values up to which they are sorted without a look whether th
 MARKED = 2**19  # values of which each different one is marked; of more one in 2, 4, ..., that a cache holds the marks
 SURE = 1.05  # times the share of the values looked for: marks beyond it are no chance, by 6 deviations and more
 CHUNK = 2**15  # samples looked at together
+FIRST = 2**13  # samples that are sorted first: of noise, some of so many lie closer together than codes
 LEVELS = 2**24  # most levels that a converter has
 JITTER = 1000.0  # last digits of the largest value: what is closer may be one level, rounded in several ways
 OFF_STEP = 0.02  # largest distance from a whole number of steps, in steps
@@ -51,10 +52,10 @@ def resolution_of_values(values: NDArray[np.generic], finite: int | None = None)
     Those that are not finite are left out. Of a long record nothing is sorted but its levels: a set holds them, unless
     marks, one for each value, show before that they are too many. ``finite``: how many are finite, where it is known.
     """
+    if len(values) > FIRST and _finer_than_codes(values):
+        return None
     if len(values) <= SORTED:
         return resolution(levels_of(values[np.isfinite(values)]))
-    if _finer_than_codes(values):
-        return None
     finite = count(values, np.isfinite) if finite is None else finite
     most = min(int(finite / REPEATS), LEVELS) + 1
     if finite < 2 or _hardly_repeats(values, most):
@@ -67,10 +68,13 @@ def _finer_than_codes(values: NDArray[np.generic]) -> bool:
     """Return whether the first values alone lie closer together than steps of the most levels that a converter has."""
     low, high = extremes(values, infinite=False)
     with np.errstate(over="ignore", invalid="ignore"):  # as in `_step`
-        some = values[:CHUNK].astype(np.float64)
-        apart = np.diff(np.sort(some[np.isfinite(some)]))
-        apart = apart[apart > JITTER * np.spacing(max(abs(low), abs(high)))]
-        return bool(len(apart) and (high - low) / apart.min() > 2.0 * LEVELS)
+        for few in (FIRST, CHUNK):
+            some = values[:few].astype(np.float64)
+            apart = np.diff(np.sort(some[np.isfinite(some)]))
+            apart = apart[apart > JITTER * np.spacing(max(abs(low), abs(high)))]
+            if len(apart) and (high - low) / apart.min() > 2.0 * LEVELS:
+                return True
+    return False
 
 
 def _hardly_repeats(values: NDArray[np.generic], most: int) -> bool:

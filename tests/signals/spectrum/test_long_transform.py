@@ -10,9 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from inertialcal.core.estimate import Array
-from inertialcal.signals.spectrum import _kernels as kernels
+from inertialcal.signals._kernels_lanes import aligned, eight, load, store
+from inertialcal.signals.spectrum import _kernels_transform as kernels
 from inertialcal.signals.spectrum import long_transform
-from inertialcal.signals.spectrum.long_transform import Room, columns_of, folded, power_of
+from inertialcal.signals.spectrum.long_transform import Room, Steps, columns_of, folded, power_of, steps_of
+from inertialcal.statistics._kernels import compiled
 
 AGREES = 1e-11
 
@@ -26,7 +28,8 @@ def directly(x: Array, starts: list[int], weights: Array) -> Array:
 
 def test_divisors_near_the_root() -> None:
     assert [columns_of(n) for n in (2**17, 125_000, 1_250_000)] == [256, 250, 1_000]
-    assert columns_of(2**15 - 1) == 1  # short
+    assert columns_of(2**13 - 2**6) == 1  # short
+    assert columns_of(7 * 2**13) == 1  # another factor
     assert columns_of(32_771) == 1  # prime
     assert columns_of(2 * 32_771) == 1
 
@@ -34,7 +37,7 @@ def test_divisors_near_the_root() -> None:
 @settings(deadline=None, max_examples=20)
 @given(st.data())
 def test_the_power_of_real_transforms(data: st.DataObject) -> None:
-    p, q = data.draw(st.integers(32, 40)), data.draw(st.integers(41, 50))
+    p, q = data.draw(st.sampled_from([32, 36, 40])), data.draw(st.sampled_from([45, 48, 50, 54]))
     tapers, count = data.draw(st.integers(1, 3)), data.draw(st.integers(1, 5))
     rng = np.random.default_rng(data.draw(st.integers(0, 99)))
     n = p * q
@@ -44,12 +47,14 @@ def test_the_power_of_real_transforms(data: st.DataObject) -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(long_transform, "LONG", 2)
         columns_of.cache_clear()
+        steps_of.cache_clear()
         assert columns_of(n) >= 32
         rooms = list[Room]()
         shares = (starts[:2], starts[2:])  # the second in the room of the first
         found = sum(folded(power_of(x, np.array(some, dtype=np.int64), weights, rooms)) for some in shares)
         assert len(rooms) == 1
     columns_of.cache_clear()
+    steps_of.cache_clear()
     expected = directly(x, starts, weights)
     np.testing.assert_allclose(found, expected, rtol=AGREES, atol=AGREES * float(expected.max()))
 
@@ -64,11 +69,43 @@ def test_a_weak_half_of_a_spectrum_beside_a_strong_line_keeps_its_digits() -> No
     np.testing.assert_allclose(found[weak], expected[weak], rtol=1e-4)  # 1e-16 of a line that is 1e6 times stronger
 
 
-def test_kernels_without_the_compiler() -> None:
-    pair, power, plain = np.zeros((2, 6)), np.ones((2, 2)), cast("Any", kernels)
-    plain.fill_pair.py_func(
-        np.array([2.0, 3.0, 4.0, 5.0]), np.arange(4.0), np.array([1.0, 0.5]), np.array([1.0, 2.0, 3.0, 4.0]), pair
-    )
-    assert pair.tolist() == [[1.0, -0.5, 4.0, 1.0, 0.0, 0.0], [9.0, 4.5, 16.0, 10.0, 0.0, 0.0]]  # a row ends apart
-    plain.add_power.py_func(pair.view(np.complex128)[:, :2], power)
-    assert power.tolist() == [[2.25, 18.0], [1.0 + 81.0 + 20.25, 1.0 + 256.0 + 100.0]]
+def test_axes_of_one_array() -> None:
+    n, x = 2**13, np.random.default_rng(3).normal(size=(2**14, 3))
+    weights = np.hanning(n)[None]
+    for axis in range(3):
+        found, expected = (
+            folded(power_of(x[:, axis], np.array([0, n]), weights, [])),
+            directly(x[:, axis], [0, n], weights),
+        )
+        np.testing.assert_allclose(found, expected, rtol=AGREES, atol=AGREES * float(expected.max()))
+
+
+@compiled
+def worked_out(x: Array, y: Array) -> None:
+    for i in range(0, len(x), 8):
+        store(y, i, load(x, i) * load(x, i) - eight(3.0) + load(x, i))
+
+
+def test_eight_at_a_time_as_one_by_one() -> None:
+    x = np.random.default_rng(1).normal(size=32)
+    for room in (np.empty(33)[1:], aligned(32)):
+        worked_out(x, room)
+        np.testing.assert_allclose(room, x * x - 3.0 + x, rtol=0, atol=1e-15)
+    assert aligned(5).ctypes.data % 64 == 0
+
+
+def test_kernels_without_the_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
+    plain = cast("Any", kernels)
+    for name in ("_set", "_twos", "_threes", "_fours", "_fives", "transformed", "_columns", "_add_rows"):
+        monkeypatch.setattr(plain, name, getattr(plain, name).py_func)
+    p, q = 10, 12  # more than whole groups of eight
+    monkeypatch.setattr(long_transform, "columns_of", lambda n: p)
+    steps = Steps(p * q)
+    room, power, taper = Room(steps), np.zeros((q, p + 8)), np.hanning(p * q)
+    one, other = np.random.default_rng(4).normal(size=(2, p * q))
+    plain.add_power_of_pair.py_func(
+        one, other, np.array([0.5, -0.25]), taper, p, q, steps.factors, steps.turns, steps.between, room.rooms,
+        room.middle, power,
+    )  # fmt: skip
+    expected = np.abs(np.fft.fft(((one - 0.5) + 1j * (other + 0.25)) * taper)) ** 2
+    np.testing.assert_allclose(power[:, :p].ravel(), expected, rtol=AGREES, atol=AGREES * float(expected.max()))

@@ -1,4 +1,4 @@
-"""Compiled loops of transforms, and over a spectrum: arrays in, preallocated arrays out, no checks."""
+"""Compiled loops over a spectrum: arrays in, preallocated arrays out, no checks."""
 
 from __future__ import annotations
 
@@ -11,27 +11,6 @@ from ...statistics._kernels import compiled, reordered
 Whole = NDArray[np.int64]
 NONE = 1e-20  # correlation that is rounding
 PART = 2048  # frequencies whose products lie in the nearest cache
-
-
-@compiled
-def fill_pair(one: Array, other: Array, levels: Array, weights: Array, pair: Array) -> None:
-    """Fill two real signals, each less its level and weighted, as real and imaginary parts in turn, row by row."""
-    first, second, width = levels[0], levels[1], len(one) // len(pair)
-    for j in range(len(pair)):
-        row, a, b = pair[j], one[j * width : (j + 1) * width], other[j * width : (j + 1) * width]
-        taper = weights[j * width : (j + 1) * width]
-        for k in range(width):
-            row[2 * k] = (a[k] - first) * taper[k]
-            row[2 * k + 1] = (b[k] - second) * taper[k]
-
-
-@compiled
-def add_power(values: NDArray[np.complex128], power: Array) -> None:
-    """Add the squared magnitudes of complex values."""
-    for i in range(len(power)):
-        row, to = values[i], power[i]
-        for j in range(len(to)):
-            to[j] += row[j].real * row[j].real + row[j].imag * row[j].imag
 
 
 @compiled

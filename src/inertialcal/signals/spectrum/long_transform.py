@@ -4,7 +4,7 @@ A complex transform of ``a + i b`` has at k the power of a and b together, and t
 has the other sign: of a sum of powers only the mean of both is wanted, and nothing need be taken apart.
 
 A transform of n = p q values is one of p values for each of q columns, a turn of each value, and one of q values for
-each row [1]_: short transforms stay in the nearest cache, and several are made at a time.
+each row [1]_: short transforms stay in the nearest cache, and eight are made at a time.
 
 References
 ----------
@@ -17,48 +17,88 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft
 
 from ...core.batches import release
 from ...core.estimate import Array
 
 Indices = NDArray[np.int64]
 
-LONG = 2**15  # samples of a segment: a shorter one lies in the nearest cache
+LONG = 2**13  # samples of a segment: shorter ones gain less than their loops take to load
 NARROW = 32  # columns, or rows, below which the steps gain nothing
-APART = 8  # values between rows
+FACTORS = (4, 2, 3, 5)  # of a length that is transformed in steps
+APART = 8  # values between rows: 2 kB or 4 kB apart they would share lines of a cache
 
 
 @lru_cache(64)
 def columns_of(n: int) -> int:
     """Return a divisor of n near to its root, not above it; 1 where steps of it gain nothing."""
-    if n < LONG:
+    if n < LONG or not _factors(n):
         return 1
     nearest = next(one for one in range(int(np.sqrt(n)), 0, -1) if n % one == 0)
     return nearest if nearest >= NARROW else 1
 
 
+def _factors(n: int) -> list[int]:
+    """Return the factors of a length; none where it has others."""
+    found = []
+    for factor in FACTORS:
+        while n % factor == 0:
+            found.append(factor)
+            n //= factor
+    return found if n == 1 else []
+
+
+class Steps:
+    """What the transforms of a length n = p q need: factors of both steps, turns of each pass, and between them."""
+
+    def __init__(self, n: int) -> None:
+        from .._kernels_lanes import LANES, aligned  # noqa: PLC0415 - numba starts slowly
+
+        self.p = columns_of(n)
+        self.q = n // self.p
+        self.factors = np.array(_factors(self.p)), np.array(_factors(self.q))
+        self.turns = _turns(self.p), _turns(self.q)
+        column = np.minimum(np.arange(0, self.q, LANES), self.q - LANES)[:, None, None] + np.arange(LANES)
+        turned = _turned(np.arange(self.p)[:, None] * column, n)
+        self.between = aligned(2 * turned.size)
+        self.between.reshape(*turned.shape[:2], 2, LANES)[:] = np.stack((turned.real, turned.imag), axis=2)
+
+
 @lru_cache(2)
-def turns_of(n: int) -> NDArray[np.complex128]:
-    """Return exp(-2 pi i j k / n) for row j and column k of the two steps, shape (p, n / p)."""
-    p = columns_of(n)
-    product = np.arange(p)[:, None] * np.arange(n // p)
+def steps_of(n: int) -> Steps:
+    """Return the steps of a length."""
+    return Steps(n)
+
+
+def _turned(product: NDArray[np.int64], n: int) -> NDArray[np.complex128]:
     found: NDArray[np.complex128] = np.exp(-2j * np.pi / n * product)
     return found
 
 
-class Room:
-    """Room for transforms of n samples, one after the other: to touch fresh memory takes as long as a transform."""
+def _turns(n: int) -> Array:
+    """Return what each pass of a transform turns its values by, real and imaginary part in turn."""
+    found, left = [], n
+    for factor in _factors(n):
+        found.append(_turned(np.arange(left // factor)[:, None] * np.arange(1, factor), left).ravel())
+        left //= factor
+    return np.concatenate(found).view(np.float64)
 
-    def __init__(self, n: int) -> None:
-        p = columns_of(n)
-        rows = np.empty((p, n // p + APART), dtype=np.complex128)  # 8 or 16 kB apart they would share lines of a cache
-        self.pair, self.parts = rows[:, : n // p], rows.view(np.float64)
-        self.nothing = np.zeros(n)
+
+class Room:
+    """Room for transforms of one length, one after the other: to touch fresh memory takes as long as a transform."""
+
+    def __init__(self, steps: Steps) -> None:
+        from .._kernels_lanes import aligned  # noqa: PLC0415 - numba starts slowly
+        from ._kernels_transform import TOGETHER, WIDE  # noqa: PLC0415
+
+        longest = max(TOGETHER * steps.p, steps.q)
+        self.wide = steps.p + APART
+        self.rooms = aligned(WIDE * longest), aligned(WIDE * longest)
+        self.middle, self.nothing = aligned(2 * steps.q * self.wide), np.zeros(steps.p * steps.q)
 
 
 def power_of(x: Array, starts: Indices, weights: Array, rooms: list[Room]) -> Array:
-    """Return the sum of the squared magnitudes of the transforms of segments, as `folded` takes it, shape (p, n / p).
+    """Return the sum of the squared magnitudes of the transforms of segments, as `folded` takes it, shape (q, p).
 
     Parameters
     ----------
@@ -71,28 +111,30 @@ def power_of(x: Array, starts: Indices, weights: Array, rooms: list[Room]) -> Ar
     rooms : list of Room
         That other calls of segments of this length have left; this one leaves its own.
     """
-    from ._kernels import add_power, fill_pair  # noqa: PLC0415 - numba starts slowly
+    from ._kernels_transform import add_power_of_pair  # noqa: PLC0415 - numba starts slowly
 
     n = weights.shape[1]
+    steps = steps_of(n)
     try:
         room = rooms.pop()
     except IndexError:
-        room = Room(n)
-    turns, power = turns_of(n), np.zeros(room.pair.shape)
+        room = Room(steps)
+    power = np.zeros((steps.q, room.wide))
     for i in range(0, len(starts), 2):
-        two = [x[first : first + n] for first in starts[i : i + 2]]
+        two = [np.ascontiguousarray(x[first : first + n]) for first in starts[i : i + 2]]
         levels = np.array([one.mean() for one in two] + [0.0])
+        other = two[1] if len(two) > 1 else room.nothing
         for taper in weights:
-            fill_pair(two[0], two[1] if len(two) > 1 else room.nothing, levels, taper, room.parts)
-            found = fft.fft(room.pair, axis=0, overwrite_x=True)
-            found *= turns
-            add_power(fft.fft(found, axis=1, overwrite_x=True), power)
+            add_power_of_pair(
+                two[0], other, levels, taper, steps.p, steps.q, steps.factors, steps.turns, steps.between,
+                room.rooms, room.middle, power,
+            )  # fmt: skip
         release(x[starts[i] : starts[i] + n])
     rooms.append(room)
-    return power
+    return power[:, : steps.p]
 
 
 def folded(power: Array) -> Array:
     """Return sums of squared magnitudes of pairs as those of real signals, in the order of frequency, (n // 2 + 1,)."""
-    n, every = power.size, power.T.ravel()
+    n, every = power.size, power.ravel()
     return np.asarray(0.5 * (every[: n // 2 + 1] + np.append(every[0], every[: (n - 1) // 2 : -1])))

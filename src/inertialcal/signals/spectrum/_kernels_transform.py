@@ -1,0 +1,206 @@
+"""Compiled transforms, eight at a time: arrays in, preallocated arrays out, no checks.
+
+Value j of eight complex signals lies in 16 places from 16 j on: eight real parts, and eight imaginary ones. Each pass
+is of one factor of the length, and leaves the values in order [1]_: no step sorts them.
+
+References
+----------
+.. [1] W. T. Cochran et al., IEEE Trans. Audio Electroacoust. 15 (1967) 45: Stockham's ordering of the fast transform.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.estimate import Array
+from ...statistics._kernels import compiled
+from .._kernels_lanes import LANES, eight, load, store
+
+Whole = NDArray[np.int64]
+WIDE = 2 * LANES  # places of a value
+TOGETHER = 4  # groups of eight columns that are read together: lines of a cache are read whole
+HALF, HIGH = 0.5, np.sqrt(0.75)  # cosine and sine of a third
+C1, C2 = np.cos(0.4 * np.pi), np.cos(0.8 * np.pi)  # of a fifth
+S1, S2 = np.sin(0.4 * np.pi), np.sin(0.8 * np.pi)
+
+
+@compiled
+def _set(y: Array, i: int, re: Array, im: Array, turns: Array, k: int) -> None:
+    """Store values that are turned by the k-th complex number."""
+    c, s = eight(turns[2 * k]), eight(turns[2 * k + 1])
+    store(y, i, re * c - im * s)
+    store(y, i + LANES, im * c + re * s)
+
+
+@compiled
+def _twos(x: Array, y: Array, m: int, s: int, turns: Array) -> None:
+    far, to = WIDE * s * m, WIDE * s
+    for k in range(m):
+        for j in range(s * k, s * (k + 1)):
+            i, o = WIDE * j, WIDE * (j + k * s)
+            a, ai, b, bi = load(x, i), load(x, i + LANES), load(x, i + far), load(x, i + far + LANES)
+            store(y, o, a + b)
+            store(y, o + LANES, ai + bi)
+            _set(y, o + to, a - b, ai - bi, turns, k)
+
+
+@compiled
+def _threes(x: Array, y: Array, m: int, s: int, turns: Array) -> None:
+    far, to, half, high = WIDE * s * m, WIDE * s, eight(HALF), eight(HIGH)
+    for r in range(m):
+        k = 2 * r
+        for j in range(s * r, s * (r + 1)):
+            i, o = WIDE * j, WIDE * (j + k * s)
+            a, ai, b, bi = load(x, i), load(x, i + LANES), load(x, i + far), load(x, i + far + LANES)
+            c, ci = load(x, i + 2 * far), load(x, i + 2 * far + LANES)
+            t, ti, d, di = b + c, bi + ci, high * (b - c), high * (bi - ci)
+            store(y, o, a + t)
+            store(y, o + LANES, ai + ti)
+            u, ui = a - half * t, ai - half * ti
+            _set(y, o + to, u + di, ui - d, turns, k)
+            _set(y, o + 2 * to, u - di, ui + d, turns, k + 1)
+
+
+@compiled
+def _fours(x: Array, y: Array, m: int, s: int, turns: Array) -> None:
+    far, to = WIDE * s * m, WIDE * s
+    for r in range(m):
+        k = 3 * r
+        for j in range(s * r, s * (r + 1)):
+            i, o = WIDE * j, WIDE * (j + k * s)
+            a, ai, c, ci = load(x, i), load(x, i + LANES), load(x, i + 2 * far), load(x, i + 2 * far + LANES)
+            b, bi, d, di = (
+                load(x, i + far),
+                load(x, i + far + LANES),
+                load(x, i + 3 * far),
+                load(x, i + 3 * far + LANES),
+            )
+            t, ti, u, ui = a + c, ai + ci, a - c, ai - ci
+            v, vi, w, wi = b + d, bi + di, b - d, bi - di
+            store(y, o, t + v)
+            store(y, o + LANES, ti + vi)
+            _set(y, o + to, u + wi, ui - w, turns, k)
+            _set(y, o + 2 * to, t - v, ti - vi, turns, k + 1)
+            _set(y, o + 3 * to, u - wi, ui + w, turns, k + 2)
+
+
+@compiled
+def _fives(x: Array, y: Array, m: int, s: int, turns: Array) -> None:
+    far, to = WIDE * s * m, WIDE * s
+    c1, c2, s1, s2 = eight(C1), eight(C2), eight(S1), eight(S2)
+    for r in range(m):
+        k = 4 * r
+        for j in range(s * r, s * (r + 1)):
+            i, o = WIDE * j, WIDE * (j + k * s)
+            a, ai = load(x, i), load(x, i + LANES)
+            b, bi, e, ei = (
+                load(x, i + far),
+                load(x, i + far + LANES),
+                load(x, i + 4 * far),
+                load(x, i + 4 * far + LANES),
+            )
+            c, ci = load(x, i + 2 * far), load(x, i + 2 * far + LANES)
+            d, di = load(x, i + 3 * far), load(x, i + 3 * far + LANES)
+            t, ti, u, ui = b + e, bi + ei, b - e, bi - ei
+            v, vi, w, wi = c + d, ci + di, c - d, ci - di
+            store(y, o, a + t + v)
+            store(y, o + LANES, ai + ti + vi)
+            p, pi, q, qi = a + c1 * t + c2 * v, ai + c1 * ti + c2 * vi, s1 * u + s2 * w, s1 * ui + s2 * wi
+            _set(y, o + to, p + qi, pi - q, turns, k)
+            _set(y, o + 4 * to, p - qi, pi + q, turns, k + 3)
+            p, pi, q, qi = a + c2 * t + c1 * v, ai + c2 * ti + c1 * vi, s2 * u - s1 * w, s2 * ui - s1 * wi
+            _set(y, o + 2 * to, p + qi, pi - q, turns, k + 1)
+            _set(y, o + 3 * to, p - qi, pi + q, turns, k + 2)
+
+
+@compiled
+def transformed(x: Array, y: Array, factors: Whole, turns: Array) -> Array:
+    """Return the transform of eight signals of x, in x or y, whichever it ends in; both are used up.
+
+    ``turns`` holds, pass by pass, exp(-2 pi i j k / n) for j from 0 on and k from 1 to before the factor.
+    """
+    n, at = 1, 0
+    for factor in factors:
+        n *= factor
+    left = n
+    for factor in factors:
+        s = n // left
+        left //= factor
+        if factor == 2:
+            _twos(x, y, left, s, turns[at:])
+        elif factor == 3:
+            _threes(x, y, left, s, turns[at:])
+        elif factor == 4:
+            _fours(x, y, left, s, turns[at:])
+        else:
+            _fives(x, y, left, s, turns[at:])
+        at += 2 * (factor - 1) * left
+        x, y = y, x
+    return x
+
+
+@compiled
+def _columns(
+    one: Array, other: Array, levels: Array, taper: Array, p: int, q: int, factors: Whole, turns: Array,
+    between: Array, x: Array, y: Array, middle: Array, wide: int,
+) -> None:  # fmt: skip
+    """Fill the turned transforms of columns, real and imaginary parts of each in turn, ``wide`` values apart."""
+    first, second = eight(levels[0]), eight(levels[1])
+    for start in range(0, q, LANES * TOGETHER):
+        groups = min(TOGETHER, (q - start + LANES - 1) // LANES)
+        for j in range(p):
+            for g in range(groups):
+                i, o = j * q + min(start + LANES * g, q - LANES), WIDE * (g * p + j)
+                weight = load(taper, i)
+                store(x, o, (load(one, i) - first) * weight)
+                store(x, o + LANES, (load(other, i) - second) * weight)
+        for g in range(groups):
+            column = min(start + LANES * g, q - LANES)  # the last group may have columns of the one before
+            found = transformed(x[WIDE * g * p : WIDE * (g + 1) * p], y[: WIDE * p], factors, turns)
+            own = between[WIDE * p * (start // LANES + g) :]
+            for i in range(0, WIDE * p, WIDE):
+                c, s, re, im = load(own, i), load(own, i + LANES), load(found, i), load(found, i + LANES)
+                store(found, i, re * c - im * s)
+                store(found, i + LANES, im * c + re * s)
+            for lane in range(LANES):
+                o = 2 * wide * (column + lane)
+                for k in range(p):
+                    middle[o + k] = found[WIDE * k + lane]
+                    middle[o + wide + k] = found[WIDE * k + LANES + lane]
+
+
+@compiled
+def _add_rows(
+    middle: Array, wide: int, p: int, q: int, factors: Whole, turns: Array, x: Array, y: Array, power: Array
+) -> None:
+    """Add the power of the transforms of rows."""
+    for start in range(0, p, LANES):
+        row = min(start, p - LANES)
+        for j in range(q):
+            store(x, WIDE * j, load(middle, 2 * wide * j + row))
+            store(x, WIDE * j + LANES, load(middle, 2 * wide * j + wide + row))
+        found = transformed(x[: WIDE * q], y[: WIDE * q], factors, turns)
+        for k in range(q):
+            i, o = WIDE * k, wide * k + row
+            if row == start:
+                re, im = load(found, i), load(found, i + LANES)
+                store(power, o, load(power, o) + re * re + im * im)
+            else:
+                for lane in range(start - row, LANES):
+                    power[o + lane] += found[i + lane] ** 2 + found[i + LANES + lane] ** 2
+
+
+@compiled
+def add_power_of_pair(
+    one: Array, other: Array, levels: Array, taper: Array, p: int, q: int, factors: tuple[Whole, Whole],
+    turns: tuple[Array, Array], between: Array, rooms: tuple[Array, Array], middle: Array, power: Array,
+) -> None:  # fmt: skip
+    """Add the power of two real signals, each less its level and weighted, at l p + k to row l and column k.
+
+    Their p q values are transformed in two steps, p values of eight columns at a time, and q of eight rows. ``between``
+    holds what values are turned by from one to the other, as `transformed` has them, by groups of eight columns.
+    """
+    (x, y), wide = rooms, power.shape[1]
+    _columns(one, other, levels, taper, p, q, factors[0], turns[0], between, x, y, middle, wide)
+    _add_rows(middle, wide, p, q, factors[1], turns[1], x, y, power.ravel())
