@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
 from inertialcal.core.errors import DataError
-from inertialcal.core.recording import SECOND, Channel, Recording, Source
+from inertialcal.core.recording import SECOND, Channel, Digest, Recording, Source
 
 COUNTS = np.array([2047, 2048, 4095], dtype=np.int16)
 VOLTS = np.array([0.25, np.nan, 0.75])
@@ -96,3 +102,60 @@ def test_channels_that_do_not_fit_together() -> None:
 def test_time_must_be_whole_nanoseconds() -> None:
     with pytest.raises(DataError, match="time of type float64, need int64 ns"):
         Recording((Channel("x", COUNTS),), TIMES.astype(float))
+
+
+def test_a_digest_is_worked_out_once_whoever_asks() -> None:
+    worked = []
+
+    def work() -> str:
+        time.sleep(0.02)
+        worked.append(1)
+        return "ab"
+
+    digest = Digest(work)
+    with ThreadPoolExecutor(4) as threads:
+        assert set(threads.map(lambda _: digest.result(), range(8))) == {"ab"}
+    assert worked == [1]
+
+
+def test_the_error_of_a_digest_is_raised_each_time_it_is_asked_for() -> None:
+    source = Source("a.csv", Digest(lambda: str(1 // 0)))
+    for _ in range(2):
+        with pytest.raises(ZeroDivisionError):
+            assert source.sha256
+
+
+def test_a_digest_is_there_without_threads(monkeypatch: pytest.MonkeyPatch) -> None:
+    def none_left(work: object, given: object) -> None:
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr("_thread.start_new_thread", none_left)
+    assert Source("a.csv", Digest(lambda: "ab")).sha256 == "ab"
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no process becomes two here")
+def test_a_process_becomes_two_when_no_thread_works_on_a_digest() -> None:
+    def slow() -> str:
+        time.sleep(0.1)
+        return "ab"
+
+    source = Source("a.csv", digest := Digest(slow))
+    digest.begin()
+    child = os.fork()
+    if not child:
+        os._exit(0 if source.sha256 == "ab" else 1)
+    assert os.waitpid(child, 0)[1] == 0
+
+
+ENDING = """
+import atexit, time
+done = []
+atexit.register(lambda: print(done))
+from inertialcal.core.recording import Digest
+Digest(lambda: time.sleep(0.3) or done.append(1) or "ab").begin()
+"""
+
+
+def test_a_process_does_not_end_while_a_thread_works_on_a_digest() -> None:
+    ended = subprocess.run([sys.executable, "-c", ENDING], check=True, capture_output=True, text=True)
+    assert (ended.stdout, ended.stderr) == ("[1]\n", "")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import gzip
 import hashlib
 import os
@@ -16,9 +17,10 @@ from hypothesis import strategies as st
 
 from inertialcal.core import batches
 from inertialcal.core.errors import DataError
+from inertialcal.core.recording import Digest, Source
 from inertialcal.files import read
 from inertialcal.files.budget import max_memory
-from inertialcal.files.source import FileBytes, load, settled
+from inertialcal.files.source import FileBytes, Loaded, load, settled
 
 
 def refused(path: Path | str) -> tuple[str, str]:
@@ -127,6 +129,51 @@ def test_a_long_file_that_changes_while_it_is_read_is_refused(tmp_path: Path, mo
         path.write_bytes(content)
         with pytest.raises(DataError, match="changed while it was read"):
             settled(loaded, may_grow=True)
+
+
+def test_a_hash_that_nobody_waits_for_is_that_of_what_was_read(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    content = b"time_s,x [V]\n" + b"".join(b"%d,%d.5\n" % (i, i % 7) for i in range(50_000))
+    path.write_bytes(content)
+    found = read(path)
+    path.write_bytes(content.replace(b".5", b".7"))
+    assert found.source.sha256 == hashlib.sha256(content).hexdigest()
+    assert found.source == copy.deepcopy(found.source)
+
+
+def in_place(path: Path, monkeypatch: pytest.MonkeyPatch) -> Loaded:
+    """Return a Parquet file that stays where it is: only what it begins with matters here."""
+    path.write_bytes(b"PAR1" + bytes(1000))
+    monkeypatch.setattr(batches, "HELD", 2**7)
+    return load(path, in_place=True)
+
+
+def test_a_file_in_place_that_changes_before_it_is_hashed_has_no_hash(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "a.parquet"
+    loaded = in_place(path, monkeypatch)
+    with monkeypatch.context() as patch:
+        patch.setattr(Digest, "begin", lambda self: None)  # a thread that the machine has no time for
+        hashed, remarks = settled(loaded)
+    assert (type(hashed), remarks) == (Digest, ())
+    source = Source(str(path), hashed)
+    path.write_bytes(b"PAR1" + bytes(999) + b"1")
+    for _ in range(2):  # whoever asks for it is told
+        with pytest.raises(DataError, match="changed before it was hashed") as caught:
+            print(source.sha256)
+        assert [(one.where, one.code) for one in caught.value.problems] == [(str(path), "input_changed")]
+
+
+def test_a_file_in_place_that_changed_while_it_was_read_is_refused_whoever_hashes_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "a.parquet"
+    loaded = in_place(path, monkeypatch)
+    path.write_bytes(b"PAR1" + bytes(999) + b"1")
+    with pytest.raises(DataError, match="changed while it was read"):
+        settled(loaded)
+    assert settled(in_place(path, monkeypatch))[1] == ()
 
 
 def test_a_log_that_is_still_written_is_read_to_its_last_whole_row(

@@ -39,6 +39,7 @@ class Work:
     peer: Callable[[], Any] | float  # or what is allowed
     moved: int = 0  # bytes that must be read or written at least, by any program; 0: not told
     unit: str = "s"  # "s": ``own`` is timed; else ``own`` returns the amount
+    rest: Callable[[], object] = lambda: None  # done after ``own``, not timed: what it left to threads
 
 
 @dataclass(frozen=True)
@@ -114,6 +115,7 @@ def _rounds(work: Work, clock: Callable[[], float]) -> Iterator[tuple[float, flo
     spent, done = 0.0, 0
     while done < FEWEST or (done < MOST and spent < ENOUGH):
         own = seconds(work.own, clock) if work.unit == "s" else float(work.own())
+        work.rest()
         peer = seconds(work.peer, clock) if callable(work.peer) else work.peer
         yield own, peer
         done += 1

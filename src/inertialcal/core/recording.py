@@ -8,9 +8,13 @@ are different Recordings. Channels keep the type they were stored in: counts sta
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import _thread
+import atexit
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,14 +47,91 @@ class Channel:
     quantity: str = ""
 
 
+class Digest:
+    """A SHA-256 that a thread works out: who asks for it waits until it is there, and gets the error if there was one.
+
+    A process neither ends nor becomes two while a thread works on one.
+
+    Parameters
+    ----------
+    work : callable
+        Returns it.
+    """
+
+    _pending: ClassVar[set[Digest]] = set()
+
+    def __init__(self, work: Callable[[], str]) -> None:
+        self._left = [work]  # until it begins
+        self._found: Future[str] = Future()
+
+    def begin(self) -> None:
+        """Let a thread begin, where none has.
+
+        A thread of the library waits until the new one runs, which on a busy machine takes as long as its work.
+        """
+        try:
+            work = self._left.pop()
+        except IndexError:
+            return
+        self._pending.add(self)
+        try:
+            _thread.start_new_thread(self._run, (work,))
+        except RuntimeError:  # no more threads
+            self._run(work)
+
+    def _run(self, work: Callable[[], str]) -> None:
+        try:
+            self._found.set_result(work())
+        except BaseException as error:
+            self._found.set_exception(error)
+        finally:
+            self._pending.discard(self)
+
+    def result(self) -> str:
+        """Return it; Raises what working it out raised."""
+        self.begin()
+        return self._found.result()
+
+    @classmethod
+    def finish(cls) -> None:
+        """Wait for all that threads work on."""
+        for one in tuple(cls._pending):
+            one._found.exception()
+
+
+atexit.register(Digest.finish)
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(before=Digest.finish)
+
+
+class _Sha256:
+    """A field that holds a SHA-256 or who works it out, and gives the SHA-256."""
+
+    def __get__(self, source: Source | None, kind: type[Source]) -> str:
+        if source is None:
+            return ""  # the default
+        held: str | Digest = vars(source)["sha256"]
+        return held if isinstance(held, str) else held.result()
+
+    def __set__(self, source: Source, value: str | Digest) -> None:
+        vars(source)["sha256"] = value
+
+
 @dataclass(frozen=True)
 class Source:
-    """Where a recording was read from: path as given, SHA-256 of its bytes, format in words, name of the reader."""
+    """Where a recording was read from: path as given, SHA-256 of its bytes, format in words, name of the reader.
+
+    The SHA-256 may be a `Digest`: it is waited for when it is first asked for.
+    """
 
     path: str = ""
-    sha256: str = ""
+    sha256: _Sha256 = _Sha256()
     format: str = ""
     reader: str = ""
+
+    def __getstate__(self) -> dict[str, str]:
+        """Return the fields, for a copy in another process."""
+        return vars(self) | {"sha256": self.sha256}
 
 
 @dataclass(frozen=True, eq=False)

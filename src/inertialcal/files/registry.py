@@ -102,7 +102,7 @@ def read_recording(path: str | Path, request: Request, parsed: Parsed | None = N
         required=request.required,
         dates=request.dates,
     )
-    if loaded is not None:  # units and clock were found while a thread hashed the file
+    if loaded is not None:  # nobody waits for the hash of what is in memory
         digest, remarks = settled(loaded, may_grow=source.reader in GROWING)
         source = replace(source, sha256=digest)
         recording = replace(recording, source=source, remarks=(*recording.remarks, *remarks))

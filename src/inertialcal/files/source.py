@@ -6,7 +6,6 @@ one may stay where it is, for a reader that takes it piece by piece (`FileBytes`
 
 from __future__ import annotations
 
-import _thread
 import hashlib
 import io
 import os
@@ -14,19 +13,20 @@ import shlex
 import stat
 import warnings
 import zlib
-from collections.abc import Callable, Iterator
-from concurrent.futures import Future
+from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO, cast, overload
 
 from ..core import batches
 from ..core.errors import DataError, InertialcalError, Problem, UsageError
+from ..core.recording import Digest
 from ..core.remarks import Remark
 from .budget import DOCUMENT, check_count, claim
 
-AT_ONCE = 2**20  # bytes that are hashed at once; more of them by a thread
+AT_ONCE = 2**17  # bytes that are hashed at once; more of them by a thread
+CACHED = 2**29  # bytes of a file in place that a system still holds when it was read: hashed then, else meanwhile
 CHUNK = 2**22  # bytes that are unpacked at once
 HASHED = 2**18  # bytes of a file in place that are hashed at once: a cache holds them
 SHORT = 2**24  # bytes of a file that is read whole, whatever its reader can: one reading for all that look at it
@@ -47,7 +47,7 @@ class Loaded:
 
     path: str  # As given
     data: bytes  # Unpacked; of a file that stays in place, `FileBytes`
-    hashed: str | Future[str]  # SHA-256 of the bytes of the file as it lies there, packed or not; or who works it out
+    hashed: str | Digest  # SHA-256 of the bytes of the file as it lies there, packed or not; or who works it out
     packed: bool = False  # Whether it was gzip
     size: int = 0  # Bytes of the file as it lies there
 
@@ -99,7 +99,7 @@ def load(path: str | os.PathLike[str], *, document: bool = False, in_place: bool
     if in_place and (long := _in_place(path)) is not None:
         return long
     raw = read_bytes(path)
-    hashed = _hash(raw) if len(raw) <= AT_ONCE else _meanwhile(lambda: _hash(raw))
+    hashed = _hash(raw) if len(raw) <= AT_ONCE else Digest(lambda: _hash(raw))
     packed = raw.startswith(GZIP)
     data = _unpack(raw, name) if packed else raw
     if not data:
@@ -111,23 +111,6 @@ def load(path: str | os.PathLike[str], *, document: bool = False, in_place: bool
 
 def _hash(raw: bytes) -> str:
     return hashlib.sha256(raw).hexdigest()
-
-
-def _meanwhile(work: Callable[[], str]) -> Future[str]:
-    """Return what a thread works out while the file is read.
-
-    A thread of the library waits until the new one runs, which on a busy machine takes as long as its work.
-    """
-    result: Future[str] = Future()
-
-    def run() -> None:
-        try:
-            result.set_result(work())
-        except BaseException as error:
-            result.set_exception(error)
-
-    _thread.start_new_thread(run, ())
-    return result
 
 
 def whole(loaded: Loaded) -> Loaded:
@@ -219,8 +202,11 @@ def _stamps(about: os.stat_result) -> tuple[int, ...]:
     return about.st_dev, about.st_ino, about.st_size, about.st_mtime_ns, about.st_ctime_ns
 
 
-def settled(loaded: Loaded, *, may_grow: bool = False) -> tuple[str, tuple[Remark, ...]]:
-    """Return the SHA-256 of what was read of a file, and a remark where it was written on meanwhile.
+def settled(loaded: Loaded, *, may_grow: bool = False) -> tuple[str | Digest, tuple[Remark, ...]]:
+    """Return the SHA-256 of what was read of a file, or who works it out, and a remark where it was written on.
+
+    What can be worked out from now on as well is not waited for: of bytes in memory, and of a file in place that is
+    looked at once more then.
 
     ``may_grow``: whether its reader takes nothing behind what the file was when it was opened.
 
@@ -229,13 +215,23 @@ def settled(loaded: Loaded, *, may_grow: bool = False) -> tuple[str, tuple[Remar
     DataError
         ``input_changed``, if it stayed in place, and what was read of it is no longer there.
     """
-    digest = loaded.sha256
-    if not isinstance(loaded.data, FileBytes) or loaded.data.is_unchanged():
-        return digest, ()
-    if not (may_grow and loaded.data.has_grown(digest)):
-        raise DataError(changed_input(loaded.path))
-    what = f"the file was written on while it was read: its first {len(loaded.data):,} bytes were taken"
-    return digest, (Remark("still_written", "warning", what, loaded.path, do="Read it again when it is complete"),)
+    hashed = loaded.hashed
+    if isinstance(loaded.data, FileBytes):
+        hashed = hashed if _is_late(loaded.data) else loaded.sha256
+        if not loaded.data.is_unchanged():
+            if not (may_grow and loaded.data.has_grown(loaded.sha256)):
+                raise DataError(changed_input(loaded.path))
+            what = f"the file was written on while it was read: its first {len(loaded.data):,} bytes were taken"
+            do = "Read it again when it is complete"
+            return loaded.sha256, (Remark("still_written", "warning", what, loaded.path, do=do),)
+    if isinstance(hashed, Digest):
+        hashed.begin()
+    return hashed, ()
+
+
+def _is_late(data: FileBytes) -> bool:
+    """Whether a file in place is hashed after it was read: its library reads it with all that the machine has."""
+    return len(data) <= CACHED and data.startswith(SOUGHT)
 
 
 def changed_input(path: str, what: str = "the file changed while it was read") -> Problem:
@@ -256,7 +252,19 @@ def _in_place(path: str | os.PathLike[str]) -> Loaded | None:
         same = FileBytes(path, len(data))  # its place in the file is its own
     except (OSError, ValueError):  # said where it is read whole
         return None
-    return Loaded(str(path), cast("bytes", data), _meanwhile(same.sha256), False, len(data))
+    late = _is_late(data)
+
+    def digest() -> str:
+        found = same.sha256()
+        if late and not data.is_unchanged():
+            what, why = "the file changed before it was hashed", "its hash would not be that of what was read"
+            raise DataError(replace(changed_input(str(path), what), why=why))
+        return found
+
+    hashed = Digest(digest)
+    if not late:
+        hashed.begin()
+    return Loaded(str(path), cast("bytes", data), hashed, False, len(data))
 
 
 def read_bytes(path: str | os.PathLike[str], most: int | None = None) -> bytes:

@@ -243,8 +243,8 @@ def _header(data: bytes, at: int) -> tuple[_Page, int]:
     head = data[at : at + HEADER]
     usual = USUAL.match(head)
     if usual:
-        size, packed, values, encoding = (_signed(one) for one in usual.groups())
-        return _Page(size, packed, values, encoding), at + usual.end()
+        size, packed, values, encoding = usual.groups()
+        return _Page(_signed(size), _signed(packed), _signed(values), _signed(encoding)), at + usual.end()
     try:
         fields, length = _struct(head, 0)
     except IndexError:  # it is longer
@@ -258,9 +258,10 @@ def _header(data: bytes, at: int) -> tuple[_Page, int]:
 
 def _signed(varint: bytes) -> int:
     """Return the number that a zigzag varint of Thrift means."""
-    value = 0
-    for k, byte in enumerate(varint):
-        value |= (byte & 0x7F) << 7 * k
+    raw = int.from_bytes(varint, "little")  # five bytes at most
+    value = raw & 0x7F
+    if raw > 0x7F:
+        value |= raw >> 1 & 0x3F80 | raw >> 2 & 0x1FC000 | raw >> 3 & 0xFE00000 | raw >> 4 & 0x7F0000000
     return (value >> 1) ^ -(value & 1)
 
 

@@ -53,7 +53,8 @@ def read_folder(path: str | Path, request: Request) -> Recording | None:
             bags.append(bag_in_sqlite(place, loaded) if place else bag_of(loaded))
         content = content_of(_joined(bags, str(path)), list(request.topics or ()) or None)
         for loaded in held:
-            digest.update(bytes.fromhex(settled(loaded)[0]))
+            settled(loaded)
+            digest.update(bytes.fromhex(loaded.sha256))
     source = Source(str(path), digest.hexdigest(), content.format, "rosbag2")
     recording = assemble(
         content, source, units=request.units, sample_rate=request.sample_rate, time_column=request.time_column,

@@ -291,6 +291,9 @@ def _score(table: Table, decimal: Decimal) -> tuple[float, bool, float]:
     # The first line may be a header, which must fit in width but holds no number.
     rows = [i for i in alike if i] or alike
     filled = text = 0
+    every = [cell for i in rows for cell in table[i][:CELLS]]
+    if _are_numbers(every, decimal):
+        filled, rows = len(every), []
     for i in rows:
         cells = table[i][:CELLS]
         if _are_numbers(cells, decimal):
