@@ -41,6 +41,11 @@ def store(a: Array, i: int, values: Array) -> None:
     a[i : i + LANES] = values
 
 
+def times(a: Array, b: Array) -> Array:
+    """Return the product of eight and eight, rounded by itself whatever is done with it."""
+    return a * b
+
+
 def aligned(n: int) -> Array:
     """Return room for n doubles that starts on a line of a cache."""
     room = np.empty(n + LANES)
@@ -105,6 +110,14 @@ def _load(context: Any, a: Any, i: Any) -> Any:
 
 
 @intrinsic
+def _times(context: Any, a: Any, b: Any) -> Any:
+    def lower(context: Any, builder: Any, kinds: Any, args: Any) -> Any:
+        return builder.fmul(*args)
+
+    return signature(_eight, _eight, _eight), lower
+
+
+@intrinsic
 def _store(context: Any, a: Any, i: Any, values: Any) -> Any:
     def lower(context: Any, builder: Any, kinds: Any, args: Any) -> Any:
         builder.store(args[2], _place(context, builder, kinds.args[0], *args[:2]), align=a.dtype.bitwidth // 8)
@@ -115,4 +128,5 @@ def _store(context: Any, a: Any, i: Any, values: Any) -> Any:
 
 overload(eight)(lambda x: lambda x: _spread(x))  # noqa: PLW0108 - an intrinsic is no function
 overload(load)(lambda a, i: lambda a, i: _load(a, i))  # noqa: PLW0108 - an intrinsic is no function
+overload(times)(lambda a, b: lambda a, b: _times(a, b))  # noqa: PLW0108 - an intrinsic is no function
 overload(store)(lambda a, i, values: lambda a, i, values: _store(a, i, values))  # noqa: PLW0108 - an intrinsic is no function

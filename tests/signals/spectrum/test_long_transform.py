@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from inertialcal.core.estimate import Array
-from inertialcal.signals._kernels_lanes import aligned, eight, load, store
+from inertialcal.signals._kernels_lanes import aligned, eight, load, store, times
 from inertialcal.signals.spectrum import _kernels_transform as kernels
 from inertialcal.signals.spectrum import long_transform
 from inertialcal.signals.spectrum.long_transform import Room, Steps, columns_of, folded, power_of, steps_of
@@ -86,11 +86,19 @@ def worked_out(x: Array, y: Array) -> None:
         store(y, i, load(x, i) * load(x, i) - eight(3.0) + load(x, i))
 
 
+@compiled
+def apart(x: Array, y: Array) -> None:
+    for i in range(0, len(x), 8):
+        store(y, i, load(x, i) + times(load(x, i), load(x, i)))
+
+
 def test_eight_at_a_time_as_one_by_one() -> None:
     x = np.random.default_rng(1).normal(size=32)
     for room in (np.empty(33)[1:], aligned(32)):
         worked_out(x, room)
         np.testing.assert_allclose(room, x * x - 3.0 + x, rtol=0, atol=1e-15)
+        apart(x, room)
+        assert room.tolist() == (x + x * x).tolist()  # to the last bit
     assert aligned(5).ctypes.data % 64 == 0
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...core.estimate import Array
+from ...signals._kernels_lanes import LANES, eight, load, store, times
 from ...statistics._kernels import compiled, inlined
 
 MOST_STEPS, MOST_PIVOTS = 60, 100  # of Fisher scoring, of its equations
@@ -50,6 +51,29 @@ def nonnegative(A: Array, b: Array, held: int, T: Array, x: Array) -> None:
 
 
 @compiled
+def _fill_equations(rows: Array, weighted: Array, rest: Array, A: Array, b: Array) -> None:
+    """Fill D' W D and D' W rest, where D (``rows``) and W D have their columns filled up to whole eights."""
+    wide, k = len(b), len(rest)
+    for j in range(0, wide, LANES):
+        total = eight(0.0)
+        for t in range(k):
+            total = total + times(load(weighted, t * wide + j), eight(rest[t]))
+        store(b, j, total)
+        for i in range(0, wide, 4):  # a sum waits for the one before it: four go side by side
+            one, two, three, four = eight(0.0), eight(0.0), eight(0.0), eight(0.0)
+            for t in range(k):
+                row, at = load(rows, t * wide + j), t * wide + i
+                one = one + times(eight(weighted[at]), row)
+                two = two + times(eight(weighted[at + 1]), row)
+                three = three + times(eight(weighted[at + 2]), row)
+                four = four + times(eight(weighted[at + 3]), row)
+            store(A, i * wide + j, one)
+            store(A, (i + 1) * wide + j, two)
+            store(A, (i + 2) * wide + j, three)
+            store(A, (i + 3) * wide + j, four)
+
+
+@compiled
 def scored(D: Array, s: Array, w: Array, held: int, value: float, v: Array, warm: bool) -> float:
     """Fill v >= 0 of least cost for mu = D v, v[held] at its value (held -1 for none); return the cost.
 
@@ -57,7 +81,13 @@ def scored(D: Array, s: Array, w: Array, held: int, value: float, v: Array, warm
     v where warm, else from the data.
     """
     k, p = D.shape
-    A, T, b, new, mu = np.empty((p, p)), np.empty((p, p + 1)), np.empty(p), np.empty(p), np.empty(k)
+    wide, long = -(-p // LANES) * LANES, -(-k // LANES) * LANES
+    A, T, b, new, mu = np.empty((wide, wide)), np.empty((p, p + 1)), np.empty(wide), np.empty(p), np.empty(long)
+    rows, weighted, columns, rest = np.zeros(k * wide), np.zeros(k * wide), np.zeros(p * long), np.empty(k)
+    for t in range(k):
+        for i in range(p):
+            rows[t * wide + i] = columns[i * long + t] = D[t, i]
+        rest[t] = s[t] - (value * D[t, held] if held >= 0 else 0.0)
     if held >= 0:
         v[held] = value
     for t in range(k):
@@ -70,31 +100,25 @@ def scored(D: Array, s: Array, w: Array, held: int, value: float, v: Array, warm
             mu[t] = s[t]
     cost = np.inf
     for _ in range(MOST_STEPS):
-        for i in range(p):
-            b[i] = 0.0
-            for j in range(p):
-                A[i, j] = 0.0
         for t in range(k):
-            weight = w[t] / (mu[t] * mu[t])
-            rest = s[t] - (value * D[t, held] if held >= 0 else 0.0)
-            for i in range(p):
-                weighted = weight * D[t, i]
-                b[i] += weighted * rest
-                for j in range(p):
-                    A[i, j] += weighted * D[t, j]
-        nonnegative(A, b, held, T, new)
+            weight = eight(w[t] / (mu[t] * mu[t]))
+            for i in range(t * wide, (t + 1) * wide, LANES):
+                store(weighted, i, times(weight, load(rows, i)))
+        _fill_equations(rows, weighted, rest, A.ravel(), b)
+        nonnegative(A, b[:p], held, T, new)
         if held >= 0:
             new[held] = value
         step, trial = 2.0, np.inf
         while not trial < cost and step > SHORTEST_STEP:
             step *= 0.5
+            for t in range(0, k, LANES):
+                mean = eight(0.0)
+                for i in range(p):
+                    mean = mean + times(load(columns, i * long + t), eight(v[i] + step * (new[i] - v[i])))
+                store(mu, t, mean)
             trial = 0.0
             for t in range(k):
-                mean = 0.0
-                for i in range(p):
-                    mean += D[t, i] * (v[i] + step * (new[i] - v[i]))
-                trial += w[t] * (np.log(mean) + s[t] / mean) if mean > 0.0 else np.inf
-                mu[t] = mean
+                trial += w[t] * (np.log(mu[t]) + s[t] / mu[t]) if mu[t] > 0.0 else np.inf
         if not trial < cost:
             break
         for i in range(p):

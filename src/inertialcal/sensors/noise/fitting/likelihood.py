@@ -26,6 +26,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from inspect import unwrap
 
 import numpy as np
@@ -65,17 +66,15 @@ def estimate(
     within: tuple[float, float] | None = None,
 ) -> Fitted:
     """Return the least cost of a choice of terms; lines are always part of it."""
-    at = _columns(problem, wanted)
-    D = np.ascontiguousarray(problem.columns[:, [i for i in at if i < len(problem.names)]])
+    at, D = _design(problem, tuple(wanted))
     powers = np.zeros(len(at))
     args = problem.variance, problem.weight, at.index(held) if held >= 0 else -1, value, powers
     if GAUSS_MARKOV not in wanted:
         position, cost = 0.0, scored(D, *args, False)
     else:
-        D = np.column_stack([D, np.zeros(len(D))])
         lo, hi = (0.0, len(problem.table) - 1.0) if within is None else within
         search = searched if next(_searches) >= FEW else unwrap(searched)
-        position, cost = search(D, problem.table, lo, hi, SPACINGS[: 1 + looks if hi > lo else 1], *args)
+        position, cost = search(D.copy(), problem.table, lo, hi, SPACINGS[: 1 + looks if hi > lo else 1], *args)
     every = np.zeros(len(problem.names) + 1)
     every[at] = powers
     return Fitted(every, position, cost)
@@ -86,11 +85,15 @@ def estimate_at(problem: Problem, wanted: Sequence[str], position: float) -> Fit
     return estimate(problem, wanted, within=(position, position))
 
 
-def _columns(problem: Problem, wanted: Sequence[str]) -> list[int]:
-    """Columns of the terms, Gauss-Markov noise last."""
+@lru_cache(64)  # a fit asks for the same again and again
+def _design(problem: Problem, wanted: tuple[str, ...]) -> tuple[list[int], Array]:
+    """Return places of the terms, and their columns, not to be changed; Gauss-Markov noise last, its column empty."""
     first = len(problem.names) - len(problem.lines)
     at = [i for i, name in enumerate(problem.names) if name in wanted or i >= first]
-    return [*at, len(problem.names)] if GAUSS_MARKOV in wanted else at
+    D = problem.columns[:, at]
+    if GAUSS_MARKOV in wanted:
+        return [*at, len(problem.names)], np.column_stack([D, np.zeros(len(D))])
+    return at, np.ascontiguousarray(D)
 
 
 def column_at(problem: Problem, position: float) -> Array:
