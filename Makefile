@@ -12,7 +12,7 @@ PINNED := $(PIP) --no-deps --require-hashes -r
 # Compiled modules are kept: the next process, and every command that a test starts, need not compile them again.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo test slow oldest newest long coverage power mutants fuzz torture lab gate check bench validation docs release keep pins clean
+.PHONY: demo test slow oldest newest long coverage power mutants fuzz torture lab lab-speed gate check bench validation docs release keep pins clean
 
 demo: $(INSTALLED)  ## a simulated suite of rate sensors: built, run, scored
 	$(BIN)/inertialcal demo
@@ -62,6 +62,9 @@ torture: $(READY)  ## 5,000 commands on mutated inputs, kills at every file-syst
 
 lab: $(READY)  ## 1,000 kills and 1,000 losses of power of a recording, in slices: RESUME=--resume goes on
 	PYTHONPATH=tests/lab $(BIN)/python tests/lab/lab_replays.py 1000 $(RESUME)
+
+lab-speed: $(READY)  ## what the live page costs, and how late it is: 12 channels at 1 kHz, in chromium, a minute
+	PYTHONPATH=tests/lab:tests/lab/live OMP_NUM_THREADS=1 $(BIN)/python tests/lab/live/live_speed.py 20
 
 gate: export OMP_NUM_THREADS := 1
 gate: $(READY)  ## every fault in 60 cases, 900 clean records, about an hour: RESUME=--resume goes on

@@ -835,6 +835,12 @@ LAB = (
         "has suite.parquet",
     ),
     Case(
+        "Start it, then type this again: inertialcal acquire LAB.toml -o {}",
+        "live lab_watched",
+        "acquire LAB.toml -o lab_watched",
+        "has suite.parquet",
+    ),
+    Case(
         "Make room, then type: inertialcal acquire --seal {}",
         "acquire FULL.toml -o lab_full",
         "acquire --seal lab_full",

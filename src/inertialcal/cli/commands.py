@@ -30,7 +30,7 @@ VERBS = {
     "show": "verbs.models", "compensate": "verbs.models", "convert": "verbs.models", "export": "verbs.models",
     "budget": "verbs.campaigns", "compare": "verbs.models", "simulate": "verbs.twins", "score": "verbs.twins",
     "programme-1969": "verbs.programme1969", "filter": "verbs.filters", "certificate": "verbs.certificate",
-    "vibration profile": "verbs.vibration_profile", "acquire": "verbs.acquire",
+    "vibration profile": "verbs.vibration_profile", "acquire": "verbs.acquire", "live": "verbs.live",
 }  # fmt: skip
 NO_FIGURES = (
     "info",
@@ -46,6 +46,7 @@ NO_FIGURES = (
     "score",
     "certificate",
     "acquire",
+    "live",
 )
 READ_NOTHING = ("demo", "simulate")  # commands that read no file of a user
 Built = TyperCommand | TyperGroup
@@ -86,6 +87,7 @@ EXAMPLES = {  # word of a verb -> what may follow it, for its help
         'run1.csv --column pulses --period "480 s" --amplitude "23 ng" --wrong 41 -o run1',
     ),
     "acquire": ("LAB.toml -o recorded", "--seal recorded"),
+    "live": ("recorded", "recorded --port 0"),
     "vibration profile": ("table01.csv -o profile.svg", "table01.csv --band 20..100"),
     "filter": (
         "inertialcal-demo rest.csv",

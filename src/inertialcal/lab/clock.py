@@ -52,8 +52,11 @@ class Clock:
 
     def wait(self, seconds: float, stop: threading.Event | None = None) -> bool:
         """Wait so many seconds of the clock, or until ``stop`` is set; return whether it is."""
-        return (stop or threading.Event()).wait(self.real(seconds))
+        if stop is not None:
+            return stop.wait(self.real(seconds))
+        time.sleep(self.real(seconds))
+        return False
 
-    def pause(self, stop: threading.Event | None = None) -> bool:
-        """Wait a millisecond of the machine, whatever the speed: for another process or thread to go on."""
-        return (stop or threading.Event()).wait(0.001)
+    def pause(self, stop: threading.Event | None = None, many: int = 1) -> bool:
+        """Wait so many milliseconds of the machine, whatever the speed: for another process or thread to go on."""
+        return self.wait(0.001 * many * self.speed, stop)

@@ -297,11 +297,14 @@ def test_what_is_shown_is_the_last_seconds_in_units(tmp_path: Path) -> None:
     (view,) = made.view().instruments
     assert values[:, 0].tolist() == list(range(view.rows - 50, view.rows))
     assert np.all(np.diff(seconds) >= 0)
-    recent = made.recent("made", span=10.0, points=20)
-    assert 15 <= len(recent.seconds) <= 21
+    recent = made.recent("made", 0.5, -20)
+    assert 15 <= len(recent.parts) <= 20
     assert np.all(recent.high >= recent.low)
     assert recent.high[-1, 0] == view.rows - 1
     assert np.all(recent.low[1:, 0] == recent.high[:-1, 0] + 1)  # no sample is left out, none stands twice
+    again = made.recent("made", 0.5, int(recent.parts[-3]))
+    np.testing.assert_array_equal(again.parts, recent.parts[-3:])
+    np.testing.assert_array_equal(again.low, recent.low[-3:])
     came, _ = made.samples("made", 10**6)
     count, later, values = made.since("made", 100)
     assert count == 100 + len(later)

@@ -16,7 +16,7 @@ from ..shown.screen import folded, say
 
 if TYPE_CHECKING:
     from ...lab.acquisition.acquisition import Acquisition
-    from ...lab.acquisition.live import View
+    from ...lab.acquisition.live import Shown, View
     from ...lab.acquisition.seal import Summary
 
 LOOK = 0.2  # [s] between two looks at it
@@ -69,7 +69,7 @@ def _record(lab: Path | None, output: Path, port: int | None, quiet: bool) -> No
 
     acquisition = Acquisition(load_lab(str(lab)), output)
     machine = Clock()
-    with interruption.held(), _page(acquisition, port) as page:
+    with interruption.held(), nullcontext("") if port is None else page_of(acquisition, port) as page:
         acquisition.start()
         if page:
             print(f"live: {page}", file=sys.stderr, flush=True)
@@ -83,18 +83,16 @@ def _record(lab: Path | None, output: Path, port: int | None, quiet: bool) -> No
         interruption.accept()
 
 
-def _page(acquisition: Acquisition, port: int | None) -> AbstractContextManager[str]:
-    """Return what gives the live page, and its address; an empty one without a port."""
+def page_of(shown: Shown, port: int) -> AbstractContextManager[str]:
+    """Return what gives the live page of an acquisition, and its address."""
     from ...core.errors import UsageError
 
-    if port is None:
-        return nullcontext("")
     try:
         from ...lab.live.server import live_page
     except ImportError as error:
         what = f"the live page needs the package {error.name}, which is not installed"
         raise UsageError(what, do="Type: pip install 'inertialcal[web]'", code="missing_extra") from None
-    return live_page(acquisition, port)
+    return live_page(shown, port)
 
 
 class _Shown:
@@ -107,14 +105,14 @@ class _Shown:
 
     def show(self, acquisition: Acquisition, now: float) -> None:
         """Show how far it is."""
-        from ...lab.acquisition.acquisition import RENEWED
+        from ...lab.acquisition.live import RENEWED
 
         if self.quiet:
             return
         view = acquisition.view()
         for told in view.remarks:
             code, where = told.remark.code, told.remark.where
-            key = (code, where, "" if code in RENEWED else told.remark.what)
+            key = (code, where, told.remark.subject if code in RENEWED else told.remark.what)
             if key not in self._told:
                 self._told.add(key)
                 print(f"{self._renewed()}{clean(str(told.remark))}", file=sys.stderr)

@@ -19,7 +19,7 @@ from collections import Counter
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -465,6 +465,45 @@ def _mcap(loaded: Loaded, bag: Bag) -> Iterator[Messages]:
         else:
             at += 9 + size
     raise TornError(at, "it has no end")
+
+
+class Growing:
+    """An MCAP file of ours that is still written: what is whole of it is read, each time from where it was read to.
+
+    Parameters
+    ----------
+    path : str
+        For messages.
+    """
+
+    def __init__(self, path: str) -> None:
+        self.bag = Bag(lambda bag: iter(()), "MCAP", path, 0)
+        self.at = len(MCAP)  # Bytes that were read
+        self.ended = False  # The end of the data was read: nothing more will come
+        self.damaged = 0  # Chunks in the middle whose checksum is wrong: left out
+        self._schemas: dict[int, tuple[str, bytes]] = {}
+
+    def messages(self, stream: BinaryIO) -> Iterator[Messages]:
+        """Yield the messages of each chunk that is whole now, up to the first record that is not, yet or for ever."""
+        loaded = Loaded(self.bag.path, b"", "")
+        size = stream.seek(0, 2)
+        while not self.ended and self.at + 9 <= size:
+            stream.seek(self.at)
+            op, length = OP_LENGTH.unpack(stream.read(9))
+            if op == 0 or self.at + 9 + length > size:
+                return
+            if op == OF_MCAP["chunk"]:
+                try:
+                    inside = _mcap_chunk(stream.read(length), loaded, self.at, True)
+                except TornError:
+                    if self.at + 9 + length == size:  # the last one: what is there of it may not be all
+                        return
+                    inside = b""
+                    self.damaged += 1
+                with suppress(TornError):
+                    yield from _mcap_inside(inside, self.bag, self._schemas, self.at)
+            self.ended = op == OF_MCAP["data_end"]
+            self.at += 9 + length
 
 
 def _mcap_inside(

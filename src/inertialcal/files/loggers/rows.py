@@ -25,7 +25,7 @@ from ..columns import Column, Content, LongColumns
 from .topics import stamps
 
 if TYPE_CHECKING:
-    from .bags import Bag
+    from .bags import Bag, Messages
 
 ENCODING, LIBRARY = "inertialcal.rows", "inertialcal.acquire"  # of messages; who wrote the file
 HEAD = 22  # bytes of channel, sequence and both times in front of the content of a message
@@ -114,27 +114,43 @@ class Read:
 
 def reads(bag: Bag, topic: str, layout: RowLayout) -> Iterator[Read]:
     """Yield what was recorded of an instrument, up to where the file stops being whole; remarks go to the bag."""
-    size, due, missing = layout.dtype.itemsize, None, 0
+    due, missing = None, 0
     for part in bag.messages():
-        keys = [key for key, one in bag.connections.items() if one.topic == topic]
-        own = np.flatnonzero(np.isin(part.keys, keys))
-        if not len(own):
+        found = read_of(part, bag, topic, layout)
+        if found is None:
             continue
-        heads = np.frombuffer(part.data, np.uint8)[(part.first[own] - HEAD)[:, None] + np.arange(HEAD)]
-        sequence = np.ascontiguousarray(heads[:, 2:6]).view("<u4")[:, 0].astype(np.int64)
-        monotonic = np.ascontiguousarray(heads[:, 14:22]).view("<i8")[:, 0]
+        lot, sequence = found
         begin = sequence[0] if due is None else due
         missing += int(np.sum((np.diff(sequence, prepend=begin - 1) - 1) % 2**32))
         due = int(sequence[-1]) + 1
-        content = b"".join(part.content(own))
-        counts = (part.stop - part.first)[own]
-        if np.any(counts % size) or not len(content):
-            raise DataError(f"messages of topic {topic} are no rows", where=bag.path, code="damaged_file")
-        yield Read(np.frombuffer(content, layout.dtype), np.cumsum(counts // size) - 1, part.time_ns[own], monotonic)
+        yield lot
     if missing:
         what = f"messages of topic {topic} that are missing inside the file"
         do = "Copy it again from the computer that recorded: it was damaged since"
         bag.remarks += (Remark("messages_missing", "warning", what, where=bag.path, count=missing, do=do),)
+
+
+def read_of(part: Messages, bag: Bag, topic: str, layout: RowLayout) -> tuple[Read, Times] | None:
+    """Return what some messages hold of an instrument, and their sequence numbers; None if that is nothing.
+
+    Raises
+    ------
+    DataError
+        ``damaged_file``.
+    """
+    keys = [key for key, one in bag.connections.items() if one.topic == topic]
+    own = np.flatnonzero(np.isin(part.keys, keys))
+    if not len(own):
+        return None
+    heads = np.frombuffer(part.data, np.uint8)[(part.first[own] - HEAD)[:, None] + np.arange(HEAD)]
+    sequence = np.ascontiguousarray(heads[:, 2:6]).view("<u4")[:, 0].astype(np.int64)
+    monotonic = np.ascontiguousarray(heads[:, 14:22]).view("<i8")[:, 0]
+    content, size = b"".join(part.content(own)), layout.dtype.itemsize
+    counts = (part.stop - part.first)[own]
+    if np.any(counts % size) or not len(content):
+        raise DataError(f"messages of topic {topic} are no rows", where=bag.path, code="damaged_file")
+    last = np.cumsum(counts // size) - 1
+    return Read(np.frombuffer(content, layout.dtype), last, part.time_ns[own], monotonic), sequence
 
 
 def arrivals(read: Read, before: int | None, interval: float | None) -> Times:

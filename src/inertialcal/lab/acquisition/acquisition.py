@@ -12,9 +12,11 @@ refuses or is lost, a disk that is full, an interruption. The safe state also co
 
 from __future__ import annotations
 
+import os
 import shutil
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -24,22 +26,19 @@ from ...core.errors import InertialcalError, InstrumentError, Problem, StoreErro
 from ...core.estimate import Array
 from ...core.recording import SECOND
 from ...core.remarks import Remark
-from ...files.loggers.rows import Read, RowLayout, arrivals
+from ...files.loggers.rows import Read, RowLayout
 from ..clock import Clock, Instant
 from ..instruments.decoder import Counts
 from ..instruments.device import Device
 from ..instruments.protocol import Batch, Instrument
-from .intervals import Intervals
 from .lab_file import Lab
-from .live import InstrumentView, Recent, Ring, State, StepView, Told, View, channel_views
-from .recorder import Disk, File, Recorder
-from .relation import OwnTime
+from .live import InstrumentView, Recent, Remarks, State, StepView, Track, View
+from .recorder import RECORDING, Disk, File, Recorder, event_of
+from .screening import Watch
 
-RECORDING = "recording.mcap"
 WAITING = 2**26  # bytes that may wait for the disk
-REMARKS = 200  # that are shown
-RENEWED = ("save_intervals", "disk_filling")  # remarks of which the latest counts
 LOOK = 0.2  # [s] of the clock between two looks at a bound
+LOOKS = 100  # pauses of the clock between two looks at the samples
 BETWEEN = 1.0  # [s] from one remark on counts of an instrument to the next
 SETTLE = 5.0  # [s] from the beginning until how fast the disk fills is judged
 WRITTEN_AROUND = 64  # bytes of a message around its rows
@@ -51,15 +50,11 @@ class _Watched:
 
     instrument: Instrument
     layout: RowLayout | None
-    interval: float | None
-    ring: Ring | None = None
-    intervals: Intervals | None = None
+    track: Track | None = None
+    watch: Watch | None = None
     identity: str = ""
     told: Counts = field(default_factory=Counts)  # What was remarked already
     odd: int = 0  # Intervals that were remarked already
-    own: OwnTime | None = None
-    before: int | None = None  # Monotonic reading of the last lot [ns]
-    rows: int = 0
     looked: float = 0.0  # When counts were last looked at [s]
 
     @property
@@ -108,7 +103,7 @@ class Acquisition:
         self._stop, self._finished = threading.Event(), threading.Event()
         self._state: State = "ready"
         self._version = 0
-        self._remarks: dict[tuple[str, str, str], Told] = {}
+        self._remarks, self._status = Remarks(), ""
         self._queue: list[tuple[str, Batch]] = []
         self._events: list[tuple[Instant, str, Mapping[str, object]]] = []
         self._waiting = 0
@@ -127,9 +122,11 @@ class Acquisition:
 
     def _watch(self, one: Instrument) -> _Watched:
         interval = self.lab.file.instruments[one.name].interval
-        layout = None if one.layout is None else replace(one.layout, interval=interval)
-        ring, own = (None, None) if layout is None else (Ring(layout), OwnTime(layout))
-        return _Watched(one, layout, interval, ring, None if interval is None else Intervals(interval), own=own)
+        if one.layout is None:
+            return _Watched(one, None)
+        layout = replace(one.layout, interval=interval)
+        track = Track(layout)
+        return _Watched(one, layout, track, Watch(one.name, track, self.clock))
 
     # ---- from outside ----
 
@@ -158,6 +155,8 @@ class Acquisition:
             self._close_all()
             raise
         self._begin = self.clock.now()
+        entry = self.lab.file.lab
+        self._event("begun", {"title": entry.title, "speed": self.clock.speed, "sync": entry.sync})
         self._change("running")
         for name, one in self._watched.items():
             if one.identity:
@@ -168,6 +167,8 @@ class Acquisition:
         self._threads = [*listeners, threading.Thread(target=self._sequence, name="lab steps", daemon=True)]
         for thread in self._threads:
             thread.start()
+        self._looking = threading.Thread(target=self._look, name="lab samples", daemon=True)
+        self._looking.start()
         self._recording = threading.Thread(target=self._record, name="lab disk", daemon=True)
         self._recording.start()
 
@@ -192,17 +193,20 @@ class Acquisition:
         """Take a remark: it is shown, and recorded."""
         at = self.clock.now()
         with self._lock:
-            key = (remark.code, remark.where, "" if remark.code in RENEWED else remark.what)
-            known = self._remarks.pop(key, None)
-            if known is not None and remark.code not in RENEWED:
-                shown = replace(remark, count=remark.count + known.remark.count)
-            else:
-                shown = remark
-            self._remarks[key] = Told(at.utc_ns, shown)
-            while len(self._remarks) > REMARKS:
-                self._remarks.pop(next(iter(self._remarks)))
+            self._remarks.add(at.utc_ns, remark)
             self._version += 1
-            self._events.append((at, "remark", remark.to_dict()))
+            self._events.append((at, "remark", event_of(remark)))
+
+    def publish(self, status: str) -> None:
+        """Take what whoever leads the test says of where it is: it is shown, and recorded."""
+        with self._lock:
+            if status != self._status:
+                self._status = status
+                self._event("status", {"text": status})
+
+    def seconds(self) -> float:
+        """Return the reading of the clock that stamps the samples [s]."""
+        return self.clock.seconds()
 
     def view(self) -> View:
         """Return all that is shown."""
@@ -216,28 +220,30 @@ class Acquisition:
             return View(
                 self._version, self._state, self.lab.file.lab.title, self._elapsed(now), now.utc_ns,
                 tuple(_view(one, acknowledged.get(name, 0)) for name, one in self._watched.items()),
-                step, tuple(self._remarks.values()), 0 if recorder is None else recorder.written,
-                self._free_bytes, self._full_in,
+                step, self._remarks.told, 0 if recorder is None else recorder.written,
+                self._free_bytes, self._full_in, self._status,
+                self._errors[0].problems[0].what if self._errors else "",
             )  # fmt: skip
 
-    def recent(self, name: str, span: float, points: int) -> Recent:
-        """Return least and most of each channel in parts of the last seconds of an instrument."""
-        return self._ring(name).recent(span, points)
+    def recent(self, name: str, width: float, first: int) -> Recent:
+        """Return least and most of each channel of an instrument in parts: `live.Shown`."""
+        return self._track(name).recent(width, first)
 
     def samples(self, name: str, count: int) -> tuple[Array, Array]:
         """Return times [s], shape (n,), and values, shape (n, channels), of the last samples of an instrument."""
-        return self._ring(name).last(count)
+        return self._track(name).samples(count)
 
     def since(self, name: str, first: int) -> tuple[int, Array, Array]:
         """Return how many samples of an instrument ever came; times and values of those from number ``first`` on."""
-        return self._ring(name).since(first)
+        begin, seconds, values = self._track(name).from_sample(first)
+        return begin + len(seconds), seconds, values
 
-    def _ring(self, name: str) -> Ring:
-        ring = self._watched[name].ring if name in self._watched else None
-        if ring is None:
-            have = ", ".join(one for one, watched in self._watched.items() if watched.ring is not None)
+    def _track(self, name: str) -> Track:
+        track = self._watched[name].track if name in self._watched else None
+        if track is None:
+            have = ", ".join(one for one, watched in self._watched.items() if watched.track is not None)
             raise InstrumentError(f"no instrument {name!r} gives rows", do=f"There are: {have}", code="unknown_name")
-        return ring
+        return track
 
     # ---- beginning and end ----
 
@@ -322,27 +328,32 @@ class Acquisition:
                 self._listening -= one.layout is not None
 
     def _take(self, one: _Watched, batch: Batch) -> None:
-        name, layout, ring = one.instrument.name, one.layout, one.ring
-        assert layout is not None  # noqa: S101 - it has given rows
-        assert ring is not None  # noqa: S101 - as the layout
+        name, track = one.instrument.name, one.track
+        assert track is not None  # noqa: S101 - it has given rows
         size = batch.rows.nbytes + WRITTEN_AROUND
         with self._room:
             while self._waiting + size > WAITING and self._waiting and not self._finished.is_set():
                 self._room.wait(self.clock.real(LOOK))
             self._queue.append((name, batch))
             self._waiting += size
-        lot = Read(batch.rows, np.array([len(batch.rows) - 1]), np.array([batch.at.utc_ns]),
-                   np.array([batch.at.monotonic_ns]))  # fmt: skip
-        came = arrivals(lot, one.before, one.interval) / SECOND
-        one.before = batch.at.monotonic_ns
-        one.rows += len(batch.rows)
-        ring.add(batch.rows, came)
-        if one.intervals is not None and one.own is not None:
-            channel = one.own.channel
-            one.intervals.add(came if channel is None else one.own.seconds(channel.values(batch.rows)))
-        if came[-1] - one.looked >= BETWEEN:
-            one.looked = came[-1]
+        at = batch.at
+        track.add(Read(batch.rows, np.array([len(batch.rows) - 1]), np.array([at.utc_ns]), np.array([at.monotonic_ns])))
+        if at.monotonic_ns / SECOND - one.looked >= BETWEEN:
+            one.looked = at.monotonic_ns / SECOND
             self._remark_counts(one)
+
+    def _look(self) -> None:
+        """Look the samples through, whether or not somebody watches."""
+        watches = [one.watch for one in self._watched.values() if one.watch is not None]
+        while not self.clock.pause(self._stop, many=LOOKS):
+            for one in watches:
+                for remark in one.look():
+                    self.say(remark)
+        for thread in self._threads:
+            thread.join()
+        for one in watches:
+            for remark in one.look(last=True):
+                self.say(remark)
 
     def _remark_counts(self, one: _Watched) -> None:
         """Remark what was not taken as it came, each kind once in a while with its new count."""
@@ -357,9 +368,9 @@ class Acquisition:
             if new > 0:
                 self.say(Remark(code, "warning", what, where=name, count=new))
         one.told = now
-        odd = sum(one.intervals.odd.values()) if one.intervals is not None else 0
+        odd, which = (0, "") if one.track is None else one.track.odd_intervals()
         if odd > one.odd:
-            what = f"not saved as often as stated: {one.intervals}"
+            what = f"not saved as often as stated: {which}"
             self.say(Remark("save_intervals", "warning", what, where=name, count=odd))
         one.odd = odd
 
@@ -379,12 +390,14 @@ class Acquisition:
             self._disk_failed(error)
         self._stop.set()
         self._change("stopping")
-        for thread in self._threads:
+        for thread in (*self._threads, self._looking):
             thread.join()
         self._make_safe()
         self._close_all()
         try:
             if not self._errors or not isinstance(self._errors[0], StoreError):
+                why = self._errors[0].problems[0].what if self._errors else ""
+                self._event("ended", {"state": "failed" if self._errors else "done", "why": why})
                 self._commit()
                 self._need_recorder().finish()
         except OSError as error:
@@ -426,6 +439,8 @@ class Acquisition:
     def _watch_disk(self) -> None:
         """Say before it happens that the disk will be full; end before it is."""
         entry, elapsed = self.lab.file.lab, self._elapsed(self.clock.now())
+        with suppress(OSError):
+            os.utime(self.folder / RECORDING)  # a sign of life, for who follows it (`followed`)
         try:
             free = self._free(self.folder)
         except OSError:
@@ -474,7 +489,10 @@ class Acquisition:
                 with self._lock:
                     self._until = self.clock.seconds() + step.hold
                     self._step = StepView(number, len(steps), step.name, step.hold, tuple(set_last.values()))
-                    self._version += 1
+                    self._event("step", {
+                        "number": number, "count": len(steps), "name": step.name, "hold": step.hold,
+                        "values": self._step.values,
+                    })  # fmt: skip
                 for left in self._hold(self._until):
                     if self.clock.wait(left, self._stop):
                         return
@@ -503,11 +521,11 @@ class Acquisition:
 
 
 def _view(one: _Watched, acknowledged: int) -> InstrumentView:
-    counts = one.counts
+    counts, track = one.counts, one.track
     return InstrumentView(
-        one.instrument.name, one.identity, channel_views(one.layout), one.connected, one.rows, acknowledged,
-        one.ring.row_rate() if one.ring is not None else None, counts.damaged, counts.doubled, counts.late,
-        counts.lost, "" if one.intervals is None else str(one.intervals),
+        one.instrument.name, one.identity, track.channels if track else (), one.connected, track.rows if track else 0,
+        acknowledged, track.row_rate() if track else None, counts.damaged, counts.doubled, counts.late,
+        counts.lost, track.odd_intervals()[1] if track else "",
     )  # fmt: skip
 
 

@@ -19,6 +19,7 @@ import os
 import struct
 import zlib
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Protocol
 
@@ -28,6 +29,12 @@ from ...files.write.atomic import BINARY, sync
 from ..clock import Instant
 from ..instruments.protocol import Batch
 
+try:
+    import fcntl
+except ImportError:  # no locks: whether it is still written is seen by its sign of life alone
+    fcntl = None  # type: ignore[assignment]
+
+RECORDING = "recording.mcap"
 MAGIC = b"\x89MCAP0\r\n"
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, METADATA, DATA_END = 1, 2, 3, 4, 5, 6, 12, 15
 EVENTS = "lab.events"  # topic of remarks and of what was set, as JSON
@@ -51,10 +58,13 @@ class Disk(Protocol):
 
 
 class File:
-    """A new file."""
+    """A new file, locked for as long as it is written."""
 
     def __init__(self, path: Path) -> None:
         self._fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | BINARY, 0o644)
+        if fcntl is not None:
+            with suppress(OSError):  # a file system without locks
+                fcntl.flock(self._fd, fcntl.LOCK_EX)
         sync(path.parent)
 
     def write(self, data: bytes) -> None:
@@ -70,6 +80,21 @@ class File:
     def close(self) -> None:
         """Close it."""
         os.close(self._fd)
+
+
+def is_written(fd: int) -> bool | None:
+    """Tell whether a process writes a recording that is open; None where locks are not known."""
+    found = None
+    if fcntl is not None:
+        try:
+            fcntl.flock(fd, fcntl.LOCK_SH | fcntl.LOCK_NB)
+            fcntl.flock(fd, fcntl.LOCK_UN)
+            found = False
+        except BlockingIOError:
+            found = True
+        except OSError:  # a file system without locks
+            pass
+    return found
 
 
 class Recorder:
@@ -121,10 +146,6 @@ class Recorder:
         """Add what happened."""
         self._message(EVENTS, at, json.dumps({"kind": kind, **content}).encode())
 
-    def remark(self, at: Instant, remark: Remark) -> None:
-        """Add a remark."""
-        self.event(at, "remark", remark.to_dict())
-
     def _message(self, topic: str, at: Instant, data: bytes) -> None:
         head = struct.pack("<HIQQ", self._keys[topic], self._sequence[topic], at.utc_ns, at.monotonic_ns)
         self._pending.append(_record(MESSAGE, head + data))
@@ -170,6 +191,11 @@ class Recorder:
         self.disk.write(data)
         self.written += len(data)
         self._crc = zlib.crc32(data, self._crc)
+
+
+def event_of(remark: Remark) -> dict[str, str | int]:
+    """Return a remark as it is recorded."""
+    return {**remark.to_dict(), "subject": remark.subject}
 
 
 def _record(op: int, body: bytes) -> bytes:

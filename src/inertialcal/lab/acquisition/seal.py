@@ -28,10 +28,11 @@ from ...files.source import load
 from ...files.write.atomic import atomic_write
 from ...files.write.recording import write
 from .intervals import Intervals
-from .recorder import EVENTS
+from .live import RENEWED
+from .recorder import EVENTS, RECORDING
 from .relation import Clocks, OwnTime, Relation
 
-RECORDING, SUMMARY = "recording.mcap", "acquisition.json"
+SUMMARY = "acquisition.json"
 PIECE = 2**20  # bytes that are hashed at once
 
 
@@ -131,7 +132,7 @@ def seal(folder: str | Path) -> Summary:
 
 def _events(bag: Bag) -> Iterator[Remark]:
     """Yield the remarks that were recorded."""
-    kept: dict[tuple[str, str], Remark] = {}
+    kept: dict[tuple[str, str, str], Remark] = {}
     for part in bag.messages():
         keys = [key for key, one in bag.connections.items() if one.topic == EVENTS]
         for content in part.content(np.flatnonzero(np.isin(part.keys, keys))):
@@ -139,8 +140,8 @@ def _events(bag: Bag) -> Iterator[Remark]:
                 said = json.loads(content)
                 if said.pop("kind") == "remark":
                     remark = Remark(**said)
-                    if remark.code == "save_intervals":  # the last one counts
-                        kept[remark.code, remark.where] = remark
+                    if remark.code in RENEWED:
+                        kept[remark.code, remark.where, remark.subject] = remark
                     else:
                         yield remark
             except (ValueError, TypeError, KeyError):

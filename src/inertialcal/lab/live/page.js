@@ -1,6 +1,9 @@
 "use strict";
-// Asks for traces each FRAME, for the state each STATE, for deviations each NOISE [ms]; one question at a time is open.
-const FRAME = 50, STATE = 500, NOISE = 4000, AGAIN = 500, SILENT = 5000, COLOURS = 6, VALUES = 4;
+// Asks for what is new in traces each FRAME, for the state each STATE, for deviations each NOISE [ms]; one question at a
+// time is open.
+const FRAME = 50, STATE = 500, NOISE = 4000, AGAIN = 500, SILENT = 5000, COLOURS = 6, VALUES = 4, LATEST = 4096, FIRST = 5;
+const WORDS = { reading: "reading what was recorded", stalled: "no sign of life", done: "ended", failed: "ended by a fault",
+  died: "cut off", ready: "about to begin", stopping: "ending" };
 const SLOW = ["degC", "K", "degF"];  // Units without a spectrum
 const place = (id) => document.getElementById(id);
 const made = (name, parent, text = "", kind = "") => {
@@ -20,13 +23,14 @@ const long = (s) => {
 };
 const size = (bytes) => (bytes >= 1e9 ? (bytes / 1e9).toFixed(1) + " GB" : (bytes / 1e6).toFixed(1) + " MB");
 let web = null, shape = "", shown = [], known = null, next = {}, opened = 0, heard = 0, frames = 0, rate = 0, since = 0, timer = 0;
-window.live = () => ({ frames, rate, connected: web !== null && web.readyState === 1 });
+let drawn = [], newest = 0;  // Of frames with new samples: when they were drawn, stamps of the sample before and of the newest [s, UTC]
+window.live = () => ({ frames, rate, drawn, connected: web !== null && web.readyState === 1 });
 
 function connect() {
   web = new WebSocket("ws://" + location.host + "/live" + location.search);
   web.binaryType = "arraybuffer";
   heard = performance.now();
-  web.onopen = () => { next = { state: 0, noise: 800, frame: 0 }; opened = performance.now(); frames = since = 0; ask(); };
+  web.onopen = () => { forget(); next = { state: 0, noise: 800, frame: 0 }; opened = performance.now(); frames = since = 0; ask(); };
   web.onmessage = (event) => {
     heard = performance.now();
     if (typeof event.data === "string") {
@@ -49,9 +53,14 @@ function ask() {
     if (now >= next[word]) { next[word] = now + every; web.send(word); return; }
   }
   next.frame = Math.max(next.frame + FRAME, now);
-  const width = shown.length && shown[0].traces.length ? shown[0].traces[0].canvas.clientWidth : 300;
-  web.send(Math.min(Math.max(Math.round(width), 50), 1000) + " " + place("span").value);
+  const first = shown.find((one) => one.traces.length), width = first ? first.traces[0].canvas.clientWidth : 300;
+  const points = Math.min(Math.max(Math.round(width), 50), 1000), span = +place("span").value;
+  if (!scale || scale.points !== points || scale.span !== span) { scale = { points, span, width: span / points }; forget(); }
+  web.send(points + " " + span + " " + run + shown.map((one, i) => (one.last >= 0 ? " " + i + "=" + one.last : "")).join(""));
 }
+
+let scale = null, run = 0;  // Of the traces that are asked for: points, span and width of a point [s]; which recording
+function forget() { for (const one of shown) { one.last = -1; for (const trace of one.traces) trace.kept = null; } }
 
 function counted() {
   frames += 1;
@@ -64,11 +73,13 @@ setInterval(() => { if (web.readyState === 1 && performance.now() - heard > SILE
 
 function showState(told) {
   known = told;
-  const running = told.state === "running";
+  const running = told.state === "running", bad = ["stalled", "failed", "died"].includes(told.state);
   said(place("title"), told.title || "Live");
   document.title = (told.title || "Live") + " \u2013 inertialcal";
   said(place("link"), "connected", "good");
-  said(place("run"), told.state + ", " + long(told.elapsed) + (rate ? ", " + rate.toFixed(0) + " frames/s" : ""), running ? "number" : "number bad");
+  said(place("run"), (WORDS[told.state] || told.state) + ", " + long(told.elapsed) + (rate && running ? ", " + rate.toFixed(0) + " frames/s" : ""), "number" + (bad ? " bad" : ""));
+  said(place("why"), told.why, bad ? "bad" : "quiet");
+  said(place("status"), told.status);
   const step = told.step;
   said(place("step"), !step ? "" : !step.number ? "the steps begin" : "Step " + step.number + " of " + step.count + (step.name ? ", " + step.name : "") + ": " +
     long(step.left) + " left" + step.values.map(([name, value, unit]) => ", " + name + " " + short(value) + " " + unit).join(""));
@@ -77,7 +88,10 @@ function showState(told) {
   const all = JSON.stringify(told.instruments.map((one) => [one.name, one.channels]));
   if (all !== shape) { shape = all; build(told.instruments); }
   const texts = told.remarks.map((one) => [new Date(one.utc).toLocaleTimeString() + " " + one.text, one.severity === "info" ? "" : one.severity === "error" ? "bad" : "warn"]);
-  list(place("remarks"), texts.length ? texts : [["none so far", "quiet"]]);
+  list(place("remarks"), texts.length ? texts.slice(0, FIRST) : [["none so far", "quiet"]]);
+  list(place("earlier"), texts.slice(FIRST));
+  place("more").hidden = texts.length <= FIRST;
+  said(place("many"), texts.length - FIRST + " earlier");
   told.instruments.forEach((one, i) => {
     const counts = ["damaged", "doubled", "late", "lost"].filter((word) => one[word]).map((word) => one[word].toLocaleString("en") + " " + word);
     if (one.intervals) counts.push("saves " + one.intervals);
@@ -85,6 +99,7 @@ function showState(told) {
     said(shown[i].rows, !one.channels.length ? "gives no rows" : (one.rate ? short(+one.rate.toPrecision(4)) + " Hz, " : "") + one.acknowledged.toLocaleString("en") + " of " +
       one.rows.toLocaleString("en") + " rows on the disk");
     said(shown[i].counts, counts.join(", "));
+    for (const trace of shown[i].traces) trace.gap = one.rate ? 3 / one.rate : 0;
     said(shown[i].identity, one.identity);
   });
 }
@@ -104,7 +119,7 @@ function build(instruments) {
     const part = made("section", root);
     made("h2", part, one.name);
     const line = made("p", part, "", "number");
-    const found = { link: made("span", line), rows: null, counts: null, identity: null, traces: [], units: [] };
+    const found = { link: made("span", line), rows: null, counts: null, identity: null, traces: [], units: [], last: -1 };
     line.append(" \u00b7 ");
     found.rows = made("span", line);
     line.append(" ");
@@ -117,10 +132,9 @@ function build(instruments) {
       made("span", text, name, "k" + found.hue[i]);
       canvas.setAttribute("role", "img");
       canvas.setAttribute("aria-label", "last seconds of " + name);
-      return { canvas, value: made("span", text, "", "number"), unit, hue: found.hue[i] };
+      return { canvas, value: made("span", text, "", "number"), unit, hue: found.hue[i], kept: null, gap: 0 };
     });
     if (one.channels.length) found.basis = made("h3", part, "Allan deviation and spectrum: after the first samples");
-    found.findings = made("ul", part);
     const noise = made("div", part, "", "noise");
     for (const unit of new Set(one.channels.map((channel) => channel[1]).filter((unit) => !SLOW.includes(unit)))) {
       const places = one.channels.map((_, i) => i).filter((i) => one.channels[i][1] === unit), per = unit || "1";
@@ -153,58 +167,77 @@ let styles = getComputedStyle(document.documentElement);
 const colour = (name) => styles.getPropertyValue("--" + name).trim();
 
 function drawTraces(data) {
-  const view = new DataView(data), span = +place("span").value, now = view.getFloat64(4, true);
-  let at = 12;
+  const view = new DataView(data), now = view.getFloat64(8, true), utc = view.getFloat64(16, true);
+  if (view.getUint32(4, true) !== run) { run = view.getUint32(4, true); forget(); }
+  let at = 24, last = 0;
   for (let k = view.getUint32(0, true); k > 0; k--) {
     const i = view.getUint32(at, true), channels = view.getUint32(at + 4, true), points = view.getUint32(at + 8, true);
-    const behind = now - view.getFloat64(at + 16, true), base = at + 24, ages = base + 8 * channels;
-    const lows = ages + 4 * points, highs = lows + 4 * channels * points;
+    last = Math.max(last, view.getFloat64(at + 16, true));
+    const parts = at + 24, base = parts + 8 * points, lows = base + 8 * channels, highs = lows + 4 * channels * points;
     at = highs + 4 * channels * points;
     if (!shown[i] || shown[i].traces.length !== channels) continue;
+    shown[i].last = view.getFloat64(parts + 8 * (points - 1), true);
     for (let c = 0; c < channels; c++) {
-      const low = new Float32Array(data.slice(lows + 4 * c * points, lows + 4 * (c + 1) * points));
-      const high = new Float32Array(data.slice(highs + 4 * c * points, highs + 4 * (c + 1) * points));
-      trace(shown[i].traces[c], points, span, behind, (j) => view.getFloat32(ages + 4 * j, true), low, high, view.getFloat64(base + 8 * c, true));
+      const one = shown[i].traces[c], zero = view.getFloat64(base + 8 * c, true);
+      if (!one.kept || one.kept.size !== scale.points + 2) {
+        one.kept = { size: scale.points + 2, part: new Float64Array(scale.points + 2).fill(-1), low: new Float64Array(scale.points + 2), high: new Float64Array(scale.points + 2), last: -1 };
+      }
+      for (let j = 0; j < points; j++) {
+        const part = view.getFloat64(parts + 8 * j, true), n = part % one.kept.size;
+        one.kept.part[n] = part;
+        one.kept.low[n] = zero + view.getFloat32(lows + 4 * (c * points + j), true);
+        one.kept.high[n] = zero + view.getFloat32(highs + 4 * (c * points + j), true);
+        one.kept.last = part;
+      }
     }
   }
+  for (const one of shown) for (const each of one.traces) if (each.kept) trace(each, now);
+  if (last > newest) {
+    const stamps = [utc - (now - newest), utc - (now - last)], before = newest;
+    newest = last;
+    if (before) requestAnimationFrame(() => { drawn.push([(performance.timeOrigin + performance.now()) / 1000, ...stamps]); if (drawn.length > LATEST) drawn.shift(); });
+  } else if (last && last < newest) newest = last;  // Another clock
 }
 
-function trace(one, points, span, behind, age, low, high, base) {
-  const box = one.canvas.getBoundingClientRect();
+function trace(one, now) {
+  const box = one.canvas.getBoundingClientRect(), { size, part, low, high } = one.kept;
   if (box.bottom < 0 || box.top > window.innerHeight) return;  // Not in sight
+  const first = Math.max(Math.floor(now / scale.width) - scale.points, one.kept.last - size + 1, 0);
   let least = Infinity, most = -Infinity;
-  for (let j = 0; j < points; j++) { if (low[j] < least) least = low[j]; if (high[j] > most) most = high[j]; }
+  for (let p = first; p <= one.kept.last; p++) {
+    const n = p % size;
+    if (part[n] === p) { if (low[n] < least) least = low[n]; if (high[n] > most) most = high[n]; }
+  }
   const [pen, width, height] = surface(one.canvas), room = most > least ? most - least : 1;
   const y = (value) => height - 4 - ((value - least) / room) * (height - 8) - (most > least ? 0 : (height - 8) / 2);
   pen.strokeStyle = colour("c" + one.hue);
   pen.beginPath();
-  let before = false;
-  for (let j = 0; j < points; j++) {
-    const x = width * (1 - (Math.max(behind, 0) + age(j)) / span);
-    if (!(low[j] <= high[j]) || x < 0) { before = false; continue; }
-    if (before) pen.lineTo(x, y(high[j])); else pen.moveTo(x, y(high[j]) - 0.5);
-    pen.lineTo(x, y(low[j]) + 0.5);
-    before = true;
+  let before = -1;
+  for (let p = first; p <= one.kept.last; p++) {
+    const n = p % size, x = width * (1 - Math.max(now - (p + 1) * scale.width, 0) / scale.span);
+    if (part[n] !== p || !(low[n] <= high[n]) || x < 0) continue;
+    if (before >= 0 && (p - before) * scale.width < Math.max(one.gap, 1.5 * scale.width)) pen.lineTo(x, y(high[n])); else pen.moveTo(x, y(high[n]) - 0.5);
+    pen.lineTo(x, y(low[n]) + 0.5);
+    before = p;
   }
   pen.stroke();
   pen.font = "11px system-ui, sans-serif";
   if (most > least) for (const [value, under] of [[most, 12], [least, height - 2]]) {
-    const text = short(base + value);
+    const text = short(value);
     pen.fillStyle = colour("paper");
     pen.fillRect(1, under - 11, pen.measureText(text).width + 5, 12);
     pen.fillStyle = colour("quiet");
     pen.fillText(text, 3, under - 1);
   }
   if (frames % VALUES) return;
-  const last = points ? base + (low[points - 1] + high[points - 1]) / 2 : NaN;
-  said(one.value, short(last) + " " + one.unit);
+  const last = one.kept.last % size;
+  said(one.value, short(one.kept.last < 0 ? NaN : (low[last] + high[last]) / 2) + " " + one.unit);
 }
 
 function showNoise(told) {
   told.instruments.forEach((one, i) => {
     if (!one || !shown[i]) return;
     said(shown[i].basis, "Allan deviation and spectrum of the last " + one.samples.toLocaleString("en") + " samples, " + long(one.seconds));
-    list(shown[i].findings, one.findings.map((text) => ["in the last " + long(one.looked) + ": " + text, "warn"]));
     for (const { places, drawings } of shown[i].units) {
       curves(drawings[0], shown[i].hue, places, "averaging time [s]", one.tau, one.deviation, one.low, one.high);
       curves(drawings[1], shown[i].hue, places, "frequency [Hz]", one.frequency, one.density);

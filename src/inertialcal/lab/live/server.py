@@ -1,4 +1,4 @@
-"""The server of the live page: for this computer alone, and for who has the token.
+"""The server of a page: for this computer alone, and for who has the token.
 
 It listens on the loopback address. A request is answered where it names this computer (`Host`, so that no name of
 another that leads here is taken) and has the token; a WebSocket, besides, where the page that opens it came from here
@@ -31,7 +31,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from ...core.errors import UsageError
-from ..acquisition.acquisition import Acquisition
+from ..acquisition.live import Shown
 from .content import LiveContent
 
 ADDRESS, HOSTS = "127.0.0.1", ["127.0.0.1", "localhost"]
@@ -55,9 +55,9 @@ class Content(Protocol):
         ...
 
 
-def live_page(acquisition: Acquisition, port: int) -> AbstractContextManager[str]:
+def live_page(shown: Shown, port: int) -> AbstractContextManager[str]:
     """Give the live page of an acquisition, which may start later; else as `served`."""
-    return served(LiveContent(acquisition), port)
+    return served(LiveContent(shown), port)
 
 
 @contextmanager

@@ -1,6 +1,6 @@
 """An acquisition with a live page, whose truth is known: 12 channels and a temperature, what they are called and do.
 
-``python tests/lab/live/shown_lab.py FOLDER PORT`` is the process that a test kills and starts again.
+``python tests/lab/shown_lab.py FOLDER PORT`` is the process that a test kills and starts again.
 """
 
 from __future__ import annotations
