@@ -205,6 +205,19 @@ def drawn_anew(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(drawings, "of_campaign", of_campaign)
 
 
+# A server of PostgreSQL, on a socket in a folder of its own
+
+
+@pytest.fixture(scope="session")
+def postgres(need: Callable[[str], str], tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[[], str]]:
+    """Give the address of an empty database, a new one with each call."""
+    initdb, server = need("initdb"), need("postgres")
+    from postgres_server import served
+
+    with served(initdb, server) as made:
+        yield made
+
+
 # A browser, and the reports that it looks at: of the published campaign, and of two simulated ones with recordings
 
 

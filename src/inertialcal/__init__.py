@@ -17,6 +17,7 @@ from .core.figure import draw_with as _draw_with
 
 if TYPE_CHECKING:
     __version__: str
+    from .archive import open_archive
     from .campaign.calls.call import Reduced
     from .campaign.calls.nouns import (
         allan,
@@ -100,6 +101,7 @@ __all__ = [
     "load_models",
     "mass_attraction",
     "max_memory",
+    "open_archive",
     "plan_mass_attraction",
     "plan_positions",
     "plan_vibration",
@@ -129,6 +131,7 @@ __all__ = [
 _HOMES = {  # nouns of procedures apart, which are found by their commands
     name: module
     for module, words in {
+        "archive": "open_archive",
         "campaign.calls.call": "Reduced",
         "campaign.certificate.issue": "certificate",
         "campaign.certificate.reading": "read_certificate",

@@ -17,7 +17,7 @@ from typed_commands import call, call_json
 
 COMMANDS = Root()
 READ_NONE = {"check", "run", "demo", "certificate", "show", "export", "budget", "compare", "simulate", "score", "plan",
-             "vibration profile", "acquire", "live"}  # fmt: skip
+             "vibration profile", "acquire", "archive", "live"}  # fmt: skip
 OWN = {("sensitivity", "--to"): "stop"}  # an option of its test has the word; the setting is called as its field
 RNG = np.random.default_rng(5)
 BIAS = (0.3, -0.2, 0.1)
@@ -46,7 +46,7 @@ def test_commands_that_read_recordings_have_the_same_reading_options() -> None:
 
 
 def test_commands_of_models_and_campaigns_read_no_recording() -> None:
-    for word in READ_NONE - {"plan"}:
+    for word in READ_NONE - {"archive", "plan"}:
         assert not {"--time-column", "--skip", "--topic"} & set(options(word)), word
 
 

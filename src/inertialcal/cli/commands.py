@@ -47,17 +47,21 @@ NO_FIGURES = (
     "certificate",
     "acquire",
     "live",
+    "archive add",
+    "archive list",
 )
 READ_NOTHING = ("demo", "simulate")  # commands that read no file of a user
+OF_ARCHIVE = ("add", "list", "history")  # what may follow ``archive``
 Built = TyperCommand | TyperGroup
 MAX_MEMORY = "Memory that files may take: 4GiB, 500MB. 1 GiB and three times each file if not given."
 ALL = "Show long results whole on a terminal too; into a file or a pipe they always are."
 DIGITS = "Significant digits of the figures in tables, or full. As many as the uncertainty has if not given."
+ARCHIVE = Command("archive", "Every test of every unit in one database: archive list, archive history SERIAL, ...")
 PLAN = Command("plan", "What a test will give, before it is made: plan TEST.")
 
 
 def words() -> tuple[str, ...]:
-    """Return the words of all commands but ``plan``, in the order of the help."""
+    """Return the words of all commands that are no group, in the order of the help."""
     return (*FIRST, *_nouns(), *VERBS)
 
 
@@ -65,7 +69,7 @@ EXAMPLES = {  # word of a verb -> what may follow it, for its help
     "info": ("imu.csv", "imu.csv --unit acc=m/s2"),
     "init": ("gyros", "gyros --yes"),
     "check": ("inertialcal-demo", "inertialcal-demo --json"),
-    "run": ("inertialcal-demo", "inertialcal-demo --plot"),
+    "run": ("inertialcal-demo", "inertialcal-demo --archive lab.db"),
     "demo": ("npsat2011", "rate_table"),
     "certificate": ("inertialcal-demo-npsat1 -o certificate.pdf", "inertialcal-demo-npsat1 -o certificate.xml"),
     "show": ("inertialcal-demo", "inertialcal-demo -o matrix.png"),
@@ -85,6 +89,12 @@ EXAMPLES = {  # word of a verb -> what may follow it, for its help
     "programme-1969": (
         "run1.cards",
         'run1.csv --column pulses --period "480 s" --amplitude "23 ng" --wrong 41 -o run1',
+    ),
+    "archive add": ("gyro7-2026 --archive lab.db", "gyro7-2026 --archive lab.db --json"),
+    "archive list": ("--archive lab.db", "--archive lab.db --serial 7"),
+    "archive history": (
+        "7 --archive lab.db --quantity scale_factor_error",
+        '7 --archive lab.db --limit scale_factor_error="0.1 %"',
     ),
     "acquire": ("LAB.toml -o recorded", "--seal recorded"),
     "live": ("recorded", "recorded --port 0"),
@@ -166,7 +176,8 @@ def _held(name: str, metavar: str | None, holding: Callable[[Any], AbstractConte
 
 def _verb(word: str) -> Built:
     """Return a command that is no procedure's."""
-    module = import_module(f".{(FIRST | VERBS)[word]}", __package__)
+    where = "verbs.archive" if word.partition(" ")[0] == ARCHIVE.word else (FIRST | VERBS)[word]
+    module = import_module(f".{where}", __package__)
     return _built(getattr(module, word.replace("-", "_").replace(" ", "_")), word, epilog=_epilog(word, EXAMPLES[word]))
 
 
@@ -210,21 +221,39 @@ class Root(_Lazy):
 
     def names(self) -> list[str]:
         """Return the words of all commands."""
-        return [*words(), PLAN.word]
+        return [*words(), ARCHIVE.word, PLAN.word]
 
     def line(self, word: str) -> Built:
         """Return a command that has nothing but its help; a verb is cheap, and built."""
-        nouns = {noun: one for noun, (_, one) in _nouns().items()} | {PLAN.word: PLAN}
+        nouns = {noun: one for noun, (_, one) in _nouns().items()} | {PLAN.word: PLAN, ARCHIVE.word: ARCHIVE}
         return TyperCommand(word, help=nouns[word].help) if word in nouns else _verb(word)
 
     def get_command(self, ctx: object, cmd_name: str) -> Built | None:
         """Return a command, built now; None if there is none of that name."""
         if cmd_name == PLAN.word:
             return Planners(name=PLAN.word, help=PLAN.help, no_args_is_help=True, rich_markup_mode=None)
+        if cmd_name == ARCHIVE.word:
+            return OfArchive(name=ARCHIVE.word, help=ARCHIVE.help, no_args_is_help=True, rich_markup_mode=None)
         if cmd_name in _nouns():
             name, declared = _nouns()[cmd_name]
             return _built(_noun(name, declared), cmd_name, declared.help, _epilog(cmd_name, declared.examples))
         return _verb(cmd_name) if cmd_name in FIRST | VERBS else None
+
+
+class OfArchive(_Lazy):
+    """``archive``, and what may follow it."""
+
+    def names(self) -> list[str]:
+        """Return what may follow."""
+        return list(OF_ARCHIVE)
+
+    def line(self, word: str) -> Built:
+        """Return a command that has nothing but its help."""
+        return _verb(f"{ARCHIVE.word} {word}")
+
+    def get_command(self, ctx: object, cmd_name: str) -> Built | None:
+        """Return a command, built now; None if there is none of that name."""
+        return self.line(cmd_name) if cmd_name in OF_ARCHIVE else None
 
 
 class Planners(_Lazy):

@@ -19,7 +19,7 @@ from typing import Any, Literal, NamedTuple
 
 from .key import Origin
 from .remarks import Remark
-from .units import factor, same_dimension
+from .units import factor, same_dimension, si_unit
 
 Redrawn = Literal["", "never", "certificate", "day", "mounting", "power_up", "dwell"]
 OF_SITE = ("site", "gravity")  # standards whose error is that of a place
@@ -142,6 +142,22 @@ class Drawn:
         if by == "never":
             return "" if mine.standard not in OF_SITE or (self.label and other.label) else "site"
         return "" if self.label and other.label else by
+
+    @property
+    def identity(self) -> tuple[str, ...] | None:
+        """What is equal for two errors that are known as the same; None where that is not known of it.
+
+        Stricter than `differs` with `unknown`, which take two at a time: a certificate that one alone states is another
+        one here.
+        """
+        mine = self.influence
+        if mine.redrawn_by in DIES or self.unknown(self):
+            return None
+        u = mine.u * factor(mine.unit, si_unit(mine.unit), difference=True)
+        serial = self.serial if mine.redrawn_by in OF_UNIT else ""
+        return (
+            mine.standard, mine.quantity, f"{u:.8e}", mine.redrawn_by, mine.certificate, mine.valid, self.label, serial
+        )  # fmt: skip
 
 
 def _text(influence: Influence) -> str:

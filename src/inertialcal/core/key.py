@@ -70,6 +70,7 @@ class Method(StrEnum):
     UNSCREENED = "unscreened"  # with the samples that screening left out
     CHANGE = "change"  # this test less the one that it is set against
     RATIO = "ratio"  # this test over the one that it is set against
+    DRIFT = "drift"  # change a year over the tests of a unit
 
 
 # Ways that stand beside a result in tables, in the order of their columns.

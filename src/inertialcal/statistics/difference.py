@@ -113,7 +113,12 @@ def difference(a: Figure, b: Figure, shared: Iterable[str] | None = None) -> Fig
     names = sorted(both if shared is None else set(shared))
     left = {name: _left(a, b, name) for name in names}
     variance = a.own(names) + b.own(names) + math.fsum(change**2 for change in left.values())
-    return Figure(b.value - a.value, math.sqrt(variance), _dof(variance, [*a.scatter(names), *b.scatter(names)]), left)
+    return Figure(
+        b.value - a.value,
+        math.sqrt(variance),
+        degrees_of_freedom(variance, [*a.scatter(names), *b.scatter(names)]),
+        left,
+    )
 
 
 def _left(a: Figure, b: Figure, name: str) -> float:
@@ -137,11 +142,18 @@ def taken_off(figure: Figure, errors: Mapping[str, float]) -> Figure:
     off = math.fsum(figure.changes[name] * errors[name] for name in known)
     variance = figure.own(known)
     kept = {name: change for name, change in figure.changes.items() if name not in errors}
-    return Figure(figure.value - off, math.sqrt(variance), _dof(variance, figure.scatter(known)), kept)
+    return Figure(figure.value - off, math.sqrt(variance), degrees_of_freedom(variance, figure.scatter(known)), kept)
 
 
-def _dof(variance: float, parts: Sequence[tuple[float, float]]) -> float:
+def degrees_of_freedom(variance: float, parts: Sequence[tuple[float, float]]) -> float:
     """Return the degrees of freedom of a variance, of which some parts are not known in size.
+
+    Parameters
+    ----------
+    variance : float
+        Of all parts.
+    parts : sequence of (float, float)
+        Variance and degrees of freedom of each part that is not known in size.
 
     The scatter of two figures is that of Welch's test, whose intervals hold 94 to 96 % where each has 3 degrees of
     freedom or more; with fewer, and with parts of known size, ``joined_dof`` bounds what is not known.

@@ -29,6 +29,7 @@ NEEDED: dict[str, Callable[[Any], tuple[Any, ...]]] = {  # arguments of those th
 }
 NO_CALL = (
     "max_memory",
+    "open_archive",
     "plan_mass_attraction",
     "plan_positions",
     "plan_vibration",

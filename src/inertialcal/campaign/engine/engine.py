@@ -60,7 +60,7 @@ class Prepared:
 
     Its entry, facts, plan and readings; SHA-256 of its files by path; its recordings; samples that the gate left out;
     what recordings hold, where it is compared with others; what drew the errors of standards in it; what each of its
-    recordings gives, where a requirement asks for it.
+    recordings gives, where a requirement asks for it; its first and last instant, where its recordings say them.
     """
 
     test: Test
@@ -73,6 +73,7 @@ class Prepared:
     contents: tuple[Content, ...] = ()
     occasion: Occasion = field(default_factory=Occasion)
     recorded: tuple[Row, ...] = ()
+    span: tuple[int, int] | None = None
 
     @property
     def selection(self) -> Selection:
@@ -200,7 +201,11 @@ def prepare_test(
     occasion = occasion_of(file, test, sources)
     asked = any(one.quantity in RECORDED for one in file.requirements)
     recorded = tuple(replace(row, test=test.id) for one in sources if asked for row in one.recorded())
-    return Prepared(test, first, plan, readings, inputs, origins, screened, tuple(contents), occasion, recorded)
+    spans = [one.span for one in sources]
+    ends = [span for span in spans if span is not None]
+    whole = len(ends) == len(spans) > 0
+    span = (min(start for start, _ in ends), max(stop for _, stop in ends)) if whole else None
+    return Prepared(test, first, plan, readings, inputs, origins, screened, tuple(contents), occasion, recorded, span)
 
 
 def _outside_condition(file: CampaignFile, test: Test, sources: Sequence[Ready]) -> Iterator[Remark]:

@@ -35,6 +35,12 @@ class Item(Strict):
     maker: Text = ""
     part: Text = ""
     serial: Text = ""
+    owner: Text = ""
+
+    def content(self) -> dict[str, str]:
+        """Return what ``results.json`` holds of it; what is asked for by the archive alone only where it is stated."""
+        found: dict[str, str] = self.model_dump()
+        return {name: one for name, one in found.items() if one or name in ("maker", "part", "serial")}
 
 
 class Site(Strict):

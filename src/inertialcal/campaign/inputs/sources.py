@@ -273,16 +273,22 @@ class Ready:
         return None if raw is None else raw.sample_rate
 
     @property
-    def days(self) -> set[str]:
-        """Days (UTC) of the readings that are chosen; the empty one where a recording does not say its day."""
+    def span(self) -> tuple[int, int] | None:
+        """First and last instant (UTC) of the readings that are chosen [ns]; None where a recording does not say."""
         raw: Recording | None = self.__dict__.get("raw")
+        if raw is None or raw.epoch != "utc":
+            return None
         if self.windows:
             ends = [end for window in self.windows for end in window]
-        elif raw is None or raw.time_ns is None or not len(raw.time_ns):
-            return {""}
-        else:
-            ends = [int(raw.time_ns[0]), int(raw.time_ns[-1])]
-        return {instant_text(end)[:10] for end in ends} if raw is not None and raw.epoch == "utc" else {""}
+            return min(ends), max(ends)
+        if raw.time_ns is None or not len(raw.time_ns):
+            return None
+        return int(raw.time_ns[0]), int(raw.time_ns[-1])
+
+    @property
+    def days(self) -> set[str]:
+        """Days (UTC) of the readings that are chosen; the empty one where a recording does not say its day."""
+        return {""} if self.span is None else {instant_text(end)[:10] for end in self.span}
 
     @property
     def on_time(self) -> tuple[Remark, ...]:

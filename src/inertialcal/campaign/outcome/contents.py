@@ -100,7 +100,7 @@ def results_content(
     results: dict[str, Any] = {
         "schema": SCHEMA,
         "campaign": campaign.file.campaign.model_dump(),
-        "item": campaign.file.item.model_dump(),
+        "item": campaign.file.item.content(),
         "site": site_content(campaign.file.site),
         "sensors": sensors_content(campaign.file.sensors),
         "standards": standards_rows(campaign, tested),
@@ -372,7 +372,7 @@ def _step(file: CampaignFile, one: Prepared, exclusions: Sequence[LeftOut]) -> d
         "recordings": [_recording(origin) for origin in one.origins],
         "dwells": len(one.readings) if procedure_of(test.procedure).counts_dwells else None,
         "runs": getattr(one.readings, "runs", None), "left_out": len(out),
-    }  # fmt: skip
+    } | ({} if one.span is None else {"time": [instant_text(end) for end in one.span]})  # fmt: skip
 
 
 def _recording(origin: Origin) -> dict[str, Any]:

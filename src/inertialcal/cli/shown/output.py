@@ -99,7 +99,7 @@ def errors_text(
     """Return what is wrong, as text or as the JSON object."""
     if as_json:
         words = [word for word in given if not word.startswith("-")]
-        command = " ".join(words[:2] if words[:1] == ["plan"] else words[:1])
+        command = " ".join(words[:2] if words[:1] in (["plan"], ["archive"]) else words[:1])
         listed = [{"path": path, "sha256": digest} for path, digest in inputs]
         return _object(command, {"inputs": listed, "errors": [problem.to_dict() for problem in problems]}, status)
     count = [f"{len(problems)} problems"] if len(problems) > 1 else []

@@ -13,6 +13,7 @@ from .. import figures
 from ..options import Folder, Json, Quiet
 from ..shown.output import followed, found, json_out, wrapped
 from ..shown.progress import progress
+from .archive import archived
 
 if TYPE_CHECKING:
     from ...campaign.engine.run import Outcome
@@ -29,6 +30,10 @@ def run(
     appendices: Annotated[
         bool, typer.Option("--appendices", help="With --pdf: every quantity, verdict and input at the end.")
     ] = False,
+    archive: Annotated[
+        str | None,
+        typer.Option("--archive", metavar="URL", help="Add the results to this archive: lab.db.", show_default=False),
+    ] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -41,11 +46,15 @@ def run(
     figures.check_figure(None, {"--figure": figure}, plot, plot and as_json)
     with progress(quiet or as_json) as tell:
         outcome = run_campaign(folder, tell, pdf=pdf, appendices=appendices)
+    added = None if archive is None else archived(archive, folder)  # no verdict is told before it is kept
     found(outcome.exit_status)
     if as_json:
-        json_out("run", outcome_content(outcome), outcome.exit_status)
+        kept = {} if added is None else {"archived": added.to_dict()}
+        json_out("run", outcome_content(outcome) | kept, outcome.exit_status)
     elif not quiet:
         print_outcome(outcome)
+        if added is not None:
+            print(wrapped(str(added)))
     if plot:
         figures.print_plot(outcome, {"figure": figure})
     if open_report:

@@ -158,6 +158,9 @@ class Step(Part):
     dwells: int | None
     runs: int | None
     left_out: int
+    time: list[str] | None = Field(
+        None, description="First and last instant (UTC) of its readings, where its recordings say it."
+    )
 
 
 class Excluded(Part):

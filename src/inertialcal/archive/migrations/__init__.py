@@ -1,0 +1,1 @@
+"""Changes of the schema, each with its way back; Alembic runs them."""

@@ -1,0 +1,1 @@
+"""Figures of one unit, or of many, over time: drift, control charts."""
