@@ -364,6 +364,7 @@ MUTANTS = (
         "least = max(STUCK, LONGER * mean_run, 1.0 + np.log(n / CHANCE)",
         "test_screening",
     ),
+    Mutant("_kernels.py", "least = own if own < new else new", "least = new if own < new else own", "test_screening"),
     Mutant("codes.py", "before = read - step**2 / 12.0", "before = read - step**2 / 6.0", "test_codes"),
     Mutant(
         "_kernels.py",

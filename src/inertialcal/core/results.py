@@ -82,7 +82,9 @@ class Row:
     curvature: Mapping[str, Curvature] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if self.status == "not_estimated" or all(number is None or math.isfinite(number) for number in self._numbers):
+        known = self.value is None or math.isfinite(self.value)
+        certain = self.u is None or bool(self.reason) or math.isfinite(self.u)  # a reason says why there is none
+        if self.status == "not_estimated" or (known and certain):
             return
         for name, value in {"value": None, "u": None, "interval": None, "status": "not_estimated"}.items():
             object.__setattr__(self, name, value)
@@ -94,10 +96,6 @@ class Row:
         found.__dict__.update(self.__dict__ | fields)
         found.__post_init__()
         return found
-
-    @property
-    def _numbers(self) -> tuple[float | None, float | None]:
-        return self.value, None if self.reason else self.u  # a reason says why there is no uncertainty
 
     @property
     def quantity(self) -> str:

@@ -76,14 +76,27 @@ def test_blocks_of_a_long_record_are_small() -> None:
     assert np.shares_memory(found.x, x)
 
 
-@pytest.mark.parametrize("missing", [0, 40])
-def test_running_median_is_that_of_numpy(missing: int) -> None:
+@pytest.mark.parametrize(("first", "stop"), [(50, 250), (0, 300), (7, 20), (290, 300)])
+@pytest.mark.parametrize("missing", [0, 40, 250])
+def test_running_median_is_that_of_numpy(missing: int, first: int, stop: int) -> None:
     x = np.rint(3.0 * rng().standard_normal(300))
     x[rng(2).integers(0, 300, missing)] = np.nan
-    off = np.empty(200)
-    _kernels.from_median(x, 50, 250, off)
-    own = [x[i] - np.nanmedian(x[max(i - 15, 0) : i + 16]) for i in range(50, 250)]
+    off = np.empty(stop - first)
+    _kernels.from_median(np.where(np.isnan(x), np.inf, x), first, stop, off)
+    own = [x[i] - np.nanmedian(np.append(x[max(i - 15, 0) : i + 16], np.nan)) for i in range(first, stop)]
     np.testing.assert_array_equal(off, own)
+
+
+def test_pieces_side_by_side_are_what_each_is_alone() -> None:
+    x = rng().standard_normal(400)
+    x[100] = np.nan
+    first = np.array([0, 40, 80, 130, 170, 300, 340])
+    off = np.empty((7, 40))
+    _kernels.fill_pieces(x, first, off)
+    for own, at in zip(off, first.tolist(), strict=True):
+        alone = np.empty(40)
+        _kernels.from_median(x, at, at + 40, alone)
+        np.testing.assert_array_equal(own, alone)
 
 
 @pytest.mark.parametrize("other", ["python", "numpy"])

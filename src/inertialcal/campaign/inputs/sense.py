@@ -139,6 +139,8 @@ def _changes(
     of_unit = kind(unit) if unit else ""
     means = [averaged(column[rows], size) for column in stored]
     columns = [np.where(np.isfinite(x), own, np.nan) for x, own in zip(data, means, strict=False)]
+    if all(np.array_equal(x, own, equal_nan=True) for x, own in zip(data, columns, strict=False)):
+        columns = []  # nothing was taken off them, and no factor applied
     found = changes(data, axes, of_unit, interval, breaks, applied, at_rest, columns, conditions=conditions)
     at = [one.index * size for one in found]
     if not isinstance(rows, slice):

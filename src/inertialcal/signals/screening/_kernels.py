@@ -124,54 +124,53 @@ def fill_patched(
 
 @compiled
 def from_median(x: Samples, first: int, stop: int, out: Array) -> None:
-    """Fill samples first .. stop less the running median of 31 around each; NaN where there is none."""
-    window = np.empty(WINDOW)
+    """Fill samples first .. stop less the running median of 31 around each; NaN where there is none.
+
+    The window holds its values in order, infinity for each that is missing, and one more at both ends. Of what is left
+    when a value is taken out, each place takes the larger of the value before it, and of the smaller of its own and the
+    value that is put in.
+    """
+    window, other = np.full(WINDOW + 3, np.inf), np.full(WINDOW + 3, np.inf)
+    window[0] = other[0] = -np.inf
     held = 0
-    left = right = max(first - SIDE, 0)
+    for i in range(max(first - SIDE, 0), min(first + SIDE + 1, len(x))):
+        value = np.float64(x[i])
+        if np.isfinite(value):
+            held += 1
+            j = held
+            while window[j - 1] > value:
+                window[j] = window[j - 1]
+                j -= 1
+            window[j] = value
     for i in range(first, stop):
-        while right < min(i + SIDE + 1, len(x)):
-            value = np.float64(x[right])
-            right += 1
-            if np.isfinite(value):
-                j = held
-                while j > 0 and window[j - 1] > value:
-                    window[j] = window[j - 1]
-                    j -= 1
-                window[j] = value
-                held += 1
-            while right - left > WINDOW:
-                held = _taken_out(window, held, np.float64(x[left]))
-                left += 1
-        while left < i - SIDE:
-            held = _taken_out(window, held, np.float64(x[left]))
-            left += 1
+        if i > first:
+            gone, coming = i - SIDE - 1, i + SIDE
+            old = np.float64(x[gone]) if gone >= 0 else np.inf
+            new = np.float64(x[coming]) if coming < len(x) else np.inf
+            old, new = old if np.isfinite(old) else np.inf, new if np.isfinite(new) else np.inf
+            held += int(new < np.inf) - int(old < np.inf)
+            for j in range(1, WINDOW + 2):
+                low, here, high = window[j - 1], window[j], window[j + 1]
+                below, own = low if low < old else here, here if here < old else high
+                least = own if own < new else new
+                other[j] = below if below > least else least
+            window, other = other, window
         here = np.float64(x[i])
-        middle = 0.5 * (window[(held - 1) // 2] + window[held // 2])
+        middle = 0.5 * (window[(held + 1) // 2] + window[held // 2 + 1])
         out[i - first] = here - middle if np.isfinite(here) else np.nan
-
-
-@compiled
-def _taken_out(window: Array, held: int, value: float) -> int:
-    """Take a value out of those held in order; return how many are left."""
-    if not np.isfinite(value):
-        return held
-    low, high = 0, held
-    while low < high:
-        middle = (low + high) // 2
-        if window[middle] < value:
-            low = middle + 1
-        else:
-            high = middle
-    for j in range(low, held - 1):
-        window[j] = window[j + 1]
-    return held - 1
 
 
 @compiled
 def fill_pieces(x: Samples, first: Indices, out: Array) -> None:
     """Fill rows of ``out`` with samples from ``first`` on, less the running median of 31 around each."""
-    for k in range(len(first)):
-        from_median(x, first[k], first[k] + out.shape[1], out[k])
+    n, flat = out.shape[1], out.reshape(-1)
+    k = 0
+    while k < len(first):
+        last = k + 1
+        while last < len(first) and first[last] == first[last - 1] + n:  # it begins where the one before ends
+            last += 1
+        from_median(x, first[k], first[k] + n * (last - k), flat[k * n : last * n])
+        k = last
 
 
 @summing

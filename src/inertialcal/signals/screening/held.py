@@ -92,12 +92,11 @@ class Habits:
 def habits_of(blocks: Blocks) -> Habits:
     """Return the habits of a record."""
     _, rows = pieces(blocks.x)
-    finite = rows[np.isfinite(rows)]
-    values, counts = np.unique(finite, return_counts=True)
-    same = np.diff(rows, axis=1) == 0.0
+    values, counts = _counted(rows[np.isfinite(rows)])
+    same = rows[:, 1:] == rows[:, :-1]
     lively = same[same.mean(axis=1) < FULL]
     equal = [_group_share(blocks)]
-    if lively.shape[1] > HELD:
+    if lively.shape[1] > HELD and lively.any():
         three = lively[:, :-3] & lively[:, 1:-2] & lively[:, 2:-1]
         each, goes_on = three.sum(axis=1), (three & lively[:, 3:]).sum(axis=1)
         usual = np.argsort(each, kind="stable")[
@@ -106,6 +105,15 @@ def habits_of(blocks: Blocks) -> Habits:
         if each[usual].sum() >= ALIKE:
             equal.append(float(goes_on[usual].sum() / each[usual].sum()))
     return Habits(values, counts, rows, max(equal), _again(rows))
+
+
+def _counted(samples: Array) -> tuple[Array, NDArray[np.int64]]:
+    """Return the different values of finite samples, in order, and how often each occurs."""
+    ordered = np.sort(samples)
+    last = (
+        np.append(np.flatnonzero(ordered[1:] != ordered[:-1]), len(ordered) - 1) if len(ordered) else np.empty(0, int)
+    )
+    return ordered[last], np.diff(last, prepend=-1)
 
 
 def _group_share(blocks: Blocks) -> float:
@@ -132,7 +140,10 @@ def _again(rows: Array) -> float:
     for lag in range(1, min(LAGS, len(lively) - 1) + 1):
         equal = lively[lag:] == lively[:-lag]
         two = equal[:, :-2] & equal[:, 1:-1]
-        counted.append(np.column_stack((two.sum(axis=1), (two & equal[:, 2:]).sum(axis=1))))
+        if two.any():
+            counted.append(np.column_stack((two.sum(axis=1), (two & equal[:, 2:]).sum(axis=1))))
+        else:
+            counted.append(np.zeros((len(two), 2), dtype=np.int64))
     if not counted:
         return SELDOM
     pairs, goes_on = np.concatenate(counted).T
@@ -167,7 +178,7 @@ def _rail(blocks: Blocks, habits: Habits, skip: Indices, step: float, sign: floa
     near = np.flatnonzero(extreme >= least)
     some = near[:: max(-(-len(near) // MOST), 1)]
     inside = sign * blocks.rows(some).astype(np.float64)
-    levels, counts = np.unique(inside[(inside >= least) & (inside <= end)], return_counts=True)
+    levels, counts = _counted(inside[(inside >= least) & (inside <= end)])
     if len(levels) < 2:
         return None
     whole = np.flatnonzero(extreme == end)
