@@ -23,6 +23,7 @@ BUILT_IN = (
     "six_faces_over_temperature",
     "climate",
     "shaker",
+    "turned_mass",
 )
 DEMONSTRATED = "npsat1"  # where none is named
 

@@ -23,6 +23,9 @@ STANDARDS: dict[str, dict[str, str]] = {
     "pressure_gauge": {"pressure": "1"},
     "site": {"latitude": "rad"},
     "source_mass": {"density": "1", "placing": "1", "gravitational_constant": "1"},
+    "turned_mass": {"mass": "kg", "radius": "m", "height": "m"},
+    "satellite": {"mass": "kg"},
+    "orbit": {"rate": "1"},
     "tilt_meter": {"mercury": "rad"},
     "pad": {"tilt": "rad"},
     "gravity": {"value": "m/s^2"},
@@ -31,7 +34,8 @@ STANDARDS: dict[str, dict[str, str]] = {
     "control_accelerometer": {"scale_factor": "1"},
 }
 # An uncertainty in each of these units, as it may be written.
-WRITTEN = {"1": "0.1 %", "rad": "0.01 deg", "m/s^2": "10 ug", "rad/s": "0.01 deg/s", "degC": "0.1 K", "V": "1 mV"}
+WRITTEN = {"1": "0.1 %", "rad": "0.01 deg", "m/s^2": "10 ug", "rad/s": "0.01 deg/s", "degC": "0.1 K", "V": "1 mV",
+           "kg": "1 g", "m": "0.1 mm"}  # fmt: skip
 
 # What draws the error of an influence anew; where nothing is said here it is a certificate.
 REDRAWN: dict[str, Redrawn] = {

@@ -1,0 +1,43 @@
+"""What a record of a turned mass is taken for by its noun: pulses of one axis, as of a moved mass, and the programme."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import PurePath
+from typing import Any
+
+from ...core.errors import UsageError
+from ..given import Described, GivenFile
+from ..mass_attraction import given as moved
+from ..protocol import InputSpec
+
+
+def described(given: GivenFile, spec: InputSpec) -> Described:
+    """Return the channels of a record, with its programme.
+
+    Raises
+    ------
+    UsageError
+        If programme or gate is missing, or it is not clear which column holds the pulses.
+    """
+    if given.said.chain is None and (given.said.lsb is not None or given.said.reference):
+        what = "turned_mass needs pulses, counted over a gate: lsb and reference are of readings in volts"
+        raise UsageError(what, given.name, do="Leave it out, and give the pulses", code="option_without_effect")
+    found = moved.described(given, spec)
+    return replace(found, entry=_renamed(found.entry, given))
+
+
+def like(given: GivenFile, entry: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the entry of another campaign, with programme, start and stamps of this file; errors as a moved mass."""
+    return _renamed(moved.like(given, entry), given)
+
+
+def _renamed(entry: Mapping[str, Any], given: GivenFile) -> dict[str, Any]:
+    """Return an entry whose mass turns: of several files, each is the run of its name."""
+    found = {name: one for name, one in entry.items() if name != "mass"}
+    own = {name: one for name, one in entry.get("mass", {}).items() if name in ("schedule", "begin")}
+    if own:
+        run = {"run": PurePath(given.name).stem} if len(given.names) > 1 else {}
+        found["turned"] = {**found.get("turned", {}), **own, **run}
+    return found
