@@ -50,6 +50,10 @@ def recording_problems(test: SaidTest, name: str, entry: Entry) -> Iterator[Prob
 def plan_problems(test: SaidTest) -> Iterator[Problem]:
     """Yield a plan that does not say the orbit once, or takes a recoil as stated that it does not state."""
     where = test.at("tests", test.number, "plan")
+    for name, example in (("mass", "4 kg"), ("radius", "0.2 m")):
+        if test.plan.get(name) is None:
+            what = f"test {test.id!r}: plan.{name} of the turned mass missing"
+            yield Problem(what, where, "its attraction follows from it", f'Add {name} = "{example}"', "missing_key")
     if (test.plan.get("altitude") is None) == (test.plan.get("orbit_period") is None):
         both = "both are given" if test.plan.get("altitude") is not None else "neither is given"
         what = f"test {test.id!r}: plan.altitude and plan.orbit_period: {both}"

@@ -26,6 +26,10 @@ FIGURES = (
         most=2,
     ),
     FigureSpec(
-        "turned_forecast", DRAWN + "turned_forecast", curves={"turned_null": "", "turned_planned": ""}, order=820, place=""
+        "turned_forecast",
+        DRAWN + "turned_forecast",
+        curves={"turned_null": "", "turned_planned": ""},
+        order=820,
+        place="",
     ),
 )

@@ -1,4 +1,4 @@
-"""What a record of a turned mass is taken for by its noun: pulses of one axis, as of a moved mass, and the programme."""
+"""What a record of a turned mass is taken for by its noun: pulses as of a moved mass, and the programme."""
 
 from __future__ import annotations
 
@@ -19,11 +19,23 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     Raises
     ------
     UsageError
-        If programme or gate is missing, or it is not clear which column holds the pulses.
+        If mass, radius, orbit, programme or gate is missing, or it is not clear which column holds the pulses.
     """
     if given.said.chain is None and (given.said.lsb is not None or given.said.reference):
         what = "turned_mass needs pulses, counted over a gate: lsb and reference are of readings in volts"
         raise UsageError(what, given.name, do="Leave it out, and give the pulses", code="option_without_effect")
+    for name, example in (("mass", "4 kg"), ("radius", "0.2 m")):
+        if given.plan.get(name) is None:
+            do = f"Add: {given.add(name, example)}"
+            raise UsageError(
+                f"{name} of the turned mass missing", given.name, "its attraction follows from it", do, "missing"
+            )
+    if (given.plan.get("altitude") is None) == (given.plan.get("orbit_period") is None):
+        both = "both are given" if given.plan.get("altitude") is not None else "neither is given"
+        do = f"Give one: {given.add('altitude', '560 km')}, or {given.add('orbit_period', '5740 s')}"
+        raise UsageError(
+            f"altitude and orbit period: {both}", given.name, "the recoil depends on the orbit", do, "missing"
+        )
     found = moved.described(given, spec)
     return replace(found, entry=_renamed(found.entry, given))
 

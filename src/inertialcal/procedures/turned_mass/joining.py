@@ -39,7 +39,8 @@ from .response import Response
 PARAMETERS = ("scale_factor", "recoil_arm", "along", "across", "zero", "direction")
 S, ARM, ALONG, ACROSS, ZERO, DIRECTION = range(6)
 STEPS = np.array([1e-6, 1e-6, 1e-5, 1e-5, 1e-5, 1e-5])  # of differences; of S and arm relative
-ROUNDS, CLOSE = 30, 1e-10
+LEAST = 1e-9  # size of scale factor and arm for their steps
+ROUNDS, CLOSE = 30, 1e-6  # of a standard uncertainty
 FARTHEST = 0.5  # offset over radius that is tried
 DISAGREE = 1e-3  # chance from which causes are looked for
 AGREES = 1e-2  # chance from which a cause explains the runs
@@ -61,11 +62,11 @@ class Orbit(NamedTuple):
 
 def orbit_of(plan: Plan, rate: float) -> Orbit:
     """Return what a plan takes as known."""
-    arm = None
+    (mass, radius), arm = plan.turned, None
     if plan.recoil == "stated" and plan.satellite is not None:
-        own = recoil_arm(plan.mass, plan.radius, plan.satellite)
+        own = recoil_arm(mass, radius, plan.satellite)
         arm = (own, 1e-6 * own)  # what is not known of it is Type B
-    return Orbit(attraction(plan.mass, plan.radius), plan.radius, rate, plan.input_axis, arm, plan.alignment)
+    return Orbit(attraction(mass, radius), radius, rate, plan.input_axis, arm, plan.alignment)
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,23 +104,24 @@ class Joined:
         return np.full(len(self.values), float(self.spare)) if scatter == "between_runs" else self.dof_within
 
 
-def model(theta: Array, rate: float, shown: Sequence[int], orbit: Orbit) -> Array:
-    """Return cosine and sine of the harmonics of a run [count/s], shape (2 k,)."""
+def model(theta: Array, responses: Sequence[Response], orbit: Orbit) -> list[Array]:
+    """Return cosine and sine of the harmonics of each run [count/s], shape (2 k,) each."""
     scale, arm, along, across, zero, direction = theta
-    field = orbit.attraction * harmonics(along, across)[:, list(shown)]
-    recoil = arm * np.array([float(one) for one in recoil_rates(rate, orbit.rate, orbit.axis)])
-    at = list(shown).index(1)
-    field[0, at, 0] -= recoil[0]
-    field[1, at, 1] -= recoil[1]
-    read = scale * (math.cos(direction) * field[0] + math.sin(direction) * field[1])
-    turn = np.array(shown) * zero
-    cos, sin = np.cos(turn), np.sin(turn)
-    return np.column_stack([read[:, 0] * cos + read[:, 1] * sin, read[:, 1] * cos - read[:, 0] * sin]).ravel()
+    towards = scale * np.array([math.cos(direction), math.sin(direction)])
+    field = orbit.attraction * harmonics(along, across)
+    found = []
+    for one in responses:
+        recoil = recoil_rates(one.run.turn.rate, orbit.rate, orbit.axis)
+        shown = np.array(one.harmonics)
+        read = np.tensordot(towards, field[:, shown], 1)
+        read[0] -= towards * arm * np.array([float(recoil[0]), float(recoil[1])])  # the first is the turn itself
+        turned = (read[:, 0] - 1j * read[:, 1]) * np.exp(1j * zero * shown)
+        found.append(np.column_stack([turned.real, -turned.imag]).ravel())
+    return found
 
 
 def join(responses: Sequence[Response], orbit: Orbit) -> Joined:
     """Return the fit of all runs; nothing is judged. A singular one has infinite variances."""
-    rates = [one.run.turn.rate for one in responses]
     theta = _start(responses, orbit)
     weights = [np.linalg.inv(one.covariance) for one in responses]
     known = np.zeros(len(theta))
@@ -133,8 +135,8 @@ def join(responses: Sequence[Response], orbit: Orbit) -> Joined:
         known[ALONG] = known[ACROSS] = 1e4  # nothing shows them: an offset of 1 % or less of the radius is taken
     jacobians: list[Array] = []
     for _ in range(ROUNDS):
-        jacobians = [_jacobian(theta, w, one.harmonics, orbit) for w, one in zip(rates, responses, strict=True)]
-        rest = [one.values - model(theta, w, one.harmonics, orbit) for w, one in zip(rates, responses, strict=True)]
+        jacobians = _jacobians(theta, responses, orbit)
+        rest = [one.values - own for one, own in zip(responses, model(theta, responses, orbit), strict=True)]
         normal = np.diag(known) + sum(j.T @ v @ j for j, v in zip(jacobians, weights, strict=True))
         down = known * (beforehand - theta) + sum(
             j.T @ v @ r for j, v, r in zip(jacobians, weights, rest, strict=True)
@@ -144,16 +146,17 @@ def join(responses: Sequence[Response], orbit: Orbit) -> Joined:
         theta = theta + step
         theta[[ALONG, ACROSS]] = np.clip(theta[[ALONG, ACROSS]], -FARTHEST, FARTHEST)
         theta[DIRECTION] = np.clip(theta[DIRECTION], -1.0, 1.0)
-        if np.all(np.abs(step) * size < CLOSE * math.sqrt(len(responses))):
+        if np.all(np.abs(step) * size < CLOSE):
             break
     covariance = np.linalg.pinv(normal / np.outer(size, size), rcond=1e-12, hermitian=True) / np.outer(size, size)
     shares = [covariance @ j.T @ v for j, v in zip(jacobians, weights, strict=True)]
-    rest = [one.values - model(theta, w, one.harmonics, orbit) for w, one in zip(rates, responses, strict=True)]
-    turns = [r[:2] for r in rest]
-    squares = float(sum(r @ np.linalg.solve(one.covariance[:2, :2], r) for r, one in zip(turns, responses, strict=True)))
+    own = [each[:2] for each in model(theta, responses, orbit)]
+    turns = [one.values[:2] - each for one, each in zip(responses, own, strict=True)]
+    squares = float(
+        sum(r @ np.linalg.solve(one.covariance[:2, :2], r) for r, one in zip(turns, responses, strict=True))
+    )
     spare = max(2 * len(responses) - (3 if orbit.arm is None else 2), 0)
     p = float(special.chdtrc(spare, squares)) if spare else math.nan
-    own = [model(theta, w, one.harmonics, orbit)[:2] for w, one in zip(rates, responses, strict=True)]
     return Joined(theta, covariance, _dof(responses, shares), squares, spare, p, np.array(turns), np.array(own))
 
 
@@ -162,7 +165,7 @@ def _dof(responses: Sequence[Response], shares: Sequence[Array]) -> Array:
     white = [np.einsum("ij,jk,ik->i", g, one.white, g) for g, one in zip(shares, responses, strict=True)]
     walk = [np.einsum("ij,jk,ik->i", g, one.walk, g) for g, one in zip(shares, responses, strict=True)]
     if all(one.noise is responses[0].noise for one in responses):
-        totals = zip(sum(white), sum(walk), strict=True)  # type: ignore[arg-type]
+        totals = zip(sum(white), sum(walk), strict=True)
         return np.array([float(responses[0].noise.of(float(a), float(b))[1][0]) for a, b in totals])
     dofs = []
     for k in range(len(PARAMETERS)):
@@ -193,15 +196,14 @@ def _start(responses: Sequence[Response], orbit: Orbit) -> Array:
     return np.array([scale or 1.0, arm, 0.0, 0.0, zero, 0.0])
 
 
-def _jacobian(theta: Array, rate: float, shown: Sequence[int], orbit: Orbit) -> Array:
+def _jacobians(theta: Array, responses: Sequence[Response], orbit: Orbit) -> list[Array]:
+    """Return the slopes of each run by the parameters, shape (2 k, 6) each."""
     columns = []
     for k in range(len(theta)):
-        step = STEPS[k] * (max(abs(theta[k]), 1e-9) if k in (S, ARM) else 1.0)
-        ahead, behind = np.array(theta), np.array(theta)
-        ahead[k] += step
-        behind[k] -= step
-        columns.append((model(ahead, rate, shown, orbit) - model(behind, rate, shown, orbit)) / (2.0 * step))
-    return np.column_stack(columns)
+        step = STEPS[k] * (max(abs(theta[k]), LEAST) if k in (S, ARM) else 1.0)
+        both = [model(theta + sign * step * np.eye(len(theta))[k], responses, orbit) for sign in (1.0, -1.0)]
+        columns.append([(ahead - behind) / (2.0 * step) for ahead, behind in zip(*both, strict=True)])
+    return [np.column_stack(each) for each in zip(*columns, strict=True)]
 
 
 def separable(responses: Sequence[Response], orbit: Orbit) -> bool:
@@ -221,8 +223,8 @@ class Cause(NamedTuple):
 def reversed_turn(one: Response) -> Response:
     """Return a response as it is if the mass turned the other way from the same start."""
     values, order = np.array(one.values), []
-    for k, l in enumerate(one.harmonics):
-        both = 2.0 * l * one.run.turn.angle
+    for k, harmonic in enumerate(one.harmonics):
+        both = 2.0 * harmonic * one.run.turn.angle
         c, s = math.cos(both), math.sin(both)
         order.append((2 * k, np.array([[c, s], [s, -c]])))
     turn = np.zeros((len(values), len(values)))
@@ -245,4 +247,3 @@ def causes(responses: Sequence[Response], orbit: Orbit) -> list[Cause]:
             p = join(changed, orbit).p_value
             found += [Cause(kind, run, p)] if p > AGREES else []
     return sorted(found, key=lambda one: -one.p_value)
-

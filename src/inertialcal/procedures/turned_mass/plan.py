@@ -36,8 +36,12 @@ class HighG:
 class Plan:
     """Settings of the campaign and of its reduction."""
 
-    mass: float = setting("Turned mass, arm and all that turns with it included.", unit="kg", example="4 kg")
-    radius: float = setting("From the axis of rotation to the middle of the mass.", unit="m", example="0.2 m")
+    mass: float | None = setting(
+        "Turned mass, arm and all that turns with it included.", None, unit="kg", example="4 kg", above=0.0
+    )
+    radius: float | None = setting(
+        "From the axis of rotation to the middle of the mass.", None, unit="m", example="0.2 m", above=0.0
+    )
     axis: str = fact("Input axis.", "sensor", "x")
     nominal: float | None = fact("Scale factor of the data sheet [count/s/(m/s^2)].", "sensor", None)
     altitude: float | None = setting("Of the circular orbit over the mean earth.", None, unit="m", example="560 km")
@@ -61,6 +65,23 @@ class Plan:
         "Scale factor to compare the result with.", None, example='{ scale_factor = "10.21 count/s/ug" }'
     )
     standards: Standards = fact("Uncertainties of the standards.", "standards", dict[str, Influence])
+
+    @property
+    def turned(self) -> tuple[float, float]:
+        """Mass [kg] and its distance [m].
+
+        Raises
+        ------
+        PlanError
+            ``missing_key`` if one is not given.
+        """
+        if self.mass is None or self.radius is None:
+            from ...core.errors import PlanError  # noqa: PLC0415 - numpy starts slowly
+
+            what = f"{'mass' if self.mass is None else 'radius'} of the turned mass missing"
+            do = 'Give both: mass = "4 kg", radius = "0.2 m"'
+            raise PlanError(what, why="its attraction follows from them", do=do, code="missing_key")
+        return self.mass, self.radius
 
 
 @dataclass(frozen=True)

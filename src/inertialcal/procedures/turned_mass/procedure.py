@@ -38,7 +38,7 @@ QUANTITIES = {
 }
 
 TURNED = (
-    'turned/recordings/run1.csv turned/recordings/run2.csv turned/recordings/run3.csv --schedule turned/schedule.csv'
+    "turned/recordings/run1.csv turned/recordings/run2.csv turned/recordings/run3.csv --schedule turned/schedule.csv"
     ' --column x=pulses --gate "100 s" --mass "4 kg" --radius "0.2 m" --altitude "560 km"'
     ' --scale-factor "10.21 count/s/ug"'
 )

@@ -46,7 +46,7 @@ def read_programme(path: str | Path) -> tuple[Turn, ...]:
     table = read_table(path)
     names = [name.strip() for name in table.text("run")]
     figures = {name: _column(table, name, unit) for name, unit in UNITS.items()}
-    turns = []
+    turns: list[Turn] = []
     for k, name in enumerate(names):
         row = {what: float(values[k]) for what, values in figures.items()}
         one = Turn(name, **row, where=table.where(k))

@@ -54,12 +54,17 @@ class Run:
 class Readings:
     """Runs of one instrument, and remarks from reading them."""
 
-    runs: tuple[Run, ...]
+    series: tuple[Run, ...]
     remarks: tuple[Remark, ...] = ()
 
     def __len__(self) -> int:
         """Return the number of readings."""
-        return sum(len(one.reading) for one in self.runs)
+        return sum(len(one.reading) for one in self.series)
+
+    @property
+    def runs(self) -> int:
+        """Number of runs."""
+        return len(self.series)
 
 
 def readings_from(sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:

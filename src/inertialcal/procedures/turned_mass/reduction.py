@@ -4,7 +4,7 @@ Each run gives the harmonics of its turn (``response``); all runs together give 
 of the proof mass from the axis of rotation (``joining``). The proposal of 1969 [1]_ expects scale factor, nonlinearity
 and bias; it leaves the recoil of the satellite out, which is as large as the attraction. What the runs do not tell:
 
-- nonlinearity: K2 reads as an offset of the axis of rotation, K3 as attraction; at some ng both are far below any bound;
+- nonlinearity: K2 reads as an offset of the axis of rotation, K3 as attraction, and both are far below the noise;
 - bias: the level is bias plus ambient acceleration, which is hundreds of times the attraction; a flip tells them apart.
 
 The uncertainty is that of the runs (``joining``), with mass, distance, gravitational constant, orbital rate, height of
@@ -108,7 +108,7 @@ class Result:
 
     def parts(self) -> tuple[Block, ...]:
         """Return number of runs and readings, the figures in SI, number of remarks."""
-        caption = f"turned mass: {len(self.readings.runs)} run(s), {len(self.readings)} reading(s)"
+        caption = f"turned mass: {len(self.readings.series)} run(s), {len(self.readings)} reading(s)"
         found = estimate_table([row.to_dict() for row in self.rows() if not row.case.beside], caption)
         return (*found, *remarks_line(self.remarks))
 
@@ -152,7 +152,7 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     """
     rate, _ = rate_of_orbit(plan)
     orbit = orbit_of(plan, rate)
-    responses = responses_of(readings.runs, rate, plan.orbit_lines)
+    responses = responses_of(readings.series, rate, plan.orbit_lines)
     used = [one for one in responses if not one.met]
     if not used:
         met = ", ".join(f"{one.run.name} meets {one.met} times the orbital rate" for one in responses)
@@ -179,7 +179,7 @@ def _one_speed(used: Sequence[Response], orbit: Orbit, plan: Plan) -> DataError:
     what = f"all runs turn once in {turn.named}: scale factor and recoil cannot be told apart"
     why = "only their sum is read"
     if plan.satellite is not None:
-        share = recoil_arm(plan.mass, plan.radius, plan.satellite) * float(
+        share = recoil_arm(*plan.turned, plan.satellite) * float(
             recoil_rates(turn.rate, orbit.rate, orbit.axis)[0]) / orbit.attraction  # fmt: skip
         why = f"only their sum is read, and by the masses the recoil is {number(share, 3)} of the attraction"
     do = 'Add runs at another rate, or in the other sense; or state the recoil: satellite, and recoil = "stated"'
@@ -227,7 +227,7 @@ class Figure(NamedTuple):
 
 def figures_of(plan: Plan) -> list[Figure]:
     """Return the figures that a plan asks for, the scale factor first."""
-    radius = plan.radius
+    mass, radius = plan.turned
     found = [Figure(SCALE, UNIT, S)]
     if plan.nominal:
         found.append(Figure(ERROR, "1", S, 1.0 / plan.nominal, 1.0))
@@ -236,8 +236,13 @@ def figures_of(plan: Plan) -> list[Figure]:
     if plan.recoil == "found":
         found.append(Figure(RECOIL, "m", ARM))
         if plan.satellite is not None:
-            found.append(Figure(RECOIL_DIFFERENCE, "1", ARM, 1.0 / recoil_arm(plan.mass, radius, plan.satellite), 1.0))
-    return [*found, Figure(OFFSET, "m", ALONG, radius), Figure(ACROSS_IT, "m", ACROSS, radius), Figure(ANGLE, "rad", ZERO)]
+            found.append(Figure(RECOIL_DIFFERENCE, "1", ARM, 1.0 / recoil_arm(mass, radius, plan.satellite), 1.0))
+    return [
+        *found,
+        Figure(OFFSET, "m", ALONG, radius),
+        Figure(ACROSS_IT, "m", ACROSS, radius),
+        Figure(ANGLE, "rad", ZERO),
+    ]
 
 
 def _values(theta: Array, figures: Sequence[Figure]) -> Array:
@@ -257,12 +262,12 @@ def _estimate(plan: Plan, used: Sequence[Response], both: Joined) -> Estimate:
 
 def _type_b(plan: Plan, used: Sequence[Response], values: Array) -> Iterator[Component]:
     """Yield what is common to all runs: each stated quantity changed by its u, and all fitted again."""
-    rate, own_rate = rate_of_orbit(plan)
+    (rate, own_rate), (mass, radius) = rate_of_orbit(plan), plan.turned
     stated, names = plan.standards, [one.name for one in figures_of(plan)]
     constant = Influence(float(GRAVITATIONAL_CONSTANT.u or 0.0) / GRAVITATIONAL_CONSTANT.value)
     changed: dict[str, tuple[str, Influence | None, Callable[[float], tuple[Plan, float, float]]]] = {
-        MASS: ("turned mass", stated.get(MASS), lambda u: (replace(plan, mass=plan.mass + u), rate, 1.0)),
-        RADIUS: ("distance of the mass", stated.get(RADIUS), lambda u: (replace(plan, radius=plan.radius + u), rate, 1.0)),
+        MASS: ("turned mass", stated.get(MASS), lambda u: (replace(plan, mass=mass + u), rate, 1.0)),
+        RADIUS: ("distance of the mass", stated.get(RADIUS), lambda u: (replace(plan, radius=radius + u), rate, 1.0)),
         CONSTANT: ("gravitational constant", stated.get(CONSTANT, constant), lambda u: (plan, rate, 1.0 + u)),
         ORBIT: ("orbital rate", own_rate, lambda u: (plan, rate * (1.0 + u), 1.0)),
     }
@@ -286,7 +291,7 @@ def _type_b(plan: Plan, used: Sequence[Response], values: Array) -> Iterator[Com
                     stated=(plan.alignment, "rad"))  # fmt: skip
     if HEIGHT in stated:
         one = stated[HEIGHT]
-        change = 1.5 * ROOT_3 * (one.u / plan.radius) ** 2 * relative
+        change = 1.5 * ROOT_3 * (one.u / radius) ** 2 * relative
         label = "height of the proof mass over the plane of the turn"
         yield Component(one.origin(label), "B", np.outer(change, change), one.dof, stated=one.stated)
     if plan.high_g is not None and plan.high_g.u > 0.0:
@@ -303,7 +308,9 @@ def model_terms(result: Result, tests: Sequence[Tested[Plan, Readings, Result]])
     key, nominal = Key(ERROR, result.plan.axis), result.plan.nominal
     if result.estimate is None or not nominal:
         return None
-    applied = float(np.max(np.hypot(*result.joined.at_turn.T))) / abs(result.estimate.value(Key(SCALE, result.plan.axis)))
+    applied = float(np.max(np.hypot(*result.joined.at_turn.T))) / abs(
+        result.estimate.value(Key(SCALE, result.plan.axis))
+    )
     origin = Provenance(", ".join(one.id for one in tests), tuple(name for one in tests for name in one.recordings))
     return ModelTerms(
         result.estimate.select([key]), (key,), (result.plan.axis,), {key: origin}, scale_factor=nominal,

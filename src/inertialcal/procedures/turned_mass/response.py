@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -152,22 +153,22 @@ def _columns(run: Run, orbit: float, orbit_lines: int) -> _Columns:
         what = f"run {run.name}: a turn takes {run.turn.period:.4g} s, samples come every {step:.4g} s"
         why = "the turn is above half of the sampling frequency and would alias"
         raise DataError(what, run.where, why, "Check the rate of the programme and its unit", "nyquist")
-    passed = {l: float(np.sinc(l * rate * run.gate / (2.0 * math.pi))) for l in range(1, HIGHEST + 1)}
+    multiples = range(1, HIGHEST + 1)
+    passed = {k: float(np.sinc(k * rate * run.gate / (2.0 * math.pi))) for k in multiples}
     if passed[1] < LEFT:
         what = f"run {run.name}: a gate of {run.gate:g} s, a turn of {run.turn.period:.4g} s"
         raise DataError(what, run.where, "the gate averages the turn out", "Turn more slowly", "averaged_out")
     lines = [k for k in range(1, orbit_lines + 1) if SLOW * rate < k * orbit < HIGHEST * rate]
 
-    def meets(l: int, k: int) -> bool:
-        return abs(l * rate - k * orbit) * span < 2.0 * math.pi * RESOLVED
+    def meets(harmonic: int, line: int) -> bool:
+        return abs(harmonic * rate - line * orbit) * span < 2.0 * math.pi * RESOLVED
 
     met = next((k for k in lines if meets(1, k)), 0)
     lines = [k for k in lines if k != met]
-    shown = [l for l in range(2, HIGHEST + 1)
-             if passed[l] > LEFT and l * rate * step < 2.0 * math.pi * NYQUIST and not any(meets(l, k) for k in lines)]
-    harmonics = (1, *shown)
+    shown = [k for k in multiples[1:] if passed[k] > LEFT and k * rate * step < 2.0 * math.pi * NYQUIST]
+    harmonics = (1, *(k for k in shown if not any(meets(k, line) for line in lines)))
     angle = run.angle
-    waves = [passed[l] * wave(l * angle) for l in harmonics for wave in (np.cos, np.sin)]
+    waves = [passed[k] * wave(k * angle) for k in harmonics for wave in (np.cos, np.sin)]
     waves += [wave(k * orbit * run.times) for k in lines for wave in (np.cos, np.sin)]
     return _Columns(harmonics, met, np.column_stack(waves))
 
@@ -187,7 +188,7 @@ def _fitted(run: Run, columns: _Columns, kept: NDArray[np.bool_]) -> Response:
     times, readings = means(run.times) / run.turn.period, means(run.reading) - level
     at = np.column_stack([means(one) for one in columns.at.T])
     edges = np.linspace(0, len(times), -(-len(times) // LARGEST) + 1).astype(int)
-    parts = [slice(int(a), int(b)) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    parts = [slice(int(a), int(b)) for a, b in pairwise(edges)]
     stretches = [stretch_of(times[p].copy(), np.ascontiguousarray(at[p]), many * step / run.turn.period) for p in parts]
     weights = [one.weights_of_drift(LENGTH) for one in stretches]
     shares = np.array([1.0 / float(w[0] @ w[0]) for w in weights])

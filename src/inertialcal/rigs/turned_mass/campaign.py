@@ -37,7 +37,9 @@ def campaign_text(bench: Bench, standards: Mapping[str, Influence]) -> str:
         "altitude": f"{bench.altitude / 1e3:g} km",
         "satellite": Noted(f"{bench.satellite:g} kg", "to check the recoil arm; it is found from the runs"),
         "alignment": "1 deg",
-        "high_g": Noted({"scale_factor": f"{stated:g} {unit}", "u": f"{0.01 * stated:.4g} {unit}"}, "by a flip on ground"),
+        "high_g": Noted(
+            {"scale_factor": f"{stated:g} {unit}", "u": f"{0.01 * stated:.4g} {unit}"}, "by a flip on ground"
+        ),
     }
     runs = [f"run{number + 1}" for number in range(len(bench.periods))]
     test = {"id": "calibration", "procedure": "turned_mass", "recordings": runs}
@@ -67,7 +69,12 @@ def _entry(bench: Bench, number: int) -> Content:
         "sensor": "head",
         "file": recording_file(number),
         "run": "orbit",
-        "clock": {"column": "unix_s", "stamp": "end", "interval": f"{bench.gate:g} s", "averaging": f"{bench.gate:g} s"},
+        "clock": {
+            "column": "unix_s",
+            "stamp": "end",
+            "interval": f"{bench.gate:g} s",
+            "averaging": f"{bench.gate:g} s",
+        },
         "turned": {"schedule": SCHEDULE, "run": f"run{number + 1}", "begin": instant_text(BEGIN * SECOND)},
         "channels": {"x": {"column": PULSES, "unit": "count"}},
     }

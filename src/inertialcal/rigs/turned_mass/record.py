@@ -76,12 +76,14 @@ def felt(bench: Bench, drawn: Drawn, number: int, seconds: Array) -> Array:
     return np.asarray(towards @ np.stack([pull[0] - force_up, pull[1] - force_ahead]))
 
 
-def record(bench: Bench, drawn: Drawn, number: int, rng: np.random.Generator) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def record(
+    bench: Bench, drawn: Drawn, number: int, rng: np.random.Generator
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Return the gates of a run that were saved, and their pulses."""
     n = int(bench.length / bench.gate)
     fine = (np.arange(n * STEPS) + 0.5) * bench.gate / STEPS
     whole = begin_of(bench, number) + fine
-    ambient = bench.bias_ug * UG + 3.0 * drawn.orbit**2 * bench.head
+    ambient: Array = np.full(len(fine), bench.bias_ug * UG + 3.0 * drawn.orbit**2 * bench.head)
     for k, size in enumerate(bench.lines, 1):
         ambient = ambient + size * np.cos(k * drawn.orbit * whole + rng.uniform(0.0, 2.0 * math.pi))
     mass = felt(bench, drawn, number, fine)

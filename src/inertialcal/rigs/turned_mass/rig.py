@@ -68,7 +68,12 @@ def build(bench: Bench, seed: int) -> Twin:
         TrueValue("axis_offset_across", "x", drawn.offset[1], "m"),
         TrueValue("angle_zero", "x", drawn.zero, "rad"),
     )
-    known = {"offset": list(drawn.offset), "direction": drawn.direction, "mass": drawn.mass, "radius": drawn.radius}
+    known: dict[str, float | list[float] | list[list[float]]] = {
+        "offset": list(drawn.offset),
+        "direction": drawn.direction,
+        "mass": drawn.mass,
+        "radius": drawn.radius,
+    }
     turns = _programme(bench)
     extras = {SCHEDULE: Extra(turns, programme_text(turns))}
     return Twin(campaign_text(bench, standards), recordings, truth, known, extras, drawn.errors)

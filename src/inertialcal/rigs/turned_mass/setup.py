@@ -22,6 +22,11 @@ UG = 1e-6 * STANDARD_GRAVITY.value  # [m/s^2]
 HOUR, DAY = 3600.0, 86_400.0
 NOMINAL = 10.21 / UG  # [pulses/s/(m/s^2)]
 PERIODS = (1.0, -1.0, 2.0, -2.0, 0.75, -1.25)  # of the runs; + in the sense of the orbit [h]
+MASS = Influence(1e-3, "kg", certificate="balance")
+RADIUS = Influence(1e-4, "m", certificate="coordinate measuring machine")
+HEIGHT = Influence(2e-3, "m", certificate="drawing of the head")
+SATELLITE = Influence(2.0, "kg", certificate="propellant book-keeping")
+ORBIT = Influence(1e-4, certificate="orbit determination")
 
 
 @dataclass(frozen=True)
@@ -47,11 +52,11 @@ class Bench:
     walk: float = 1e-4
     cubic: float = 0.1
     lost: float = 0.01  # fraction of gates that were not saved (1)
-    u_mass: Influence = Influence(1e-3, "kg", certificate="balance")
-    u_radius: Influence = Influence(1e-4, "m", certificate="coordinate measuring machine")
-    u_height: Influence = Influence(2e-3, "m", certificate="drawing of the head")
-    u_satellite: Influence = Influence(2.0, "kg", certificate="propellant book-keeping")
-    u_orbit: Influence = Influence(1e-4, certificate="orbit determination")
+    u_mass: Influence = MASS
+    u_radius: Influence = RADIUS
+    u_height: Influence = HEIGHT
+    u_satellite: Influence = SATELLITE
+    u_orbit: Influence = ORBIT
     # what the campaign says, where that is something else
     mass_said: float | None = None  # [kg]
     radius_said: float | None = None  # [m]
@@ -66,9 +71,7 @@ class Bench:
 
 
 FAULTS: dict[str, Fault] = {
-    "wrong_sense": Fault(
-        "the programme has the wrong sense for one run", "wrong_sense", {"sense_said": 2}, "refused"
-    ),
+    "wrong_sense": Fault("the programme has the wrong sense for one run", "wrong_sense", {"sense_said": 2}, "refused"),
     "one_speed": Fault("all runs turn at one rate and in one sense", "one_speed", {"periods": (1.0,) * 5}, "refused"),
     "wrong_mass": Fault("the mass that flew is 3 kg, not 4", "disagrees_with_high_g", {"mass": 3.0, "mass_said": 4.0}),
     "wrong_radius": Fault("the arm is 0.2 m, the campaign states 0.25 m", "recoil_disagrees", {"radius_said": 0.25}),

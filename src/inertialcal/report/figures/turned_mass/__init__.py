@@ -1,0 +1,1 @@
+"""Figures of a turned mass and of its plan."""
