@@ -29,6 +29,7 @@ if TYPE_CHECKING:
         sensitivity,
         sine,
         thermal,
+        turned_mass,
         vibration,
         vibration_effects,
         vibration_survey,
@@ -61,6 +62,7 @@ if TYPE_CHECKING:
     from .procedures.positions.batch import positions_batch
     from .procedures.positions.planning.planner import plan_positions
     from .procedures.sine_survey.planning import plan_vibration_survey
+    from .procedures.turned_mass.planning import plan_turned_mass
     from .procedures.vibration.planning import plan_vibration
     from .procedures.vibration.profile_table import vibration_profile
     from .report.plot import plot
@@ -104,6 +106,7 @@ __all__ = [
     "open_archive",
     "plan_mass_attraction",
     "plan_positions",
+    "plan_turned_mass",
     "plan_vibration",
     "plan_vibration_survey",
     "plot",
@@ -121,6 +124,7 @@ __all__ = [
     "simulate",
     "sine",
     "thermal",
+    "turned_mass",
     "vibration",
     "vibration_effects",
     "vibration_profile",
@@ -161,6 +165,7 @@ _HOMES = {  # nouns of procedures apart, which are found by their commands
         "procedures.positions.batch": "positions_batch",
         "procedures.positions.planning.planner": "plan_positions",
         "procedures.sine_survey.planning": "plan_vibration_survey",
+        "procedures.turned_mass.planning": "plan_turned_mass",
         "procedures.vibration.planning": "plan_vibration",
         "procedures.vibration.profile_table": "vibration_profile",
         "report.plot": "plot",

@@ -56,6 +56,26 @@ def moved(folder: Path) -> Reduced:
     return ic.mass_attraction(path, schedule=str(schedule), gate="100 s")
 
 
+def turned(folder: Path) -> Reduced:
+    """What records of pulses give while a mass turns at an hour a turn, in both senses."""
+    runs = []
+    for name, sign in (("ahead", 1.0), ("back", -1.0)):
+        times = np.arange(50.0, 43_200.0, 100.0)
+        rate = 177.0 + (0.002 - 0.003 * sign) * np.cos(2.0 * np.pi / 3600.0 * times)
+        pulses = np.diff(np.floor(100.0 * np.cumsum(np.append(0.0, rate + _noise(len(times))))))
+        runs.append(folder / f"{name}.csv")
+        np.savetxt(runs[-1], np.column_stack([1.7e9 + times, pulses]), fmt="%.6f", delimiter=",",
+                   header="unix_s,pulses [count]", comments="")  # fmt: skip
+    schedule = folder / "schedule.csv"
+    rows = "ahead,0,43200,0.1,0\nback,50000,93200,-0.1,0\n"
+    schedule.write_text(f"run,start [s],stop [s],rate [deg/s],angle [deg]\n{rows}", encoding="utf-8")
+    return ic.turned_mass(runs, schedule=str(schedule), gate="100 s", mass="4 kg", radius="0.2 m", altitude="560 km")
+
+
+def _noise(n: int) -> np.ndarray[Any, np.dtype[np.float64]]:
+    return np.random.default_rng(n).normal(0.0, 3e-3, n)
+
+
 def shaken(folder: Path) -> Path:
     """A record of a gyro between two rests, vibrated at two levels."""
     rng = np.random.default_rng(1)
@@ -141,6 +161,8 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
         "sine": ic.sine(still[:, 0] + 1e-3 * DRIVE, period="1 s", sample_rate=100.0, units="rad/s"),
         "vibration": ic.vibration(random, profile=profile, control="control"),
         "vibration_profile": ic.vibration_profile(profile),
+        "turned_mass": turned(tmp_path_factory.mktemp("turned")),
+        "plan_turned_mass": ic.plan_turned_mass(hours="12 h", trials=0),
         "plan_vibration": ic.plan_vibration(profile=profile),
         "plan_vibration_survey": ic.plan_vibration_survey(rate="4 oct/min"),
         "vibration_effects": ic.vibration_effects(shaken(tmp_path_factory.mktemp("shaken")), axis="z"),
@@ -166,7 +188,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
 NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "thermal", "sensitivity", "allan", "psd", "sine",
          "mass_attraction", "plan_mass_attraction", "positions", "positions_batch", "plan_positions",
          "vibration", "vibration_profile", "plan_vibration", "plan_vibration_survey", "vibration_survey",
-         "vibration_effects",
+         "vibration_effects", "turned_mass", "plan_turned_mass",
          "result", "estimate",
          "check", "run", "budget", "model", "compare", "judged", "simulate", "score")  # fmt: skip
 

@@ -32,6 +32,7 @@ NO_CALL = (
     "open_archive",
     "plan_mass_attraction",
     "plan_positions",
+    "plan_turned_mass",
     "plan_vibration",
     "plan_vibration_survey",
     "simulate",

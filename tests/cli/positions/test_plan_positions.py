@@ -116,4 +116,5 @@ def test_both_plans_are_there() -> None:
         "positions",
         "vibration",
         "vibration survey",
+        "turned-mass",
     ]

@@ -30,6 +30,7 @@ from test_figure_source_mass import planned
 from test_figure_thermal import CURVES as THERMAL_CURVES
 from test_figure_thermal import ROWS as THERMAL_ROWS
 from test_figure_thermal import SEQUENCE as THERMAL_SEQUENCE
+from test_figure_turned_mass import CURVES as TURNED_CURVES
 from test_figure_vibration import CHANGES, JUDGED, vibration_curves
 
 from inertialcal.core.errors import DataError
@@ -186,7 +187,7 @@ def results() -> dict[str, Any]:
         "curves": [input_output(), errors(), linearity(), *trace(), compensated(), compensated("y"), flip_dwells("y"),
                    flip_quiet("y"),
                    *copy.deepcopy([*THERMAL_CURVES, *MASS_CURVES, *POSITIONS_CURVES, *SENSITIVITY_CURVES,
-                                 *planned().results["curves"], *vibration_curves()]),
+                                 *planned().results["curves"], *vibration_curves(), *TURNED_CURVES]),
                    noise_allan("z"), noise_terms("z"), noise_spectrum("z"), *sine_curves("z")],
         "sequence": SEQUENCE + THERMAL_SEQUENCE, "verdicts": [*VERDICTS, *JUDGED],
         "results": [*ROWS, *BESIDE, *CHANGES, *THERMAL_ROWS, *MASS_ROWS, *SENSITIVITY_ROWS,

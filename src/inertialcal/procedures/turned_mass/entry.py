@@ -11,7 +11,10 @@ from ..entries import Entry, EntryKey, SaidTest
 
 
 class Turned(Strict):
-    """turned = {...}: programme of the mass that turns during a recording, which run of it, and its begin."""
+    """turned = {...}: programme of the mass that turns during a recording, which run of it, and its begin.
+
+    Without ``run`` the recording is the run of its own name, or all of them where none has it.
+    """
 
     schedule: Text
     run: Text | None = None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import PurePath
 from typing import Any
 
 from ...core.errors import UsageError
@@ -37,19 +36,18 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
             f"altitude and orbit period: {both}", given.name, "the recoil depends on the orbit", do, "missing"
         )
     found = moved.described(given, spec)
-    return replace(found, entry=_renamed(found.entry, given))
+    return replace(found, entry=_turned(found.entry))
 
 
 def like(given: GivenFile, entry: Mapping[str, Any]) -> dict[str, Any]:
     """Return the entry of another campaign, with programme, start and stamps of this file; errors as a moved mass."""
-    return _renamed(moved.like(given, entry), given)
+    return _turned(moved.like(given, entry))
 
 
-def _renamed(entry: Mapping[str, Any], given: GivenFile) -> dict[str, Any]:
-    """Return an entry whose mass turns: of several files, each is the run of its name."""
+def _turned(entry: Mapping[str, Any]) -> dict[str, Any]:
+    """Return an entry whose mass turns."""
     found = {name: one for name, one in entry.items() if name != "mass"}
     own = {name: one for name, one in entry.get("mass", {}).items() if name in ("schedule", "begin")}
     if own:
-        run = {"run": PurePath(given.name).stem} if len(given.names) > 1 else {}
-        found["turned"] = {**found.get("turned", {}), **own, **run}
+        found["turned"] = {**found.get("turned", {}), **own}
     return found

@@ -44,8 +44,12 @@ class Plan:
     )
     axis: str = fact("Input axis.", "sensor", "x")
     nominal: float | None = fact("Scale factor of the data sheet [count/s/(m/s^2)].", "sensor", None)
-    altitude: float | None = setting("Of the circular orbit over the mean earth.", None, unit="m", example="560 km")
-    orbit_period: float | None = setting("Of the orbit, in place of its altitude.", None, unit="s", example="5740 s")
+    altitude: float | None = setting(
+        "Of the circular orbit over the mean earth.", None, unit="m", example="560 km", above=0.0
+    )
+    orbit_period: float | None = setting(
+        "Of the orbit, in place of its altitude.", None, unit="s", example="5740 s", above=0.0
+    )
     satellite: float | None = setting(
         "Mass of the satellite without the turned mass, to check the recoil arm, or to take it as stated.", None,
         unit="kg", example="1000 kg",
@@ -89,7 +93,8 @@ class SaidTurn:
     """Settings of the noun beyond plan and recording."""
 
     schedule: str | None = setting(
-        "CSV file with the programme: run, start, stop, rate, angle; of several files, each is the run of its name.",
+        "CSV file with the programme: run, start, stop, rate, angle; a file named as a run is that run, another one all of"
+        " them.",
         None, example="schedule.csv",
     )  # fmt: skip
     gate: str | None = setting("Time over which pulses are counted.", None, example="100 s")

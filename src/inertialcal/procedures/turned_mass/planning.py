@@ -17,7 +17,6 @@ import numpy as np
 
 from ...core.curve import Column, Curve
 from ...core.errors import DataError, UsageError
-from ...core.estimate import Array
 from ...core.key import At, Key, Member
 from ...core.remarks import Remark
 from ...core.results import Row

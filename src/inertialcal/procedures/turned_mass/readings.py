@@ -90,7 +90,7 @@ def readings_from(sources: Sequence[Source], corrections: Sequence[Correction] =
         for one in _cut(source, body, gate, turned, _chosen(source, turned, programme)):
             if any(one.name == other.name for other in runs):
                 what = f"run {one.name} is in two recordings"
-                do = "Give each recording its own run: turned.run"
+                do = "Name each recording as its run, or give it turned.run"
                 raise DataError(what, source.file, "its readings would count twice", do, "run_twice")
             runs.append(one)
         remarks += list(body.remarks)
@@ -117,9 +117,11 @@ def _gate(source: Source, body: Recording) -> float:
 
 
 def _chosen(source: Source, turned: Turned, programme: Sequence[Turn]) -> list[Turn]:
-    chosen = [one for one in programme if turned.run in (None, one.run)]
+    named = source.name if any(one.run == source.name for one in programme) else None
+    run = turned.run or named
+    chosen = [one for one in programme if run in (None, one.run)]
     if not chosen:
-        what = f"{source.name}: no run {turned.run!r} in {turned.schedule}"
+        what = f"{source.name}: no run {run!r} in {turned.schedule}"
         raise DataError(what, source.file, do=f"There are: {', '.join(one.run for one in programme)}", code="no_run")
     return chosen
 

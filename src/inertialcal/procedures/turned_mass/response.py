@@ -4,7 +4,7 @@ Harmonics 1 to 3 and the lines of the orbit are fitted together, by weights that
 noise that the sums without all of these show (``signals.sine``): that of all runs together where it may be the same.
 What the gate takes off each harmonic, ``sin(x) / x`` with x half of its angle over a gate, is put back.
 
-Left out first: single false readings, by their distance from the fit. A jump of the level is named; it is not mended.
+Single false readings are left out, by their distance from the fit. A jump of the level is taken off, and named.
 
 A run is of no use for the scale factor where a line of the orbit lies within a resolution of its turn: what the orbit
 does to the instrument cannot be told from what the mass does. A higher harmonic that meets such a line is left out.
@@ -16,6 +16,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +47,13 @@ ROBUST = 0.6745  # median of |x| of normal noise
 CHANCE = 1e-4  # of a false jump
 
 
+class Jump(NamedTuple):
+    """A jump of the level."""
+
+    time: float  # From the start of the run [s]
+    size: float  # [count/s]
+
+
 @dataclass(frozen=True, eq=False)
 class Response:
     """Harmonics of one run."""
@@ -61,7 +69,7 @@ class Response:
     noise: Noise
     met: int = 0  # Which multiple of the orbital rate its turn meets; 0 for none
     left_out: tuple[int, ...] = ()  # Indices of false readings
-    jump: float | None = None  # Where the level jumps [s]
+    jump: Jump | None = None  # Of the level, which was taken off
     # shape (n,), at the readings [count/s]: drift with lines of the orbit, and the harmonics
     drift: Array = field(default_factory=lambda: np.empty(0))
     line: Array = field(default_factory=lambda: np.empty(0))
@@ -125,6 +133,11 @@ def _alone(run: Run, orbit: float, orbit_lines: int) -> Response:
     columns = _columns(run, orbit, orbit_lines)
     kept = np.ones(len(run.times), dtype=bool)
     found = _fitted(run, columns, kept)
+    jump = _jump(run, found)
+    if jump is not None:
+        level = np.where(run.times >= jump.time, jump.size, 0.0)
+        run = replace(run, reading=run.reading - level)
+        found = _fitted(run, columns, kept)
     for _ in range(ROUNDS):
         rest = np.abs(run.reading - found.drift - found.line)
         good = rest <= OFF * float(np.median(rest[kept])) / ROBUST
@@ -132,9 +145,17 @@ def _alone(run: Run, orbit: float, orbit_lines: int) -> Response:
             break
         kept = good
         found = _fitted(run, columns, kept)
-    jump = jumps([np.where(kept, run.reading - found.line, np.nan)], CHANCE)[0]
-    return replace(found, left_out=tuple(np.flatnonzero(~kept).tolist()),
-                   jump=None if jump is None else float(run.times[jump.at]))  # fmt: skip
+    return replace(found, left_out=tuple(np.flatnonzero(~kept).tolist()), jump=jump)
+
+
+def _jump(run: Run, found: Response) -> Jump | None:
+    """Return the jump of the level in a run; None where there is none."""
+    step = float(np.median(np.diff(run.times)))
+    place = np.rint((run.times - run.times[0]) / step).astype(np.int64)
+    even = np.full(int(place[-1]) + 1, np.nan)
+    even[place] = run.reading - found.line
+    own = jumps([even], CHANCE)[0]
+    return None if own is None else Jump(float(run.times[0]) + own.at * step - HALF * step, own.size)
 
 
 @dataclass(frozen=True, eq=False)

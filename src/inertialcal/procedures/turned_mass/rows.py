@@ -175,8 +175,9 @@ def _on_runs(result: Result) -> Iterator[Remark]:
             yield Remark("reading_left_out", "warning", what, run.where, len(one.left_out), "Find the cause",
                          subject=run.name, index=one.left_out[0], recording=run.recording)  # fmt: skip
         if one.jump is not None:
-            what = f"run {run.name}: the level jumps {one.jump / 3600.0:.3g} h after its start"
-            yield Remark("jump", "warning", what, run.where, do="End the run before it, or begin after it",
+            size, hours = number(one.jump.size, 3), number(one.jump.time / 3600.0, 3)
+            what = f"run {run.name}: the level jumps by {size} count/s, {hours} h after its start"
+            yield Remark("jump", "warning", what, run.where, do="It is taken off; find its cause",
                          subject=run.name, recording=run.recording)  # fmt: skip
     used = result.used
     sizes = [abs(one.run.turn.rate) for one in used]

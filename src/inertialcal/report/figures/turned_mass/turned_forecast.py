@@ -25,7 +25,8 @@ LOWEST = -1.5  # of the responses that are drawn: faster turns are all recoil
 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
     """Return the picture of a plan."""
-    lines, runs = curves(results, "turned_null"), curves(results, "turned_planned")
+    lines = [one for one in curves(results, "turned_null") if len(finite(numbers(one, "response")))]
+    runs = [one for one in curves(results, "turned_planned") if len(finite(numbers(one, "response")))]
     if not lines or not runs:
         return []
     test = str(runs[0].get("test", ""))
@@ -48,7 +49,8 @@ def draw(lines: Sequence[Curve], runs: Curve, axes: Sequence[Axes], title: str) 
     (ax,) = axes
     ax.axhline(0.0, color=COLOURS["quiet"], linewidth=0.8, zorder=1)
     for one in lines:
-        colour, style, label = LOOKS[str(one.get("of", ""))]
+        of = str(one.get("of", ""))
+        colour, style, label = LOOKS.get(of, ("green", "-.", plain(of)))
         ax.plot(numbers(one, "period"), numbers(one, "response"), style, color=COLOURS[colour], label=label, zorder=2)
     period, response, u = (numbers(runs, name) for name in ("period", "response", "u"))
     ahead = flags(runs, "ahead")

@@ -1,0 +1,1 @@
+"""Simulators of tests in orbit."""
