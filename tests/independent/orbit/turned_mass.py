@@ -83,7 +83,7 @@ def run(bench: Bench, period: float, length: float, angle: float, rng: np.random
     n = int(length / GATE)
     fine = (np.arange(n * FINE) + 0.5) * GATE / FINE
     phi = angle + bench.zero + 2.0 * math.pi / period * fine
-    ambient = 17e-6 * 9.80665 + 3.6e-6
+    ambient: Array = np.full(n * FINE, 17e-6 * 9.80665 + 3.6e-6)
     for k in (1, 2):
         ambient = ambient + bench.lines / k * np.cos(k * bench.orbit * fine + rng.uniform(0.0, 2.0 * math.pi))
     rate = bench.scale_factor * (ambient + felt(bench, period, phi)).reshape(n, FINE).mean(axis=1)
@@ -93,7 +93,7 @@ def run(bench: Bench, period: float, length: float, angle: float, rng: np.random
     rate = rate + np.cumsum(bench.walk * rng.standard_normal(n)) + bench.noise * rng.standard_normal(n)
     phase = np.cumsum(np.concatenate([[rng.random()], rate * GATE]))
     phase = np.floor(phase) if bench.whole else phase
-    return Turned(period, length, angle, (np.arange(n) + 0.5) * GATE, np.diff(phase) / GATE)
+    return Turned(period, length, angle, (np.arange(n, dtype=np.float64) + 0.5) * GATE, np.diff(phase) / GATE)
 
 
 def whole_test(bench: Bench, periods: tuple[float, ...], length: float, rng: np.random.Generator) -> list[Turned]:

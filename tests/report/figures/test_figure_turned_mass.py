@@ -64,7 +64,7 @@ ROWS = [row("scale_factor", 10.13, 0.21, "count/s/ug"), row("recoil_arm", 0.797,
 
 
 def axes_of(name: str, rows: list[dict[str, Any]]) -> list[Axes]:
-    figure = on_new_figure(figures()[name].pictures({"curves": CURVES, "results": rows})[0])
+    figure = on_new_figure(figures()[name].pictures({"curves": CURVES, "results": rows})[0], titled=False)
     figure.draw_without_rendering()
     return list(figure.axes)
 
@@ -84,7 +84,7 @@ def axes_of(name: str, rows: list[dict[str, Any]]) -> list[Axes]:
 )
 def test_titles_have_the_numbers_of_the_results(name: str, rows: list[dict[str, Any]], title: str) -> None:
     found = figures()[name].pictures({"curves": CURVES, "results": rows})[0]
-    assert found.title == title
+    assert found.finding == title
 
 
 def test_the_sense_of_a_run_and_what_is_not_used_are_seen() -> None:

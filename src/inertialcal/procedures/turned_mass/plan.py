@@ -93,8 +93,8 @@ class SaidTurn:
     """Settings of the noun beyond plan and recording."""
 
     schedule: str | None = setting(
-        "CSV file with the programme: run, start, stop, rate, angle; a file named as a run is that run, another one all of"
-        " them.",
+        "CSV file with the programme: run, start, stop, rate, angle; a file named as a run is that run, another one"
+        " all of them.",
         None, example="schedule.csv",
     )  # fmt: skip
     gate: str | None = setting("Time over which pulses are counted.", None, example="100 s")
