@@ -10,7 +10,7 @@ from inertialcal.core.influence import Influence
 from inertialcal.core.key import Member
 from inertialcal.core.recording import SECOND, Channel, Recording
 from inertialcal.core.results import Row
-from inertialcal.procedures.recorded import QUANTITIES, recorded_rows
+from inertialcal.procedures.recorded import QUANTITIES, recorded_rows, saves_curve
 
 N = 1000
 INTERVAL = 2.0  # [s]
@@ -97,3 +97,19 @@ def test_the_built_in_test_is_counted_and_missing_is_not_good() -> None:
     (tested,) = (row for row in rows if row.quantity == "built_in_test")
     assert (tested.axis, tested.value) == ("x", 0.6)
     assert {row.quantity for row in rows} == set(QUANTITIES)
+
+
+def test_how_often_it_was_saved_after_which_time() -> None:
+    """As in the suite of 2011: saves every 2 s, some after 3, 5 and 6 s."""
+    rng = np.random.default_rng(1)
+    steps = rng.permutation(np.repeat([2.0, 3.0, 5.0, 6.0], [900, 17, 7, 2]))
+    curve = saves_curve("one", recording(np.concatenate([[0.0], np.cumsum(steps)])))
+    assert curve is not None
+    assert (curve.name, curve.recording, curve.columns["length"].unit) == ("save_intervals", "one", "s")
+    assert curve.columns["length"].plain() == [2.0, 3.0, 5.0, 6.0]
+    assert curve.columns["count"].plain() == [900, 17, 7, 2]
+
+
+@pytest.mark.parametrize("seconds", [saves(), np.zeros(5), np.zeros(1)])
+def test_where_no_save_is_late_nothing_is_shown(seconds: Array) -> None:
+    assert saves_curve("one", recording(seconds)) is None

@@ -97,7 +97,7 @@ EXAMPLES = {  # word of a verb -> what may follow it, for its help
         '7 --archive lab.db --limit scale_factor_error="0.1 %"',
     ),
     "acquire": ("LAB.toml -o recorded", "--seal recorded"),
-    "live": ("recorded", "recorded --port 0"),
+    "live": ("recorded --state", "recorded --state --json"),
     "vibration profile": ("table01.csv -o profile.svg", "table01.csv --band 20..100"),
     "filter": (
         "inertialcal-demo rest.csv",

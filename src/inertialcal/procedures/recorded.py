@@ -25,6 +25,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from ..core.curve import Column, Curve
 from ..core.errors import DataError
 from ..core.estimate import Array
 from ..core.influence import Influence
@@ -36,6 +37,7 @@ from ..statistics.intervals import t_interval
 from .protocol import RELATIVE, Quantity
 
 SAVE_INTERVAL, SAMPLE_RATE, LONGEST_GAP = "save_interval", "sample_rate", "longest_gap"
+SAVES = "save_intervals"  # curve of a recording
 LATE_SAVES, SKIPPED_SAVES, BUILT_IN_TEST = "late_saves", "skipped_saves", "built_in_test"
 QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
     {
@@ -82,6 +84,30 @@ def recorded_rows(
             if len(volts)
         ]
     return rows
+
+
+def saves_curve(name: str, recording: Recording) -> Curve | None:
+    """Return how often each time from one save to the next occurs, to a quarter of the interval, the shortest first.
+
+    None of a recording without late saves, or whose stamps come in bursts. Of more than twelve lengths the most
+    frequent ones are there.
+
+    Parameters
+    ----------
+    name : str
+        Of the recording.
+    recording : Recording
+        As its file has it.
+    """
+    try:
+        axis = None if recording.time_ns is None else analyse(recording.time_ns)
+    except DataError:
+        axis = None
+    if axis is None or not len(axis.gaps):
+        return None
+    steps = sorted(axis.steps)
+    columns = {"length": Column([length for length, _ in steps], "s"), "count": Column([count for _, count in steps])}
+    return Curve(SAVES, "", columns, recording=name)
 
 
 def _of_time(recording: Recording, clock: Influence | None, member: Member) -> list[Row]:

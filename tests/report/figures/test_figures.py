@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 from test_figure_flip import dwells as flip_dwells
 from test_figure_flip import quiet as flip_quiet
 from test_figure_mass import CURVES as MASS_CURVES
@@ -153,6 +154,12 @@ def trace(**changes: Any) -> list[dict[str, Any]]:
     ]
 
 
+def saved(name: str, lengths: list[float], counts: list[int]) -> dict[str, Any]:
+    return {
+        **curve("save_intervals", length=column(lengths, "s"), count=column(counts)), "axis": "", "recording": name
+    }  # fmt: skip
+
+
 def compensated(axis: str = "x", **changes: Any) -> dict[str, Any]:
     columns: dict[str, Any] = {
         "applied": column(RATES, "deg/s"),
@@ -185,7 +192,7 @@ LOOP = {"axes": [{"axis": "x", "raw_rms": 0.3891, "compensated_rms": 0.0123, "un
 def results() -> dict[str, Any]:
     return {
         "curves": [input_output(), errors(), linearity(), *trace(), compensated(), compensated("y"), flip_dwells("y"),
-                   flip_quiet("y"),
+                   flip_quiet("y"), saved("rec", [2.0, 3.0, 6.0], [900, 17, 2]), saved("other", [2.0, 5.0], [100, 7]),
                    *copy.deepcopy([*THERMAL_CURVES, *MASS_CURVES, *POSITIONS_CURVES, *SENSITIVITY_CURVES,
                                  *planned().results["curves"], *vibration_curves(), *TURNED_CURVES]),
                    noise_allan("z"), noise_terms("z"), noise_spectrum("z"), *sine_curves("z")],
@@ -214,6 +221,15 @@ def legend_of(ax: Axes) -> list[str]:
 
 
 # Data drawn is data given
+
+
+def test_save_intervals_are_those_of_all_recordings_of_the_test() -> None:
+    (picture,) = figures()["save_intervals"].pictures(results())
+    (ax,) = drawn("save_intervals", results()).axes
+    assert [round(one.get_height()) for one in ax.patches if isinstance(one, Rectangle)] == [1000, 17, 7, 2]
+    assert [one.get_text() for one in ax.get_xticklabels()] == ["2", "3", "5", "6"]
+    assert picture.finding == "one: 26 of 1,026 saves later than after 2 s"
+    assert picture.note == (" After 2 s: 1,000, 3 s: 17, 5 s: 7, 6 s: 2; in two recordings.",)
 
 
 def test_input_output_draws_every_dwell_and_names_the_rule_of_those_left_out() -> None:

@@ -60,7 +60,8 @@ class Prepared:
 
     Its entry, facts, plan and readings; SHA-256 of its files by path; its recordings; samples that the gate left out;
     what recordings hold, where it is compared with others; what drew the errors of standards in it; what each of its
-    recordings gives, where a requirement asks for it; its first and last instant, where its recordings say them.
+    recordings gives, where a requirement asks for it; its first and last instant, where its recordings say them;
+    how each was saved, where saves are late.
     """
 
     test: Test
@@ -74,6 +75,7 @@ class Prepared:
     occasion: Occasion = field(default_factory=Occasion)
     recorded: tuple[Row, ...] = ()
     span: tuple[int, int] | None = None
+    saves: tuple[Curve, ...] = ()
 
     @property
     def selection(self) -> Selection:
@@ -205,7 +207,10 @@ def prepare_test(
     ends = [span for span in spans if span is not None]
     whole = len(ends) == len(spans) > 0
     span = (min(start for start, _ in ends), max(stop for _, stop in ends)) if whole else None
-    return Prepared(test, first, plan, readings, inputs, origins, screened, tuple(contents), occasion, recorded, span)
+    saves = tuple(curve for one in sources if (curve := one.saves) is not None)
+    return Prepared(
+        test, first, plan, readings, inputs, origins, screened, tuple(contents), occasion, recorded, span, saves
+    )
 
 
 def _outside_condition(file: CampaignFile, test: Test, sources: Sequence[Ready]) -> Iterator[Remark]:
@@ -343,6 +348,8 @@ class ReducedTest:
         What its figures are with the samples that screening left out.
     recorded : sequence of Row
         What each of its recordings gives, where a requirement asks for it.
+    saves : sequence of Curve
+        How each of its recordings was saved, where saves are late.
     """
 
     test: Test
@@ -355,6 +362,7 @@ class ReducedTest:
     errors: tuple[Remark, ...] = ()
     opened: tuple[Remark, ...] = ()
     recorded: Sequence[Row] = ()
+    saves: Sequence[Curve] = ()
 
     @property
     def remarks(self) -> tuple[Remark, ...]:
@@ -522,7 +530,7 @@ def reduced_tests(prepared: Sequence[Prepared], results: Mapping[str, Result]) -
         behind = _with_those_before(one.test, {each.test.id: each.test for each in prepared})
         errors = tuple(remark for name in behind for remark in _remarks(plain[name]) if remark.severity == "error")
         named = [row.changed(test=one.test.id) for row in rows]
-        found.append(ReducedTest(one.test, tested, named, errors=errors, recorded=one.recorded))
+        found.append(ReducedTest(one.test, tested, named, errors=errors, recorded=one.recorded, saves=one.saves))
     return found
 
 

@@ -15,6 +15,7 @@ from typing import Any, Literal, Protocol, TypeVar
 
 import numpy as np
 
+from ...core.curve import Curve
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.influence import Standards
@@ -34,7 +35,7 @@ from ...files.text.headers import full_name
 from ...files.text.table import Table
 from ...files.time.window import Window
 from ...procedures.protocol import Exclusion, Facts, InputSpec
-from ...procedures.recorded import CLOCK, recorded_rows
+from ...procedures.recorded import CLOCK, recorded_rows, saves_curve
 from ...sensors.chain.conversion import convert as convert_counts
 from ...sensors.chain.converter import Chain
 from ..file.recordings import Clock, RecordingEntry
@@ -461,6 +462,11 @@ class Ready:
                 tested[body] = _at_converter(chain, self.raw.channel(one.column), one.unit)
         lowest = None if chain is None else chain.validity_minimum
         return recorded_rows(self.name, self.raw, tested, lowest, self.facts.standards.get(CLOCK))
+
+    @property
+    def saves(self) -> Curve | None:
+        """How often it was saved after which time; None of a table, and where no save is late."""
+        return None if self.is_table else saves_curve(self.name, self.raw)
 
     @property
     def pressures(self) -> Array:

@@ -330,7 +330,7 @@ def curves_content(
             found += [displayed_curve(curve, unit).to_dict(one.test.id) for curve in one.procedure.curves(part)]
     for one in tested:
         unit = sensor_of(campaign, one.test).unit
-        found += [displayed_curve(curve, unit).to_dict(one.test.id) for curve in one.curves]
+        found += [displayed_curve(curve, unit).to_dict(one.test.id) for curve in (*one.curves, *one.saves)]
     for name, (unit, made) in named_models(campaign, modelled).items():
         found += [displayed_curve(curve, unit).to_dict(name) for curve in made.curves]
     return found

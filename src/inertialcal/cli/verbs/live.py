@@ -32,6 +32,7 @@ def live(
     port: Annotated[
         int, typer.Option("--port", min=0, max=65535, help="Of the page, on this computer; 0: one that is free.")
     ] = 8650,
+    state: Annotated[bool, typer.Option("--state", help="Say what has become of it, and end: no page.")] = False,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -41,6 +42,16 @@ def live(
     from ...lab.clock import Clock
 
     machine, said = Clock(), ""
+    if state:
+        with Followed(folder) as followed:
+            while (view := followed.view()).state == "reading":
+                machine.pause()
+        if as_json:
+            json_out("live", _content(view))
+        elif not quiet:
+            rows = "".join(f"\n{clean(one.name)}: {one.rows:,} rows" for one in view.instruments)
+            print(f"{SAID[view.state]}{_why(view)}{rows}")
+        return 0
     with interruption.held(), Followed(folder) as followed, page_of(followed, port) as page:
         print(f"live: {page}", file=sys.stderr, flush=True)
         while not interruption.requested:

@@ -25,6 +25,14 @@ FIGURES = (
         top=30,
     ),
     FigureSpec(
+        "save_intervals",
+        DRAWN + "saves",
+        "Time from one save to the next, and how often, over the recordings of the test that have late saves.{note}",
+        curves={"save_intervals": "save intervals{record}"},
+        rank=90,
+        first=True,
+    ),
+    FigureSpec(
         "matrix",
         DRAWN + "matrix",
         "Deviation of the matrix from the identity: scale factor errors on the diagonal, misalignments off it; rows ="
