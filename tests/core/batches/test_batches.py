@@ -16,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from inertialcal.core import batches as b
-from inertialcal.core.batches import extremes, unchanged
+from inertialcal.core.batches import extremes, keep_unchanged, known_finite, unchanged
 from inertialcal.core.errors import DataError
 
 
@@ -153,3 +153,34 @@ def test_what_is_unchanged_is_looked_through_once() -> None:
         x[0] = -9.0
         assert extremes(x) == (0.0, 4.0)
     assert extremes(x) == (-9.0, 4.0)
+
+
+def test_what_is_unchanged_and_finite_is_known() -> None:
+    x, y, room = np.arange(9.0), np.array([1.0, np.nan]), np.arange(8.0)
+    with unchanged([x, y, room[2:6]]):
+        assert not known_finite(x)  # not yet looked through
+        for one in (x, y, room[2:6]):
+            extremes(one)
+        assert known_finite(x)
+        assert known_finite(x[3:7])
+        assert known_finite(room[3:6])
+        for other in (
+            y,
+            x[::2],
+            x[::-1],
+            x.view(np.int64),
+            x.view(np.float32)[1:9],
+            x.copy(),
+            room,
+            room[1:3],
+            room[5:7],
+        ):
+            assert not known_finite(other)
+        more = np.ones(3)
+        keep_unchanged(more)
+        extremes(more)
+        assert known_finite(more)
+    assert not known_finite(x)
+    keep_unchanged(x)  # of nothing
+    extremes(x)
+    assert not known_finite(x)

@@ -28,6 +28,8 @@ from numpy.typing import DTypeLike, NDArray
 
 from ..errors import DataError
 
+Place = tuple[int, np.dtype[Any], tuple[int, ...], tuple[int, ...]]  # address, type, shape and steps of an array
+
 HELD = 2**26  # bytes of an array that is kept in memory
 SIZE = 2**20  # samples of a batch
 NEAR = 2**16  # samples of a batch of which other arrays are made on the way: the nearest cache but one holds them
@@ -251,21 +253,42 @@ def unchanged(arrays: Iterable[NDArray[Any]]) -> Iterator[None]:
 
     >>> x = np.arange(3.0)
     >>> with unchanged([x]):
-    ...     extremes(x), extremes(x[:]), extremes(x[1:])
-    ((0.0, 2.0), (0.0, 2.0), (1.0, 2.0))
+    ...     extremes(x), extremes(x[:]), extremes(x[1:]), known_finite(x[1:]), known_finite(x[::2])
+    ((0.0, 2.0), (0.0, 2.0), (1.0, 2.0), True, False)
     """
     held = list(arrays)  # nothing else comes to lie where they do
-    before = _unchanged.set({_place_of(one): None for one in held})
+    before, none = _unchanged.set({_place_of(one): None for one in held}), _held.set(held)
     try:
         yield
     finally:
         _unchanged.reset(before)
+        _held.reset(none)
 
 
-_unchanged: ContextVar[dict[tuple[object, ...], tuple[float, float] | None]] = ContextVar("unchanged", default={})  # noqa: B039 - nothing is put into it
+def keep_unchanged(x: NDArray[Any]) -> None:
+    """Take one more array, shape (n,), for unchanged, as long as others are."""
+    held, known = _held.get(), _unchanged.get()
+    if held is not None and _place_of(x) not in known:
+        held.append(x)
+        known[_place_of(x)] = None
 
 
-def _place_of(x: NDArray[Any]) -> tuple[object, ...]:
+def known_finite(x: NDArray[Any]) -> bool:
+    """Return whether all samples, shape (n,), are known to be finite: x is an unchanged array or neighbours of it."""
+    address, kind, (n, *_), (step, *_) = _place_of(x)
+    for (start, own, (many, *_), (by, *_)), found in [*_unchanged.get().items()]:
+        if found is not None and own == kind and by == step and by > 0 and (address - start) % by == 0:
+            first = (address - start) // by
+            if first >= 0 and first + n <= many:
+                return True
+    return False
+
+
+_held: ContextVar[list[NDArray[Any]] | None] = ContextVar("held", default=None)
+_unchanged: ContextVar[dict[Place, tuple[float, float] | None]] = ContextVar("unchanged", default={})  # noqa: B039 - nothing is put into it
+
+
+def _place_of(x: NDArray[Any]) -> Place:
     return x.ctypes.data, x.dtype, x.shape, x.strides
 
 
@@ -336,7 +359,7 @@ def zeros(n: int, dtype: DTypeLike) -> NDArray[Any]:
 
 def finite(x: NDArray[Any]) -> NDArray[np.bool_]:
     """Return which samples are finite, shape (n,)."""
-    return changed(x, np.isfinite, bool)
+    return changed(x, (lambda part: np.ones(len(part), bool)) if known_finite(x) else np.isfinite, bool)
 
 
 def count(x: NDArray[Any], holds: Callable[[NDArray[Any]], NDArray[np.bool_]]) -> int:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
+from contextvars import copy_context
 from dataclasses import dataclass, field, replace
 from threading import Event
 from weakref import WeakKeyDictionary
@@ -16,7 +17,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.batches import count, every, finite, is_stored
+from ...core.batches import count, every, finite, is_stored, known_finite
 from ...core.errors import DataError, Problem
 from ...core.estimate import Array
 from ...core.key import Kind, Reason
@@ -305,11 +306,11 @@ class Early:
     def __init__(self, plan: Plan, run: Run, times: Mapping[str, float], whole: bool) -> None:
         """Begin, with ``times`` that samples of an axis are shown by; ``whole``: the deviations are not all."""
         self._plan, self._ended, self._pool = plan, Event(), ThreadPoolExecutor(1)
-        own = {axis: replace(run) for axis in run.values}
-        self._steps = {axis: self._pool.submit(_resolution, one, axis, times[axis]) for axis, one in own.items()}
-        self._curves = {axis: self._pool.submit(_curve, plan, one, axis) for axis, one in own.items()}
+        own, go = {axis: replace(run) for axis in run.values}, copy_context().run
+        self._steps = {axis: self._pool.submit(go, _resolution, one, axis, times[axis]) for axis, one in own.items()}
+        self._curves = {axis: self._pool.submit(go, _curve, plan, one, axis) for axis, one in own.items()}
         self._found = {
-            axis: self._pool.submit(_ahead, plan, one, axis, self._steps[axis], self._ended)
+            axis: self._pool.submit(go, _ahead, plan, one, axis, self._steps[axis], self._ended)
             for axis, one in own.items()
             if whole
         }
@@ -354,7 +355,8 @@ def end_early(run: Run) -> None:
 
 def _resolution(run: Run, axis: str, times: float) -> Resolution | None:
     values = run.values[axis]
-    return resolution_of(values, times) if every(values, lambda part: np.isfinite(part).all()) else None
+    whole = known_finite(values) or every(values, lambda part: np.isfinite(part).all())
+    return resolution_of(values, times) if whole else None
 
 
 def _curve(plan: Plan, run: Run, axis: str) -> Allan | None:
@@ -528,7 +530,7 @@ class Looked:
 def looked_through(plan: Plan, run: Run, rates: Array, axis: str) -> Looked:
     """Return the samples of one axis as rates, shape (n,), without its disturbances."""
     left_out = run.bad.get(axis, {}).get("disturbed", 0) if run.screened else 0
-    before = count(rates, np.isfinite)
+    before = len(rates) if known_finite(rates) else count(rates, np.isfinite)
     if before < FEWEST:
         return Looked(rates, (*_far(run, axis),), left_out, (), before == len(rates))
     quality = record_quality(rates, run.interval)

@@ -14,7 +14,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.batches import any_step, changed, count, every, extremes, finite, is_stored, kept, made, masked, without
+from ...core.batches import (
+    any_step,
+    changed,
+    count,
+    every,
+    extremes,
+    finite,
+    is_stored,
+    keep_unchanged,
+    kept,
+    made,
+    masked,
+    without,
+)
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.recording import SECOND
@@ -138,6 +151,7 @@ def _samples(one: AtRest, name: str, grid: Grid) -> tuple[NDArray[Any], NDArray[
     data = one.recording.channel(name).data
     if data.dtype.kind not in "iuf":
         raise DataError(f"column {name!r} holds no numbers", one.place, code="wrong_column")
+    keep_unchanged(data)
     largest = float(np.nanmax(np.abs(extremes(data, infinite=False)), initial=0.0))
     if largest > LARGEST:
         what = f"column {name!r} reaches {largest:.3g}"

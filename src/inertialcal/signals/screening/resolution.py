@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.batches import batches, finite, kept, near
+from ...core.batches import batches, extremes, finite, kept, known_finite, near
 from ..time.samples import Flags
 from .blocks import pieces
 
@@ -96,9 +96,13 @@ def resolution_of(x: NDArray[Any], times: float = 1.0) -> Resolution:
 def _middle_and_ends(x: NDArray[Any]) -> tuple[float, float, float]:
     """Return the mean, the least and the largest sample in one look; NaN of none."""
     total, low, high = 0.0, np.inf, -np.inf
+    known = known_finite(x)
+    if known:
+        low, high = extremes(x)
     with np.errstate(over="ignore", invalid="ignore"):
         for first, stop in batches(x, size=near()):
             part = x[first:stop]
             total += float(np.sum(part, dtype=np.float64))
-            low, high = min(low, float(part.min())), max(high, float(part.max()))
+            if not known:
+                low, high = min(low, float(part.min())), max(high, float(part.max()))
     return (total / len(x), low, high) if len(x) else (np.nan, np.nan, np.nan)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.batches import every, release
+from ...core.batches import every, known_finite, release
 from ...core.estimate import Array
 from .segments import Detection, detect
 
@@ -103,7 +103,7 @@ def judge_in_pieces(x: NDArray[Any], floor: float = 0.0) -> Stillness | None:
     size = PIECE if len(x) > WHOLE else max(len(x), 1)
     for first in range(0, len(x), size):
         part = np.asarray(x[first : first + size], dtype=np.float64)
-        whole = every(part, lambda own: np.isfinite(own).all())
+        whole = known_finite(part) or every(part, lambda own: np.isfinite(own).all())
         good = np.arange(0) if whole else np.isfinite(part)
         rest = judge(part if whole else part[good], floor)
         release(x[first : first + size])

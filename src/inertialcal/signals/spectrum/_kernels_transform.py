@@ -158,9 +158,12 @@ def _columns(
         for g in range(groups):
             column = min(start + LANES * g, q - LANES)  # the last group may have columns of the one before
             found = transformed(x[WIDE * g * p : WIDE * (g + 1) * p], y[: WIDE * p], factors, turns)
-            own = between[WIDE * p * (start // LANES + g) :]
+            own = between[WIDE * p + 2 * p * (start // LANES + g) :]
             for i in range(0, WIDE * p, WIDE):
-                c, s, re, im = load(own, i), load(own, i + LANES), load(found, i), load(found, i + LANES)
+                h = i // LANES
+                u, v, re, im = eight(own[h]), eight(own[h + 1]), load(found, i), load(found, i + LANES)
+                a, b = load(between, i), load(between, i + LANES)
+                c, s = a * u - b * v, b * u + a * v
                 store(found, i, re * c - im * s)
                 store(found, i + LANES, im * c + re * s)
             for lane in range(LANES):
@@ -199,7 +202,8 @@ def add_power_of_pair(
     """Add the power of two real signals, each less its level and weighted, at l p + k to row l and column k.
 
     Their p q values are transformed in two steps, p values of eight columns at a time, and q of eight rows. ``between``
-    holds what values are turned by from one to the other, as `transformed` has them, by groups of eight columns.
+    holds what values are turned by from one to the other: by the place of a column among eight, as `transformed` has
+    them, and by the first of each eight, p complex numbers.
     """
     (x, y), wide = rooms, power.shape[1]
     _columns(one, other, levels, taper, p, q, factors[0], turns[0], between, x, y, middle, wide)

@@ -58,10 +58,11 @@ class Steps:
         self.q = n // self.p
         self.factors = np.array(_factors(self.p)), np.array(_factors(self.q))
         self.turns = _turns(self.p), _turns(self.q)
-        column = np.minimum(np.arange(0, self.q, LANES), self.q - LANES)[:, None, None] + np.arange(LANES)
-        turned = _turned(np.arange(self.p)[:, None] * column, n)
-        self.between = aligned(2 * turned.size)
-        self.between.reshape(*turned.shape[:2], 2, LANES)[:] = np.stack((turned.real, turned.imag), axis=2)
+        row, column = np.arange(self.p)[:, None], np.minimum(np.arange(0, self.q, LANES), self.q - LANES)
+        near, far = _turned(row * np.arange(LANES), n), _turned(row * column, n)
+        self.between = aligned(2 * (near.size + far.size))
+        self.between[: 2 * near.size] = np.stack((near.real, near.imag), axis=1).ravel()
+        self.between[2 * near.size :] = np.ascontiguousarray(far.T).view(np.float64).ravel()
 
 
 @lru_cache(2)

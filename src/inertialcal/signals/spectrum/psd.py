@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from ...core.batches import batches, extremes, near, release
+from ...core.batches import batches, extremes, known_finite, near, release
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array, Numbers
 from ...core.remarks import Remark
@@ -37,6 +37,7 @@ PARTS = 8  # of a record, in the length of a segment, by default
 LONGEST_TAPER = 2**16  # samples of a segment under several tapers, by default
 HELD = 0.75  # of the samples that are there, that lie in stretches as long as a segment, by default
 AT_ONCE = 2**15  # samples transformed together: they lie in the nearest caches
+PAIRS = 2  # of long segments in a share, at least: to touch fresh memory for their sum takes a third of a transform
 SHARES = 8  # of the segments, each summed by itself, and the sums in order: the same whatever the number of threads
 CONSTANT = 8.0 * np.finfo(float).eps  # variation, relative to the largest value, that is rounding
 Indices = NDArray[np.int64]
@@ -156,7 +157,7 @@ def _averaged(values: Array, starts: list[Indices], tapers: Tapers, interval: fl
     count, length = tapers.weights.shape
     every = np.concatenate(starts)
     in_steps = columns_of(length) > 1
-    at_once = 2 if in_steps else max(1, AT_ONCE // length)  # two at a time
+    at_once = 2 * PAIRS if in_steps else max(1, AT_ONCE // length)
     whole = -(-len(every) // (at_once * SHARES)) * at_once  # segments of a share
     shares = [every[i : i + whole] for i in range(0, len(every), whole)]
     total, rooms = np.empty((length // 2 + 1, values.shape[1])), list[Room]()
@@ -242,6 +243,8 @@ class Stretches:
 
 def stretches_of(x: Array) -> Stretches:
     """Return the runs of samples (n, axes) that have a finite value in every axis."""
+    if len(x) and all(known_finite(own) for own in x.T):
+        return Stretches(np.array([0]), np.array([len(x)]), 0)
     found, before, there = [], False, 0
     for first, stop in batches(x):
         good: NDArray[np.bool_] = np.isfinite(x[first:stop, 0])
