@@ -260,9 +260,9 @@ def disturbed_inside(values: Array, placements: Sequence[Placement]) -> Flags:
     scatter = 0.5 * (std[::2] + std[1::2])
     u = np.maximum(scatter, np.finfo(float).tiny) * np.sqrt(2.0 / half)[:, None]
     step = np.where(scatter > 0.0, np.abs(mean[::2] - mean[1::2]) / u, 0.0)
+    usual_step = np.maximum(np.median(step[~few], axis=0), 1.0)
+    usual_scatter = np.median(scatter[~few], axis=0)
     step[few], scatter[few] = np.nan, np.nan
-    usual_step = np.maximum(np.nanmedian(step, axis=0), 1.0)
-    usual_scatter = np.nanmedian(scatter, axis=0)
     with np.errstate(invalid="ignore"):
         return np.asarray(((step > DRIFTS * usual_step) | (scatter > LOUD * usual_scatter)).any(axis=1))
 

@@ -210,9 +210,8 @@ def _widest(step: Array, width: int) -> Array:
 
 def _best_split(x: Array, first: int, last: int) -> int:
     """Return the sample between which and the one before two levels explain a stretch best."""
-    part = x[first:last]
-    spread = np.maximum(part.std(axis=0), 1e-300)
-    part = (part - part.mean(axis=0)) / spread
+    part = x[first:last] - x[first:last].mean(axis=0)
+    part /= np.maximum(np.sqrt(np.sum(part * part, axis=0) / len(part)), 1e-300)
     count = np.arange(1, len(part))[:, None]
     total = np.cumsum(part, axis=0)[:-1]
     gain = total**2 / count + total**2 / (len(part) - count)
