@@ -18,7 +18,7 @@ from inertialcal.core.remarks import Remark
 from inertialcal.files.loggers.rows import RowChannel, RowLayout
 from inertialcal.lab.acquisition.acquisition import Acquisition
 from inertialcal.lab.acquisition.lab_file import load_lab
-from inertialcal.lab.clock import Clock
+from inertialcal.lab.clock import Clock, Instant
 from inertialcal.lab.instruments.protocol import Batch
 from inertialcal.lab.live.server import live_page
 
@@ -80,7 +80,8 @@ class Signals:
             count = due
             yield Batch(rows, self.clock.now())
 
-    def set(self, quantity: str, value: float) -> None: ...
+    def set(self, quantity: str, value: float) -> Instant:
+        return self.clock.now()
 
     def read(self, quantity: str) -> float:
         return 0.0

@@ -31,6 +31,7 @@ VERBS = {
     "budget": "verbs.campaigns", "compare": "verbs.models", "simulate": "verbs.twins", "score": "verbs.twins",
     "programme-1969": "verbs.programme1969", "filter": "verbs.filters", "certificate": "verbs.certificate",
     "vibration profile": "verbs.vibration_profile", "acquire": "verbs.acquire", "live": "verbs.live",
+    "sequence": "verbs.sequence",
 }  # fmt: skip
 NO_FIGURES = (
     "info",
@@ -49,6 +50,7 @@ NO_FIGURES = (
     "live",
     "archive add",
     "archive list",
+    "sequence",
 )
 READ_NOTHING = ("demo", "simulate")  # commands that read no file of a user
 OF_ARCHIVE = ("add", "list", "history")  # what may follow ``archive``
@@ -98,6 +100,7 @@ EXAMPLES = {  # word of a verb -> what may follow it, for its help
     ),
     "acquire": ("LAB.toml -o recorded", "--seal recorded"),
     "live": ("recorded --state", "recorded --state --json"),
+    "sequence": ("LAB.toml --check", "LAB.toml -o made"),
     "vibration profile": ("table01.csv -o profile.svg", "table01.csv --band 20..100"),
     "filter": (
         "inertialcal-demo rest.csv",

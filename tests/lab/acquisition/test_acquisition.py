@@ -18,7 +18,7 @@ from inertialcal.lab.acquisition.acquisition import Acquisition
 from inertialcal.lab.acquisition.lab_file import load_lab
 from inertialcal.lab.acquisition.recorder import File
 from inertialcal.lab.acquisition.seal import seal
-from inertialcal.lab.clock import Clock
+from inertialcal.lab.clock import Clock, Instant
 from inertialcal.lab.instruments.protocol import Batch
 from inertialcal.rigs import RIGS
 
@@ -125,10 +125,11 @@ class Made:
             rows = np.array([(i,) for i in range(first, first + 10)], self.layout.dtype)
             yield Batch(rows, self.clock.now())
 
-    def set(self, quantity: str, value: float) -> None:
+    def set(self, quantity: str, value: float) -> Instant:
         if value >= self.refuses:
             raise InstrumentError("made: refused", code="interlock_open")
         self.told.append((quantity, value))
+        return self.clock.now()
 
     def read(self, quantity: str) -> float:
         return self.told[-1][1]

@@ -74,7 +74,7 @@ def _record(lab: Path | None, output: Path, port: int | None, quiet: bool) -> No
         if page:
             print(f"live: {page}", file=sys.stderr, flush=True)
         interruption.note(output, complete=False)
-        shown = _Shown(quiet)
+        shown = Progress(quiet)
         while not acquisition.wait(LOOK * acquisition.clock.speed):
             if interruption.requested:
                 acquisition.stop()
@@ -95,7 +95,7 @@ def page_of(shown: Shown, port: int) -> AbstractContextManager[str]:
     return live_page(shown, port)
 
 
-class _Shown:
+class Progress:
     """Progress on standard error: a line that is renewed on a terminal, lines elsewhere; remarks as they come."""
 
     def __init__(self, quiet: bool) -> None:

@@ -44,6 +44,12 @@ def simulate(
             show_default=False,
         ),
     ] = "",
+    lab: Annotated[
+        bool,
+        typer.Option(
+            "--lab", help="In place of the recordings: a LAB.toml, with which `sequence` makes them on the rig."
+        ),
+    ] = False,
     faults: Annotated[bool, typer.Option("--faults", help="List the mistakes that the rig can simulate.")] = False,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -55,6 +61,8 @@ def simulate(
         return _faults(rig, as_json, quiet)
     if output is None:
         raise UsageError("simulate needs a new folder", do=f"Say: inertialcal simulate {rig} -o DIR")
+    if lab:
+        return _rehearsal(rig, output, seed, fault, as_json, quiet)
     from ...campaign.twins.twin import simulate as write
 
     written = write(rig, output, seed, fault)
@@ -68,6 +76,22 @@ def simulate(
         run_it, score_it = f"Next: inertialcal run {folder}", f"then inertialcal score {folder}"
         both = clean(f"{run_it}, {score_it}")
         print(both if len(both) <= terminal_width() else clean(run_it) + "\n" + clean(score_it))
+    return 0
+
+
+def _rehearsal(rig: str, output: Path, seed: int, fault: str, as_json: bool, quiet: bool) -> int:
+    """Write what makes the campaign of a rig."""
+    from ...core.errors import UsageError
+    from ...lab.sequence.rehearsal import write_rehearsal
+
+    if fault:
+        raise UsageError("--lab: a bench has no mistakes", do="Leave out --fault", code="wrong_value")
+    written = write_rehearsal(rig, output, seed)
+    if as_json:
+        json_out("simulate", {"written": str(output), "lab": str(written), "rig": rig, "seed": seed})
+    elif not quiet:
+        print(wrapped(f"written: {written}"))
+        print(clean(f"Next: inertialcal sequence {shlex.quote(str(written))} -o {shlex.quote(str(output / 'made'))}"))
     return 0
 
 

@@ -19,6 +19,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
@@ -68,6 +69,18 @@ class _Watched:
         return self.instrument.connected if isinstance(self.instrument, Device) else True
 
 
+class Conductor(Protocol):
+    """What says what comes next, in place of the steps of LAB.toml."""
+
+    def take(self, name: str, batch: Batch) -> None:
+        """Take rows of an instrument; returns at once."""
+        ...
+
+    def conduct(self, acquisition: Acquisition) -> None:
+        """Go through it; afterwards all ends. Raises InertialcalError, after which all is made safe."""
+        ...
+
+
 class Acquisition:
     """An acquisition, from its start until it is sealed.
 
@@ -85,6 +98,8 @@ class Acquisition:
         Makes the file that is written.
     free : callable, optional
         Returns how much of a disk is free [byte].
+    conductor : Conductor, optional
+        In place of the steps of LAB.toml.
     """
 
     def __init__(
@@ -95,9 +110,10 @@ class Acquisition:
         instruments: Sequence[Instrument] | None = None,
         disk: Callable[[Path], Disk] = File,
         free: Callable[[Path], int] = lambda folder: shutil.disk_usage(folder).free,
+        conductor: Conductor | None = None,
     ) -> None:
         self.lab, self.folder, self.clock = lab, Path(folder), clock or lab.clock()
-        self._disk, self._free = disk, free
+        self._disk, self._free, self._conductor = disk, free, conductor
         self._lock = threading.RLock()
         self._room = threading.Condition(self._lock)
         self._stop, self._finished = threading.Event(), threading.Event()
@@ -110,10 +126,11 @@ class Acquisition:
         self._begin = self.clock.now()
         self._step: StepView | None = None
         self._until = 0.0
+        self._set_last: dict[str, tuple[str, float, str]] = {}
         self._free_bytes: int | None = None
         self._full_in: float | None = None
         self._warned = np.inf
-        self._errors: list[InertialcalError] = []
+        self._errors: list[Exception] = []
         self._recorder: Recorder | None = None
         devices = instruments if instruments is not None else lab.devices(self.clock, self.say)
         self._watched = {one.name: self._watch(one) for one in devices}
@@ -188,6 +205,51 @@ class Acquisition:
         if self._finished.is_set() and self._errors:
             raise self._errors[0]
         return self._finished.is_set()
+
+    @property
+    def stopping(self) -> threading.Event:
+        """Set as soon as it is to end."""
+        return self._stop
+
+    def set(self, name: str, quantity: str, value: float) -> Instant:
+        """Set a quantity of an instrument, in its unit; what is asked for from the returned moment on came after it.
+
+        Raises
+        ------
+        InstrumentError
+            If it cannot be set, or an instrument that can move is not connected; the one that was to be set is safe.
+        """
+        self.need_links()
+        one = self._watched[name].instrument
+        at = one.set(quantity, value)
+        self._event("set", {"instrument": name, "quantity": quantity, "value": value})
+        self._set_last[f"{name}.{quantity}"] = (f"{name}.{quantity}", value, one.settable[quantity])
+        return at
+
+    def show(self, number: int, count: int, name: str, seconds: float) -> None:
+        """Show a step, and the time that it takes yet [s]."""
+        with self._lock:
+            self._until = self.clock.seconds() + seconds
+            self._step = StepView(number, count, name, seconds, tuple(self._set_last.values()))
+            self._event("step", {
+                "number": number, "count": count, "name": name, "hold": seconds, "values": self._step.values,
+            })  # fmt: skip
+
+    def connected(self, name: str) -> bool:
+        """Whether the link of an instrument is there."""
+        return self._watched[name].connected
+
+    def need_links(self) -> None:
+        """Refuse to go on while an instrument that can move is not connected.
+
+        Raises
+        ------
+        InstrumentError
+            ``unreachable``.
+        """
+        for name, one in self._watched.items():
+            if one.instrument.settable and not one.connected:
+                raise InstrumentError(f"{name} is not connected", code="unreachable")
 
     def say(self, remark: Remark) -> None:
         """Take a remark: it is shown, and recorded."""
@@ -307,7 +369,7 @@ class Acquisition:
             self._events.append((self.clock.now(), kind, content))
             self._version += 1
 
-    def _fail(self, error: InertialcalError) -> None:
+    def _fail(self, error: Exception) -> None:
         with self._lock:
             self._errors.append(error)
         self._stop.set()
@@ -336,6 +398,8 @@ class Acquisition:
                 self._room.wait(self.clock.real(LOOK))
             self._queue.append((name, batch))
             self._waiting += size
+        if self._conductor is not None:
+            self._conductor.take(name, batch)
         at = batch.at
         track.add(Read(batch.rows, np.array([len(batch.rows) - 1]), np.array([at.utc_ns]), np.array([at.monotonic_ns])))
         if at.monotonic_ns / SECOND - one.looked >= BETWEEN:
@@ -413,7 +477,7 @@ class Acquisition:
         over = duration is not None and self._elapsed(self.clock.now()) >= duration
         with self._lock:
             nobody = not any(thread.is_alive() for thread in self._threads)
-            no_more = self._listening == self._silent() and not self.lab.steps
+            no_more = self._listening == self._silent() and not self.lab.steps and self._conductor is None
         return self._stop.is_set() or over or nobody or no_more
 
     def _silent(self) -> int:
@@ -474,50 +538,38 @@ class Acquisition:
 
     def _sequence(self) -> None:
         """Go through the steps; afterwards end, where nothing else says when."""
-        steps = self.lab.steps
-        if not steps:
+        if not self.lab.steps and self._conductor is None:
             return
-        set_last: dict[str, tuple[str, float, str]] = {}
         try:
-            for number, step in enumerate(steps, 1):
-                for name, quantity, value in step.values:
-                    self._need_links()
-                    one = self._watched[name].instrument
-                    one.set(quantity, value)
-                    self._event("set", {"instrument": name, "quantity": quantity, "value": value})
-                    set_last[f"{name}.{quantity}"] = (f"{name}.{quantity}", value, one.settable[quantity])
-                with self._lock:
-                    self._until = self.clock.seconds() + step.hold
-                    self._step = StepView(number, len(steps), step.name, step.hold, tuple(set_last.values()))
-                    self._event("step", {
-                        "number": number, "count": len(steps), "name": step.name, "hold": step.hold,
-                        "values": self._step.values,
-                    })  # fmt: skip
-                for left in self._hold(self._until):
-                    if self.clock.wait(left, self._stop):
-                        return
-                    self._need_links()
-        except InertialcalError as error:
-            self.say(
-                Remark(
-                    "sequence_ended", "error", error.problems[0].what, do="All that moves was brought to its safe state"
-                )
-            )
+            if self._conductor is not None:
+                self._conductor.conduct(self)
+            elif self._stopped_in_steps():
+                return
+        except Exception as error:  # whatever it was: what moves must not go on
+            what = error.problems[0].what if isinstance(error, InertialcalError) else repr(error)
+            do = "All that moves was brought to its safe state"
+            self.say(Remark("sequence_ended", "error", what, do=do))
             self._make_safe()
             self._fail(error)
             return
         if self.lab.file.lab.duration is None:
             self._stop.set()
 
+    def _stopped_in_steps(self) -> bool:
+        """Go through the steps of LAB.toml; return whether it was stopped."""
+        for number, step in enumerate(self.lab.steps, 1):
+            for name, quantity, value in step.values:
+                self.set(name, quantity, value)
+            self.show(number, len(self.lab.steps), step.name, step.hold)
+            for left in self._hold(self._until):
+                if self.clock.wait(left, self._stop):
+                    return True
+                self.need_links()
+        return False
+
     def _hold(self, until: float) -> Iterator[float]:
         while (left := until - self.clock.seconds()) > 0:
             yield min(left, LOOK)
-
-    def _need_links(self) -> None:
-        """Refuse to go on while an instrument that can move is not connected."""
-        for name, one in self._watched.items():
-            if one.instrument.settable and not one.connected:
-                raise InstrumentError(f"{name} is not connected", code="unreachable")
 
 
 def _view(one: _Watched, acknowledged: int) -> InstrumentView:

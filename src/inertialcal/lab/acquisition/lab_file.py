@@ -28,7 +28,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -41,15 +41,17 @@ from ...core.errors import DataError, InertialcalError, PlanError, Problem, Usag
 from ...core.schema.problems import model_problems
 from ...core.schema.quantities import Duration, Name, Strict, Text
 from ...core.schema.toml import At, key_lines, nearest_line, parse_toml
-from ...core.units import parse_quantity, same_dimension
 from ...files.budget import parse_size
 from ...files.source import read_bytes
 from ..clock import Clock
 from ..instruments.device import Device
-from ..instruments.dialect import Dialect, built_in, built_in_text
+from ..instruments.dialect import Dialect, built_in, built_in_text, value_in
 from ..instruments.links import LINKS
 from ..instruments.links.link import LinkEntry, LinkKind
 from ..instruments.protocol import Say
+from ..sequence.campaign_entries import campaign_problems
+from ..sequence.entries import SequenceEntry
+from ..sequence.steps import SequenceStep, read_steps
 
 MOST = 100  # problems that are listed
 DIALECT_ENDING = ".toml"
@@ -93,6 +95,7 @@ class LabFile(Strict):
     lab: LabEntry = LabEntry()
     instruments: Annotated[dict[Name, InstrumentEntry], Field(min_length=1, max_length=64)]
     steps: Annotated[tuple[StepEntry, ...], Strictly(False), Field(max_length=10_000)] = ()
+    sequence: SequenceEntry | None = None
 
 
 @dataclass(frozen=True)
@@ -117,6 +120,7 @@ class Lab:
     dialect_texts: dict[str, str]  # By instrument, of those that stand in a file
     limits: dict[str, dict[str, tuple[float, float]]]  # By instrument and quantity, in the unit of the setting
     steps: tuple[Step, ...]
+    sequence: tuple[SequenceStep, ...]  # Of ``inertialcal sequence``
     place: At  # Of a key path in LAB.toml, for messages
 
     def clock(self) -> Clock:
@@ -162,8 +166,10 @@ def load_lab(path: str | Path) -> Lab:
     problems = list(islice(reading.problems(), MOST))
     if problems:
         raise PlanError(problems)
-    return Lab(file, path.parent, text, hashlib.sha256(raw).hexdigest(), parse_size(file.lab.keep_free),
-               reading.dialects, reading.texts, reading.limits, tuple(reading.steps), at)  # fmt: skip
+    return Lab(
+        file, path.parent, text, hashlib.sha256(raw).hexdigest(), parse_size(file.lab.keep_free), reading.dialects,
+        reading.texts, reading.limits, tuple(reading.steps), tuple(reading.sequence), at,
+    )  # fmt: skip
 
 
 def _places(name: str, text: str) -> At:
@@ -185,6 +191,7 @@ class _Reading:
         self.texts: dict[str, str] = {}
         self.limits: dict[str, dict[str, tuple[float, float]]] = {}
         self.steps: list[Step] = []
+        self.sequence: list[SequenceStep] = []
 
     def problems(self) -> Iterator[Problem]:
         """Yield what is wrong, and keep what is right."""
@@ -206,7 +213,14 @@ class _Reading:
             for name, one in self.file.instruments.items():
                 yield from self._limit_problems(name, one)
             for number, step in enumerate(self.file.steps):
-                yield from self._step_problems(number, step)
+                values, problems = self._values(step.set, f"steps.{number}", ("steps", number, "set"))
+                yield from problems
+                self.steps.append(Step(step.name or f"step {number + 1}", values, step.hold))
+            if self.file.sequence is not None:
+                found = read_steps(self.file.sequence, self.folder, self.dialects, self._values, self.at)
+                self.sequence, problems = found
+                yield from problems
+                yield from self._sequence_problems(self.file.sequence)
 
     def _link_problems(self, name: str, one: InstrumentEntry, kind: LinkKind) -> Iterator[Problem]:
         where = ("instruments", name)
@@ -284,7 +298,7 @@ class _Reading:
                 yield Problem(what, where, do=f"There are: {', '.join(settings) or 'none'}", code="unknown_key")
                 continue
             try:
-                ends = (_quantity(low, settings[quantity].unit), _quantity(high, settings[quantity].unit))
+                ends = (value_in(low, settings[quantity].unit), value_in(high, settings[quantity].unit))
             except DataError as error:
                 what = f"instruments.{name}.limits.{quantity}: {error.problems[0].what}"
                 yield Problem(what, where, do=error.problems[0].do, code="wrong_value")
@@ -294,47 +308,48 @@ class _Reading:
                 yield Problem(what, where, do="Write the lower one first", code="wrong_value")
             self.limits[name][quantity] = ends
 
-    def _step_problems(self, number: int, step: StepEntry) -> Iterator[Problem]:
-        values = []
-        for target, said in step.set.items():
-            where = self.at("steps", number, "set", target)
+    def _sequence_problems(self, entry: SequenceEntry) -> Iterator[Problem]:
+        """Yield what does not go with a sequence."""
+        if self.file.steps:
+            do = "Write them as [[sequence.steps]]"
+            yield Problem("[[steps]] beside [sequence]: one of them would not be done", self.at("steps"), do=do,
+                          code="unknown_key")  # fmt: skip
+        if self.file.lab.duration is not None:
+            what, why = "lab.duration beside [sequence]", "it would cut the sequence off"
+            yield Problem(what, self.at("lab", "duration"), why, "Leave it out", "unknown_key")
+        if entry.campaign and self.sequence:
+            place = self.at("sequence", "campaign")
+            yield from campaign_problems(self.folder / entry.campaign, self.sequence, place)
+
+    def _values(
+        self, asked: Mapping[str, str], step: str, path: tuple[str | int, ...]
+    ) -> tuple[tuple[tuple[str, str, float], ...], list[Problem]]:
+        """Return what a step sets, in the unit of each setting, and what is wrong with it."""
+        values: list[tuple[str, str, float]] = []
+        problems: list[Problem] = []
+        for target, said in asked.items():
+            where = self.at(*path, target)
             name, _, quantity = target.partition(".")
             settings = self.dialects[name].settings if name in self.dialects else {}
             if quantity not in settings:
                 can = [f"{one}.{each}" for one, dialect in self.dialects.items() for each in dialect.settings]
                 do = f"There are: {', '.join(can) or 'none'}"
-                yield Problem(f"steps.{number}: nothing is called {target}", where, do=do, code="unknown_name")
+                problems.append(Problem(f"{step}: nothing is called {target}", where, do=do, code="unknown_name"))
                 continue
             try:
-                value = _quantity(said, settings[quantity].unit)
+                value = value_in(said, settings[quantity].unit)
             except DataError as error:
-                what = f"steps.{number}: {target}: {error.problems[0].what}"
-                yield Problem(what, where, do=error.problems[0].do, code="wrong_value")
+                what = f"{step}: {target}: {error.problems[0].what}"
+                problems.append(Problem(what, where, do=error.problems[0].do, code="wrong_value"))
                 continue
             limits, unit = self.limits[name].get(quantity), settings[quantity].unit
             if limits is None:
                 do = f'Add to instruments.{name}: limits = {{ {quantity} = ["LOW {unit}", "HIGH {unit}"] }}'
-                what, why = f"steps.{number}: no limits for {target}", "nothing moves without stated limits"
-                yield Problem(what, where, why, do, "missing_key")
+                what, why = f"{step}: no limits for {target}", "nothing moves without stated limits"
+                problems.append(Problem(what, where, why, do, "missing_key"))
             elif not limits[0] <= value <= limits[1]:
                 allowed = f"{limits[0]:g} to {limits[1]:g} {unit}"
-                what = f"steps.{number}: {target} = {said}: beyond the limits, {allowed}"
-                yield Problem(what, where, do="Change the step, or the limits", code="beyond_limits")
+                what = f"{step}: {target} = {said}: beyond the limits, {allowed}"
+                problems.append(Problem(what, where, do="Change the step, or the limits", code="beyond_limits"))
             values.append((name, quantity, value))
-        self.steps.append(Step(step.name or f"step {number + 1}", tuple(values), step.hold))
-
-
-def _quantity(text: str, unit: str) -> float:
-    """Return a quantity in the unit of a setting.
-
-    Raises
-    ------
-    DataError
-        If it is none, or of another kind.
-    """
-    read = parse_quantity(text)
-    if not unit:
-        return read.to(read.unit)
-    if not same_dimension(read.unit, unit):
-        raise DataError(f"{text!r} is not in a unit like {unit}", do=f'Write it like "1 {unit}"', code="wrong_value")
-    return read.to(unit)
+        return tuple(values), problems

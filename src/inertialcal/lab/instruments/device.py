@@ -23,7 +23,7 @@ from ...core.errors import DataError, InertialcalError, InstrumentError
 from ...core.remarks import Remark
 from ...core.units import convert
 from ...files.loggers.rows import RowLayout
-from ..clock import Clock
+from ..clock import Clock, Instant
 from .decoder import Counts, Decoder, number_in
 from .dialect import Dialect, filled
 from .links.link import Link, LinkEndedError, LinkLostError
@@ -73,6 +73,7 @@ class Device:
         self.decoder = Decoder(dialect, link.begins_whole) if frame is not None and frame.kind != "answers" else None
         self.connected = False
         self._lock = threading.RLock()
+        self._next, self._reading = threading.Lock(), threading.Lock()  # who sets is the next to have its turn
 
     @property
     def layout(self) -> RowLayout | None:
@@ -138,17 +139,25 @@ class Device:
         decoder = self.decoder
         assert decoder is not None  # noqa: S101 - looked at by the caller
         while not stop.is_set():
+            lost = None
+            with self._next:
+                self._reading.acquire()
+            asked = self.clock.now()
             try:
                 pieces = self.link.read(WAIT)
             except LinkLostError as error:
-                if not self._connect_again(str(error), stop):
+                lost = str(error)
+            finally:
+                self._reading.release()
+            if lost is not None:
+                if not self._connect_again(lost, stop):
                     return
                 decoder.reset()
                 continue
             at = self.clock.now()
             lots = [decoder.feed(piece, self.link.whole) for piece in pieces]
             if sum(map(len, lots)):
-                yield Batch(np.concatenate(lots), at)
+                yield Batch(np.concatenate(lots), at, asked)
 
     def _answers(self, stop: threading.Event) -> Iterator[Batch]:
         layout, frame = self.layout, self.dialect.frame
@@ -156,6 +165,7 @@ class Device:
         assert frame is not None  # noqa: S101 - as the layout
         due = self.clock.seconds()
         while not stop.is_set():
+            asked = self.clock.now()
             try:
                 row = tuple(self._number(filled(one.ask, self.parameters)) for one in self.dialect.fields)
             except LinkLostError as error:
@@ -165,7 +175,7 @@ class Device:
             except InstrumentError as error:
                 self.say(Remark("no_answer", "warning", error.problems[0].what, where=self.name))
             else:
-                yield Batch(np.array([row], layout.dtype), self.clock.now())
+                yield Batch(np.array([row], layout.dtype), self.clock.now(), asked)
             due = max(due + frame.every, self.clock.seconds())
             self.clock.wait(due - self.clock.seconds(), stop)
 
@@ -207,9 +217,10 @@ class Device:
             return f"{self.name}.{quantity} = {value:g} {unit}: beyond the limits, {low:g} to {high:g} {unit}"
         return ""
 
-    def set(self, quantity: str, value: float) -> None:
+    def set(self, quantity: str, value: float) -> Instant:
         """Set a quantity within its limits, with the interlock closed; else bring about the safe state."""
-        with self._lock:
+        with self._next, self._reading, self._lock:  # no reading begins before it and ends after it
+            at = self.clock.now()
             try:
                 wrong = self.check(quantity, value)
                 if wrong:
@@ -222,6 +233,7 @@ class Device:
                 with contextlib.suppress(InertialcalError):
                     self.safe()
                 raise
+        return at
 
     def read(self, quantity: str) -> float:
         """Return a quantity as the instrument says it."""

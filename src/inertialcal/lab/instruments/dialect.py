@@ -18,7 +18,9 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 from pydantic import Strict as Strictly
 
+from ...core.errors import DataError
 from ...core.schema.quantities import Duration, Strict, Text, UnitOrNone
+from ...core.units import parse_quantity, same_dimension
 from ...files.loggers.rows import RowChannel, RowLayout
 
 Type = Literal[
@@ -199,3 +201,19 @@ def built_in() -> tuple[str, ...]:
 def built_in_text(name: str) -> bytes:
     """Return the text of a dialect that is built in."""
     return (resources.files(__package__.rpartition(".")[0]) / "dialects" / f"{name}.toml").read_bytes()
+
+
+def value_in(text: str, unit: str, difference: bool = False) -> float:
+    """Return a quantity in the unit of a setting or a channel; as it stands where that has none.
+
+    Raises
+    ------
+    DataError
+        If it is none, or of another kind.
+    """
+    read = parse_quantity(text)
+    if not unit:
+        return read.to(read.unit)
+    if not same_dimension(read.unit, unit):
+        raise DataError(f"{text!r} is not in a unit like {unit}", do=f'Write it like "1 {unit}"', code="wrong_value")
+    return read.to(unit, difference=difference)

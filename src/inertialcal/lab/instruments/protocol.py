@@ -24,6 +24,7 @@ class Batch:
 
     rows: Rows  # shape (n,)
     at: Instant  # When the last of them had come
+    asked: Instant | None = None  # When the reading that brought them began; None: not known
 
 
 class Instrument(Protocol):
@@ -60,8 +61,11 @@ class Instrument(Protocol):
         """Yield rows as they come until ``stop`` is set, or there will be no more; connect again where it is lost."""
         ...
 
-    def set(self, quantity: str, value: float) -> None:
-        """Set a quantity, in its unit. Raises InstrumentError, after the safe state was brought about."""
+    def set(self, quantity: str, value: float) -> Instant:
+        """Set a quantity, in its unit; what is asked for from the returned moment on came after it.
+
+        Raises InstrumentError, after the safe state was brought about.
+        """
         ...
 
     def read(self, quantity: str) -> float:

@@ -1,0 +1,153 @@
+"""Records of steps on the disk, and read again: only what reads back as it came counts.
+
+A record is a Parquet file. When all steps are PASS, those of a recording become the file that the campaign names, and
+the as-run schedule beside it: what was set, from when to when.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import shutil
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from ...core.errors import DataError, InertialcalError, InstrumentError, StoreError
+from ...core.recording import Recording
+from ...files import read
+from ...files.write.atomic import atomic_write
+from ...files.write.recording import write
+from ..acquisition.seal import sha256
+from .as_run import time_text
+from .campaign_entries import wanted_of
+from .steps import SequenceStep
+
+CAMPAIGN, RECORDS = "campaign", "records"
+
+
+@dataclass(frozen=True)
+class Stored:
+    """A record that was read again."""
+
+    file: str  # From the folder of the sequence
+    sha256: str
+
+
+def store(folder: Path, name: str, recording: Recording) -> Stored:
+    """Write a record, read it again and compare.
+
+    Raises
+    ------
+    StoreError
+        ``not_written``.
+    InstrumentError
+        ``not_read_again`` if it does not read back as it came.
+    """
+    path = folder / RECORDS / f"{name}.parquet"
+    path.parent.mkdir(exist_ok=True)
+    write(path, recording)
+    _compare(path, recording)
+    return Stored(f"{RECORDS}/{path.name}", sha256(path))
+
+
+def _compare(path: Path, recording: Recording) -> None:
+    try:
+        again = read(path)
+    except InertialcalError as error:
+        raise InstrumentError(f"{path.name}: {error.problems[0].what}", code="not_read_again") from None
+    stamps = again.stamps
+    told = recording.stamps
+    same = stamps is not None and told is not None and np.array_equal(stamps, told)
+    by_name = {one.name: one.data for one in again.channels}
+    for one in recording.channels:
+        there = by_name.get(one.name)
+        same &= there is not None and np.array_equal(there, one.data, equal_nan=one.data.dtype.kind == "f")
+    if not same:
+        raise InstrumentError(f"{path.name} does not read back as it came", code="not_read_again")
+
+
+def is_there(folder: Path, file: str, digest: str) -> bool:
+    """Return whether a record is there as it was stored."""
+    path = folder / file
+    try:
+        return path.is_file() and sha256(path) == digest
+    except StoreError:
+        return False
+
+
+# ---- the campaign ----
+
+
+def build_campaign(campaign: Path, folder: Path, steps: Sequence[SequenceStep], records: Mapping[int, str]) -> Path:
+    """Make the campaign of a sequence that is PASS: its recordings, and the schedule of each as it was run.
+
+    Parameters
+    ----------
+    campaign : path
+        That was prepared.
+    folder : path
+        Of the sequence.
+    steps : sequence of SequenceStep
+        All.
+    records : mapping of int to str
+        Step -> file of its record, from the folder of the sequence.
+
+    Raises
+    ------
+    InertialcalError
+        What cannot be read or written.
+    """
+    target = folder / CAMPAIGN
+    shutil.copytree(campaign, target, dirs_exist_ok=True)
+    wanted = wanted_of(campaign)
+    values: dict[str, float] = {}
+    parts: dict[str, list[tuple[Recording, dict[str, float]]]] = {}
+    for step in steps:
+        values |= {quantity: value for _, quantity, value in step.values}
+        if step.record is not None:
+            parts.setdefault(step.recording, []).append((read(folder / records[step.number]), dict(values)))
+    for name, own in parts.items():
+        path = target / wanted[name].file
+        path.parent.mkdir(parents=True, exist_ok=True)
+        whole = _joined([one for one, _ in own], str(path))
+        write(path, whole)
+        _compare(path, whole)
+        schedule = wanted[name].schedule
+        if schedule:
+            _write_schedule(target / schedule["file"], own)
+    return target
+
+
+def _joined(parts: Sequence[Recording], place: str) -> Recording:
+    """Return records one after another; a channel that one of them lacks is left out of all."""
+    names = [name for name in parts[0].names if all(name in one.names for one in parts)]
+    times = np.concatenate([one.stamps for one in parts if one.stamps is not None])
+    if np.any(np.diff(times) < 0):
+        what, why = "the records of its steps overlap in time", "the clock of the instrument went back"
+        raise DataError(what, place, why, "Give them recordings of their own", "overlap")
+    channels = tuple(
+        replace(parts[0].channel(name), data=np.concatenate([one.channel(name).data for one in parts]))
+        for name in names
+    )
+    return Recording(channels, times, epoch=parts[0].epoch)
+
+
+def _write_schedule(path: Path, own: Sequence[tuple[Recording, Mapping[str, float]]]) -> None:
+    """Write from when to when what was set: half an interval beyond the first and the last sample of each record."""
+    names = sorted({name for _, values in own for name in values})
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow(["start", "stop", *names])
+    for recording, values in own:
+        stamps = recording.stamps
+        assert stamps is not None  # noqa: S101 - it was stored with them
+        half = int(np.median(np.diff(stamps))) // 2 if len(stamps) > 1 else 0
+        utc = recording.epoch == "utc"
+        ends = [time_text(int(one), utc) for one in (stamps[0] - half, stamps[-1] + half)]
+        rows.writerow([*ends, *(repr(values[name]) if name in values else "" for name in names)])
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with atomic_write(path) as aside:
+        aside.write_text(text.getvalue(), encoding="utf-8", newline="\n")
