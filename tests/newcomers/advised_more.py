@@ -841,6 +841,30 @@ LAB = (
         "has suite.parquet",
     ),
     Case(
+        "Say: inertialcal sequence {} -o DIR",
+        "sequence SEQUENCE.toml",
+        "sequence SEQUENCE.toml -o lab_steps",
+        "has lab_steps",
+    ),
+    Case(
+        "Name a new folder, or add --resume to go on with what is there",
+        "sequence SEQUENCE.toml -o lab_steps ; sequence SEQUENCE.toml -o lab_steps",
+        "sequence SEQUENCE.toml -o lab_steps --resume",
+        "has lab_steps",
+    ),
+    Case(
+        "Next: inertialcal sequence {} -o {}",
+        "text simulate still_gyro --lab -o bench",
+        "sequence bench/LAB.toml -o bench/made",
+        "has bench",
+    ),
+    Case(
+        "Leave out --fault",
+        "simulate still_gyro --lab --fault glitch -o bench_faulty",
+        "simulate still_gyro --lab -o bench_sound",
+        "has LAB.toml",
+    ),
+    Case(
         "Make room, then type: inertialcal acquire --seal {}",
         "acquire FULL.toml -o lab_full",
         "acquire --seal lab_full",

@@ -43,6 +43,11 @@ recording = "x_run1"
 over = "tcp"
 interval = "2 s"
 """
+SEQUENCE = """[sequence]
+[[sequence.steps]]
+name = "at rest"
+record = { for = "30 s" }
+"""
 CAMPAIGNS = ("campaign", "campaign_new", "campaign_new2")  # never run, so far
 FOLDERS = ("no_campaign", "no_campaign3")
 
@@ -51,6 +56,7 @@ def write_files(folder: Path) -> None:
     """Write every file into a folder."""
     logs = {name: made() for name, made in LOGS.items()}
     (folder / "LAB.toml").write_text(LAB.format(""))
+    (folder / "SEQUENCE.toml").write_text(LAB.format("") + SEQUENCE)
     (folder / "FULL.toml").write_text(LAB.format('keep_free = "900000 TB"'))
     texts = {made.name: made.write(logs[made.noun]).decode() for made in FILES}
     for text in (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import shlex
 import sys
 import threading
@@ -17,10 +18,10 @@ from .acquire import LOOK, Shown, page_of
 
 if TYPE_CHECKING:
     from ...lab.acquisition.lab_file import Lab
-    from ...lab.sequence.operator import Operator
+    from ...lab.sequence.operator import Operator, Word
     from ...lab.sequence.sequence import Sequence
 
-KEYS = {"": "done", "d": "done", "p": "pause", "g": "go", "s": "stop"}
+KEYS: dict[str, Word] = {"": "done", "d": "done", "p": "pause", "g": "go", "s": "stop"}
 HELP = "Enter: done; p: pause; g: go on; s: stop"
 
 
@@ -62,8 +63,8 @@ def sequence(
         raise UsageError("sequence needs a folder", do=do)
     begun = output.is_dir() and any(output.iterdir())
     if begun and not resume:
-        do = f"Name a new one; to go on with what is there: inertialcal sequence {shlex.quote(str(lab))}"
-        raise UsageError(f"{output} is not empty", do=f"{do} -o {shlex.quote(str(output))} --resume", code="not_empty")
+        do = "Name a new folder, or add --resume to go on with what is there"
+        raise UsageError(f"{output} is not empty", do=do, code="not_empty")
     return _run(read, output, yes, port if live else None, as_json, quiet)
 
 
@@ -127,12 +128,13 @@ def _conduct(lab: Lab, made: Sequence, operator: Operator, port: int | None, qui
 
 def _listen(operator: Operator) -> None:
     """Take what the operator types, a line each."""
-    for line in sys.stdin:
-        word = KEYS.get(line.strip().lower()[:1])
-        if word is None:
-            print(HELP, file=sys.stderr)
-        else:
-            operator.say(word)  # type: ignore[arg-type]
+    with contextlib.suppress(OSError, ValueError):  # there is no terminal
+        for line in sys.stdin:
+            word = KEYS.get(line.strip().lower()[:1])
+            if word is None:
+                print(HELP, file=sys.stderr)
+            else:
+                operator.say(word)
 
 
 def _plan(lab: Lab, as_json: bool, quiet: bool) -> int:

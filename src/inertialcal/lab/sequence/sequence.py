@@ -182,7 +182,7 @@ class Sequence:
                 tries += 1
                 if tries >= most or own.code in DONE:
                     what = f"step {step.number}, {step.name}: {own.what}"
-                    do = f"See {self.log.path}; then go on with --resume"
+                    do = f"{self.log.path} says what was done; the sequence can be resumed"
                     raise InstrumentError(what, own.where, own.why, do, own.code or "step_failed") from None
                 self._running.say(Remark("step_tried_again", "warning", own.what, where=step.name))
                 continue
