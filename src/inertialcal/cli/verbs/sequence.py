@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import contextlib
 import shlex
 import sys
 import threading
+from contextlib import nullcontext, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,7 +14,7 @@ import typer
 from ..options import Json, Quiet
 from ..shown.output import clean, found, json_out, table, wrapped
 from ..shown.screen import folded, say
-from .acquire import LOOK, Shown, page_of
+from .acquire import LOOK, Progress, page_of
 
 if TYPE_CHECKING:
     from ...lab.acquisition.lab_file import Lab
@@ -106,14 +106,14 @@ def _conduct(lab: Lab, made: Sequence, operator: Operator, port: int | None, qui
 
     acquisition = Acquisition(lab, made.acquired(), conductor=made)
     machine = Clock()
-    with interruption.held(), page_of(acquisition, port) as page:
+    with interruption.held(), nullcontext("") if port is None else page_of(acquisition, port) as page:
         acquisition.start()
         if page:
             print(f"live: {page}", file=sys.stderr, flush=True)
         if not operator.answers:
             threading.Thread(target=_listen, args=(operator,), name="lab operator", daemon=True).start()
         interruption.note(made.folder, complete=False)
-        shown, asked = Shown(quiet), ""
+        shown, asked = Progress(quiet), ""
         while not acquisition.wait(LOOK * acquisition.clock.speed):
             if interruption.requested:
                 acquisition.stop()
@@ -128,7 +128,7 @@ def _conduct(lab: Lab, made: Sequence, operator: Operator, port: int | None, qui
 
 def _listen(operator: Operator) -> None:
     """Take what the operator types, a line each."""
-    with contextlib.suppress(OSError, ValueError):  # there is no terminal
+    with suppress(OSError, ValueError):  # there is no terminal
         for line in sys.stdin:
             word = KEYS.get(line.strip().lower()[:1])
             if word is None:

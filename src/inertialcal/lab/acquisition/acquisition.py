@@ -130,7 +130,7 @@ class Acquisition:
         self._free_bytes: int | None = None
         self._full_in: float | None = None
         self._warned = np.inf
-        self._errors: list[Exception] = []
+        self._errors: list[InertialcalError] = []
         self._recorder: Recorder | None = None
         devices = instruments if instruments is not None else lab.devices(self.clock, self.say)
         self._watched = {one.name: self._watch(one) for one in devices}
@@ -369,7 +369,7 @@ class Acquisition:
             self._events.append((self.clock.now(), kind, content))
             self._version += 1
 
-    def _fail(self, error: Exception) -> None:
+    def _fail(self, error: InertialcalError) -> None:
         with self._lock:
             self._errors.append(error)
         self._stop.set()
@@ -546,11 +546,11 @@ class Acquisition:
             elif self._stopped_in_steps():
                 return
         except Exception as error:  # whatever it was: what moves must not go on
-            what = error.problems[0].what if isinstance(error, InertialcalError) else repr(error)
+            own = error if isinstance(error, InertialcalError) else InstrumentError(repr(error), code="internal")
             do = "All that moves was brought to its safe state"
-            self.say(Remark("sequence_ended", "error", what, do=do))
+            self.say(Remark("sequence_ended", "error", own.problems[0].what, do=do))
             self._make_safe()
-            self._fail(error)
+            self._fail(own)
             return
         if self.lab.file.lab.duration is None:
             self._stop.set()

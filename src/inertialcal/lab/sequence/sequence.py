@@ -16,12 +16,12 @@ once the tries are used up.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from ...core.errors import InertialcalError, InstrumentError, StoreError
-from ...core.estimate import Array
 from ...core.recording import SECOND
 from ...core.remarks import Remark
 from ...core.times import instant_text
@@ -82,7 +82,10 @@ class Sequence:
         except OSError as error:
             raise StoreError(f"cannot be made: {error.strerror}", str(folder), code="not_written") from None
         self.log = Log(folder, lab.sha256)
-        layouts = {name: one.layout for name, one in lab.dialects.items() if one.layout is not None}
+        layouts = {
+            name: replace(one.layout, interval=lab.file.instruments[name].interval)
+            for name, one in lab.dialects.items() if one.layout is not None
+        }  # fmt: skip
         self._taken = Taken(layouts)
         self._acquisition: Acquisition | None = None
         self._values: dict[tuple[str, str], float] = {}  # that hold at a step
@@ -125,9 +128,9 @@ class Sequence:
 
     # ---- Conductor ----
 
-    def take(self, name: str, batch: Batch, came: Array) -> None:
+    def take(self, name: str, batch: Batch) -> None:
         """Take rows."""
-        self._taken.take(name, batch, came)
+        self._taken.take(name, batch)
 
     def conduct(self, acquisition: Acquisition) -> None:
         """Go through the steps that are not done.

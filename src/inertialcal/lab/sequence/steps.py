@@ -11,6 +11,7 @@ import numpy as np
 from ...core.errors import DataError, InertialcalError, Problem
 from ...core.schema.toml import At
 from ...core.units import convert, same_dimension
+from ...files.text.headers import bare_name
 from ...files.text.table import Table, read_table
 from ..instruments.dialect import Dialect, value_in
 from .entries import RecordEntry, ScheduleEntry, SequenceEntry, SequenceStepEntry, StableEntry
@@ -240,7 +241,7 @@ class _Reading:
             numbers[target] = [f"{value!r} {unit}".rstrip() for value in table.numbers(column).tolist()]
         spans = self._spans(said, table)
         names = table.text(said.name) if said.name else tuple(f"row {row}" for row in table.rows)
-        there = set(table.names)
+        there = set(map(bare_name, table.names))
         recordings = table.text(said.recording) if said.recording in there else None
         prompts = table.text(said.prompt) if said.prompt in there else None
         for i, name in enumerate(names):
@@ -266,7 +267,7 @@ class _Reading:
     def _spans(self, said: ScheduleEntry, table: Table) -> np.ndarray | None:
         """Return how long each row is recorded [s], where the table says it."""
         columns = [said.duration] if said.duration else list(SPANS)
-        if not said.duration and not all(one in table.names for one in columns):
+        if not said.duration and not set(columns) <= set(map(bare_name, table.names)):
             return None
         found = [convert(table.numbers(one), table.unit(one) or "s", "s") for one in columns]
         spans = found[0] if said.duration else found[1] - found[0]

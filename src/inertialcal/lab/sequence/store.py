@@ -47,7 +47,10 @@ def store(folder: Path, name: str, recording: Recording) -> Stored:
         ``not_read_again`` if it does not read back as it came.
     """
     path = folder / RECORDS / f"{name}.parquet"
-    path.parent.mkdir(exist_ok=True)
+    try:
+        path.parent.mkdir(exist_ok=True)
+    except OSError as error:
+        raise StoreError(f"cannot be made: {error.strerror}", str(path.parent), code="not_written") from None
     write(path, recording)
     _compare(path, recording)
     return Stored(f"{RECORDS}/{path.name}", sha256(path))

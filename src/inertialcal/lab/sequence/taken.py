@@ -12,7 +12,7 @@ from ...core.errors import InstrumentError
 from ...core.estimate import Array
 from ...core.recording import SECOND, Channel, Recording, Times
 from ...core.units import convert
-from ...files.loggers.rows import RowChannel, RowLayout, Rows
+from ...files.loggers.rows import Read, RowChannel, RowLayout, Rows, arrivals
 from ..instruments.protocol import Batch
 
 UTC_FROM = 10**17  # [ns]: an instrument's own time beyond this is since 1970, as of 1973 on
@@ -67,6 +67,7 @@ class Taken:
         self._layouts, self.names = layouts, tuple(layouts)
         self._came = threading.Condition()
         self._since = 0
+        self._before: dict[str, int] = {}  # Monotonic reading of the last batch [ns]
         self._parts: dict[str, list[tuple[int, Rows, Times]]] = {name: [] for name in layouts}
         self.batches = 0  # since then
 
@@ -78,13 +79,15 @@ class Taken:
                 parts[:] = [part for part in parts if part[0] >= monotonic_ns]
             self.batches = sum(map(len, self._parts.values()))
 
-    def take(self, name: str, batch: Batch, came: Array) -> None:
-        """Take rows, and when each of them came [s]; those whose reading began before the moment are passed over."""
+    def take(self, name: str, batch: Batch) -> None:
+        """Take rows; those whose reading began before the moment are passed over."""
         asked = batch.at if batch.asked is None else batch.asked
         time = self._layouts[name].role("time")
         if time is None:
-            offset = batch.at.utc_ns - batch.at.monotonic_ns
-            time_ns = np.rint(came * SECOND).astype(np.int64) + offset
+            at, last = batch.at, np.array([len(batch.rows) - 1])
+            lot = Read(batch.rows, last, np.array([at.utc_ns]), np.array([at.monotonic_ns]))
+            time_ns = arrivals(lot, self._before.get(name), self._layouts[name].interval) + at.utc_ns - at.monotonic_ns
+            self._before[name] = at.monotonic_ns
         else:
             time_ns = _own_time(time, batch.rows)
         with self._came:

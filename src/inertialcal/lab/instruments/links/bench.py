@@ -57,7 +57,8 @@ class BenchLink:
         self._recording, self._next = -1, 0
         self._sent: list[bytes] = []
         self._due: Array = np.empty(0)
-        self._at, self._begin = 0, 0.0
+        self._stamps = np.empty(0, np.int64)
+        self._at, self._begin, self._last_ns = 0, 0.0, 0
 
     def open(self) -> None:
         """Begin."""
@@ -77,6 +78,7 @@ class BenchLink:
             elapsed = self.clock.seconds() - self._begin
             stop = min(int(np.searchsorted(self._due, elapsed, side="right")), self._at + AT_ONCE)
             found, self._at = b"".join(sent[self._at : stop]), max(stop, self._at)
+            self._last_ns = int(self._stamps[self._at - 1]) if self._at else self._last_ns
         return [found] if found else []
 
     def write(self, data: bytes) -> None:
@@ -106,8 +108,8 @@ class BenchLink:
 
     def _turn(self, rate: float) -> None:
         stretches = self.bench.stretches[self._recording] if self._recording >= 0 else ()
-        for number in range(self._next, len(stretches)):
-            if abs(stretches[number][2] - rate) <= SAME:
+        for number in (*range(self._next, len(stretches)), self._next - 1):  # the last one again where none comes
+            if number >= 0 and abs(stretches[number][2] - rate) <= SAME:
                 self._next = number + 1
                 self._send(stretches[number])
                 return
@@ -119,9 +121,11 @@ class BenchLink:
         if stretch is None:
             return
         first, stop, _ = stretch
-        rows = self.bench.rows[self._recording][first:stop]
-        step = np.median(np.diff(rows[STAMP])) if len(rows) > 1 else 0
+        rows = self.bench.rows[self._recording][first:stop].copy()
+        step = int(np.median(np.diff(rows[STAMP]))) if len(rows) > 1 else 0
         self._due = (rows[STAMP] - rows[STAMP][0] + step) / SECOND
+        rows[STAMP] += max(self._last_ns + step - int(rows[STAMP][0]), 0)  # done again: its clock goes on
+        self._stamps = rows[STAMP]
         self._sent, self._begin = list(frames(rows, self.bench.dialect)), self.clock.seconds()
 
 
