@@ -1,4 +1,4 @@
-"""When a record is enough: intervals of records that ended by themselves hold the truth; what is steady, and what not."""
+"""When a record is enough: intervals of records that ended by themselves hold the truth; what is steady."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def test_a_value_is_held_at_its_own_within_its_limits_and_up_to_the_end() -> Non
 def test_rest_is_what_the_procedures_take_for_it() -> None:
     rng = np.random.default_rng(3)
     time_ns = np.arange(600) * SECOND // 100
-    x = rng.normal(scale=0.01, size=(600, 3)) + [0.0, 0.0, 9.8]
+    x = rng.normal(scale=0.01, size=(600, 3)) + np.array([0.0, 0.0, 9.8])
     assert at_rest(x, time_ns, 4.0)
     assert stays_at_rest(x, time_ns)
     x[:300, 0] += np.sin(np.arange(300) / 10.0)
