@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -89,12 +89,16 @@ def changed(change: Callable[[np.ndarray], None]) -> Bench:
 
 
 def conducted(
-    lab: Lab, folder: Path, bench: Bench | None = None, operator: Operator | None = None, **faults: int
+    lab: Lab,
+    folder: Path,
+    bench: Bench | None = None,
+    operator: Operator | None = None,
+    faults: Mapping[str, int] | None = None,
 ) -> tuple[Sequence, Watched, str]:
     """Go through a sequence; return it, the bench, and the code of what ended it."""
     clock = lab.clock()
     link = Watched(bench or bench_of(short_rig.TABLE, 1), clock)
-    for name, value in faults.items():
+    for name, value in (faults or {}).items():
         setattr(link, name, value)
     made = Sequence(lab, folder, operator or Operator(answers=True))
     device = Device("bench", link, lab.dialects["bench"], clock, lambda remark: None, lab.limits["bench"])
@@ -149,7 +153,7 @@ def test_a_step_that_fails_is_named_is_not_pass_and_all_is_safe(
     faults: dict[str, int],
 ) -> None:
     lab = lab_of(tmp_path, **given)
-    made, link, ended = conducted(lab, tmp_path / "made", changed(change) if change else None, **faults)
+    made, link, ended = conducted(lab, tmp_path / "made", changed(change) if change else None, faults=faults)
     last = made.log.rows[-1]
     assert not made.complete
     assert last.status == "FAILED"
