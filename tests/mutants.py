@@ -1262,6 +1262,36 @@ MUTANTS = (
         "test_positions_propagation test_positions_rotations",
     ),
     Mutant(
+        "turned_mass.py",
+        "common, tidal = w * w + 2.0 * orbit * w, 3.0 * orbit * orbit",
+        "common, tidal = w * w - 2.0 * orbit * w, 3.0 * orbit * orbit",
+        "test_turned_mass_physics",
+    ),
+    Mutant(
+        "joining.py",
+        "read[0] -= towards * arm",
+        "read[0] += towards * arm",
+        "test_turned_mass",
+    ),
+    Mutant(
+        "response.py",
+        "passed[k] * wave(k * angle)",
+        "wave(k * angle)",
+        "test_turned_mass",
+    ),
+    Mutant(
+        "reduction.py",
+        "tilt = 0.5 * ROOT_3 * plan.alignment**2 * relative",
+        "tilt = 0.5 * ROOT_3 * plan.alignment * relative",
+        "test_turned_mass",
+    ),
+    Mutant(
+        "joining.py",
+        "order.append((2 * k, np.array([[c, s], [s, -c]])))",
+        "order.append((2 * k, np.array([[c, s], [-s, c]])))",
+        "test_turned_mass",
+    ),
+    Mutant(
         "response.py",
         "share = applied / (applied + G * tau)",
         "share = applied / (applied - G * tau)",

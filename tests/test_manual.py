@@ -49,6 +49,7 @@ from inertialcal.procedures.positions import entry as positions
 from inertialcal.procedures.rate_table import entry as rate_table
 from inertialcal.procedures.sensitivity import entry as sensitivity
 from inertialcal.procedures.sine import entry as sine
+from inertialcal.procedures.turned_mass import entry as turned_mass
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
@@ -84,6 +85,7 @@ CAMPAIGN_TABLES: dict[str, type[schema_words.Strict]] = {
     "`schedule`, of": rate_table.Schedule,
     "`lines`, of": mass_attraction.Lines,
     "`mass`, of": mass_attraction.MovedMass,
+    "`turned`, of": turned_mass.Turned,
     "`drive`, of": sine.KnownDrive,
     "`[[tests]]`": schema.Test,
     "`[decision]`": schema_decisions.Decision,

@@ -568,6 +568,12 @@ MASSES = (
         "scale_factor x 10.1447",
     ),
     Case(
+        'Give one: --altitude "560 km", or --orbit-period "5740 s"',
+        'turned-mass rig_turned/recordings/run1.csv rig_turned/recordings/run2.csv --schedule rig_turned/schedule.csv --column x=pulses --gate "100 s" --mass "4 kg" --radius "0.2 m" --scale-factor "10.21 count/s/ug"',
+        '+ --altitude "560 km"',
+        "scale_factor x 10.1447",
+    ),
+    Case(
         '--gate "GATE s"',
         "mass-attraction rig_mesa/recordings/run1.csv rig_mesa/recordings/run2.csv --column x=pulses --schedule rig_mesa/schedule.csv",
         "+ --gate '100 s'",

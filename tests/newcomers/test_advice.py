@@ -49,6 +49,7 @@ MADE = {name: shlex.split(line) for name, line in {  # models, terms and campaig
     "certified_2/out": "run certified_2",
     "rig_mesa": "simulate mesa -o rig_mesa",
     "rig_mesa_2": "simulate mesa -o rig_mesa_2 --seed 2",
+    "rig_turned": "simulate turned_mass -o rig_turned",
     "rig_mesa/out": "run rig_mesa",
     "rig_mesa_2/out": "run rig_mesa_2",
     "shared_1/out": "run shared_1",

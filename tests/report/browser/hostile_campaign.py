@@ -34,9 +34,11 @@ FILES = {
     "RecordingEntry.sections": ".json",
     "Schedule.file": ".parquet",
     "MovedMass.schedule": ".csv",
+    "Turned.schedule": ".parquet",
     "KnownDrive.schedule": ".csv",
     "RecordingEntry.profile": ".csv",
 }
+CIRCLED = 432  # gates of a run of a turned mass
 LONGEST_NAME = 120  # characters of a folder or file name; each is up to 4 of the 255 bytes
 RATES = (-4.0, -1.0, 1.0, 4.0, 6.0)  # deg/s; the last is out of range
 DWELL = 20  # s
@@ -122,6 +124,12 @@ def document() -> dict[str, Any]:
                 "clock": {},
                 "mass": {"begin": 0.5},
             },
+            "circled": {
+                "sensor": "mesa",
+                "channels": {"x": {"unit": "count"}},
+                "clock": {},
+                "turned": {"begin": 0.5},
+            },
             "driven": {
                 "sensor": "mesa",
                 "channels": {"x": {"unit": "count"}},
@@ -178,6 +186,19 @@ def document() -> dict[str, Any]:
                 "recordings": ["moved"],
                 "use": "report_only",
                 "plan": {"tilt": "ignored"},
+            },
+            {
+                "id": "circle",
+                "procedure": "turned_mass",
+                "recordings": ["circled"],
+                "use": "report_only",
+                "plan": {
+                    "mass": "4 kg",
+                    "radius": "0.2 m",
+                    "altitude": "560 km",
+                    "satellite": "1000 kg",
+                    "recoil": "stated",
+                },
             },
             {"id": "drive", "procedure": "sine", "recordings": ["driven"], "use": "report_only"},
             {"id": "laid", "procedure": "positions", "recordings": ["laid"], "use": "report_only"},
@@ -296,6 +317,11 @@ def write(folder: Path, made: dict[str, Any], runs: tuple[str, ...]) -> Path:
     _save(folder / moved["file"], _moved(moved))
     (folder / moved["mass"]["schedule"]).parent.mkdir(parents=True, exist_ok=True)
     write_schedule(folder / moved["mass"]["schedule"], MOVED)
+    circled = made["recordings"]["circled"]
+    _save(folder / circled["file"], _circled(circled))
+    once = {"start [s]": 0.0, "stop [s]": CIRCLED * 100.0, "rate [deg/s]": 0.1, "angle [deg]": 0.0}
+    cells = {name: np.array([value]) for name, value in once.items()}
+    _save(folder / circled["turned"]["schedule"], {"run": [circled["turned"]["run"].strip(" \t")], **cells})
     driven = made["recordings"]["driven"]
     _save(folder / driven["file"], _moved(driven))
     (folder / driven["drive"]["schedule"]).parent.mkdir(parents=True, exist_ok=True)
@@ -365,6 +391,13 @@ def _lines(lines: dict[str, Any], runs: tuple[str, ...]) -> dict[str, Any]:
 def _moved(moved: dict[str, Any]) -> dict[str, Any]:
     pulses = 1000.0 + 1.0e8 * MOVED.applied + np.random.default_rng(6).normal(0.0, 3.0, len(MOVED))
     return {moved["clock"]["column"]: MOVED.middle + 0.5, moved["channels"]["x"]["column"]: np.rint(pulses)}
+
+
+def _circled(circled: dict[str, Any]) -> dict[str, Any]:
+    time = np.arange(CIRCLED) * 100.0 + 50.5
+    rate = 177.0 - 1.7e-3 * np.cos(np.radians(0.1 * time)) + np.random.default_rng(11).normal(0.0, 3e-3, CIRCLED)
+    pulses = np.diff(np.floor(np.cumsum(np.append(0.0, 100.0 * rate))))
+    return {circled["clock"]["column"]: time, circled["channels"]["x"]["column"]: pulses}
 
 
 def _laid(laid: dict[str, Any]) -> dict[str, Any]:

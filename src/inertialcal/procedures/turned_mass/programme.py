@@ -44,7 +44,7 @@ def read_programme(path: str | Path) -> tuple[Turn, ...]:
         run does not turn, or faster than any mass does (``wrong_rate``).
     """
     table = read_table(path)
-    names = [name.strip() for name in table.text("run")]
+    names = table.text("run")
     figures = {name: _column(table, name, unit) for name, unit in UNITS.items()}
     turns: list[Turn] = []
     for k, name in enumerate(names):

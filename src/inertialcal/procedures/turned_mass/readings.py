@@ -118,7 +118,7 @@ def _gate(source: Source, body: Recording) -> float:
 
 def _chosen(source: Source, turned: Turned, programme: Sequence[Turn]) -> list[Turn]:
     named = source.name if any(one.run == source.name for one in programme) else None
-    run = turned.run or named
+    run = named if turned.run is None else turned.run.strip(" \t")  # as cells are
     chosen = [one for one in programme if run in (None, one.run)]
     if not chosen:
         what = f"{source.name}: no run {run!r} in {turned.schedule}"
