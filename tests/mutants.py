@@ -425,6 +425,23 @@ MUTANTS = (
         "test_allan_dead_time",
     ),
     Mutant("psd.py", "2.0 * interval / (count * len(every))", "interval / (count * len(every))", "test_spectrum"),
+    Mutant("_kernels_transform.py", "u - di, ui + d, turns", "u + di, ui + d, turns", "test_long_transform"),
+    Mutant("_kernels_transform.py", "s2 * u - s1 * w, s2", "s2 * u + s1 * w, s2", "test_long_transform"),
+    Mutant("_kernels_transform.py", "_set(y, o + 3 * to, u - wi", "_set(y, o + 3 * to, u + wi", "test_long_transform"),
+    Mutant(
+        "_kernels_transform.py",
+        "for lane in range(start - row, LANES)",
+        "for lane in range(LANES)",
+        "test_long_transform",
+    ),
+    Mutant(
+        "_kernels.py",
+        "three + times(eight(weighted[at + 2])",
+        "three + times(eight(weighted[at + 1])",
+        "test_noise_covariance",
+    ),
+    Mutant("__init__.py", "if first >= 0 and first + n <= many", "if first >= 0", "test_batches"),
+    Mutant("codes.py", "(high - low) / apart.min() > 2.0 * LEVELS", "(high - low) / apart.min() > 2e3", "test_codes"),
     Mutant("density.py", "edf = self.edf * size**2 / np.array", "edf = self.edf * size / np.array", "test_spectrum"),
     Mutant(
         "tapers.py",

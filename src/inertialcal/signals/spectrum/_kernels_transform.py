@@ -141,11 +141,16 @@ def transformed(x: Array, y: Array, factors: Whole, turns: Array) -> Array:
 
 
 @compiled
-def _columns(
+def fill_columns(
     one: Array, other: Array, levels: Array, taper: Array, p: int, q: int, factors: Whole, turns: Array,
     between: Array, x: Array, y: Array, middle: Array, wide: int,
 ) -> None:  # fmt: skip
-    """Fill the turned transforms of columns, real and imaginary parts of each in turn, ``wide`` values apart."""
+    """Fill the turned transforms of columns of two real signals, p values of eight columns at a time.
+
+    Signals are each less a level and weighted. Of ``middle``, each column has its real parts, and ``wide`` places on
+    its imaginary ones. ``between`` holds what values are turned by: by the place of a column among eight, as
+    `transformed` has them, and by the first of each eight, p complex numbers.
+    """
     first, second = eight(levels[0]), eight(levels[1])
     for start in range(0, q, LANES * TOGETHER):
         groups = min(TOGETHER, (q - start + LANES - 1) // LANES)
@@ -174,10 +179,10 @@ def _columns(
 
 
 @compiled
-def _add_rows(
+def add_rows(
     middle: Array, wide: int, p: int, q: int, factors: Whole, turns: Array, x: Array, y: Array, power: Array
 ) -> None:
-    """Add the power of the transforms of rows."""
+    """Add the power of the transforms of rows, q values of eight at a time: at l wide + k that of frequency l p + k."""
     for start in range(0, p, LANES):
         row = min(start, p - LANES)
         for j in range(q):
@@ -192,19 +197,3 @@ def _add_rows(
             else:
                 for lane in range(start - row, LANES):
                     power[o + lane] += found[i + lane] ** 2 + found[i + LANES + lane] ** 2
-
-
-@compiled
-def add_power_of_pair(
-    one: Array, other: Array, levels: Array, taper: Array, p: int, q: int, factors: tuple[Whole, Whole],
-    turns: tuple[Array, Array], between: Array, rooms: tuple[Array, Array], middle: Array, power: Array,
-) -> None:  # fmt: skip
-    """Add the power of two real signals, each less its level and weighted, at l p + k to row l and column k.
-
-    Their p q values are transformed in two steps, p values of eight columns at a time, and q of eight rows. ``between``
-    holds what values are turned by from one to the other: by the place of a column among eight, as `transformed` has
-    them, and by the first of each eight, p complex numbers.
-    """
-    (x, y), wide = rooms, power.shape[1]
-    _columns(one, other, levels, taper, p, q, factors[0], turns[0], between, x, y, middle, wide)
-    _add_rows(middle, wide, p, q, factors[1], turns[1], x, y, power.ravel())

@@ -23,7 +23,7 @@ from ...core.estimate import Array
 
 Indices = NDArray[np.int64]
 
-LONG = 2**13  # samples of a segment: shorter ones gain less than their loops take to load
+LONG = 2**15  # samples of a segment: a shorter one lies in the nearest cache, and gains less than loops take to compile
 NARROW = 32  # columns, or rows, below which the steps gain nothing
 FACTORS = (4, 2, 3, 5)  # of a length that is transformed in steps
 APART = 8  # values between rows: 2 kB or 4 kB apart they would share lines of a cache
@@ -112,7 +112,7 @@ def power_of(x: Array, starts: Indices, weights: Array, rooms: list[Room]) -> Ar
     rooms : list of Room
         That other calls of segments of this length have left; this one leaves its own.
     """
-    from ._kernels_transform import add_power_of_pair  # noqa: PLC0415 - numba starts slowly
+    from ._kernels_transform import add_rows, fill_columns  # noqa: PLC0415 - numba starts slowly
 
     n = weights.shape[1]
     steps = steps_of(n)
@@ -126,10 +126,13 @@ def power_of(x: Array, starts: Indices, weights: Array, rooms: list[Room]) -> Ar
         levels = np.array([one.mean() for one in two] + [0.0])
         other = two[1] if len(two) > 1 else room.nothing
         for taper in weights:
-            add_power_of_pair(
-                two[0], other, levels, taper, steps.p, steps.q, steps.factors, steps.turns, steps.between,
-                room.rooms, room.middle, power,
+            fill_columns(
+                two[0], other, levels, taper, steps.p, steps.q, steps.factors[0], steps.turns[0], steps.between,
+                *room.rooms, room.middle, room.wide,
             )  # fmt: skip
+            add_rows(
+                room.middle, room.wide, steps.p, steps.q, steps.factors[1], steps.turns[1], *room.rooms, power.ravel()
+            )
         release(x[starts[i] : starts[i] + n])
     rooms.append(room)
     return power[:, : steps.p]
