@@ -80,7 +80,7 @@ check: $(READY)  ## format, lint, types, manual
 
 bench: $(READY)  ## speed as ratios against named peers, the table last: LINES="kernel psd" for some, STORE=--store keeps ratios
 	$(if $(LINES),,$(BIN)/python -m pytest -m bench -q -s tests)
-	PYTHONPATH=tests $(BIN)/python -m speed $(LINES) $(STORE)
+	PYTHONPATH=tests:tests/archive $(BIN)/python -m speed $(LINES) $(STORE)
 
 validation: $(READY)  ## results beside those of others, the page docs/validation.md: PARTS="noise peers" for some
 	OMP_NUM_THREADS=1 $(BIN)/python docs/validation/validation.py $(PARTS)

@@ -7,7 +7,6 @@ what was meant, before anybody is told that it is there.
 
 from __future__ import annotations
 
-import hashlib
 import os
 import time
 from collections.abc import Sequence
@@ -17,14 +16,19 @@ from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import Connection, func, select
 
+from ..campaign.compare.compare import Comparison, compare_sides
+from ..campaign.compare.sources import Compared, results_side
 from ..core.errors import StoreError
 from ..core.show.tables import Block, Table, html, text
 from ..core.times import instant_text
 from .database import Database, address
+from .exchange import Moved, export, is_there, read_export
 from .history import History, history
 from .points import newest
-from .record import Record, item_number, read_record, record_of, written
-from .tables import campaigns, items, tests
+from .record import Record, chained, item_number, read_record, record_of, results_content, written
+from .tables import REVISIONS, campaigns, items, tests
+from .trend import By, Trend, trend
+from .verify import Verified, verify
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -212,6 +216,123 @@ class Archive:
         with self.database.reading() as connection:
             return history(connection, serial, part, quantity, axis, test, limits)
 
+    def trend(
+        self,
+        quantity: str,
+        axis: str | None = None,
+        test: str | None = None,
+        part: str | None = None,
+        by: By = "unit",
+        every: bool = False,
+    ) -> Trend:
+        """Return a quantity over all units as a control chart.
+
+        Parameters
+        ----------
+        quantity : str
+            Which.
+        axis, test, part : str, optional
+            Of these alone.
+        by : {"unit", "lot"}
+            A point a unit, or one a lot.
+        every : bool
+            All tests of a unit, not the last alone.
+
+        Raises
+        ------
+        DataError
+            ``no_figure``; ``few_figures`` where no chart has enough.
+        """
+        with self.database.reading() as connection:
+            return trend(connection, quantity, axis, test, part, by, every)
+
+    def compare(
+        self, first: int, second: int, allowed: Sequence[str] = (), decision: str = "", shared: Sequence[str] = ()
+    ) -> Comparison:
+        """Compare two campaigns of the archive, as ``inertialcal.compare`` compares their folders.
+
+        Parameters
+        ----------
+        first, second : int
+            Their numbers, as `list` has them.
+        allowed, decision, shared
+            As ``inertialcal.compare``.
+
+        Raises
+        ------
+        DataError
+            ``no_campaign``; ``damaged``; as ``inertialcal.compare``.
+        """
+        with self.database.reading() as connection:
+            one, other = (self._side(read_record(connection, number), number) for number in (first, second))
+        return compare_sides(one, other, allowed, decision, shared)
+
+    def _side(self, record: Record, number: int) -> Compared:
+        content = results_content(record)
+        recordings = {use["sha256"]: use["path"] for use in record.rows["uses"]
+                      if use["role"] == "input" and use["sha256"] not in record.contents}  # fmt: skip
+        name = f"{self.database.name}, number {number}"
+        return results_side(content, record.run["results_sha256"], name, recordings)
+
+    def export(self, path: str | os.PathLike[str]) -> Moved:
+        """Write all of it into a zip file that other programs can read.
+
+        Raises
+        ------
+        StoreError
+            ``not_written``.
+        """
+        with self.database.reading() as connection:
+            return export(connection, path)
+
+    def import_(self, path: str | os.PathLike[str]) -> Moved:
+        """Add the campaigns of an export that are not there: all of them, or none.
+
+        Raises
+        ------
+        DataError
+            ``not_an_export``; ``schema_version``; ``damaged``; ``too_large``.
+        StoreError
+            As `add`.
+        """
+        found = read_export(path)
+        there = 0
+        with self.database.writing() as connection:
+            last_number = int(connection.execute(select(func.max(campaigns.c.id))).scalar() or 0)
+            for one in found:
+                if is_there(connection, one, last_number):
+                    there += 1
+                else:
+                    there += not add_record(connection, one.record, self.database.name, one.said["added_ns"]).new
+        with self.database.reading() as connection:
+            last = select(campaigns.c.chain).order_by(campaigns.c.id.desc()).limit(1)
+            chain = str(connection.execute(last).scalar() or "")
+        documents = len({digest for one in found for digest in one.record.contents})
+        return Moved(len(found), there, documents, chain)
+
+    def verify(self) -> Verified:
+        """Compare all that the archive holds with what was added; what is missing or changed is named.
+
+        Raises
+        ------
+        StoreError
+            As `list`.
+        """
+        with self.database.reading() as connection:
+            return verify(connection, self.database.name)
+
+    def migrate(self, to: str = REVISIONS[-1]) -> tuple[str, str]:
+        """Bring the schema to a version, later or earlier; return the version before, and the one now.
+
+        Raises
+        ------
+        UsageError
+            ``unknown_name`` for a version that is none.
+        StoreError
+            ``no_archive``; ``schema_version`` for one that a newer version of inertialcal has made.
+        """
+        return self.database.migrate(to)
+
 
 def add_record(connection: Connection, record: Record, archive: str, added_ns: int) -> Added:
     """Add a record, unless the newest version of its campaign has the same results.
@@ -243,8 +364,3 @@ def add_record(connection: Connection, record: Record, archive: str, added_ns: i
          "chain": chained(before, digest)},
     )  # fmt: skip
     return Added(archive, number, name, serial, version, replaces, True, digest)
-
-
-def chained(before: str, record_sha256: str) -> str:
-    """Return what ties a campaign to the one before it: without it, or with another one, this would be another."""
-    return hashlib.sha256(f"{before} {record_sha256}".encode()).hexdigest()

@@ -124,7 +124,7 @@ class Database:
     def _writer(self) -> Engine:
         return self._engine("rwc")
 
-    def _engine(self, mode: str) -> Engine:
+    def _engine(self, mode: str, keys: bool = True) -> Engine:
         if not self.is_sqlite:
             options = {"connect_timeout": CONNECT} if "connect_timeout" not in self.url.query else {}
             return create_engine(self.url, connect_args=options, poolclass=NullPool, hide_parameters=True)
@@ -138,7 +138,7 @@ class Database:
             if mode != "ro":
                 opened.execute("PRAGMA journal_mode = WAL")
                 opened.execute("PRAGMA synchronous = FULL")
-            opened.execute("PRAGMA foreign_keys = ON")
+            opened.execute(f"PRAGMA foreign_keys = {'ON' if keys else 'OFF'}")
             return opened
 
         engine = create_engine("sqlite://", creator=connect, poolclass=NullPool, hide_parameters=True)
@@ -182,21 +182,35 @@ class Database:
         if self.is_sqlite and not Path(str(self.url.database)).absolute().parent.is_dir():
             where = str(Path(str(self.url.database)).parent)
             raise StoreError("no such folder", where=where, do="Make it, or name another archive", code="no_folder")
-        with self._refusals(), self._writer.connect() as connection:
-            if self.is_sqlite and migrating:
-                connection.exec_driver_sql("PRAGMA foreign_keys = OFF").close()  # tables are copied and renamed
-                connection.commit()
-            with connection.begin():
-                if not self.is_sqlite:
-                    connection.execute(text(f"SET LOCAL lock_timeout = '{int(WAIT * 1e3)}ms'"))
-                    connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": LOCK})
-                found = revision(connection)
-                if not migrating:
-                    if found:
-                        self._check(found)
-                    else:
-                        self._make(connection)
-                yield connection
+        engine = self._engine("rwc", keys=False) if migrating else self._writer  # tables are copied and renamed
+        with self._refusals(), engine.connect() as connection, connection.begin():
+            if not self.is_sqlite:
+                connection.execute(text(f"SET LOCAL lock_timeout = '{int(WAIT * 1e3)}ms'"))
+                connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": LOCK})
+            found = revision(connection)
+            if not migrating:
+                if found:
+                    self._check(found)
+                else:
+                    self._make(connection)
+            yield connection
+
+    def migrate(self, to: str) -> tuple[str, str]:
+        """Bring the schema to a version; return the version before, and the one now; Raises as ``Archive.migrate``."""
+        if to not in REVISIONS:
+            raise UsageError(f"no schema {to!r}", do=f"There are: {', '.join(REVISIONS)}", code="unknown_name")
+        if self.is_sqlite and not Path(str(self.url.database)).is_file():
+            raise _no_archive(self.name)
+        from .migrate import downgrade, upgrade  # noqa: PLC0415 - Alembic starts slowly
+
+        with self.writing(migrating=True) as connection:
+            found = revision(connection)
+            if not found:
+                raise _no_archive(self.name)
+            if found not in REVISIONS:
+                self._check(found)
+            (upgrade if to > found else downgrade)(connection, to)
+        return found, to
 
     def _make(self, connection: Connection) -> None:
         """Make the tables of a new archive."""

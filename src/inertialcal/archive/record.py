@@ -28,7 +28,7 @@ from .tables import OF_CAMPAIGN, campaigns, files, items
 
 Fields = dict[str, Any]
 ITEM = ("maker", "part", "serial")  # by which a unit is known
-OF_UNIT = ("owner",)  # of a unit as a campaign states it: the last that did stands with the unit
+OF_UNIT = ("owner", "lot")  # of a unit as a campaign states it: the last that did stands with the unit
 OF_RUN = (*OF_UNIT, "name", "title", "verdict", "program", "folder", "results_sha256", "made_ns")
 DOCUMENTS = (".json", ".toml")  # whose content is kept, too
 AT_ONCE = 400  # hashes in one query
@@ -60,6 +60,11 @@ def line(table: str, row: Fields) -> bytes:
     """Return a row as a line of JSON; what is empty is left out, so that a column more changes no line."""
     row = {name: value for name, value in row.items() if value not in (None, "")}
     return json.dumps([table, row], sort_keys=True, ensure_ascii=False, separators=(",", ":")).encode() + b"\n"
+
+
+def chained(before: str, record_sha256: str) -> str:
+    """Return what ties a campaign to the one before it: without it, or with another one, this would be another."""
+    return hashlib.sha256(f"{before} {record_sha256}".encode()).hexdigest()
 
 
 def record_of(folder: str | Path) -> Record:

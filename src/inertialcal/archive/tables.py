@@ -12,6 +12,7 @@ from sqlalchemy import (
     Column,
     Double,
     ForeignKey,
+    Index,
     Integer,
     LargeBinary,
     MetaData,
@@ -21,7 +22,7 @@ from sqlalchemy import (
 )
 from sqlalchemy.schema import SchemaItem
 
-REVISIONS = ("0001",)  # of the schema, as in ``migrations/versions``; the last is that of this module
+REVISIONS = ("0001", "0002")  # of the schema, as in ``migrations/versions``; the last is that of this module
 
 metadata = MetaData()
 
@@ -42,6 +43,7 @@ items = Table(
     _text("part"),
     _text("serial"),
     _text("owner"),
+    _text("lot"),
     UniqueConstraint("maker", "part", "serial"),
 )
 campaigns = Table(
@@ -54,6 +56,7 @@ campaigns = Table(
     Column("replaces", ForeignKey("campaigns.id")),
     _text("title"),
     _text("owner"),  # of the unit, as stated then
+    _text("lot"),  # of the unit, as stated then
     _text("verdict"),
     _text("program"),  # version of inertialcal that ran it
     _text("folder"),  # where it was run
@@ -115,6 +118,7 @@ results = _of_campaign(
     _text("reason"),
     _text("shared"),  # JSON: change for one standard uncertainty, by unknown
     _text("curvature"),  # JSON
+    Index("ix_results_quantity", "quantity", "axis"),
 )
 covariances = _of_campaign(
     "covariances",

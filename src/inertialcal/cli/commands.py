@@ -51,9 +51,23 @@ NO_FIGURES = (
     "archive add",
     "archive list",
     "sequence",
+    "archive export",
+    "archive import",
+    "archive verify",
+    "archive migrate",
 )
 READ_NOTHING = ("demo", "simulate")  # commands that read no file of a user
-OF_ARCHIVE = ("add", "list", "history")  # what may follow ``archive``
+OF_ARCHIVE = (
+    "add",
+    "list",
+    "history",
+    "trend",
+    "compare",
+    "export",
+    "import",
+    "verify",
+    "migrate",
+)  # what may follow ``archive``
 Built = TyperCommand | TyperGroup
 MAX_MEMORY = "Memory that files may take: 4GiB, 500MB. 1 GiB and three times each file if not given."
 ALL = "Show long results whole on a terminal too; into a file or a pipe they always are."
@@ -98,6 +112,15 @@ EXAMPLES = {  # word of a verb -> what may follow it, for its help
         "7 --archive lab.db --quantity scale_factor_error",
         '7 --archive lab.db --limit scale_factor_error="0.1 %"',
     ),
+    "archive trend": (
+        "scale_factor_error --archive lab.db --every",
+        "scale_factor_error --archive lab.db --every --axis x",
+    ),
+    "archive compare": ("1 6 --archive lab.db", '1 6 --archive lab.db --allowed scale_factor_error="0.5 %"'),
+    "archive export": ("lab.zip --archive lab.db", "lab.zip --archive lab.db --json"),
+    "archive import": ("lab.zip --archive copy.db", "lab.zip --archive copy.db --quiet"),
+    "archive verify": ("--archive lab.db", "--archive lab.db --json"),
+    "archive migrate": ("--archive lab.db", "--archive lab.db --to 0002"),
     "acquire": ("LAB.toml -o recorded", "--seal recorded"),
     "live": ("recorded --state", "recorded --state --json"),
     "sequence": ("LAB.toml --check", "LAB.toml -o made"),

@@ -104,13 +104,7 @@ def compare(
     """
     for side in (first, second):
         checked_path(side, "model or campaign")
-    stated, rule = parse_allowed(allowed), read_decision(decision) if decision else INTERVAL
-    if decision and not stated:
-        raise UsageError(
-            f"--decision {decision!r} without an allowed change",
-            do="Add --allowed CHANGE, the largest that is allowed",
-            code="decision",
-        )
+    stated, rule = _stated(allowed, decision)
     kind, sides, gone = load_both(first, second, condition)
     found = [_compared(kind, one, other, stated, rule, shared) for one, other in sides]
     remarks = list(dict.fromkeys(remark for one in found for remark in one.remarks))
@@ -125,6 +119,25 @@ def compare(
     return replace(
         found[0], differences=tuple(each for one in found for each in one.differences), remarks=tuple(remarks)
     )
+
+
+def compare_sides(
+    first: Compared, second: Compared, allowed: Sequence[str] = (), decision: str = "", shared: Sequence[str] = ()
+) -> Comparison:
+    """Compare the results of two campaigns that were read already; arguments and refusals as `compare`."""
+    return _compared("results", first, second, *_stated(allowed, decision), shared)
+
+
+def _stated(allowed: Sequence[str], decision: str) -> tuple[tuple[Allowed, ...], Rule]:
+    """Return the changes that are allowed, and the rule by which they are judged."""
+    stated, rule = parse_allowed(allowed), read_decision(decision) if decision else INTERVAL
+    if decision and not stated:
+        raise UsageError(
+            f"--decision {decision!r} without an allowed change",
+            do="Add --allowed CHANGE, the largest that is allowed",
+            code="decision",
+        )
+    return stated, rule
 
 
 def _compared(

@@ -226,6 +226,26 @@ def _results(given: Path) -> Compared:
     if "results" in content:
         check_results(content, str(path))
         own_curves(content, path)
+    return results_side(content, sha256, str(path), _recordings(path))
+
+
+def results_side(content: Mapping[str, Any], sha256: str, path: str, recordings: Mapping[str, str]) -> Compared:
+    """Return one side: the content of a ``results.json``.
+
+    Parameters
+    ----------
+    content : mapping
+        As read.
+    sha256, path : str
+        Of the file; the path is for messages.
+    recordings : mapping of str to str
+        SHA-256 -> path of each recording that went in.
+
+    Raises
+    ------
+    DataError
+        ``schema``.
+    """
     try:
         every = (Row.from_dict(row) for row in content["results"])
         rows = tuple(row for row in every if row.method is not Method.UNSCREENED)
@@ -238,12 +258,12 @@ def _results(given: Path) -> Compared:
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise DataError(
             f"neither a model nor results: {type(error).__name__} {error}",
-            where=str(path),
+            where=path,
             do="Name a model.json, a results.json, or the folder of a campaign",
             code="schema",
         ) from None
     return Compared(
-        str(path), sha256, rows, serial, type_b, _recordings(path), "", "", influences, occasions, selections, parts
+        path, sha256, rows, serial, type_b, recordings, "", "", influences, occasions, selections, parts
     )  # fmt: skip
 
 

@@ -36,6 +36,7 @@ class Item(Strict):
     part: Text = ""
     serial: Text = ""
     owner: Text = ""
+    lot: Text = ""
 
     def content(self) -> dict[str, str]:
         """Return what ``results.json`` holds of it; what is asked for by the archive alone only where it is stated."""

@@ -100,6 +100,123 @@ def archive_history(
     return 0
 
 
+def archive_trend(
+    quantity: Annotated[str, typer.Argument(metavar="QUANTITY", help="Which: bias.", show_default=False)],
+    archive: Where = None,
+    axis: Annotated[str | None, typer.Option(help="Of this axis alone.", show_default=False)] = None,
+    test: Annotated[str | None, typer.Option(help="Of this test alone.", show_default=False)] = None,
+    part: Annotated[str | None, typer.Option(help="Of units of this part number alone.", show_default=False)] = None,
+    by: Annotated[str, typer.Option("--by", help="A point for each unit, or for each lot: unit, lot.")] = "unit",
+    every: Annotated[bool, typer.Option("--every", help="All tests of a unit, not the last alone.")] = False,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Show a quantity over all units as a control chart, with the uncertainty of the tests in its limits."""
+    from ...core.errors import UsageError
+
+    if by not in ("unit", "lot"):
+        raise UsageError(f"--by {by}", do="Say unit or lot", code="wrong_value")
+    found = opened(archive).trend(quantity, axis, test, part, "lot" if by == "lot" else "unit", every)
+    if as_json:
+        content = {"charts": [one.to_dict() for one in found.groups]}
+        json_out("archive trend", content | {"remarks": [one.to_dict() for one in found.remarks]})
+    elif not quiet:
+        _say(found)
+    return 0
+
+
+Number = Annotated[int, typer.Argument(help="Number of a campaign, as archive list has it.", show_default=False)]
+
+
+def archive_compare(
+    first: Number,
+    second: Number,
+    archive: Where = None,
+    allowed: Annotated[
+        list[str],
+        typer.Option("--allowed", help='Change that does not matter: "0.1 %", or bias="0.01 deg/s". May be repeated.'),
+    ] = [],  # noqa: B006 - typer copies it
+    shared: Annotated[
+        list[str],
+        typer.Option("--shared", help="Standard whose error is the same in both: rate_table.rate. May be repeated."),
+    ] = [],  # noqa: B006 - typer copies it
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Compare two campaigns of an archive, figure by figure, with the uncertainty of each difference."""
+    from .models import print_comparison
+
+    found = opened(archive).compare(first, second, allowed, shared=shared)
+    print_comparison("archive compare", found, as_json, quiet)
+    return found.exit_status
+
+
+def archive_export(
+    output: Annotated[Path, typer.Argument(metavar="FILE.zip", help="File to write.", show_default=False)],
+    archive: Where = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Write an archive into a zip file that other programs can read, with a hash of each part."""
+    found = opened(archive).export(output)
+    if as_json:
+        json_out("archive export", {"written": str(output), "moved": found.to_dict()})
+    elif not quiet:
+        print(wrapped(f"written: {output} ({found.campaigns} campaigns, {found.files} documents)"))
+        print(f"chain: {found.chain or 'none yet'}")
+    return 0
+
+
+def archive_import(
+    source: Annotated[Path, typer.Argument(metavar="FILE.zip", help="An export of an archive.", show_default=False)],
+    archive: Where = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Add the campaigns of an export that are not there: all of them, or none."""
+    found = opened(archive).import_(source)
+    if as_json:
+        json_out("archive import", {"moved": found.to_dict()})
+    elif not quiet:
+        new = found.campaigns - found.there
+        print(wrapped(f"added: {new} campaigns; {found.there} were there already"))
+        print(f"chain: {found.chain or 'none yet'}")
+    return 0
+
+
+def archive_verify(archive: Where = None, as_json: Json = False, quiet: Quiet = False) -> int:
+    """Compare all that an archive holds with what was added, and name what is missing or changed."""
+    from ...core.errors import DataError
+
+    found = opened(archive).verify()
+    if found.problems:
+        raise DataError(list(found.problems))
+    if as_json:
+        json_out("archive verify", {"verified": found.to_dict()})
+    elif not quiet:
+        _say(found)
+    return 0
+
+
+def archive_migrate(
+    archive: Where = None,
+    to: Annotated[
+        str | None, typer.Option("--to", help="Version; the newest if not given.", show_default=False)
+    ] = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Bring the tables of an archive to those of this version of inertialcal, or back to earlier ones."""
+    where = opened(archive)
+    before, now = where.migrate() if to is None else where.migrate(to)
+    if as_json:
+        json_out("archive migrate", {"before": before, "now": now})
+    elif not quiet:
+        same = f"schema {now} already"
+        print(wrapped(f"{where.database.name}: {same if before == now else f'schema {before} is now {now}'}"))
+    return 0
+
+
 def _say(found: object) -> None:
     """Print what is shown of it; on a terminal a screen of it."""
     from ..shown.screen import folded, say

@@ -6,7 +6,7 @@ import inspect
 import shlex
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -18,6 +18,9 @@ from ..nouns.factory import said_of, said_options
 from ..options import Json, Quiet, with_options
 from ..shown.output import clean, followed, json_out, wrapped
 from ..shown.screen import folded, say
+
+if TYPE_CHECKING:
+    from ...campaign.compare.compare import Comparison
 
 Model = Annotated[
     Path,
@@ -374,9 +377,16 @@ def compare(
 ) -> int:
     """Compare two models or two results, figure by figure, with the uncertainty of each difference."""
     from ...campaign.compare.compare import compare as compare_both
-    from ..shown.model_text import comparison_text
 
     found = compare_both(first, second, allowed, decision, shared, condition)
+    print_comparison("compare", found, as_json, quiet)
+    return found.exit_status
+
+
+def print_comparison(command: str, found: Comparison, as_json: bool, quiet: bool) -> None:
+    """Print a comparison, for the command that made it."""
+    from ..shown.model_text import comparison_text
+
     if as_json:
         content = {
             "inputs": [{"path": path, "sha256": digest} for path, digest in found.inputs.items()],
@@ -385,10 +395,9 @@ def compare(
             "verdicts": found.verdicts,
             "verdict": found.verdict or None,
         }
-        json_out("compare", content, found.exit_status)
+        json_out(command, content, found.exit_status)
     elif not quiet:
         say(folded(comparison_text(found)))
-    return found.exit_status
 
 
 def _input(source: Any) -> dict[str, str]:
