@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ...lab.acquisition.acquisition import Acquisition
     from ...lab.acquisition.live import Shown, View
     from ...lab.acquisition.seal import Summary
+    from ...lab.sequence.operator import Operator
 
 LOOK = 0.2  # [s] between two looks at it
 BETWEEN = 60.0  # [s] between two lines of progress where there is no terminal
@@ -83,16 +84,20 @@ def _record(lab: Path | None, output: Path, port: int | None, quiet: bool) -> No
         interruption.accept()
 
 
-def page_of(shown: Shown, port: int) -> AbstractContextManager[str]:
-    """Return what gives the live page of an acquisition, and its address."""
+def page_of(shown: Shown, port: int, operator: Operator | None = None) -> AbstractContextManager[str]:
+    """Return what gives the live page of an acquisition, with what an operator is asked, and its address."""
     from ...core.errors import UsageError
 
     try:
-        from ...lab.live.server import live_page
+        from ...lab.live.server import live_page, served
     except ImportError as error:
         what = f"the live page needs the package {error.name}, which is not installed"
         raise UsageError(what, do="Type: pip install 'inertialcal[web]'", code="missing_extra") from None
-    return live_page(shown, port)
+    if operator is None:
+        return live_page(shown, port)
+    from ...lab.sequence.page import OperatorContent
+
+    return served(OperatorContent(shown, operator), port)
 
 
 class Progress:

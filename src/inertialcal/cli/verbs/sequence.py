@@ -106,7 +106,7 @@ def _conduct(lab: Lab, made: Sequence, operator: Operator, port: int | None, qui
 
     acquisition = Acquisition(lab, made.acquired(), conductor=made)
     machine = Clock()
-    with interruption.held(), nullcontext("") if port is None else page_of(acquisition, port) as page:
+    with interruption.held(), nullcontext("") if port is None else page_of(acquisition, port, operator) as page:
         acquisition.start()
         if page:
             print(f"live: {page}", file=sys.stderr, flush=True)
