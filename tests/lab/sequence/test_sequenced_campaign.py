@@ -19,7 +19,7 @@ from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.twins.twin import write_twin
 from inertialcal.lab.sequence.as_run import AsRun, Log
 from inertialcal.rigs import RIGS
-from typed_commands import call
+from typed_commands import call, call_json
 
 COMMAND = [sys.executable, str(Path(short_rig.__file__))]
 PATIENCE = 120.0  # [s] of this machine
@@ -123,6 +123,14 @@ def test_what_is_complete_is_not_done_again(table: Path, capsys: pytest.CaptureF
     assert status in (0, 4)
     assert "steps are PASS" in out
     assert (table / "made" / "as_run.csv").read_bytes() == before
+
+
+def test_its_results_are_archived(table: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    archive = str(tmp_path / "lab.db")
+    words = ["sequence", str(table / "lab" / "LAB.toml"), "-o", str(table / "made"), "--resume", "--archive", archive]
+    assert call(capsys, *words)[0] in (0, 4)
+    (kept,) = call_json(capsys, "archive", "list", "--archive", archive)["campaigns"]
+    assert "rate_table-1" in kept.values()
 
 
 def test_a_record_that_was_changed_is_made_anew(table: Path, tmp_path: Path) -> None:

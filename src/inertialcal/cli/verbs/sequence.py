@@ -15,6 +15,7 @@ from ..options import Json, Quiet
 from ..shown.output import clean, found, json_out, table, wrapped
 from ..shown.screen import folded, say
 from .acquire import LOOK, Progress, page_of
+from .archive import archived
 
 if TYPE_CHECKING:
     from ...lab.acquisition.lab_file import Lab
@@ -39,6 +40,10 @@ def sequence(
     yes: Annotated[
         bool, typer.Option("--yes", help="Take each prompt as done: for rehearsals, where nobody is there.")
     ] = False,
+    archive: Annotated[
+        str | None,
+        typer.Option("--archive", metavar="URL", help="Add the results to this archive: lab.db.", show_default=False),
+    ] = None,
     live: Annotated[
         bool, typer.Option("--live", help="Show it while it runs: a page for a browser of this computer.")
     ] = False,
@@ -65,10 +70,14 @@ def sequence(
     if begun and not resume:
         do = "Name a new folder, or add --resume to go on with what is there"
         raise UsageError(f"{output} is not empty", do=do, code="not_empty")
-    return _run(read, output, yes, port if live else None, as_json, quiet)
+    entry = read.file.sequence
+    if archive is not None and (entry is None or not entry.campaign):
+        what = "--archive: the sequence has no campaign, whose results could be kept"
+        raise UsageError(what, do="Name it in LAB.toml: campaign", code="wrong_value")
+    return _run(read, output, yes, port if live else None, archive, as_json, quiet)
 
 
-def _run(lab: Lab, output: Path, yes: bool, port: int | None, as_json: bool, quiet: bool) -> int:
+def _run(lab: Lab, output: Path, yes: bool, port: int | None, archive: str | None, as_json: bool, quiet: bool) -> int:
     from ...campaign.engine.run import run as run_campaign
     from ...lab.sequence.operator import Operator
     from ...lab.sequence.sequence import Sequence
@@ -89,12 +98,16 @@ def _run(lab: Lab, output: Path, yes: bool, port: int | None, as_json: bool, qui
         return 0
     folder = build_campaign(lab.folder / entry.campaign, output, lab.sequence, made.records)
     outcome = run_campaign(folder)
+    added = None if archive is None else archived(archive, folder)  # no verdict is told before it is kept
     found(outcome.exit_status)
     if as_json:
-        json_out("sequence", {**done, **outcome_content(outcome)}, outcome.exit_status)
+        kept = {} if added is None else {"archived": added.to_dict()}
+        json_out("sequence", {**done, **outcome_content(outcome), **kept}, outcome.exit_status)
     elif not quiet:
         print(wrapped(f"all {len(lab.sequence)} steps are PASS: {made.log.path}"))
         print_outcome(outcome)
+        if added is not None:
+            print(wrapped(str(added)))
     return outcome.exit_status
 
 
