@@ -240,6 +240,30 @@ def test_a_disk_that_fills_is_announced_and_ends_it_before_it_is_full(tmp_path: 
     assert seal(tmp_path / "out").instruments[0].rows > 0
 
 
+class SetBack(Clock):
+    """A clock whose UTC is set back by an hour after 30 s."""
+
+    def now(self) -> Instant:
+        found = super().now()
+        back = 3600 * 10**9 if found.monotonic_ns - self._monotonic > 30 * 10**9 else 0
+        return Instant(found.monotonic_ns, found.utc_ns - back)
+
+
+def test_times_go_on_when_utc_is_set_back_and_that_is_said(tmp_path: Path) -> None:
+    lab = load_lab(lab_folder(tmp_path, MADE.format(more='duration = "60 s"')))
+    clock = SetBack(200)
+    made = Acquisition(lab, tmp_path / "out", clock, [Made(clock)])
+    made.start()
+    assert made.wait(10_000)
+    summary = seal(tmp_path / "out")
+    (said,) = (one for one in summary.remarks if one.code == "clock_set")
+    assert said.what.startswith("the clock of this computer was set back by 3600.0 s")
+    time_ns = read(tmp_path / "out" / "made.parquet").time_ns
+    assert time_ns is not None
+    assert np.all(np.diff(time_ns) >= 0)
+    assert 50e9 < time_ns[-1] - time_ns[0] < 100e9
+
+
 class Full(File):
     """A disk that takes so many bytes."""
 

@@ -42,6 +42,7 @@ LOOK = 0.2  # [s] of the clock between two looks at a bound
 LOOKS = 100  # pauses of the clock between two looks at the samples
 BETWEEN = 1.0  # [s] from one remark on counts of an instrument to the next
 SETTLE = 5.0  # [s] from the beginning until how fast the disk fills is judged
+STEP = 0.5  # [s] by which UTC is set from one writing to the disk to the next, and no less is remarked
 WRITTEN_AROUND = 64  # bytes of a message around its rows
 
 
@@ -124,6 +125,7 @@ class Acquisition:
         self._events: list[tuple[Instant, str, Mapping[str, object]]] = []
         self._waiting = 0
         self._begin = self.clock.now()
+        self._apart = 0  # UTC less the monotonic reading [ns]
         self._step: StepView | None = None
         self._until = 0.0
         self._set_last: dict[str, tuple[str, float, str]] = {}
@@ -172,6 +174,7 @@ class Acquisition:
             self._close_all()
             raise
         self._begin = self.clock.now()
+        self._apart = self._begin.utc_ns - self._begin.monotonic_ns
         entry = self.lab.file.lab
         self._event("begun", {"title": entry.title, "speed": self.clock.speed, "sync": entry.sync})
         self._change("running")
@@ -450,6 +453,7 @@ class Acquisition:
                 self.clock.wait(due - self.clock.seconds(), self._stop)
                 self._commit()
                 self._watch_disk()
+                self._watch_clock()
         except OSError as error:
             self._disk_failed(error)
         self._stop.set()
@@ -524,6 +528,16 @@ class Acquisition:
             self.say(
                 Remark("disk_filling", "warning", what, where=str(self.folder), do="Free some space: recording goes on")
             )
+
+    def _watch_clock(self) -> None:
+        """Say that UTC of this computer was set: times of what is recorded go on by the clock that is never set."""
+        now = self.clock.now()
+        apart = now.utc_ns - now.monotonic_ns
+        step, self._apart = (apart - self._apart) / SECOND, apart
+        if abs(step) > STEP:
+            word = "back" if step < 0 else "forward"
+            what = f"the clock of this computer was set {word} by {abs(step):.1f} s: times go on as if it had not been"
+            self.say(Remark("clock_set", "warning", what, do="Compare times with those of others by its first setting"))
 
     def _disk_failed(self, error: OSError) -> None:
         what = error.strerror or str(error)

@@ -1,7 +1,7 @@
 "use strict";
 // Asks for what is new in traces each FRAME, for the state each STATE, for deviations each NOISE [ms]; one question at a
 // time is open.
-const FRAME = 50, STATE = 500, NOISE = 4000, AGAIN = 500, SILENT = 5000, COLOURS = 6, VALUES = 4, LATEST = 4096, FIRST = 5;
+const FRAME = 50, STATE = 500, NOISE = 4000, AGAIN = 500, SILENT = 5000, COLOURS = 6, VALUES = 4, LATEST = 4096, FIRST = 3;
 const WORDS = { reading: "reading what was recorded", stalled: "no sign of life", done: "ended", failed: "ended by a fault",
   died: "cut off", ready: "about to begin", stopping: "ending" };
 const SLOW = ["degC", "K", "degF"];  // Units without a spectrum

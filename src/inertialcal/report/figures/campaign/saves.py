@@ -61,9 +61,8 @@ def _picture(test: str, curves: Sequence[Mapping[str, Any]], often: Counter[floa
     late = {length: times for length, times in sorted(often.items()) if length > LATE * usual}
     steps, total = sum(late.values()), sum(often.values())
     head = f"{plain(test)}: {steps:,} of {total:,} saves later than after {number(usual)} s"
-    told = [f"{number(length)} s: {times:,}" for length, times in shown.items()]
-    rest = f"; {counted(len(often) - len(shown), 'other length')}" if len(often) > len(shown) else ""
-    note = (f" After {', '.join(told)}{rest}; in {counted(len(curves), 'recording')}.",)
+    rest = f"; {counted(len(often) - len(shown), 'rarer length')} not drawn" if len(often) > len(shown) else ""
+    note = (f" {counted(len(curves), 'recording').capitalize()}{rest}.",)
     return Picture(NAME, test, "", head, SHOWS, (HEIGHT,), paint, note=note)
 
 
