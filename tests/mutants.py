@@ -1266,6 +1266,9 @@ MUTANTS = (
         "test_positions_budget test_positions_levels test_positions_simulated",
     ),
     Mutant("design.py", "setup.pose**2 * (1.0 - u**2)", "setup.pose**2 * u**2", "test_positions_planning"),
+    Mutant("rests.py", "_rows(readings, 0, len(readings) - 1)", "_rows(readings, 0, len(readings))", "test_guide"),
+    Mutant("stream.py", "readings / self._scale.get", "readings * self._scale.get", "test_guided_session"),
+    Mutant("session.py", "kept[first:stop] = False", "kept[stop:first] = False", "test_guided_session"),
     Mutant(
         "design.py",
         "common[:3] = setup.gravity_u / setup.gravity",

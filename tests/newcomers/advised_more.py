@@ -877,4 +877,24 @@ LAB = (
         "done",
     ),
 )
-MORE = (*LAB, *COMPENSATED, *LEVELS, *HEADS, *MASSES, *CAMPAIGNS, *SHAKEN)
+GUIDED = (
+    Case(
+        "Try: inertialcal guide --help",
+        "guide",
+        "guide --help",
+        "has guide LAB.toml -o imu",
+    ),
+    Case(
+        "Say: inertialcal guide {} -o DIR",
+        "guide GUIDE.toml --no-page",
+        "guide GUIDE.toml --no-page -o guide_said",
+        "has guided.parquet",
+    ),
+    Case(
+        'Write it like --rest "3 s"',
+        "guide GUIDE.toml --no-page -o guide_rest --rest 3",
+        'guide GUIDE.toml --no-page -o guide_rest --rest "3 s"',
+        "has guided.parquet",
+    ),
+)
+MORE = (*LAB, *GUIDED, *COMPENSATED, *LEVELS, *HEADS, *MASSES, *CAMPAIGNS, *SHAKEN)

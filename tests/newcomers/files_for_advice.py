@@ -48,6 +48,14 @@ SEQUENCE = """[sequence]
 name = "at rest"
 record = { for = "30 s" }
 """
+GUIDE = """schema = 1
+[lab]
+speed = 100
+[instruments.imu]
+link = "rig"
+rig = "hand_held"
+recording = "hand1"
+"""
 CAMPAIGNS = ("campaign", "campaign_new", "campaign_new2")  # never run, so far
 FOLDERS = ("no_campaign", "no_campaign3")
 
@@ -57,6 +65,7 @@ def write_files(folder: Path) -> None:
     logs = {name: made() for name, made in LOGS.items()}
     (folder / "LAB.toml").write_text(LAB.format(""))
     (folder / "SEQUENCE.toml").write_text(LAB.format("") + SEQUENCE)
+    (folder / "GUIDE.toml").write_text(GUIDE)
     (folder / "FULL.toml").write_text(LAB.format('keep_free = "900000 TB"'))
     texts = {made.name: made.write(logs[made.noun]).decode() for made in FILES}
     for text in (

@@ -32,6 +32,7 @@ VERBS = {
     "programme-1969": "verbs.programme1969", "filter": "verbs.filters", "certificate": "verbs.certificate",
     "vibration profile": "verbs.vibration_profile", "acquire": "verbs.acquire", "live": "verbs.live",
     "sequence": "verbs.sequence",
+    "guide": "verbs.guide",
 }  # fmt: skip
 NO_FIGURES = (
     "info",
@@ -55,6 +56,7 @@ NO_FIGURES = (
     "archive import",
     "archive verify",
     "archive migrate",
+    "guide",
 )
 READ_NOTHING = ("demo", "simulate")  # commands that read no file of a user
 OF_ARCHIVE = (
@@ -124,6 +126,10 @@ EXAMPLES = {  # word of a verb -> what may follow it, for its help
     "acquire": ("LAB.toml -o recorded", "--seal recorded"),
     "live": ("recorded --state", "recorded --state --json"),
     "sequence": ("LAB.toml --check", "LAB.toml -o made"),
+    "guide": (
+        'LAB.toml -o imu --no-page --gravity "9.807 m/s2" --label z+=label --for px4',
+        'LAB.toml -o again --no-page --target bias="2 mg" --rest "2 s"',
+    ),
     "vibration profile": ("table01.csv -o profile.svg", "table01.csv --band 20..100"),
     "filter": (
         "inertialcal-demo rest.csv",

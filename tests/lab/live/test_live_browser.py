@@ -10,14 +10,15 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from browsing import PATIENCE, PHONE
+from browsing import PHONE
 from lab_devices import REHEARSAL, lab_folder, rehearsed
-from playwright.sync_api import Browser, Dialog, Page, Request
+from lab_pages import opened, until
+from playwright.sync_api import Browser, Page
 from shown_lab import HOSTILE, PLAIN, shown
 
 from inertialcal.core.remarks import Remark
@@ -25,45 +26,6 @@ from inertialcal.lab.live.server import TOKEN
 
 DRAWN = "n => { const c = document.querySelectorAll('.traces canvas')[n]; return c.width > 0 && " \
         "c.getContext('2d').getImageData(0, 0, c.width, c.height).data.some(one => one); }"  # fmt: skip
-
-
-@contextmanager
-def opened(
-    browser: Browser, address: str, width: int = 1280, scheme: str = "light"
-) -> Iterator[tuple[Page, list[str]]]:
-    """Open the page, and keep what it asks for of others and what goes wrong in it."""
-    context = browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme)  # type: ignore[arg-type]
-    try:
-        context.set_default_timeout(PATIENCE)
-        page, odd = context.new_page(), list[str]()
-        place = address.partition("?")[0]
-
-        def asked(one: Request) -> None:
-            if not one.url.startswith(place):
-                odd.append(f"asked: {one.url}")
-
-        def dialog(one: Dialog) -> None:
-            odd.append(f"dialog: {one.message}")
-            one.dismiss()
-
-        page.on("request", asked)
-        page.on("dialog", dialog)
-        page.on("pageerror", lambda one: odd.append(f"error: {one}"))
-        page.on("console", lambda one: odd.append(f"console: {one.text}"))
-        page.goto(address)
-        yield page, odd
-    finally:
-        context.close()
-
-
-def until(page: Page, holds: Callable[[], object], seconds: float = 60.0) -> bool:
-    """Wait until something holds; return whether it does."""
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        if holds():
-            return True
-        page.wait_for_timeout(50)
-    return False
 
 
 def frames(page: Page) -> int:

@@ -290,6 +290,10 @@ class Acquisition:
                 self._errors[0].problems[0].what if self._errors else "",
             )  # fmt: skip
 
+    def instrument(self, name: str) -> Instrument:
+        """Return an instrument."""
+        return self._watched[name].instrument
+
     def recent(self, name: str, width: float, first: int) -> Recent:
         """Return least and most of each channel of an instrument in parts: `live.Shown`."""
         return self._track(name).recent(width, first)

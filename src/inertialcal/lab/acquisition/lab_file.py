@@ -156,18 +156,23 @@ def load_lab(path: str | Path) -> Lab:
         raw = read_bytes(path)
     except DataError as error:
         raise PlanError(list(error.problems)) from None
-    text, document = parse_toml(raw, path.name)
-    at = _places(path.name, text)
+    return lab_of(raw, path.name, path.parent)
+
+
+def lab_of(raw: bytes, name: str, folder: Path) -> Lab:
+    """Return what the bytes of a LAB.toml say; files that it names stand in the folder. Raises as `load_lab`."""
+    text, document = parse_toml(raw, name)
+    at = _places(name, text)
     try:
         file = LabFile.model_validate(document)
     except ValidationError as error:
         raise PlanError(list(islice(model_problems(error, LabFile, at), MOST))) from None
-    reading = _Reading(file, path.parent, at)
+    reading = _Reading(file, folder, at)
     problems = list(islice(reading.problems(), MOST))
     if problems:
         raise PlanError(problems)
     return Lab(
-        file, path.parent, text, hashlib.sha256(raw).hexdigest(), parse_size(file.lab.keep_free), reading.dialects,
+        file, folder, text, hashlib.sha256(raw).hexdigest(), parse_size(file.lab.keep_free), reading.dialects,
         reading.texts, reading.limits, tuple(reading.steps), tuple(reading.sequence), at,
     )  # fmt: skip
 

@@ -149,8 +149,37 @@ def _events(bag: Bag) -> Iterator[Remark]:
     yield from kept.values()
 
 
-def _sealed(folder: Path, bag: Bag, name: str, layout: RowLayout) -> Sealed | None:
-    """Write the file of an instrument; return None of one that gave no row."""
+@dataclass(frozen=True, eq=False)
+class _Timed:
+    """What was recorded of an instrument, on the computer's clock."""
+
+    recording: Recording
+    rows: int
+    clocks: Clocks
+    time_from: str
+    intervals: Intervals | None
+
+
+def recorded(folder: Path, name: str) -> Recording:
+    """Return what was recorded of an instrument so far, as it would be sealed now.
+
+    Raises
+    ------
+    DataError
+        ``missing_rows`` if none of its rows is on the disk.
+    """
+    bag = bag_of(load(folder / RECORDING, in_place=True))
+    for _ in bag.messages():  # what topics there are
+        pass
+    schemas = [one.schema for one in bag.connections.values() if one.encoding == ENCODING and one.topic == name]
+    timed = _timed(folder, bag, name, layout_in(schemas[0], bag.path)) if schemas else None
+    if timed is None:
+        raise DataError(f"no row of {name} is on the disk", str(folder / RECORDING), code="missing_rows")
+    return timed.recording
+
+
+def _timed(folder: Path, bag: Bag, name: str, layout: RowLayout) -> _Timed | None:
+    """Return what was recorded of an instrument; None of one that gave no row."""
     own, relation, rows = OwnTime(layout), Relation(), 0
     intervals = None if layout.interval is None else Intervals(layout.interval)
     offset: int | None = None
@@ -173,10 +202,18 @@ def _sealed(folder: Path, bag: Bag, name: str, layout: RowLayout) -> Sealed | No
     if clocks.estimate is not None and own.channel is not None:
         recording = replace(recording, time_ns=_on_computer(recording, layout, clocks, offset))
         time_from = f"{own.channel.name}, put on the computer's clock by offset and drift"
+    return _Timed(recording, rows, clocks, time_from, intervals)
+
+
+def _sealed(folder: Path, bag: Bag, name: str, layout: RowLayout) -> Sealed | None:
+    """Write the file of an instrument; return None of one that gave no row."""
+    timed = _timed(folder, bag, name, layout)
+    if timed is None:
+        return None
     target = folder / f"{name}.parquet"
-    remarks = write(target, replace(recording, remarks=()))
-    kept = [one for one in recording.remarks if one.code in ("messages_missing", "damaged_records")]
-    return Sealed(name, target, rows, clocks, time_from, intervals, (*kept, *remarks))
+    remarks = write(target, replace(timed.recording, remarks=()))
+    kept = [one for one in timed.recording.remarks if one.code in ("messages_missing", "damaged_records")]
+    return Sealed(name, target, timed.rows, timed.clocks, timed.time_from, timed.intervals, (*kept, *remarks))
 
 
 def _none(reason: str) -> Clocks:

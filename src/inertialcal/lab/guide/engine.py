@@ -2,7 +2,8 @@
 
 Rest and rotation are judged by the functions that cut a recording (``rests``). After each position the procedure's own
 fit is made of all of them (``procedures.positions.reduce``), and the next position is the one that the planner takes:
-of the 26 directions of a cube the one after which the variances over the squares of what is wanted are least.
+of the 26 directions of a cube the one after which the variances over the squares of what is wanted are least. Once the
+accelerometers are known well enough, and a gyro is not, it is the one that the longest turn about that gyro leads to.
 
 It is enough when the 95 % interval of every wanted figure is no wider than that of the standard uncertainty asked for,
 1.96 times it to both sides. With few positions, of which the scatter is badly known, intervals are wide by Student's t,
@@ -26,10 +27,12 @@ from numpy.typing import ArrayLike, NDArray
 from ...core.errors import DataError, PlanError, UsageError
 from ...core.estimate import Array
 from ...core.influence import Influence
+from ...core.key import AXES
 from ...core.recording import SECOND, Times
 from ...core.results import Row
+from ...core.units import parse_quantity
 from ...procedures.positions.plan import Plan
-from ...procedures.positions.planning.design import Setup, course, next_position
+from ...procedures.positions.planning.design import Setup, course, cube, next_position
 from ...procedures.positions.planning.planner import limits_of
 from ...procedures.positions.readings import local_gravity
 from ...procedures.positions.reduction import Result, reduce
@@ -46,6 +49,14 @@ THERE = np.cos(np.radians(25.0))  # cosine of the angle from the position asked 
 SAME = np.cos(np.radians(18.0))  # of two positions that are one
 MORE_CURE = ("too_few_positions", "one_plane")  # refusals of a fit that other positions cure
 SHOCK = 3.0  # gravities
+GYRO_UNITS = {"bias": "rad/s", "scale_factor_error": "1", "misalignment": "rad"}
+PAIRS = [a + b for a in AXES for b in AXES if a != b]
+WANTED_OF_GYROS = {  # what may be wanted of gyros: its name as of a figure, and its unit
+    f"gyro.{own}": (own, unit)
+    for quantity, unit in GYRO_UNITS.items()
+    for own in (quantity, *(f"{quantity}_{axis}" for axis in (PAIRS if quantity == "misalignment" else AXES)))
+}
+LONGEST_TURN = np.radians(140.0)  # that a hand makes about the axis that is meant
 TURNS = np.radians(20.0)  # what moves, and does not turn by so much, is held in a hand
 SHORT = 0.8  # a rest so long that then ends was meant as one [s]
 
@@ -56,7 +67,12 @@ class Known:
 
     row: Row  # As the procedure has it
     wanted: float | None  # Standard uncertainty asked for; None: none
-    reached: bool  # Whether its interval is no wider than that of what is wanted
+    ratio: float | None  # Its 95 % interval over that of what is wanted; None: nothing is wanted, or nothing is known
+
+    @property
+    def reached(self) -> bool:
+        """Whether its interval is no wider than that of what is wanted."""
+        return self.ratio is not None and self.ratio <= 1.0
 
 
 @dataclass(frozen=True)
@@ -93,7 +109,7 @@ class Guide:
     ----------
     wanted : mapping of str to str
         Standard uncertainty wanted of an accelerometer quantity or parameter: ``{"bias": "1 mg", "misalignment_yx":
-        "0.1 deg"}``. ``bias``, ``scale_factor_error``, ``misalignment``.
+        "0.1 deg"}``. ``bias``, ``scale_factor_error``, ``misalignment``; of gyros, beside them, ``gyro.bias``, ...
     sample_rate : float
         [Hz]
     rest : float
@@ -102,6 +118,8 @@ class Guide:
         Local gravity [m/s^2]; standard gravity by default.
     gravity_u : float
         Its standard uncertainty [m/s^2]; 0: not stated.
+    latitude : float, optional
+        Geodetic [rad]; with it, gyro biases are without the rate of the earth.
     gyros : bool
         Whether batches hold angular rates.
     labels : mapping of str to str
@@ -125,17 +143,22 @@ class Guide:
         rest: float = 3.0,
         gravity: float | None = None,
         gravity_u: float = 0.0,
+        latitude: float | None = None,
         gyros: bool = True,
         labels: Mapping[str, str] | None = None,
         sides: Mapping[str, str] | None = None,
     ) -> None:
         standards = {"gravity.value": Influence(gravity_u, "m/s^2")} if gravity_u else {}
-        self.plan = Plan(gravity=gravity, shortest=rest, standards=standards)
+        self.plan = Plan(gravity=gravity, latitude=latitude, shortest=rest, standards=standards)
         self._setup = Setup(1e-3, gravity=local_gravity(self.plan), gravity_u=gravity_u)
-        if not wanted:
+        of_gyros = {name: said for name, said in wanted.items() if name in WANTED_OF_GYROS}
+        self.wanted = limits_of(
+            self._setup, {k: v for k, v in wanted.items() if k not in of_gyros}, {"target": "wanted"}
+        )
+        if not self.wanted:
             do = 'Say it like {"bias": "1 mg"}'
-            raise UsageError("nothing wanted: nothing would ever be enough", do=do, code="wrong_value")
-        self.wanted = limits_of(self._setup, wanted, {"target": "wanted"})
+            raise UsageError("nothing wanted of the accelerometers", do=do, code="wrong_value")
+        self.wanted_gyros = _limits_of_gyros(of_gyros, gyros)
         course(replace(self._setup, scatter=1e-9), self.wanted)
         self._rests = LiveRests(self.plan, 1.0 / sample_rate, gyros)
         self._labels, self._sides, self._gyros = labels or {}, sides or {}, gyros
@@ -155,6 +178,8 @@ class Guide:
             "gravity": f"{local_gravity(self.plan)!r} m/s2",
             "shortest": f"{self.plan.shortest!r} s",
         }
+        if self.plan.latitude is not None:
+            said["latitude"] = f"{self.plan.latitude!r} rad"
         if self._setup.gravity_u:
             said["standards"] = {"gravity.value": f"{self._setup.gravity_u!r} m/s2"}
         return said
@@ -214,11 +239,28 @@ class Guide:
 
     def judge(self, rows: Sequence[Row]) -> State:
         """Say whether the figures of the procedure on the recording are enough; if not, ask for one position more."""
-        known = self._known([row for row in rows if row.key.sensor == "accelerometer"])
-        if not all(one.reached for one in known if one.wanted is not None):
+        asked = [one for one in self.known(rows) if one.wanted is not None]
+        if not asked or not all(one.reached for one in asked):
             self._more = self._count() + 1
             self._choose()
         return self._said([], np.zeros(0, dtype=np.bool_))
+
+    def undo(self) -> tuple[int, State] | None:
+        """Forget the last position, and all that came since it began.
+
+        Returns
+        -------
+        (int, State) or None
+            Stamp at which the position began [ns]: samples from it on, up to the last that was added, do not belong to
+            the recording; what to do now. None where there is no position.
+        """
+        began = self._rests.undo()
+        if began is None:
+            return None
+        self._fit()
+        self._choose()
+        text = f"Taken back: {self._count()} positions count. Lay it as it should lie"
+        return began, self._said([Notice("taken_back", text)], np.zeros(0, dtype=np.bool_))
 
     def _count(self) -> int:
         return 0 if self._rests.readings is None else len(self._rests.readings)
@@ -264,7 +306,7 @@ class Guide:
         readings = self._rests.readings
         try:
             self._result = None if readings is None else reduce(self.plan, readings)
-            self._figures = () if self._result is None else self._known(self._result.rows())
+            self._figures = () if self._result is None else self.known(self._result.rows())
             self._refusal = ""
         except DataError as error:
             self._result, self._figures = None, ()
@@ -291,8 +333,9 @@ class Guide:
         setup, taken = replace(self._setup, scatter=scatter), self._directions()
         other = self._target is not None and len(taken) > 0 and taken[-1] @ self._target < THERE
         repeated = other and np.max(taken[:-1] @ taken[-1], initial=-1.0) > SAME
+        turned = self._turned_to(taken)
         if not repeated:  # who repeats a position is asked for the same one still
-            self._target = next_position(setup, taken, goal=self.wanted)
+            self._target = next_position(setup, taken, goal=self.wanted) if turned is None else turned
         self._out_of_reach = False
         try:
             to_go = len(course(setup, self.wanted, taken, most=MOST).directions) - len(taken)
@@ -301,16 +344,35 @@ class Guide:
         except PlanError:
             self._to_go, self._out_of_reach = None, True
 
-    def _known(self, rows: Sequence[Row]) -> tuple[Known, ...]:
+    def _turned_to(self, taken: Array) -> Array | None:
+        """Return what should point up next for the gyro that is known worst; None while accelerometers come first."""
+        asked = [one for one in self._figures if one.wanted is not None]
+        open_ = [one for one in asked if not one.reached]
+        if not open_ or not len(taken) or any(one.row.key.sensor != "gyro" for one in open_):
+            return None
+        worst = max(open_, key=lambda one: (one.row.u or np.inf) / (one.wanted or 1.0)).row.key
+        axis, up = np.eye(3)[AXES.index(worst.axis[-1])], taken[-1]  # of a misalignment the axis that is turned about
+        candidates = cube()
+        if abs(up @ axis) > np.sqrt(0.5):  # nothing turns about what points up, as gravity tells it
+            return np.asarray(candidates[np.argmin(np.abs(candidates @ axis))])
+        angles = np.arccos(np.clip(candidates @ up, -1.0, 1.0))
+        across = np.cross(candidates, up)
+        about = angles * np.abs(across @ axis) / np.maximum(np.linalg.norm(across, axis=1), 1e-9)
+        return np.asarray(candidates[np.argmax(np.where(angles < LONGEST_TURN, about, 0.0))])
+
+    def known(self, rows: Sequence[Row]) -> tuple[Known, ...]:
+        """Return figures of the procedure with what is wanted of them."""
         found = []
         for row in rows:
-            limit = self.wanted.get(str(row.key._replace(sensor="")), self.wanted.get(row.key.quantity))
-            if row.case.beside or row.key.sensor != "accelerometer" or row.reason.code == "of_frame":
+            limits = {"accelerometer": self.wanted, "gyro": self.wanted_gyros}.get(row.key.sensor, {})
+            limit = limits.get(str(row.key._replace(sensor="")), limits.get(row.key.quantity))
+            if row.case.beside or row.reason.code == "of_frame":
                 limit = None
-            half = np.inf
-            if row.interval is not None and row.interval.lo is not None and row.interval.hi is not None:
-                half = 0.5 * (row.interval.hi - row.interval.lo)
-            found.append(Known(row, limit, limit is not None and half <= WIDE * limit))
+            ratio = None
+            ends = row.interval
+            if limit is not None and ends is not None and ends.lo is not None and ends.hi is not None:
+                ratio = 0.5 * (ends.hi - ends.lo) / (WIDE * limit)
+            found.append(Known(row, limit, ratio))
         return tuple(found)
 
     def _said(self, notices: list[Notice], accepted: NDArray[np.bool_]) -> State:
@@ -357,7 +419,7 @@ class Guide:
             return "turn", f"Lay it {named(target, self._labels)}, and leave it"
         how = turn(up, target, self._labels, self._sides)
         if left == 0.0:
-            return "turn", f"Turn now. {how}"
+            return "turn", how
         if up @ target < THERE and np.max(self._directions() @ up, initial=-1.0) > SAME:
             return "repeated", f"You have shown this position already. {how}"
         other = "" if up @ target >= THERE else "Not the position that was asked for, but a new one: it counts. "
@@ -365,6 +427,24 @@ class Guide:
 
     def _calibrated(self, level: Array) -> Array:
         return level if self._result is None else np.asarray(self._result.acc.sensor.applied(level[None]))[0]
+
+
+def _limits_of_gyros(wanted: Mapping[str, str], gyros: bool) -> dict[str, float]:
+    """Return the uncertainty wanted of gyros by parameter or quantity, SI."""
+    found = {}
+    for name, said in wanted.items():
+        own, unit = WANTED_OF_GYROS[name]
+        if not gyros:
+            raise UsageError(f"wanted {name!r}: there are no gyros", do="Leave it out", code="unknown_name")
+        try:
+            found[own] = parse_quantity(said).to(unit)
+        except DataError as error:
+            usual = {"rad/s": "0.1 deg/s", "1": "0.1 %", "rad": "0.1 deg"}[unit]
+            do = f'Write it like {name}="{usual}"'
+            raise UsageError(f"{name}: {said!r}", why=error.problems[0].what, do=do, code="no_unit") from None
+        if not 0.0 < found[own] < np.inf:
+            raise UsageError(f"{name}: {said!r}: need more than 0", code="wrong_value")
+    return found
 
 
 def _unit(force: Array) -> Array:

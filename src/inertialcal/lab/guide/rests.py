@@ -87,6 +87,17 @@ class LiveRests:
         self._forget(len(self._times))
         self._anchor_ns, self.now = None, Now()
 
+    def undo(self) -> int | None:
+        """Forget the last position and what came since; return when it began [ns], None where there is none."""
+        readings = self.readings
+        if readings is None:
+            return None
+        assert readings.start_ns is not None  # noqa: S101 - of recordings with stamps
+        self._settled, self._open = _rows(readings, 0, len(readings) - 1), None
+        self._forget(len(self._times))
+        self._anchor_ns, self._seen, self.now = None, (), Now()
+        return int(readings.start_ns[-1])
+
     def add(self, times: Times, values: Array) -> bool:
         """Take samples (n,) [ns], (n, 3 or 6) [m/s^2, rad/s] that follow the ones before; say whether readings changed.
 
