@@ -127,7 +127,7 @@ class PlannedTurns:
         example="0.0003 count/s", least=0.0,
     )  # fmt: skip
     periods: list[str] = setting(
-        "Times of a turn, with their sense: + that of the orbit, - against it, none for both.",
+        "Time of a turn, with its sense: + that of the orbit, - against it, none for both; 1 h and 2 h if not given.",
         lambda: ["1 h", "2 h"], example="+1 h",
     )  # fmt: skip
     hours: float = setting("Length of each run.", 86400.0, unit="s", example="24 h", above=0.0)

@@ -176,6 +176,8 @@ class TurnedPlan:
         if self.needed is not None:
             said = f"{number(self.needed / 3600.0, 3)} h a run" if math.isfinite(self.needed) else "not in any time"
             figures.append((f"{uncertainty(100.0 * float(wanted.wanted or 0.0))} % is reached with", said))
+        if wanted.schedule is not None:
+            figures.append(("programme written into", wanted.schedule))
         return (Table(heads, rows, caption, (2, 3, 4)), Table(("standard uncertainty", ""), figures, "", (1,)))
 
     def __str__(self) -> str:
