@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,7 @@ PILED = 4e-4  # of a pile at an end: four samples of noise lie on its last code 
 HELD = 4  # samples at an extreme that saturation needs, in a row or not
 OF_CONVERTER = 2  # samples at the end of a usual converter
 CERTAIN = 1e-3  # chance that samples lie on such an end, from which they are no noise
+SOME = 64  # samples that tell whether a channel has many values
 FEW_LEVELS = 10  # with fewer levels (a switch, a flag) the extremes are no rails
 PILE_RATIO = 3.0  # how much more samples lie at an end than noise puts there
 STEPS = 2  # levels inside that pile up: the channel is set in steps
@@ -82,17 +84,29 @@ class Copy:
 class Habits:
     """What a record does where nothing is held, from pieces spread evenly over it."""
 
-    values: Array  # different values, in order, shape (k,)
-    counts: NDArray[np.int64]  # how often each occurs
+    samples: Array  # those of the pieces that are there, shape (n,)
     rows: Array  # the pieces, shape (k, m)
     equal: float  # chance that a neighbour is equal, where it is most likely
     again: float  # chance that distant samples are equal, where those before them are
+
+    @cached_property
+    def counts(self) -> NDArray[np.int64]:
+        """How often each different value occurs, in order of the values."""
+        return _counted(self.samples)[1]
+
+    @cached_property
+    def ends(self) -> tuple[float, float]:
+        """Least and largest value."""
+        return float(self.samples.min()), float(self.samples.max())
+
+    def has_fewer(self, many: int) -> bool:
+        """Whether there are fewer different values than so many; a few samples tell it most often."""
+        return len(_counted(self.samples[:SOME])[1]) < many and len(self.counts) < many
 
 
 def habits_of(blocks: Blocks) -> Habits:
     """Return the habits of a record."""
     _, rows = pieces(blocks.x)
-    values, counts = _counted(rows[np.isfinite(rows)])
     same = rows[:, 1:] == rows[:, :-1]
     lively = same[same.mean(axis=1) < FULL]
     equal = [_group_share(blocks)]
@@ -104,7 +118,7 @@ def habits_of(blocks: Blocks) -> Habits:
         ]  # what is held is no habit
         if each[usual].sum() >= ALIKE:
             equal.append(float(goes_on[usual].sum() / each[usual].sum()))
-    return Habits(values, counts, rows, max(equal), _again(rows))
+    return Habits(rows[np.isfinite(rows)], rows, max(equal), _again(rows))
 
 
 def _counted(samples: Array) -> tuple[Array, NDArray[np.int64]]:
@@ -167,7 +181,7 @@ def _rail(blocks: Blocks, habits: Habits, skip: Indices, step: float, sign: floa
     extreme = sign * (blocks.hi if sign > 0.0 else blocks.lo)
     extreme = np.where(blocks.count > 0, extreme, -np.inf)
     end = float(extreme.max())
-    if not np.isfinite(end) or len(habits.values) < 2:
+    if not np.isfinite(end) or habits.has_fewer(2):
         return None
     third, below = end, extreme
     for _ in range(2):
@@ -191,7 +205,7 @@ def _rail(blocks: Blocks, habits: Habits, skip: Indices, step: float, sign: floa
         return None
     length = stops - starts
     count = int(length.sum() * max(runs / ROOM, 1.0))
-    few = len(habits.values) < FEW_LEVELS
+    few = habits.has_fewer(FEW_LEVELS)
     longest = int(np.argmax(length))
     held = not few and length[longest] >= HELD and len(starts) * habits.equal ** (HELD - 1) < CERTAIN
     here, usual = int(counts[-1]), _usual(levels, counts, step)
@@ -257,7 +271,7 @@ def repeats(habits: Habits) -> float:
     Samples further apart tell how many neighbours noise makes equal: as many more as neighbours lie closer together.
     The record must do it all along.
     """
-    low, high = habits.values[0], habits.values[-1]
+    low, high = habits.ends
     rows = np.where((habits.rows == low) | (habits.rows == high), np.nan, (habits.rows - low) / (high - low))
     near = np.diff(rows, axis=1)
     rows, near = (part[np.mean(near == 0.0, axis=1) < FULL] for part in (rows, near))
@@ -295,10 +309,10 @@ def _rms(x: Array) -> float:
 def stuck(blocks: Blocks, habits: Habits, ends: tuple[float, ...]) -> tuple[Held, ...]:
     """Return stretches of one value that are far too long, the longest first; those at ``ends`` are saturation."""
     n, size = len(blocks.x), blocks.size
-    if not len(habits.values) or n < STUCK:
+    if not len(habits.samples) or n < STUCK:
         return ()
-    if len(habits.values) == 1 and np.nanmin(blocks.lo) == np.nanmax(blocks.hi):
-        return (Held(np.array([[0, n - 1]]), float(habits.values[0]), n),)
+    if habits.has_fewer(2) and np.nanmin(blocks.lo) == np.nanmax(blocks.hi):
+        return (Held(np.array([[0, n - 1]]), habits.ends[0], n),)
     if habits.equal >= NEVER_KNOWN:
         return ()
     equal = max(habits.equal, 1.0 / n)

@@ -261,7 +261,7 @@ def _held(
     found: dict[Code, Finding], blocks: Blocks, habits: Habits, skip: Indices, step: float, at_rest: bool
 ) -> None:
     ends = rails(blocks, habits, skip, step)
-    again = repeats(habits) if at_rest and len(habits.values) > HELD else 0.0
+    again = repeats(habits) if at_rest and not habits.has_fewer(HELD + 1) else 0.0
     if again:
         n, none = len(blocks.x), np.full(1, np.nan)
         found["repeated_samples"] = Finding("repeated_samples", np.array([[0, n - 1]]), none, round(again * n), none)
