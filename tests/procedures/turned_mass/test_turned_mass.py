@@ -186,6 +186,9 @@ def test_the_wrong_sense_of_a_run_is_refused_by_its_name(at: int) -> None:
     code, what = refusal(changed(runs, at, period=-runs[at].period))
     assert code == "wrong_sense"
     assert f"run{at + 1}" in what
+    with pytest.raises(DataError) as caught:
+        reduce(PLAN, readings(changed(runs, at, period=-runs[at].period)))
+    assert caught.value.problems[0].where == f"run{at + 1}.csv"
 
 
 def test_the_wrong_sense_of_all_runs_is_refused() -> None:

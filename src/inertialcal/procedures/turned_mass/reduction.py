@@ -196,7 +196,8 @@ def _refuse(plan: Plan, used: Sequence[Response], orbit: Orbit, likely: Sequence
             what = f"run {names}: the runs agree only if its mass turned in the other sense"
         why = "the recoil depends on the sense, with the orbit or against it"
         do = "Correct the sign of rate in the programme: + is the sense of the orbit"
-        raise DataError(what, used[0].run.where, why, do, "wrong_sense")
+        where = next((one.run.where for one in used if one.run.name == senses[0].run), used[0].run.where)
+        raise DataError(what, where, why, do, "wrong_sense")
     runs = [one.run for one in used]
     pairs = [(i, j) for j in range(len(runs)) for i in range(j)] if len(runs) <= MANY else []
     for i, j in pairs:
