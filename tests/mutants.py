@@ -1676,6 +1676,24 @@ MUTANTS = (
     Mutant(
         "record.py", "white *= density * np.sqrt(0.5 * rate)", "white *= density * np.sqrt(rate)", "test_sams_tsh_rig"
     ),
+    Mutant(
+        "screening.py",
+        "_beyond(one, known.upto - begin)",
+        "_beyond(one, 0)",
+        "test_lab_screening",
+    ),
+    Mutant(
+        "recorded.py",
+        "if axis is None or not len(axis.gaps):\n        return None\n    steps",
+        "if axis is None:\n        return None\n    steps",
+        "test_recorded",
+    ),
+    Mutant(
+        "live.py",
+        "(self.count - count) % self._kept]) if",
+        "(self.count - count - 1) % self._kept]) if",
+        "test_acquisition",
+    ),
 )
 
 
