@@ -125,7 +125,7 @@ EXAMPLES = {  # word of a verb -> what may follow it, for its help
     "archive migrate": ("--archive lab.db", "--archive lab.db --to 0002"),
     "acquire": ("LAB.toml -o recorded", "--seal recorded"),
     "live": ("recorded --state", "recorded --state --json"),
-    "sequence": ("LAB.toml --check", "LAB.toml -o made"),
+    "sequence": ("rehearsal/LAB.toml --check", "rehearsal/LAB.toml --check --json"),
     "guide": (
         'LAB.toml -o imu --no-page --gravity "9.807 m/s2" --label z+=label --for px4',
         'LAB.toml -o again --no-page --target bias="2 mg" --rest "2 s"',

@@ -189,3 +189,27 @@ def test_the_campaign_of_the_suite_runs_from_one_command(tmp_path: Path) -> None
             for key in ("value", "u"):
                 assert one[key] == (None if other[key] is None else pytest.approx(other[key], rel=1e-9))
     assert same > 20
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rig", ["six_faces", "still_gyro"])
+def test_campaigns_of_other_rigs_run_from_one_command(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], rig: str
+) -> None:
+    """Positions and noise: what is recorded is what the rig has, whole."""
+    assert call(capsys, "simulate", rig, "--lab", "-o", str(tmp_path / "lab"))[0] == 0
+    status, _, err = call(capsys, "sequence", str(tmp_path / "lab" / "LAB.toml"), "-o", str(tmp_path / "made"), "-q")
+    assert status in (0, 1, 4), err
+    recorded = run_twin(rig, tmp_path / "recorded")
+    live = results_of(tmp_path / "made")
+    assert len(live) == len(recorded) > 5
+    for one, other in zip(live, recorded, strict=True):
+        for key in ("value", "u"):
+            assert one[key] == (None if other[key] is None else pytest.approx(other[key], rel=1e-9))
+
+
+def run_twin(rig: str, folder: Path) -> list[dict[str, Any]]:
+    """Return the rows of the results of the recorded campaign of a rig."""
+    write_twin(RIGS[rig].twin(1), folder)
+    rows: list[dict[str, Any]] = run(folder, write=False).results["results"]
+    return rows

@@ -52,7 +52,7 @@ def write_rehearsal(rig: str, folder: Path, seed: int) -> Path:
     names: dict[str, str] = {}
     for name, one in recordings.items():
         file = str(one["file"])
-        names[file] = name
+        names.setdefault(file, name)  # two recordings may be of one file
         one["file"] = str(Path(file).with_suffix(".parquet"))
         one["clock"]["column"] = "time"
         if file in applied:

@@ -370,18 +370,18 @@ class Sequence:
             if not len(own):
                 continue
             elapsed = own.time_ns - own.time_ns[0]
-            stop = max(int(np.searchsorted(elapsed, record.least * SECOND)) + 1, judged)
+            stop = max(int(np.searchsorted(elapsed, round(record.least * SECOND))) + 1, judged)
             while stop <= len(own):
                 part = own.part(0, stop)
                 if record.u is None or conditions.known_well(part.values(record.channels), part.time_ns, record.u):
                     self._check_kept(stable, target, record, part, first)
                     return part
-                if elapsed[stop - 1] >= record.most * SECOND:
+                if elapsed[stop - 1] >= round(record.most * SECOND):
                     _, half = conditions.uncertainty(part.values(record.channels), part.time_ns)
                     what = f"after {record.most:g} s u is {float(np.max(half)) / conditions.WIDE:.3g}"
                     raise InstrumentError(f"{what}, {record.u:g} is wanted", code="u_not_reached")
                 stop += max(stop // LOOKS, 1)  # the same ones however the rows came together
-            judged = stop if elapsed[-1] >= record.least * SECOND else 0
+            judged = stop if elapsed[-1] >= round(record.least * SECOND) else 0
             if stable is not None and stable.channel:
                 self._check_kept(stable, target, record, own, first)
         raise AssertionError  # pragma: no cover - rows come, or an error does
