@@ -278,15 +278,16 @@ def test_a_folder_that_is_no_record(capsys: pytest.CaptureFixture[str], tmp_path
     assert f"It holds a campaign: inertialcal run {tmp_path}" in call(capsys, "flip", tmp_path)[1]
 
 
-@pytest.mark.parametrize("unit", ["V", "count"])
+@pytest.mark.parametrize(("unit", "per"), [("V", "V/g"), ("count", "count/g")])
 def test_a_table_of_means_that_are_no_accelerations(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, unit: str
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, unit: str, per: str
 ) -> None:
-    """No chain is applied to means: that is said, with what to do, and no arithmetic error of units."""
+    """They are never taken for accelerations: the chain is asked for, whatever is said of their unit."""
     rows = [f"{axis},{k},{way},{2.5 + k}" for axis in "xyz" for k in (1, 2) for way in ("forward", "reverse")]
     (tmp_path / "means.csv").write_text("\n".join([f"axis,time,orientation,mean [{unit}]", *rows]))
     at = ("--position", "forward=0 deg", "--position", "reverse=180 deg")
-    status, said = call(capsys, "flip", tmp_path / "means.csv", *at, "--scale-factor", "100 V/g")
-    assert status == 2
-    assert f"means in {unit}: a table of means is taken in a unit of acceleration alone" in said
-    assert "Give the recordings, or the means in g" in said
+    for said_unit in ((), ("--unit", "g")):
+        status, said = call(capsys, "flip", tmp_path / "means.csv", *at, *said_unit)
+        assert status == 2
+        assert f'--scale-factor "NUMBER {per}"' in said
+    assert f"is in {unit} by its header, not in g" in said

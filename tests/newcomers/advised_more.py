@@ -403,7 +403,7 @@ HEADS = (
         quick=True,
     ),
     Case(
-        "Add: --unit ug",
+        "Add: --unit ug; g, V, count, ... as it is",
         'flip halves_bare.csv --position "forward=0 deg" --position "reverse=180 deg"',
         "+ --unit ug",
         "bias y 980",
@@ -574,7 +574,13 @@ MASSES = (
         "scale_factor x 10.1447",
     ),
     Case(
-        '--gate "GATE s"',
+        'Add: --averaging "TIME s"',
+        "mass-attraction moved_volts.csv --schedule moved_schedule.csv --stamp end",
+        "+ --averaging '10 s'",
+        "scale_factor x 101.97",
+    ),
+    Case(
+        'Add: --gate "GATE s"',
         "mass-attraction rig_mesa/recordings/run1.csv rig_mesa/recordings/run2.csv --column x=pulses --schedule rig_mesa/schedule.csv",
         "+ --gate '100 s'",
         "scale_factor x 10.1447",

@@ -48,6 +48,14 @@ def bench(seed: int = 8) -> Sheet:
     return _sheet(board, {"temperature": (temperature, "degC"), "supply": (supply, "V"), "pulses": (pulses, "count")})
 
 
+def moved(seed: int = 11) -> Sheet:
+    """Return a board beside a mass that comes and goes every 3 s: its x axis follows."""
+    rest = bench(seed).board
+    acc = rest.acc.copy()
+    acc[:, 0] += 0.05 * np.sin(2.0 * np.pi * rest.time / 3.0)
+    return _sheet(Board(rest.time, rest.gyro, acc, rest.temperature, rest.sample_rate), {})
+
+
 def turned(seed: int = 9) -> Sheet:
     """Return a board on a table that turns about z at eleven rates."""
     rng = np.random.default_rng(seed)

@@ -137,7 +137,17 @@ def write_records(folder: Path) -> None:
     warm = replace(_model("air"), condition="", pressure_range=None, bias_temperature=np.full((1, 3), 1e-5),
                    reference_temperature=np.full(3, 20.0))  # fmt: skip
     write_model(folder / "no_range.json", warm)
-    for text in (_series(), _commas(), _pressures(), _temperatures(), _levels(), _faces(), _others(), _shaken()):
+    for text in (
+        _series(),
+        _commas(),
+        _pressures(),
+        _temperatures(),
+        _levels(),
+        _faces(),
+        _others(),
+        _shaken(),
+        _moved(),
+    ):
         for name, content in text.items():
             (folder / name).write_text(content)
     _pads(folder)
@@ -205,6 +215,21 @@ def _series() -> dict[str, str]:
         "series_uneven.csv": csv({"time_s": rounded(uneven, 1), "pulses": wave(uneven)}),
         "series_other.csv": csv({"time_s": rounded(time, 1), "pulses": wave(time, 750.0)}),
         "series_long.csv": csv({"time_s": rounded(long, 1), "pulses": wave(long)}),
+    }
+
+
+def _moved() -> dict[str, str]:
+    """Return a sensor of 1000 V/g beside a mass of 100 ng, in volts stamped at the end of 10 s, and its schedule."""
+    rng, n = np.random.default_rng(52), 40
+    order = np.tile([0.0, 1.0, 0.0, -1.0], n // 4)
+    start, applied = 120.0 * np.arange(n), 1e-7 * G * order
+    time = np.arange(10.0, 120.0 * n, 10.0)
+    felt = applied[np.minimum((time - 5.0) // 120.0, n - 1).astype(int)] + 2e-9 * G * rng.standard_normal(len(time))
+    rows = "".join(f"{a:g},{a + 100.0:g},{0.25 + 0.25 * o:g},{b:.9e}\n" for a, o, b in zip(start, order, applied,
+                                                                                       strict=True))  # fmt: skip
+    return {
+        "moved_volts.csv": csv({"time [s]": rounded(time, 1), "output [V]": rounded(2.5 + 1000.0 / G * felt, 9)}),
+        "moved_schedule.csv": f"start [s],stop [s],position [m],applied [m/s2]\n{rows}",
     }
 
 

@@ -9,6 +9,8 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
+PER_ACCELERATION = "output/(m/s^2)"  # unit of a setting: pulses a second, volts or counts per acceleration
+
 
 @dataclass(frozen=True)
 class Setting:

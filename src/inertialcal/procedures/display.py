@@ -41,7 +41,7 @@ def _display_unit(quantity: str, unit: str, sensor_unit: str, _: tuple[str, ...]
     if kind(unit) == kind(sensor_unit):
         return sensor_unit
     if unit in {"V/(rad/s)", "V/(m/s^2)"}:
-        return f"V/({sensor_unit})"
+        return divide("V", sensor_unit)
     if unit == PULSES:
         return normalise(f"count/s/({sensor_unit})")
     return _coefficient_unit(unit, sensor_unit)

@@ -258,7 +258,9 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
                 raise UsageError(what, do=f"Add: {given.add('column', f'{role.name}=COLUMN')}", code="no_column")
             taken |= found
     chain = chain_of_units(given, chain, [recording.channel(name).unit for name in axes.values()])
-    raw = raw_units(chain)
+    first = recording.channel(next(iter(axes.values()))).unit
+    finds_scale = spec.raw and not chain and first is not None and kind(first) in RAW
+    raw = (kind(str(first)),) if finds_scale else raw_units(chain)
     taken |= reference_columns(given, chain, [*axes], taken)
     units = {what: recording.channel(name).unit or ("count" if "count" in raw else None)
              for what, name in taken.items()}  # fmt: skip
@@ -267,7 +269,7 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     if bad:
         raise _no_unit(given, taken, wanted, bad, sensor)
     channels = {what: {"column": name, "unit": units[what]} for what, name in taken.items()}
-    spoken = spoken_unit(sensor, chain) if raw else str(units[next(iter(axes))])
+    spoken = spoken_unit(sensor, chain) if raw and chain else str(units[next(iter(axes))])
     said = sensor_said(given, sensor, [*axes], spoken, chain)
     remarks = chain_remarks(given, chain, [units[axis] for axis in axes])
     return Described({"channels": channels}, said, taken, remarks=remarks)
@@ -434,12 +436,14 @@ def raw_units(chain: Mapping[str, Any]) -> tuple[str, ...]:
     volts = bool(text) and any(same_dimension(parse_quantity(str(text)).unit, one) for one in PER_VOLT)
     if chain["kind"] == "adc":
         return ("count", "voltage")
+    if chain["kind"] == "pulse_rate":
+        return ("count", kind("count/s"))
     return ("voltage",) if chain["kind"] == "output" and volts else ("count",)
 
 
 def raw_advice(given: GivenFile, units: Sequence[str | None], like: str = "UNIT") -> str:
     """Return what to add to readings in counts or volts: numbers of the data sheet, none of which is invented."""
-    per, zero = f"/({like})", given.add("reference", "NUMBER V")
+    per, zero = f"/({like})" if "/" in like else f"/{like}", given.add("reference", "NUMBER V")
     volts = given.add("scale_factor", f"NUMBER V{per}")
     if all(unit is not None and kind(unit) == "voltage" for unit in units):
         return f"Add of the data sheet: {volts} {zero}"

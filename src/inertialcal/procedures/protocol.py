@@ -144,8 +144,12 @@ class Facts:
         By body axis: slope [V/degC], voltage [V], temperature [degC].
     input_range : (float, float), optional
         Of the sensor, SI.
-    gate, pulse_scale_factor : float or None
-        Of a chain that counts pulses [s], [count/s/SI].
+    gate : float or None
+        Of a chain that counts pulses [s].
+    output_unit : str
+        Of what leaves the sensor: ``count/s``, ``V``, ``count``; SI where readings are in units of input.
+    output_scale_factor : float or None
+        Of the data sheet, of the first axis [output unit/SI unit of input]; None where not stated.
     oblique : bool
         Body axes are mixtures of the sensor's.
     cut_off : float or None
@@ -164,7 +168,8 @@ class Facts:
     thermometers: Mapping[str, tuple[float, float, float]] | None = None
     input_range: tuple[float, float] | None = None
     gate: float | None = None
-    pulse_scale_factor: float | None = None
+    output_unit: str = ""
+    output_scale_factor: float | None = None
     oblique: bool = False
     cut_off: float | None = None
 

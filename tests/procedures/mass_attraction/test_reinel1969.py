@@ -82,7 +82,7 @@ def test_a_table_that_tells_less_is_refused_with_its_row(
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ('unit = "count/s"', 'unit = "V"', "not in pulses a second"),
+        ('unit = "count/s"', 'unit = "V"', "responses in V, but the sensor gives count/s"),
         ('applied_unit = "ng"', 'applied_unit = "cm"', "not a unit of acceleration"),
         ('u_applied = "0.2 ng"', 'u_applied = "0.2 cm"', "u_applied"),
     ],

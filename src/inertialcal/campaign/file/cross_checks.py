@@ -27,7 +27,7 @@ RESERVED = "model"  # test that the rows of the model of the sensor carry in res
 
 def cross_checks(folder: Path | None, file: CampaignFile, at: At) -> list[Problem]:
     """Return everything that does not fit together; a folder of None allows files anywhere."""
-    return [
+    found = [
         *(p for name, sensor in file.sensors.items() for p in sensor_checks(name, sensor, at)),
         *(p for name, entry in file.recordings.items() for p in recording_checks(folder, file, name, entry, at)),
         *(p for number, test in enumerate(file.tests) for p in procedure_checks(file, number, test, at)),
@@ -44,6 +44,7 @@ def cross_checks(folder: Path | None, file: CampaignFile, at: At) -> list[Proble
         *requirement_checks(file, at),
         *decision_checks(file, at),
     ]
+    return list(dict.fromkeys(found))  # what several recordings of a test show is said once
 
 
 def _duplicates(table: str, ids: list[str], at: At) -> Iterator[Problem]:

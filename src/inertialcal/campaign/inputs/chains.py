@@ -11,7 +11,7 @@ from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.schema.quantities import Axis, PerAxis
 from ...core.units import kind, parse_quantity, same_dimension, si_unit
-from ...sensors.chain.converter import Chain, Thermometer, in_volts, pulse_counter
+from ...sensors.chain.converter import Chain, Thermometer, from_output, pulse_counter
 from ..file.sensors import Chain as Chain_
 from ..file.sensors import Sensor
 
@@ -78,6 +78,8 @@ def raw_kinds(sensor: Sensor) -> tuple[str, ...]:
     """Return the kinds of unit that the recordings of a sensor with a chain may be in."""
     if sensor.chain.kind == "adc":
         return RAW
+    if sensor.chain.kind == "pulse_rate":
+        return "count", kind("count/s")
     return ("voltage",) if output_unit(sensor) == "V" else ("count",)
 
 
@@ -121,7 +123,7 @@ def scale_factors(sensor: Sensor, axes: tuple[str, ...]) -> Array | None:
     given, si, output = sensor.chain.scale_factor, si_unit(sensor.unit), "V"
     if sensor.chain.kind == "none" and kind(sensor.unit) in RAW and sensor.kind in INPUT:
         si, output = INPUT[sensor.kind], sensor.unit
-    if sensor.chain.kind == "output":
+    if sensor.chain.kind != "none":
         output = output_unit(sensor)
     return None if given is None else per_axis(given, f"{output}/({si})", axes)
 
@@ -147,9 +149,12 @@ def body_scale_factors(sensor: Sensor) -> dict[str, float] | None:
 
 
 def recorded_chain(chain: Chain, units: Iterable[str]) -> Chain:
-    """Return the chain of a recording: from volts where its signals are in volts."""
-    volts = any(one and kind(one) == "voltage" for one in units)
-    return in_volts(chain) if volts and chain.output_unit == "V" else chain
+    """Return the chain of a recording: from its output where its signals are in volts, or in pulses a second."""
+    given = [one for one in units if one]
+    if chain.output_unit == "V" and any(kind(one) == "voltage" for one in given):
+        return from_output(chain)
+    pulses = chain.output_unit == "count/s" and given and all(same_dimension(one, "count/s") for one in given)
+    return from_output(chain) if pulses else chain
 
 
 def per_axis(given: PerAxis, unit: str, axes: tuple[str, ...]) -> Array:

@@ -41,7 +41,7 @@ from ...sensors.chain.converter import Chain
 from ..file.recordings import Clock, RecordingEntry
 from ..file.schema import Site, Test
 from ..file.sensors import Sensor
-from .chains import RAW, body_scale_factors, build_chain, output_unit, recorded_chain
+from .chains import RAW, body_scale_factors, build_chain, output_unit, recorded_chain, scale_factors
 from .channels import TEMPERATURE, chain_of, in_body_axes, in_windows, windowed
 from .duplicates import Content, content_of_recording, content_of_table
 from .gate import Gate, passed, without_stuck
@@ -517,7 +517,8 @@ def facts_of(sensor: Sensor, standards: Standards, site: Site | None = None) -> 
     si = si_unit(sensor.unit) if known else sensor.unit
     ends = None if sensor.range is None else [parse_quantity(text).to(si) for text in sensor.range]
     counted = output_unit(sensor) != "V"
-    pulses = build_chain(sensor).scale_factor if sensor.chain.kind == "pulse_rate" else None
+    factors = scale_factors(sensor, tuple(sensor.axes)) if known else None
+    is_input = sensor.chain.kind == "none" and kind(sensor.unit) not in RAW
     return Facts(
         kind=known,
         unit=sensor.unit,
@@ -531,7 +532,8 @@ def facts_of(sensor: Sensor, standards: Standards, site: Site | None = None) -> 
         thermometers=_thermometers(sensor),
         input_range=None if ends is None else (min(ends), max(ends)),
         gate=sensor.chain.gate,
-        pulse_scale_factor=None if pulses is None else float(np.ravel(pulses)[0]),
+        output_unit=si if sensor.chain.kind == "none" else output_unit(sensor),
+        output_scale_factor=1.0 if is_input else None if factors is None else float(np.ravel(factors)[0]),
         oblique=_is_oblique(sensor),
         cut_off=sensor.cut_off,
     )

@@ -15,7 +15,7 @@ from ...core.recording import Channel, Recording
 from ...core.remarks import Remark
 from ...core.units import convert, parse_quantity, same_dimension
 from ...files.text.headers import full_name
-from ...sensors.chain.converter import Chain, in_volts
+from ...sensors.chain.converter import Chain, from_output
 from ...sensors.model.equation import needed
 from ...sensors.model.on_recordings import CONDITIONS as CHANNELS
 from ...sensors.model.on_recordings import QUANTITY, apply_chain
@@ -216,6 +216,7 @@ def _raw_column(chain: Chain, recording: Recording, axis: str, taken: Set[str]) 
              and one.quantity in (own, "") and not one.name.startswith(UNCERTAINTY)
              and (one.unit in (None, "count") or same_dimension(one.unit, chain.output_unit))]  # fmt: skip
     found = [one for one in found if one.quantity] or found
+    found = found or _only_column(recording, chain.axes, ["count", chain.output_unit], taken)
     return found[0] if len(found) == 1 else None
 
 
@@ -265,7 +266,7 @@ def from_chain(
         what = f"columns without a unit, taken for counts of the model's chain: {', '.join(unsaid)}"
         remarks = (*remarks, Remark("taken_for_counts", "info", what, recording.source.path, len(unsaid)))
     if recording.channel(found[chain.axes[0]]).unit not in {None, "count"}:
-        chain = in_volts(chain)
+        chain = from_output(chain)
     tested = {"validity", *(f"validity_{axis}" for axis in chain.axes)} & set(found)
     if chain.validity_minimum is not None and not tested:
         chain = replace(chain, validity_minimum=None)
@@ -356,19 +357,30 @@ def _columns_of(model: SensorModel, recording: Recording, axis: str) -> list[str
     """Return the columns whose header tells quantity and axis; of the axis alone if their unit is one of input."""
     own = QUANTITY[model.unit]
     candidates = [c for c in recording.channels if c.axis == axis and not c.name.startswith(UNCERTAINTY)]
-    return [c.name for c in candidates if c.quantity == own] or [
-        c.name for c in candidates if not c.quantity and c.unit and same_dimension(c.unit, model.unit)
-    ]
+    found = [c for c in candidates if c.quantity == own]
+    found = found or [c for c in candidates if not c.quantity and c.unit and same_dimension(c.unit, model.unit)]
+    found = found or _only_column(recording, model.axes, [model.unit, model.output_unit])
+    return [one.name for one in found]
+
+
+def _only_column(
+    recording: Recording, axes: Sequence[str], units: Sequence[str], taken: Set[str] = frozenset()
+) -> list[Channel]:
+    """Return the column of a model of one axis: the only one in such a unit, whose header names no other axis."""
+    found = [one for one in recording.channels if one.unit and one.name not in taken
+             and any(same_dimension(one.unit, unit) for unit in units)]  # fmt: skip
+    return found if len(axes) == len(found) == 1 and found[0].axis in ("", *axes) else []
 
 
 def _unclear(model: SensorModel, recording: Recording, unclear: Mapping[str, Sequence[str]]) -> Problem:
     """Return the problem of axes that have no column, or several."""
     none = [axis for axis, names in unclear.items() if not names]
-    said = [f"{len(names)} columns ({', '.join(names)}) can be the {axis} axis of a {model.kind}"
+    sensor = f"{'an' if model.kind == 'accelerometer' else 'a'} {model.kind}"
+    said = [f"{len(names)} columns ({', '.join(names)}) can be the {axis} axis of {sensor}"
             for axis, names in unclear.items() if names]  # fmt: skip
     if none:
         axes = f"{none[0]} axis" if len(none) == 1 else f"axes {', '.join(none)}"
-        said.append(f"no column is clearly the {axes} of a {model.kind}")
+        said.append(f"no column is clearly the {axes} of {sensor}")
     return Problem("; ".join(said), recording.source.path, do=said_by_column(unclear, recording), code="wrong_column")
 
 

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from ..errors import DataError
+from ..settings import PER_ACCELERATION
 from ..units import kind, normalise, parse_quantity, same_dimension
 from ..units import si_unit as si_of
 
@@ -15,6 +16,7 @@ GRAM = re.compile(r"(?<=\d)\s*g\s*(/\s*[cm]?m|$)")  # of a mass or density: ther
 
 READING = "reading"  # unit of a setting that is in the unit of the sensor, whichever kind it is
 KINDS_OF_READING = ("angular_rate", "acceleration")
+OUTPUTS = ("count/s", "V", "count")  # of sensors
 
 
 def quantity(si_unit: str, difference: bool = False) -> Any:
@@ -37,6 +39,10 @@ def quantity(si_unit: str, difference: bool = False) -> Any:
             read = parse_quantity(GRAM.sub(r" gram\1", given) if si_unit in {"kg", "kg/m^3"} else given)
             if si_unit == READING and kind(read.unit) in KINDS_OF_READING:
                 return read.to(si_of(read.unit))
+            if si_unit == PER_ACCELERATION:
+                units = (f"{one}/(m/s^2)" for one in OUTPUTS)
+                own = next((one for one in units if same_dimension(read.unit, one)), "count/s/(m/s^2)")
+                return read.to(own, difference=difference)
             if read.unit == "1" and si_unit != "1":
                 raise ValueError(f'{given!r} has no unit: write a number with its unit, like "1 {si_unit}"')
             if si_unit == READING or not same_dimension(read.unit, si_unit):

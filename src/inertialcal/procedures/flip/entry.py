@@ -82,8 +82,12 @@ def recording_problems(test: SaidTest, name: str, entry: Entry) -> Iterator[Prob
 
 
 def entry_problems(name: str, entry: Entry, sensor: SaidSensor, at: Callable[..., str]) -> Iterator[Problem]:
-    """Yield means in a unit of another kind."""
+    """Yield means in a unit of another kind: counts and volts need a chain that takes them."""
     means = cast("FlipEntry", entry).means
-    if means is not None and kind(means.unit) != kind(sensor.unit):
+    if means is None or kind(means.unit) == kind(sensor.unit):
+        return
+    takes = {"adc": ("count", "voltage"), "output": ("count", "voltage")}.get(sensor.chain.kind, ())
+    if kind(means.unit) not in takes:
         what = f"recordings.{name}: means in {means.unit!r}, need a unit of {kind(sensor.unit)}"
-        yield Problem(what, at("recordings", name, "means"), code="wrong_value")
+        do = "Counts and volts need the chain of the sensor" if kind(means.unit) in {"count", "voltage"} else ""
+        yield Problem(what, at("recordings", name, "means"), do=do, code="wrong_value")

@@ -24,12 +24,25 @@ from ...core.unit.magnitudes import check_readings
 from ...core.units import convert_as_wide, factor, kind, normalise, parse_quantity
 from ...files.info.describe import overridden
 from ...files.pad.pairs import sensor_frame
+from ...files.text.headers import bare_name
 from ...files.text.table import Table
 from ...files.time.window import Window as Between
 from ...signals.segmentation.turn_windows import turn_windows
 from ...signals.segmentation.turns import Turn, TurnPlan, find_turns
 from ...signals.sense.limits import impossible
-from ..given import Described, GivenFile, bare
+from ..given import (
+    RAW,
+    Described,
+    GivenFile,
+    bare,
+    chain_of_units,
+    chain_remarks,
+    chain_said,
+    raw_advice,
+    raw_units,
+    sensor_said,
+    spoken_unit,
+)
 from ..given import described as described_channels
 from ..protocol import InputSpec
 from .dwells.disturbances import stamped
@@ -45,6 +58,7 @@ PATTERNS = {
     "temperature": r"(^|_)(temp|temperature)(_|$)",
     "predicted": r"(^|_)predicted(_|$)",
 }
+OUTPUT = r"(^|_)(voltage|volts|output)(_|$)"  # a mean where no column is called one
 WIDTH = re.compile(r"(?:^|_)half_width_(\d\d)(?:_|$)")
 TABLES = {".csv", ".txt", ".tsv", ".gz"}
 HALF_TURN = "180 deg"
@@ -66,18 +80,7 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
         if given.own.get("windows"):
             what = f"{given.name}: a table of means has no windows"
             raise UsageError(what, do="Leave them out", code="wrong_value")
-        means, columns = means_columns(given)
-        stated = given.table.unit(means["mean"])
-        remarks = overridden(means["mean"], stated and normalise(stated), means["unit"], given.name)
-        if kind(means["unit"]) != "acceleration":
-            what = f"means in {means['unit']}: a table of means is taken in a unit of acceleration alone"
-            why = "the chain of a sensor makes readings of a recording only"
-            do = f"Give the recordings, or the means in g: ({means['unit']} - reference) / scale factor of the sensor"
-            raise UsageError(what, given.name, why, do, "unit_mismatch")
-        values = given.table.numbers(means["mean"]) * factor(means["unit"], "g")
-        axes = [axis for axis in AXES if axis in {one.lower() for one in given.table.text(means["axis"])}] or [*AXES]
-        sensor = {"kind": "accelerometer", "axes": axes, "unit": _shown(means["unit"], [values])}
-        return Described({"means": means}, sensor, columns, remarks=remarks)
+        return _described_means(given)
     if given.own.get("positions") and not any(is_means_file(one) for one in given.together):
         what = f"{given.name}: positions are those of a table of means: this is a recording"
         raise UsageError(what, do=f"Add: {_windows_text(given)}", code="wrong_value")
@@ -91,6 +94,35 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     levels = [head.channel(axis).data[thin] * factor("m/s^2", "g") for axis in base.sensor["axes"]]
     sensor = {**base.sensor, "unit": _shown(base.sensor["unit"], levels)}
     return Described(entry, sensor, base.columns, remarks=remarks)
+
+
+def _described_means(given: GivenFile) -> Described:
+    """Return the entry and the sensor of a table of means: in units of acceleration, or through the chain that is said.
+
+    Raises
+    ------
+    UsageError
+        As `described`; ``no_unit`` for counts or volts without what makes them readings; ``unit_mismatch``.
+    """
+    means, columns = means_columns(given)
+    unit, header = means["unit"], given.table.unit(means["mean"])
+    chain = chain_of_units(given, chain_said(given, "accelerometer"), [unit])
+    raw = raw_units(chain)
+    if kind(unit) not in (raw or ("acceleration",)):
+        counted = kind(unit) in RAW
+        what = f"means in {unit}" if counted else f"means in {unit}: not a unit of acceleration"
+        why = "counts and volts need the chain of the sensor" if counted else ""
+        do = (
+            raw_advice(given, [unit], "g") if counted else "Correct the unit: g, ug, m/s2; V and count with their chain"
+        )
+        raise UsageError(what, given.name, why, do, "no_unit" if counted else "unit_mismatch")
+    overruled = overridden(means["mean"], header and normalise(header), unit, given.name)
+    remarks = (*overruled, *chain_remarks(given, chain, [unit]))
+    axes = [axis for axis in AXES if axis in {one.lower() for one in given.table.text(means["axis"])}] or [*AXES]
+    levels = [] if raw else [given.table.numbers(means["mean"]) * factor(unit, "g")]
+    spoken = spoken_unit("accelerometer", chain) if raw else _shown(unit, levels)
+    return Described({"means": means}, sensor_said(given, "accelerometer", axes, spoken, chain), columns,
+                     remarks=remarks)  # fmt: skip
 
 
 def like(given: GivenFile, entry: Mapping[str, Any]) -> tuple[dict[str, Any], tuple[Remark, ...]]:
@@ -189,10 +221,17 @@ def means_columns(given: GivenFile) -> tuple[dict[str, Any], dict[str, str]]:
     if mean is None:
         what = f"{given.name}: cannot tell which column is the mean; it has {', '.join(table.names)}"
         raise UsageError(what, do=f"Add: {given.add('column', 'mean=COLUMN')}", code="no_column")
-    stated = bare(given.said.units) or table.unit(mean)
+    units = given.said.units
+    named = {mean, bare_name(mean), "mean", "acc"}
+    said_unit, header = next((units[one] for one in units if one in named), None) or bare(units), table.unit(mean)
+    stated = said_unit or header
     if stated is None:
         what = f"{given.name}: unit of {mean!r} not given"
-        raise UsageError(what, do=f"Add: {given.add('unit', 'ug')}", code="no_unit")
+        raise UsageError(what, do=f"Add: {given.add('unit', 'ug')}; g, V, count, ... as it is", code="no_unit")
+    if header is not None and kind(header) in RAW and kind(normalise(stated)) not in RAW:
+        what = f"{given.name}: {mean!r} is in {header} by its header, not in {stated}"
+        why = "counts and volts need the chain of the sensor"
+        raise UsageError(what, "", why, raw_advice(given, [header], "g"), "unit_mismatch")
     angles = {}
     for position in dict.fromkeys(table.text(str(columns["position"]))):
         angles[position] = given.own.get("positions", {}).get(position, position)
@@ -201,10 +240,10 @@ def means_columns(given: GivenFile) -> tuple[dict[str, Any], dict[str, str]]:
         except DataError:
             do = f"Add: {given.add('position', f'{position}=ANGLE deg')}"
             raise UsageError(f"{given.name}: position {position!r} has no angle", do=do, code="no_angle") from None
-    named = {what: name for what, name in columns.items() if name is not None}
+    found = {what: name for what, name in columns.items() if name is not None}
     widths = {f"0.{match[1]}": name for name in table.names if (match := WIDTH.search(_key(name)))}
-    means: dict[str, Any] = {**named, "unit": normalise(stated), "angles": angles}
-    return means | ({"half_widths": widths} if widths else {}), named
+    means: dict[str, Any] = {**found, "unit": normalise(stated), "angles": angles}
+    return means | ({"half_widths": widths} if widths else {}), found
 
 
 def _key(name: str) -> str:
@@ -212,7 +251,9 @@ def _key(name: str) -> str:
 
 
 def _column(names: Sequence[str], what: str) -> str | None:
-    found = [name for name in names if re.search(PATTERNS[what], _key(name)) and not WIDTH.search(_key(name))]
+    patterns = (PATTERNS[what], OUTPUT) if what == "mean" else (PATTERNS[what],)
+    each = ([name for name in names if re.search(one, _key(name)) and not WIDTH.search(_key(name))] for one in patterns)
+    found = next((names for names in each if names), [])
     return found[0] if len(found) == 1 else None
 
 

@@ -15,9 +15,8 @@ from ...core.key import AXES
 from ...core.recording import SECOND, Recording
 from ...core.remarks import Remark
 from ...core.times import read_elapsed, read_instant
-from ...core.units import convert, factor, kind, si_unit
+from ...core.units import factor, kind, si_unit
 from ...core.unknowns import joined
-from ...files.text.table import Table
 from ..corrections import between, corrected
 from ..protocol import Correction, Source
 from .dwells.disturbances import is_reading, stamped
@@ -84,7 +83,7 @@ def readings_of_means_tables(sources: Sequence[Source]) -> Readings:
     for source in sources:
         table, means = source.table(), cast("FlipEntry", source.entry).means
         assert means is not None  # noqa: S101 - as the file was checked
-        rows = means_of(table, means, source.file)
+        rows = means_of(source, means)
         chosen = [one for one in rows if source.groups is None or one.flip in source.groups]
         source.chose(len(chosen))
         used += chosen
@@ -96,24 +95,34 @@ def readings_of_means_tables(sources: Sequence[Source]) -> Readings:
     return replace(readings, remarks=(*remarks, *readings.remarks))
 
 
-def means_of(table: Table, means: Means, file: str) -> list[MeanOf]:
-    """Return the means of a table, a row each, SI.
+def means_of(source: Source, means: Means) -> list[MeanOf]:
+    """Return the means of a table, a row each, SI: counts and volts through the chain of their axis.
 
     Raises
     ------
     DataError
-        If a column is missing, a position has no angle (``wrong_value``), or an axis is none of x, y, z.
+        If a column is missing, a position has no angle (``wrong_value``), an axis is none of x, y, z, or the unit of
+        a prediction beside counts or volts is not stated (``no_unit``).
     """
-    scale = factor(means.unit, si_unit(means.unit))
-    values = convert(table.numbers(means.mean), means.unit, si_unit(means.unit))
+    table, file = source.table(), source.file
     axes, positions = table.text(means.axis), table.text(means.position)
     flips = table.text(means.flip) if means.flip else ("1",) * len(table)
     warm = table.numbers(means.temperature) if means.temperature else [math.nan] * len(table)
     predicted: Array = np.full(len(table), math.nan)
     if means.predicted is not None:  # in the unit of its header, else that of the means
         own = table.unit(means.predicted)
-        unit = own if own is not None and kind(own) == kind(means.unit) else means.unit
+        unit = own if own is not None and kind(own) == "acceleration" else means.unit
+        if kind(unit) != "acceleration":
+            what, do = f"column {means.predicted!r}: unit not stated", f"Write it in its header: {means.predicted} [ug]"
+            raise DataError(what, file, "the means are in counts or volts, a predicted bias is none", do, "no_unit")
         predicted = table.numbers(means.predicted) * factor(unit, si_unit(unit))
+    given, lowered = table.numbers(means.mean), [one.lower() for one in axes]
+    values, scale = np.full(len(table), math.nan), np.full(len(table), math.nan)
+    for axis in dict.fromkeys(lowered):
+        own_rows = np.array([one == axis for one in lowered])
+        if axis in AXES:
+            values[own_rows] = source.in_si(np.where(own_rows, given, math.nan), means.unit, axis)[own_rows]
+            scale[own_rows] = abs(source.factor(means.unit, axis))
     widths = {float(p): table.numbers(column, required=False) * scale for p, column in means.half_widths.items()}
     rows = []
     for i, row in enumerate(table.rows):
@@ -121,9 +130,9 @@ def means_of(table: Table, means: Means, file: str) -> list[MeanOf]:
         if positions[i] not in means.angles:
             what = f"column {means.position!r}: position {positions[i]!r} has no angle"
             raise DataError(what, where, do=f"means.angles has: {', '.join(means.angles)}", code="wrong_value")
-        given = tuple((p, float(width[i])) for p, width in widths.items() if math.isfinite(width[i]))
+        halves = tuple((p, float(width[i])) for p, width in widths.items() if math.isfinite(width[i]))
         angle, temperature = means.angles[positions[i]], float(warm[i])
-        rows.append(MeanOf(axes[i].lower(), angle, float(values[i]), flips[i], given, temperature,
+        rows.append(MeanOf(lowered[i], angle, float(values[i]), flips[i], halves, temperature,
                            where=where, predicted=float(predicted[i])))  # fmt: skip
     return rows
 

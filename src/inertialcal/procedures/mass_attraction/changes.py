@@ -61,7 +61,7 @@ class Change:
     kind: Kind  # Which
     at: int  # Dwell that it comes before, or that is false, from 0; 0 for a slip of the whole run
     score: float  # Gain of twice the logarithm of the likelihood
-    size: float  # Slip: dwells late; gain: factor; jump or reading: [count/s]; kink: [count/s] a dwell
+    size: float  # Slip: dwells late; gain: factor; jump or reading: [output unit]; kink: [count/s] a dwell
 
     def columns(self, n: int) -> Array:
         """Return what it adds to n readings, shape (n, 1), of a kink (n, 2): the slope, then the level."""
@@ -78,7 +78,7 @@ class Changes:
 
     found: tuple[Change, ...]  # One after the other; nothing more is looked for after a slip or gain
     columns: Array  # shape (n, m): of jumps and kinks
-    sizes: Array  # shape (m,) [count/s]
+    sizes: Array  # shape (m,) [output unit]
     inflation: float  # Of the variance of the response by the columns that are subtracted
 
     @property
@@ -430,7 +430,7 @@ def _of_piece(piece: _Piece, moved: bool, room: int) -> tuple[list[Change], _Tri
 class Regression:
     """Coefficient of one series in another, apart from drive and drift."""
 
-    value: float  # [count/s over unit of the other]
+    value: float  # [output unit over unit of the other]
     u: float  # Its standard uncertainty
     reverse: float  # The same if all that it leaves of the readings comes from noise of the other
 

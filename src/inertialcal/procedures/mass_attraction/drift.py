@@ -75,7 +75,7 @@ def _near_drive(moved: Sequence[Response]) -> Iterator[Remark]:
 
 
 def _methods(moved: Sequence[Response]) -> Iterator[Remark]:
-    """Compare the mean response with that by the other methods, of the runs that have them [count/s]."""
+    """Compare the mean response with that by the other methods, of the runs that have them [output unit]."""
     made = [check for one in moved if one.fitted is not None
             for check in cross_checks(one.fitted.found, one.series[np.isfinite(one.series)])]  # fmt: skip
     for name in dict.fromkeys(check.name for check in made):

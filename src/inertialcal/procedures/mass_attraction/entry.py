@@ -9,7 +9,7 @@ from pydantic import Field
 
 from ...core.errors import DataError, Problem
 from ...core.schema.quantities import Strict, Text, Unit
-from ...core.units import kind, parse_quantity, same_dimension
+from ...core.units import divide, kind, parse_quantity, same_dimension, si_unit
 from ..entries import Entry, EntryKey, SaidSensor, SaidTest
 
 
@@ -59,20 +59,32 @@ KEYS = (
 
 
 def recording_problems(test: SaidTest, name: str, entry: Entry) -> Iterator[Problem]:
-    """Yield a recording without a schedule of the mass, or of a sensor that does not count pulses."""
+    """Yield a recording without a schedule of the mass, and a scale factor at high g of another output."""
     if entry.channels is not None and cast("MassEntry", entry).mass is None:
         what = f"recordings.{name}: schedule of the mass missing"
         do = 'Add mass = { schedule = "schedule.csv" }'
         yield Problem(what, test.at("recordings", name), do=do, code="missing_key")
-    sensor = test.sensors.get(entry.sensor)
-    if sensor is not None and entry.channels is not None and sensor.chain.kind != "pulse_rate":
-        what = f"test {test.id!r}: mass_attraction needs pulses, the chain is of kind {sensor.chain.kind!r}"
-        do = 'Set chain = { kind = "pulse_rate", gate = "GATE s" }'
-        yield Problem(what, test.at("sensors", entry.sensor, "chain"), do=do, code="wrong_value")
+    sensor, high_g = test.sensors.get(entry.sensor), test.plan.get("high_g")
+    if sensor is not None and isinstance(high_g, dict) and isinstance(said := high_g.get("scale_factor"), str):
+        output = _output_unit(sensor)
+        if not same_dimension(parse_quantity(said).unit, divide(output, "m/s^2")):
+            what = f"test {test.id!r}: plan.high_g.scale_factor = {said!r} is not in {output}, what the sensor gives"
+            do = f"Give it in {divide(output, 'g')}"
+            where = test.at("tests", test.number, "plan", "high_g")
+            yield Problem(what, where, do=do, code="wrong_value")
     if test.windows is not None:
         what = f"test {test.id!r}: windows, but the schedule says which part of a run is read"
         where = test.at("tests", test.number, "windows")
         yield Problem(what, where, "they would have no effect", "Remove them", "wrong_value")
+
+
+def _output_unit(sensor: SaidSensor) -> str:
+    """Return the unit of what leaves a sensor; SI where its readings are in units of input."""
+    chain, factors = sensor.chain, sensor.chain.scale_factor
+    text = str(next(iter(factors.values())) if isinstance(factors, dict) else factors)
+    if chain.kind == "output" and same_dimension(parse_quantity(text).unit, "count/(m/s^2)"):
+        return "count"
+    return {"none": si_unit(sensor.unit), "pulse_rate": "count/s"}.get(chain.kind, "V")
 
 
 def entry_problems(name: str, entry: Entry, sensor: SaidSensor, at: Callable[..., str]) -> Iterator[Problem]:
@@ -84,9 +96,11 @@ def entry_problems(name: str, entry: Entry, sensor: SaidSensor, at: Callable[...
     if kind(lines.applied_unit) != "acceleration":
         what = f"recordings.{name}: applied in {lines.applied_unit!r}, not a unit of acceleration"
         yield Problem(what, where, code="wrong_value")
-    if not same_dimension(lines.unit, "count/s"):
-        what = f"recordings.{name}: response in {lines.unit!r}, not in pulses a second"
-        yield Problem(what, where, do="Write count/s", code="wrong_value")
+    if not any(same_dimension(lines.unit, one) for one in ("count/s", "V", "count", "m/s^2")):
+        what = f"recordings.{name}: response in {lines.unit!r}, not in what a sensor gives"
+        yield Problem(
+            what, where, do="Write count/s for pulses a second; V, count or ug for others", code="wrong_value"
+        )
     if lines.u_applied is not None:
         try:
             parse_quantity(lines.u_applied).to(lines.applied_unit, difference=True)

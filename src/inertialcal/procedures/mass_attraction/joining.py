@@ -102,7 +102,7 @@ class Joined:
 
 
 def joined(responses: Sequence[Response]) -> Joined:
-    """Return the mean scale factor of m runs with the mass moved [count/s/(m/s^2)]."""
+    """Return the mean scale factor of m runs with the mass moved [output unit/(m/s^2)]."""
     ahead = phases_ahead(responses)
     columns, share = _parts(ahead)
     if np.any(share) and not all(np.isfinite(one.u_quadrature) for one in responses):
@@ -138,7 +138,9 @@ class Quiet:
     """A run without what repeats in each dwell of all runs."""
 
     run: Run
-    line: complex = 0.0  # At the drive, taken out of it: in phase, and in quadrature as the imaginary part [count/s]
+    line: complex = (
+        0.0  # At the drive, taken out of it: in phase, and in quadrature as the imaginary part [output unit]
+    )
     m: int = 0  # Runs that what repeats is the mean of
 
     def response(self, plan: Plan) -> Response:
@@ -323,7 +325,6 @@ def between_variance(values: Array, u: Array, X: Array) -> float:
 
 
 SCALE, ERROR, DIFFERENCE = "scale_factor", "scale_factor_error", "high_g_difference"
-UNIT = "count/s/(m/s^2)"
 
 
 SOURCES = {"between_runs": "scatter between runs", "within_runs": "noise within the runs"}
@@ -340,7 +341,7 @@ def estimate_of(
 ) -> Estimate:  # fmt: skip
     """Return the scale factor and the figures it is compared with, SI; `scatter` says which type A counts."""
     found = both.by(scatter)
-    names, values, slopes, units = [SCALE], [found.value], [1.0], [UNIT]
+    names, values, slopes, units = [SCALE], [found.value], [1.0], [plan.scale_unit]
     if plan.nominal:
         names, values = [*names, ERROR], [*values, found.value / plan.nominal - 1.0]
         slopes, units = [*slopes, 1.0 / plan.nominal], [*units, "1"]
@@ -353,7 +354,7 @@ def estimate_of(
     if plan.high_g is not None and plan.high_g.u > 0.0:
         own = np.zeros(len(way))
         own[-1] = plan.high_g.u * found.value / plan.high_g.scale_factor**2
-        parts.append(Component("high-g scale factor", "B", _outer(own), stated=(plan.high_g.u, UNIT)))
+        parts.append(Component("high-g scale factor", "B", _outer(own), stated=(plan.high_g.u, plan.scale_unit)))
     return Estimate(tuple(Key(name, plan.axis) for name in names), np.array(values), tuple(units), tuple(parts))
 
 
@@ -397,13 +398,12 @@ def compared_with(plan: Plan, estimate: Estimate | None) -> dict[str, str]:
         return {}
     found = {}
     if plan.nominal:
-        found[ERROR] = f"relative to {plan.nominal:.5g} {UNIT}, the scale factor of the chain"
+        found[ERROR] = f"relative to {plan.nominal:.5g} {plan.scale_unit}, the scale factor of the chain"
     if plan.high_g is not None:
         i = len(estimate.names) - 1
         normalised = float(estimate.values[i]) / float(estimate.u[i])
-        found[DIFFERENCE] = (
-            f"relative to {plan.high_g.scale_factor:.5g} {UNIT} at high g; normalised difference {normalised:+.2f}"
-        )
+        at_high_g = f"{plan.high_g.scale_factor:.5g} {plan.scale_unit}"
+        found[DIFFERENCE] = f"relative to {at_high_g} at high g; normalised difference {normalised:+.2f}"
     return found
 
 

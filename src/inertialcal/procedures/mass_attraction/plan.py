@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ...core.influence import Influence, Standards
-from ...core.settings import fact, setting
+from ...core.settings import PER_ACCELERATION, fact, setting
 
 # Influences on the scale factor, and what each changes.
 APPLIED = ("source_mass.density", "source_mass.placing", "source_mass.gravitational_constant")
@@ -33,9 +33,9 @@ class SourceMass:
 class HighG:
     """Scale factor of the same instrument at much larger input: from a flip in gravity, or a data sheet."""
 
-    scale_factor: float = setting("Scale factor at large input.", unit="count/s/(m/s^2)", example="1.2 count/s/ug")
+    scale_factor: float = setting("Scale factor at large input.", unit=PER_ACCELERATION, example="1.2 count/s/ug")
     u: float = setting(
-        "Standard uncertainty of the scale factor.", 0.0, difference="count/s/(m/s^2)", example="0.001 count/s/ug"
+        "Standard uncertainty of the scale factor.", 0.0, difference=PER_ACCELERATION, example="0.001 count/s/ug"
     )
 
 
@@ -44,7 +44,9 @@ class Plan:
     """Settings of the campaign and of its reduction."""
 
     axis: str = fact("Input axis.", "sensor", "x")
-    nominal: float | None = fact("Scale factor of the data sheet [count/s/(m/s^2)].", "sensor", None)
+    output_unit: str = fact("Unit of what leaves the sensor: count/s, V, count; SI of readings of input.", "sensor",
+                            "count/s")  # fmt: skip
+    nominal: float | None = fact("Scale factor of the data sheet [output unit/(m/s^2)].", "sensor", None)
     tilt: Tilt = setting(
         "Use of the tilt channel: its share is fitted off the drive, is gravity times the tilt, or is not used.",
         "regressed",
@@ -67,6 +69,13 @@ class Plan:
         example='{ mass = "20 kg", density = "11340 kg/m^3", stand_off = "0.1 m" }',
     )  # fmt: skip
     standards: Standards = fact("Uncertainties of the standards.", "standards", dict[str, Influence])
+
+    @property
+    def scale_unit(self) -> str:
+        """Unit of the scale factor: of what leaves the sensor, an SI unit of input."""
+        from ...core.units import divide  # noqa: PLC0415 - numpy starts slowly
+
+        return divide(self.output_unit, "m/s^2")
 
 
 @dataclass(frozen=True)

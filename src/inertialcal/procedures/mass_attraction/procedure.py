@@ -80,6 +80,7 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
         missing=True,
         windows="refused",
         pulses=True,
+        raw=True,
     )
 
     def described(self, given: GivenFile) -> Sequence[Described]:
@@ -96,7 +97,8 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
 
     def plan_fields(self, facts: Facts) -> dict[str, Any]:
         """Return the input axis and the scale factor of the data sheet, with the standards."""
-        return {"axis": facts.axes[0], "nominal": facts.pulse_scale_factor, "standards": facts.standards}
+        own = {"output_unit": facts.output_unit, "nominal": facts.output_scale_factor}
+        return {"axis": facts.axes[0], "standards": facts.standards, **own}
 
     def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
         """Return the runs: recordings with their schedules, and tables reduced before."""
@@ -110,7 +112,7 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
                 continue
             columns = cast("MassEntry", source.entry).lines
             assert columns is not None  # noqa: S101 - as the file was checked
-            found = lines_of(source.table(), columns, source.file)
+            found = lines_of(source.table(), columns, source.file, source.facts.output_unit)
             chosen = [one for one in found if source.groups is None or one.name in source.groups]
             source.chose(len(chosen))
             lines += chosen
@@ -178,7 +180,7 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
         return KEYS
 
     def check_recording(self, test: SaidTest, name: str, entry: Entry) -> Iterator[Problem]:
-        """Yield a recording without a schedule of the mass, or of a sensor that does not count pulses."""
+        """Yield a recording without a schedule of the mass."""
         from .entry import recording_problems
 
         return recording_problems(test, name, entry)

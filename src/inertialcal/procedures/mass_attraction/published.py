@@ -31,7 +31,6 @@ from ...core.key import Key, Method, Reason
 from ...core.results import Row, not_estimated
 from ...signals.programme1969.programme import Analysis, adjusted_curve, analyse
 from ...statistics.intervals import t_interval
-from .joining import UNIT
 from .line import shape_of
 from .readings import Line, Readings, Run
 
@@ -83,17 +82,18 @@ def published_rows(result: Result) -> Iterator[Row]:
     """Yield the scale factor in the published way, or the reason why there is none."""
     axis = result.plan.axis
     lines, why = result.published
+    plan = result.plan
     found = published(lines)
     if found is None:
         reason = why or "too few runs for a standard deviation"
-        yield not_estimated(Key("scale_factor", axis), UNIT, Reason("few_runs", reason), Method.TEXTBOOK)
+        yield not_estimated(Key("scale_factor", axis), plan.scale_unit, Reason("few_runs", reason), Method.TEXTBOOK)
         return
     reason = (
-        f"mean of {found.values} amplitudes less the mean amplitude next to them, {found.response:.4g} count/s, rounded"
-        f" to {found.rounded:.4g} +- {found.u_rounded:.4g}; this subtracts too much"
+        f"mean of {found.values} amplitudes less the mean amplitude next to them, {found.response:.4g}"
+        f" {plan.output_unit}, rounded to {found.rounded:.4g} +- {found.u_rounded:.4g}; this subtracts too much"
     )
     interval = t_interval(found.scale_factor, found.u_scale_factor, math.inf)
-    yield Row(Key("scale_factor", axis), found.scale_factor, found.u_scale_factor, UNIT, None, interval,
+    yield Row(Key("scale_factor", axis), found.scale_factor, found.u_scale_factor, plan.scale_unit, None, interval,
               reason=Reason("limits", reason), method=Method.TEXTBOOK)  # fmt: skip
 
 

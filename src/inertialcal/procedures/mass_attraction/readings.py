@@ -1,6 +1,7 @@
 """Readings of a moved-mass campaign: recordings cut into the dwells of their schedule, or runs reduced before.
 
-A sample is the mean over its averaging time (a gate, for pulses) and belongs to a dwell if all of it lies there.
+A sample is the mean over its averaging time (a gate, for pulses; where neither is stated, its interval, a dwell at
+most) and belongs to a dwell if all of it lies there.
 Samples within a move are left out and counted. A dwell of which half of the samples or more are missing, or no
 readings, is a gap: nothing is closed up, because that would shift the phase of the drive.
 """
@@ -20,7 +21,7 @@ from ...core.estimate import Array
 from ...core.recording import SECOND, Channel, Recording
 from ...core.remarks import Remark
 from ...core.times import read_elapsed, read_instant
-from ...core.units import factor, parse_quantity
+from ...core.units import factor, parse_quantity, same_dimension
 from ...files.text.table import Table
 from ...physics.motion.schedule import Schedule
 from ..corrections import corrected
@@ -42,7 +43,7 @@ class Run:
 
     name: str  # Of the run
     schedule: Schedule  # Its n dwells
-    reading: Array  # shape (n,): mean of each [count/s]; NaN for a gap
+    reading: Array  # shape (n,): mean of each [output unit]; NaN for a gap
     # shape (n,): of the pad, as the meter reads it [rad]; NaN for a gap, None without a meter
     tilt: Array | None = None
     temperature: Array | None = None  # shape (n,): [degC]
@@ -61,14 +62,14 @@ class Line:
 
     name: str  # Of the run
     applied: float  # Amplitude of the drive; of a null run that of a moved mass [m/s^2]
-    response: float  # Amplitude at the drive [count/s]
-    noise: float  # Mean amplitude of the lines next to it [count/s]
+    response: float  # Amplitude at the drive [output unit]
+    noise: float  # Mean amplitude of the lines next to it [output unit]
     beside: int = 8  # Number of those lines
     u_applied: float = 0.0  # Relative standard uncertainty of ``applied`` (1)
     moved: bool = True  # False for a null run
-    psd_response: float = float("nan")  # Response from the power spectrum [count/s]; NaN if not known
-    psd_noise: float = float("nan")  # Noise from the power spectrum [count/s]; NaN if not known
-    scatter: float = float("nan")  # Standard deviation of the reduced readings [count/s]; NaN if not known
+    psd_response: float = float("nan")  # Response from the power spectrum [output unit]; NaN if not known
+    psd_noise: float = float("nan")  # Noise from the power spectrum [output unit]; NaN if not known
+    scatter: float = float("nan")  # Standard deviation of the reduced readings [output unit]; NaN if not known
     where: str = ""  # For messages
 
 
@@ -94,7 +95,7 @@ class Readings:
 class SourceMassRecording:
     """A recording with the schedule of its mass."""
 
-    # ``reading`` [count/s], perhaps ``tilt`` [rad] and ``temperature`` [degC]; stamps in the middle of each
+    # ``reading`` [output unit], perhaps ``tilt`` [rad] and ``temperature`` [degC]; stamps in the middle of each
     # average, with averaging time. Without a time, a row is a dwell.
     recording: Recording
     schedule: Schedule  # Of the mass
@@ -116,19 +117,21 @@ def moved_mass(source: Source, corrections: Sequence[Correction] = ()) -> Source
     name, entry, facts = source.name, cast("MassEntry", source.entry), source.facts
     assert entry.mass is not None  # noqa: S101 - as the file was checked
     schedule = source.read_file(entry.mass.schedule, read_schedule)
-    gate = float(facts.gate or 0.0)
-    averaging = None if entry.clock is None else entry.clock.averaging
-    if averaging is not None and abs(averaging / gate - 1.0) > SAME:
+    gate, averaging = facts.gate, None if entry.clock is None else entry.clock.averaging
+    if gate is not None and averaging is not None and abs(averaging / gate - 1.0) > SAME:
         what = f"recordings.{name}: clock.averaging is {averaging:g} s, the gate of the chain {gate:g} s"
         why = "the scale factor would be wrong by their ratio"
         raise DataError(what, entry.file, why, "Correct the wrong one", "gate_disagrees")
     named = source.recordings()[0]
     body = corrected(corrections, [named])[0][0] if corrections else named[1]
     axis = next(one for one in facts.axes if one in (entry.channels or {}))
-    rate = np.asarray(body.channel(axis).data, dtype=np.float64) * (facts.pulse_scale_factor or 1.0)
+    back = 1.0 if facts.si == facts.output_unit else facts.output_scale_factor or 1.0  # from readings to the output
+    output = np.asarray(body.channel(axis).data, dtype=np.float64) * back
     kept = tuple(body.channel(one) for one in (TILT, TEMPERATURE) if one in body.names)
-    made = (Channel(READING, rate, "count/s", "chain", axis), *kept)
-    found = replace(body, channels=made, averaging_time=averaging or gate)
+    made = (Channel(READING, output, facts.output_unit, "chain", axis), *kept)
+    interval = body.sample_interval
+    averaging = averaging or gate or body.averaging_time or (interval and min(interval, schedule.dwell))
+    found = replace(body, channels=made, averaging_time=averaging)
     begin = None
     if entry.mass.begin is not None:
         try:
@@ -157,7 +160,7 @@ def readings_from(plan: Plan, moved: Iterable[SourceMassRecording]) -> Readings:
         do not span the same time.
     """
     runs, remarks = [], []
-    for one in moved:
+    for one in map(_timed, moved):
         where = one.recording.source.path or one.name
         remarks += list(one.recording.remarks)
         if one.recording.time_ns is None:
@@ -184,6 +187,15 @@ def readings_from(plan: Plan, moved: Iterable[SourceMassRecording]) -> Readings:
         run = Run(one.name, one.schedule, means[READING], means.get(TILT), means.get(TEMPERATURE), one.moved, where)
         runs.append(run)
     return Readings(tuple(runs), (), tuple(remarks))
+
+
+def _timed(one: SourceMassRecording) -> SourceMassRecording:
+    """Return a recording with stamps: by its sample rate where it has none, and more rows than there are dwells."""
+    recording, interval = one.recording, one.recording.sample_interval
+    if recording.time_ns is not None or not interval or len(recording) <= len(one.schedule):
+        return one
+    stamps = np.rint(np.arange(len(recording)) * (interval * SECOND)).astype(np.int64)
+    return replace(one, recording=replace(recording, time_ns=stamps))
 
 
 def _run_without_time(one: SourceMassRecording, where: str) -> Run:
@@ -256,16 +268,22 @@ def run_of_rows(
     return Run(name, schedule, reading, tilt, None, moved, where)
 
 
-def lines_of(table: Table, lines: Lines, file: str) -> list[Line]:
+def lines_of(table: Table, lines: Lines, file: str, output_unit: str) -> list[Line]:
     """Return the runs of a table that was reduced before, a row each, SI.
 
     Raises
     ------
     DataError
-        If a column is missing, or a required cell is empty or not a number.
+        If a column is missing, or a required cell is empty or not a number; ``unit_mismatch`` if its unit is not that
+        of the sensor's output.
     """
+    if not same_dimension(lines.unit, output_unit):
+        what = f"responses in {lines.unit}, but the sensor gives {output_unit}"
+        raise DataError(
+            what, file, do="Correct the unit of the lines, or the chain of the sensor", code="unit_mismatch"
+        )
     applied = table.numbers(lines.applied) * factor(lines.applied_unit, "m/s^2")
-    scale = factor(lines.unit, "count/s")
+    scale = factor(lines.unit, output_unit)
     named = {
         "response": lines.response, "noise": lines.noise, "psd_response": lines.psd_response,
         "psd_noise": lines.psd_noise, "scatter": lines.scatter,
@@ -287,7 +305,9 @@ def lines_of(table: Table, lines: Lines, file: str) -> list[Line]:
         amplitude = float(applied[i]) if is_moved else (strokes[0] if strokes else math.nan)
         values = {what: float(column[i]) for what, column in columns.items()}
         if not (amplitude > 0.0 and math.isfinite(values["response"]) and values["noise"] > 0.0):
-            what = f"applied {amplitude:g} m/s^2, response {values['response']:g}, noise {values['noise']:g} count/s"
+            what = (
+                f"applied {amplitude:g} m/s^2, response {values['response']:g}, noise {values['noise']:g} {output_unit}"
+            )
             raise DataError(what, where, "a run needs all three, noise and applied above zero", code="missing_value")
         found.append(
             Line(name, amplitude, beside=lines.beside, u_applied=u / amplitude, moved=is_moved, where=where, **values)

@@ -5,11 +5,11 @@ axis is the amplitude that is applied; the readings follow it within their own d
 line of the drive, with the noise within the runs (``response``). Response over amplitude is the scale factor
 of the run, and ``joining`` makes one of those of all runs.
 
-Estimated: pulses per second and unit of acceleration, for accelerations as small as the mass applies, mean over the
-runs. Assumed: the mass was where the schedule says, when it says; apart from it and the tilt of the pad, nothing
-follows the drive. The uncertainty is the scatter of the runs or the noise in each, whichever is wider, combined with
-the uncertainty of the acceleration applied and of the mercury of the tilt meter, which are common to all runs. No noise
-is subtracted from a response; ``published`` does, as the report [1]_ did, for comparison.
+Estimated: output (pulses a second, volts, counts) per unit of acceleration, for accelerations as small as the mass
+applies, mean over the runs. Assumed: the mass was where the schedule says, when it says; apart from it and the tilt
+of the pad, nothing follows the drive. The uncertainty is the scatter of the runs or the noise in each, whichever is
+wider, combined with the uncertainty of the acceleration applied and of the mercury of the tilt meter, which are common
+to all runs. No noise is subtracted from a response; ``published`` does, as the report [1]_ did, for comparison.
 
 References
 ----------
@@ -72,7 +72,7 @@ class Result:
     plan: Plan  # As given
     readings: Readings  # As given
     responses: tuple[Response, ...]  # Of each run
-    # Of the runs with the mass moved [count/s/(m/s^2)]; None if their response cannot be told from noise
+    # Of the runs with the mass moved [output unit/(m/s^2)]; None if their response cannot be told from noise
     joined: Joined | None
     scatter: str  # Source of the uncertainty of ``estimate``: ``between_runs`` or ``within_runs``
     estimate: Estimate | None  # ``scale_factor_x``, and what it is compared with, SI
@@ -86,7 +86,7 @@ class Result:
 
     @property
     def per_applied(self) -> float | None:
-        """Scale factor that makes a response an acceleration [count/s/(m/s^2)]; None if unknown."""
+        """Scale factor that makes a response an acceleration [output unit/(m/s^2)]; None if unknown."""
         if self.estimate is not None:
             return abs(float(self.estimate.values[0]))
         return self.plan.nominal
@@ -182,6 +182,6 @@ def model_terms(result: Result, tests: Sequence[Tested[Plan, Readings, Result]])
         (result.plan.axis,),
         {key: origin},
         scale_factor=nominal,
-        output_unit="count/s",
+        output_unit=result.plan.output_unit,
         input_range=np.array([(-applied, applied)]),
     )

@@ -34,19 +34,19 @@ class Response:
     name: str  # Of the run
     moved: bool  # False for a null run
     applied: float  # Amplitude of the drive, of a null run that of a moved mass [m/s^2]
-    amplitude: float  # In phase with the drive [count/s]
-    u: float  # Its standard uncertainty from the noise of the runs [count/s]
+    amplitude: float  # In phase with the drive [output unit]
+    u: float  # Its standard uncertainty from the noise of the runs [output unit]
     dof: float  # Degrees of freedom of ``u``
-    quadrature: float = np.nan  # A quarter of a cycle ahead [count/s]; NaN if not known
-    u_quadrature: float = np.nan  # Its standard uncertainty [count/s]; NaN if not known
+    quadrature: float = np.nan  # A quarter of a cycle ahead [output unit]; NaN if not known
+    u_quadrature: float = np.nan  # Its standard uncertainty [output unit]; NaN if not known
     # Of the pad in phase with the drive, mercury subtracted [rad]; NaN without a meter
     tilt: float = np.nan
     u_tilt: float = np.nan  # Its standard uncertainty [rad]
-    coefficient: float = np.nan  # Of the tilt in the readings [count/s/rad]; NaN if nothing was subtracted
-    half_range: float = 0.0  # Of the coefficient, by noise of the meter [count/s/rad]
+    coefficient: float = np.nan  # Of the tilt in the readings [output unit/rad]; NaN if nothing was subtracted
+    half_range: float = 0.0  # Of the coefficient, by noise of the meter [output unit/rad]
     tilt_used: str = "ignored"  # As the plan says, or ``ignored`` without a tilt
     fitted: Fitted | None = None  # Line and drift; None for a run that was reduced before
-    # shape (n,): readings that were fitted, tilt subtracted [count/s]
+    # shape (n,): readings that were fitted, tilt subtracted [output unit]
     series: Array = field(default_factory=lambda: np.empty(0))
     # Of the drive at the first dwell of the run [rad]: what repeats with the runs leaks with its cosine and sine
     phase: float = 0.0
@@ -54,12 +54,12 @@ class Response:
 
     @property
     def scale_factor(self) -> float:
-        """Amplitude over what is applied [count/s/(m/s^2)]."""
+        """Amplitude over what is applied [output unit/(m/s^2)]."""
         return self.amplitude / self.applied
 
     @property
     def u_scale_factor(self) -> float:
-        """Standard uncertainty of it from the noise of the run [count/s/(m/s^2)]."""
+        """Standard uncertainty of it from the noise of the run [output unit/(m/s^2)]."""
         return self.u / self.applied
 
     def significant(self, floor: float) -> bool:
@@ -145,7 +145,7 @@ def _check_schedules(runs: Sequence[Run], changes: Sequence[Changes]) -> None:
 
 
 def tilt_left(responses: Iterable[Response]) -> float:
-    """Return the uncertainty of the scale factor from the noise of the meter of a regressed tilt [count/s/(m/s^2)].
+    """Return the uncertainty of the scale factor from the noise of the meter of a regressed tilt [output unit/(m/s^2)].
 
     Of a range whose ends are likelier than its middle (arc sine): a meter along the input axis is at one of them.
     """

@@ -19,7 +19,7 @@ from ...core.show.rounding import freedom, number, uncertainty, with_uncertainty
 from ...physics.mass_shape.bound import largest_field
 from ...signals.correlation import autocorrelation
 from ...statistics.intervals import coverage_factor, t_interval
-from .joining import DIFFERENCE, ERROR, SCALE, UNIT, applied_influences, compared_with, estimate_of
+from .joining import DIFFERENCE, ERROR, SCALE, applied_influences, compared_with, estimate_of
 from .line import shape_of
 from .plan import Plan, SourceMass
 from .published import published_rows
@@ -42,9 +42,9 @@ LAGS = 0.5  # of the dwells
 
 def rows(result: Result) -> Iterator[Row]:
     """Yield all rows, SI."""
-    axis, estimate = result.plan.axis, result.estimate
+    axis, estimate, scale_unit = result.plan.axis, result.estimate, result.plan.scale_unit
     if estimate is None:
-        yield not_estimated(Key(SCALE, axis), UNIT, Reason("not_told", result.reason))
+        yield not_estimated(Key(SCALE, axis), scale_unit, Reason("not_told", result.reason))
     else:
         reference = compared_with(result.plan, estimate)
         for key, value, u, unit, dof in zip(
@@ -56,7 +56,7 @@ def rows(result: Result) -> Iterator[Row]:
             other = "within_runs" if result.scatter == "between_runs" else "between_runs"
             found = estimate_of(result.plan, result.readings, result.responses, result.joined, other)
             value, u, dof = (float(one[0]) for one in (found.values, found.u, found.dof))
-            yield _row(Key(SCALE, axis), value, u, UNIT, dof, Reason("limits", OTHER[other]), Method(other))
+            yield _row(Key(SCALE, axis), value, u, scale_unit, dof, Reason("limits", OTHER[other]), Method(other))
     yield from published_rows(result)
     for one in result.responses:
         yield from _rows_of_run(result, one)
@@ -72,6 +72,7 @@ def _row(
 
 def _rows_of_run(result: Result, one: Response) -> Iterator[Row]:
     axis, alone = result.plan.axis, Member("run", one.name)
+    output, scale_unit = result.plan.output_unit, result.plan.scale_unit
     if not one.moved:
         size = result.per_applied
         if size:
@@ -80,20 +81,20 @@ def _rows_of_run(result: Result, one: Response) -> Iterator[Row]:
             yield _row(key, one.amplitude / size, one.u / size, "m/s^2", one.dof, reason, member=alone)
     elif one.significant(result.plan.floor):
         noise = Reason("limits", "its own noise alone, without the uncertainty of what is applied")
-        yield _row(Key("response_amplitude", axis), one.amplitude, one.u, "count/s", one.dof, member=alone)
-        yield _row(Key(SCALE, axis), one.scale_factor, one.u_scale_factor, UNIT, one.dof, noise, member=alone)
+        yield _row(Key("response_amplitude", axis), one.amplitude, one.u, output, one.dof, member=alone)
+        yield _row(Key(SCALE, axis), one.scale_factor, one.u_scale_factor, scale_unit, one.dof, noise, member=alone)
     else:
         limit = t_interval(abs(one.amplitude), one.u, one.dof, 0.9).hi
-        floor = f"{result.plan.floor:g} times the noise floor of {uncertainty(one.u)} count/s"
+        floor = f"{result.plan.floor:g} times the noise floor of {uncertainty(one.u)} {output}"
         below = f"below {floor}: cannot be told from noise"
         reason = Reason("not_told", below)
-        yield Row(Key("response_amplitude", axis), limit, None, "count/s", None, Interval(0.0, limit), "upper_limit",
+        yield Row(Key("response_amplitude", axis), limit, None, output, None, Interval(0.0, limit), "upper_limit",
                   reason, member=alone)  # fmt: skip
-        yield not_estimated(Key(SCALE, axis), UNIT, reason, member=alone)
+        yield not_estimated(Key(SCALE, axis), scale_unit, reason, member=alone)
     if math.isfinite(one.u_quadrature):
         ahead = Reason("zero_expected", "a quarter of a cycle ahead of the drive: zero is expected")
         key = Key("quadrature_amplitude", axis)
-        yield _row(key, one.quadrature, one.u_quadrature, "count/s", one.dof, ahead, member=alone)
+        yield _row(key, one.quadrature, one.u_quadrature, output, one.dof, ahead, member=alone)
     if math.isfinite(one.tilt):
         of_pad = Reason("limits", "of the pad in phase with the drive, mercury subtracted")
         yield _row(Key("tilt_amplitude", axis), one.tilt, one.u_tilt, "rad", one.dof, of_pad, member=alone)
@@ -105,21 +106,21 @@ def curves(result: Result) -> list[Curve]:
     found = []
     for run in result.readings.series:
         if by_name[run.name].fitted is not None:
-            found += _curves_of_run(result.plan.axis, run, by_name[run.name])
+            found += _curves_of_run(result.plan, run, by_name[run.name])
     return [*found, _runs(result)]
 
 
-def _curves_of_run(axis: str, run: Run, one: Response) -> list[Curve]:
+def _curves_of_run(plan: Plan, run: Run, one: Response) -> list[Curve]:
     """Return series, autocorrelation (gaps count as zero) and Fourier amplitudes of a run; gaps are NaN."""
     schedule, fitted = run.schedule, one.fitted
     assert fitted is not None  # noqa: S101 - checked before
     reduced = np.asarray(one.series - fitted.drift)  # without drift and tilt
     series = {
         "time": Column(schedule.middle, "s", shown="h"),
-        "reading": Column(run.reading, "count/s"),
-        "drift": Column(fitted.drift, "count/s"),
-        "reduced": Column(reduced, "count/s"),
-        "line": Column(fitted.line, "count/s"),
+        "reading": Column(run.reading, plan.output_unit),
+        "drift": Column(fitted.drift, plan.output_unit),
+        "reduced": Column(reduced, plan.output_unit),
+        "line": Column(fitted.line, plan.output_unit),
         "shape": Column(shape_of(schedule)),
     }
     lags = int(LAGS * len(reduced))
@@ -140,16 +141,17 @@ def _curves_of_run(axis: str, run: Run, one: Response) -> list[Curve]:
         role[np.abs(frequencies - f) < 0.5 / length] = "beside" if k else "drive"
     spectrum = {
         "frequency": Column(frequencies, "Hz"),
-        "amplitude": Column(amplitude, "count/s"),
+        "amplitude": Column(amplitude, plan.output_unit),
         "role": Column(role.tolist()),
     }
     named = {"mass_series": series, "mass_correlation": correlation, "mass_spectrum": spectrum}
-    return [Curve(name, axis, columns, recording=run.name) for name, columns in named.items()]
+    return [Curve(name, plan.axis, columns, recording=run.name) for name, columns in named.items()]
 
 
 def _runs(result: Result) -> Curve:
     """Return all runs with their responses, and with the figures of the published way."""
     lines = {line.name: line for line in result.published[0]}
+    output, scale_unit = result.plan.output_unit, result.plan.scale_unit
 
     def each(value: str) -> list[float]:
         return [float(getattr(one, value)) for one in result.responses]
@@ -163,17 +165,17 @@ def _runs(result: Result) -> Curve:
         "run": Column([one.name for one in result.responses]),
         "moved": Column([one.moved for one in result.responses]),
         "applied": Column(each("applied"), "m/s^2"),
-        "response": Column(each("amplitude"), "count/s"),
-        "u": Column(each("u"), "count/s"),
-        "scale_factor": Column(scale, UNIT),
-        "lo": Column(scale - half, UNIT),
-        "hi": Column(scale + half, UNIT),
+        "response": Column(each("amplitude"), output),
+        "u": Column(each("u"), output),
+        "scale_factor": Column(scale, scale_unit),
+        "lo": Column(scale - half, scale_unit),
+        "hi": Column(scale + half, scale_unit),
         "tilt": Column(each("tilt"), "rad"),
-        "published_fourier": Column(published("response"), "count/s"),
-        "published_fourier_noise": Column(published("noise"), "count/s"),
-        "published_spectrum": Column(published("psd_response"), "count/s"),
-        "published_spectrum_noise": Column(published("psd_noise"), "count/s"),
-        "published_scatter": Column(published("scatter"), "count/s"),
+        "published_fourier": Column(published("response"), output),
+        "published_fourier_noise": Column(published("noise"), output),
+        "published_spectrum": Column(published("psd_response"), output),
+        "published_spectrum_noise": Column(published("psd_noise"), output),
+        "published_scatter": Column(published("scatter"), output),
     }
     return Curve("mass_runs", result.plan.axis, columns)
 
@@ -279,17 +281,18 @@ def _on_nulls(result: Result) -> Iterator[Remark]:
 def _on_changes(result: Result) -> Iterator[Remark]:
     """Yield the faults within runs that were subtracted."""
     size = float(np.median([abs(one.amplitude) for one in result.responses if one.moved]))
+    output = result.plan.output_unit
     for response in result.responses:
         if response.changes is None or not response.changes.repairable:
             continue
         for one in response.changes.found:
             times = f", {number(abs(one.size) / size, 2)} times the response" if size else ""
             if one.kind == "kink":
-                what = f"the drift bends before dwell {one.at + 1} by {number(one.size, 3)} count/s a dwell{times}"
+                what = f"the drift bends before dwell {one.at + 1} by {number(one.size, 3)} {output} a dwell{times}"
             elif one.kind == "jump":
-                what = f"the level jumps by {number(one.size, 3)} count/s{times}, before dwell {one.at + 1}"
+                what = f"the level jumps by {number(one.size, 3)} {output}{times}, before dwell {one.at + 1}"
             else:
-                what = f"the reading of dwell {one.at + 1} is off by {number(one.size, 3)} count/s{times}"
+                what = f"the reading of dwell {one.at + 1} is off by {number(one.size, 3)} {output}{times}"
             code, do = {
                 "kink": ("drift_kink", "The kink is fitted with the drift"),
                 "jump": ("jump", "The jump is fitted with the drift; find its cause"),

@@ -42,7 +42,7 @@ EXTREME = 2.0  # standard uncertainties that the reverse coefficient is enlarged
 def without_tilt(plan: Plan, run: Run, tilt: Array | None, mode: str) -> tuple[Array, float, float, float]:
     """Return the readings less the share of the tilt, its coefficient, the uncertainty of it, and its range, halved.
 
-    The latter two: from the noise of the run, and from that of the meter, the same in all runs; all [count/s/rad].
+    The latter two: from the noise of the run, and from that of the meter, the same in all runs; all [output unit/rad].
 
     Raises
     ------

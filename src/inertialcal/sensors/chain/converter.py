@@ -82,7 +82,7 @@ class Chain:
     zero_at: Mapping[float, Array] | None = None
     thermometer: Thermometer | None = None  # Temperature channel
     validity_minimum: float | None = None  # Lowest voltage of the built-in test at which readings are good [V]
-    input_unit: str = "count"  # What it starts from: ``"count"``, or ``"V"`` at the converter
+    input_unit: str = "count"  # What it starts from: ``"count"``, ``"V"`` at the converter, or ``"count/s"``
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.step) and self.step > 0.0):
@@ -122,9 +122,9 @@ def pulse_counter(
     return Chain(axes, 1.0 / gate, unit=unit, output_unit="count/s", scale_factor=scale_factor)
 
 
-def in_volts(chain: Chain) -> Chain:
-    """Return the chain as it starts from volts at the converter, of which one is one code, without ends."""
-    return replace(chain, step=1.0, codes=None, input_unit="V")
+def from_output(chain: Chain) -> Chain:
+    """Return the chain as it starts from its output unit (volts at the converter), one a code, without ends."""
+    return replace(chain, step=1.0, codes=None, input_unit=chain.output_unit)
 
 
 def zero_volts(chain: Chain, degrees: Array | None) -> Array | float:

@@ -199,21 +199,22 @@ def _condition(chain: Chain, recording: Recording, columns: Mapping[str, str], k
 
 
 def _counts(chain: Chain, recording: Recording, names: list[str]) -> Array:
-    """Return columns as the chain takes them: counts as they are, volts [V]."""
-    volts, made = chain.input_unit == "V", []
+    """Return columns as the chain takes them: counts as they are, others in its unit."""
+    counts, made = chain.input_unit == "count", []
     for name in names:
         channel = recording.channel(name)
         unit = channel.unit or "count"
         if not same_dimension(unit, chain.input_unit):
+            takes = "counts" if counts else "volts" if chain.input_unit == "V" else chain.input_unit
             raise DataError(
-                f"column {name!r} is in {channel.unit or 'no unit'}, the chain takes {'volts' if volts else 'counts'}",
+                f"column {name!r} is in {channel.unit or 'no unit'}, the chain takes {takes}",
                 where=recording.source.path,
-                why="what the chain takes together is all in counts, or all in volts",
+                why="what the chain takes together is all in one unit",
                 do="Correct the unit of the column, or the chain",
                 code="wrong_unit",
             )
-        made.append(to_unit(channel.data, unit, "V") if volts else channel.data)
-    return np.column_stack(made) if volts else recording.array(names)
+        made.append(channel.data if counts else to_unit(channel.data, unit, chain.input_unit))
+    return recording.array(names) if counts else np.column_stack(made)
 
 
 def _column(columns: Mapping[str, str], axis: str) -> str:
