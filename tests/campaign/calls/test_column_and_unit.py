@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 import inertialcal as ic
+from typed_commands import call
 
 CHAIN: dict[str, Any] = {"lsb": "5 V / 4095", "reference": "2.5 V", "scale_factor": "0.5 V/(deg/s)"}
 COUNTS, RATES = 5 / 4095, 0.5  # V, and V/(deg/s)
@@ -104,3 +106,26 @@ def test_a_unit_that_nobody_knows_is_refused_by_its_name_not_dropped() -> None:
 def test_a_unit_alone_is_that_of_columns_whose_names_say_nothing(folder: Path) -> None:
     said = ic.allan(str(folder / "speed_rates.csv"), units={"deg/s": "deg/s"})
     assert {row.unit for row in said.rows if row.quantity == "angle_random_walk"} == {"deg/sqrt(h)"}
+
+
+@pytest.mark.parametrize(
+    ("option", "words"),
+    [
+        (("--reference", "2,5 V"), "chain.reference: quantity '2,5 V': the character ',' does not belong here. Use a"),
+        (("--reference", "2.5 deg"), "chain.reference: '2.5 deg' is not in a unit like V; or 'channel'"),
+        (("--gain", "2,0"), "chain.gain: should be a valid number"),
+        (("--gain", "x=2,0"), "chain.gain.x: should be a valid number"),
+    ],
+)
+def test_a_value_of_several_kinds_is_refused_in_one_message(
+    option: tuple[str, str], words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Without the names that the schema's library has for the kinds."""
+    rows = "".join(f"{t},{2.5 + 1e-4 * (t % 7)},{20 + t}\n" for t in range(60))
+    (tmp_path / "log.csv").write_text("time [s],gyro_x [V],temperature [degC]\n" + rows)
+    options = ("--scale-factor", "0.02 V/(deg/s)", *option)
+    status, out, _ = call(capsys, "thermal", str(tmp_path / "log.csv"), *options, "--json")
+    (error,) = json.loads(out)["errors"]
+    assert status == 2
+    assert words in error["what"]
+    assert "[" not in error["what"]

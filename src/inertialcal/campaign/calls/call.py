@@ -25,6 +25,7 @@ from ...core.interruption import interruption
 from ...core.key import AXES
 from ...core.remarks import Remark, gather
 from ...core.results import Row
+from ...core.schema.problems import model_problems
 from ...core.schema.settings import settings_values
 from ...core.settings import Setting, grouped_settings, settings_of
 from ...core.show.frames import frame_of_rows
@@ -481,12 +482,7 @@ def campaign_of(document: Document, checked: bool = True) -> Campaign:
     try:
         file = CampaignFile.model_validate(document)
     except ValidationError as error:
-        problems = []
-        for entry in error.errors(include_url=False, include_context=False, include_input=False):
-            key = ".".join(str(part) for part in entry["loc"])
-            what = entry["msg"].removeprefix("Value error, ").replace("Input should be", "should be")
-            problems.append(Problem(f"{key}: {what}", code="wrong_value"))
-        raise UsageError(problems) from None
+        raise UsageError(list(model_problems(error, CampaignFile, document, lambda *_: ""))) from None
     standards, problems = standards_of(file, lambda *key: "")
     problems += cross_checks(None, file, lambda *key: "") if checked else []
     if problems:

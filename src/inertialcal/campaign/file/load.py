@@ -92,7 +92,7 @@ def load(folder: str | Path) -> Campaign:
     try:
         file = CampaignFile.model_validate(document)
     except ValidationError as error:
-        problems = list(islice(model_problems(error, CampaignFile, lambda *key: place(lines, key)), MOST))
+        problems = list(islice(model_problems(error, CampaignFile, document, lambda *key: place(lines, key)), MOST))
         if error.error_count() > MOST:
             problems.append(Problem(f"and {error.error_count() - MOST} more problems", FILE, do="Correct these first"))
         raise PlanError(problems) from None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any
 
@@ -12,9 +12,13 @@ from ..errors import Problem
 from .toml import At
 from .toml import Path as KeyPath
 
+CONTAINERS = {"dict_type", "model_type", "list_type"}  # kinds of errors: it is no table, no list
 
-def model_problems(error: ValidationError, model: type[BaseModel], at: At, above: KeyPath = ()) -> Iterator[Problem]:
-    """Yield what a model refuses.
+
+def model_problems(
+    error: ValidationError, model: type[BaseModel], document: object, at: At, above: KeyPath = ()
+) -> Iterator[Problem]:
+    """Yield what a model refuses, each key once: of a value of several kinds, all that it may be.
 
     Parameters
     ----------
@@ -22,21 +26,52 @@ def model_problems(error: ValidationError, model: type[BaseModel], at: At, above
         Of the model.
     model : type
         That of the document.
+    document : object
+        What was given to the model.
     at : callable
         Place of a key path, for messages.
     above : tuple
         Path of the table that the model is of.
     """
+    by_key: dict[KeyPath, list[tuple[str, str]]] = {}
+    plain: set[KeyPath] = set()  # keys that are refused whatever kind their value is of
     for entry in error.errors(include_url=False, include_context=False, include_input=False):
-        path = tuple(part for part in entry["loc"] if part != "[key]")
+        what = entry["msg"].removeprefix("Value error, ").replace("Input should be", "should be")
+        loc = tuple(one for one in entry["loc"] if one != "[key]")
+        path = key_path(loc[:-1], document) + loc[-1:] if entry["type"] == "missing" else key_path(loc, document)
+        by_key.setdefault(path, []).append((entry["type"], what))
+        plain |= {path} if path == loc else set()
+    for path, found in by_key.items():
         key, where = ".".join(str(part) for part in (*above, *path)), at(*above, *path)
-        if entry["type"] == "extra_forbidden":
+        if found[0][0] == "extra_forbidden":
             yield _unknown_key(model, path, key, where)
-        elif entry["type"] == "missing":
+        elif found[0][0] == "missing":
             yield Problem(f"{key} is missing", where, code="missing_key")
-        else:
-            what = entry["msg"].removeprefix("Value error, ").replace("Input should be", "should be")
+        elif path in plain or not any(len(one) > len(path) and one[: len(path)] == path for one in by_key):
+            what = _either(found)
             yield Problem(f"{key}: {what}" if key else what, where, code="wrong_value")
+
+
+def key_path(loc: KeyPath, document: object) -> KeyPath:
+    """Return the keys of a place that pydantic names, without its names for the kinds that a value may be of."""
+    found: list[str | int] = []
+    for part in loc:
+        if isinstance(document, Mapping) and part in document:
+            document = document[part]
+        elif isinstance(document, Sequence) and not isinstance(document, str) and isinstance(part, int):
+            document = document[part] if part < len(document) else None
+        else:
+            continue
+        found.append(part)
+    return tuple(found)
+
+
+def _either(found: Sequence[tuple[str, str]]) -> str:
+    """Return what is wrong with a value that may be of several kinds: what was meant, then the words that it may be."""
+    told = [one for one in found if one[0] not in CONTAINERS] or found
+    told = sorted(told, key=lambda one: one[0] == "literal_error")
+    others = [what.removeprefix("should be ") for _, what in told[1:]]
+    return "; or ".join(dict.fromkeys([told[0][1], *others]))
 
 
 def _unknown_key(whole: type[BaseModel], path: KeyPath, key: str, where: str) -> Problem:

@@ -166,7 +166,7 @@ def lab_of(raw: bytes, name: str, folder: Path) -> Lab:
     try:
         file = LabFile.model_validate(document)
     except ValidationError as error:
-        raise PlanError(list(islice(model_problems(error, LabFile, at), MOST))) from None
+        raise PlanError(list(islice(model_problems(error, LabFile, document, at), MOST))) from None
     reading = _Reading(file, folder, at)
     problems = list(islice(reading.problems(), MOST))
     if problems:
@@ -291,7 +291,7 @@ class _Reading:
         try:
             return Dialect.model_validate(document)
         except ValidationError as error:
-            raise PlanError(list(islice(model_problems(error, Dialect, _places(said, text)), MOST))) from None
+            raise PlanError(list(islice(model_problems(error, Dialect, document, _places(said, text)), MOST))) from None
 
     def _limit_problems(self, name: str, one: InstrumentEntry) -> Iterator[Problem]:
         settings = self.dialects[name].settings
