@@ -371,6 +371,8 @@ def chain_of_units(
     if kept.get("kind") in ("adc", "output") and is_input:
         if nominal and not kept.keys() - {"kind", "scale_factor"}:
             return kept | {"kind": "none"}
+        if any(_has_raw(one) for one in given.together if one is not given):  # the chain is that of another file
+            return {}
         idle = [name for name in ("lsb", "counts", "reference", "zero", "gain", "scale_factor") if name in kept]
         raise without_effect(given, "chain" if given.said.chain is not None else idle[0], units[0])
     if kept.get("kind") in ("adc", "output") and not kept.get("scale_factor"):
@@ -379,6 +381,12 @@ def chain_of_units(
         do = f"Add that of its data sheet: {given.add('scale_factor', f'NUMBER {volts}/(UNIT)')}"
         raise UsageError(what, do=do, code="no_scale_factor")
     return kept
+
+
+def _has_raw(given: GivenFile) -> bool:
+    """Whether a file has readings in counts or volts."""
+    return any(one.unit and kind(one.unit) in RAW and (one.axis in AXES or one.quantity in GROUP.values())
+               for one in given.recording.channels)  # fmt: skip
 
 
 def reference_columns(

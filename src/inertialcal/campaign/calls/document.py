@@ -157,6 +157,8 @@ def _sensor(sensors: dict[str, dict[str, Any]], each: Described) -> str:
     """Return the sensor of a recording: the one of its kind, with all axes that any file has."""
     name = each.test or str(each.sensor["kind"])
     known = sensors.setdefault(name, dict(each.sensor))
+    if "chain" not in known and "chain" in each.sensor:  # files in units of input beside others in counts or volts
+        known["chain"] = each.sensor["chain"]
     known["axes"] = [axis for axis in ("x", "y", "z") if axis in {*known["axes"], *each.sensor["axes"]}]
     return name
 

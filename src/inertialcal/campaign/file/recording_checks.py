@@ -11,7 +11,7 @@ from ...core.schema.toml import At
 from ...core.units import kind, parse_quantity
 from ...files.pad.pairs import pairs_of
 from ...procedures import loaded_procedures
-from ..inputs.chains import build_chain, raw_kinds, scale_factors
+from ..inputs.chains import build_chain, in_input_units, raw_kinds, scale_factors
 from .recordings import ROLES, CommonKeys, own_keys
 from .schema import CampaignFile
 from .sensors import Sensor
@@ -95,12 +95,15 @@ def _file(folder: Path | None, name: str, given: str, where: str) -> Iterator[Pr
 
 def _channel_units(name: str, entry: CommonKeys, sensor: Sensor, at: At) -> Iterator[Problem]:
     wanted = kind(sensor.unit) if sensor.unit else ""
-    for channel, one in (entry.channels or {}).items():
+    channels = entry.channels or {}
+    counted = sensor.chain.kind != "none"
+    counted = counted and not in_input_units(sensor, [one.unit for name, one in channels.items() if name in AXES])
+    for channel, one in channels.items():
         where = at("recordings", name, "channels", channel)
         axis = channel.rpartition("_")[2]
         if axis in {"x", "y", "z"} and axis not in sensor.axes:
             yield Problem(f"recordings.{name}: the sensor has no axis {axis!r}", where, code="unknown_name")
-        need = ADDED[sensor.kind] if one.quantity and channel in AXES else _kinds(channel, sensor, wanted)
+        need = ADDED[sensor.kind] if one.quantity and channel in AXES else _kinds(channel, sensor, wanted, counted)
         if sensor.kind == "other" and channel in AXES:
             continue
         if need and (not one.unit or kind(one.reading_unit) not in need):
@@ -109,9 +112,8 @@ def _channel_units(name: str, entry: CommonKeys, sensor: Sensor, at: At) -> Iter
             yield Problem(what, where, code="wrong_value")
 
 
-def _kinds(channel: str, sensor: Sensor, wanted: str) -> tuple[str, ...]:
-    """Return the kinds of unit that a channel may have; none where it is not used."""
-    counted = sensor.chain.kind != "none"
+def _kinds(channel: str, sensor: Sensor, wanted: str, counted: bool) -> tuple[str, ...]:
+    """Return the kinds of unit that a channel may have, with a chain or without; none where it is not used."""
     raw = raw_kinds(sensor)
     if channel in ROLES:
         return (ROLES[channel].kind or wanted,)

@@ -83,6 +83,12 @@ def raw_kinds(sensor: Sensor) -> tuple[str, ...]:
     return ("voltage",) if output_unit(sensor) == "V" else ("count",)
 
 
+def in_input_units(sensor: Sensor, units: Iterable[str]) -> bool:
+    """Whether readings are in units of input already, as some recordings of a sensor with a chain may be."""
+    given = list(units)
+    return bool(given) and all(one and kind(one) == kind(sensor.unit) for one in given)
+
+
 def model_chain(
     sensor: Sensor, axes: tuple[str, ...], recorded: Set[str], output_unit: str | None, scale_factor: Array
 ) -> Chain | None:

@@ -23,7 +23,7 @@ from ...signals.time.samples import Flags
 from ..file.recordings import OF_CHAIN, ROLES, ChannelEntry, Clock, RecordingEntry
 from ..file.schema import Test
 from ..file.sensors import Sensor
-from .chains import build_chain, recorded_chain
+from .chains import build_chain, in_input_units, recorded_chain
 from .ground import ChainModel, after_model
 
 TEMPERATURE, GAIN = "temperature", "gain"
@@ -35,9 +35,10 @@ LONGEST = 1.01  # averaging over the interval, from which a sample would hold so
 def chain_of(entry: RecordingEntry, sensor: Sensor) -> Chain | None:
     """Return the chain of the axes that a recording has; None where they are in units already, or there is none."""
     axes = tuple(axis for axis in sensor.axes if axis in (entry.channels or {}))
-    if not axes or sensor.chain.kind == "none":
+    units = [(entry.channels or {})[axis].unit for axis in axes]
+    if not axes or sensor.chain.kind == "none" or in_input_units(sensor, units):
         return None
-    return recorded_chain(build_chain(sensor, axes), [(entry.channels or {})[axis].unit for axis in axes])
+    return recorded_chain(build_chain(sensor, axes), units)
 
 
 def in_body_axes(

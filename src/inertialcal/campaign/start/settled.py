@@ -52,11 +52,14 @@ def settle(parts: Parts, tests: Sequence[object], said: Said, axis: str) -> None
 
 
 def _with_chain(sensor: dict[str, Any], sensor_kind: Kind, units: Sequence[str], said: Said) -> dict[str, Any]:
-    """Return a sensor whose readings are in counts or volts with its chain: as said, else to be filled in."""
+    """Return a sensor with readings in counts or volts with its chain: as said, else to be filled in.
+
+    Recordings of it in units of input go beside it: what they are in is that of the chain's readings.
+    """
     known = [unit for unit in units if unit not in OPEN]
     raw = [unit for unit in known if kind(unit) in RAW]
-    if not raw or len(raw) != len(units):
-        plain = [unit for unit in known if kind(unit) not in RAW]
+    plain = [unit for unit in known if kind(unit) not in RAW]
+    if not raw:
         open_unit = isinstance(sensor.get("unit"), Noted)
         return sensor | ({"unit": plain[0]} if open_unit and plain else {})
     given = GivenFile("", said, {}, {}, _never, _never)
@@ -64,13 +67,17 @@ def _with_chain(sensor: dict[str, Any], sensor_kind: Kind, units: Sequence[str],
     if chain.get("scale_factor"):
         chain = chain_of_units(given, chain, raw)
         if raw_units(chain):
-            spoken = spoken_unit(sensor_kind, chain)
+            spoken = plain[0] if plain else spoken_unit(sensor_kind, chain)
             kept = {name: one for name, one in sensor.items() if name != "chain"}
             return kept | {"unit": spoken, "chain": Noted(chain, above=_equation(chain))}
     per = spoken_unit(sensor_kind, {})
     volts = {"reference": "? V", "scale_factor": f"? V/({per})"}
-    wanted = {"kind": "adc", "lsb": "? V"} | volts if kind(raw[0]) == "count" else {"kind": "output"} | volts
-    return sensor | {"unit": fill_in(per), "chain": fill_in(wanted | chain)}
+    wanted = (
+        {"kind": "adc", "lsb": "? V"} | volts
+        if any(kind(one) == "count" for one in raw)
+        else {"kind": "output"} | volts
+    )
+    return sensor | {"unit": plain[0] if plain else fill_in(per), "chain": fill_in(wanted | chain)}
 
 
 def _equation(chain: Mapping[str, Any]) -> str:
