@@ -84,6 +84,14 @@ EXPORTS: dict[str, tuple[str, list[str], bool]] = {  # text, channels, whether a
         + rows("{a:.7E},{b:.7E},"),
         TWO, False,
     ),
+    "hantek.txt": (
+        "".join(f"#CHANNEL:CH{k + 1}\n#CLOCK=10.0mS\n#SIZE=600\n#UNITS:V\n\n"
+                + "".join(f"{value:.7f}\n" for value in OUT[:, k]) + "\n\n" for k in (0, 1)),
+        TWO, False,
+    ),
+    "hantek_one.csv": (
+        "#CHANNEL:CH1\n#CLOCK=10000.0uS\n#SIZE=600\n#UNITS:V\n" + rows("{a:.7f}"), TWO[:1], False,
+    ),
 }  # fmt: skip
 
 

@@ -12,6 +12,7 @@ from newcomer_truths import BIASES, ERRORS, SLOPES, Log, chamber, rate_table
 
 from typed_commands import call
 
+NOISE = 0.006  # %: of a scale factor by the noise of such records; three of them show less by chance
 CHAIN = ("--lsb", "5 V / 4095", "--reference", "2.5 V", "--scale-factor", "0.02 V/(deg/s)")
 
 
@@ -46,7 +47,7 @@ def test_init_and_run_give_the_truth(folder: Path, capsys: pytest.CaptureFixture
     content = json.loads(out)
     rate, thermal = estimates(content, "rate"), estimates(content, "thermal_gyro")
     value, u = rate["scale_factor_error", "x", 0]
-    assert value == pytest.approx(100.0 * ERRORS["x"], abs=5.0 * u)
+    assert value == pytest.approx(100.0 * ERRORS["x"], abs=5.0 * u + NOISE)
     for axis in "xyz":
         value, u = thermal["bias", axis, 0]
         assert value == pytest.approx((1.0 + ERRORS[axis]) * BIASES[axis], abs=5.0 * u)

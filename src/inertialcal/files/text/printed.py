@@ -2,7 +2,7 @@
 
 ``12:03:14.123 -> 1.0,2.0`` (Arduino's serial monitor), ``gx:1.0 gy:2.0`` (its plotter, sketches of sensor libraries),
 ``$VNIMU,...*5A`` (sentences with a check sum, as NMEA 0183 has them), ``0.01 sec`` (durations of a MATLAB timetable);
-rows beside which an oscilloscope wrote its settings.
+rows beside or above which an oscilloscope wrote its settings.
 
 References
 ----------
@@ -20,7 +20,7 @@ from operator import xor
 
 from ...core.errors import DataError
 from ...core.remarks import Remark
-from .settings_head import settings_beside
+from .settings_head import settings_above_channels, settings_beside
 
 LOOKED_AT = 50  # lines that tell whether a text is printed so
 LONGEST = 2000  # characters of a line
@@ -59,6 +59,8 @@ def as_table(text: str, where: str) -> Printed | None:
     if (beside := settings_beside(text)) is not None:
         remark = Remark("preamble", "info", "settings beside the first rows ignored: 'Record Length' ...", where=where)
         return Printed(*beside, (remark,))
+    if (above := settings_above_channels(text)) is not None:
+        return Printed(*above, ())
     lines = text[: LOOKED_AT * LONGEST].split("\n")[:LOOKED_AT]
     start = [one for one in lines if one.strip() and len(one) < LONGEST]
     if sum(one.startswith("$") for one in start) * 2 > len(start):

@@ -1,7 +1,8 @@
 """Heads of oscilloscopes and recorders: lines of settings above the numbers, known by their words.
 
 ``Sample Interval,1e-3``, ``Vertical Units,V``, ``"TraceName","CH1"`` (Tektronix, Keysight, LeCroy, Siglent, GW Instek,
-Yokogawa), the start and step beside the names of columns (Rigol), or settings beside the first rows (Tektronix TDS).
+Yokogawa), the start and step beside the names of columns (Rigol), settings beside the first rows (Tektronix TDS), or
+``#CLOCK=10.0mS`` above the samples of each channel, one channel below the other (Hantek).
 The table begins at its names, or at its numbers where it has none. Of the settings, the step of the samples is taken
 where no column is the time, units and names where the table does not say them; all others are left out, counted.
 """
@@ -11,6 +12,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 
 STEP = {"sampleinterval", "samplinginterval", "samplingperiod", "xinc", "xincrement", "hresolution", "increment"}
 X_UNIT, Y_UNIT = {"horizontalunits", "xunits", "hunit"}, {"verticalunits", "yunits", "vunit"}
@@ -28,6 +30,9 @@ NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 BESIDE = re.compile(r"\s*t(?:0|Inc)\s*=\s*([-+0-9.eE]+)\s*(?:s\s*)?", re.IGNORECASE)  # among the names of columns
 TRACE = re.compile(r"((?:CH|MATH|REF|D)[0-9]{1,2})(V|A)", re.IGNORECASE)
 OVER_X = re.compile(r"X\(((?:CH|MATH)[0-9]{0,2})\)", re.IGNORECASE)
+MARKED = re.compile(r"#[ \t]*(CHANNEL|CLOCK|SIZE|UNITS?)[ \t]*[:=][ \t]*([^\r\n]*)", re.IGNORECASE)  # of Hantek
+CLOCK = re.compile(rf"({NUMBER.pattern})[ \t]*([munp\u00b5]?)s", re.IGNORECASE)
+PART = {"": 1.0, "m": 1e-3, "u": 1e-6, "\u00b5": 1e-6, "n": 1e-9, "p": 1e-12}
 SPELLED = {"s": "s", "v": "V", "volt": "V", "volts": "V", "second": "s", "ampere": "A", "amp": "A"}
 
 
@@ -64,6 +69,43 @@ def settings_beside(text: str) -> tuple[str, tuple[str, str], tuple[str, str]] |
     units = [next((said[key] for key in said if key in known), "") for known in (X_UNIT, Y_UNIT)]
     x_unit, y_unit = (SPELLED.get(one.lower(), one) for one in units)
     return "\n".join(made), ("time", said.get("source") or "CH1"), (x_unit, y_unit)
+
+
+def settings_above_channels(text: str) -> tuple[str, tuple[str, ...], tuple[str, ...]] | None:
+    """Return a text of Hantek with a column a channel, its sample rate in a comment; names and units of its columns."""
+    if not text.startswith("#"):
+        return None
+    head: list[dict[str, str]] = []
+    channels: list[list[str]] = []
+    lines = text.split("\n")
+    begun = True  # a channel: its numbers come next
+    for line in lines:
+        marked = MARKED.match(line)
+        if marked is None:
+            if line.strip() and not line.startswith("#"):
+                if not channels:
+                    return None
+                channels[-1].append(line.strip().rstrip(","))
+                begun = True
+            continue
+        if begun:
+            head.append({})
+            channels.append([])
+            begun = False
+        head[-1][marked[1].upper()] = marked[2].strip().rstrip(",")
+    clock = CLOCK.fullmatch(head[0].get("CLOCK", "")) if head else None
+    if clock is None or not channels[0] or float(clock[1]) <= 0.0:
+        return None
+    width = [1 + one[0].count(",") if one else 1 for one in channels]
+    rows = [",".join(cells) for cells in zip_longest(*channels, fillvalue="")]
+    rate = 1.0 / (float(clock[1]) * PART[clock[2].lower()])
+    first = next(i for i, line in enumerate(lines) if line.strip() and not line.startswith("#"))
+    names = [one.get("CHANNEL") or f"CH{k + 1}" for k, one in enumerate(head)]
+    units = [one.get("UNITS") or one.get("UNIT") or "" for one in head]
+    if max(width) > 1:  # all channels side by side
+        names, units = [f"CH{k + 1}" for k in range(width[0])], units[:1] * width[0]
+    made = [f"# sample rate: {rate!r} Hz", *[""] * (first - 1), *rows]
+    return "\n".join(made) + "\n", tuple(names), tuple(SPELLED.get(one.lower(), one) for one in units)
 
 
 def _sign(line: str) -> str:
