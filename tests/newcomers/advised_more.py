@@ -574,6 +574,12 @@ MASSES = (
         "scale_factor x 10.1447",
     ),
     Case(
+        "--column {}",
+        "text info scope.csv",
+        "allan scope.csv --column 'CH1 [V]'",
+        "white x 0.004",
+    ),
+    Case(
         'Add: --averaging "TIME s"',
         "mass-attraction moved_volts.csv --schedule moved_schedule.csv --stamp end",
         "+ --averaging '10 s'",

@@ -214,6 +214,12 @@ def _series() -> dict[str, str]:
         "series_no_time.csv": csv({"pulses": even["pulses"]}),
         "series_uneven.csv": csv({"time_s": rounded(uneven, 1), "pulses": wave(uneven)}),
         "series_other.csv": csv({"time_s": rounded(time, 1), "pulses": wave(time, 750.0)}),
+        "scope.csv": csv(
+            {
+                "time [s]": rounded(np.arange(3000) / 50.0, 2),
+                "CH1 [V]": rounded(2.5 + 0.004 * rng.standard_normal(3000), 6),
+            }
+        ),
         "series_long.csv": csv({"time_s": rounded(long, 1), "pulses": wave(long)}),
     }
 

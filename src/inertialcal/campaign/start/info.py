@@ -140,9 +140,6 @@ def next_command(
     if options and home is None:
         return f"inertialcal info {path} {' '.join(options)}" if "info" in commands else None
     words = None if options else _first(found, path, commands, raw)  # a campaign says its units itself
-    if words is None and home is None and not every:  # no sensor by its names: `init` would find nothing in it
-        column = next((one.name for one in recording.channels if one.quantity not in ("time", "index")), None)
-        return f"inertialcal allan {path} --column {shlex.quote(column)}" if column and "allan" in commands else None
     return folder if words is None else words
 
 

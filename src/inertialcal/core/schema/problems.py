@@ -33,13 +33,13 @@ def model_problems(
     above : tuple
         Path of the table that the model is of.
     """
-    by_key: dict[KeyPath, list[tuple[str, str]]] = {}
+    by_key: dict[KeyPath, list[tuple[str, str, str]]] = {}
     plain: set[KeyPath] = set()  # keys that are refused whatever kind their value is of
-    for entry in error.errors(include_url=False, include_context=False, include_input=False):
+    for entry in error.errors(include_url=False, include_input=False):
         what = entry["msg"].removeprefix("Value error, ").replace("Input should be", "should be")
         loc = tuple(one for one in entry["loc"] if one != "[key]")
         path = key_path(loc[:-1], document) + loc[-1:] if entry["type"] == "missing" else key_path(loc, document)
-        by_key.setdefault(path, []).append((entry["type"], what))
+        by_key.setdefault(path, []).append((entry["type"], what, str(entry.get("ctx", {}).get("expected", ""))))
         plain |= {path} if path == loc else set()
     for path, found in by_key.items():
         key, where = ".".join(str(part) for part in (*above, *path)), at(*above, *path)
@@ -66,12 +66,10 @@ def key_path(loc: KeyPath, document: object) -> KeyPath:
     return tuple(found)
 
 
-def _either(found: Sequence[tuple[str, str]]) -> str:
+def _either(found: Sequence[tuple[str, str, str]]) -> str:
     """Return what is wrong with a value that may be of several kinds: what was meant, then the words that it may be."""
-    told = [one for one in found if one[0] not in CONTAINERS] or found
-    told = sorted(told, key=lambda one: one[0] == "literal_error")
-    others = [what.removeprefix("should be ") for _, what in told[1:]]
-    return "; or ".join(dict.fromkeys([told[0][1], *others]))
+    meant = sorted((one for one in found if one[0] not in CONTAINERS), key=lambda one: bool(one[2])) or found
+    return "; or ".join(dict.fromkeys([meant[0][1], *(words or message for _, message, words in meant[1:])]))
 
 
 def _unknown_key(whole: type[BaseModel], path: KeyPath, key: str, where: str) -> Problem:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -13,12 +14,20 @@ from ...files.info.motion import SHORT, accelerometers, any_accelerometers, gyro
 from ...files.info.survey import Survey
 from ..suggestions import Claim, Draft, FolderFile, Strength, Suggestion, channel_tables, recording_table, sensor_table
 
+SENSED = {"gyro", "acc", ""}  # quantities of channels that may be a sensor's
 REQUIREMENT = {"quantity": "angle_random_walk", "upper": "0.3 deg/sqrt(h)"}
 KINDS = {"gyro": ("gyros", "angular_rate"), "accelerometer": ("accelerometers", "acceleration")}
 
 
 def suggests(recording: Recording, survey: Survey) -> Suggestion | None:
-    """Return ``allan``, or the spectrum, of a record at rest that is long enough."""
+    """Return ``allan``, or the spectrum, of a record at rest that is long enough.
+
+    Where no channel can be a sensor's by its name, one is named: such a file has nothing for a campaign.
+    """
+    if not any(one.quantity in SENSED for one in recording.channels):
+        other = next((one.name for one in recording.channels if one.quantity not in ("time", "index")), None)
+        named = f"--column {shlex.quote(other)}" if other is not None else ""
+        return Suggestion(("allan", "psd"), Strength.POSSIBLE, options=named) if named else None
     if len(recording) < SHORT or any(remark.code == "not_at_rest" for remark in survey.remarks):
         return None
     return Suggestion(("allan", "psd"), Strength.POSSIBLE, in_campaign=True)

@@ -77,7 +77,7 @@ class TurnedMass(Procedure[Plan, "Readings", "Result"]):
 
     def plan_fields(self, facts: Facts) -> dict[str, Any]:
         """Return the input axis and the scale factor of the data sheet, with the standards."""
-        return {"axis": facts.axes[0], "nominal": facts.pulse_scale_factor, "standards": facts.standards}
+        return {"axis": facts.axes[0], "nominal": facts.output_scale_factor, "standards": facts.standards}
 
     def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
         """Return the runs of all recordings, as the programme has them."""

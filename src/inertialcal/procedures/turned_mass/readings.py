@@ -130,7 +130,7 @@ def _cut(source: Source, body: Recording, gate: float, turned: Turned, turns: Se
     """Yield the runs of a recording."""
     assert body.time_ns is not None  # noqa: S101 - checked with the gate
     axis = next(one for one in source.facts.axes if one in (source.entry.channels or {}))
-    rate = np.asarray(body.channel(axis).data, dtype=np.float64) * (source.facts.pulse_scale_factor or 1.0)
+    rate = np.asarray(body.channel(axis).data, dtype=np.float64) * (source.facts.output_scale_factor or 1.0)
     there = np.isfinite(rate)
     first = int(body.time_ns[0]) - round(0.5 * gate * SECOND)
     zero = _begin(source, body, turned, first - round(turns[0].start * SECOND))
