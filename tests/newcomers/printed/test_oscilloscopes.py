@@ -110,7 +110,10 @@ def test_volts_and_rate_come_back(name: str, tmp_path: Path) -> None:
     assert {one.code for one in found.remarks} <= {"preamble", "empty_column", "time_unit_assumed"}
 
 
-@pytest.mark.parametrize("name", [name for name, (_, _, has_time) in EXPORTS.items() if not has_time])
+ROW_BY_ROW = [name for name, (_, _, has_time) in EXPORTS.items() if not has_time and name != "hantek.txt"]
+
+
+@pytest.mark.parametrize("name", ROW_BY_ROW)
 def test_a_long_export_is_read_in_pieces_as_a_short_one(name: str, tmp_path: Path) -> None:
     text, channels, _ = EXPORTS[name]
     body = "".join(text.splitlines(keepends=True)[-N:])

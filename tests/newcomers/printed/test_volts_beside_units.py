@@ -17,7 +17,8 @@ CHAIN = ("--lsb", "5 V / 4095", "--reference", "2.5 V", "--scale-factor", "0.02 
 
 
 def write(path: Path, log: Log, unit: str, other: str, values: np.ndarray[Any, Any]) -> None:
-    columns = {"V": log.volts, "count": log.counts, "deg/s": lambda: log.readings}[unit]()
+    by_unit: dict[str, Any] = {"V": log.volts(), "count": log.counts(), "deg/s": log.readings}
+    columns = by_unit[unit]
     names = ",".join(f"gyro_{axis} [{unit}]" for axis in "xyz")
     table = np.column_stack([log.time, values, *(columns[axis] for axis in "xyz")])
     np.savetxt(path, table, "%.9g", ",", header=f"time [s],{other},{names}", comments="")

@@ -38,6 +38,7 @@ from .delimited import (
     whole_rows,
 )
 from .layout import BLANKS, SAMPLE, Decimal, Layout, decode, holds_control, kind, looks_like_text, sniff, text_of
+from .settings_head import MARKED
 
 ENDINGS = ("", ".asc", ".csv", ".dat", ".log", ".mat", ".prn", ".tab", ".tsv", ".txt")  # that text usually has
 TOO_LARGE = "too_large"
@@ -54,7 +55,8 @@ def read_text(
 ) -> Content:
     """Return the columns of a text file, whatever variables are named; Raises as `parse` and ``layout.decode``."""
     long = isinstance(loaded.data, FileBytes)
-    if not skip and (long or len(loaded.data) > SHORT):
+    stacked = MARKED.match(bytes(loaded.data[:SAMPLE]).decode("latin-1"))  # channels may stand below each other
+    if not (skip or stacked) and (long or len(loaded.data) > SHORT):
         with suppress(_IrregularError):
             return _piece_by_piece(loaded, decimal)
     return (_read_long if long else _read_whole)(loaded, decimal, skip)
