@@ -115,6 +115,10 @@ MUTANTS = (
         "test_estimate",
     ),
     Mutant("estimate.py", "np.maximum(1.0, 2.0 - FEW / dof)", "2.0", "test_estimate"),
+    Mutant("conditions.py", "np.all(half <= WIDE * u)", "np.all(half >= WIDE * u)", "test_step_conditions"),
+    Mutant("conditions.py", "dof = dwell.n_effective - 1.0", "dof = dwell.n_effective + 1e9", "test_step_conditions"),
+    Mutant("as_run.py", 'found[: found.rfind(b"\\n") + 1]', "found", "test_sequenced_campaign"),
+    Mutant("taken.py", "asked.monotonic_ns >= self._since", "asked.monotonic_ns < self._since", "test_step_ends"),
     Mutant(
         "estimate.py",
         "allowed = SYMMETRY * deviations[:, np.newaxis] * deviations + TINY",
