@@ -19,6 +19,7 @@ from inertialcal.lab.clock import Clock
 from inertialcal.lab.guide.session import Asked, Session
 
 RATE = 50.0  # [Hz]
+LAG = 1.0  # [s] by which a guide may be behind, on a busy computer and a fast clock
 Change = Callable[[np.ndarray], np.ndarray]
 LAB = """schema = 1
 [instruments.imu]
@@ -52,7 +53,6 @@ class LiveImu:
         self.link = folder / "port"
         self.stop, self.away = threading.Event(), threading.Event()
         self.obeys: Session | None = None
-        self.code: str | None = None  # What it does in place of what it is told
         self._plug()
         folder.mkdir(exist_ok=True)
         unit = "count" if counts else ""
@@ -90,7 +90,9 @@ class LiveImu:
                     pass
                 self._plug()
             state = self.obeys.state if self.obeys is not None else None
-            code = self.code or ("lay_down" if state is None else state.code)
+            code = "lay_down" if state is None else state.code
+            if self.obeys is not None and self.hand.t - self.obeys._stamp / 1e9 > LAG:
+                code = "hold_still"  # what is said is about what was: who looks at a page waits for it
             stamps, f, w, now = self.hand.batch(code, None if state is None else state.target)
             self.clock.wait(begin + now - self.clock.seconds(), self.stop)
             both = self.change(np.hstack([self.per * f, (self.per if self.counts else 1.0) * w]))
