@@ -85,11 +85,12 @@ def test_a_running_acquisition_is_followed_and_its_end_is_said(tmp_path: Path) -
 def test_a_kill_is_seen_by_the_lock_and_a_new_recording_is_followed(tmp_path: Path) -> None:
     with acquiring(tmp_path) as made, Followed(tmp_path / "out") as found:
         assert until(lambda: found.view().state == "running" and found.view().instruments)
+        assert until(lambda: found.view().instruments[0].rows > 0)
         run = found.view().run
         made.kill()
         begin = time.monotonic()
         assert until(lambda: found.view().state == "died")
-        assert time.monotonic() - begin < 8.0  # not by a sign of life that stays away
+        assert time.monotonic() - begin < module.STALLED  # not by a sign of life that stays away
         assert "inertialcal acquire --seal" in found.view().why
         rows = found.view().instruments[0].rows
         made.wait()
