@@ -68,3 +68,11 @@ def test_rest_is_what_the_procedures_take_for_it() -> None:
     assert not at_rest(x, time_ns, 4.0)
     assert not stays_at_rest(x, time_ns)
     assert not at_rest(x[:250], time_ns[:250], 0.5)
+
+
+def test_few_samples_make_a_wide_interval() -> None:
+    """Student's t of nine degrees of freedom, 2.262 (table), or of fewer where neighbours look alike."""
+    rng, time_ns = np.random.default_rng(4), np.arange(12) * SECOND
+    for _ in range(20):
+        u, half = uncertainty(rng.normal(size=(12, 1)), time_ns)  # ten without the edges
+        assert half[0] >= 2.262 * u[0]
