@@ -39,7 +39,7 @@ from .json_lines import read_json_lines
 from .ros_messages import ENCODINGS, MESSAGES, Decoded, decode, message_type, stated
 from .rows import ENCODING, layout_in, rows_content
 from .rows import LIBRARY as OURS
-from .topics import INERTIAL, NO_NUMBERS, Topic, choose, joined, library, on_disk, other_topics, stamps, torn
+from .topics import INERTIAL, NAMED, NO_NUMBERS, Topic, choose, joined, library, on_disk, other_topics, stamps, torn
 
 ROS_1, MCAP = b"#ROSBAG V2.0\n", b"\x89MCAP0\r\n"
 CUT = "it ends in the middle of a chunk, which is read as far as it is whole"
@@ -157,6 +157,11 @@ def content_of(bag: Bag, variables: Sequence[str] | None) -> Content:
         return _of_json(bag, variables)
     if not any(one.rank and one.rows != 0 for one in topics) and bag.remarks:
         raise DataError(bag.remarks[0].what, bag.path, "no reading before that is whole", code="damaged_file")
+    unread = dict.fromkeys(one.encoding for one in bag.connections.values() if one.encoding not in ENCODINGS)
+    if unread and not any(one.rank for one in topics):
+        what = f"its messages are in {', '.join(unread)}, which is not read: {', '.join(map(str, topics[:NAMED]))}"
+        do = "Record ROS or JSON messages, or export the topic as CSV or JSON lines"
+        raise DataError(what, bag.path, do=do, code="no_channel")
     chosen = choose(topics, variables, bag.path)
     for topic in chosen:
         if topic.rank == NO_NUMBERS:
