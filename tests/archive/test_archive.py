@@ -14,6 +14,7 @@ from made_records import add, content, figure, record, yearly
 from inertialcal.archive import open_archive
 from inertialcal.archive.archive import Archive
 from inertialcal.archive.record import read_record
+from inertialcal.archive.trend import By
 from inertialcal.campaign.engine.run import run
 from inertialcal.core.errors import DataError, StoreError, UsageError
 
@@ -107,7 +108,7 @@ def test_units_of_one_serial_number_are_told_apart_by_their_part(tmp_path: Path)
     one, other = yearly("A", [0.1]), yearly("A", [0.2])
     other[0]["item"]["part"] = "G2"
     add(archive, *one, *other)
-    with pytest.raises(UsageError, match="--part"):
+    with pytest.raises(UsageError, match="Say of which part"):
         archive.history("A")
     assert archive.history("A", part="G2").series[0].last.row.value == 0.2
     with pytest.raises(DataError, match="no unit of serial number 'Z'"):
@@ -130,6 +131,24 @@ def test_when_to_calibrate_again(tmp_path: Path) -> None:
     assert found.due_ns is not None
     assert "calibrate again by 20" in str(found)
     assert archive.history("A", limits=["0.001 %"]).series[0].due.first == 0.0  # type: ignore[union-attr]
+
+
+def test_histories_and_trends_are_drawn(tmp_path: Path) -> None:
+    from inertialcal.archive.pictures import history_pictures, trend_pictures
+    from inertialcal.report.figure_file import write_figure
+
+    archive = open_archive(tmp_path / "lab.db")
+    for i in range(24):
+        add(archive, *yearly(f"$U{i}$", [0.10 + 0.01 * i, 0.121, 0.139], lot=f"L{i // 6}"))
+    history = archive.history("$U3$", limits=["0.1 %"])
+    (one,) = history_pictures(history)
+    assert one.finding.startswith("scale factor error x: ")
+    kinds: tuple[By, ...] = ("unit", "lot")
+    for by in kinds:
+        (chart,) = trend_pictures(archive.trend("scale_factor_error", by=by))
+        assert f"{by}s" in chart.finding
+        write_figure(tmp_path / f"{by}.png", [one, chart], [])
+        assert (tmp_path / f"{by}.png").stat().st_size > 10_000
 
 
 def test_units_of_texts_that_no_table_should_show_are_kept(archive: Archive) -> None:

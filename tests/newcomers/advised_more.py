@@ -909,4 +909,24 @@ GUIDED = (
         "has guided.parquet",
     ),
 )
-MORE = (*LAB, *GUIDED, *COMPENSATED, *LEVELS, *HEADS, *MASSES, *CAMPAIGNS, *SHAKEN)
+ARCHIVES = (
+    Case(
+        "Make one: inertialcal run DIR --archive {}",
+        "archive list --archive made.db",
+        "run certified --archive made.db ; archive list --archive made.db",
+        "done",
+    ),
+    Case(
+        "Add --archive lab.db, or set {}",
+        "run certified --archive lab.db ; archive list",
+        "archive list --archive lab.db",
+        "done",
+    ),
+    Case(
+        "Type: inertialcal archive migrate --archive {}",
+        "run certified --archive old.db ; archive migrate --archive old.db --to 0001 ; archive list --archive old.db",
+        "archive migrate --archive old.db ; archive list --archive old.db",
+        "done",
+    ),
+)
+MORE = (*ARCHIVES, *LAB, *GUIDED, *COMPENSATED, *LEVELS, *HEADS, *MASSES, *CAMPAIGNS, *SHAKEN)

@@ -36,8 +36,10 @@ def open_archive(where: str | os.PathLike[str]) -> Archive:
         ``archive_url``; ``missing_package`` if SQLAlchemy, of the extra ``archive``, is not installed.
     """
     try:
-        from .archive import Archive as Opened  # noqa: PLC0415 - starts slowly
+        import sqlalchemy  # noqa: F401, PLC0415 - starts slowly
     except ModuleNotFoundError as error:
         do = "Type: pip install 'inertialcal[archive]'"
         raise UsageError(f"the archive needs {error.name}", do=do, code="missing_package") from None
+    from .archive import Archive as Opened  # noqa: PLC0415
+
     return Opened(where)

@@ -156,7 +156,7 @@ class Archive:
         with self.database.reading() as connection:
             if read_record(connection, added.number).lines() != record.lines() and added.new:
                 what = f"campaign {added.name} was added as number {added.number}, and reads otherwise"
-                do = f"Type: inertialcal archive verify --archive {self.database.name}"
+                do = "Verify the archive before more is added"
                 raise StoreError(what, where=self.database.name, do=do, code="not_read_back")
         return added
 

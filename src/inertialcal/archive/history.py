@@ -245,7 +245,7 @@ def _item(connection: Connection, serial: str, part: str | None) -> dict[str, An
     if len(found) > 1:
         parts = ", ".join(dict.fromkeys(repr(one["part"]) for one in found))
         what = f"{len(found)} units have serial number {serial!r}"
-        raise UsageError(what, do=f"Add --part PART; there are: {parts}", code="several_items")
+        raise UsageError(what, do=f"Say of which part; there are: {parts}", code="several_items")
     return found[0]
 
 

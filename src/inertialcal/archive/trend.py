@@ -94,7 +94,7 @@ class Trend:
         parts: list[Block] = [Table(HEADS, rows, f"{self.quantity} over all units; limits of the last", (2, 3, 6, 7))]
         words = {"beyond": "outside its limits", "run": f"{RUN} or more in a row on one side", "spread": "spread"}
         lines = [f"{one.name}, {label}: {words[kind]}" for one in self.groups for label, kind in one.signals]
-        parts += lines[:12] + ([f"... {len(lines) - 12} more signals: --json"] if lines[12:] else [])
+        parts += lines[:12] + ([f"... {len(lines) - 12} more signals"] if lines[12:] else [])
         return (*parts, *remarks_line(self.remarks))
 
     def __str__(self) -> str:

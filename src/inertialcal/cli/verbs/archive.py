@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from .. import figures
 from ..options import Folder, Json, Quiet
 from ..shown.output import json_out, wrapped
 
 if TYPE_CHECKING:
     from ...archive.archive import Added, Archive
+    from ...report.figures.drawing.picture import Picture
 
+PICTURES = 4  # in one file
 VARIABLE = "INERTIALCAL_ARCHIVE"
 Where = Annotated[
     str | None,
@@ -85,10 +89,12 @@ def archive_history(
             "May be repeated.",
         ),
     ] = [],  # noqa: B006 - typer copies it
+    output: figures.FigureFile = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
     """Show each figure of a unit over its tests: drift with uncertainty, and when to calibrate again."""
+    figures.check_figure(output)
     found = opened(archive).history(serial, part, quantity, axis, test, limit)
     if as_json:
         content: dict[str, Any] = {"item": found.item, "results": found.results}
@@ -97,6 +103,10 @@ def archive_history(
         json_out("archive history", content)
     elif not quiet:
         _say(found)
+    if output is not None:
+        from ...archive.pictures import history_pictures
+
+        _draw(output, history_pictures(found), quiet or as_json)
     return 0
 
 
@@ -108,6 +118,7 @@ def archive_trend(
     part: Annotated[str | None, typer.Option(help="Of units of this part number alone.", show_default=False)] = None,
     by: Annotated[str, typer.Option("--by", help="A point for each unit, or for each lot: unit, lot.")] = "unit",
     every: Annotated[bool, typer.Option("--every", help="All tests of a unit, not the last alone.")] = False,
+    output: figures.FigureFile = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -116,12 +127,17 @@ def archive_trend(
 
     if by not in ("unit", "lot"):
         raise UsageError(f"--by {by}", do="Say unit or lot", code="wrong_value")
+    figures.check_figure(output)
     found = opened(archive).trend(quantity, axis, test, part, "lot" if by == "lot" else "unit", every)
     if as_json:
         content = {"charts": [one.to_dict() for one in found.groups]}
         json_out("archive trend", content | {"remarks": [one.to_dict() for one in found.remarks]})
     elif not quiet:
         _say(found)
+    if output is not None:
+        from ...archive.pictures import trend_pictures
+
+        _draw(output, trend_pictures(found), quiet or as_json)
     return 0
 
 
@@ -215,6 +231,17 @@ def archive_migrate(
         same = f"schema {now} already"
         print(wrapped(f"{where.database.name}: {same if before == now else f'schema {before} is now {now}'}"))
     return 0
+
+
+def _draw(output: Path, found: Sequence[Picture], quiet: bool) -> None:
+    """Write the first pictures, one below the other, and say what was left out."""
+    from ...report.figure_file import write_figure
+
+    write_figure(output, found[:PICTURES], [])
+    if not quiet:
+        rest = len(found) - PICTURES
+        more = f"; {rest} more are not drawn" if rest > 0 else ""
+        print(wrapped(f"written: {output}{more}"))
 
 
 def _say(found: object) -> None:

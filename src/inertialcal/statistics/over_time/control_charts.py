@@ -144,7 +144,7 @@ def lots(figures: Sequence[Figure], names: Sequence[Hashable]) -> Chart:
     groups = [np.array(each) for each in members.values() if len(each) > 1]
     y = _values(figures, 1, "figures")
     if len(groups) < 2:
-        raise DataError("fewer than two lots of two units", do="Leave out --by lot", code="few_figures")
+        raise DataError("fewer than two lots of two units", do="Take a point a unit", code="few_figures")
     _, shared = _parts(figures)
     sizes = np.array([each.size for each in groups], dtype=float)
     means = np.array([y[each].mean() for each in groups])
