@@ -152,6 +152,7 @@ MUTANTS = (
         "test_means",
     ),
     Mutant("means.py", "float(weights.sum() ** -0.5)", "float(weights.sum() ** -1.0)", "test_means"),
+    Mutant("drift_line.py", "+ shared.T @ shared", "- 0.5 * shared.T @ shared", "test_drift_line"),
     Mutant(
         "difference.py",
         "b.change(name) - a.change(name)",
