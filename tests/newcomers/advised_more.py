@@ -859,6 +859,12 @@ LAB = (
         "has suite.parquet",
     ),
     Case(
+        "to seal it: inertialcal acquire --seal {}",
+        "acquire LAB.toml -o lab_cut_off ; halve lab_cut_off/recording.mcap ; live lab_cut_off --state",
+        "acquire --seal lab_cut_off",
+        "has suite.parquet",
+    ),
+    Case(
         "Say: inertialcal sequence {} -o DIR",
         "sequence SEQUENCE.toml",
         "sequence SEQUENCE.toml -o lab_steps",

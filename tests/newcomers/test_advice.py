@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ast
 import json
+import os
 import re
 import shlex
 import sys
@@ -84,6 +85,9 @@ def strings(content: Any) -> Iterator[str]:
 def typed(capsys: pytest.CaptureFixture[str], line: str) -> tuple[int, Any, str]:
     """Type a command; return exit status, its object, and all that it says. ``text`` before it: without ``--json``."""
     words = shlex.split(line)
+    if words[0] == "halve":  # as a loss of power does
+        os.truncate(words[1], os.path.getsize(words[1]) // 2)
+        return 0, {}, ""
     if words[0] in ("rm", "edit"):  # by hand
         file = Path(words[1])
         text = file.read_text(encoding="utf-8")

@@ -112,9 +112,7 @@ class Watch:
             yield Remark(code, "warning", f"{name}: {what}{held}, {span}", self.name, known.count, do, subject=name)
         if self._unseen and last:
             what = "samples came faster than they could be looked through"
-            yield Remark(
-                "not_screened", "info", what, self.name, self._unseen, "Look at the sealed file: inertialcal info"
-            )
+            yield Remark("not_screened", "info", what, self.name, self._unseen, "Look through the sealed file")
 
     def _silence(self, rate: float | None) -> Iterator[Remark]:
         """Yield that no row comes any more, once, and again after it has come back."""
