@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .campaign.calls.nouns import (
         allan,
         flip,
+        magnetometer_bias,
         mass_attraction,
         positions,
         psd,
@@ -101,6 +102,7 @@ __all__ = [
     "info",
     "load_model",
     "load_models",
+    "magnetometer_bias",
     "mass_attraction",
     "max_memory",
     "open_archive",

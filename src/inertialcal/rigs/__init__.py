@@ -24,6 +24,7 @@ BUILT_IN = (
     "climate",
     "shaker",
     "turned_mass",
+    "satellite",
 )
 DEMONSTRATED = "npsat1"  # where none is named
 

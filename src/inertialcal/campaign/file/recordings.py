@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, cast, get_type_hints
 
 from pydantic import Field, create_model, field_validator, model_validator
 
+from ...core.key import AXES
 from ...core.schema.quantities import Axis, Duration, Frequency, Name, Strict, Text, UnitOrNone
 from ...core.times import read_instant
 from ...core.units import divide, parse_quantity
@@ -98,8 +99,10 @@ def _own_keys() -> dict[str, EntryKey]:
 
 
 def _roles() -> dict[str, Role]:
-    """Return the channels that procedures read beside the axes, by name."""
-    return {role.name: role for procedure in loaded_procedures() for role in procedure.inputs.roles}
+    """Return the channels that procedures read beside the axes, by name; those of one axis each too."""
+    named = {role.name: role for procedure in loaded_procedures() for role in procedure.inputs.roles}
+    by_axis = [role for role in named.values() if role.by_axis and role.name not in OF_CHAIN]
+    return named | {f"{role.name}_{axis}": role for role in by_axis for axis in AXES}
 
 
 OWN_KEYS, ROLES = _own_keys(), _roles()
@@ -107,9 +110,8 @@ TABLE_KEYS = tuple(name for name, key in OWN_KEYS.items() if key.table)
 
 
 def _channel_names() -> str:
-    added = [role for role in ROLES.values() if role.name not in OF_CHAIN]
-    by_axis = "|".join([*OF_AXES, *(role.name for role in added if role.by_axis)])
-    return f"^({'|'.join([*(role.name for role in added), *OF_CHAIN])}|(({by_axis})_)?[xyz])$"
+    added = [name for name in ROLES if name not in OF_CHAIN]
+    return f"^({'|'.join([*added, *OF_CHAIN])}|(({'|'.join(OF_AXES)})_)?[xyz])$"
 
 
 ChannelName = Annotated[str, Field(pattern=_channel_names())]

@@ -17,7 +17,7 @@ STANDARDS: dict[str, dict[str, str]] = {
     "rate_table": {"rate": "1", "mounting": "rad"},
     "turn": {"angle": "rad", "axis": "rad"},
     "converter": {"reference": "1", "zero": "m/s^2"},
-    "sensor": {"scale_factor": "1", "hysteresis": "rad/s"},
+    "sensor": {"scale_factor": "1", "misalignment": "rad", "hysteresis": "rad/s"},
     "thermometer": {"temperature": "degC"},
     "supply_meter": {"voltage": "1", "resolution": "V"},
     "pressure_gauge": {"pressure": "1"},
@@ -32,16 +32,19 @@ STANDARDS: dict[str, dict[str, str]] = {
     "fixture": {"orientation": "rad", "repeatability": "rad", "mounting": "rad"},
     "clock": {"rate": "1"},
     "control_accelerometer": {"scale_factor": "1"},
+    "magnetometer": {"mounting": "rad"},
+    "earth_field": {"uniform": "T"},
 }
 # An uncertainty in each of these units, as it may be written.
 WRITTEN = {"1": "0.1 %", "rad": "0.01 deg", "m/s^2": "10 ug", "rad/s": "0.01 deg/s", "degC": "0.1 K", "V": "1 mV",
-           "kg": "1 g", "m": "0.1 mm"}  # fmt: skip
+           "kg": "1 g", "m": "0.1 mm", "T": "30 nT"}  # fmt: skip
 
 # What draws the error of an influence anew; where nothing is said here it is a certificate.
 REDRAWN: dict[str, Redrawn] = {
     "rate_table.mounting": "mounting", "turn.axis": "mounting", "fixture.mounting": "mounting",
     "source_mass.placing": "mounting", "source_mass.gravitational_constant": "never", "site.latitude": "never",
     "gravity.value": "never", "fixture.repeatability": "dwell", "sensor.hysteresis": "power_up", "pad.tilt": "day",
+    "magnetometer.mounting": "never", "earth_field.uniform": "day",
 }  # fmt: skip
 
 

@@ -1,0 +1,1 @@
+"""Bias of a gyro in orbit from a magnetometer: no attitude needed."""

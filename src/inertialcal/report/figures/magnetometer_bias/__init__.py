@@ -1,0 +1,1 @@
+"""Figures of a gyro against a magnetometer in orbit."""
