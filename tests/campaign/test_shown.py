@@ -27,6 +27,7 @@ from inertialcal.core.show.rows import case_name
 from inertialcal.core.show.tables import WIDTH, Table
 from inertialcal.procedures.mass_attraction.reduction import repeated
 from inertialcal.procedures.mass_attraction.schedule_csv import write_schedule
+from inertialcal.rigs.satellite.rig import Bench, build
 from inertialcal.sensors.model.sensor_model import Item, SensorModel
 
 EXAMPLE = Path(__file__).parents[2] / "src/inertialcal/examples/npsat2011"
@@ -54,6 +55,14 @@ def moved(folder: Path) -> Reduced:
     np.savetxt(path, table, fmt="%.6f", delimiter=",", header="unix_s,pulses [count]", comments="")
     write_schedule(schedule, plan)
     return ic.mass_attraction(path, schedule=str(schedule), gate="100 s")
+
+
+def satellite(folder: Path) -> Reduced:
+    """What half an orbit of a gyro and a magnetometer gives."""
+    pytest.importorskip("ppigrf")
+    (made,) = build(Bench(seconds=2100), 1).recordings.values()
+    ic.write(made, folder / "orbit.csv")
+    return ic.magnetometer_bias(folder / "orbit.csv")
 
 
 def turned(folder: Path) -> Reduced:
@@ -161,6 +170,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
         "sine": ic.sine(still[:, 0] + 1e-3 * DRIVE, period="1 s", sample_rate=100.0, units="rad/s"),
         "vibration": ic.vibration(random, profile=profile, control="control"),
         "vibration_profile": ic.vibration_profile(profile),
+        "magnetometer_bias": satellite(tmp_path_factory.mktemp("satellite")),
         "turned_mass": turned(tmp_path_factory.mktemp("turned")),
         "plan_turned_mass": ic.plan_turned_mass(hours="12 h", trials=0),
         "plan_vibration": ic.plan_vibration(profile=profile),
@@ -188,7 +198,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
 NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "thermal", "sensitivity", "allan", "psd", "sine",
          "mass_attraction", "plan_mass_attraction", "positions", "positions_batch", "plan_positions",
          "vibration", "vibration_profile", "plan_vibration", "plan_vibration_survey", "vibration_survey",
-         "vibration_effects", "turned_mass", "plan_turned_mass",
+         "vibration_effects", "magnetometer_bias", "turned_mass", "plan_turned_mass",
          "result", "estimate",
          "check", "run", "budget", "model", "compare", "judged", "simulate", "score")  # fmt: skip
 

@@ -25,7 +25,7 @@ from inertialcal.procedures.magnetometer_bias.reduction import Result, cut, redu
 from inertialcal.procedures.magnetometer_bias.start import by_magnitude, by_pairs
 
 pytest.importorskip("ppigrf")
-from independent.orbits import DEG, Orbit, recorded
+from independent.orbit.magnetometer import DEG, Orbit, recorded
 
 Array = NDArray[np.float64]
 START = 1_772_323_200_000_000_000  # 2026-03-01 [ns]
@@ -95,7 +95,7 @@ def coverage(n: int, motion: str) -> tuple[Counter[str], Counter[str], list[floa
     said: Counter[str] = Counter()
     u = []
     for seed in range(1, n + 1):
-        made = recorded(np.random.default_rng(seed), motion=motion)
+        made = recorded(np.random.default_rng(seed), 3600.0, 2.0, motion)
         result = reduced(made)
         hits.update({name: int(one) for name, one in held(made, result).items()})
         said.update(codes(result))
@@ -133,7 +133,7 @@ def test_intervals_hold_with_errors_of_standards() -> None:
         rng = np.random.default_rng([seed, 7])
         gyro = np.eye(3) + rng.normal(0.0, 2e-3, (3, 3))
         gyro[np.diag_indices(3)] = 1.0 + rng.normal(0.0, 0.005, 3)
-        made = recorded(rng, gyro=gyro, magnetometer=Rotation.from_rotvec(rng.normal(0.0, 3e-3, 3)).as_matrix(),
+        made = recorded(rng, 3600.0, 2.0, gyro=gyro, magnetometer=Rotation.from_rotvec(rng.normal(0.0, 3e-3, 3)).as_matrix(),
                         extra=rng.normal(0.0, 30e-9, 3))  # fmt: skip
         result = reduced(made, standards=stated)
         hits.update({name: int(one) for name, one in held(made, result).items()})
@@ -272,7 +272,7 @@ def test_a_drift_is_told_and_the_mean_is_held() -> None:
 def test_scale_factors_are_told_and_estimated() -> None:
     made = recorded(np.random.default_rng(5), magnetometer=np.diag([1.01, 0.99, 1.0]))
     assert "scale_factor_seen" in codes(reduced(made))
-    found = reduced(made, magnetometer="scale_factor")
+    found = reduced(made, magnetometer_model="scale_factor")
     assert codes(found) <= {"disturbed"}
     assert found.estimate.values[6:] == pytest.approx([0.01, -0.01, 0.0], abs=5e-4)
     assert all(held(made, found).values())

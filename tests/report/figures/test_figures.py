@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from test_figure_flip import dwells as flip_dwells
 from test_figure_flip import quiet as flip_quiet
+from test_figure_magnetometer_bias import CURVES as FIELD_CURVES
 from test_figure_mass import CURVES as MASS_CURVES
 from test_figure_mass import ROWS as MASS_ROWS
 from test_figure_noise import allan as noise_allan
@@ -194,7 +195,8 @@ def results() -> dict[str, Any]:
         "curves": [input_output(), errors(), linearity(), *trace(), compensated(), compensated("y"), flip_dwells("y"),
                    flip_quiet("y"), saved("rec", [2.0, 3.0, 6.0], [900, 17, 2]), saved("other", [2.0, 5.0], [100, 7]),
                    *copy.deepcopy([*THERMAL_CURVES, *MASS_CURVES, *POSITIONS_CURVES, *SENSITIVITY_CURVES,
-                                 *planned().results["curves"], *vibration_curves(), *TURNED_CURVES]),
+                                 *planned().results["curves"], *vibration_curves(), *TURNED_CURVES,
+                                 *FIELD_CURVES]),
                    noise_allan("z"), noise_terms("z"), noise_spectrum("z"), *sine_curves("z")],
         "sequence": SEQUENCE + THERMAL_SEQUENCE, "verdicts": [*VERDICTS, *JUDGED],
         "results": [*ROWS, *BESIDE, *CHANGES, *THERMAL_ROWS, *MASS_ROWS, *SENSITIVITY_ROWS,

@@ -34,7 +34,7 @@ class Plan:
         "Length of the arcs that the record is cut into: each has its own attitude.", 300.0, unit="s", example="300 s",
         least=20.0,
     )  # fmt: skip
-    magnetometer: Literal["bias", "scale_factor"] = setting(
+    magnetometer_model: Literal["bias", "scale_factor"] = setting(
         "What is estimated of the magnetometer with the bias of the gyro: its bias, or its scale factors as well.",
         "bias",
     )

@@ -157,7 +157,7 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     noise = Noise(_field_noise(arcs, offset), _walk(tracks))
     bias, _ = by_pairs(arcs, offset)
     _check_axes(arcs, noise, offset, readings.tracks[0].file)
-    arcs, found, left = _robust(arcs, np.concatenate([bias, offset]), noise, plan.magnetometer == "scale_factor")
+    arcs, found, left = _robust(arcs, np.concatenate([bias, offset]), noise, plan.magnetometer_model == "scale_factor")
     remarks += left
     _check_fit(arcs, found, readings.tracks[0].file)
     residual = float(np.sqrt(np.mean(np.concatenate([_magnitudes(one, found) for one in arcs]) ** 2)))
@@ -300,9 +300,7 @@ def _check_fit(arcs: Sequence[Arc], found: Solution, file: str) -> None:
     rest = float(np.sqrt(np.mean(np.concatenate([_magnitudes(one, found) for one in arcs]) ** 2)))
     if rest > FAR * size:
         what = f"the magnitude of the field differs from its model by {number(rest * 1e9, 3)} nT (rms)"
-        do = (
-            "Check clock and position, the unit of the magnetometer, and its scale factors: --magnetometer scale_factor"
-        )
+        do = "Check clock and position, the unit of the magnetometer, and its scale factors: --magnetometer-model scale_factor"
         raise DataError(what, file, do=do, code="no_fit")
     count = sum(one.readings for one in found.equations) - 3 * len(arcs) - len(found.values)
     if np.sqrt(sum(one.squares for one in found.equations) / max(count, 1)) > LOOSE:
@@ -406,7 +404,7 @@ def _clock(result: Result) -> Iterator[Remark]:
 
 def _scale(result: Result) -> Iterator[Remark]:
     """Yield scale factors of the magnetometer that are seen where they are not estimated."""
-    if result.plan.magnetometer == "scale_factor":
+    if result.plan.magnetometer_model == "scale_factor":
         return
     wider = solved(result.arcs, result.solution.values[:6], result.noise, True)
     change, covariance = wider.values[6:], wider.covariance[6:, 6:]
@@ -417,7 +415,7 @@ def _scale(result: Result) -> Iterator[Remark]:
         what = (
             f"the magnetometer has scale factor errors ({errors}): they move the bias by up to {number(moved, 2)} deg/s"
         )
-        yield Remark("scale_factor_seen", "warning", what, do="Estimate them: --magnetometer scale_factor")
+        yield Remark("scale_factor_seen", "warning", what, do="Estimate them: --magnetometer-model scale_factor")
 
 
 def _known(result: Result) -> Curve:
