@@ -61,7 +61,7 @@ def satellite(folder: Path) -> Reduced:
     """What half an orbit of a gyro and a magnetometer gives."""
     pytest.importorskip("ppigrf")
     (made,) = build(Bench(seconds=2100), 1).recordings.values()
-    ic.write(made, folder / "orbit.csv")
+    ic.write(folder / "orbit.csv", made)
     return ic.magnetometer_bias(folder / "orbit.csv")
 
 

@@ -7,7 +7,7 @@ these."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -35,7 +35,7 @@ class Orbit:
     geodetic: Array  # (n, 3) latitude, longitude [rad], height [m]
     bias: Array  # [rad/s]
     offset: Array  # [T]
-    true_rates: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    true_rates: Array  # [rad/s]
 
     def write(self, path: Path, geodetic: bool = False, **columns: Any) -> Path:
         """Write it as a table, earth-fixed in km or geodetic in degrees."""

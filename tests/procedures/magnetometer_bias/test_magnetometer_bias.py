@@ -108,7 +108,7 @@ def test_intervals_hold(motion: str) -> None:
     hits, said, u = coverage(4, motion)
     assert all(keeps("holds", one, 4) for one in hits.values()), hits
     assert not said
-    assert np.median(u) < 3e-4
+    assert np.median(u) < 5e-4
 
 
 @pytest.mark.slow
@@ -133,8 +133,8 @@ def test_intervals_hold_with_errors_of_standards() -> None:
         rng = np.random.default_rng([seed, 7])
         gyro = np.eye(3) + rng.normal(0.0, 2e-3, (3, 3))
         gyro[np.diag_indices(3)] = 1.0 + rng.normal(0.0, 0.005, 3)
-        made = recorded(rng, 3600.0, 2.0, gyro=gyro, magnetometer=Rotation.from_rotvec(rng.normal(0.0, 3e-3, 3)).as_matrix(),
-                        extra=rng.normal(0.0, 30e-9, 3))  # fmt: skip
+        turned = Rotation.from_rotvec(rng.normal(0.0, 3e-3, 3)).as_matrix()
+        made = recorded(rng, 3600.0, 2.0, gyro=gyro, magnetometer=turned, extra=rng.normal(0.0, 30e-9, 3))
         result = reduced(made, standards=stated)
         hits.update({name: int(one) for name, one in held(made, result).items()})
     assert all(keeps("holds", one, 100) for one in hits.values()), hits

@@ -300,7 +300,8 @@ def _check_fit(arcs: Sequence[Arc], found: Solution, file: str) -> None:
     rest = float(np.sqrt(np.mean(np.concatenate([_magnitudes(one, found) for one in arcs]) ** 2)))
     if rest > FAR * size:
         what = f"the magnitude of the field differs from its model by {number(rest * 1e9, 3)} nT (rms)"
-        do = "Check clock and position, the unit of the magnetometer, and its scale factors: --magnetometer-model scale_factor"
+        do = "Check clock and position, the unit of the magnetometer, and its scale factors"
+        do += " (--magnetometer-model scale_factor)"
         raise DataError(what, file, do=do, code="no_fit")
     count = sum(one.readings for one in found.equations) - 3 * len(arcs) - len(found.values)
     if np.sqrt(sum(one.squares for one in found.equations) / max(count, 1)) > LOOSE:
@@ -314,7 +315,7 @@ def _stated(changes: Array, plan: Plan) -> Iterator[Component]:
     entry = {f"{a}{b}": changes[3 * i + j] for i, a in enumerate(AXES) for j, b in enumerate(AXES)}
     unknowns: dict[str, dict[str, Array]] = {
         "sensor.scale_factor": {axis: entry[axis * 2] for axis in AXES},
-        "sensor.misalignment": {name: row for name, row in entry.items() if name[0] != name[1]},
+        "sensor.misalignment": {f"{a}{b}": entry[f"{a}{b}"] for a, b in permutations(AXES, 2)},
         # the gyro turned about x by a small angle reads y of z and z of -y
         "magnetometer.mounting": {
             "x": entry["yz"] - entry["zy"], "y": entry["zx"] - entry["xz"], "z": entry["xy"] - entry["yx"],

@@ -85,10 +85,11 @@ def build(bench: Bench, seed: int) -> Twin:
     of_unit, of_errors, of_orbit, of_record = np.random.default_rng(seed).spawn(4)
     bias = of_unit.normal(0.0, bench.bias, 3)
     offset = of_unit.normal(0.0, bench.magnetometer_bias, 3)
-    names = [f"sensor.scale_factor[{axis}]" for axis in AXES]
-    names += [f"sensor.misalignment[{a}{b}]" for a in AXES for b in AXES if a != b]
-    names += [f"{name}[{axis}]" for name in ("magnetometer.mounting", "earth_field.uniform") for axis in AXES]
-    drawn = {name: drawn_error(bench.standards.get(name.partition("[")[0]), of_errors) for name in names}
+    pairs = [f"{a}{b}" for a in AXES for b in AXES if a != b]
+    unknowns = {"sensor.scale_factor": AXES, "sensor.misalignment": pairs, "magnetometer.mounting": AXES,
+                "earth_field.uniform": AXES}  # fmt: skip
+    drawn = {f"{name}[{one}]": drawn_error(bench.standards.get(name), of_errors)
+             for name, each in unknowns.items() for one in each}  # fmt: skip
     recording = _recording(bench, bias, offset, drawn, of_orbit, of_record)
     truth = [TrueValue("bias", axis, float(value), "rad/s") for axis, value in zip(AXES, bias, strict=True)]
     truth += [TrueValue("magnetometer_bias", axis, float(value), "T") for axis, value in zip(AXES, offset, strict=True)]
