@@ -48,8 +48,8 @@ class MagnetometerBias(Procedure[Plan, "Readings", "Result"]):
             "magnetometer-bias",
             "Bias of a gyro in orbit from a magnetometer and the field of the earth; no attitude is needed.",
             examples=(
-                "orbit.csv -o known.png",
-                'orbit.csv --magnetometer bx,by,bz --standard sensor.scale_factor="0.5 %"',
+                "orbit/recordings/orbit.csv -o known.png",
+                'orbit/recordings/orbit.csv --arc "600 s" --magnetometer-model scale_factor',
             ),
         ),
     )

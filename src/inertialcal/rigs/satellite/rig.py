@@ -130,11 +130,11 @@ def _recording(
     if bench.exchanged:
         field_read = field_read[:, [1, 0, 2]]
     told = _track(bench, time - bench.late, inclination, node, start)
-    channels = [Channel(f"gyro_{axis}", np.round(read[:, i] * factor("rad/s", "deg/s"), 6), "deg/s", axis=axis,
+    channels = [Channel(f"gyro_{axis} [deg/s]", np.round(read[:, i] * factor("rad/s", "deg/s"), 6), "deg/s", axis=axis,
                         quantity="gyro") for i, axis in enumerate(AXES)]  # fmt: skip
-    channels += [Channel(f"mag_{axis}", np.round(field_read[:, i] * 1e9, 2), "nT", axis=axis, quantity="magnetometer")
+    channels += [Channel(f"mag_{axis} [nT]", np.round(field_read[:, i] * 1e9, 2), "nT", axis=axis, quantity="magnetometer")
                  for i, axis in enumerate(AXES)]  # fmt: skip
-    channels += [Channel(f"ecef_{axis}", np.round(told[:, i] * 1e-3, 4), "km") for i, axis in enumerate(AXES)]
+    channels += [Channel(f"ecef_{axis} [km]", np.round(told[:, i] * 1e-3, 4), "km") for i, axis in enumerate(AXES)]
     stamps = BEGIN * SECOND + np.rint(time * SECOND).astype(np.int64)
     return Recording(tuple(channels), stamps, 1.0, None, "utc", "column", time_column="unix_s")
 
@@ -178,9 +178,9 @@ def _motion(time: Array, rng: np.random.Generator) -> tuple[Array, Array]:
 
 def campaign_text(bench: Bench) -> str:
     """Return the text of campaign.toml, with the marks for the seed and for the seal of the truth."""
-    channels = channel_entries({axis: f"gyro_{axis}" for axis in AXES}, "deg/s")
-    channels |= channel_entries({f"magnetometer_{axis}": f"mag_{axis}" for axis in AXES}, "nT")
-    channels |= channel_entries({f"position_{axis}": f"ecef_{axis}" for axis in AXES}, "km")
+    channels = channel_entries({axis: f"gyro_{axis} [deg/s]" for axis in AXES}, "deg/s")
+    channels |= channel_entries({f"magnetometer_{axis}": f"mag_{axis} [nT]" for axis in AXES}, "nT")
+    channels |= channel_entries({f"position_{axis}": f"ecef_{axis} [km]" for axis in AXES}, "km")
     recording = {"sensor": "suite", "file": FILE, "clock": {"column": "unix_s"}, "channels": channels}
     title, about = "Bias of a simulated gyro in orbit", "a gyro and a magnetometer over one orbit"
     return toml_text(
