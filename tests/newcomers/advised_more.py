@@ -9,6 +9,36 @@ from advised_cases import Case
 
 COMPENSATED = (
     Case(
+        'Give the date of the first sample: --epoch "2026-03-01", or mission_start',
+        "magnetometer-bias orbit_elapsed.csv",
+        '+ --epoch "2026-03-01"',
+        "bias x 0.03",
+    ),
+    Case(
+        "Add: --magnetometer BX,BY,BZ",
+        "magnetometer-bias orbit_bare.csv --epoch 2026-03-01",
+        "+ --magnetometer b1,b2,b3",
+        "bias y -0.02",
+    ),
+    Case(
+        "Add: --column latitude=COLUMN, longitude and height alike; or earth-fixed position_x, ",
+        "magnetometer-bias orbit_where.csv --epoch 2026-03-01",
+        "+ --column latitude=p1 --column longitude=p2 --column height=p3",
+        "bias z 0.01",
+    ),
+    Case(
+        "Record longer, or give a shorter --arc",
+        'magnetometer-bias orbit_elapsed.csv --epoch 2026-03-01 --arc "600 s"',
+        '+ --arc "200 s"',
+        "bias x 0.03",
+    ),
+    Case(
+        "Estimate them: --magnetometer-model scale_factor",
+        "magnetometer-bias orbit_scale.csv --epoch 2026-03-01",
+        "+ --magnetometer-model scale_factor",
+        "bias x 0.03",
+    ),
+    Case(
         "Add: --control COLUMN",
         "vibration effects shaker.csv",
         "+ --control front",

@@ -19,6 +19,7 @@ from newcomer_boards import FACES, Board, G, board_at_rest, board_of, six_faces
 from newcomer_tables import rounded
 from newcomer_truths import BIASES, NOISE, at_rest, chamber
 
+from independent.orbit.magnetometer import recorded as in_orbit
 from independent.shaking.shaker import Mode, recorded
 from independent.shaking.shaker import Run as Sweep
 from independent.vibration.random_run import Run, simulate
@@ -127,6 +128,7 @@ START_OF_SECOND = stamp(START, 1.0)
 
 def write_records(folder: Path) -> None:
     """Write every file into a folder."""
+    _orbits(folder)
     write_model(folder / "both.json", ModelSet(tuple(_model(one) for one in BIAS)))
     keys = tuple(Key("angle_random_walk", axis) for axis in "xyz")
     scatter = Component("scatter", "A", np.diag([1e-16] * 3), 7.0)
@@ -570,3 +572,18 @@ def _quarters() -> str:
     acc = {f"acc_{axis} [ug]": rounded(HEAD_BIAS[axis] + values + 2.0 * rng.standard_normal(len(angle)), 3)
            for axis, values in turned.items()}  # fmt: skip
     return csv({"time_s": rounded(np.arange(len(angle)) / 10.0, 1), **acc})
+
+
+def _orbits(folder: Path) -> None:
+    """Write a gyro and a magnetometer in orbit: without a date, without names of its columns, with scale factors."""
+    bias, offset = np.radians([0.03, -0.02, 0.01]), np.array([2e-7, -1e-7, 3e-7])
+    made = in_orbit(np.random.default_rng(8), 3000.0, bias=bias, offset=offset)
+    text = made.write(folder / "orbit_elapsed.csv", geodetic=True).read_text(encoding="utf-8")
+    (folder / "orbit_bare.csv").write_text(text.replace("mx [", "b1 [").replace("my [", "b2 [").replace("mz [", "b3 ["))
+    (folder / "orbit_where.csv").write_text(
+        text.replace("lat [", "p1 [").replace("lon [", "p2 [").replace("alt [", "p3 [")
+    )
+    turned = np.diag([1.02, 0.99, 1.0])
+    in_orbit(np.random.default_rng(8), 3000.0, bias=bias, offset=offset, magnetometer=turned).write(
+        folder / "orbit_scale.csv"
+    )

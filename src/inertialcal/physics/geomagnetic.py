@@ -86,7 +86,7 @@ def field_along(times: Array, position: Array, start_ns: int, where: str = "") -
     date = datetime(1970, 1, 1, tzinfo=UTC) + timedelta(microseconds=start_ns / 1e3 + 5e5 * float(times[-1]))
     if not FIRST <= date.year < LAST:
         what = f"the record is of {date.year}; the model of the field holds from {FIRST} to {LAST}"
-        raise DataError(what, where, do="Check the time column, or give --epoch", code="no_date")
+        raise DataError(what, where, do="Check the column of the time", code="no_date")
     try:
         model = importlib.import_module("ppigrf")
     except ImportError:

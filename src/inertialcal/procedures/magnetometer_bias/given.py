@@ -42,8 +42,8 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     fixed = all(f"position_{axis}" in columns for axis in AXES)
     if not fixed and not all(name in columns for name in GEODETIC):
         what = f"{given.name}: cannot tell where the spacecraft was; it has {have}"
-        do = f"Name geodetic latitude, longitude and height: {given.add('column', 'latitude=COLUMN')}, ...; or "
-        do += f"earth-fixed coordinates: {given.add('column', 'position_x=COLUMN')}, ..."
+        do = f"Add: {given.add('column', 'latitude=COLUMN')}, longitude and height alike; or earth-fixed position_x, "
+        do += "position_y, position_z"
         raise UsageError(what, why="the field of the earth is taken along the orbit", do=do, code="no_column")
     unused = GEODETIC if fixed else [f"position_{axis}" for axis in AXES]
     columns = {role: name for role, name in columns.items() if role not in unused}

@@ -70,10 +70,8 @@ def track(recording: Recording, name: str, file: str, epoch: str | None) -> Trac
         do = "Give the channels latitude, longitude and height, or position_x, position_y, position_z (earth-fixed)"
         raise DataError(f"recordings.{name}: where the spacecraft was is not given", file, do=do, code="no_position")
     if recording.time_ns is None or len(recording) < 2:
-        do = "Give the column of the time: --time-column"
-        raise DataError(
-            f"recordings.{name}: no time", file, "the field of the earth is that of an instant", do, "no_time"
-        )
+        why = "where the spacecraft was, and how it turned, are told by time"
+        raise DataError(f"recordings.{name}: no time", file, why, "Record the time of each sample", "no_time")
     place = recording.array(POSITION if fixed else GEODETIC)
     position = place if fixed else earth_fixed(*place.T)
     times = (recording.time_ns - recording.time_ns[0]) / SECOND

@@ -301,7 +301,6 @@ def _check_fit(arcs: Sequence[Arc], found: Solution, file: str) -> None:
     if rest > FAR * size:
         what = f"the magnitude of the field differs from its model by {number(rest * 1e9, 3)} nT (rms)"
         do = "Check clock and position, the unit of the magnetometer, and its scale factors"
-        do += " (--magnetometer-model scale_factor)"
         raise DataError(what, file, do=do, code="no_fit")
     count = sum(one.readings for one in found.equations) - 3 * len(arcs) - len(found.values)
     if np.sqrt(sum(one.squares for one in found.equations) / max(count, 1)) > LOOSE:

@@ -132,8 +132,8 @@ def _recording(
     told = _track(bench, time - bench.late, inclination, node, start)
     channels = [Channel(f"gyro_{axis} [deg/s]", np.round(read[:, i] * factor("rad/s", "deg/s"), 6), "deg/s", axis=axis,
                         quantity="gyro") for i, axis in enumerate(AXES)]  # fmt: skip
-    channels += [Channel(f"mag_{axis} [nT]", np.round(field_read[:, i] * 1e9, 2), "nT", axis=axis, quantity="magnetometer")
-                 for i, axis in enumerate(AXES)]  # fmt: skip
+    channels += [Channel(f"mag_{axis} [nT]", np.round(field_read[:, i] * 1e9, 2), "nT", axis=axis,
+                         quantity="magnetometer") for i, axis in enumerate(AXES)]  # fmt: skip
     channels += [Channel(f"ecef_{axis} [km]", np.round(told[:, i] * 1e-3, 4), "km") for i, axis in enumerate(AXES)]
     stamps = BEGIN * SECOND + np.rint(time * SECOND).astype(np.int64)
     return Recording(tuple(channels), stamps, 1.0, None, "utc", "column", time_column="unix_s")
