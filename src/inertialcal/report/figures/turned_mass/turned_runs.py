@@ -70,7 +70,7 @@ def draw(curve: Curve, axes: Sequence[Axes], title: str) -> None:
     ax.vlines(q, lo, hi, color=COLOURS["blue"], linewidth=1.3, zorder=3)
     looks = (
         (ahead & used, "o", COLOURS["blue"], "with the orbit"),
-        (~ahead & used, "o", "white", "against the orbit"),
+        (~ahead & used, "o", COLOURS["paper"], "against the orbit"),
         (~used, "x", COLOURS["vermilion"], "meets the orbit, not used"),
     )
     for mask, marker, face, label in looks:
