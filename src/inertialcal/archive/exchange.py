@@ -134,11 +134,11 @@ def read_export(path: str | os.PathLike[str]) -> list[Exported]:
 def _parts(data: bytes, where: str) -> dict[str, bytes]:
     """Return the entries of a zip, each with the hash that it should have."""
     try:
-        with zipfile.ZipFile(io.BytesIO(data)) as opened:
-            claim(where, len(data), sum(one.file_size for one in opened.infolist()), "the entries of the zip")
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            claim(where, len(data), sum(one.file_size for one in archive.infolist()), "the entries of the zip")
             parts = {}
-            for one in opened.infolist():
-                with opened.open(one) as entry:
+            for one in archive.infolist():
+                with archive.open(one) as entry:
                     parts[one.filename] = entry.read(one.file_size + 1)
     except (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, OSError, ValueError, zlib.error):
         what = "not an export of an archive: no zip file, or a damaged one"
