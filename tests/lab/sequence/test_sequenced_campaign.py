@@ -103,7 +103,7 @@ def killed_and_resumed(folder: Path, name: str, rng: np.random.Generator) -> int
     return done
 
 
-@pytest.mark.parametrize("number", [pytest.param(i, marks=[] if i < 3 else pytest.mark.slow) for i in range(20)])
+@pytest.mark.parametrize("number", [pytest.param(i, marks=[] if i < 1 else pytest.mark.slow) for i in range(20)])
 def test_killed_and_resumed_gives_the_same_results(table: Path, number: int) -> None:
     done = killed_and_resumed(table, f"killed_{number}", np.random.default_rng(number))
     rows = log_rows(table / f"killed_{number}")
