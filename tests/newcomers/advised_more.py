@@ -949,18 +949,18 @@ ARCHIVES = (
     Case(
         "Make one: inertialcal run DIR --archive {}",
         "archive list --archive made.db",
-        "run certified --archive made.db ; archive list --archive made.db",
+        "run certified_2 --archive made.db ; archive list --archive made.db",
         "done",
     ),
     Case(
         "Add --archive lab.db, or set {}",
-        "run certified --archive lab.db ; archive list",
+        "run certified_2 --archive lab.db ; archive list",
         "archive list --archive lab.db",
         "done",
     ),
     Case(
         "Type: inertialcal archive migrate --archive {}",
-        "run certified --archive old.db ; archive migrate --archive old.db --to 0001 ; archive list --archive old.db",
+        "run certified_2 --archive old.db ; archive migrate --archive old.db --to 0001 ; archive list --archive old.db",
         "archive migrate --archive old.db ; archive list --archive old.db",
         "done",
     ),
