@@ -245,11 +245,11 @@ class Session:
             self._undo.clear()
             self._take_back()
         count, seconds, values = self.acquisition.since(self.name, self._taken)
-        enough = False
+        enough, away = False, self.clock.seconds() - self._came
         if len(seconds) and (over or self._is_new(seconds)):
             enough = self._take(count, seconds, values)
-        elif self.guide is not None and self.clock.seconds() - self._came > max(SILENT, PAUSE * self.clock.speed):
-            self._say(self.guide.silent(self._stamp + round((self.clock.seconds() - self._came) * SECOND)))
+        elif self.guide is not None and away > SILENT and self.clock.real(away) > PAUSE:
+            self._say(self.guide.silent(self._stamp + round(away * SECOND)))
         self._remarks()
         if enough and self._is_enough():
             return False
