@@ -354,6 +354,15 @@ MUTANTS = (
         "np.asarray(dof) * f_upper(p, np.inf, dof)",
         "test_quantiles",
     ),
+    Mutant(
+        "relation.py",
+        "one[np.argmin(one[:, 1] - drift * one[:, 0])]",
+        "one[np.argmin(one[:, 1] + drift * one[:, 0])]",
+        "test_relation",
+    ),
+    Mutant("relation.py", "* (y - y0) > (y1 - y0) *", "* (y - y0) < (y1 - y0) *", "test_relation"),
+    Mutant("relation.py", "np.minimum.outer(number, number) + 0.5", "np.eye(n) + 0.5", "test_relation"),
+    Mutant("relation.py", "if tick else parts[:1]", "if not tick else parts[:1]", "test_relation"),
     Mutant("drift.py", "weights = curve[-1] - curve[0]", "weights = curve[0] - curve[-1]", "test_drift"),
     Mutant("drift.py", "2.0 * float(special.stdtr(", "1.0 * float(special.stdtr(", "test_drift"),
     Mutant(

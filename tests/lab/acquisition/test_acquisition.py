@@ -55,7 +55,8 @@ def test_time_is_that_of_the_instruments_clock_put_on_the_computers(tmp_path: Pa
     stamps = read(tmp_path / "out" / "suite.parquet").time_ns
     assert stamps is not None
     steps, own = np.diff(stamps), np.diff(SUITE.time_ns)
-    np.testing.assert_allclose(steps / own, 1.0 + estimate.values[1], atol=2e-9)
+    used = 0.0 if one.clocks.uncertain else estimate.values[1]  # a busy machine may leave it unknown
+    np.testing.assert_allclose(steps / own, 1.0 + used, atol=2e-9)
     content = json.loads((tmp_path / "out" / "acquisition.json").read_text())
     assert content["instruments"][0]["clocks"]["drift"]["u"] > 0
     assert content["finished"]

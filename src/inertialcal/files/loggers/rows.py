@@ -57,6 +57,7 @@ class RowLayout:
 
     channels: tuple[RowChannel, ...]
     interval: float | None = None  # From row to row, as it was said [s]
+    clock_within: float | None = None  # What its clock may be off, as it was said, relative [1]
 
     @property
     def dtype(self) -> np.dtype[np.void]:
@@ -69,7 +70,8 @@ class RowLayout:
 
     def schema(self) -> bytes:
         """Return it as the schema of messages."""
-        return json.dumps({"interval": self.interval, "channels": [asdict(one) for one in self.channels]}).encode()
+        said = {"interval": self.interval, "clock_within": self.clock_within}
+        return json.dumps({**said, "channels": [asdict(one) for one in self.channels]}).encode()
 
 
 def layout_in(schema: bytes, path: str) -> RowLayout:
@@ -82,8 +84,8 @@ def layout_in(schema: bytes, path: str) -> RowLayout:
     """
     try:
         said = json.loads(schema)
-        interval = None if said["interval"] is None else float(said["interval"])
-        found = RowLayout(tuple(_channel(one) for one in said["channels"]), interval)
+        interval, within = (None if one is None else float(one) for one in (said["interval"], said.get("clock_within")))
+        found = RowLayout(tuple(_channel(one) for one in said["channels"]), interval, within)
         check_count(len(found.channels), COLUMNS, "channels", path)
         if any(dtype.kind not in "iuf" for dtype, *_ in (found.dtype.fields or {}).values()):
             raise ValueError

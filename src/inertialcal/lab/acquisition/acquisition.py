@@ -140,10 +140,10 @@ class Acquisition:
         self._listening = 0
 
     def _watch(self, one: Instrument) -> _Watched:
-        interval = self.lab.file.instruments[one.name].interval
+        said = self.lab.file.instruments[one.name]
         if one.layout is None:
             return _Watched(one, None)
-        layout = replace(one.layout, interval=interval)
+        layout = replace(one.layout, interval=said.interval, clock_within=said.clock_within)
         track = Track(layout)
         return _Watched(one, layout, track, Watch(one.name, track, self.clock))
 

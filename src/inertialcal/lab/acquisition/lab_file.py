@@ -39,7 +39,7 @@ from pydantic import Strict as Strictly
 
 from ...core.errors import DataError, InertialcalError, PlanError, Problem, UsageError
 from ...core.schema.problems import model_problems
-from ...core.schema.quantities import Duration, Name, Strict, Text
+from ...core.schema.quantities import Duration, Name, Relative, Strict, Text
 from ...core.schema.toml import At, key_lines, nearest_line, parse_toml
 from ...files.budget import parse_size
 from ...files.source import read_bytes
@@ -76,6 +76,9 @@ class InstrumentEntry(LinkEntry):
     link: Text
     dialect: Text = ""
     interval: Annotated[Duration, Field(gt=0.0)] | None = None  # from row to row [s]
+    clock_within: Annotated[Relative, Field(gt=0.0, le=0.5)] | None = (
+        None  # what its clock, or the interval, may be off
+    )
     parameters: dict[Name, Text] = Field(default_factory=dict)
     limits: dict[Name, Annotated[list[Text], Field(min_length=2, max_length=2)]] = Field(default_factory=dict)
 

@@ -30,7 +30,7 @@ from ...files.write.recording import write
 from .intervals import Intervals
 from .live import RENEWED
 from .recorder import EVENTS, RECORDING
-from .relation import Clocks, OwnTime, Relation
+from .relation import WITHIN, Clocks, OwnTime, Relation
 
 SUMMARY = "acquisition.json"
 PIECE = 2**20  # bytes that are hashed at once
@@ -81,6 +81,7 @@ def _instrument(one: Sealed) -> dict[str, Any]:
             "offset": {"value": offset, "u": u_offset, "unit": "s", "dof": dof},
             "drift": {"value": drift, "u": u_drift, "unit": "1", "dof": dof},
             "scatter": {"value": one.clocks.scatter, "unit": "s"},
+            "rate": {"corrected": not one.clocks.uncertain, "u": one.clocks.rate_u, "unit": "1"},
         }
     intervals = None
     if one.intervals is not None:
@@ -180,7 +181,7 @@ def recorded(folder: Path, name: str) -> Recording:
 
 def _timed(folder: Path, bag: Bag, name: str, layout: RowLayout) -> _Timed | None:
     """Return what was recorded of an instrument; None of one that gave no row."""
-    own, relation, rows = OwnTime(layout), Relation(), 0
+    own, relation, rows = OwnTime(layout), Relation(layout.clock_within or WITHIN), 0
     intervals = None if layout.interval is None else Intervals(layout.interval)
     offset: int | None = None
     for one in reads(bag, name, layout):
@@ -201,7 +202,8 @@ def _timed(folder: Path, bag: Bag, name: str, layout: RowLayout) -> _Timed | Non
     time_from = "when the rows came"
     if clocks.estimate is not None and own.channel is not None:
         recording = replace(recording, time_ns=_on_computer(recording, layout, clocks, offset))
-        time_from = f"{own.channel.name}, put on the computer's clock by offset and drift"
+        by = "offset alone, at its own rate" if clocks.uncertain else "offset and drift"
+        time_from = f"{own.channel.name}, put on the computer's clock by {by}"
     return _Timed(recording, rows, clocks, time_from, intervals)
 
 
@@ -213,6 +215,10 @@ def _sealed(folder: Path, bag: Bag, name: str, layout: RowLayout) -> Sealed | No
     target = folder / f"{name}.parquet"
     remarks = write(target, replace(timed.recording, remarks=()))
     kept = [one for one in timed.recording.remarks if one.code in ("messages_missing", "damaged_records")]
+    if timed.clocks.uncertain:
+        what = f"drift against the computer's clock: {timed.clocks.uncertain}; not used, times keep its own rate"
+        do = "Record longer, or on a computer that does less; if it may be so far off, say so in LAB.toml: clock_within"
+        kept.append(Remark("clock_uncertain", "warning", what, where=name, do=do))
     return Sealed(name, target, timed.rows, timed.clocks, timed.time_from, timed.intervals, (*kept, *remarks))
 
 
