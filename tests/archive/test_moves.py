@@ -27,6 +27,7 @@ from inertialcal.core.errors import DataError, StoreError, UsageError
 from sized import sized
 
 KINDS = ("sqlite", "postgresql")
+PROCESSES = ("sqlite", pytest.param("postgresql", marks=pytest.mark.slow))  # where others write at the same time
 HELPER = Path(__file__).parent
 
 
@@ -267,7 +268,7 @@ def adding(url: str, which: str, count: int) -> subprocess.Popen[str]:
     return started
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", PROCESSES)
 def test_two_add_at_once(kind: str, empty: Callable[[str], Archive]) -> None:
     archive, count = empty(kind), 5
     url = archive.database.url.render_as_string(hide_password=False) if kind != "sqlite" else archive.database.name
@@ -287,7 +288,7 @@ def test_two_add_at_once(kind: str, empty: Callable[[str], Archive]) -> None:
     assert not archive.verify().problems
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", PROCESSES)
 def test_a_kill_leaves_a_whole_record_or_nothing_of_it(kind: str, empty: Callable[[str], Archive]) -> None:
     archive = empty(kind)
     add(archive, *yearly("first", [0.1]))
