@@ -389,7 +389,7 @@ CASES = (
         "bias x 0.12",
     ),
     Case(
-        "--unit {}=count",
+        "--unit {}={}",
         "positions faces_bare.csv",
         "+ --unit acc=m/s2",
         "bias x 0.12",

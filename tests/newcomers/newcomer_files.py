@@ -123,6 +123,70 @@ def mcap_ros_1(board: Board, path: Path) -> None:
         mcap.finish()  # type: ignore[no-untyped-call]
 
 
+def _field(number: int, content: bytes) -> bytes:
+    """Return a field of Protobuf with a length."""
+    size = len(content)
+    return bytes([number << 3 | 2, *([size] if size < 128 else [size & 0x7F | 0x80, size >> 7])]) + content
+
+
+def _declared(name: str, *fields: tuple[str, int, str]) -> bytes:
+    """Return a type of messages of Protobuf: names of its fields, their types, and of which message they are."""
+    found = _field(1, name.encode())
+    for number, (label, kind, of) in enumerate(fields, start=1):
+        about = _field(1, label.encode()) + bytes([3 << 3, number, 4 << 3, 1, 5 << 3, kind])
+        found += _field(2, about + (_field(6, of.encode()) if of else b""))
+    return found
+
+
+def mcap_protobuf(board: Board, path: Path) -> None:
+    """Write an MCAP of a team's own Protobuf messages, beside images, recorded later than they were stamped."""
+    from mcap.writer import Writer as Mcap
+
+    stamp = _declared("Timestamp", ("seconds", 3, ""), ("nanos", 5, ""))
+    vector = _declared("Vector", *((name, 1, "") for name in XYZ))
+    reading = _declared("Imu", ("stamp", 11, ".google.protobuf.Timestamp"), ("gyro_rad_s", 11, ".team.Vector"),
+                        ("acc_m_s2", 11, ".team.Vector"), ("picture", 12, ""))  # fmt: skip
+    files = (
+        _field(2, b"google.protobuf") + _field(4, stamp),
+        _field(2, b"team") + _field(4, vector) + _field(4, reading),
+    )
+    described = b"".join(_field(1, one + _field(12, b"proto3")) for one in files)
+
+    def varint(value: int) -> bytes:
+        return bytes([*((value >> 7 * i) & 0x7F | 0x80 for i in range(4)), value >> 28])
+
+    def axes(values: Any) -> bytes:  # what is zero is not written
+        return b"".join(bytes([n << 3 | 1]) + struct.pack("<d", one) for n, one in enumerate(values, start=1) if one)
+
+    with path.open("wb") as stream:
+        mcap = Mcap(stream, chunk_size=20_000)
+        mcap.start(profile="", library="team")
+        one = mcap.register_channel("/imu", "protobuf", mcap.register_schema("team.Imu", "protobuf", described))
+        for i, ns in enumerate(stamps(board)):
+            at = b"\x08" + varint(int(ns) // 10**9) + (b"\x10" + varint(int(ns) % 10**9) if ns % 10**9 else b"")
+            data = _field(1, at) + _field(2, axes(board.gyro[i])) + _field(3, axes(board.acc[i])) + _field(4, bytes(9))
+            mcap.add_message(one, int(ns) + 700_000 * (1 + i % 3), data, int(ns))
+        mcap.finish()  # type: ignore[no-untyped-call]
+
+
+def mcap_json(board: Board, path: Path) -> None:
+    """Write an MCAP of JSON objects with stamps of seconds and nanoseconds."""
+    import json
+
+    from mcap.writer import Writer as Mcap
+
+    with path.open("wb") as stream:
+        mcap = Mcap(stream)
+        mcap.start(profile="", library="script")
+        schema = mcap.register_schema("Imu", "jsonschema", b'{"type": "object"}')
+        one = mcap.register_channel("/imu", "json", schema)
+        for i, ns in enumerate(stamps(board)):
+            said = {"stamp": {"sec": int(ns) // 10**9, "nsec": int(ns) % 10**9},
+                    "gyro_rad_s": board.gyro[i].tolist(), "acc_m_s2": board.acc[i].tolist()}  # fmt: skip
+            mcap.add_message(one, int(ns) + 700_000 * (1 + i % 3), json.dumps(said).encode(), int(ns))
+        mcap.finish()  # type: ignore[no-untyped-call]
+
+
 def _ulog_message(kind: str, content: bytes) -> bytes:
     return struct.pack("<HB", len(content), ord(kind)) + content
 
@@ -449,6 +513,8 @@ KEPT = (
     Kept("bench_folder", "ROS 2 folder", ros_2("/imu/raw", "MCAP", store_name="ROS2_FOXY")),
     Kept("faces.mcap", "MCAP", ros_2("/os_cloud_node/imu", "MCAP", "STORAGE"), "positions"),
     Kept("bench.mcap", "MCAP", mcap_ros_1),
+    Kept("own.mcap", "MCAP", mcap_protobuf, "positions"),
+    Kept("json.mcap", "MCAP", mcap_json),
     Kept("bench.ulg", "ULog", ulog_combined),
     Kept("faces.ulg", "ULog", ulog_combined, "positions"),
     Kept("sensors.ulg", "ULog", ulog_sensors, sensors=ACC + GYRO, recordings=2),

@@ -161,6 +161,53 @@ def trailing(log: Log) -> bytes:
     return joined([f"Zeit [s];{GERMAN};"], rows, ";").encode()
 
 
+def campbell(log: Log) -> bytes:
+    """TOA5 of Campbell loggers: a line about the logger, names, units, and what each figure is, all in quotes."""
+    head = ['"TOA5","CR1000X","CR1000X","1734","CR1000X.Std.05.02","CPU:gyro.CR1X","51234","Minute"',
+            '"TIMESTAMP","RECORD",' + ",".join(f'"gyro_{a}_Avg","gyro_{a}_Std"' for a in AXES) + ',"PTemp_C"',
+            '"TS","RN",' + ",".join(['"deg/s"'] * 6) + ',"Deg C"',
+            '"","",' + ",".join(['"Avg","Std"'] * 3) + ',"Smp"']  # fmt: skip
+    rows = [
+        [f'"{stamp}"', str(41 + i), *(one for cell in cells[1:4] for one in (cell, "0.0200")), cells[4]]
+        for i, (stamp, cells) in enumerate(
+            zip(stamps(log, "%Y-%m-%d %H:%M:%S"), rows_of(log, point, seconds(log)), strict=True)
+        )
+    ]
+    return joined(head, rows, ",").encode()
+
+
+def hobo(log: Log) -> bytes:
+    """HOBO loggers: units behind the names, serial numbers in brackets, empty columns of events."""
+    about = "(LGR S/N: 20123456, SEN S/N: 20123456, LBL: gyro)"
+    names = ["#", "Date Time, GMT+00:00", *(f"Gyro {a.upper()}, deg/s {about}" for a in AXES), f"Temp, °C {about}",
+             "Host Connected (LGR S/N: 20123456)", "End Of File (LGR S/N: 20123456)"]  # fmt: skip
+    head = ['"Plot Title: gyro in the chamber"', ",".join(f'"{name}"' for name in names)]
+    times = [f"{START + timedelta(days=1, seconds=float(t)):%m/%d/%y %I:%M:%S %p}" for t in log.time]
+    rows = [[str(i), *cells, "", ""] for i, cells in enumerate(rows_of(log, point, times), start=1)]
+    return joined(head, rows, ",").encode("utf-8-sig")
+
+
+def french_spaces(log: Log) -> bytes:
+    """Thousands apart by the space that does not break."""
+    times = [comma(float(t), 1, grouped=True).replace(".", "\u202f") for t in log.time]
+    return joined([f"Temps (s);{FRENCH}"], rows_of(log, comma, times), ";").encode()
+
+
+def german_standard(log: Log) -> bytes:
+    """Names and units as DIN 461 writes them at axes."""
+    head = "t / s;Drehrate X in °/s;Drehrate Y in °/s;Drehrate Z in °/s;Temperatur / °C"
+    return joined([head], rows_of(log, comma, seconds(log, comma)), ";").encode()
+
+
+def list_of_channels(log: Log) -> bytes:
+    """A multimeter's scan: a table of its channels above that of its readings."""
+    head = ["Name:,soak", "Instrument:,34972A", "", "Channel,Name,Function,Range,Resolution,Scale,Label",
+            *(f"10{i},{a},DC voltage,AUTO,5.5,1,VDC" for i, a in enumerate(AXES, start=1)), "Scan Control:",
+            "Start Action:,Immediate", "", f"Scan,Time (s),{ENGLISH}"]  # fmt: skip
+    rows = ([str(i), *cells] for i, cells in enumerate(rows_of(log, point, seconds(log)), start=1))
+    return joined(head, rows, ",").encode("utf-16")
+
+
 def torn(log: Log) -> bytes:
     """The logger lost power in the middle of a row."""
     return spread(log)[:-23]
@@ -183,4 +230,9 @@ FORMS = (
     Form("units_row", units_row),
     Form("trailing", trailing),
     Form("torn", torn),
+    Form("campbell", campbell, ending=".dat"),
+    Form("hobo", hobo),
+    Form("french_spaces", french_spaces),
+    Form("german_standard", german_standard),
+    Form("list_of_channels", list_of_channels),
 )

@@ -146,7 +146,7 @@ class _Stored:
 
     def pieces(self) -> Iterator[NDArray[Any]]:
         """Yield its values in order of storage; as few chunks as can be are unpacked twice."""
-        shape, axis, size = self.shape, 0, self.dataset.dtype.itemsize
+        shape, axis, size = self.dataset.shape, 0, self.dataset.dtype.itemsize
         while axis < len(shape) - 1 and prod(shape[axis + 1 :]) * size > AT_ONCE:
             axis += 1
         width = max(prod(shape[axis + 1 :]) * size, 1)
@@ -268,23 +268,23 @@ def _is_numbers(dataset: Any) -> bool:
     if "MATLAB_empty" in dataset.attrs:
         return False
     names = dataset.dtype.names
-    kinds = [dataset.dtype[name].kind for name in names] if names else [dataset.dtype.kind]
+    kinds = [dataset.dtype[name].base.kind for name in names] if names else [dataset.dtype.kind]
     return any(kind in "biuf" for kind in kinds)
 
 
 def _arrays(name: str, dataset: Any) -> list[tuple[str, _Stored | None]]:
     """Return the dataset as an array, or as one for each field of its records."""
     kind, shape = dataset.dtype, dataset.shape
-    unit = _text(dataset.attrs.get("units", dataset.attrs.get("unit")))
+    said = {key.lower(): key for key in dataset.attrs if key.lower() in ("units", "unit")}
+    unit = _text(dataset.attrs[min(said.values())]) if said else None
     if kind.names is None:
         return [(name, _Stored(dataset, None, kind, shape, unit))]
-    return [
-        (
-            f"{name}.{field}",
-            _Stored(dataset, field, kind[field], shape, None) if kind[field].kind in "biuf" else None,
-        )
-        for field in kind.names
-    ]
+    found: list[tuple[str, _Stored | None]] = []
+    for field in kind.names:
+        base, inner = kind[field].subdtype or (kind[field], ())  # three axes in a field
+        stored = _Stored(dataset, field, base, shape + inner, None) if base.kind in "biuf" else None
+        found.append((f"{name}.{field}", stored))
+    return found
 
 
 def _text(attribute: Any) -> str | None:

@@ -212,6 +212,7 @@ def unit_hints(recording: Recording, surveys: Sequence[ChannelSurvey] | None = N
         members = [i for i in unsaid if recording.channels[i].quantity == group]
         if members:
             hints.append(_group_hint(group, [recording.channels[i] for i in members], [survey(i) for i in members]))
+    hints += _in_g(recording.channels)
     for i in unsaid:
         channel = recording.channels[i]
         if channel.quantity == "" and (channel.axis or UNNAMED.fullmatch(channel.name)):
@@ -229,6 +230,16 @@ def _group_hint(group: str, channels: Sequence[Channel], surveys: Sequence[Chann
         known = _temperature(surveys)
     other = {"gyro": "deg/s or rad/s", "acc": "m/s2 or g", "temperature": "degC"}[group]
     return known or Hint(group, "", f"{group} has no unit, and its values do not give it away: add {other}")
+
+
+def _in_g(channels: Sequence[Channel]) -> list[Hint]:
+    """Hint at readings in g under a header of m/s^2, as some drivers of ROS fill it."""
+    acc = [one for one in channels if one.quantity == "acc" and one.axis]
+    if len(acc) != 3 or any((one.unit, one.unit_from) != ("m/s^2", "header") for one in acc):
+        return []
+    found = _norm(acc)
+    known = found is not None and found.unit == "g"
+    return [Hint("acc", "g", f"median |acc| {median_norm(acc):.4g} m/s^2, and gravity is 9.8 m/s^2")] if known else []
 
 
 def _norm(channels: Sequence[Channel]) -> Hint | None:

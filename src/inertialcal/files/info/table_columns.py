@@ -18,16 +18,19 @@ from ..text.table import Table
 
 PATTERNS = {
     "applied": r"(^|_)(rate|applied|input|table_rate|commanded|omega|soll|sollwert|solldrehrate|vitesse|consigne)(_|$)",
-    "scatter": r"(^|_)(std|stdev|sd|sigma|scatter)(_|$)",
-    "samples": r"^(n|samples|n_samples|count)$",
+    "scatter": r"(^|_)(std|stdev|sd|sigma|scatter|standardabweichung|stabw|streuung|ecart_type)(_|$)",
+    "samples": r"^(n|samples|n_samples|count|anzahl|nombre)$",
     "group": r"^(set|group|sample_set)$",
     "run": r"^(run|run_id|power_up|turn_on)$",
     "axis": r"^(axis|turned|axis_turned)$",
 }
-RATE = r"^(drehrate|winkelgeschwindigkeit)(_|$)"  # of the table, where it names no axis beside columns that do
+RATE = r"(^|_)(drehrate|winkelgeschwindigkeit)(_|$)"  # of the table, where it names no axis beside columns that do
 OTHER = r"(^|_)(error|percent|temp|temperature|time|warm)(_|$)"
 RAW = ("voltage", "count")  # kinds of unit
-READING = r"(^|_)(reading|output|measured|mean|sensor|gyro|gyr|ist|istwert|messwert|ausgang|mesure|sortie)(_|$)"
+READING = (
+    r"(^|_)(reading|output|measured|mean|sensor|gyro|gyr|ist|istwert|messwert|mittelwert|ausgang"
+    r"|mesure|moyenne|sortie)(_|$)"
+)
 AXIS = re.compile(r"(^|_)[gw]?([xyz])(_|$)", re.IGNORECASE)  # x, gx, wx
 REDUCED = re.compile(r"(?:\b|_)(?:(?<!sample[_ ])rate|applied|reading)(?:_|\b)", re.IGNORECASE)
 

@@ -29,13 +29,14 @@ from ...core.errors import DataError
 from ...core.recording import SECOND, Times
 from ...core.remarks import Remark
 from ..binary.arrays import number_column
+from ..binary.protobuf import Descriptors, described
 from ..budget import PARTS, check_count, claim, claim_room
 from ..columns import Column, Content, LongColumns
 from ..reader import Reader
 from ..source import FileBytes, Loaded, as_data_errors
 from ..time.stamps import is_utc
 from .database import SQLITE, is_bag_2, missing_bytes, opened, whole_pages
-from .json_lines import read_json_lines
+from .json_lines import STAMP, read_json_lines
 from .ros_messages import ENCODINGS, MESSAGES, Decoded, decode, message_type, stated
 from .rows import ENCODING, layout_in, rows_content
 from .rows import LIBRARY as OURS
@@ -53,7 +54,9 @@ PLAIN = frozenset((3, 4, 5))  # schema, channel, message
 ENDS = frozenset((2, 6, 15))  # footer, chunk, end of the data
 DATA_END = 4  # bytes of the checksum
 FOOTER = 29  # bytes of the last record
-JSON = "json"  # encoding of messages that are objects of JSON
+JSON, PROTOBUF = "json", "protobuf"  # encodings of messages that are objects
+LOG_TIME = "log_time_ns"
+IN_WORDS = {JSON: "JSON", PROTOBUF: "Protobuf"}
 ZSTD = b"\x28\xb5\x2f\xfd"  # with which a packed message begins, and no other one
 LARGEST = 2**16  # bytes that a packed message may unpack to: no reading is longer
 PIECE = 2**22  # bytes that are summed at once
@@ -153,14 +156,18 @@ def content_of(bag: Bag, variables: Sequence[str] | None) -> Content:
     for one in bag.connections.values():
         by_topic.setdefault(one.topic, []).append(one)
     topics = [_topic(name, own, rows[name]) for name, own in by_topic.items()]
-    if rows and not any(one.rank for one in topics) and any(one.encoding == JSON for one in bag.connections.values()):
-        return _of_json(bag, variables)
+    if (
+        rows
+        and not any(one.rank for one in topics)
+        and any(one.encoding in IN_WORDS for one in bag.connections.values())
+    ):
+        return _of_objects(bag, variables)
     if not any(one.rank and one.rows != 0 for one in topics) and bag.remarks:
         raise DataError(bag.remarks[0].what, bag.path, "no reading before that is whole", code="damaged_file")
     unread = dict.fromkeys(one.encoding for one in bag.connections.values() if one.encoding not in ENCODINGS)
     if unread and not any(one.rank for one in topics):
         what = f"its messages are in {', '.join(unread)}, which is not read: {', '.join(map(str, topics[:NAMED]))}"
-        do = "Record ROS or JSON messages, or export the topic as CSV or JSON lines"
+        do = "Record ROS, Protobuf or JSON messages, or export the topic as CSV or JSON lines"
         raise DataError(what, bag.path, do=do, code="no_channel")
     chosen = choose(topics, variables, bag.path)
     for topic in chosen:
@@ -185,30 +192,57 @@ def _topic(name: str, own: Sequence[Connection], rows: int) -> Topic:
     return Topic(name, what, rows, MESSAGES[kind][0] if kind else NO_NUMBERS)
 
 
-def _of_json(bag: Bag, variables: Sequence[str] | None) -> Content:
-    """Return the objects of a topic whose messages are JSON, as JSON lines with the times of recording."""
+def _of_objects(bag: Bag, variables: Sequence[str] | None) -> Content:
+    """Return the objects of a topic whose messages are JSON or Protobuf, as JSON lines with the times of recording."""
     lines: list[bytes] = []
+    types: dict[bytes, Descriptors] = {}
+    read: dict[str, None] = {}
     left = held = 0
     for part in bag.messages():
         contents = part.content(np.arange(len(part.keys)))
         for key, time, content in zip(part.keys.tolist(), part.time_ns.tolist(), contents, strict=True):
             connection = bag.connections[key]
-            inside = content.strip()
-            if connection.encoding != JSON or inside[:1] + inside[-1:] != b"{}":
+            inside = _as_object(connection, content, types, bag.path)
+            if inside is None:
                 left += 1
                 continue
-            about = json.dumps({"topic": connection.topic, "log_time_ns": time}).encode()
+            read[IN_WORDS[connection.encoding]] = None
+            about = json.dumps({"topic": connection.topic, LOG_TIME: time}).encode()
             more = b", " if inside[1:-1].strip() else b""
             lines.append(about[:-1] + more + inside[1:].replace(b"\n", b" "))
             held += len(lines[-1])
-        claim(bag.path, bag.size, 3 * held, f"{len(lines):,} messages of JSON", least=True)
+        claim(bag.path, bag.size, 3 * held, f"{len(lines):,} messages of {' and '.join(read)}", least=True)
     found = read_json_lines(Loaded(bag.path, b"\n".join(lines), "", size=bag.size), variables)
-    what = "times of recording are used: messages of JSON have no stamp that all agree on"
-    remarks = [*found.remarks, Remark("log_time", "info", what, where=bag.path)]
+    words, remarks = " and ".join(read), list(found.remarks)
+    if any(_is_stamp(one) for one in found.columns):
+        found = replace(found, columns=tuple(one for one in found.columns if one.name != LOG_TIME))
+    else:
+        what = f"times of recording are used: messages of {words} have no stamp that all agree on"
+        remarks.append(Remark("log_time", "info", what, where=bag.path))
     if left:
-        what = "messages that are not JSON objects: left out"
+        what = f"messages that are not objects of {words or 'JSON'}: left out"
         remarks.append(Remark("damaged_records", "warning", what, where=bag.path, count=left))
-    return replace(found, format=f"{bag.title}, JSON", rows=None, remarks=(*remarks, *bag.remarks))
+    return replace(found, format=f"{bag.title}, {words}", rows=None, remarks=(*remarks, *bag.remarks))
+
+
+def _as_object(one: Connection, content: bytes, types: dict[bytes, Descriptors], path: str) -> bytes | None:
+    """Return a message as an object of JSON; None where it is none."""
+    if one.encoding == PROTOBUF:
+        if one.schema not in types:
+            types[one.schema] = described(one.schema, path)
+        try:
+            return json.dumps(types[one.schema].decode(one.kind, content)).encode()
+        except ValueError:
+            return None
+    inside = content.strip()
+    return inside if one.encoding == JSON and inside[:1] + inside[-1:] == b"{}" else None
+
+
+def _is_stamp(column: Column) -> bool:
+    """Whether a column is the instant of each message, in seconds and nanoseconds since 1970, and goes on."""
+    values = column.values
+    named = column.name != LOG_TIME and column.name.endswith(STAMP) and values.dtype.kind == "i" and len(values) > 1
+    return named and is_utc(values) and not any_step(values, lambda step: step < 0) and bool(values[-1] > values[0])
 
 
 def _without_packing(messages: Sequence[bytes], path: str) -> list[bytes]:

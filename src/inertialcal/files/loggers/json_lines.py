@@ -15,6 +15,7 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.key import AXES
+from ...core.recording import SECOND
 from ...core.remarks import Remark
 from ..budget import COLUMNS, LINE, PARTS, VALUE, check_count, claim, claim_room
 from ..columns import Column, Content, LongColumns
@@ -36,6 +37,8 @@ ALL = "objects"  # the topic where none does
 READINGS = ("gyr", "acc", "imu")  # in the name of a sensor
 ALIKE = 1000  # objects whose names and types are remembered
 DECODER = json.JSONDecoder()
+STAMPS = (("sec", "nsec"), ("sec", "nanosec"), ("secs", "nsecs"), ("seconds", "nanos"))
+STAMP = "_ns"  # at the end of the name of such a stamp
 NUMBER, TEXT = 1, 2  # kinds of cells; 0: none that is filled
 Cells = dict[str, Any]  # By column; lists and objects that are no cells too
 
@@ -215,7 +218,9 @@ def _flat(found: Mapping[str, Any], within: str, depth: int) -> Iterator[tuple[s
     """Yield the cells of an object by name."""
     for key, value in found.items():
         name = f"{within}{key}"
-        if isinstance(value, dict) and depth < DEEPEST:
+        if isinstance(value, dict) and (stamp := _stamp(value)) is not None:
+            yield f"{name}{STAMP}", stamp
+        elif isinstance(value, dict) and depth < DEEPEST:
             yield from _flat(value, f"{name}.", depth + 1)
         elif (
             isinstance(value, list)
@@ -226,6 +231,14 @@ def _flat(found: Mapping[str, Any], within: str, depth: int) -> Iterator[tuple[s
                 yield f"{name}.{i}", one
         else:
             yield name, value
+
+
+def _stamp(found: Mapping[str, Any]) -> int | None:
+    """Return an object of seconds and nanoseconds, as ROS and Protobuf write stamps, as one number [ns]."""
+    whole, rest = next(((a, b) for a, b in STAMPS if found.keys() == {a, b}), ("", ""))
+    if not whole or type(found[whole]) is not int or type(found[rest]) is not int:
+        return None
+    return int(found[whole]) * SECOND + int(found[rest])
 
 
 def _sensor(cells: Cells, key: str | None) -> str:

@@ -29,6 +29,10 @@ WHOLES = {  # the same, or whole
     ",": re.compile(rf"{_HEAD}(?:\.[0-9]{{3}})+(?:,[0-9]+)?"),
     ".": re.compile(rf"{_HEAD}(?:,[0-9]{{3}})+(?:\.[0-9]+)?"),
 }
+BY_SPACE = {  # French and Swiss: spaces that do not break, and apostrophes, can be nothing else
+    sign: re.compile(rf"{_HEAD}(?:[\u00a0\u202f\u2019'][0-9]{{3}})+(?:{re.escape(sign)}[0-9]*)?") for sign in (",", ".")
+}
+SPACES = str.maketrans("", "", "\u00a0\u202f\u2019'")
 EITHER = re.compile(rf"{_HEAD},[0-9]{{3}}")  # 1242 or 1.242
 WHOLE = re.compile(r"[-+]?[0-9]{1,3}")
 THOUSAND = 1000.0
@@ -88,14 +92,17 @@ def without_groups(
 ) -> Sequence[str]:
     """Return the cells of a column without the signs that group their digits, where they can be nothing else.
 
-    So it is where both signs stand in a cell (``1.234,5``), and all others are numbers without groups, or empty;
-    ``sure``: where another column of the file has such a cell, whole numbers are grouped as well (``1.000``).
+    So it is where both signs stand in a cell (``1.234,5``), or an apostrophe or a space that does not break, and all
+    others are numbers without groups, or empty. ``sure``: where another column of the file has such a cell, whole
+    numbers are grouped as well (``1.000``).
     """
     certain, found, made = (WHOLES if sure else CERTAIN)[decimal], False, list[str]()
     sign = "." if decimal == "," else ","
     for cell in cells:
         text = cell.strip()
         grouped = sign in text and len(text) < LONGEST and certain.fullmatch(text) is not None
+        if not grouped and text and len(text) < LONGEST and BY_SPACE[decimal].fullmatch(text):
+            text, found = text.translate(SPACES), True
         if text and not grouped and (len(text) > LONGEST or not number(text)):
             return cells
         found = found or grouped

@@ -72,11 +72,16 @@ TIME_NAMES = {
     "nanos": "ns",
     "nanoseconds": "ns",
     "nsec": "ns",
+    "secondselapsed": "s",
+    "elapsedseconds": "s",
+    "elapseds": "s",
+    "elapsedms": "ms",
+    "millisecondselapsed": "ms",
 }
 _INDEX_NAMES = (
     "nsamples nsample samples sample samplenumber sampleno samplenr sampleindex sampleid sampleidx index idx "
     "row rows rownumber rowno line frame frames frameno framenumber framecount counter packetcounter packet "
-    "seq sequence sequencenumber i n nr no number tick ticks record recordno unnamed0 indexlevel0"
+    "seq sequence sequencenumber i n nr no number anzahl nombre tick ticks record recordno unnamed0 indexlevel0"
 )
 INDEX_NAMES = frozenset(_INDEX_NAMES.split())
 
@@ -147,6 +152,9 @@ SETTLED = {("temperature", "C"): "degC", ("temperature", "F"): "degF", ("acc", "
 WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+")
 COUNTED = re.compile(r"(.*\S)\[([012])\]")
 OF_GRAPH = re.compile(r"[XY]\[[0-9]+\]", re.IGNORECASE)  # as LabVIEW counts the curves of a graph: no axes
+AFTER = re.compile(
+    r"(?:, *| in | / )([^\s,]+)$"
+)  # a unit behind the name: ``Temp, °C``, ``Drehrate in °/s``, ``t / s``
 CLOSING = {"]": "[", ")": "("}
 
 
@@ -173,9 +181,9 @@ def heading(name: str, unit: str | None = None) -> Heading:
     unit : str, optional
         As a units row or metadata say it; goes before the name.
     """
-    bare, bracket = _plain(bare_name(name)), in_brackets(name)
+    named, given = _behind(bare_name(name), in_brackets(name)) if unit is None else (bare_name(name), unit)
+    bare = _plain(named)
     words = [word.lower() for word in WORD.findall(bare)]
-    given = unit if unit is not None else bracket
     known, rest = _suffix(bare)
     known = known if given is None else None
     quantity = _quantity(bare, [word.lower() for word in WORD.findall(rest)] if known else words)
@@ -195,8 +203,10 @@ def heading(name: str, unit: str | None = None) -> Heading:
     if quantity == "index" and kind in BY_KIND and kind != "time":  # ``i [g]``
         quantity = ""
     other = BY_KIND.get(kind, "")
-    if quantity in SENSOR_WORDS and other != quantity and SENSOR_WORDS.get(other, set()).intersection(words):
-        quantity = other  # ``acc_GYRO_3_x [m/s^2]``: of an accelerometer in a box called GYRO
+    if {quantity, other} <= SENSOR_WORDS.keys() and (
+        SENSOR_WORDS[other].intersection(words) or not _quantity(bare, words, letters=False)
+    ):
+        quantity = other  # ``acc_GYRO_3_x [m/s^2]``, of a box called GYRO; ``gx [g]``: a letter says less than a unit
     if known is not None and quantity in KINDS and kind not in KINDS[quantity]:
         known, unknown = None, given or ""
     axis = "" if OF_GRAPH.fullmatch(name.strip()) else _axis(words)
@@ -274,6 +284,18 @@ def _known(text: str, quantity: str) -> str | None:
         return None
 
 
+def _behind(named: str, bracket: str | None) -> tuple[str, str | None]:
+    """Return a name without the unit behind it, and that unit; else both as they are.
+
+    A unit in brackets goes before it; a letter alone is an axis, or a part of a name, as well, but s, g and V.
+    """
+    said = AFTER.search(named)
+    if said is None or (bracket is not None and _known(bracket, "") is not None):
+        return named, bracket
+    is_unit = said[1] in ("s", "g", "V") or (len(said[1]) > 1 and _known(said[1], "temperature") is not None)
+    return (named[: said.start()], said[1]) if is_unit else (named, bracket)
+
+
 def _last(bare: str, words: list[str]) -> list[str]:
     """Words of the last part of a path: ``imu.t``."""
     return [word.lower() for word in WORD.findall(bare.rpartition(".")[2])] if "." in bare else words
@@ -300,8 +322,8 @@ def _words_to_unit(parts: list[str]) -> str | None:
     return PAIRS.get((parts[0], parts[1])) if len(parts) == 2 else None
 
 
-def _quantity(bare: str, words: list[str]) -> str:
-    """Return what a column measures, by its name."""
+def _quantity(bare: str, words: list[str], letters: bool = True) -> str:
+    """Return what a column measures, by its name; by one of the ``LETTERS`` too, where they count."""
     whole = "".join(_last(bare, words))
     if len(words) > 1 and SPREAD.intersection(words) and not TIME.intersection(words):
         return "spread"
@@ -316,7 +338,7 @@ def _quantity(bare: str, words: list[str]) -> str:
     for quantity, known in WORDS:
         if any(_stem(word) in known or word in known for word in words):
             return "" if quantity == "time" and NOT_TIME.intersection(words) else quantity
-    pairs = [word for word in words if len(word) == 2 and word[0] in LETTERS and word[1] in "xyz"]
+    pairs = [word for word in words if letters and len(word) == 2 and word[0] in LETTERS and word[1] in "xyz"]
     return LETTERS[pairs[0][0]] if pairs else ""
 
 

@@ -348,7 +348,7 @@ def _first_data(table: Table, decimal: Decimal, width: int) -> tuple[int | None,
         return 0, 1
     for i, cells in enumerate(table):
         kinds = [kind(cell, decimal) for cell in cells[:CELLS]]
-        if i < titles:
+        if i < titles or (len(cells) != width and _header_below(table, i, decimal, width)):
             continue
         if not _has_number(kinds):
             if len(_header(cells, table, width)) == width and not _is_title(table[i:], decimal, width):
@@ -357,6 +357,18 @@ def _first_data(table: Table, decimal: Decimal, width: int) -> tuple[int | None,
         elif i == 0 or kinds[0] in NUMBER or len(cells) == width:
             return before, i
     return 0, 1  # words only, and no line as wide as most: the first is the header, and does not fit
+
+
+def _header_below(table: Table, at: int, decimal: Decimal, width: int) -> bool:
+    """Whether a line of words as wide as the rows stands below one that is not, and nothing as wide between them.
+
+    So stand the settings of a logger above its table: a list of its channels is none of its rows.
+    """
+    for i in range(at + 1, len(table) - 1):
+        if len(_header(table[i], table, width)) == width:
+            kinds = [kind(cell, decimal) for cell in table[i][:CELLS]]
+            return set(kinds) <= {"t", "e"} and kinds.count("t") > 1
+    return False
 
 
 def _titles(table: Table, decimal: Decimal, width: int) -> int:
@@ -484,8 +496,8 @@ def _comment_cells(text: str, separator: str | None, width: int) -> Iterator[tup
 def _units(table: Table, decimal: Decimal, width: int) -> tuple[tuple[str, ...], int]:
     """Units below the first line of a table, and how many lines of words stand there, two at most, before the numbers.
 
-    Words stand in columns that hold numbers below; the first such line whose words are units, at least half of them,
-    says the units.
+    Words stand in columns that hold numbers below, and above dates; the first such line whose words are units, at least
+    half of them, says the units.
     """
     names, *below = table[: 2 + WORDS_BELOW]
     kinds = [[kind(cell, decimal) for cell in cells] for cells in below]
@@ -508,10 +520,9 @@ def _are_units(cells: list[str], kinds: list[str]) -> bool:
 
 
 def _is_of_words(kinds: list[str], numbers: list[str]) -> bool:
-    """Whether a line has words in columns of numbers, and nowhere else."""
-    return "t" in kinds and all(
-        below in NUMBER | {"e"} for one, below in zip(kinds, numbers, strict=True) if one == "t"
-    )
+    """Whether a line has words in columns of numbers; what stands above text, such as dates, may be any."""
+    above = [one for one, below in zip(kinds, numbers, strict=True) if below in NUMBER | {"e"}]
+    return "t" in above
 
 
 def _unbracketed(cell: str) -> str:

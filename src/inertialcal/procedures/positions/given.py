@@ -24,6 +24,7 @@ from ..given import (
     EXAMPLE,
     KIND_OF_UNIT,
     RAW,
+    UNITS_OF,
     Described,
     GivenFile,
     bare,
@@ -228,21 +229,21 @@ def _units(given: GivenFile, sensors: Mapping[str, Mapping[str, Channel]]) -> di
         found[sensor] = normalise(unit)
     if missing:
         names = "; ".join(f"{', '.join(names)} of {sensor}" for sensor, names in missing.items())
-        hint = _hint(sensors["acc"]) if "acc" in missing else ""
-        units_of = {sensor: EXAMPLE[KIND_OF_UNIT[KINDS[sensor]]] for sensor in missing}
-        do = " ".join(given.add("unit", f"{sensor}={unit}") for sensor, unit in units_of.items())
-        counts = " ".join(given.add("unit", f"{sensor}=count") for sensor in missing)
+        length, like = _length(sensors["acc"]) if "acc" in missing else (0.0, "")
+        hint = f" (median |acc| is {length:.4g}{f': {like}?' if like else ''})" if length else ""
         what = f"{given.name}: no unit, or several: {names}{hint}"
-        raise UsageError(what, do=f"Add: {do}; in counts: {counts}", code="no_unit")
+        known = {sensor: like for sensor in missing if sensor == "acc" and like}
+        do = " ".join(given.add("unit", f"{sensor}={known.get(sensor, 'UNIT')}") for sensor in missing)
+        asked = ", ".join(UNITS_OF[KIND_OF_UNIT[KINDS[one]]] for one in missing if one not in known)
+        raise UsageError(what, do=f"Add: {do}" + (f" (UNIT: {asked}, or count)" if asked else ""), code="no_unit")
     return found
 
 
-def _hint(by_axis: Mapping[str, Channel]) -> str:
-    """Say how long the acceleration is, and which unit that may be."""
+def _length(by_axis: Mapping[str, Channel]) -> tuple[float, str]:
+    """Return how long the acceleration is, and which unit that may be."""
     x, y, z = (np.asarray(by_axis[axis].data, dtype=np.float64) for axis in AXES)
     length = float(np.nanmedian(np.sqrt(x**2 + y**2 + z**2)))
-    like = next((unit for unit, (low, high) in PLAUSIBLE.items() if low <= length <= high), "")
-    return f" (median |acc| is {length:.4g}{': ' + like + '?' if like else ''})"
+    return length, next((unit for unit, (low, high) in PLAUSIBLE.items() if low <= length <= high), "")
 
 
 def _rests(given: GivenFile, sensor: str, by_axis: Mapping[str, Channel], unit: str) -> dict[str, Any]:

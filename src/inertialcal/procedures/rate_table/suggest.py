@@ -37,8 +37,9 @@ REQUIREMENT = {"quantity": "rate_error", "of": "dwell_mean", "limit": "5 %", "wh
 
 def suggests(recording: Recording, survey: Survey) -> Suggestion | None:
     """Return ``rate-table`` of reduced readings, a row a dwell, and of gyros that turn beside an applied rate."""
-    applied = guess_channels(recording.channels).applied
-    named = applied is not None or names_rates(channel.name for channel in recording.channels)
+    channels = [one for one in recording.channels if one.unit is None or kind(one.unit) != "acceleration"]
+    applied = guess_channels(channels).applied
+    named = applied is not None or names_rates(channel.name for channel in channels)
     if named and recording.sample_interval is None and len(recording) <= REDUCED_ROWS:
         return Suggestion(("rate-table",), Strength.SURE, complete=True)
     moving = any(remark.code == "not_at_rest" for remark in survey.remarks)
