@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lab_devices import lab_folder, rehearsed
+from lab_devices import REHEARSAL, lab_folder, rehearsed
 
 from inertialcal.core.errors import InertialcalError, InstrumentError, StoreError
 from inertialcal.files import read
@@ -60,6 +60,21 @@ def test_time_is_that_of_the_instruments_clock_put_on_the_computers(tmp_path: Pa
     content = json.loads((tmp_path / "out" / "acquisition.json").read_text())
     assert content["instruments"][0]["clocks"]["drift"]["u"] > 0
     assert content["finished"]
+
+
+def test_what_a_clock_may_be_off_is_kept_with_the_recording(tmp_path: Path) -> None:
+    said = REHEARSAL.format(over="tcp", faults="") + 'clock_within = "0.0001 %"\n'  # less than any delay lets be known
+    made = Acquisition(load_lab(lab_folder(tmp_path, said)), tmp_path / "out")
+    made.start()
+    assert made.wait(60.0 * made.clock.speed)
+    summary = seal(tmp_path / "out")
+    assert "clock_uncertain" in {one.code for one in summary.remarks}
+    (one,) = summary.instruments
+    assert one.clocks.within == pytest.approx(1e-6)
+    stamps = read(tmp_path / "out" / "suite.parquet").time_ns
+    assert stamps is not None
+    assert SUITE.time_ns is not None
+    np.testing.assert_allclose(np.diff(stamps), np.diff(SUITE.time_ns), atol=2000)  # of doubles that hold UTC
 
 
 def test_faults_of_the_link_are_said_and_no_number_is_wrong(tmp_path: Path) -> None:

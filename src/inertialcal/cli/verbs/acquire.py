@@ -180,7 +180,9 @@ def _drift(clocks: dict[str, Any]) -> str:
 
     if clocks["status"] != "estimated":
         return "not estimated"
-    return with_uncertainty(1e6 * clocks["drift"]["value"], 1e6 * clocks["drift"]["u"]) + " ppm"
+    return with_uncertainty(1e6 * clocks["drift"]["value"], 1e6 * clocks["drift"]["u"]) + (
+        " ppm" if clocks["rate"]["corrected"] else " ppm, not used"
+    )
 
 
 def _odd(intervals: dict[str, Any] | None) -> str:
