@@ -119,7 +119,8 @@ def test_a_header_with_an_empty_end_is_no_title(text: str, names: tuple[str, ...
     ("comment", "rate"),
     [
         ("# sample_rate: 100", 100.0), ("# Sample Rate = 102.4 Hz", 102.4), ("# fs=1.6kHz", 1600.0),
-        ("# sampling frequency (Hz): 50", 50.0), ("# rate 5", None), ("# offset=7", None), ("# fs=0", None),
+        ("# sampling frequency (Hz): 50", 50.0), ("//  Update Rate: 100.0Hz", 100.0), ("# rate 5", None),
+        ("# offset=7", None), ("# fs=0", None),
     ],
 )  # fmt: skip
 def test_a_sample_rate_in_a_comment(comment: str, rate: float | None) -> None:

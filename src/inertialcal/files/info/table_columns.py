@@ -17,7 +17,10 @@ from ...core.units import kind
 from ..text.table import Table
 
 PATTERNS = {
-    "applied": r"(^|_)(rate|applied|input|table_rate|commanded|omega|soll|sollwert|solldrehrate|vitesse|consigne)(_|$)",
+    "applied": (
+        r"(^|_)(rate|applied|input|table_rate|commanded|omega"
+        r"|drehtisch|soll|sollwert|solldrehrate|vitesse|consigne)(_|$)"
+    ),
     "scatter": r"(^|_)(std|stdev|sd|sigma|scatter|standardabweichung|stabw|streuung|ecart_type)(_|$)",
     "samples": r"^(n|samples|n_samples|count|anzahl|nombre)$",
     "group": r"^(set|group|sample_set)$",

@@ -68,7 +68,7 @@ SIGN = re.compile(r"[ \t]*(?://+|([#%!;])\1*)")  # of a comment, however often i
 SIGNS = "#%/;! \t"  # what may stand before the text of a comment
 ROW_AS_COMMENT = re.compile(r"[ \t]*[-+]?[0-9.][-+0-9.,;:/TZeE \t]*")  # numbers, and a date
 SAMPLE_RATE = re.compile(
-    r"\b(?:fs|(?:sampl(?:e|ing)|data)[ _-]*(?:rate|frequency|freq))\b[^0-9=:]{0,12}[=:]?\s*"
+    r"\b(?:fs|(?:sampl(?:e|ing)|data|update)[ _-]*(?:rate|frequency|freq))\b[^0-9=:]{0,12}[=:]?\s*"
     r"([0-9]+(?:\.[0-9]*)?(?:e[-+]?[0-9]+)?)\s*(k?hz|sps|/s)?",
     re.IGNORECASE,
 )
