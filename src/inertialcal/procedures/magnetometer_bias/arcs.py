@@ -281,7 +281,8 @@ def _whitened(times: Array, count: Array, through: Array, noise: Noise, columns:
     """Return columns whose noise is white and of size 1, shape (3 nodes, columns)."""
     n = len(times)
     walk = noise.walk**2 * np.minimum.outer(times, times)
-    covariance = np.einsum("iab,jcb,ij->iajc", through, through, walk).reshape(3 * n, 3 * n)
+    stacked = through.reshape(3 * n, 3)
+    covariance = (stacked @ stacked.T) * np.repeat(np.repeat(walk, 3, axis=0), 3, axis=1)
     covariance[np.diag_indices(3 * n)] += np.repeat(noise.field**2 / count, 3)
     factor = np.linalg.cholesky(covariance)
     from scipy.linalg import solve_triangular  # noqa: PLC0415 - starts slowly
