@@ -9,10 +9,12 @@ from pathlib import Path
 
 from ...core.errors import DataError, InertialcalError, Problem
 from ...core.judging import parse_condition
+from ...core.key import AXES
 from ...core.schema.toml import At
 from ...core.units import kind, normalise, parse_quantity, same_dimension
 from ...procedures import all_quantities, procedure_names, procedure_of
 from ...procedures.protocol import Quantity
+from ..inputs.chains import RAW, in_input_units
 from ..inputs.ground import chain_model, has_model
 from .conditions import after_condition, condition_checks, conditions_of
 from .decisions import fit_problems, key_problems
@@ -37,6 +39,7 @@ def cross_checks(folder: Path | None, file: CampaignFile, at: At) -> list[Proble
         *_duplicates("tests", [test.id for test in file.tests], at),
         *_reserved(file, at),
         *_one_file(file, at),
+        *_idle_chains(file, at),
         *_duplicates("requirements", [one.id for one in file.requirements], at),
         *overlap_checks(file, at),
         *condition_checks(file, at),
@@ -78,6 +81,21 @@ def _one_file(file: CampaignFile, at: At) -> Iterator[Problem]:
             what = f"sensors {first!r} and {name!r} differ in upper and lower case alone"
             why = "on Windows and macOS the files of their models would be one"
             yield Problem(what, at("sensors", name), why, "Rename one", "duplicate_id")
+
+
+def _idle_chains(file: CampaignFile, at: At) -> Iterator[Problem]:
+    """Find chains through which no recording of the sensor goes: all are in units of input already."""
+    for name, sensor in file.sensors.items():
+        entries = [one for one in file.recordings.values() if one.sensor == name]
+        if sensor.chain.kind == "none" or not entries or any(one.channels is None for one in entries):
+            continue
+        channels = [{what: one.unit for what, one in (entry.channels or {}).items()} for entry in entries]
+        axes = [[unit for what, unit in units.items() if what in AXES] for units in channels]
+        raw = any(unit and kind(unit) in RAW for units in channels for unit in units.values())
+        if not raw and all(in_input_units(sensor, units) for units in axes):
+            what = f"sensors.{name}: a chain, and every recording is in units of input ({normalise(axes[0][0])})"
+            do = "Leave the chain out, or say that the columns are in count or V"
+            yield Problem(what, at("sensors", name, "chain"), "it would have no effect", do, "wrong_value")
 
 
 def requirement_checks(file: CampaignFile, at: At) -> Iterator[Problem]:
