@@ -68,7 +68,7 @@ def test_an_uncertainty_that_is_no_quantity_is_answered_with_one_that_is(name: s
         standards = {standard: {quantity: StandardEntry(u=u)}}
         return standards_of(CampaignFile.model_construct(standards=standards), lambda *_: "")[1]
 
-    for wrong in ("small", "3 kg"):
+    for wrong in ("small", "3 V/s"):
         (problem,) = problems(wrong)
         assert problem.code == "wrong_value"
         assert not problems(problem.do.split('"')[1])

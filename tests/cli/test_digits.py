@@ -12,7 +12,7 @@ import pytest
 
 import inertialcal as ic
 from inertialcal.cli.__main__ import main
-from inertialcal.cli.commands import NO_FIGURES, Planners, Root
+from inertialcal.cli.commands import NO_FIGURES, OF_ARCHIVE, OfArchive, Planners, Root
 from inertialcal.core.show.rounding import digits_shown, near, settled, settled_number
 
 
@@ -80,7 +80,8 @@ def test_refused(record: str, capsys: pytest.CaptureFixture[str], said: str) -> 
 
 def test_every_command_with_figures_has_the_option() -> None:
     root, plans = Root(), Planners()
-    commands = {word: root.get_command(None, word) for word in root.names() if word != "plan"}
+    commands = {word: root.get_command(None, word) for word in root.names() if word not in ("plan", "archive")}
+    commands |= {f"archive {word}": OfArchive(name="archive").get_command(None, word) for word in OF_ARCHIVE}
     commands |= {f"plan {word}": plans.get_command(None, word) for word in plans.names()}
     without = [
         word for word, one in commands.items()

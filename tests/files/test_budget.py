@@ -20,7 +20,7 @@ import pytest
 from pyarrow import parquet
 
 import inertialcal as ic
-from inertialcal.cli.commands import READ_NOTHING, Planners, Root
+from inertialcal.cli.commands import OF_ARCHIVE, READ_NOTHING, OfArchive, Planners, Root
 from inertialcal.core.errors import DataError, PlanError, UsageError
 from inertialcal.files.budget import FREE, PER_BYTE, ceiling, parse_size
 from inertialcal.files.models.yaml_text import parse_yaml
@@ -280,7 +280,8 @@ def test_three_ways_to_set_the_ceiling(
 
 def test_every_command_that_reads_files_has_the_option() -> None:
     root, plans = Root(), Planners()
-    commands = {word: root.get_command(None, word) for word in root.names() if word != "plan"}
+    commands = {word: root.get_command(None, word) for word in root.names() if word not in ("plan", "archive")}
+    commands |= {f"archive {word}": OfArchive(name="archive").get_command(None, word) for word in OF_ARCHIVE}
     commands |= {f"plan {word}": plans.get_command(None, word) for word in plans.names()}
     without = [
         word for word, one in commands.items()

@@ -82,7 +82,7 @@ class Judged:
 def warm() -> None:
     """Import everything once."""
     for module in pkgutil.walk_packages(inertialcal.__path__, "inertialcal."):
-        if not module.name.endswith("__main__"):
+        if not module.name.endswith("__main__") and ".migrations." not in module.name:  # those are Alembic's to run
             importlib.import_module(module.name)
     for name in ("inertialcal.cli.__main__", "matplotlib.backends.backend_svg", "h5py", "scipy.io", "yaml"):
         importlib.import_module(name)

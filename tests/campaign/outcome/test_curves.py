@@ -167,6 +167,7 @@ def test_every_curve_and_column_is_in_the_manual(results: dict[str, Any]) -> Non
         "rate_error",
         "linearity",
         "trace",
+        "save_intervals",
         "dwells",
         "compensated",
     }

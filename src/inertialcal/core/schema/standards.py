@@ -37,7 +37,7 @@ STANDARDS: dict[str, dict[str, str]] = {
 }
 # An uncertainty in each of these units, as it may be written.
 WRITTEN = {"1": "0.1 %", "rad": "0.01 deg", "m/s^2": "10 ug", "rad/s": "0.01 deg/s", "degC": "0.1 K", "V": "1 mV",
-           "kg": "1 g", "m": "0.1 mm", "T": "30 nT"}  # fmt: skip
+           "kg": "1 gram", "m": "0.1 mm", "T": "30 nT"}  # fmt: skip
 
 # What draws the error of an influence anew; where nothing is said here it is a certificate.
 REDRAWN: dict[str, Redrawn] = {

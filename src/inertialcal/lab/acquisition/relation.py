@@ -49,6 +49,7 @@ from scipy import linalg, special
 
 from ...core.estimate import Array, Component, Estimate, P
 from ...core.recording import SECOND, Times
+from ...core.show.rounding import uncertainty
 from ...core.units import convert
 from ...files.loggers.rows import RowLayout
 
@@ -84,7 +85,7 @@ class Clocks:
             return ""
         drift, u = float(self.estimate.values[1]), float(self.estimate.u[1])
         if not u <= KNOWN * self.within:
-            return f"known no better than {1e6 * u:.3g} ppm (standard uncertainty)"
+            return f"known no better than {uncertainty(1e6 * u)} ppm (standard uncertainty)"
         if abs(drift) > self.within:
             return f"{1e6 * drift:.5g} ppm, more than the {1e6 * self.within:g} ppm that its clock may be off"
         return ""

@@ -83,7 +83,7 @@ class Plan:
             from ...core.errors import PlanError  # noqa: PLC0415 - numpy starts slowly
 
             what = f"{'mass' if self.mass is None else 'radius'} of the turned mass missing"
-            do = 'Give both: mass = "4 kg", radius = "0.2 m"'
+            do = "Give both, mass and radius"
             raise PlanError(what, why="its attraction follows from them", do=do, code="missing_key")
         return self.mass, self.radius
 

@@ -12,7 +12,7 @@ from ...core.curve import Column, Curve
 from ...core.key import NO_REASON, Key, Member, Reason
 from ...core.remarks import Remark
 from ...core.results import Row, not_estimated
-from ...core.show.rounding import freedom, items, number, with_uncertainty
+from ...core.show.rounding import freedom, items, number, uncertainty, with_uncertainty
 from ...core.units import factor
 from ...physics.turned_mass import recoil_rates
 from ...statistics.intervals import coverage_factor, t_interval
@@ -81,7 +81,7 @@ def _hidden(result: Result) -> Reason:
     """Return why K2 is not estimated: how large one the uncertainty of the offset hides."""
     u = float(math.sqrt(result.joined.within[ALONG, ALONG]))
     hidden = hidden_second_order(u, result.orbit.attraction) * factor("g", "m/s^2")
-    text = f"K2 reads as an offset of the axis: that offset, known to {number(u, 2)} of the radius, hides a K2"
+    text = f"K2 reads as an offset of the axis: that offset, known to {uncertainty(u)} of the radius, hides a K2"
     return Reason("same_as_offset", f"{text} of up to {number(hidden, 2)} /g")
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from ....core.show.rounding import uncertainty
 from ..drawing.data import Curve, curves, finite, flags, numbers
 from ..drawing.picture import Picture
 from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title
@@ -40,7 +41,7 @@ def finding(results: Mapping[str, Any]) -> str:
     nulls = [
         f"{row['value']:.0f} s {plain(row['member']['label'])}" for row in rows if row["quantity"] == "null_period"
     ]
-    said = f"scale factor to {100.0 * u[0]:.2g} %" if u else "scale factor not known"
+    said = f"scale factor to {uncertainty(100.0 * u[0])} %" if u else "scale factor not known"
     return f"{said}; recoil cancels at {' and '.join(nulls)}" if nulls else said
 
 
