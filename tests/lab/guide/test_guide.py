@@ -132,7 +132,8 @@ def test_says_what_to_do_after_a_mistake(mistake: str) -> None:
     code, words, notice = MISTAKES[mistake]
     hand = Hand(3, only(mistake, 0.5), step=1.0, rate=RATE)
     guide = Guide(WANTED, RATE, gravity=9.807, gyros=False)
-    states = [state for state, *_ in guided(guide, hand, longest=40.0, gyros=False)]
+    longest = 40.0 if mistake in NEEDED else 60.0
+    states = [state for state, *_ in guided(guide, hand, longest=longest, gyros=False)]
     assert mistake in hand.did
     if code:
         assert any(state.code == code and re.search(words, state.text) for state in states)
