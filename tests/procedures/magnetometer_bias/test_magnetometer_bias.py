@@ -119,6 +119,15 @@ def test_intervals_hold_in_300(motion: str) -> None:
     assert all(count <= 4 for count in said.values()), said  # of 0.3 expected
 
 
+def of_standards(seed: int) -> Orbit:
+    """Return a record with errors of a gyro's matrix, an angle between the triads, a field that is off all along."""
+    rng = np.random.default_rng([seed, 7])
+    gyro = np.eye(3) + rng.normal(0.0, 2e-3, (3, 3))
+    gyro[np.diag_indices(3)] = 1.0 + rng.normal(0.0, 0.005, 3)
+    turned = Rotation.from_rotvec(rng.normal(0.0, 3e-3, 3)).as_matrix()
+    return recorded(rng, 3600.0, 2.0, gyro=gyro, magnetometer=turned, extra=rng.normal(0.0, 30e-9, 3))
+
+
 @pytest.mark.slow
 def test_intervals_hold_with_errors_of_standards() -> None:
     """Scale factors, misalignments, an angle between the triads, a field that is off by 30 nT all along."""
@@ -130,11 +139,7 @@ def test_intervals_hold_with_errors_of_standards() -> None:
     }
     hits: Counter[str] = Counter()
     for seed in range(1, 101):
-        rng = np.random.default_rng([seed, 7])
-        gyro = np.eye(3) + rng.normal(0.0, 2e-3, (3, 3))
-        gyro[np.diag_indices(3)] = 1.0 + rng.normal(0.0, 0.005, 3)
-        turned = Rotation.from_rotvec(rng.normal(0.0, 3e-3, 3)).as_matrix()
-        made = recorded(rng, 3600.0, 2.0, gyro=gyro, magnetometer=turned, extra=rng.normal(0.0, 30e-9, 3))
+        made = of_standards(seed)
         result = reduced(made, standards=stated)
         hits.update({name: int(one) for name, one in held(made, result).items()})
     assert all(keeps("holds", one, 100) for one in hits.values()), hits
@@ -301,6 +306,20 @@ def test_gaps_and_a_slow_magnetometer_are_worked_with() -> None:
 def test_large_biases_are_found() -> None:
     made = recorded(np.random.default_rng(13), seconds=2400.0, bias=np.array([2.0, -1.5, 1.0]) * DEG)
     assert reduced(made).estimate.values[:3] == pytest.approx(made.bias, abs=5e-4 * DEG)
+
+
+def test_noise_of_short_lags_does_not_lead_the_search_astray() -> None:
+    """Pairs 15 s apart are off by 0.3 deg/s here, and longer ones that begin there by 0.2."""
+    made = of_standards(78)
+    assert np.max(np.abs(reduced(made).estimate.values[:3] - made.bias)) < 0.01 * DEG
+
+
+def test_a_lag_as_long_as_the_arcs_is_left_out() -> None:
+    """Arcs of 300 s have a handful of pairs 298 s apart, which tell three unknowns badly."""
+    made = recorded(np.random.default_rng(2), 1800.0, 2.0)
+    arcs = cut(track(recording(made), "one", "", None), 300.0)
+    lags = (15.0, 30.0, 60.0, 120.0)
+    assert by_pairs(arcs, made.offset, (*lags, 298.0))[0].tolist() == by_pairs(arcs, made.offset, lags)[0].tolist()
 
 
 def test_arcs_that_say_nothing_of_a_bias_are_refused() -> None:

@@ -110,7 +110,6 @@ class Equations:
     pull: Array  # shape (p,)
     others: Array  # shape (p, 12): information between them and influences that are not estimated
     squares: float  # of weighted residuals
-    readings: int
     left: Array  # shape (n,): length of what each reading leaves, without weights [T]
 
 
@@ -250,7 +249,7 @@ def _of_arc(arc: Arc, turns: Array, bias: Array, offset: Array, scale: Array, si
     basis = own @ (vectors[:, free] / np.sqrt(values[free]))
     wanted, left, rest = (part - basis @ (basis.T @ part) for part in (wanted, left, rest))
     return Equations(
-        wanted.T @ wanted, (wanted.T @ rest)[:, 0], wanted.T @ left, float(np.sum(rest**2)), rest.size,
+        wanted.T @ wanted, (wanted.T @ rest)[:, 0], wanted.T @ left, float(np.sum(rest**2)),
         np.linalg.norm(residual, axis=1),
     )  # fmt: skip
 

@@ -46,14 +46,13 @@ from ...statistics.intervals import t_interval
 from .arcs import Arc, Noise, Solution, solved
 from .plan import INFLUENCES, Plan
 from .readings import Readings, Track
-from .start import by_magnitude, by_pairs
+from .start import best_start, by_magnitude, by_pairs
 
 FEWEST = 6  # arcs, whose scatter the uncertainty rests on
 APART = 1.5  # intervals between two samples of the gyro, from which it is a gap
 OUTLIER, FAR_OUT = 6.0, 10.0  # robust standard deviations: of the magnitude of the field; of what a reading leaves
 SURE = 5.0  # standard uncertainties, from which a departure is told
 RISK = 1e-3  # of a remark without cause
-LOOSE = 10.0  # times what the weights expect: readings then fit no rigid body
 WEAK = 10.0  # largest over smallest uncertainty of the bias, by direction
 OTHER_AXES = 0.3  # of what is left with the axes as named, that is left with others
 LIKELY = 3.0  # times what noise leaves of pairs, that a rigid body leaves at most
@@ -61,7 +60,7 @@ LAGS = (15.0, 60.0)  # of pairs, by which other axes are tried [s]
 MEDIAN = 1.538  # of the length of a vector of three normal numbers
 ROUNDS, MOST_OUT, LEAST = 3, 0.3, 3  # of a robust search; part of all readings, and readings of an arc, that it leaves
 BETTER = 0.8  # of what magnitudes leave, that they leave with scale factors which matter
-FAR = 0.05  # of the field, by which magnitudes may lie from the model
+FAR = 0.05  # of the field, by which readings may lie from the model: 3 deg across it; no stated error does that
 BIAS, FIELD_BIAS, FIELD_SCALE = "bias", "magnetometer_bias", "magnetometer_scale_factor_error"
 RESIDUAL = "field_residual"
 SOURCES = {
@@ -155,7 +154,7 @@ def reduce(plan: Plan, readings: Readings) -> Result:
                         "Record longer, or give a shorter --arc", "too_short")  # fmt: skip
     offset = by_magnitude(*_all(arcs))
     noise = Noise(_field_noise(arcs, offset), _walk(tracks))
-    bias, _ = by_pairs(arcs, offset)
+    bias = best_start(arcs, offset)
     _check_axes(arcs, noise, offset, readings.tracks[0].file)
     arcs, found, left = _robust(arcs, np.concatenate([bias, offset]), noise, plan.magnetometer_model == "scale_factor")
     remarks += left
@@ -302,8 +301,7 @@ def _check_fit(arcs: Sequence[Arc], found: Solution, file: str) -> None:
         what = f"the magnitude of the field differs from its model by {number(rest * 1e9, 3)} nT (rms)"
         do = "Check clock and position, the unit of the magnetometer, and its scale factors"
         raise DataError(what, file, do=do, code="no_fit")
-    count = sum(one.readings for one in found.equations) - 3 * len(arcs) - len(found.values)
-    if np.sqrt(sum(one.squares for one in found.equations) / max(count, 1)) > LOOSE:
+    if float(np.sqrt(np.mean(np.concatenate([one.left for one in found.equations]) ** 2))) > FAR * size:
         what = "gyro and magnetometer do not turn together as one body"
         do = "Check axes, units and clocks of both, and of the position"
         raise DataError(what, file, do=do, code="no_fit")

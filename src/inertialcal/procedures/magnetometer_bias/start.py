@@ -5,7 +5,8 @@ between the field now and a lag later, both in the body as the gyro has turned i
 
     (B' - m) . P(b) (B - m) = R' . R
 
-A short lag holds for a large bias, a long one tells it better: lags grow, each from where the last one ended. These are
+A short lag holds for a large bias, a long one tells it better: lags grow, each from where the last one ended. Where
+noise leads a short one astray, the search begins with a longer one: the start is the one that leaves least. These are
 the residuals that the literature estimates the bias from; `arcs` makes better use of the same readings.
 """
 
@@ -20,6 +21,8 @@ from .arcs import Arc, turned
 
 LAGS = (15.0, 30.0, 60.0, 120.0, 300.0)  # [s]
 ROUNDS = 8
+BEGINNINGS = 3  # shortest lags that the search may begin with
+SHARE = 0.3  # of the readings, that must have a later one in their arc: a few pairs tell three unknowns badly
 
 
 def by_magnitude(field: Array, reference: Array) -> Array:
@@ -61,7 +64,7 @@ def by_pairs(arcs: Sequence[Arc], offset: Array, lags: Sequence[float] = LAGS) -
                     np.sum(one.reference[:-step] * one.reference[step:], axis=1) - np.sum(early * late, axis=1)
                 )
                 rows.append(np.einsum("ki,kij->kj", np.cross(early, late), swept[step:] - swept[:-step]))
-            if not rows:
+            if sum(map(len, values)) < SHARE * sum(len(one.times) for one in arcs):
                 break
             design, residual = np.concatenate(rows), np.concatenate(values)
             step_of = np.linalg.lstsq(design, residual, rcond=1e-9)[0]
@@ -70,3 +73,9 @@ def by_pairs(arcs: Sequence[Arc], offset: Array, lags: Sequence[float] = LAGS) -
             if float(np.linalg.norm(step_of)) * lag < 1e-6:
                 break
     return bias, left
+
+
+def best_start(arcs: Sequence[Arc], offset: Array) -> Array:
+    """Return the bias of a gyro [rad/s], shape (3,), by the beginning that leaves least at the longest lag."""
+    tried = [by_pairs(arcs, offset, LAGS[first:]) for first in range(BEGINNINGS)]
+    return min(tried, key=lambda one: one[1])[0]
