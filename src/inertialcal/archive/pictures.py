@@ -46,14 +46,17 @@ def _history(one: Series) -> drawn_history.Drawn:
 
 def trend_pictures(found: Trend) -> list[Picture]:
     """Return a picture of each chart."""
-    return [drawn_trend.picture(_trend(one)) for one in found.groups]
+    names = [one.name for one in found.groups]
+    return [drawn_trend.picture(_trend(one, names.count(one.name) > 1)) for one in found.groups]
 
 
-def _trend(one: Group) -> drawn_trend.Drawn:
-    chart = one.chart
-    n, name = len(one.signals), one.name.replace("_", " ")
+def _trend(one: Group, several: bool) -> drawn_trend.Drawn:
+    """Return what is drawn of a chart, with its test where several charts are of one figure."""
+    chart, test = one.chart, one.points[-1].row.test
+    n, what = len(one.signals), one.name.replace("_", " ")
+    name = f"{what}, {test}" if several else what
     state = "in control" if not n else f"{n} signal{'s' * (n > 1)}"
     finding = f"{name}: mean {number(chart.centre, 4)} {one.unit}, {state} in {len(one.labels)} {one.by}s"
-    return drawn_trend.Drawn(name, one.unit, finding, one.by, chart.values, chart.centre, chart.lower, chart.upper,
+    return drawn_trend.Drawn(what, one.unit, finding, one.by, chart.values, chart.centre, chart.lower, chart.upper,
                              chart.out | chart.in_run | chart.spread_out, chart.spread, chart.spread_lower,
                              chart.spread_upper)  # fmt: skip

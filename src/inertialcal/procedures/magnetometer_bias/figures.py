@@ -10,7 +10,8 @@ FIGURES = (
     FigureSpec(
         "magnetometer_bias_known",
         DRAWN + "known",
-        "How well the bias of each axis is known by then: its standard uncertainty with the arcs so far.",
+        "How well the bias of each axis is known by then: its standard uncertainty by the scatter of arcs so far,"
+        " without what standards add.",
         curves={"magnetometer_bias_known": "uncertainty of the bias over time"},
         order=620,
         top=120,

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from ....core.estimate import Array
@@ -16,7 +17,8 @@ from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, w
 
 NAME = "trend"
 SHOWS = (
-    "Figures in order of time with mean and limits of three standard deviations; below, their spread with its limits"
+    "Figures in order of time with mean and limits of three standard deviations; below, the moving range, or the"
+    " standard deviation in each lot, with its limits"
 )
 HEIGHTS = (2.2, 1.1)  # [in]
 
@@ -55,10 +57,12 @@ def picture(drawn: Drawn) -> Picture:
         set_title(top, title)
         set_labels(top, "", with_unit(plain(drawn.what), drawn.unit))
         below.plot(x, drawn.spread, ".-", color=COLOURS["blue"], lw=0.6, ms=4.0)
-        below.step(x, drawn.spread_upper, **limits)
+        known = np.isfinite(drawn.spread)  # the first unit has no range
+        below.step(x[known], drawn.spread_upper[known], **limits)
         if (drawn.spread_lower > 0.0).any():
-            below.step(x, drawn.spread_lower, **limits)
-        spread = "moving range" if drawn.of == "unit" else "std in a lot"
+            below.step(x[known], drawn.spread_lower[known], **limits)
+        below.xaxis.set_major_locator(MaxNLocator(integer=True))
+        spread = "range" if drawn.of == "unit" else "std"  # moving, in a lot: the panel is low
         set_labels(below, f"{drawn.of}, in order of time", with_unit(spread, drawn.unit))
         set_legend(below, top.get_legend_handles_labels()[0])
 

@@ -12,10 +12,13 @@ from ....core.key import AXES
 from ....core.show.rounding import uncertainty
 from ..drawing.data import Curve, curves, finite, numbers, unit
 from ..drawing.picture import Picture
+from ..drawing.scales import log_axis
 from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, with_unit
 
 NAME = "magnetometer_bias_known"
-SHOWS = "Standard uncertainty of the bias of each axis with the arcs of the record up to then"
+SHOWS = (
+    "Standard uncertainty of the bias of each axis by the scatter of the arcs up to then, without what standards add"
+)
 HEIGHT = 2.6  # of the panel [in]
 LOOKS = {"x": ("o", "blue"), "y": ("s", "vermilion"), "z": ("^", "green")}
 
@@ -55,7 +58,7 @@ def draw(axes: Sequence[Axes], curve: Curve, title: str = "") -> None:
     minutes = numbers(curve, "time") / 60.0
     for axis, (marker, colour) in LOOKS.items():
         ax.plot(minutes, numbers(curve, f"u_{axis}"), marker=marker, markersize=3.5, color=COLOURS[colour], label=axis)
-    ax.set_yscale("log")
+    log_axis(ax, "y", np.concatenate([numbers(curve, f"u_{axis}") for axis in AXES]), 1.3)
     ax.set_xlim(0.0, float(np.max(minutes)) * 1.03)
     set_title(ax, title)
     set_labels(ax, with_unit("time", "min"), with_unit("u(bias)", unit(curve, "u_x")))
