@@ -614,6 +614,13 @@ def test_every_colour_of_a_page_is_a_variable(name: str) -> None:
     assert len({light for light, _ in ROLES.values()}) == len(ROLES)
 
 
+@pytest.mark.parametrize("name", figures())
+def test_labels_of_ticks_are_plain_text(name: str) -> None:
+    svg = figures()[name].svg(results())
+    assert svg is not None
+    assert "mathdefault" not in svg  # a report shows text as it stands: no markup of powers
+
+
 def contrast(one: str, other: str) -> float:
     """WCAG 2.2, 1.4.3: ratio of relative luminances."""
 
