@@ -23,6 +23,7 @@ from typed_commands import call, call_json
 
 COMMAND = [sys.executable, str(Path(short_rig.__file__))]
 PATIENCE = 120.0  # [s] of this machine
+ENV = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}  # the helpers of tests, as here
 
 
 def log_rows(folder: Path) -> list[dict[str, str]]:
@@ -46,7 +47,7 @@ def table(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("rehearsal")
     lab = short_rig.rehearsal(folder / "lab")
     made = subprocess.run([*COMMAND, "sequence", str(lab), "-o", str(folder / "made"), "-q"], check=False,
-                          capture_output=True, text=True, env=os.environ, timeout=PATIENCE)  # fmt: skip
+                          capture_output=True, text=True, env=ENV, timeout=PATIENCE)  # fmt: skip
     assert made.returncode in (0, 4), made.stderr
     return folder
 
@@ -86,7 +87,7 @@ def killed_and_resumed(folder: Path, name: str, rng: np.random.Generator) -> int
     """Kill a sequence at a random moment, then go on with it; return how many rows its log had by then."""
     made, last = folder / name, len(log_rows(folder / "made"))
     command = [*COMMAND, "sequence", str(folder / "lab" / "LAB.toml"), "-o", str(made), "-q"]
-    process = subprocess.Popen(command, env=os.environ)
+    process = subprocess.Popen(command, env=ENV)
     wanted, until = int(rng.integers(0, last + 5)), time.monotonic() + PATIENCE
     path = made / "as_run.csv"
     while process.poll() is None and time.monotonic() < until:
@@ -97,7 +98,7 @@ def killed_and_resumed(folder: Path, name: str, rng: np.random.Generator) -> int
     process.kill()
     process.wait()
     done = path.read_bytes().count(b"\n") - 2 if path.exists() else 0
-    again = subprocess.run([*command, "--resume"], check=False, capture_output=True, text=True, env=os.environ,
+    again = subprocess.run([*command, "--resume"], check=False, capture_output=True, text=True, env=ENV,
                            timeout=PATIENCE)  # fmt: skip
     assert again.returncode in (0, 4), again.stderr
     return done
@@ -140,7 +141,7 @@ def test_a_record_that_was_changed_is_made_anew(table: Path, tmp_path: Path) -> 
     spoiled = next(made.glob("records/0008_*.parquet"))
     spoiled.write_bytes(spoiled.read_bytes()[:-1])
     command = [*COMMAND, "sequence", str(table / "lab" / "LAB.toml"), "-o", str(made), "-q", "--resume"]
-    assert subprocess.run(command, check=False, env=os.environ, timeout=PATIENCE).returncode in (0, 4)
+    assert subprocess.run(command, check=False, env=ENV, timeout=PATIENCE).returncode in (0, 4)
     rows = log_rows(made)
     again = [int(row["step"]) for row in rows if row["status"] == "REDONE"]
     assert again == list(range(7, 13))  # y_run1
@@ -176,7 +177,7 @@ def test_the_campaign_of_the_suite_runs_from_one_command(tmp_path: Path) -> None
     """Thermal runs and the record at rest are those of the rig sample by sample; the rate table in parts of dwells."""
     lab = short_rig.rehearsal(tmp_path / "lab", short_rig.SUITE)
     command = [*COMMAND, "sequence", str(lab), "-o", str(tmp_path / "made"), "-q"]
-    made = subprocess.run(command, check=False, capture_output=True, text=True, env=os.environ, timeout=900)
+    made = subprocess.run(command, check=False, capture_output=True, text=True, env=ENV, timeout=900)
     assert made.returncode in (0, 1, 4), made.stderr
     write_twin(RIGS[short_rig.SUITE].twin(1), tmp_path / "recorded")
     recorded = run(tmp_path / "recorded", write=False).results["results"]
