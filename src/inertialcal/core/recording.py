@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import _thread
 import atexit
+import math
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
@@ -134,6 +135,15 @@ class Source:
         return vars(self) | {"sha256": self.sha256}
 
 
+@dataclass(frozen=True)
+class ClockRate:
+    """How well the rate at which stamps run is known, where who recorded them found that out."""
+
+    u: float  # Standard uncertainty, relative [1]
+    dof: float = math.inf  # Its degrees of freedom
+    source: str = ""  # Which clock, and when
+
+
 @dataclass(frozen=True, eq=False)
 class Recording:
     """Channels on one clock.
@@ -158,6 +168,7 @@ class Recording:
     time_column: str = ""  # Name of the column whose stamps give the sample interval; empty where they do not
     compensated_by: str = ""  # First 12 digits of the checksum of the model that was applied; empty for readings
     cut_off: float | None = None  # Of the low pass before the samples were taken [Hz]; None when nobody said
+    clock: ClockRate | None = None  # Of its stamps; None when nobody said
 
     def __post_init__(self) -> None:
         names = [channel.name for channel in self.channels]

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from ..core.batches import batches, is_long, is_stored
 from ..core.errors import DataError, InertialcalError, Problem
+from ..core.recording import ClockRate
 from ..core.remarks import Remark
 from .binary.arrays import AT_ONCE, received
 from .budget import ENVIRONMENT, PROCESS, ceiling, claim
@@ -237,6 +238,7 @@ def _said(content: Content) -> dict[str, Any]:
         "columns": columns, "length": len(content), "format": content.format, "sample_rate": content.sample_rate,
         "rows": [rows.start, rows.stop, rows.step] if isinstance(rows, range) else None if rows is None else AS_NUMBERS,
         "has_time": content.time_ns is not None, "cut_off": content.cut_off,
+        "clock": None if content.clock is None else asdict(content.clock),
         "stored": any(is_stored(one.values) for one in content.columns),
         "remarks": [asdict(one) for one in content.remarks],
     }  # fmt: skip
@@ -273,7 +275,8 @@ def _received(pieces: Pieces) -> Content:
     rows = take("<i8", n) if said["rows"] == AS_NUMBERS else None if said["rows"] is None else range(*said["rows"])
     time_ns = take("<i8", n) if said["has_time"] else None
     remarks = tuple(Remark(**one) for one in said["remarks"])
-    return Content(tuple(columns), said["format"], rows, said["sample_rate"], remarks, time_ns, said["cut_off"])
+    clock = None if said["clock"] is None else ClockRate(**said["clock"])
+    return Content(tuple(columns), said["format"], rows, said["sample_rate"], remarks, time_ns, said["cut_off"], clock)
 
 
 if __name__ == "__main__":

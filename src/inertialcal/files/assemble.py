@@ -178,8 +178,9 @@ def _timed(
             else ()
         )
         return Recording(
-            (), clock.time_ns, interval, None, clock.epoch, source, remarks=remarks, cut_off=content.cut_off
-        )
+            (), clock.time_ns, interval, None, clock.epoch, source, remarks=remarks, cut_off=content.cut_off,
+            clock=content.clock,
+        )  # fmt: skip
     axis = analyse(clock.time_ns, steps=clock.steps)
     remarks = axis_remarks(axis, clock.time_ns, lambda index: content.place(path, index))
     if interval is None:
@@ -188,7 +189,7 @@ def _timed(
         remarks += rate_remark(1.0 / interval, {"the time stamps say": 1.0 / axis.interval}, path, source == "header")
     return Recording(
         (), clock.time_ns, interval, None, clock.epoch, source, remarks=remarks, time_column=column,
-        cut_off=content.cut_off,
+        cut_off=content.cut_off, clock=content.clock,
     )  # fmt: skip
 
 

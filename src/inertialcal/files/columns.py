@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..core.batches import any_step, batches, empty, is_long, put
 from ..core.errors import DataError
-from ..core.recording import Times
+from ..core.recording import ClockRate, Times
 from ..core.remarks import Remark
 
 Rows = NDArray[np.int64]
@@ -64,6 +64,7 @@ class Content:
     # shape (n,): stamps that the format itself gives [ns since 1970 UTC]; then no column is time
     time_ns: Times | None = None
     cut_off: float | None = None  # Of the low pass before the samples, as the file says it [Hz]
+    clock: ClockRate | None = None  # Of its stamps, as the file says it
 
     def place(self, path: str, index: int) -> str:
         """``file:row`` of a sample, or the file and its sample number where rows have no meaning."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +17,9 @@ from scipy.io import loadmat, savemat
 
 from inertialcal.campaign.start.info import info as survey
 from inertialcal.core.errors import DataError, InertialcalError, StoreError, UsageError
-from inertialcal.core.recording import SECOND, Channel, Recording, Source
+from inertialcal.core.recording import SECOND, Channel, ClockRate, Recording, Source
 from inertialcal.files import read
+from inertialcal.files.binary.parquet import clock_in, clock_of
 from inertialcal.files.info.survey import survey_recording
 from inertialcal.files.write.file_columns import numbers, time_column, time_name
 from inertialcal.files.write.recording import WRITERS, write
@@ -386,6 +388,20 @@ def test_one_sample_and_no_channel(tmp_path: Path) -> None:
 def test_what_is_not_kept_is_remarked(tmp_path: Path) -> None:
     one = recording(Channel("a", np.array([1.5, 2.5])), averaging_time=1.0, source=Source("gone.csv"))
     assert [remark.code for remark in write(tmp_path / "out.csv", one)] == ["averaging_time_not_kept"]
+
+
+def test_what_the_clock_is_known_to_stands_in_parquet_alone(tmp_path: Path) -> None:
+    clock = ClockRate(5.8e-5, 812.0, "acquire: clock of imu from 2026-11-30T02:00:00Z")
+    one = recording(Channel("a", np.array([1.5, 2.5])), time_ns=np.array([0, SECOND]), clock=clock)
+    assert there_and_back(tmp_path, ".parquet", one).clock == clock
+    assert clock_in(tmp_path / "out.parquet") == clock
+    write(tmp_path / "none.parquet", replace(one, clock=None))
+    (tmp_path / "no.parquet").write_bytes(b"PAR1")
+    assert [clock_in(tmp_path / f"{name}.parquet") for name in ("none", "no", "gone")] == [None] * 3
+    assert [remark.code for remark in write(tmp_path / "out.csv", one)] == ["clock_not_kept"]
+    assert read(tmp_path / "out.csv").clock is None
+    for said in (b"", b"[", b"[]", b"7", b'{"u": 0}', b'{"u": "x"}', b'{"u": NaN}', b'{"u": 1e-5, "dof": -1}'):
+        assert clock_of(said) is None
 
 
 def test_every_refusal_is_one_that_a_user_can_act_on(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from scipy import stats
 
 from inertialcal.files.loggers.rows import RowChannel, RowLayout
 from inertialcal.lab.acquisition.intervals import Intervals
-from inertialcal.lab.acquisition.relation import FEWEST, WITHIN, Clocks, OwnTime, Relation
+from inertialcal.lab.acquisition.relation import COMPUTER, FEWEST, WITHIN, Clocks, OwnTime, Relation
 
 DRIFT, OFFSET = 37e-6, 1234.5  # truth
 PLACE = 1_700_000_000.0
@@ -108,7 +108,9 @@ def test_a_drift_that_no_quartz_has_is_not_used_without_say(growth: float, withi
     assert (not clocks.uncertain) is is_used
     passed = float(np.diff(clocks.host_time(PLACE + np.array([0.0, 50.0])))[0]) / 1e9
     assert passed == pytest.approx(50.0 * (1.0 + growth * is_used), abs=1e-3)
-    assert (clocks.rate_u < 1e-5) if is_used else clocks.rate_u == pytest.approx(within / math.sqrt(3.0))
+    rate = clocks.rate("imu")
+    assert rate.u == pytest.approx((COMPUTER if is_used else within) / math.sqrt(3.0), rel=0.01)
+    assert rate.dof > 1e3
 
 
 def test_a_drift_that_is_known_no_better_than_quartz_is_not_used() -> None:

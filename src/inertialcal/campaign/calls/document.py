@@ -15,10 +15,11 @@ from typing import Any
 from ...core.campaign_text import FILE, SCHEMA
 from ...core.errors import UsageError
 from ...core.influence import standard_of
+from ...core.recording import ClockRate
 from ...core.remarks import Remark
 from ...procedures.given import GROUP, Described, GivenFile, Said
 from ...procedures.protocol import Procedure
-from ..file.load import load
+from ..file.load import clock_standard, load
 from ..file.recordings import OWN_KEYS
 from .given import text_said
 
@@ -61,6 +62,7 @@ def document_of(
         for table in ("site", "standards"):
             document[table] = _over(like.document.get(table, {}), document[table])
     columns: dict[str, str] = {}
+    clocks: list[ClockRate | None] = []
     uses: dict[tuple[str, str], dict[str, Any]] = {}
     requirements: list[dict[str, Any]] = []
     remarks: list[Remark] = []
@@ -73,6 +75,8 @@ def document_of(
             sensor = each.entry.get("sensor") or _sensor(sensors, each)
             own = {"sensor": sensor, "file": one.name} | each.entry | _reading(one.said, each.entry)
             document["recordings"][name] = own
+            if "channels" in own:
+                clocks.append(one.recording.clock)
             columns |= {what: column for what, column in each.columns.items() if what not in columns}
             use = "hold_out" if one.name in held_out else "fit"
             test = uses.setdefault((use, each.test), {"recordings": [], "plan": {}})
@@ -80,6 +84,8 @@ def document_of(
             test["plan"] |= each.plan
             if each.windows:
                 test.setdefault("windows", []).extend(each.windows)
+    if "rate" not in document["standards"].get("clock", {}) and (said_by_them := clock_standard(clocks)):
+        document["standards"]["clock"] = said_by_them
     used = {entry["sensor"] for entry in document["recordings"].values()}
     document["sensors"] = {name: sensor for name, sensor in sensors.items() if name in used}
     for (use, test_id), test in uses.items():

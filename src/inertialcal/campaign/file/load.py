@@ -4,20 +4,25 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import shlex
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
+from typing import Any
 
 from pydantic import ValidationError
 
 from ...core.campaign_text import FILE, MARK
 from ...core.errors import DataError, PlanError, Problem
 from ...core.influence import Influence, Standards
+from ...core.recording import ClockRate
 from ...core.schema.problems import model_problems
-from ...core.schema.standards import STANDARDS, WRITTEN
+from ...core.schema.standards import STANDARDS, WRITTEN, StandardEntry
 from ...core.schema.toml import At, key_lines, nearest_line, parse_toml
 from ...core.schema.toml import Path as KeyPath
+from ...files.binary.parquet import clock_in
 from ...files.source import read_bytes
 from .cross_checks import cross_checks
 from .schema import CampaignFile
@@ -96,11 +101,36 @@ def load(folder: str | Path) -> Campaign:
         if error.error_count() > MOST:
             problems.append(Problem(f"and {error.error_count() - MOST} more problems", FILE, do="Correct these first"))
         raise PlanError(problems) from None
-    standards, problems = standards_of(file, lambda *key: place(lines, key))
+    _, problems = standards_of(file, lambda *key: place(lines, key))
     problems += cross_checks(root, file, lambda *key: place(lines, key))
     if problems:
         raise PlanError(problems)
+    recordings = (root / one.file for one in file.recordings.values() if one.channels)
+    file = with_clock(file, (clock_in(one) for one in recordings))
+    standards, _ = standards_of(file, lambda *key: place(lines, key))
     return Campaign(root, file, standards, lines, hashlib.sha256(raw).hexdigest())
+
+
+def clock_standard(clocks: Iterable[ClockRate | None]) -> dict[str, dict[str, Any]]:
+    """Return the entry of ``clock.rate`` that recordings make who all say what the rate of their stamps is known to.
+
+    It is one unknown of all: that of the recording where it is known worst. Empty where one of them does not say.
+    """
+    found = list(clocks)
+    known = [one for one in found if one is not None]
+    if not known or len(known) < len(found):
+        return {}
+    worst = max(known, key=lambda one: one.u)
+    entry: dict[str, Any] = {"u": f"{1e6 * worst.u:.4g} ppm", "certificate": worst.source}
+    return {"rate": entry if math.isinf(worst.dof) else entry | {"dof": float(f"{worst.dof:.4g}")}}
+
+
+def with_clock(file: CampaignFile, clocks: Iterable[ClockRate | None]) -> CampaignFile:
+    """Return what a campaign says, with what its recordings say of their clock where it says nothing of that."""
+    if "rate" in file.standards.get("clock", {}) or not (said := clock_standard(clocks)):
+        return file
+    entries = {name: StandardEntry(**entry) for name, entry in said.items()}
+    return file.model_copy(update={"standards": {**file.standards, "clock": entries}})
 
 
 def standards_of(file: CampaignFile, at: At) -> tuple[dict[str, Influence], list[Problem]]:

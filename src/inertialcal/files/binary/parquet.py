@@ -12,10 +12,14 @@ References
 
 from __future__ import annotations
 
+import json
+import math
+import os
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,7 +27,9 @@ from numpy.typing import NDArray
 
 from ...core import batches
 from ...core.errors import DataError
+from ...core.recording import ClockRate
 from ...core.remarks import Remark
+from ...core.show.tables import clean
 from ..budget import COLUMNS, PARTS, READ, VALUE, check_count, claim, claim_room
 from ..columns import Column, Content, LongColumns, Rows, ahead
 from ..reader import Reader
@@ -54,6 +60,7 @@ BATCH, BUFFER = 2**17, 2**20  # rows of long columns that are read at once, and 
 AT_ONCE = 2**27  # bytes of such texts that are unpacked at once
 UNIT_KEYS = (b"unit", b"units")
 RATE_KEYS = (b"sample_rate", b"sample_rate_hz", b"fs")
+CLOCK_KEY = b"inertialcal_clock_rate"  # how well the rate of the stamps is known, as JSON
 
 
 def read_parquet(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
@@ -111,14 +118,14 @@ def read_parquet(loaded: Loaded, variables: Sequence[str] | None = None) -> Cont
         columns += _batch_by_batch(file, [leaves[i].path for i in large], loaded.path)
         order = {leaf.path: i for i, leaf in enumerate(leaves)}
         columns.sort(key=lambda one: order.get(one.name if isinstance(one, Column) else one, 0))
-        rate = sample_rate_of(schema.metadata or {})
+        rate, clock = sample_rate_of(schema.metadata or {}), clock_of((schema.metadata or {}).get(CLOCK_KEY, b""))
     unread = (leaf.path for i, leaf in enumerate(leaves) if i not in read)
     columns += dict.fromkeys(path.split(".list.")[0].split(".key_value.")[0] for path in unread)
     kept = tuple(column for column in columns if isinstance(column, Column))
     left_out = [name for name in columns if isinstance(name, str)]
     what = f"neither numbers, dates nor text, left out: {', '.join(left_out)[:120]}"
     remark = Remark("variables_left_out", "info", what, where=loaded.path, count=len(left_out))
-    return Content(kept, "Parquet", None, rate, (remark,) if left_out else ())
+    return Content(kept, "Parquet", None, rate, (remark,) if left_out else (), clock=clock)
 
 
 def _batch_by_batch(file: Any, paths: Sequence[str], path: str) -> list[Column | str]:
@@ -410,6 +417,41 @@ def sample_rate_of(metadata: dict[bytes, bytes]) -> float | None:
         if np.isfinite(value) and value > 0.0:
             return value
     return None
+
+
+def clock_text(clock: ClockRate) -> bytes:
+    """Return what `clock_of` reads."""
+    return json.dumps({name: one for name, one in asdict(clock).items() if one != math.inf}).encode()
+
+
+def clock_of(text: bytes) -> ClockRate | None:
+    """Return how well the rate of stamps is known, as the metadata of a file say it; None where they do not."""
+    try:
+        said = json.loads(text)
+        clock = ClockRate(float(said["u"]), float(said.get("dof", math.inf)), clean(str(said.get("source", ""))))
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        return None
+    return clock if 0.0 < clock.u < 1.0 and clock.dof > 0.0 else None
+
+
+def clock_in(path: str | os.PathLike[str]) -> ClockRate | None:
+    """Return what the footer of a Parquet file says of its clock, nothing else of it read; None of any other file.
+
+    Behind the key of a pair stands its value: the head of a text, its length and itself.
+    """
+    try:
+        with Path(path).open("rb") as stream:
+            stream.seek(-8, os.SEEK_END)
+            length, magic = int.from_bytes(stream.read(4), "little"), stream.read(4)
+            if magic != MAGIC or length > LONGEST:
+                return None
+            stream.seek(-8 - length, os.SEEK_END)
+            footer = stream.read(length)
+        _, key, behind = footer.partition(CLOCK_KEY + b"\x18")
+        size, at = _varint(behind, 0) if key else (0, 0)
+    except (OSError, IndexError, ValueError):
+        return None
+    return clock_of(behind[at : at + size])
 
 
 READER = Reader("parquet", "Parquet", (".parquet",), lambda data, path: data.startswith(MAGIC), read_parquet, True)

@@ -21,7 +21,7 @@ from ...core.errors import DataError, InertialcalError
 from ...core.recording import SECOND, Recording
 from ...core.remarks import Remark
 from ...core.show.tables import csv_cell
-from ..binary.parquet import RATE_KEYS, UNIT_KEYS
+from ..binary.parquet import CLOCK_KEY, RATE_KEYS, UNIT_KEYS, clock_text
 from ..columns import Column
 from ..text.delimited import parse
 from ..text.layout import SAMPLE
@@ -151,8 +151,10 @@ def write_parquet(path: Path, recording: Recording) -> tuple[Remark, ...]:
         for column in columns
     ]
     rate = stated_rate(recording)
-    about = None if rate is None else {RATE_KEYS[0]: repr(rate)}
-    schema = pa.schema(fields, metadata=about)
+    about: dict[bytes, bytes] = {} if rate is None else {RATE_KEYS[0]: repr(rate).encode()}
+    if recording.clock is not None:
+        about[CLOCK_KEY] = clock_text(recording.clock)
+    schema = pa.schema(fields, metadata=about or None)
     with parquet.ParquetWriter(path, schema) as writer:
         for first, stop in batches(*values, size=GROUP):
             part = [arrow_array(one[first:stop]) for one in values]

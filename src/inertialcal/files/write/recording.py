@@ -8,7 +8,7 @@ cells or nulls. The first column is the time. MCAP holds messages of ROS, in the
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +16,7 @@ import numpy as np
 from ...core.errors import DataError, UsageError
 from ...core.recording import Recording
 from ...core.remarks import Remark
+from ...core.show.rounding import uncertainty
 from ..source import checked_path
 from .array_files import write_hdf5, write_matlab, write_npz
 from .atomic import atomic_write
@@ -75,7 +76,7 @@ def write(path: str | os.PathLike[str], recording: Recording) -> tuple[Remark, .
     inputs = [recording.source.path] if recording.source.path else []
     with atomic_write(path, inputs) as aside:
         remarks = writer(aside, recording)
-    return (*remarks, *_not_kept(recording))
+    return (*remarks, *_not_kept(recording, writer is write_parquet))
 
 
 def writer_for(path: str | os.PathLike[str]) -> Writer:
@@ -96,8 +97,10 @@ def writer_for(path: str | os.PathLike[str]) -> Writer:
     return WRITERS[ending]
 
 
-def _not_kept(recording: Recording) -> tuple[Remark, ...]:
-    if recording.averaging_time is None:
-        return ()
-    what = f"the file does not store the averaging time ({recording.averaging_time:g} s)"
-    return (Remark("averaging_time_not_kept", "info", what, do="Give it again where the file is used"),)
+def _not_kept(recording: Recording, clock: bool) -> Iterator[Remark]:
+    if recording.averaging_time is not None:
+        what = f"the file does not store the averaging time ({recording.averaging_time:g} s)"
+        yield Remark("averaging_time_not_kept", "info", what, do="Give it again where the file is used")
+    if recording.clock is not None and not clock:
+        what = f"the file does not store to what its clock is known ({uncertainty(1e6 * recording.clock.u)} ppm)"
+        yield Remark("clock_not_kept", "info", what, do="Write Parquet, which keeps it")

@@ -24,7 +24,9 @@ drift, and seem steady until then: the tick is a part of the uncertainty of its 
 What arrivals cannot tell is assumed: clocks drift linearly, and no delay grows in proportion to time over the whole
 record, as in a buffer that only fills. This would look like a drift. Hence a drift beyond ``within``, which quartz
 cannot have, or one that is known no better than a tenth of that, is said and not used: times keep the rate of the
-instrument's own clock. The offset holds the least delay of the link, which rows that go one way cannot tell.
+instrument's own clock. Their rate is known to the uncertainty of the drift and to what the computer's own clock may be
+off (`COMPUTER`), which no arrival can tell. The offset holds the least delay of the link, which rows that go one way
+cannot tell.
 
 Constant memory: when there are too many blocks, two and two become one.
 
@@ -48,7 +50,7 @@ from numpy.typing import NDArray
 from scipy import linalg, special
 
 from ...core.estimate import Array, Component, Estimate, P
-from ...core.recording import SECOND, Times
+from ...core.recording import SECOND, ClockRate, Times
 from ...core.show.rounding import uncertainty
 from ...core.units import convert
 from ...files.loggers.rows import RowLayout
@@ -64,6 +66,7 @@ FRAME = TICKS[-1]  # of USB [ns]
 TOGETHER = 0.5  # mean resultant length of arrivals on a tick
 WITHIN = 1e-3  # what a clock may be off where nobody said: ten times the worst quartz
 KNOWN = 0.1  # of that: standard uncertainty up to which a drift is used
+COMPUTER = 1e-4  # what the clock of a computer may be off that nobody keeps in step: the worst quartz
 
 
 @dataclass(frozen=True)
@@ -90,12 +93,13 @@ class Clocks:
             return f"{1e6 * drift:.5g} ppm, more than the {1e6 * self.within:g} ppm that its clock may be off"
         return ""
 
-    @property
-    def rate_u(self) -> float:
-        """Standard uncertainty of the rate at which times run, relative [1]."""
+    def rate(self, source: str) -> ClockRate:
+        """Return how well the rate at which times run is known, of a clock and record of this name."""
         if self.estimate is None or self.uncertain:
-            return self.within / math.sqrt(3.0)
-        return float(self.estimate.u[1])
+            return ClockRate(self.within / math.sqrt(3.0), source=source)
+        own, dof = float(self.estimate.u[1]), float(self.estimate.dof[1])
+        u = math.hypot(own, COMPUTER / math.sqrt(3.0))
+        return ClockRate(u, dof * (u / own) ** 4, source)  # Welch and Satterthwaite: the computer's has no end of them
 
     def host_time(self, device: Array) -> Times:
         """Return the reading of the computer at times of the instrument [s], shape (n,) [ns, monotonic]."""

@@ -81,7 +81,7 @@ def _instrument(one: Sealed) -> dict[str, Any]:
             "offset": {"value": offset, "u": u_offset, "unit": "s", "dof": dof},
             "drift": {"value": drift, "u": u_drift, "unit": "1", "dof": dof},
             "scatter": {"value": one.clocks.scatter, "unit": "s"},
-            "rate": {"corrected": not one.clocks.uncertain, "u": one.clocks.rate_u, "unit": "1"},
+            "rate": {"corrected": not one.clocks.uncertain, "u": one.clocks.rate(one.name).u, "unit": "1"},
         }
     intervals = None
     if one.intervals is not None:
@@ -201,7 +201,9 @@ def _timed(folder: Path, bag: Bag, name: str, layout: RowLayout) -> _Timed | Non
     recording = read(folder / RECORDING, topics=[name])
     time_from = "when the rows came"
     if clocks.estimate is not None and own.channel is not None:
-        recording = replace(recording, time_ns=_on_computer(recording, layout, clocks, offset))
+        time_ns = _on_computer(recording, layout, clocks, offset)
+        began = np.datetime64(int(time_ns[0]), "ns").astype("datetime64[s]")
+        recording = replace(recording, time_ns=time_ns, clock=clocks.rate(f"acquire: clock of {name} from {began}Z"))
         by = "offset alone, at its own rate" if clocks.uncertain else "offset and drift"
         time_from = f"{own.channel.name}, put on the computer's clock by {by}"
     return _Timed(recording, rows, clocks, time_from, intervals)

@@ -22,7 +22,7 @@ from ..protocol import (
     Tested,
 )
 from .figures import FIGURES
-from .plan import INFLUENCES, Filters, Plan, Samples
+from .plan import INFLUENCES, OF_CLOCK, Filters, Plan, Samples
 
 if TYPE_CHECKING:
     from ...core.recording import Recording
@@ -176,11 +176,15 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
 
         return levels(result)
 
-    def budgeted(self, result: Result) -> Sequence[BudgetFigure]:
-        """Return all terms if the scale factor takes part; else the scatter of the noise is all there is."""
-        from .rows import SCALE
+    def effects(self) -> Mapping[str, str]:
+        """Return what each influence changes."""
+        return {**self.influences, **OF_CLOCK}
 
-        return super().budgeted(result) if result.plan.standards.get(SCALE) else []
+    def budgeted(self, result: Result) -> Sequence[BudgetFigure]:
+        """Return all terms if scale factor or clock take part; else the scatter of the noise is all there is."""
+        from .rows import SOURCES
+
+        return super().budgeted(result) if SOURCES.keys() & result.plan.standards.keys() else []
 
     def interval_at(self, result: Result, row: Row, p: float) -> Interval | None:
         """Return the interval of a noise term."""

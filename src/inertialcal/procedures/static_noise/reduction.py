@@ -35,7 +35,7 @@ from .plan import INFLUENCES, Plan
 from .readings import AtRest, Readings, Run, Truth, simulate
 from .record_length import Reach, reaches, sentence
 from .recordings import readings_from
-from .rows import SCALE, interval_at, quantity_units, rows, with_scale
+from .rows import SCALE, interval_at, quantity_units, rows, with_standards
 
 __all__ = [
     "INFLUENCES",
@@ -76,7 +76,7 @@ class Result:
         """Terms of all axes, SI or in the unit of the file; None where there are none."""
         found = [_of_axis(one) for one in self.axes if one.fit is not None]
         known = [one for one in found if one is not None]
-        return with_scale(_joined(known), self.plan.standards) if known else None
+        return with_standards(_joined(known), self.plan.standards) if known else None
 
     def rows(self) -> tuple[Row, ...]:
         """Rows of ``results.json``, SI or in the unit of the file."""

@@ -6,6 +6,7 @@ Conditions: none for the result, from all records together; ``"run NAME alone"``
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cache
@@ -17,13 +18,14 @@ from scipy import special
 
 from ...core.errors import DataError
 from ...core.estimate import Component, Estimate
-from ...core.influence import Influence, Standards
+from ...core.influence import Standards
 from ...core.key import At, Key, Kind, Member, Reason
 from ...core.results import Interval, Row, not_estimated
 from ...core.units import FILE_UNIT, normalise
 from ...sensors.noise.fitting.estimator import fit
 from ...sensors.noise.fitting.noise_fit import NoiseFit, TermEstimate, duration
 from ...sensors.noise.terms import (
+    POWERS_OF_TIME,
     TERMS,
     GaussMarkov,
     RandomWalk,
@@ -39,13 +41,16 @@ from .axis_noise import FAST, AxisNoise, Recorded, doubt_of, fault_of, slow_faul
 if TYPE_CHECKING:
     from .reduction import Result
 
-if TYPE_CHECKING:
-    from .reduction import Result
-
-SCALE = "sensor.scale_factor"
-SOURCE = "scale factor of the sensor"
+SCALE, CLOCK = "sensor.scale_factor", "clock.rate"
+SOURCES = {SCALE: "scale factor of the sensor", CLOCK: "rate of the clock"}
 TIME = quantity_name(GaussMarkov.name, "correlation_time", None)
 SENSORS: tuple[Kind, ...] = get_args(Kind)
+# By how much a figure changes, in proportion, where the clock is fast by one: intervals are then long.
+POWERS_OF_CLOCK = {
+    quantity_name(name, parameter, kind): float(POWERS_OF_TIME[name])
+    for name, term in TERMS.items() if name in POWERS_OF_TIME
+    for parameter in term.parameters for kind in (None, *SENSORS)
+} | {TIME: 1.0, "line_frequency": -1.0}  # fmt: skip
 
 
 def rows(result: Result) -> Iterator[Row]:
@@ -94,8 +99,7 @@ def _terms(result: Result, fit: NoiseFit, axis: str, doubt: str, slow: Reason, b
             inside = Reason("in_band", band) if band and term.name == RandomWalk.name else Reason()
             said = reason or inside or Reason("limits", term.reason)
             row = Row(Key(one.name, axis), one.value, one.u, units[one.name], None, one.interval, reason=said)
-            scaled = one.name != "gauss_markov_correlation_time"
-            yield widened(row, result.plan.standards) if scaled else row
+            yield widened(row, result.plan.standards)
         if term.status != "estimated":
             yield from _missing(result, term, axis, units)
 
@@ -134,7 +138,8 @@ def _lines(result: Result, axis: str, record: Recorded, several: bool) -> Iterat
             ("line_frequency", line.frequency, line.u_frequency, "Hz"),
         ):
             key = Key(quantity, axis, power=line.times, at=at)
-            yield Row(key, value, u, own, None, t_interval(value, u, float("inf")), member=alone)
+            row = Row(key, value, u, own, None, t_interval(value, u, float("inf")), member=alone)
+            yield widened(row, result.plan.standards) if quantity == "line_frequency" else row
 
 
 def unit_of(term: str, parameter: str, kind: Kind | None, file_unit: str) -> str:
@@ -175,15 +180,15 @@ def interval_at(result: Result, row: Row, p: float) -> Interval | None:
     return None if found is None else widened(found, result.plan.standards).interval
 
 
-def relative(standards: Standards) -> float:
-    """Return the relative standard uncertainty of the scale factor; 0 where none is stated."""
-    influence: Influence | None = standards.get(SCALE)
-    return 0.0 if influence is None else influence.u
+def changes_by(quantity: str, standards: Standards) -> dict[str, float]:
+    """Return the relative change of a figure by one standard uncertainty of scale factor and clock, those stated."""
+    powers = {SCALE: 0.0 if quantity in {TIME, "line_frequency"} else -1.0, CLOCK: POWERS_OF_CLOCK.get(quantity, 0.0)}
+    return {name: power * standards[name].u for name, power in powers.items() if power and name in standards}
 
 
 def widened(row: Row, standards: Standards) -> Row:
-    """Return the row with what the scale factor adds to its uncertainty and interval."""
-    own = relative(standards)
+    """Return the row with what scale factor and clock add to its uncertainty and interval."""
+    own = math.hypot(*changes_by(row.key.quantity, standards).values())
     if own == 0.0 or row.value is None:
         return row
     u = None if row.u is None else float(np.hypot(row.u, own * row.value))
@@ -207,23 +212,19 @@ def _interval(row: Row, own: float) -> Interval | None:
     return Interval(end(interval.lo), end(interval.hi), interval.p)
 
 
-def with_scale(estimate: Estimate, standards: Standards) -> Estimate:
-    """Return the estimate with the scale factor as one more source, shared by all sizes; times do not feel it."""
-    influence = standards.get(SCALE)
-    if influence is None or influence.u == 0.0:
-        return estimate
-    sized = np.array([0.0 if key.quantity == TIME else 1.0 for key in estimate.keys]) * estimate.values
-    covariance = influence.u**2 * np.outer(sized, sized)
-    component = Component(
-        influence.origin(SOURCE),
-        "B",
-        covariance,
-        influence.dof,
-        influence.distribution,
-        influence.stated,
-        -influence.u * sized[None],
-    )
-    return replace(estimate, components=(*estimate.components, component))
+def with_standards(estimate: Estimate, standards: Standards) -> Estimate:
+    """Return the estimate with scale factor and clock as sources, each shared by all that feel it."""
+    found = list(estimate.components)
+    for name, said in SOURCES.items():
+        relative = [changes_by(key.quantity, standards).get(name, 0.0) for key in estimate.keys]
+        changes = np.array(relative) * estimate.values
+        if np.any(changes):
+            one = standards[name]
+            covariance = np.outer(changes, changes)
+            found.append(Component(
+                one.origin(said), "B", covariance, one.dof, one.distribution, one.stated, changes[None]
+            ))  # fmt: skip
+    return replace(estimate, components=tuple(found))
 
 
 @cache
