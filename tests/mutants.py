@@ -363,6 +363,14 @@ MUTANTS = (
     Mutant("relation.py", "* (y - y0) > (y1 - y0) *", "* (y - y0) < (y1 - y0) *", "test_relation"),
     Mutant("relation.py", "np.minimum.outer(number, number) + 0.5", "np.eye(n) + 0.5", "test_relation"),
     Mutant("relation.py", "if tick else parts[:1]", "if not tick else parts[:1]", "test_relation"),
+    Mutant("relation.py", "u = math.hypot(own, COMPUTER / math.sqrt(3.0))", "u = own", "test_relation"),
+    Mutant(
+        "rows.py",
+        "power * standards[name].u for name, power",
+        "standards[name].u for name, power",
+        "test_recorded_clocks",
+    ),
+    Mutant("load.py", "worst = max(known, key", "worst = min(known, key", "test_recorded_clocks"),
     Mutant("drift.py", "weights = curve[-1] - curve[0]", "weights = curve[0] - curve[-1]", "test_drift"),
     Mutant("drift.py", "2.0 * float(special.stdtr(", "1.0 * float(special.stdtr(", "test_drift"),
     Mutant(

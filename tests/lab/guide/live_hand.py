@@ -133,8 +133,11 @@ def live_imu(folder: Path, seed: int = 1, habits: Habits = CLEAN, speed: int = 4
 
 
 def stepped(session: Session, most: float = 1500.0) -> np.ndarray:
-    """Step until it is over; return how it was told, code by code."""
-    codes, until = [], session.clock.seconds() + most
-    while session.clock.seconds() < until and session.step():
+    """Step until it is over, or so long by the IMU's clock [s]; return how it was told, code by code.
+
+    A computer that is busy may take far longer than the clock says.
+    """
+    codes, until = [], session.clock.seconds() + 20.0 * most
+    while session._stamp < most * 1e9 and session.clock.seconds() < until and session.step():
         codes.append(session.shown.code)
     return np.array(codes)

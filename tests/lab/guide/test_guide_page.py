@@ -167,6 +167,8 @@ def test_a_phone_sends_its_sensors(browser: Browser, tmp_path: Path) -> None:
             page.goto("about:blank")
             assert until(page, lambda: session.shown.code == "unplugged")
             assert until(page, lambda: any("keep its screen on" in text for text in session.shown.notices))
+            assert "keep its screen on" in session.shown.text
+            assert "cable" not in " ".join(session.shown.notices)
         assert odd == []
     session.acquisition.stop()
     session.acquisition.wait()

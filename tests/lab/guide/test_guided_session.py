@@ -152,7 +152,7 @@ def test_a_source_becomes_a_lab(tmp_path: Path) -> None:
 def test_fewer_positions_than_a_list_on_the_median_over_a_pty(tmp_path: Path) -> None:
     counts = []
     for seed in range(1, sized(50, 5) + 1):
-        with live_imu(tmp_path / str(seed), seed, Habits(), asked=Asked(WANTED, SAID)) as (_, session):
+        with live_imu(tmp_path / str(seed), seed, Habits(), 12, Asked(WANTED, SAID)) as (_, session):
             codes = stepped(session)
             assert session.shown.phase == "working", (seed, codes[-3:])
             counts.append(session.shown.positions)

@@ -61,6 +61,7 @@ function show(told) {
   place("undo").disabled = told.phase !== "guiding" || !told.positions;
   place("finish").disabled = told.phase === "working" || told.phase === "done";
   place("phone").hidden = !told.phone || sensing || !window.DeviceMotionEvent;
+  if (told.phone && window.isSecureContext && !window.DeviceMotionEvent) said(place("sensors"), "This browser gives no motion sensors: open the address in Chrome, Firefox or Safari on the phone", "bad");
   if (told.phone && !window.isSecureContext) said(place("sensors"), "A browser gives no sensors to this address: open it as localhost, as the manual says", "bad");
 }
 
@@ -199,34 +200,53 @@ function speak(text) {
 }
 
 // Who presses the button looks at the screen, so z points up: some browsers give gravity in place of specific force.
-let sensing = false, last = -1, sign = 0, first = [];
+// Of gravity some browsers give the force that holds the phone, others, as on iPhones, the opposite: up at the screen is
+// taken as up from the first FIRST samples. More than 25 deg off, nobody can tell which it is.
+const FIRST = 10, FLAT = 0.9, HIDDEN = 2000;
+const ALLOW = "iPhone: close this page and the browser, open the address again, and choose Allow. Android: allow motion sensors in the settings of this site, at the left of the address, and load the page again";
+let sensing = false, listening = false, last = -1, sign = 0, first = [], without = false;
 async function sense() {
   try {  // Some browsers ask the person, and only when a button was pressed
     if (DeviceMotionEvent.requestPermission && (await DeviceMotionEvent.requestPermission()) !== "granted") {
-      said(place("sensors"), "The phone does not allow its sensors: allow motion and orientation access, and load the page again", "bad");
+      said(place("sensors"), "The phone does not allow its sensors. " + ALLOW, "bad");
       return;
     }
   } catch (error) {
-    said(place("sensors"), "The phone does not give its sensors: " + error.message, "bad");
+    said(place("sensors"), "The phone does not give its sensors (" + error.message + "). " + ALLOW, "bad");
     return;
   }
   sensing = true;
+  first = [];
   place("phone").hidden = true;
-  window.addEventListener("devicemotion", (event) => {
-    const f = event.accelerationIncludingGravity, w = event.rotationRate, t = event.timeStamp;
-    if (!f || !w || f.x === null || w.alpha === null || t <= last) return;
-    last = t;
-    if (!sign) {
-      first.push(f.z);
-      if (first.length < 10) return;
-      sign = first.reduce((a, b) => a + b) < 0 ? -1 : 1;
-    }
-    samples.push([t, sign * f.x, sign * f.y, sign * f.z, w.alpha, w.beta, w.gamma]);
-    if (samples.length > 4 * MOST) samples.shift();
-    if (samples.length === 1) said(place("sensors"), "The sensors of this phone are used: keep the page open, and the screen on");
-  });
-  setTimeout(() => { if (last < 0) said(place("sensors"), "This device sends no motion: no sensors, or the browser keeps them back", "bad"); }, 2000);
+  if (!listening) window.addEventListener("devicemotion", moved);
+  listening = true;
+  setTimeout(() => {
+    if (last >= 0) return;
+    said(place("sensors"), without ? "This device has no gyros, or its browser keeps them back: record it by an app, and give its file to inertialcal positions"
+      : "This device sends no motion: it has no sensors, or its browser keeps them back. " + ALLOW, "bad");
+  }, HIDDEN);
   if (navigator.wakeLock) navigator.wakeLock.request("screen").catch(() => {});
+}
+
+function moved(event) {
+  const f = event.accelerationIncludingGravity, w = event.rotationRate, t = event.timeStamp;
+  if (!sensing || !f || f.x === null || t <= last) return;
+  if (!w || w.alpha === null) { without = true; return; }
+  last = t;
+  if (!sign) {
+    first.push([f.x, f.y, f.z]);
+    if (first.length < FIRST) return;
+    const [x, y, z] = [0, 1, 2].map((i) => first.reduce((sum, one) => sum + one[i], 0));
+    if (Math.abs(z) < FLAT * Math.hypot(x, y, z)) {  // The button comes back
+      sensing = false;
+      said(place("sensors"), "The phone does not lie flat: lay it down with its screen up, and press again", "bad");
+      return;
+    }
+    sign = z < 0 ? -1 : 1;
+  }
+  samples.push([t, sign * f.x, sign * f.y, sign * f.z, w.alpha, w.beta, w.gamma]);
+  if (samples.length > 4 * MOST) samples.shift();
+  if (samples.length === 1) said(place("sensors"), "The sensors of this phone are used: keep the page open, and the screen on", "");
 }
 
 place("phone").addEventListener("click", sense);

@@ -55,6 +55,8 @@ MOST_FIRST = 4096  # rows without a time between them
 NEW = 0.2  # [s] of new rows that are judged together
 SILENT, PAUSE = 2.0, 1.0  # [s] of the clock, and of the machine, without a row, until it is said
 RUN, RAIL_TURN = 8, np.radians(12.0)  # equal samples, and by how much the force turns meanwhile, that are a rail
+AWAY = "The phone sends nothing: open this page on it again, and keep its screen on. What was measured so far counts"
+RAIL_FORCE, RAIL_RATE = 4.0, 0.1  # that is no rail if it is less [m/s^2], [rad/s]
 TURNED = 3  # positions, in which every channel changes
 WARMED = 2.0  # change of temperature that is told [K]
 WORDS = {  # what to do, in large letters
@@ -192,6 +194,7 @@ class Session:
         self._lots: list[tuple[int, int, int]] = []  # First row, first and last stamp of what was given together
         self._gone: list[tuple[int, int]] = []  # Rows that were taken back, and those that are not accepted
         self._before: Array | None = None  # The last samples of sensors
+        self._ends: tuple[Array | float, Array | float] = (np.inf, -np.inf)  # Least and largest of each so far
         self._found: set[tuple[str, str]] = set()
         self._range: tuple[Array, Array] | None = None  # Least and most of each channel since some position
         self._ranged = 0  # That position
@@ -312,6 +315,8 @@ class Session:
 
     def _say(self, state: State) -> None:
         """Show a state."""
+        if state.code == "unplugged" and self.phone:
+            state = replace(state, text=AWAY)
         self.state, guide, before = state, self.guide, self.shown
         assert guide is not None  # noqa: S101 - it made the state
         figures = tuple(self._figures(state.known))
@@ -371,12 +376,18 @@ class Session:
         self._look_for_rails(samples)
 
     def _look_for_rails(self, samples: Samples) -> None:
-        """Look for channels that stay at one value while the direction of the force turns."""
+        """Look for channels that stay at one value while the direction of the force turns.
+
+        It is the largest or least that they have had: a phone's browser rounds, and what lies across a turn stays at 0.
+        """
         sensors = [one for one in (samples.force, samples.rate) if one is not None]
         values = np.vstack([*([] if self._before is None else [self._before]), np.hstack(sensors)])
         self._before = values[-RUN:]
+        self._ends = (np.fmin(self._ends[0], values.min(axis=0)), np.fmax(self._ends[1], values.max(axis=0)))
         begin = values[:-RUN]
         same = np.array([np.all(values[k : k + RUN] == values[k], axis=0) for k in range(len(begin))])
+        same &= (begin == self._ends[0]) | (begin == self._ends[1])
+        same &= np.abs(begin) > np.repeat([RAIL_FORCE, RAIL_RATE], 3)[: begin.shape[1]]
         if not same.any():
             return
         unit = values[:, :3] / np.maximum(np.linalg.norm(values[:, :3], axis=1, keepdims=True), 1e-9)
@@ -401,7 +412,8 @@ class Session:
             key = (told.remark.code, told.remark.what)
             if key not in self._told:
                 self._told.add(key)
-                new.append(f"{told.remark.what}{f'. {told.remark.do}' if told.remark.do else ''}")
+                do = "" if self.phone else told.remark.do  # which is about cables
+                new.append(f"{told.remark.what}{f'. {do}' if do else ''}")
         if new:
             self._notices += new
             self.shown = replace(self.shown, notices=tuple(self._notices))

@@ -18,7 +18,9 @@ TermName = Literal[
 # Influences that a test of noise is subject to, and what each would change.
 INFLUENCES = {"sensor.scale_factor": "all noise terms in proportion"}
 # Where it is stated; no clock of a recording is so far off that a noise term would show it.
-OF_CLOCK = {"clock.rate": "noise terms by their power of time, correlation times and frequencies of lines in proportion"}
+OF_CLOCK = {
+    "clock.rate": "noise terms by their power of time, correlation times and frequencies of lines in proportion"
+}
 
 
 @dataclass(frozen=True)
