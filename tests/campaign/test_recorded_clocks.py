@@ -42,6 +42,8 @@ def walk_of(rows: tuple[Row, ...]) -> Row:
 
 def test_a_noun_uses_it_and_writes_it_into_its_campaign(tmp_path: Path) -> None:
     own, none = at_rest(tmp_path / "own.parquet", CLOCK), at_rest(tmp_path / "none.parquet", None)
+    assert "rate of the clock known to 0.20 %" in str(ic.info(own))
+    assert "rate of the clock" not in str(ic.info(none))
     found, without = ic.allan([own]), ic.allan([none])
     u, plain = walk_of(found.result.rows()).u, walk_of(without.result.rows())
     assert plain.u is not None

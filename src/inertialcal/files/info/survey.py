@@ -8,11 +8,11 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ...core.recording import Recording, Source
+from ...core.recording import ClockRate, Recording, Source
 from ...core.remarks import Remark, gather
 from ...core.results import finite
 from ...core.show.result_tables import remarks_line
-from ...core.show.rounding import number
+from ...core.show.rounding import number, uncertainty
 from ...core.show.tables import Block, Table, ending, html, text
 from ...signals.screening.screen import NO_READINGS
 from ...signals.time.time_axis import TimeAxis, analyse
@@ -35,6 +35,7 @@ class TimeSurvey:
     sample_interval: float | None  # Nominal [s]
     interval_from: str  # Where it comes from; empty where there is none
     axis: TimeAxis | None  # What the stamps say; None where there are fewer than two
+    clock: ClockRate | None = None  # To what their rate is known, where who recorded them found that out
 
     @property
     def sample_rate(self) -> float | None:
@@ -54,6 +55,8 @@ class TimeSurvey:
             parts.append(f"{len(axis.gaps)} gaps ({axis.lost} samples)" if len(axis.gaps) else "no gaps")
             if len(axis.repeated) or len(axis.backward):
                 parts.append(f"{len(axis.repeated)} stamps repeated, {len(axis.backward)} unsorted")
+        if self.clock is not None:
+            parts.append(f"rate of the clock known to {uncertainty(100.0 * self.clock.u)} % (standard uncertainty)")
         return "; ".join(parts)
 
     def to_dict(self) -> dict[str, object]:
@@ -65,6 +68,8 @@ class TimeSurvey:
             "sample_interval": finite(self.sample_interval),
             "interval_from": self.interval_from,
         }
+        if self.clock is not None:
+            said["clock_rate_u"] = self.clock.u
         axis = self.axis
         if axis is None:
             return said
@@ -239,4 +244,4 @@ def _time(recording: Recording) -> TimeSurvey:
     utc = recording.epoch == "utc"
     start = f"{np.datetime64(int(stamps[0]), 'ns')}Z" if utc else f"{stamps[0] / 1e9:.9g} s"
     axis = analyse(stamps, recording.averaging_time) if len(stamps) > 1 else None
-    return TimeSurvey(recording.epoch, start, interval, source, axis)
+    return TimeSurvey(recording.epoch, start, interval, source, axis, recording.clock)

@@ -102,5 +102,5 @@ def _not_kept(recording: Recording, clock: bool) -> Iterator[Remark]:
         what = f"the file does not store the averaging time ({recording.averaging_time:g} s)"
         yield Remark("averaging_time_not_kept", "info", what, do="Give it again where the file is used")
     if recording.clock is not None and not clock:
-        what = f"the file does not store to what its clock is known ({uncertainty(1e6 * recording.clock.u)} ppm)"
+        what = f"the file does not store to what its clock is known ({uncertainty(100.0 * recording.clock.u)} %)"
         yield Remark("clock_not_kept", "info", what, do="Write Parquet, which keeps it")
