@@ -13,6 +13,10 @@ from simulated_hand import CLEAN, Habits
 
 import inertialcal as ic
 from inertialcal.core.errors import UsageError
+from inertialcal.core.key import Key
+from inertialcal.core.recording import ClockRate
+from inertialcal.core.results import Interval, Row
+from inertialcal.lab.guide.engine import Known
 from inertialcal.lab.guide.session import COUNTED, Asked, Session
 from inertialcal.lab.guide.source import lab_for
 from sized import sized
@@ -146,6 +150,17 @@ def test_a_source_becomes_a_lab(tmp_path: Path) -> None:
         lab_for(str(grows), dialect, 9600)
     with pytest.raises(UsageError, match="no instrument gives three"):
         Session(lab_for(str(grows), dialect), tmp_path / "out", Asked())
+
+
+@pytest.mark.parametrize(("wanted", "standards", "is_said"), [(2e-4, {}, True), (2e-3, {}, False),
+                                                              (2e-4, {"clock.rate": "1 ppm"}, False)])  # fmt: skip
+def test_a_clock_that_no_position_makes_better_is_told(
+    tmp_path: Path, wanted: float, standards: dict[str, str], is_said: bool
+) -> None:
+    session = Session(lab_for("hand_held"), tmp_path / "out", Asked(WANTED, SAID | {"standards": standards}))
+    row = Row(Key("scale_factor_error", "x", "gyro"), 0.01, 6e-4, "1", None, Interval(0.008, 0.012))
+    session._look_for_the_clock([Known(row, wanted, 1.2)], ClockRate(5.8e-4))
+    assert any("clock is known to 0.058 %" in text for text in session.shown.notices) == is_said
 
 
 @pytest.mark.slow

@@ -10,6 +10,7 @@ Pages and terminals read `Session.shown` and call `undo` and `finish`; any threa
 
 from __future__ import annotations
 
+import math
 import threading
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
@@ -23,7 +24,7 @@ from ...campaign.calls.call import Reduced, call
 from ...campaign.engine.run import Outcome, run
 from ...core.errors import DataError, InertialcalError, UsageError
 from ...core.estimate import Array
-from ...core.recording import SECOND, Recording
+from ...core.recording import SECOND, ClockRate, Recording
 from ...core.show.rounding import number, uncertainty, with_uncertainty
 from ...core.units import factor
 from ...files.models.formats import FORMATS
@@ -449,10 +450,11 @@ class Session:
             if view.acknowledged >= self._taken or self.acquisition.wait(NEW):
                 break
         try:
-            found = call(
-                "positions", self._counted_of(recorded(self.folder, self.name)), self._settings(), options=True
-            )
+            recording = self._counted_of(recorded(self.folder, self.name))
+            found = call("positions", recording, self._settings(), options=True)
             state = guide.judge(found.result.rows())
+            if state.code != "enough" and recording.clock is not None:
+                self._look_for_the_clock(guide.known(found.result.rows()), recording.clock)
         except DataError as error:
             state = guide.judge(())
             state = replace(state, notices=(Notice("not_reduced", str(error.problems[0])),))
@@ -461,6 +463,16 @@ class Session:
         self._notices.append("The whole recording needs one position more")
         self._say(state)
         return False
+
+    def _look_for_the_clock(self, known: Sequence[Known], clock: ClockRate) -> None:
+        """Say where gyro scale factors were asked for better than the clock is known: no position helps there."""
+        wanted = [one.wanted for one in known if one.wanted is not None
+                  and (one.row.key.sensor, one.row.key.quantity) == ("gyro", "scale_factor_error")]  # fmt: skip
+        stated = "clock.rate" in (self.asked.settings.get("standards") or {})
+        if not stated and min(wanted, default=math.inf) <= clock.u:
+            known_to = f"The rate of the sensor's clock is known to {uncertainty(100.0 * clock.u)} %"
+            do = "Record longer, ask for less, or state clock.rate"
+            self._find("clock", "", f"{known_to}, and scale factors of its gyros no better. {do}")
 
     def _settings(self) -> dict[str, Any]:
         said: dict[str, Any] = {
