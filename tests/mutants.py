@@ -1304,6 +1304,24 @@ MUTANTS = (
         "test_positions_propagation test_positions_rotations",
     ),
     Mutant(
+        "bands.py",
+        "found += (1.0 if lag == 0 else 2.0) * each",
+        "found += each",
+        "test_microgravity",
+    ),
+    Mutant(
+        "reduction.py",
+        "noise, dof = np.sqrt(np.mean(bends**2, axis=0) / SECOND_DIFFERENCE)",
+        "noise, dof = np.sqrt(np.mean(bends**2, axis=0) / 2.0)",
+        "test_microgravity",
+    ),
+    Mutant(
+        "scan.py",
+        "part = np.partition(x, (off, n - off - 1), axis=1)",
+        "part = x",
+        "test_microgravity",
+    ),
+    Mutant(
         "turned_mass.py",
         "common, tidal = w * w + 2.0 * orbit * w, 3.0 * orbit * orbit",
         "common, tidal = w * w - 2.0 * orbit * w, 3.0 * orbit * orbit",

@@ -28,6 +28,7 @@ from inertialcal.core.show.tables import WIDTH, Table
 from inertialcal.procedures.mass_attraction.reduction import repeated
 from inertialcal.procedures.mass_attraction.schedule_csv import write_schedule
 from inertialcal.rigs.satellite.rig import Bench, build
+from inertialcal.rigs.station import rig as station
 from inertialcal.sensors.model.sensor_model import Item, SensorModel
 
 EXAMPLE = Path(__file__).parents[2] / "src/inertialcal/examples/npsat2011"
@@ -63,6 +64,15 @@ def satellite(folder: Path) -> Reduced:
     (made,) = build(Bench(seconds=2100), 1).recordings.values()
     ic.write(folder / "orbit.csv", made)
     return ic.magnetometer_bias(folder / "orbit.csv")
+
+
+def in_station(folder: Path) -> Reduced:
+    """What ten minutes of a head in a station give."""
+    twin = station.build(station.Bench(seconds=600.0, gap=(0.0, 0.0)), 1)
+    (made,) = twin.recordings.values()
+    ic.write(folder / "record.csv", made)
+    (folder / "curve.csv").write_text(station.CURVE_TEXT, encoding="utf-8")
+    return ic.microgravity(folder / "record.csv", curve=str(folder / "curve.csv"), cut_off="5 Hz")
 
 
 def turned(folder: Path) -> Reduced:
@@ -171,6 +181,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
         "vibration": ic.vibration(random, profile=profile, control="control"),
         "vibration_profile": ic.vibration_profile(profile),
         "magnetometer_bias": satellite(tmp_path_factory.mktemp("satellite")),
+        "microgravity": in_station(tmp_path_factory.mktemp("station")),
         "turned_mass": turned(tmp_path_factory.mktemp("turned")),
         "plan_turned_mass": ic.plan_turned_mass(hours="12 h", trials=0),
         "plan_vibration": ic.plan_vibration(profile=profile),
@@ -198,7 +209,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
 NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "thermal", "sensitivity", "allan", "psd", "sine",
          "mass_attraction", "plan_mass_attraction", "positions", "positions_batch", "plan_positions",
          "vibration", "vibration_profile", "plan_vibration", "plan_vibration_survey", "vibration_survey",
-         "vibration_effects", "magnetometer_bias", "turned_mass", "plan_turned_mass",
+         "vibration_effects", "magnetometer_bias", "microgravity", "turned_mass", "plan_turned_mass",
          "result", "estimate",
          "check", "run", "budget", "model", "compare", "judged", "simulate", "score")  # fmt: skip
 

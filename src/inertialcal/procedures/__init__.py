@@ -18,7 +18,8 @@ from ..core.show.rows import Compared
 from .protocol import Procedure, Quantity
 
 BUILT_IN = ("rate_table", "flip", "thermal", "static_noise", "sine", "mass_attraction", "positions", "sensitivity",
-            "vibration", "sine_survey", "vibration_effects", "turned_mass", "magnetometer_bias")  # fmt: skip
+            "vibration", "sine_survey", "vibration_effects", "turned_mass", "magnetometer_bias",
+            "microgravity")  # fmt: skip
 
 PROCEDURES: Registry[Procedure[Any, Any, Any]] = Registry(
     "procedure",

@@ -25,6 +25,7 @@ BUILT_IN = (
     "shaker",
     "turned_mass",
     "satellite",
+    "station",
 )
 DEMONSTRATED = "npsat1"  # where none is named
 

@@ -37,6 +37,7 @@ FILES = {
     "Turned.schedule": ".parquet",
     "KnownDrive.schedule": ".csv",
     "RecordingEntry.profile": ".csv",
+    "RecordingEntry.curve": ".csv",
 }
 CIRCLED = 432  # gates of a run of a turned mass
 LONGEST_NAME = 120  # characters of a folder or file name; each is up to 4 of the 255 bytes
@@ -151,6 +152,12 @@ def document() -> dict[str, Any]:
                 "clock": {},
                 "profile": "",
             },
+            "flown": {
+                "sensor": "unit",
+                "channels": {axis: {"unit": "m/s2"} for axis in AXES},
+                "clock": {},
+                "curve": "",
+            },
             "rested": {
                 "sensor": "unit",
                 "rests": {
@@ -203,6 +210,7 @@ def document() -> dict[str, Any]:
             {"id": "drive", "procedure": "sine", "recordings": ["driven"], "use": "report_only"},
             {"id": "laid", "procedure": "positions", "recordings": ["laid"], "use": "report_only"},
             {"id": "rested", "procedure": "positions", "recordings": ["rested"], "use": "report_only"},
+            {"id": "flown", "procedure": "microgravity", "recordings": ["flown"], "use": "report_only"},
             {"id": "shaken", "procedure": "vibration", "recordings": ["shaken"], "use": "report_only"},
         ],
         "requirements": [
@@ -270,6 +278,8 @@ def filled(give: Give) -> dict[str, Any]:
         del made["recordings"][name]["sections"]
     for name in made["recordings"].keys() - {"shaken"}:
         del made["recordings"][name]["profile"]
+    for name in made["recordings"].keys() - {"flown"}:
+        made["recordings"][name].pop("curve", None)
     turned = made["recordings"]["turned"]["positions"]
     turned[1]["flip"] = turned[0]["flip"]
     made["recordings"]["means"]["means"]["angles"] = {
@@ -334,6 +344,12 @@ def write(folder: Path, made: dict[str, Any], runs: tuple[str, ...]) -> Path:
     _save(folder / shaken["file"], {shaken["clock"]["column"]: time, shaken["channels"]["x"]["column"]: shocks})
     (folder / shaken["profile"]).parent.mkdir(parents=True, exist_ok=True)
     (folder / shaken["profile"]).write_text("frequency [Hz],density [m2/s4/Hz]\n20,0.002\n300,0.002\n")
+    flown = made["recordings"]["flown"]
+    felt = 1e-4 * np.random.default_rng(11).standard_normal((3, len(time)))
+    columns = {flown["channels"][axis]["column"]: felt[i] for i, axis in enumerate(AXES)}
+    _save(folder / flown["file"], {flown["clock"]["column"]: time, **columns})
+    (folder / flown["curve"]).parent.mkdir(parents=True, exist_ok=True)
+    (folder / flown["curve"]).write_text("frequency [Hz],rms [ug]\n1,100\n300,1000\n")
     rested = made["recordings"]["rested"]
     _save(folder / rested["file"], _rested(rested["rests"]))
     (folder / laid["sections"]).parent.mkdir(parents=True, exist_ok=True)

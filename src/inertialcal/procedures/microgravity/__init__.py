@@ -1,0 +1,1 @@
+"""Microgravity environment: archive records against a requirement curve, and their slow acceleration."""
