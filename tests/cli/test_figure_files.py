@@ -144,3 +144,12 @@ def test_results_that_are_none_are_refused_not_a_fault(call: Call, content: str)
     assert call("show", "bad.json", "-o", "a.png")[0] == 3
     assert call("show", "bad.json")[0] in (0, 3)
     assert not Path("a.png").exists()
+
+
+def test_a_folder_takes_every_axis_of_a_figure_on_as_many_files_as_it_needs(call: Call) -> None:
+    rows = (f"{k / 20},{k % 7 - 3},{k % 5 - 2},{k % 3 - 1}\n" for k in range(2000))
+    Path("rack.csv").write_text("time [s],acc_x [ug],acc_y [ug],acc_z [ug]\n" + "".join(rows))
+    status, out, _ = call("microgravity", "rack.csv", "--block", "10 s", "-o", "out", "--json")
+    bands = sorted(Path(one).name for one in json.loads(out)["written"] if "bands" in one)
+    assert (status, bands) == (0, ["microgravity_bands_microgravity.png", "microgravity_bands_microgravity_2.png"])
+    assert all(Path("out", one).read_bytes().startswith(b"\x89PNG") for one in bands)  # three of four axes on the first

@@ -146,7 +146,9 @@ def check_folder(folder: Path, figure: str | None) -> None:
 
 
 def write_folder(folder: Path, found: Reduced, texts: Mapping[str, str], only: str) -> list[str]:
-    """Write all figures, or all of one name, each test's axes one below the other, and texts; return their paths.
+    """Write all figures, or all of one name, each test's axes side by side, and texts; return their paths.
+
+    What does not fit on one file stands on a second.
 
     Raises
     ------
@@ -154,6 +156,7 @@ def write_folder(folder: Path, found: Reduced, texts: Mapping[str, str], only: s
         If the folder cannot be written.
     """
     from ...files.write.atomic import atomic_write
+    from ...report.figure_file import MOST as ON_A_FILE
     from ...report.figure_file import write_figure
     from ...report.figures import figures as all_figures
 
@@ -168,8 +171,10 @@ def write_folder(folder: Path, found: Reduced, texts: Mapping[str, str], only: s
             by_test.setdefault(picture.test, []).append(picture)
         for test, drawn in by_test.items():
             label = "".join(c if c.isalnum() and c.isascii() else "_" for c in test)
-            written.append(folder / f"{name}_{label}.png")
-            write_figure(written[-1], drawn, found.inputs)
+            for first in range(0, len(drawn), ON_A_FILE):
+                part = f"_{first // ON_A_FILE + 1}" if first else ""
+                written.append(folder / f"{name}_{label}{part}.png")
+                write_figure(written[-1], drawn[first : first + ON_A_FILE], found.inputs)
     for name, content in texts.items():
         written.append(folder / name)
         with atomic_write(written[-1], found.inputs) as new:
