@@ -59,11 +59,15 @@ if TYPE_CHECKING:
     from .files.text.table import Table, read_table
     from .files.write.recording import write
     from .lab.guide.engine import Guide
+    from .procedures.flip.planning import plan_flip
     from .procedures.mass_attraction.planning.planner import plan_mass_attraction
     from .procedures.mass_attraction.recorded_series import programme_1969
     from .procedures.positions.batch import positions_batch
     from .procedures.positions.planning.planner import plan_positions
+    from .procedures.rate_table.planning import plan_rate_table
     from .procedures.sine_survey.planning import plan_vibration_survey
+    from .procedures.static_noise.planning.planner import plan_allan
+    from .procedures.thermal.planning import plan_thermal
     from .procedures.turned_mass.planning import plan_turned_mass
     from .procedures.vibration.planning import plan_vibration
     from .procedures.vibration.profile_table import vibration_profile
@@ -108,8 +112,12 @@ __all__ = [
     "max_memory",
     "microgravity",
     "open_archive",
+    "plan_allan",
+    "plan_flip",
     "plan_mass_attraction",
     "plan_positions",
+    "plan_rate_table",
+    "plan_thermal",
     "plan_turned_mass",
     "plan_vibration",
     "plan_vibration_survey",
@@ -169,6 +177,10 @@ _HOMES = {  # nouns of procedures apart, which are found by their commands
         "procedures.positions.batch": "positions_batch",
         "procedures.positions.planning.planner": "plan_positions",
         "procedures.sine_survey.planning": "plan_vibration_survey",
+        "procedures.static_noise.planning.planner": "plan_allan",
+        "procedures.flip.planning": "plan_flip",
+        "procedures.rate_table.planning": "plan_rate_table",
+        "procedures.thermal.planning": "plan_thermal",
         "procedures.turned_mass.planning": "plan_turned_mass",
         "procedures.vibration.planning": "plan_vibration",
         "procedures.vibration.profile_table": "vibration_profile",

@@ -184,6 +184,19 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
         "microgravity": in_station(tmp_path_factory.mktemp("station")),
         "turned_mass": turned(tmp_path_factory.mktemp("turned")),
         "plan_turned_mass": ic.plan_turned_mass(hours="12 h", trials=0),
+        "plan_rate_table": ic.plan_rate_table(noise="0.2 deg/sqrt(h)", fastest="100 deg/s", wanted=TO_BIAS, simulate=0),
+        "plan_thermal": ic.plan_thermal(
+            noise="0.2 deg/sqrt(h)",
+            coldest="-20 degC",
+            hottest="60 degC",
+            wanted=TO_BIAS,
+            latitude="36.6 deg",
+            simulate=0,
+        ),
+        "plan_flip": ic.plan_flip(noise="5 ug/sqrt(Hz)", wanted={"bias": "0.5 ug"}, simulate=0),
+        "plan_allan": ic.plan_allan(
+            noise="0.2 deg/sqrt(h)", instability="5 deg/h", wanted={"noise": "1 %"}, simulate=0
+        ),
         "plan_vibration": ic.plan_vibration(profile=profile),
         "plan_vibration_survey": ic.plan_vibration_survey(rate="4 oct/min"),
         "vibration_effects": ic.vibration_effects(shaken(tmp_path_factory.mktemp("shaken")), axis="z"),
@@ -206,10 +219,12 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
     }
 
 
+TO_BIAS = {"bias": "0.01 deg/s"}
 NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "thermal", "sensitivity", "allan", "psd", "sine",
          "mass_attraction", "plan_mass_attraction", "positions", "positions_batch", "plan_positions",
          "vibration", "vibration_profile", "plan_vibration", "plan_vibration_survey", "vibration_survey",
          "vibration_effects", "magnetometer_bias", "microgravity", "turned_mass", "plan_turned_mass",
+         "plan_rate_table", "plan_thermal", "plan_flip", "plan_allan",
          "result", "estimate",
          "check", "run", "budget", "model", "compare", "judged", "simulate", "score")  # fmt: skip
 

@@ -30,8 +30,12 @@ NEEDED: dict[str, Callable[[Any], tuple[Any, ...]]] = {  # arguments of those th
 NO_CALL = (
     "max_memory",
     "open_archive",
+    "plan_allan",
+    "plan_flip",
     "plan_mass_attraction",
     "plan_positions",
+    "plan_rate_table",
+    "plan_thermal",
     "plan_turned_mass",
     "plan_vibration",
     "plan_vibration_survey",

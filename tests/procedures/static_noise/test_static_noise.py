@@ -18,7 +18,7 @@ from inertialcal.core.recording import SECOND, Channel, Recording, Source
 from inertialcal.core.remarks import Remark
 from inertialcal.core.results import Row
 from inertialcal.procedures.static_noise import reduction as noise
-from inertialcal.procedures.static_noise.record_length import Reach, sentence
+from inertialcal.procedures.static_noise.planning.record_length import Reach, sentence
 from inertialcal.sensors.noise.fitting.noise_fit import duration
 from inertialcal.sensors.noise.terms import (
     BiasInstability,

@@ -25,6 +25,7 @@ from test_figure_microgravity import CURVES as STATION_CURVES
 from test_figure_noise import allan as noise_allan
 from test_figure_noise import allan_terms as noise_terms
 from test_figure_noise import spectrum as noise_spectrum
+from test_figure_plan_time import CURVES as PLAN_CURVES
 from test_figure_positions import CURVES as POSITIONS_CURVES
 from test_figure_sensitivity import CURVES as SENSITIVITY_CURVES
 from test_figure_sensitivity import ROWS as SENSITIVITY_ROWS
@@ -197,7 +198,7 @@ def results() -> dict[str, Any]:
                    flip_quiet("y"), saved("rec", [2.0, 3.0, 6.0], [900, 17, 2]), saved("other", [2.0, 5.0], [100, 7]),
                    *copy.deepcopy([*THERMAL_CURVES, *MASS_CURVES, *POSITIONS_CURVES, *SENSITIVITY_CURVES,
                                  *planned().results["curves"], *vibration_curves(), *TURNED_CURVES,
-                                 *FIELD_CURVES, *STATION_CURVES]),
+                                 *FIELD_CURVES, *STATION_CURVES, *PLAN_CURVES]),
                    noise_allan("z"), noise_terms("z"), noise_spectrum("z"), *sine_curves("z")],
         "sequence": SEQUENCE + THERMAL_SEQUENCE, "verdicts": [*VERDICTS, *JUDGED],
         "results": [*ROWS, *BESIDE, *CHANGES, *THERMAL_ROWS, *MASS_ROWS, *SENSITIVITY_ROWS,

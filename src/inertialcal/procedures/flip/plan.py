@@ -90,3 +90,53 @@ class Plan:
         """The two axes across the turn, so that the first, the second and the turn's are right-handed."""
         at = AXES.index(self.axis)
         return AXES[(at + 1) % 3], AXES[(at + 2) % 3]
+
+
+@dataclass(frozen=True)
+class PlannedFlips:
+    """What is known of head and orbit before flips, and what they have to give."""
+
+    noise: float = setting(
+        "White noise of the head.", unit="m/s^2/sqrt(Hz)", example="5 ug/sqrt(Hz)", above=0.0
+    )  # fmt: skip
+    wanted: Mapping[str, str] = setting(
+        "Standard uncertainty wanted of bias or ambient_acceleration.", dict[str, str], example='bias="0.5 ug"'
+    )
+    available: float | None = setting("Time that there is, in all.", None, unit="s", example="4 h", above=0.0)
+    instability: float = setting("Bias instability.", 0.0, unit="m/s^2", example="0.5 ug", least=0.0)
+    walk: float = setting("Random walk of the bias.", 0.0, unit="m/s^2/sqrt(s)", example="0.01 ug/sqrt(s)", least=0.0)
+    turn_on: float = setting(
+        "Scatter of the bias from power-up to power-up; each flip is then a power-up of its own.", 0.0, unit="m/s^2",
+        example="2 ug", least=0.0,
+    )  # fmt: skip
+    ambient: float = setting("Ambient acceleration across the turn to expect.", 0.0, unit="m/s^2", example="1 ug",
+                             least=0.0)  # fmt: skip
+    swing: float = setting("Amplitude of its swing with the orbit.", 0.0, unit="m/s^2", example="0.5 ug", least=0.0)
+    orbit: float = setting("Time of an orbit.", 5460.0, unit="s", example="91 min", above=60.0)
+    phase: Literal["any", "best"] = setting(
+        "Where in the orbit flips are made: anywhere, or where the swing does least.", "any"
+    )
+    turn: float = setting("A turn takes, with the settling after it.", 60.0, unit="s", example="60 s", least=0.0)
+    quiet: float = setting("Quiet record before and after each flip.", 600.0, unit="s", example="10 min", least=0.0)
+    power_up: float = setting(
+        "From flip to flip: rest, or off, on and warm-up.", 0.0, unit="s", example="1 h", least=0.0
+    )
+    positions: int | None = setting(
+        "Dwells of a flip, at 0 and 180 deg by turns; 2, 3 and 4 are compared where not given.", None, least=2, most=20,
+        example="3",
+    )  # fmt: skip
+    longest_dwell: float = setting("Longest dwell.", 1800.0, unit="s", example="30 min", above=20.0)
+    least_flips: int = setting("Flips at least.", 1, least=1, most=200, example="5")
+    most_flips: int = setting("Flips at most.", 20, least=1, most=200, example="20")
+    u_angle: float = setting(
+        "Standard uncertainty of the angle of a turn.", 0.0, unit="rad", example="0.2 deg", least=0.0
+    )
+    u_axis: float = setting(
+        "Standard uncertainty of the axis of the turn.", 0.0, unit="rad", example="0.2 deg", least=0.0
+    )
+    u_zero: float = setting("Standard uncertainty of the zero of the electronics.", 0.0, unit="m/s^2",
+                            example="0.1 ug", least=0.0)  # fmt: skip
+    simulate: int = setting(
+        "Simulated tests by which the forecast is checked; 0 for none.", 20, least=0, most=2000, example="40"
+    )
+    schedule: str | None = setting("Write the programme as CSV into this file.", None, example="schedule.csv")

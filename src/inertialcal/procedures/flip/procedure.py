@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..protocol import READING, Command, Correction, Exclusion, InputSpec, Procedure, Quantity, Source, Tested
 from .figures import COMPARED, FIGURES
-from .plan import INFLUENCES, Plan, Turned
+from .plan import INFLUENCES, Plan, PlannedFlips, Turned
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from ..entries import Entry, EntryKey, SaidSensor, SaidTest
     from ..given import Described, GivenFile
     from ..model_terms import ModelTerms
+    from ..planned import TestPlan
     from ..suggestions import Claim, Draft, FolderFile, Suggestion
     from .readings import Readings
     from .reduction import Result
@@ -40,6 +41,9 @@ RULES = {"settling": ("settle", "window")}  # remark: rule, what it counts
 UNREAD = {"dwell_incomplete": "missing", "gain_changed": "gain"}  # remark: rule by which an axis is not read
 
 
+PLANNED = '--noise "5 ug/sqrt(Hz)" --instability "0.5 ug"'
+
+
 class Flip(Procedure[Plan, "Readings", "Result"]):
     """Bias and ambient acceleration of a head that was turned."""
 
@@ -55,6 +59,12 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
             ),
         ),
     )
+    planner = Command(
+        "flip",
+        "Dwells, turns and flips of a head in orbit, and the uncertainty of bias and ambient acceleration.",
+        examples=(f"{PLANNED} --wanted bias='0.5 ug'", f'{PLANNED} --available "4 h"'),
+    )
+    planner_type = PlannedFlips
     plan_type, influences = Plan, INFLUENCES
     said_type = Turned
     figures, compared = FIGURES, COMPARED
@@ -79,6 +89,12 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
         """Return the inputs: with ``corrected`` less the bias of a ground model."""
         taken = super().inputs_for(plan, corrections)
         return replace(taken, ground_model="applied") if plan.corrected else taken
+
+    def planned(self, given: Mapping[str, Any]) -> TestPlan:
+        """Return what a test will give."""
+        from .planning import planned
+
+        return planned(given)
 
     def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
         """Return the dwells, of reduced means or of recordings."""

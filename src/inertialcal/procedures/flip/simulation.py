@@ -107,17 +107,18 @@ def coloured(count: int, step: float, white: float, corner: float, rng: np.rando
 
 def _levels(plan: Plan, truth: Truth, angles: Array, rng: np.random.Generator) -> Array:
     """Return what the axes read at each position without noise, shape (n, 3)."""
-    change = slope(plan.axis, angles) * (_draw(plan, "turn.angle", rng) * (angles != 0.0))[:, None, None]
+    change = slope(plan.axis, angles) * (draw(plan, "turn.angle", rng) * (angles != 0.0))[:, None, None]
     for axis in plan.turned:
-        small = _draw(plan, "turn.axis", rng) * np.eye(3)[AXES.index(axis)]
+        small = draw(plan, "turn.axis", rng) * np.eye(3)[AXES.index(axis)]
         change = change + tilted(plan.axis, angles, small)
-    zero = np.array([_draw(plan, "converter.zero", rng) for _ in AXES])
-    scale = np.array([_draw(plan, "sensor.scale_factor", rng) for _ in AXES])
+    zero = np.array([draw(plan, "converter.zero", rng) for _ in AXES])
+    scale = np.array([draw(plan, "sensor.scale_factor", rng) for _ in AXES])
     level = truth.bias + (rotation(plan.axis, angles) + change) @ truth.ambient
     return np.asarray(level + zero + scale * (level + plan.raw_bias))
 
 
-def _draw(plan: Plan, name: str, rng: np.random.Generator) -> float:
+def draw(plan: Plan, name: str, rng: np.random.Generator) -> float:
+    """Return the error of a standard, drawn; 0 where none is stated."""
     influence = plan.standards.get(name)
     if influence is None:
         return 0.0

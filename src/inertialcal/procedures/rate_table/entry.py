@@ -29,13 +29,14 @@ class Rows(Strict):
 
 
 class Schedule(Strict):
-    """schedule = {...}: a table of the dwells of a recording, a row a dwell, on its clock."""
+    """schedule = {...}: a table of the dwells of a recording, a row a dwell, on its clock; or of several by name."""
 
     file: Text
     start: Text = "start"
     stop: Text = "stop"
     rate: Text = "rate"
     unit: Unit
+    recording: Text | None = None
 
 
 class RateTableEntry(Entry, Protocol):

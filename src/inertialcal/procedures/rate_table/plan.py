@@ -87,3 +87,67 @@ class Columns:
     scatter: str | None = setting("Column with the scatter within the dwell.", None, example="std_dps")
     run: str | None = setting("Column with the power-up run.", None, example="run_id")
     group: str | None = setting("Column with the sample set.", None, example="set")
+
+
+@dataclass(frozen=True)
+class PlannedRates:
+    """What is known of gyro and rate table before a test, and what it has to give."""
+
+    noise: float = setting(
+        "White noise of the rate (angle random walk).", unit="rad/s/sqrt(Hz)", example="0.2 deg/sqrt(h)", above=0.0
+    )
+    fastest: float = setting(
+        "Fastest rate: of the range of the sensor or the table, the smaller.", unit="rad/s", example="100 deg/s",
+        above=0.0,
+    )  # fmt: skip
+    wanted: Mapping[str, str] = setting(
+        "Standard uncertainty wanted of bias, scale_factor_error, scale_factor_asymmetry or misalignment.",
+        dict[str, str], example='scale_factor_error="200 ppm"',
+    )  # fmt: skip
+    available: float | None = setting("Time that there is, in all.", None, unit="s", example="8 h", above=0.0)
+    instability: float = setting("Bias instability.", 0.0, unit="rad/s", example="5 deg/h", least=0.0)
+    walk: float = setting("Random walk of the bias.", 0.0, unit="rad/s/sqrt(s)", example="5 deg/h/sqrt(h)", least=0.0)
+    dwell_scatter: float = setting(
+        "Scatter of a dwell that no length of it makes less.", 0.0, unit="rad/s", example="0.001 deg/s", least=0.0
+    )
+    turn_on: float = setting("Scatter of the bias from power-up to power-up.", 0.0, unit="rad/s",
+                             example="0.005 deg/s", least=0.0)  # fmt: skip
+    turn_on_scale: float = setting(
+        "Scatter of the scale factor from power-up to power-up.", 0.0, unit="1", example="200 ppm", least=0.0
+    )
+    sizes: int = setting(
+        "Sizes of rate, each in both senses, evenly up to the fastest; a curvature takes three.", 4, least=2, most=20,
+        example="4",
+    )  # fmt: skip
+    acceleration: float = setting(
+        "Of the table, from rate to rate.", 0.17453292519943295, unit="rad/s^2", example="10 deg/s^2", above=0.0
+    )
+    settle: float = setting("From the new rate to the first reading.", 5.0, unit="s", example="5 s", least=0.0)
+    power_up: float = setting(
+        "From power off to the first reading of the next run: off, on, warm-up.", 1200.0, unit="s", example="20 min",
+        least=0.0,
+    )  # fmt: skip
+    mount: float = setting("To mount the unit about another axis.", 900.0, unit="s", example="15 min", least=0.0)
+    least_runs: int = setting("Runs (power-ups) at least.", 5, least=2, most=100, example="5")
+    most_runs: int = setting("Runs (power-ups) at most.", 20, least=2, most=100, example="20")
+    longest_dwell: float = setting("Longest dwell.", 600.0, unit="s", example="10 min", above=1.0)
+    u_rate: float = setting("Relative standard uncertainty of the rate of the table.", 0.0, unit="1", example="0.01 %",
+                            least=0.0)  # fmt: skip
+    u_mounting: float = setting(
+        "Standard uncertainty of the axis that is turned about.", 0.0, unit="rad", example="0.05 deg", least=0.0
+    )
+    u_converter: float = setting(
+        "Relative standard uncertainty of the reference of the converter.", 0.0, unit="1", example="0.01 %", least=0.0
+    )
+    latitude: float | None = setting(
+        "Geodetic latitude, for the rate of the earth; unknown where not given.", None, unit="rad", example="36.6 deg",
+        least=-1.5707963267948966, most=1.5707963267948966,
+    )  # fmt: skip
+    u_tilt: float = setting(
+        "Standard uncertainty of the axis of the table against the vertical.", 0.00175, unit="rad", example="0.1 deg",
+        least=0.0,
+    )  # fmt: skip
+    simulate: int = setting(
+        "Simulated tests by which the forecast is checked; 0 for none.", 20, least=0, most=2000, example="40"
+    )
+    schedule: str | None = setting("Write the programme as CSV into this file.", None, example="schedule.csv")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..entries import latitude_needed
 from ..protocol import (
@@ -24,7 +24,7 @@ from ..protocol import (
     Tested,
 )
 from .figures import FIGURES
-from .plan import INFLUENCES, Columns, Plan
+from .plan import INFLUENCES, Columns, Plan, PlannedRates
 
 if TYPE_CHECKING:
     from ...core.errors import Problem
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from ..entries import Entry, EntryKey, SaidSensor, SaidTest
     from ..given import Described, GivenFile
     from ..model_terms import HeldOut, ModelTerms
+    from ..planned import TestPlan
     from ..suggestions import Claim, Draft, FolderFile, Question, Suggestion
     from .readings import Readings
     from .reduction import Result
@@ -62,6 +63,9 @@ QUANTITIES = {
 }
 
 
+PLANNED = '--noise "0.2 deg/sqrt(h)" --fastest "100 deg/s"'
+
+
 class RateTable(Procedure[Plan, "Readings", "Result"]):
     """Scale factor, bias and misalignment from dwells at known rates."""
 
@@ -74,6 +78,12 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
             examples=("gyro_z.csv", "gyro_z.csv -o gyro_z.png"),
         ),
     )
+    planner = Command(
+        "rate-table",
+        "Runs, dwells and rates of a rate table, and the uncertainty of scale factor, bias and misalignment.",
+        examples=(f"{PLANNED} --wanted scale_factor_error='200 ppm'", f'{PLANNED} --available "8 h"'),
+    )
+    planner_type = PlannedRates
     plan_type, influences = Plan, INFLUENCES
     figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
@@ -103,6 +113,12 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
             for one, recording, unknown in zip(turned, recordings, unknowns, strict=True)
         ]
         return together([*parts, readings_from(plan, turned)] if turned else parts)
+
+    def planned(self, given: Mapping[str, Any]) -> TestPlan:
+        """Return what a test will give."""
+        from .planning import planned
+
+        return planned(given)
 
     def agreement(self, plan: Plan, readings: Readings) -> Sequence[Remark]:
         """Return runs and readings that disagree with the table, or with each other."""

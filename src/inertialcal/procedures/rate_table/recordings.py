@@ -25,7 +25,7 @@ from ...core.remarks import Remark
 from ...core.times import read_instant
 from ...core.units import convert
 from ...core.unknowns import Unknowns, joined
-from ...files.text.table import read_table
+from ...files.text.table import Table, read_table
 from ...signals.segmentation.dwells import Dwell, Tally, tally
 from ...signals.time.schedule import dwells_by_reference, dwells_by_windows
 from ..protocol import Source
@@ -364,6 +364,8 @@ def _scheduled(
 ) -> tuple[tuple[tuple[int, int], ...], np.ndarray]:
     """Windows [ns] and rates [SI] of a schedule."""
     table = source.read_file(schedule.file, read_table)
+    if schedule.recording is not None:
+        table = _rows_of(table, schedule.recording, source.name)
     rates = convert(table.numbers(schedule.rate), schedule.unit, source.facts.si)
     if not np.all(np.isfinite(rates)):
         where = f"{schedule.file}:{table.rows[int(np.flatnonzero(~np.isfinite(rates))[0])]}"
@@ -377,6 +379,16 @@ def _scheduled(
         for column in (schedule.start, schedule.stop)
     )
     return tuple(zip(starts, stops, strict=True)), rates
+
+
+def _rows_of(table: Table, column: str, name: str) -> Table:
+    """Return the rows of one recording of a programme of several."""
+    own = [k for k, label in enumerate(table.text(column)) if label == name]
+    if not own:
+        what = f"column {column!r}: no row is of {name!r}"
+        raise DataError(what, table.source.path, do="Name the recording as its rows do", code="no_dwells")
+    cells = tuple(tuple(cells[k] for k in own) for cells in table.cells)
+    return replace(table, cells=cells, rows=table.rows[own])
 
 
 def _instant(cell: str, utc: bool, where: str) -> int:

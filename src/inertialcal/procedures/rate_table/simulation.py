@@ -44,10 +44,10 @@ def simulate(plan: Plan, truth: Truth, rng: np.random.Generator) -> Readings:
     rng : numpy.random.Generator
         All draws come from it.
     """
-    rate_error = _draw(plan, "rate_table.rate", rng)
-    gain_error = _draw(plan, "converter.reference", rng)
+    rate_error = draw(plan, "rate_table.rate", rng)
+    gain_error = draw(plan, "converter.reference", rng)
     outputs, applied, axis, run = [], [], [], []
-    turned = {name: _turned_axis(plan, name, rng) for name in truth.axes}
+    turned = {name: turned_axis(plan, name, rng) for name in truth.axes}
     for number in range(truth.runs):
         offset = rng.normal(0.0, truth.run_bias_std, 3)
         scale = 1.0 + rng.normal(0.0, truth.run_scale_std, 3)
@@ -93,7 +93,8 @@ def _coefficients(count: int, rng: np.random.Generator) -> Array:
     return rng.normal(size=1)
 
 
-def _draw(plan: Plan, name: str, rng: np.random.Generator) -> float:
+def draw(plan: Plan, name: str, rng: np.random.Generator) -> float:
+    """Return the error of a standard, drawn; 0 where none is stated."""
     influence = plan.standards.get(name)
     if influence is None:
         return 0.0
@@ -103,9 +104,9 @@ def _draw(plan: Plan, name: str, rng: np.random.Generator) -> float:
     return float(rng.normal(0.0, influence.u))
 
 
-def _turned_axis(plan: Plan, name: str, rng: np.random.Generator) -> Array:
+def turned_axis(plan: Plan, name: str, rng: np.random.Generator) -> Array:
     """Draw the unit vector really turned about, off the named axis by two small angles, shape (3,)."""
-    vector = np.array([_draw(plan, "rate_table.mounting", rng) for _ in AXES])
+    vector = np.array([draw(plan, "rate_table.mounting", rng) for _ in AXES])
     vector[AXES.index(name)] = 0.0
     vector += np.eye(3)[AXES.index(name)]
     return np.asarray(vector / np.linalg.norm(vector))

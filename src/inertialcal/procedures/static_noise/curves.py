@@ -30,7 +30,7 @@ from ...sensors.noise.fitting.noise_fit import NoiseFit
 from ...sensors.noise.terms import RateRamp, Sinusoid, Term, sample_unit, total_phase
 from ...signals.spectrum.density import Spectrum
 from .axis_noise import INTERVAL, AxisNoise, Recorded
-from .record_length import reaches
+from .planning.record_length import reaches
 
 if TYPE_CHECKING:
     from .reduction import Result

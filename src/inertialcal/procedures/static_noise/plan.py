@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 from ...core.influence import Influence, Standards
@@ -94,3 +95,41 @@ class Filters:
         "upper_limit: the limit of a random walk of the bias that was not found.",
         None, example="rate_random_walk",
     )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class PlannedRecord:
+    """What is known of the noise of a sensor, and how well its terms have to be known."""
+
+    noise: str | None = setting(
+        "White noise, which also says whether it is a gyro or an accelerometer.", None, example="0.2 deg/sqrt(h)"
+    )
+    instability: str | None = setting("Bias instability.", None, example="5 deg/h")
+    walk: str | None = setting("Random walk of the bias.", None, example="5 deg/h/sqrt(h)")
+    quantization: str | None = setting("Quantization noise.", None, example="0.5 arcsec")
+    noise_file: Path | None = setting(
+        "Output of `allan --json`, or results.json of a run, whose terms are taken.", None, example="noise.json"
+    )
+    axis: str | None = setting("Axis to take from the file, if it has several.", None, example="x")
+    wanted: Mapping[str, str] = setting(
+        "Relative standard uncertainty wanted of noise, instability, walk or quantization.", dict[str, str],
+        example='instability="10 %"',
+    )  # fmt: skip
+    available: float | None = setting("Time that there is.", None, unit="s", example="12 h", above=0.0)
+    sample_rate: float = setting("Samples a second.", 100.0, unit="Hz", example="100 Hz", above=0.0)
+    cut_off: float | None = setting(
+        "Cut-off of the sensor's low pass, where samples are instants, not means over their interval.", None, unit="Hz",
+        example="40 Hz", above=0.0,
+    )  # fmt: skip
+    coefficient: str | None = setting("Size of the temperature coefficient of the bias.", None,
+                                      example="3e-3 deg/s/degC")  # fmt: skip
+    room: float | None = setting(
+        "Temperature wanders by so much (Allan deviation) over the time at which a term is read.", None,
+        difference="degC", example="0.05 K", least=0.0,
+    )  # fmt: skip
+    u_scale: float = setting("Relative standard uncertainty of the scale factor.", 0.0, unit="1", example="0.1 %",
+                             least=0.0)  # fmt: skip
+    simulate: int = setting(
+        "Simulated records by which the forecast is checked; 0 for none.", 20, least=0, most=2000, example="40"
+    )
+    schedule: str | None = setting("Write the programme as CSV into this file.", None, example="schedule.csv")

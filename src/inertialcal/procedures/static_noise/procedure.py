@@ -22,7 +22,7 @@ from ..protocol import (
     Tested,
 )
 from .figures import FIGURES
-from .plan import INFLUENCES, OF_CLOCK, Filters, Plan, Samples
+from .plan import INFLUENCES, OF_CLOCK, Filters, Plan, PlannedRecord, Samples
 
 if TYPE_CHECKING:
     from ...core.recording import Recording
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from ...files.info.survey import Survey
     from ..given import Described, GivenFile
     from ..model_terms import ModelTerms
+    from ..planned import TestPlan
     from ..protocol import Reduced
     from ..suggestions import Claim, Draft, FolderFile, Suggestion
     from .readings import Readings
@@ -41,6 +42,9 @@ NO_READINGS = {
     "glitch": "far from their neighbours", "saturated": "at the end of the range", "repeated": "copies of earlier ones",
     "stuck": "one value repeated for too long",
 }  # fmt: skip
+
+
+PLANNED = '--noise "0.2 deg/sqrt(h)" --instability "5 deg/h" --walk "5 deg/h/sqrt(h)"'
 
 
 class StaticNoise(Procedure[Plan, "Readings", "Result"]):
@@ -62,6 +66,12 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
             examples=("fan.csv -o fan.svg", "fan.csv --plot"),
         ),
     )
+    planner = Command(
+        "allan",
+        "Hours and samples of a record at rest, how steady its temperature, and how well noise terms will be known.",
+        examples=(f"{PLANNED} --wanted instability='10 %'", f'{PLANNED} --available "12 h"'),
+    )
+    planner_type = PlannedRecord
     plan_type, said_type, shown_type, influences = Plan, Samples, Filters, INFLUENCES
     figures = FIGURES
     gives = ("noise",)
@@ -85,6 +95,12 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
     def plan_fields(self, facts: Facts) -> dict[str, Any]:
         """Return the kind of the sensor and the standards; the unit only where there is no kind."""
         return {"kind": facts.kind, "unit": "" if facts.kind else facts.unit, "standards": facts.standards}
+
+    def planned(self, given: Mapping[str, Any]) -> TestPlan:
+        """Return what a test will give."""
+        from .planning.planner import planned
+
+        return planned(given)
 
     def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
         """Return the records at rest, a record a recording or a window."""

@@ -32,8 +32,8 @@ from ...sensors.noise.terms import Sinusoid, quantity_name
 from .axis_noise import FAST, AxisNoise, Recorded, check, end_early, noise_of, problems_of
 from .curves import curves as curves_of
 from .plan import INFLUENCES, Plan
+from .planning.record_length import Reach, reaches, sentence
 from .readings import AtRest, Readings, Run, Truth, simulate
-from .record_length import Reach, reaches, sentence
 from .recordings import readings_from
 from .rows import SCALE, interval_at, quantity_units, rows, with_standards
 

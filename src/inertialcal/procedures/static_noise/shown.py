@@ -18,7 +18,7 @@ from ...sensors.noise.terms import sample_unit
 from ..protocol import Tested
 from .curves import density_unit
 from .filters import filter_block
-from .record_length import reaches, sentence
+from .planning.record_length import reaches, sentence
 
 if TYPE_CHECKING:
     from ...sensors.noise.to_filters import FilterBlock

@@ -97,3 +97,60 @@ class Plan:
     unit: str = fact("Unit that the sensor is spoken of in, for texts; empty: that of the readings.", "sensor", "")
     scale_factor: Mapping[str, float] | None = fact("Ideal scale factor of each sensor [V/(rad/s)].", "sensor", None)
     standards: Standards = fact("Uncertainties of the standards.", "standards", dict[str, Influence])
+
+
+@dataclass(frozen=True)
+class PlannedRamps:
+    """What is known of sensor and chamber before a thermal test, and what it has to give."""
+
+    noise: str = setting(
+        "White noise of the sensor, which also says whether it is a gyro or an accelerometer.",
+        example="0.2 deg/sqrt(h)",
+    )  # fmt: skip
+    coldest: float = setting("Lowest temperature of the range.", unit="degC", example="-30 degC")
+    hottest: float = setting("Highest temperature of the range.", unit="degC", example="65 degC")
+    wanted: Mapping[str, str] = setting(
+        "Standard uncertainty wanted anywhere in the range: of the bias, or of its change from the reference"
+        " temperature, bias_over_temperature.",
+        dict[str, str], example='bias_over_temperature="0.001 deg/s"',
+    )  # fmt: skip
+    available: float | None = setting("Time that there is, in all.", None, unit="s", example="72 h", above=0.0)
+    instability: str | None = setting("Bias instability.", None, example="5 deg/h")
+    walk: str | None = setting("Random walk of the bias.", None, example="5 deg/h/sqrt(h)")
+    turn_on: str | None = setting("Scatter of the bias from power-up to power-up.", None, example="0.005 deg/s")
+    turn_on_slope: str | None = setting(
+        "Scatter of the temperature coefficient from power-up to power-up.", None, example="1e-5 deg/s/degC"
+    )
+    coefficient: str | None = setting(
+        "Size of the temperature coefficient to expect, on which the thermometer acts.", None, example="3e-3 deg/s/degC"
+    )
+    order: int = setting("Order of the polynomial.", 3, least=1, most=LARGEST_ORDER, example="3")
+    reference_temperature: float = setting("From which changes count.", 20.0, unit="degC", example="20 degC")
+    room: float = setting("Temperature at which a run starts and ends.", 23.0, unit="degC", example="23 degC")
+    ramp: float = setting("Fastest ramp of the chamber.", 1.5 / 60.0, difference="degC/s", example="1.5 K/min",
+                          above=0.0)  # fmt: skip
+    slowest: float = setting("Slowest ramp that is looked at.", 0.2 / 60.0, difference="degC/s", example="0.2 K/min",
+                             above=0.0)  # fmt: skip
+    soak: float = setting("At each end, until the unit is as warm as the chamber.", 900.0, unit="s", example="15 min",
+                          least=0.0)  # fmt: skip
+    warm_up: float = setting("At the first temperature after power-up; it is left out.", 900.0, unit="s",
+                             example="15 min", least=0.0)  # fmt: skip
+    power_up: float = setting("Off, from run to run.", 1800.0, unit="s", example="30 min", least=0.0)
+    interval: float = setting(
+        "From sample to sample, each the mean over it.", 10.0, unit="s", example="10 s", above=0.0
+    )
+    least_runs: int = setting("Runs (power-ups) at least.", 5, least=2, most=100, example="5")
+    most_runs: int = setting("Runs (power-ups) at most.", 20, least=2, most=100, example="20")
+    u_thermometer: float = setting(
+        "Standard uncertainty of the thermometer.", 0.0, difference="degC", example="0.2 K", least=0.0
+    )
+    latitude: float | None = setting(
+        "Geodetic latitude, for the rate of the earth along a level unit; unknown where not given.", None, unit="rad",
+        example="36.6 deg", least=-1.5707963267948966, most=1.5707963267948966,
+    )  # fmt: skip
+    u_tilt: float = setting("Standard uncertainty of the unit's tilt.", 0.00175, unit="rad", example="0.1 deg",
+                            least=0.0)  # fmt: skip
+    simulate: int = setting(
+        "Simulated tests by which the forecast is checked; 0 for none.", 20, least=0, most=2000, example="40"
+    )
+    schedule: str | None = setting("Write the programme as CSV into this file.", None, example="schedule.csv")

@@ -21,7 +21,7 @@ from ..protocol import (
     Tested,
 )
 from .figures import FIGURES
-from .plan import INFLUENCES, LARGEST_ORDER, Plan, Thermometer
+from .plan import INFLUENCES, LARGEST_ORDER, Plan, PlannedRamps, Thermometer
 
 if TYPE_CHECKING:
     from ...core.errors import Problem
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from ...sensors.model.sensor_model import SensorModel
     from ..entries import SaidTest
     from ..model_terms import HeldOut, ModelTerms
+    from ..planned import TestPlan
     from ..suggestions import Claim, Draft, FolderFile, Suggestion
     from .recordings import Readings
     from .reduction import Result
@@ -75,6 +76,9 @@ QUANTITIES = {
 }
 
 
+PLANNED = '--noise "0.2 deg/sqrt(h)" --coldest "-30 degC" --hottest "65 degC" --turn-on "0.005 deg/s"'
+
+
 class Thermal(Procedure[Plan, "Readings", "Result"]):
     """Bias over temperature of a unit at rest."""
 
@@ -87,6 +91,12 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
             examples=('run1.csv run2.csv run3.csv --at "0 degC" --at "70 degC"', "run1.csv run2.csv run3.csv --plot"),
         ),
     )
+    planner = Command(
+        "thermal",
+        "Runs, ramps and hours of a thermal test, and the uncertainty of the bias over temperature.",
+        examples=(f"{PLANNED} --wanted bias='0.003 deg/s'", f'{PLANNED} --available "72 h"'),
+    )
+    planner_type = PlannedRamps
     plan_type, influences = Plan, INFLUENCES
     figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
@@ -116,6 +126,12 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
         known = None if own is None else {axis: Thermometer(*one) for axis, one in own.items()}
         spoken = facts.unit if facts.unit and same_dimension(facts.unit, facts.si) else ""
         return super().plan_fields(facts) | {"thermometers": known, "unit": spoken}
+
+    def planned(self, given: Mapping[str, Any]) -> TestPlan:
+        """Return what a test will give."""
+        from .planning import planned
+
+        return planned(given)
 
     def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
         """Return the recordings of all sources."""

@@ -57,13 +57,13 @@ def estimate(plan: Plan, lines: Mapping[str, Line], full: Mapping[str, Line] | N
     usable = [one for one in lines.values() if one.covariance is not None]
     if not usable:
         return None
-    parts = [_quantities(one) for one in usable]
+    parts = [quantities_of(one) for one in usable]
     for one in [*usable]:
         whole = (full or {}).get(one.sensor)
         if whole is not None and whole.covariance is not None and whole.curvature != one.curvature:
             lacking = [Key(CURVATURES[name], one.sensor) for name in whole.curvature if name not in one.curvature]
             usable.append(whole)
-            parts.append(_chosen(_quantities(whole), lacking))
+            parts.append(_chosen(quantities_of(whole), lacking))
     keys = tuple(key for part in parts for key in part[0])
     values = np.concatenate([part[1] for part in parts])
     units = tuple(UNITS[key.quantity] for key in keys)
@@ -109,7 +109,7 @@ def _unresolved(parts: list[Part], lines: list[Line], k: int) -> list[Component]
 Part = tuple[list[Key], Array, Array, list[int]]
 
 
-def _quantities(one: Line) -> Part:
+def quantities_of(one: Line) -> Part:
     """Return keys, values and Jacobian of the quantities, and the coefficient that each is mainly about.
 
     A coefficient that only one run tells of has no degrees of freedom, and what rests on it is left out.
@@ -120,7 +120,7 @@ def _quantities(one: Line) -> Part:
 
 
 def _all_quantities(one: Line) -> Part:
-    """Return what ``_quantities`` chooses from; no ratio to the sensor's own response where that is zero."""
+    """Return what ``quantities_of`` chooses from; no ratio to the sensor's own response where that is zero."""
     s, theta, k = one.sensor, one.fit.coefficients, len(one.names)
     unit = np.eye(k)
     keys, values, jacobian, about = [Key("bias", s)], [theta[0]], [unit[0]], [0]

@@ -32,6 +32,7 @@ FIGURES = (
         rank=90,
         first=True,
     ),
+    FigureSpec("plan_time", DRAWN + "plan_time", curves={"plan_time": ""}, order=830, place=""),
     FigureSpec(
         "matrix",
         DRAWN + "matrix",

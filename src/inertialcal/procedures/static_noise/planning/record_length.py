@@ -10,12 +10,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...core.errors import InertialcalError
-from ...sensors.noise.fitting.noise_fit import TermEstimate, duration
-from ...sensors.noise.planner import plan_record
-from ...sensors.noise.terms import Sinusoid
-from .axis_noise import FAST, AxisNoise
-from .plan import Plan
+from ....core.errors import InertialcalError
+from ....sensors.noise.fitting.noise_fit import TermEstimate, duration
+from ....sensors.noise.planner import plan_record
+from ....sensors.noise.terms import Sinusoid
+from ..axis_noise import FAST, AxisNoise
+from ..plan import Plan
 
 
 @dataclass(frozen=True)
