@@ -153,7 +153,7 @@ class Design:
     time: float  # In all [s]
     choice: Mapping[str, str]  # What is chosen, in words: runs -> "5"
     figures: tuple[Figure, ...]
-    detail: Any = None  # What the planner makes the programme of
+    detail: object = None  # What the planner makes the programme of
 
     def ratio(self, hopeless: frozenset[Key] = frozenset()) -> float:
         """Return the largest uncertainty over what is wanted, of those that can be reached."""

@@ -112,6 +112,10 @@ def test_a_refusal_as_json_names_both_words(capsys: pytest.CaptureFixture[str]) 
 
 def test_both_plans_are_there() -> None:
     assert Planners(name="plan").list_commands(None) == [
+        "rate-table",
+        "flip",
+        "thermal",
+        "allan",
         "mass-attraction",
         "positions",
         "vibration",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import math
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import pytest
@@ -14,7 +15,9 @@ import inertialcal as ic
 from independent.rate_table import Gyros, Protocol, reduced
 from inertialcal.core.errors import UsageError
 from inertialcal.core.influence import Influence
+from inertialcal.procedures.planned import TestPlan
 from inertialcal.procedures.rate_table.plan import Attitude, Plan
+from inertialcal.procedures.rate_table.planning import Programme
 from inertialcal.procedures.rate_table.readings import Readings
 from inertialcal.procedures.rate_table.reduction import reduce
 
@@ -27,6 +30,11 @@ KNOWN = {
 GYROS = Gyros(turn_on=0.002, slope_scatter=150e-6, sample=0.02, dwell=0.001, table_rate=1e-4, fixture=0.01 * DEG)
 STANDARDS = {"rate_table.rate": Influence(1e-4), "rate_table.mounting": Influence(0.01 * DEG, "rad")}
 SHORT = {"longest_dwell": "10 s", "least_runs": 5, "most_runs": 5, "simulate": 0}
+
+
+def laid(found: TestPlan) -> Programme:
+    """Return the dwells of a recording."""
+    return cast("tuple[Programme, int]", found.design.detail)[0]
 
 
 def readings_of(seed: int, rates: tuple[float, ...]) -> tuple[Readings, dict[str, float]]:
@@ -44,7 +52,7 @@ def readings_of(seed: int, rates: tuple[float, ...]) -> tuple[Readings, dict[str
 @pytest.mark.parametrize("n", [20, pytest.param(100, marks=pytest.mark.slow)])
 def test_the_forecast_is_the_scatter_of_another_simulator_and_what_the_test_states(n: int) -> None:
     found = ic.plan_rate_table(**KNOWN, **SHORT, available="24 h")
-    rates = tuple(float(x) / DEG for x in found.design.detail[0].rates)
+    rates = tuple(float(x) / DEG for x in laid(found).rates)
     plan = Plan(standards=STANDARDS, attitude=Attitude(0.0), latitude=0.5 * math.pi)
     errors: dict[str, list[float]] = {"bias": [], "scale_factor_error": []}
     stated: dict[str, list[float]] = {"bias": [], "scale_factor_error": []}
@@ -74,7 +82,7 @@ def test_what_more_runs_and_longer_dwells_leave_is_in_proportion() -> None:
                 part.u / math.sqrt(2.0) if part.remedy else part.u, rel=0.03
             )  # weights differ a little
     # the slope of a line through rates that alternate in sense, by noise of one dwell: closed form of least squares
-    programme = few.design.detail[0]
+    programme = laid(few)
     x, length = programme.rates, programme.stop - programme.start
     noise = next(p.u for p in few.of("scale_factor_error").parts if p.label == "noise")
     white = math.radians(0.00447214) ** 2
@@ -91,7 +99,7 @@ def test_the_shortest_test_that_is_enough_is_chosen_and_more_is_not_possible_tha
     never = ic.plan_rate_table(**KNOWN, wanted={"scale_factor_error": "50 ppm", "bias": "0.0004 deg/s"}, simulate=0)
     (lost,) = [one for one in never.remarks if one.code == "not_reached"]
     assert lost.severity == "error"
-    assert "table rate alone leaves 1.0e+02 ppm, however long" in lost.what
+    assert "table rate alone leaves 100 ppm, however long" in lost.what
     assert never.time == found.time  # what can be reached is planned
     late = ic.plan_rate_table(**KNOWN, wanted={"bias": "0.0004 deg/s"}, available="7 h", simulate=0)
     assert [one.code for one in late.remarks if one.severity == "error"] == ["not_in_time"]
@@ -164,7 +172,7 @@ def test_a_bias_that_wanders_costs_less_where_senses_alternate() -> None:
     found = ic.plan_rate_table(noise="1e-6 deg/s/sqrt(Hz)", walk="0.001 deg/s/sqrt(s)", fastest="100 deg/s",
                                available="24 h", least_runs=5, most_runs=5, longest_dwell="10 s",
                                simulate=0)  # fmt: skip
-    programme = found.design.detail[0]
+    programme = laid(found)
     x, middle = programme.rates, 0.5 * (programme.start + programme.stop)
 
     def slope(rates: np.ndarray) -> float:

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -111,7 +111,7 @@ def _planned(said: PlannedFlips, wanted: Mapping[str, tuple[float, str]]) -> Tes
                 time = flips * programme.length + (flips - 1) * said.power_up
                 designs.append(Design(time, choice, own, (programme, flips)))
     chosen, front, remarks = shared.choose(designs, said.available)
-    programme, flips = chosen.detail
+    programme, flips = cast("tuple[Programme, int]", chosen.detail)
     after, found = shared.checked(chosen, said.simulate, lambda rng: simulated(said, plan, programme, flips, rng))
     remarks += [*found, *_remarks(said, programme, flips)]
     if said.schedule is not None:

@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -106,7 +106,7 @@ def _planned(said: PlannedRates, wanted: Mapping[str, tuple[float, str]]) -> Tes
             choice = {"runs": str(runs), "dwell": f"{number(dwell, 3)} s"}
             designs.append(Design(time_of(said, programme, runs), choice, own, (programme, runs)))
     chosen, front, remarks = shared.choose(designs, said.available)
-    programme, runs = chosen.detail
+    programme, runs = cast("tuple[Programme, int]", chosen.detail)
     after = replace(chosen, figures=tuple(
         replace(one, wanted=before.wanted, shown=before.shown)
         for one, before in zip(forecast(said, plan, programme, runs), chosen.figures, strict=True)
@@ -123,8 +123,11 @@ def _planned(said: PlannedRates, wanted: Mapping[str, tuple[float, str]]) -> Tes
 
 def plan_of(said: PlannedRates) -> Plan:
     """Return the plan of the test."""
-    stated = {"rate_table.rate": Influence(said.u_rate), "converter.reference": Influence(said.u_converter),
-              "rate_table.mounting": Influence(said.u_mounting, "rad")}  # fmt: skip
+    stated = {
+        "rate_table.rate": Influence(said.u_rate, standard="rate_table", quantity="rate"),
+        "converter.reference": Influence(said.u_converter, standard="converter", quantity="reference"),
+        "rate_table.mounting": Influence(said.u_mounting, "rad", standard="rate_table", quantity="mounting"),
+    }
     standards = {name: one for name, one in stated.items() if one.u > 0.0}
     attitude = None if said.latitude is None else Attitude(0.0, said.u_tilt)
     return Plan(standards=standards, attitude=attitude, latitude=said.latitude)
@@ -238,7 +241,7 @@ def _type_b(plan: Plan, one: Line, keys: Sequence[Key]) -> dict[str, Array]:
     merged: dict[str, Array] = {}
     for component in found.components:
         if component.kind == "B":
-            label = "rate of the earth" if str(component.source).startswith("earth rate") else str(component.source)
+            label = str(component.source) if component.origin.standard else "rate of the earth"
             merged[label] = merged.get(label, np.zeros(len(keys))) + np.diagonal(component.covariance)[at]
     return merged
 

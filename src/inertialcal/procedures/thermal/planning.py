@@ -14,7 +14,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -148,7 +148,8 @@ def _known(said: PlannedRamps, words: Mapping[str, str]) -> Known:
         for name in examples
     }  # fmt: skip
     slow = Slow(found["noise"], found["instability"], found["walk"])
-    standards = {"thermometer.temperature": Influence(said.u_thermometer, "degC")} if said.u_thermometer else {}
+    thermometer = Influence(said.u_thermometer, "degC", standard="thermometer", quantity="temperature")
+    standards = {"thermometer.temperature": thermometer} if said.u_thermometer else {}
     attitude = None if said.latitude is None else Attitude(0.0, said.u_tilt)
     plan = Plan(order=said.order, reference_temperature=said.reference_temperature, warm_up=said.warm_up,
                 standards=standards, attitude=attitude, latitude=said.latitude)  # fmt: skip
@@ -170,7 +171,7 @@ def _planned(known: Known, wanted: Mapping[str, tuple[float, str]], shown: str) 
             time = runs * (said.power_up + float(programme.knots[-1]))
             designs.append(Design(time, choice, own, (programme, runs)))
     chosen, front, remarks = shared.choose(designs, said.available)
-    programme, runs = chosen.detail
+    programme, runs = cast("tuple[Programme, int]", chosen.detail)
     after, found = shared.checked(chosen, said.simulate, lambda rng: simulated(known, chosen, programme, runs, rng))
     remarks += [*found, *_remarks(known, runs)]
     if said.schedule is not None:
@@ -255,7 +256,7 @@ def _type_b(known: Known, law: Law, rows: Array, quantity: str) -> dict[str, Arr
     merged: dict[str, Array] = {}
     for component in found.components:
         if component.kind == "B":
-            label = "rate of the earth" if str(component.source).startswith("earth rate") else str(component.source)
+            label = str(component.source) if component.origin.standard else "rate of the earth"
             merged[label] = merged.get(label, np.zeros(len(keys))) + np.diagonal(component.covariance)
     return {label: one for label, one in merged.items() if np.any(one > 0.0)}
 
