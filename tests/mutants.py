@@ -1322,6 +1322,24 @@ MUTANTS = (
         "test_microgravity",
     ),
     Mutant(
+        "model.py",
+        "change = np.eye(len(keys)) - add @ taken",
+        "change = np.eye(len(keys)) + add @ taken",
+        "test_shifted_model",
+    ),
+    Mutant(
+        "fit.py",
+        "variance = _root(square, float(free), float(np.min(u)) ** 2)",
+        "variance = _root(square, float(flights), float(np.min(u)) ** 2)",
+        "test_shifted_model",
+    ),
+    Mutant(
+        "fit.py",
+        "before = self.tau**2 * self.group if self.kept else",
+        "before = 0.0 * self.group if self.kept else",
+        "test_shifted_model",
+    ),
+    Mutant(
         "turned_mass.py",
         "common, tidal = w * w + 2.0 * orbit * w, 3.0 * orbit * orbit",
         "common, tidal = w * w - 2.0 * orbit * w, 3.0 * orbit * orbit",

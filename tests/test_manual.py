@@ -48,6 +48,7 @@ from inertialcal.procedures.mass_attraction.planning.settings import Settings
 from inertialcal.procedures.positions import entry as positions
 from inertialcal.procedures.rate_table import entry as rate_table
 from inertialcal.procedures.sensitivity import entry as sensitivity
+from inertialcal.procedures.shifted_model import entry as shifted_model
 from inertialcal.procedures.sine import entry as sine
 from inertialcal.procedures.turned_mass import entry as turned_mass
 
@@ -86,6 +87,7 @@ CAMPAIGN_TABLES: dict[str, type[schema_words.Strict]] = {
     "`lines`, of": mass_attraction.Lines,
     "`mass`, of": mass_attraction.MovedMass,
     "`turned`, of": turned_mass.Turned,
+    "`flips`, of": shifted_model.Flips,
     "`drive`, of": sine.KnownDrive,
     "`[[tests]]`": schema.Test,
     "`[decision]`": schema_decisions.Decision,

@@ -27,6 +27,8 @@ from inertialcal.core.show.rows import case_name
 from inertialcal.core.show.tables import WIDTH, Table
 from inertialcal.procedures.mass_attraction.reduction import repeated
 from inertialcal.procedures.mass_attraction.schedule_csv import write_schedule
+from inertialcal.rigs.flights.rig import Bench as Flights
+from inertialcal.rigs.flights.rig import build as flights
 from inertialcal.rigs.satellite.rig import Bench, build
 from inertialcal.rigs.station import rig as station
 from inertialcal.sensors.model.sensor_model import Item, SensorModel
@@ -73,6 +75,14 @@ def in_station(folder: Path) -> Reduced:
     ic.write(folder / "record.csv", made)
     (folder / "curve.csv").write_text(station.CURVE_TEXT, encoding="utf-8")
     return ic.microgravity(folder / "record.csv", curve=str(folder / "curve.csv"), cut_off="5 Hz")
+
+
+def shifted(folder: Path) -> Reduced:
+    """What flips of two flights make of a ground model."""
+    extras = flights(Flights(flights=2), 1).extras
+    for file, one in extras.items():
+        (folder / file).write_text(one.text, encoding="utf-8")
+    return ic.shifted_model(folder / "flips.csv", ground=str(folder / "ground.json"))
 
 
 def turned(folder: Path) -> Reduced:
@@ -182,6 +192,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
         "vibration_profile": ic.vibration_profile(profile),
         "magnetometer_bias": satellite(tmp_path_factory.mktemp("satellite")),
         "microgravity": in_station(tmp_path_factory.mktemp("station")),
+        "shifted_model": shifted(tmp_path_factory.mktemp("shifted")),
         "turned_mass": turned(tmp_path_factory.mktemp("turned")),
         "plan_turned_mass": ic.plan_turned_mass(hours="12 h", trials=0),
         "plan_rate_table": ic.plan_rate_table(noise="0.2 deg/sqrt(h)", fastest="100 deg/s", wanted=TO_BIAS, simulate=0),
@@ -223,7 +234,8 @@ TO_BIAS = {"bias": "0.01 deg/s"}
 NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "thermal", "sensitivity", "allan", "psd", "sine",
          "mass_attraction", "plan_mass_attraction", "positions", "positions_batch", "plan_positions",
          "vibration", "vibration_profile", "plan_vibration", "plan_vibration_survey", "vibration_survey",
-         "vibration_effects", "magnetometer_bias", "microgravity", "turned_mass", "plan_turned_mass",
+         "vibration_effects", "magnetometer_bias", "microgravity", "shifted_model", "turned_mass",
+         "plan_turned_mass",
          "plan_rate_table", "plan_thermal", "plan_flip", "plan_allan",
          "result", "estimate",
          "check", "run", "budget", "model", "compare", "judged", "simulate", "score")  # fmt: skip

@@ -39,6 +39,18 @@ COMPENSATED = (
         "bias x 0.03",
     ),
     Case(
+        "Add: --ground ground.json",
+        "shifted-model flown.csv",
+        "+ --ground flown.json",
+        "bias_shift y 34.5",
+    ),
+    Case(
+        "Add: --unit bias=ug",
+        "shifted-model flown_bare.csv --ground flown.json",
+        "+ --unit bias=ug",
+        "bias_shift z -51.9",
+    ),
+    Case(
         "Add: --control COLUMN",
         "vibration effects shaker.csv",
         "+ --control front",

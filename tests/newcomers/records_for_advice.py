@@ -28,6 +28,8 @@ from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.key import Key
 from inertialcal.core.units import factor
 from inertialcal.files.models.model_json import write_model
+from inertialcal.rigs.flights.rig import Bench as Flights
+from inertialcal.rigs.flights.rig import build as flights
 from inertialcal.rigs.sams_tsh.campaign import FILE
 from inertialcal.rigs.sams_tsh.rig import build
 from inertialcal.sensors.model.assemble import model_from
@@ -129,6 +131,7 @@ START_OF_SECOND = stamp(START, 1.0)
 def write_records(folder: Path) -> None:
     """Write every file into a folder."""
     _orbits(folder)
+    _flown(folder)
     write_model(folder / "both.json", ModelSet(tuple(_model(one) for one in BIAS)))
     keys = tuple(Key("angle_random_walk", axis) for axis in "xyz")
     scatter = Component("scatter", "A", np.diag([1e-16] * 3), 7.0)
@@ -587,3 +590,12 @@ def _orbits(folder: Path) -> None:
     in_orbit(np.random.default_rng(8), 3000.0, bias=bias, offset=offset, magnetometer=turned).write(
         folder / "orbit_scale.csv"
     )
+
+
+def _flown(folder: Path) -> None:
+    """Write flips of several flights, with and without the unit of their biases, and the ground model of their head."""
+    made = flights(Flights(), 1).extras
+    text = made["flips.csv"].text
+    (folder / "flown.json").write_text(made["ground.json"].text, encoding="utf-8")
+    (folder / "flown.csv").write_text(text, encoding="utf-8")
+    (folder / "flown_bare.csv").write_text(text.replace("bias [ug],u [ug]", "bias,u"), encoding="utf-8")

@@ -26,6 +26,7 @@ BUILT_IN = (
     "turned_mass",
     "satellite",
     "station",
+    "flights",
 )
 DEMONSTRATED = "npsat1"  # where none is named
 

@@ -29,6 +29,7 @@ from test_figure_plan_time import CURVES as PLAN_CURVES
 from test_figure_positions import CURVES as POSITIONS_CURVES
 from test_figure_sensitivity import CURVES as SENSITIVITY_CURVES
 from test_figure_sensitivity import ROWS as SENSITIVITY_ROWS
+from test_figure_shifted_model import CURVES as SHIFTED_CURVES
 from test_figure_sine import curves_of as sine_curves
 from test_figure_source_mass import planned
 from test_figure_thermal import CURVES as THERMAL_CURVES
@@ -198,7 +199,7 @@ def results() -> dict[str, Any]:
                    flip_quiet("y"), saved("rec", [2.0, 3.0, 6.0], [900, 17, 2]), saved("other", [2.0, 5.0], [100, 7]),
                    *copy.deepcopy([*THERMAL_CURVES, *MASS_CURVES, *POSITIONS_CURVES, *SENSITIVITY_CURVES,
                                  *planned().results["curves"], *vibration_curves(), *TURNED_CURVES,
-                                 *FIELD_CURVES, *STATION_CURVES, *PLAN_CURVES]),
+                                 *FIELD_CURVES, *SHIFTED_CURVES, *STATION_CURVES, *PLAN_CURVES]),
                    noise_allan("z"), noise_terms("z"), noise_spectrum("z"), *sine_curves("z")],
         "sequence": SEQUENCE + THERMAL_SEQUENCE, "verdicts": [*VERDICTS, *JUDGED],
         "results": [*ROWS, *BESIDE, *CHANGES, *THERMAL_ROWS, *MASS_ROWS, *SENSITIVITY_ROWS,
