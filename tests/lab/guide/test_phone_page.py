@@ -79,6 +79,8 @@ KEPT_BACK = {
 @pytest.mark.parametrize("how", KEPT_BACK)
 def test_it_says_what_to_do_where_the_sensors_are_kept_back(browser: Browser, tmp_path: Path, how: str) -> None:
     with phone(browser, tmp_path) as (session, page):
+        assert "press the button below" in page.inner_text("#text")
+        assert "No samples yet" in page.inner_text("#count")
         page.evaluate(f"void ({KEPT_BACK[how]})")
         page.click("#phone")
         said = {"denied": "does not allow", "not asked": "(needs a gesture)", "blocked": "sends no motion"}[how]

@@ -48,7 +48,8 @@ function show(told) {
   place("rest").setAttribute("aria-valuenow", Math.round(100 * told.fill));
   place("rest").setAttribute("aria-valuetext", told.still ? "at rest" : "moving");
   const going = told.phase === "guiding" && told.to_go !== null ? ", about " + told.to_go + " to go" : "";
-  said(place("count"), (told.still ? "At rest" : "Moving") + " \u00b7 " + told.positions + (told.positions === 1 ? " position" : " positions") + going);
+  const state = told.code === "waiting" ? "No samples yet" : told.still ? "At rest" : "Moving";
+  said(place("count"), state + " \u00b7 " + told.positions + (told.positions === 1 ? " position" : " positions") + going);
   said(place("temperature"), told.temperature);
   said(place("lies"), told.lies);
   said(place("next"), told.next);

@@ -56,6 +56,7 @@ MOST_FIRST = 4096  # rows without a time between them
 NEW = 0.2  # [s] of new rows that are judged together
 SILENT, PAUSE = 2.0, 1.0  # [s] of the clock, and of the machine, without a row, until it is said
 RUN, RAIL_TURN = 8, np.radians(12.0)  # equal samples, and by how much the force turns meanwhile, that are a rail
+PRESS = "Open this page on the phone, lay it down with its screen up, and press the button below"
 AWAY = "The phone sends nothing: open this page on it again, and keep its screen on. What was measured so far counts"
 RAIL_FORCE, RAIL_RATE = 4.0, 0.1  # that is no rail if it is less [m/s^2], [rad/s]
 TURNED = 3  # positions, in which every channel changes
@@ -183,7 +184,7 @@ class Session:
         self.phone = lab.file.instruments[self.name].link == "phone"
         self.target = dict(asked.target) or dict(USUAL_PHONE if self.phone else USUAL)
         self.labels = dict(asked.labels) or ({"z+": "screen", "y+": "top of the screen"} if self.phone else {})
-        self.shown = Shown()
+        self.shown = Shown(text=PRESS, said=PRESS) if self.phone else Shown()
         self.guide: Guide | None = None
         self.stream: Stream | None = None
         self.ended: Ended | None = None
