@@ -391,7 +391,7 @@ def choose(designs: Sequence[Design], available: float | None) -> tuple[Design, 
     wanted = any(one.wanted for one in designs[0].figures)
     if not wanted and available is None:
         what = "nothing is wanted, and no time is given"
-        raise UsageError(what, do='Say --wanted FIGURE="UNCERTAINTY", or --available "TIME"', code="nothing_to_plan")
+        raise UsageError(what, do="Say what is wanted of a figure, or the time available", code="nothing_to_plan")
     remarks, hopeless = [], set()
     for at, figure in enumerate(designs[0].figures):
         best = min((one.figures[at] for one in designs), key=lambda one: one.least)

@@ -324,19 +324,19 @@ def _steps(said: PlannedFlips, programme: Programme) -> Table:
 
 
 def _remarks(said: PlannedFlips, programme: Programme, flips: int) -> Iterator[Remark]:
-    yield from shared.exact({"angle of the turn (--u-angle)": said.u_angle, "axis of the turn (--u-axis)": said.u_axis,
-                             "zero of the electronics (--u-zero)": said.u_zero})  # fmt: skip
+    yield from shared.exact({"angle of the turn": said.u_angle, "axis of the turn": said.u_axis,
+                             "zero of the electronics": said.u_zero})  # fmt: skip
     if said.turn_on and flips == 1:
         what = "one flip: the bias is that of its power-up, another one differs by the turn-on scatter"
-        yield Remark("one_power_up", "warning", what, do="Give --least-flips 5")
+        yield Remark("one_power_up", "warning", what, do="Plan five flips or more")
     elif 1 < flips < 5:
         what = f"{flips} flips: the scatter between them is hardly known, intervals are wide"
-        yield Remark("few_flips", "warning", what, do="Give --least-flips 5, or one flip")
+        yield Remark("few_flips", "warning", what, do="Plan five flips or more, or one")
     shortest = float(np.min(programme.stop - programme.start))
     if said.quiet < shortest:
         what = f"a quiet record of {number(said.quiet, 4)} s beside dwells of {number(shortest, 4)} s hardly shows how"
         what += " the bias wanders: the test may state more than the forecast"
-        yield Remark("short_record", "info", what, do='Give a longer --quiet "30 min"')
+        yield Remark("short_record", "info", what, do="Keep the head still for longer before and after")
 
 
 __all__ = ["Programme", "best_phase", "forecast", "plan_flip", "planned", "programme_of"]

@@ -311,7 +311,7 @@ def _steps(programme: Programme) -> Table:
 
 
 def _remarks(said: PlannedRates, plan: Plan, programme: Programme, runs: int) -> Iterator[Remark]:
-    yield from shared.exact({"rate of the table (--u-rate)": said.u_rate, "mounting (--u-mounting)": said.u_mounting})
+    yield from shared.exact({"rate of the table": said.u_rate, "mounting": said.u_mounting})
     if not programme.whole:
         slow = [one for one in np.abs(programme.rates) if TURN / one > said.longest_dwell or TURN / one > 0.0]
         least = min(slow)
@@ -322,13 +322,13 @@ def _remarks(said: PlannedRates, plan: Plan, programme: Programme, runs: int) ->
         yield Remark("part_turns", "info", what, do="Leave slow rates out, or make dwells longer")
     if plan.attitude is None:
         what = "the rate of the earth along the axis of the table is unknown"
-        yield Remark("attitude_unknown", "warning", what, do='Give --latitude "36.6 deg"')
+        yield Remark("attitude_unknown", "warning", what, do="Give the latitude")
     if said.sizes < 3:
         what = f"{said.sizes} sizes of rate tell no curvature: what there is bends the scale factor unseen"
-        yield Remark("few_rates", "warning", what, do="Give --sizes 3 or more")
+        yield Remark("few_rates", "warning", what, do="Plan three sizes or more")
     if runs < 5:
         what = f"{runs} runs: the test knows its own scatter badly, its intervals are wide"
-        yield Remark("few_runs", "warning", what, do="Give --least-runs 5")
+        yield Remark("few_runs", "warning", what, do="Plan five runs or more")
 
 
 __all__ = ["Programme", "forecast", "plan_rate_table", "planned", "with_earth"]

@@ -324,19 +324,19 @@ def _steps(programme: Programme) -> Table:
 
 def _remarks(known: Known, runs: int) -> Iterator[Remark]:
     said = known.said
-    yield from shared.exact({"thermometer (--u-thermometer)": said.u_thermometer})
+    yield from shared.exact({"thermometer": said.u_thermometer})
     if said.u_thermometer and not known.coefficient:
         what = "the thermometer acts on a temperature coefficient that is not given"
-        yield Remark("no_coefficient", "warning", what, do='Give --coefficient "3e-3 deg/s/degC"')
+        yield Remark("no_coefficient", "warning", what, do="Give the temperature coefficient to expect")
     if known.unit == "rad/s" and said.latitude is None:
         what = "the rate of the earth along the axis is unknown"
-        yield Remark("attitude_unknown", "warning", what, do='Give --latitude "36.6 deg"')
+        yield Remark("attitude_unknown", "warning", what, do="Give the latitude")
     if known.unit == "m/s^2":
         what = "the bias itself is not told apart from gravity: its change over temperature is"
         yield Remark("gravity", "info", what, do="Take the bias from positions")
     if runs < 5:
         what = f"{runs} runs: the test knows its own scatter badly, its intervals are wide"
-        yield Remark("few_runs", "warning", what, do="Give --least-runs 5")
+        yield Remark("few_runs", "warning", what, do="Plan five runs or more")
 
 
 __all__ = ["Known", "Programme", "forecast", "plan_thermal", "planned", "programme_of"]

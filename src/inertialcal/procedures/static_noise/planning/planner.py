@@ -64,6 +64,7 @@ MOST = 2**14  # samples of a simulated record
 ALIKE = 0.1  # relative: forecasts at two sample rates that are one
 SECOND_ORDER = 0.5  # relative change of a deviation for that of its square
 LONGER = "a longer record"
+MAKE = "Give what allan prints as JSON"
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +129,7 @@ def _known(said: PlannedRecord, words: Mapping[str, str]) -> Known:
             raise UsageError(what, do="Give one of them", code="wrong_value")
         kind, terms = _from_file(said.noise_file, said.axis, words["axis"])
     elif not texts:
-        raise UsageError("no noise", do='Give --noise "0.2 deg/sqrt(h)" and what else is known', code="missing_key")
+        raise UsageError("no noise", do="Give the white noise, and what else is known", code="missing_key")
     else:
         first, text = next(iter(texts.items()))
         kind = "gyro"
@@ -153,11 +154,10 @@ def _known(said: PlannedRecord, words: Mapping[str, str]) -> Known:
 def _from_file(path: Path, axis: str | None, word: str) -> tuple[Kind, dict[str, Term]]:
     """Return kind of sensor and terms of one axis of a file."""
     loaded, where = load(path, document=True), str(path)
-    make = "inertialcal allan FILE --json > noise.json"
     try:
         rows = [Row.from_dict(row) for row in json.loads(loaded.data)["results"]]
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        raise DataError("not output of allan --json or run", where, do=make, code="schema") from None
+        raise DataError("not output of allan --json or run", where, do=MAKE, code="schema") from None
     found: dict[tuple[Kind, str], dict[str, Term]] = {}
     for row in rows:
         for kind, unit in UNITS.items():
@@ -171,7 +171,7 @@ def _from_file(path: Path, axis: str | None, word: str) -> tuple[Kind, dict[str,
                 if row.case.plain and size > 0.0:
                     found.setdefault((kind, row.axis), {}).setdefault(name, term(size))
     if not found:
-        raise DataError("no estimated noise term", where, do=make, code="no_noise")
+        raise DataError("no estimated noise term", where, do=MAKE, code="no_noise")
     axes = sorted({one for _, one in found})
     if (len(axes) > 1) if axis is None else (axis not in axes):
         what = f"no noise of axis {axis!r}" if axis else f"noise of {len(axes)} axes"
@@ -199,7 +199,7 @@ def _planned(known: Known, wanted: Mapping[str, tuple[float, str]]) -> TestPlan:
             what = (
                 f"in {shared.hours(chosen.time)} a term that is wanted is not named among all terms in 95 % of records"
             )
-            do = f"Record {shared.hours(named)}" if math.isfinite(named) else "Name the terms: allan --terms"
+            do = f"Record {shared.hours(named)}" if math.isfinite(named) else "Name the terms to fit"
             remarks.append(Remark("not_named", "warning", what, do=do))
     after, found = _checked(known, chosen)
     remarks += [*found, *_remarks(known)]
@@ -346,9 +346,9 @@ def _remarks(known: Known) -> Iterator[Remark]:
         yield Remark("aliased", "error", what, do=do)
     if not known.coefficient and {"instability", "walk"} & set(known.terms):
         what = "temperature that wanders is read as slow noise; how steady it has to be is not known"
-        do = 'Give --coefficient "{}"'.format({"gyro": "3e-3 deg/s/degC", "accelerometer": "50 ug/degC"}[known.kind])
+        do = "Give the temperature coefficient of the bias"
         yield Remark("no_coefficient", "info", what, do=do)
-    yield from shared.exact({"scale factor (--u-scale)": said.u_scale})
+    yield from shared.exact({"scale factor": said.u_scale})
 
 
 __all__ = ["plan_allan", "planned"]
