@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from inertialcal.core.recording import Recording
 
-LOGGERS = Path(__file__).resolve().parents[1] / "loggers/logger_files.py"
+LOGGERS = Path(__file__).resolve().parents[1] / "loggers"
 ROWS = 200
 MEMORY, SECONDS = 2**31, 20  # bytes on top of what Python has, and seconds of computing, for one file
 OF_LOGGERS = {
@@ -102,8 +102,11 @@ def npz(path: Path) -> None:
 
 
 def ide(path: Path) -> None:
-    """Write the head of an EBML file and elements of the recorder that hold nothing."""
-    path.write_bytes(b"\x1a\x45\xdf\xa3\x8b\x42\x82\x84mide\x42\x87\x81\x02" + b"\xec\x84abcd" * 40)
+    """Write a recording of a recorder."""
+    endaq = _of_loggers("endaq_files")
+    counts = [np.rint(1e3 * values).astype(np.int64) for name, values in _columns().items() if name != "t_s"]
+    columns = [endaq.Subchannel(name, "Rotation", "dps", 1e-3, one) for name, one in zip("XYZ", counts, strict=True)]
+    endaq.write_endaq(path, [endaq.Group("Gyroscope", 100.0, columns)], 1_750_145_400)
 
 
 HERE: dict[str, tuple[str, Callable[[Path], None]]] = {
@@ -111,7 +114,7 @@ HERE: dict[str, tuple[str, Callable[[Path], None]]] = {
     "mat5": ("a.mat", matlab("5")), "mat4": ("a.mat", matlab("4")), "hdf5": ("a.h5", hdf5), "npy": ("a.npy", npy),
     "npz": ("a.npz", npz), "ide": ("a.ide", ide),
 }  # fmt: skip
-REFUSED = ("cards", "ide")  # readers whose file here holds no recording
+REFUSED = ("cards",)  # readers whose file here holds no recording
 NAMES = (*HERE, *OF_LOGGERS)
 
 
@@ -121,16 +124,20 @@ def written(reader: str, folder: Path) -> Path:
         name, write = HERE[reader]
         write(folder / name)
         return folder / name
-    said = importlib.util.spec_from_file_location("logger_files", LOGGERS)
-    assert said is not None
-    assert said.loader is not None
-    module = sys.modules.get("logger_files") or importlib.util.module_from_spec(said)
-    if "logger_files" not in sys.modules:
-        sys.modules["logger_files"] = module
-        said.loader.exec_module(module)
     path = folder / OF_LOGGERS[reader]
-    module.WRITERS[path.name](path)
+    _of_loggers("logger_files").WRITERS[path.name](path)
     return path
+
+
+def _of_loggers(name: str) -> Any:
+    """Return a module of the tests of loggers, which may not be on the path."""
+    if name not in sys.modules:
+        said = importlib.util.spec_from_file_location(name, LOGGERS / f"{name}.py")
+        assert said is not None
+        assert said.loader is not None
+        sys.modules[name] = importlib.util.module_from_spec(said)
+        said.loader.exec_module(sys.modules[name])
+    return sys.modules[name]
 
 
 @dataclass(frozen=True)

@@ -191,7 +191,8 @@ def _take(
             open_ones = [one.name for one in recording.channels if one.quantity == group and one.unit is None]
             recording = recording.with_unit(open_ones, normalise(unit), "flag") if open_ones else recording
         overruled = [one for one in recording.remarks if one.code == "unit_overridden"]
-        claimed = [] if recording.time_ns is None else _claims(FolderFile(table, recording))
+        timed = recording.time_ns is not None or recording.sample_interval is not None
+        claimed = _claims(FolderFile(table, recording)) if timed else []
         if len(claimed) > 1:
             clear = [one for one, suggested in suggestions(recording, survey_recording(recording))
                      if suggested.strength > Strength.POSSIBLE]  # fmt: skip

@@ -58,7 +58,7 @@ def triad(recording: Recording) -> list[Channel]:
 
 def is_still(recording: Recording) -> bool:
     """Whether the gyros of a recording, or else its accelerometers, stand still long enough to tell of their noise."""
-    if recording.time_ns is None or len(recording) < SHORT:
+    if (recording.time_ns is None and recording.sample_interval is None) or len(recording) < SHORT:
         return False
     channels = gyros(recording) or any_accelerometers(recording)
     judged = [judge_in_pieces(one.data) for one in channels.values()]
@@ -81,13 +81,14 @@ def of_one_level(recordings: Collection[Recording]) -> bool:
 def is_laid(recording: Recording) -> bool:
     """Whether the accelerometers of a recording rest in many orientations, as of a unit that is laid by hand."""
     acc = accelerometers(recording)
-    if recording.time_ns is None or len(acc) != len(AXES):
+    time_ns = recording.stamps
+    if time_ns is None or len(acc) != len(AXES):
         return False
     values = np.column_stack([np.asarray(acc[axis].data, dtype=np.float64) for axis in AXES])
     if np.any(np.abs(values) > LARGEST):
         return False
     try:
-        placed = static_intervals(detect(values, recording.time_ns, recording.sample_interval), min_duration=SHORTEST)
+        placed = static_intervals(detect(values, time_ns, recording.sample_interval), min_duration=SHORTEST)
     except InertialcalError:
         return False
     if len(placed) < FEWEST:

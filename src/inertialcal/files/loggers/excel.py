@@ -24,7 +24,7 @@ from ..reader import Reader
 from ..source import Loaded
 from ..text.layout import Decimal, kind
 from ..text.pieces import read_text
-from .topics import NO_NUMBERS, OTHER, Topic, choose, library, other_topics
+from .topics import NO_NUMBERS, Topic, choose, library, other_topics, rank_of
 
 OLD = b"\xd0\xcf\x11\xe0"
 CELL = 100  # bytes of a cell in Python
@@ -65,7 +65,9 @@ def read_excel(loaded: Loaded, variables: Sequence[str] | None = None) -> Conten
         first = next((i for i, row in enumerate(rows) if _is_data(row, as_text)), None)
         hidden = "" if about.visible == calamine.SheetVisibleEnum.Visible else "hidden"
         numbers = 0 if first is None else sum(_is_data(row, as_text) for row in rows)
-        rank = NO_NUMBERS if numbers < HEADER_ROWS else OTHER
+        used = _used(rows[first:]) if first is not None else []
+        names = [_cell(rows[_header(rows, first, used)][i]) for i in used] if first is not None else []
+        rank = NO_NUMBERS if numbers < HEADER_ROWS else rank_of((one, None) for one in names)
         topics.append(Topic(about.name, hidden, numbers, rank))
         sheets[about.name] = rows, as_text
     chosen = choose(topics, variables, loaded.path)
@@ -94,19 +96,32 @@ def _is_spelled(cell: Cell) -> bool:
 def _text(rows: Sequence[Sequence[Cell]], as_text: bool) -> str:
     """Return a sheet as text, tabs between the cells; what stands above its header as comments."""
     first = next((i for i, row in enumerate(rows) if _is_data(row, as_text)), 0)
-    used = [i for i in range(max(map(len, rows), default=0)) if any(_cell(row[i]) for row in rows[first:])]
-    if used:  # a column with nothing but a title or a remark beside the table is none of it
-        used = list(range(used[0], used[-1] + 1))
-    head = first
-    while head > 0 and first - head < HEADER_ROWS and 2 * sum(_cell(rows[head - 1][i]) != "" for i in used) > len(used):
-        head -= 1
+    used = _used(rows[first:])
+    head = _header(rows, first, used)
     lines = []
     for i, row in enumerate(rows):
         if i < head:
             lines.append("# " + " ".join(filter(None, map(_cell, row))))
+        elif i < first and not any(map(_cell, row)):
+            lines.append("")
         else:
             lines.append("\t".join(_cell(row[at]) for at in used))
     return "\n".join(lines) + "\n"
+
+
+def _used(rows: Sequence[Sequence[Cell]]) -> list[int]:
+    """Return the columns of a table: one with nothing but a title or a remark beside the table is none of it."""
+    used = [i for i in range(max(map(len, rows), default=0)) if any(_cell(row[i]) for row in rows)]
+    return list(range(used[0], used[-1] + 1)) if used else []
+
+
+def _header(rows: Sequence[Sequence[Cell]], first: int, used: Sequence[int]) -> int:
+    """Return the row of the names above the first row of data: units, all or some, and empty rows may stand between."""
+    last = first
+    while last > 0 and not any(_cell(rows[last - 1][i]) for i in used):
+        last -= 1
+    above = range(max(last - HEADER_ROWS, 0), last)
+    return next((i for i in above if 2 * sum(_cell(rows[i][at]) != "" for at in used) > len(used)), first)
 
 
 def _cell(cell: Cell) -> str:

@@ -43,8 +43,9 @@ def read_ide(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
     used = loaded if whole == len(loaded.data) else replace(loaded, data=loaded.data[:whole])
     with on_disk(used, ".ide") as path:
         data = idelib.importFile(path)
-        lists = {one.name: one.getSession() for one in data.channels.values()}
-        topics = [_topic(one, len(lists[one.name])) for one in data.channels.values()]
+        recorded = [one for one in data.channels.values() if one.sessions]  # the library adds those of a Slam Stick
+        lists = {one.name: one.getSession() for one in recorded}
+        topics = [_topic(one, len(lists[one.name])) for one in recorded]
         chosen = choose(topics, variables, loaded.path)
         parts = [(one, _columns(lists[one.name], one, loaded)) for one in chosen]
         content = joined(parts, loaded.path)

@@ -29,7 +29,7 @@ from ..columns import Column, Content
 from ..reader import Reader
 from ..source import Loaded
 from ..text.headers import heading
-from .topics import NO_NUMBERS, OTHER, Topic, choose, left_out, other_topics, unique
+from .topics import NO_NUMBERS, Topic, choose, left_out, other_topics, rank_of, unique
 
 MAGIC = b"LabVIEW Measurement"
 END, SPECIAL, SPECIAL_END = "***End_of_Header***", "***Start_Special***", "***End_Special***"
@@ -136,8 +136,9 @@ def _topics(segments: Sequence[Segment], used_x: bool) -> tuple[list[Topic], dic
         size = sum(_samples(one, own[0] - 1, used_x) for one in segments)
         step = "" if used_x else f", step {first.of_channel('Delta_X', own[0] - 1)}"
         what = " ".join(first.names[i] for i in own[:6]) + step
+        rank = rank_of((first.names[i], first.of_channel("Y_Unit_Label", i - 1) or None) for i in own)
         only_time = all(heading(first.names[i]).quantity == "time" for i in own)
-        topics.append(Topic(first.names[own[0]], what, size, NO_NUMBERS if only_time else OTHER))
+        topics.append(Topic(first.names[own[0]], what, size, NO_NUMBERS if only_time else rank))
         by_name[first.names[own[0]]] = own
     return topics, by_name
 

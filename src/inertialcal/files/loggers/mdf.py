@@ -22,7 +22,7 @@ from ..budget import PARTS, VALUE, check_count, claim_room
 from ..columns import Column, Content, LongColumns
 from ..reader import Reader
 from ..source import FileBytes, Loaded
-from .topics import NO_NUMBERS, OTHER, Topic, choose, joined, left_out, library, other_topics, torn, unique
+from .topics import NO_NUMBERS, Topic, choose, joined, left_out, library, other_topics, rank_of, torn, unique
 
 MAGIC, UNFINISHED = b"MDF     ", b"UnFinMF "
 BATCH = 2**18  # rows
@@ -149,9 +149,10 @@ def _master(file: Any, number: int) -> int | None:
 
 def _topic(file: Any, number: int, name: str) -> Topic:
     group = file.groups[number]
-    names = [one.name for i, one in enumerate(group.channels) if i != _master(file, number)]
+    channels = [one for i, one in enumerate(group.channels) if i != _master(file, number)]
+    rank = rank_of((one.name, str(one.unit).strip() or None) for one in channels)
     rows = int(group.channel_group.cycles_nr)
-    return Topic(name, " ".join(names[:6]), rows, OTHER if names and rows > 1 else NO_NUMBERS)
+    return Topic(name, " ".join(one.name for one in channels[:6]), rows, rank if channels and rows > 1 else NO_NUMBERS)
 
 
 def _columns(file: Any, number: int, topic: Topic, loaded: Loaded) -> Content:

@@ -20,7 +20,7 @@ from ..budget import PARTS, VALUE, check_count, claim_room
 from ..columns import Column, Content, LongColumns
 from ..reader import Reader
 from ..source import Loaded
-from .topics import NO_NUMBERS, OTHER, Topic, choose, left_out, library, on_disk, other_topics, torn, unique
+from .topics import NO_NUMBERS, Topic, choose, left_out, library, on_disk, other_topics, rank_of, torn, unique
 
 MAGIC, LEAD_IN = b"TDSm", 28  # bytes
 WAVEFORM = ("wf_increment", "wf_start_time", "wf_start_offset")
@@ -81,7 +81,8 @@ def read_tdms(loaded: Loaded, variables: Sequence[str] | None = None) -> Content
 
 def _topic(name: str, channels: Sequence[Any]) -> Topic:
     rows = min(map(len, channels))
-    return Topic(name, " ".join(one.name for one in channels[:6]), rows, OTHER if rows > 1 else NO_NUMBERS)
+    rank = rank_of((one.name, _unit(one.properties)) for one in channels)
+    return Topic(name, " ".join(one.name for one in channels[:6]), rows, rank if rows > 1 else NO_NUMBERS)
 
 
 def _unit(properties: Any) -> str | None:

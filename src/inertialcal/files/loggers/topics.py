@@ -10,7 +10,7 @@ from __future__ import annotations
 import importlib
 import shlex
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,6 +24,7 @@ from ...core.remarks import Remark
 from ..budget import PARTS, check_count
 from ..columns import Column, Content
 from ..source import FileBytes, Loaded
+from ..text.headers import SENSOR_WORDS, heading
 
 INERTIAL, OTHER, NO_NUMBERS = 2, 1, 0  # ranks
 LISTED, NAMED = 12, 5  # topics that a refusal lists, and a remark names
@@ -43,6 +44,12 @@ class Topic:
         size = "" if self.rows is None else f"{self.rows:,} rows"
         known = ", ".join(part for part in (self.what, size) if part)
         return f"{self.name} ({known})" if known else self.name
+
+
+def rank_of(columns: Iterable[tuple[str, str | None]]) -> int:
+    """Return the rank of columns by name and unit: `INERTIAL`, if one is an axis of a gyro or an accelerometer."""
+    said = [heading(name, unit) for name, unit in columns]
+    return INERTIAL if any(one.axis and one.quantity in SENSOR_WORDS for one in said) else OTHER
 
 
 def choose(topics: Sequence[Topic], wanted: Sequence[str] | None, path: str) -> list[Topic]:

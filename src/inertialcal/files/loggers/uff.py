@@ -22,7 +22,8 @@ from ..budget import PARTS, check_count, claim
 from ..columns import Column, Content
 from ..reader import Reader
 from ..source import Loaded
-from .topics import OTHER, Topic, choose, joined, left_out, library, on_disk, other_topics, unique
+from ..text.headers import heading
+from .topics import Topic, choose, joined, left_out, library, on_disk, other_topics, rank_of, unique
 
 START = re.compile(rb"(?:\s*\n)?[ ]{4}-1[ ]*\r?\n[ ]{2,5}[0-9]{1,4}[b \r\n]")  # numbers end at the sixth place
 EDGE = re.compile(rb" {4}-1 *\r?(?:\n|$)")  # as pyuff finds them: binary numbers may stand before
@@ -32,6 +33,7 @@ QUANTITIES = {5: "temperature", 8: "displacement", 11: "velocity", 12: "acc", 13
 SI = {8: "m", 11: "m/s", 12: "m/s^2", 13: "N", 15: "Pa"}  # of a file whose set 164 says SI
 DIRECTIONS = {1: "x", 2: "y", 3: "z", 4: "rx", 5: "ry", 6: "rz"}
 NONE = ("", "none")
+UNSAID = ("", "time", "index", "status", "spread")  # what a text says that names no reading
 
 
 def read_uff(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
@@ -64,10 +66,12 @@ def read_uff(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
                 continue
             stamps = np.asarray(one["x"], dtype=float)
             clocks.setdefault((len(stamps), stamps.tobytes()), []).append((_name(one), one))
+    clocks = {key: _described(own, si) for key, own in clocks.items()}
     topics, by_name = [], {}
     for number, own in enumerate(clocks.values(), start=1):
+        rank = rank_of((title, _unit(one, si)) for title, one in own)
         name = f"clock {number}" if len(clocks) > 1 else "sets 58"
-        topics.append(Topic(name, " ".join(title for title, _ in own[:6]), len(own[0][1]["x"]), OTHER))
+        topics.append(Topic(name, " ".join(title for title, _ in own[:6]), len(own[0][1]["x"]), rank))
         by_name[name] = own
     chosen = choose(topics, variables, loaded.path)
     content = joined([(one, _columns(by_name[one.name], si)) for one in chosen], loaded.path)
@@ -95,12 +99,30 @@ def _name(one: dict[str, Any]) -> str:
     turning = abs(one.get("rsp_dir", 0)) > 3
     if turning:
         quantity = {"velocity": "gyro", "acc": "angular_acceleration"}.get(quantity, quantity)
-    entity = str(one.get("rsp_ent_name", "")).strip()
-    node = "_".join(part for part in ("" if entity.lower() in NONE else entity, str(one.get("rsp_node", ""))) if part)
+    node = "_".join(part for part in (_entity(one), str(one.get("rsp_node", ""))) if part)
     direction = int(one.get("rsp_dir", 0))
     axis = DIRECTIONS.get(abs(direction), "")[-1:]
     parts = [quantity or "channel", node, f"{'-' if direction < 0 else ''}{axis}" if axis else ""]
     return "_".join(part for part in parts if part)
+
+
+def _described(sets: list[tuple[str, dict[str, Any]]], si: bool) -> list[tuple[str, dict[str, Any]]]:
+    """Return the functions of one clock; those of nodes that are numbers alone by their texts, if all differ."""
+    bare = [one for _, one in sets if one.get("ordinate_spec_data_type", 0) not in QUANTITIES and not _entity(one)]
+    for key in ("ordinate_axis_lab", "id1"):
+        said = [str(one.get(key, "")).strip() for one in bare]
+        if len(set(said)) == len(said) and all(
+            heading(text, _unit(one, si)).quantity not in UNSAID for text, one in zip(said, bare, strict=True)
+        ):
+            names = dict(zip(map(id, bare), said, strict=True))
+            return [(names.get(id(one), name), one) for name, one in sets]
+    return sets
+
+
+def _entity(one: dict[str, Any]) -> str:
+    """Return the name of the node, if it has one."""
+    said = str(one.get("rsp_ent_name", "")).strip()
+    return "" if said.lower() in NONE else said
 
 
 def _unit(one: dict[str, Any], si: bool) -> str | None:

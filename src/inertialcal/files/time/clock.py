@@ -1,12 +1,12 @@
 """Clock: which column is time, in which unit, and what its time stamps say.
 
-A column is time because it is named so (``t``, ``time``, ``timestamp``, ``unix``, ``epoch``, ...), holds dates,
-or is told to be. Without any header the first column is time only if it is strictly increasing and not in
-whole steps. A count of rows is never time. The unit comes from flag or header; without one only two things
-are taken, and remarked: numbers that are an epoch of 2001 to 2099 by their digits, and fractions as seconds.
-Whole numbers without a unit stay untaken: the remark says what each unit would mean. Days as spreadsheets count
-them (45363.4 is a morning in March 2024) are dates where the column is called so or no sensor is as fast as their
-steps were in seconds; where both could be, the user is asked.
+A column is time because it is named so (``t``, ``time``, ``timestamp``, ``unix``, ``epoch``, ...), holds dates, or is
+told to be; where none is, texts that are dates are time whatever they are called. Without any header the first column
+is time only if it is strictly increasing and not in whole steps. A count of rows is never time. The unit comes from
+flag or header; without one only two things are taken, and remarked: numbers that are an epoch of 2001 to 2099 by
+their digits, and fractions as seconds. Whole numbers without a unit stay untaken: the remark says what each unit
+would mean. Days as spreadsheets count them (45363.4 is a morning in March 2024) are dates where the column is called
+so or no sensor is as fast as their steps were in seconds; where both could be, the user is asked.
 """
 
 from __future__ import annotations
@@ -102,27 +102,34 @@ def find_clock(
                 reason.remark.what, where=reason.remark.where, do=reason.remark.do, code=reason.remark.code
             ) from None
     remarks: list[Remark] = []
-    for at in _candidates(described):
+    for at, is_said in _candidates(described):
         try:
             clock = _clock(described[at], at, place)
         except _NotTimeError as reason:
-            remarks.append(reason.remark)
+            remarks += [reason.remark] if is_said else []
+            continue
+        except DataError as error:
+            if is_said or error.problems[0].code == "ambiguous_date":
+                raise
             continue
         return replace(clock, remarks=(*remarks, *clock.remarks))
     return _unnamed(described, place) or Clock(remarks=tuple(remarks))
 
 
-def _candidates(described: Sequence[Described]) -> list[int]:
-    """Columns that are time by name or type, those with a unit or dates first."""
-    found = []
+def _candidates(described: Sequence[Described]) -> list[tuple[int, bool]]:
+    """Columns that are time by name or type, those with a unit or dates first; then, unsaid, texts that are dates."""
+    found, unsaid = [], []
     for i, column in enumerate(described):
         dates = column.column.values.dtype.kind == "M"
         text = column.column.values.dtype.kind == "O"
+        cells = column.column.values
         named = text and (column.quantity == "time" or i == 0)
-        iso = named and any(looks(column.column.values) for looks in (looks_iso, looks_dated, looks_clock))
+        iso = named and any(looks(cells) for looks in (looks_iso, looks_dated, looks_clock))
+        if text and not named and (looks_iso(cells) or looks_dated(cells)) and cells[0] != cells[-1]:
+            unsaid.append((i, False))  # ``id, recorded_at``
         if dates or iso or (column.quantity == "time" and not text):
             found.append((not (dates or iso or column.unit), i))
-    return [i for _, i in sorted(found)]
+    return [*((i, True) for _, i in sorted(found)), *unsaid]
 
 
 def _clock(described: Described, at: int, place: _Place) -> Clock:

@@ -7,6 +7,7 @@ number of digits is no epoch, and a stamp in seconds beyond them is a misprint.
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from typing import Any
 
@@ -117,7 +118,7 @@ def _in_ns(values: Numbers, per_unit: float, most: float = WIDEST) -> Times:
     return np.rint(numbers * per_unit).astype(np.int64)
 
 
-def looks_iso(cells: NDArray[Any]) -> bool:
+def looks_iso(cells: Sequence[Any] | NDArray[Any]) -> bool:
     """Whether the first and the last cell are ISO 8601 instants."""
     return bool(len(cells)) and all(ISO.fullmatch(str(cell)) for cell in (cells[0], cells[-1]))
 

@@ -16,6 +16,8 @@ from ...files.info.survey import Survey
 from ...files.info.table_columns import Guess, guess_channels, names_rates
 from ...files.text.headers import heading
 from ...files.text.table import Table
+from ...files.time.dates import looks_dated
+from ...files.time.stamps import looks_iso
 from ..suggestions import (
     Claim,
     Draft,
@@ -74,7 +76,8 @@ def _is_table(table: Table, rates: Guess) -> bool:
     """Whether a file is a reduced table: short, with numbers in the columns whose names say rate and reading."""
     if not (rates.applied and rates.readings and table.rows.size <= REDUCED_ROWS):
         return False
-    timed = any(heading(name).quantity == "time" for name in table.names)
+    columns = zip(table.names, table.cells, strict=True)
+    timed = any(heading(name).quantity == "time" or looks_iso(cells) or looks_dated(cells) for name, cells in columns)
     try:
         if timed and goes_in_steps(table.numbers(rates.applied)):
             return False  # a recording
