@@ -144,7 +144,7 @@ CASES = (
         "has slow",
     ),
     Case(
-        "Give that of its data sheet: --scale-factor, and what it gives without input: --reference",
+        "Leave the unit out; a test takes --scale-factor, of the data sheet, and --reference, what it gives without input",
         "thermal chamber_volts.csv --unit gyro=deg/s",
         'thermal chamber_volts.csv --reference "2.5 V" --scale-factor "0.02 V/(deg/s)"',
         "bias x 0.3542",
@@ -163,10 +163,22 @@ CASES = (
         "unit gyro_x deg/s",
     ),
     Case(
-        "Give the units: --unit gyro=UNIT --unit acc=UNIT; counts need a model first: inertialcal compensate",
+        "Give the units: --unit gyro=UNIT --unit acc=UNIT",
         "convert bare.csv bare.mcap",
         "+ --unit gyro=deg/s ; info bare.mcap",
         "unit angular_velocity.x rad/s",
+    ),
+    Case(
+        "Counts and volts need a model: inertialcal compensate MODEL {} -o OUT.mcap",
+        "convert chamber_volts.csv volts.mcap",
+        "compensate volts.json chamber_volts.csv -o volts.mcap ; info volts.mcap",
+        "unit angular_velocity.x rad/s",
+    ),
+    Case(
+        "Leave the unit out; a test takes --scale-factor, of the data sheet, and --reference, what it gives without input",
+        "info chamber_volts.csv --unit gyro=deg/s",
+        "info chamber_volts.csv",
+        "unit gyro_x V",
     ),
     Case(
         "Add --sample-rate",

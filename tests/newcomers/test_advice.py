@@ -36,6 +36,7 @@ MADE = {name: shlex.split(line) for name, line in {  # models, terms and campaig
     "thermal.json": "thermal chamber_units.csv -o thermal.json",
     "counts.json": 'rate-table turned_counts.csv --axis x --lsb "5 V / 4095" --reference "2.5 V" '
                    '--scale-factor "0.02 V/(deg/s)" -o counts.json',
+    "volts.json": 'thermal chamber_volts.csv --reference "2.5 V" --scale-factor "0.02 V/(deg/s)" -o volts.json',
     "gauge.json": "sensitivity gauge_1.csv gauge_2.csv --to pressure -o gauge.json",
     "supply.json": "sensitivity levels.csv levels_2.csv --to supply -o supply.json",
     "acc.json": "positions faces_bare.csv --unit acc=m/s2 -o acc.json",
@@ -118,7 +119,7 @@ def _written(words: Sequence[str]) -> str:
     path = Path(words[words.index("-o") + 1]) if "-o" in words else Path()
     path = path / "campaign.toml" if words[0] == "simulate" else path
     path = Path(words[1]) / "out" / "provenance.json" if words[0] == "run" else path
-    is_text = path.is_file() and path.suffix not in (".png", ".pdf") and path.stat().st_size < LARGEST
+    is_text = path.is_file() and path.suffix not in (".png", ".pdf", ".mcap") and path.stat().st_size < LARGEST
     return path.read_text(encoding="utf-8") if is_text else ""
 
 

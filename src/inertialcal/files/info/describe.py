@@ -219,7 +219,8 @@ def overridden(name: str, header: str | None, unit: str, path: str) -> tuple[Rem
             f"{name!r} is in {header} by its header: another unit makes no {unit} of it",
             where=path,
             why="counts and volts become readings by the scale factor of the sensor",
-            do="Give that of its data sheet: --scale-factor, and what it gives without input: --reference",
+            do="Leave the unit out; a test takes --scale-factor, of the data sheet, and --reference, what it gives "
+            "without input",
             code="unit_mismatch",
         )
     if header in (None, unit):

@@ -98,6 +98,7 @@ def _text(rows: Sequence[Sequence[Cell]], as_text: bool) -> str:
     first = next((i for i, row in enumerate(rows) if _is_data(row, as_text)), 0)
     used = _used(rows[first:])
     head = _header(rows, first, used)
+    dated = [at for at in used if any(isinstance(row[at], datetime.datetime) for row in rows[first:])]
     lines = []
     for i, row in enumerate(rows):
         if i < head:
@@ -105,8 +106,14 @@ def _text(rows: Sequence[Sequence[Cell]], as_text: bool) -> str:
         elif i < first and not any(map(_cell, row)):
             lines.append("")
         else:
-            lines.append("\t".join(_cell(row[at]) for at in used))
+            lines.append("\t".join(_cell(_instant(row[at]) if at in dated else row[at]) for at in used))
     return "\n".join(lines) + "\n"
+
+
+def _instant(cell: Cell) -> Cell:
+    """Return the instant of midnight, which a workbook keeps as a day."""
+    is_day = isinstance(cell, datetime.date) and not isinstance(cell, datetime.datetime)
+    return datetime.datetime.combine(cell, datetime.time()) if is_day else cell
 
 
 def _used(rows: Sequence[Sequence[Cell]]) -> list[int]:

@@ -25,6 +25,7 @@ RAW = {"voltage", "count"}
 ACC = {"acc", "accs", "accel", "accels", "accelerometer", "accelerometers", "acceleration", "accelerations"}
 ACC |= {"beschleunigung", "beschleunigungen", "beschl", "accelerometre", "accelerometres"}
 MAGNETOMETER = {"mag", "magn", "magnetometer", "magnetic"}
+MAGNETOMETER |= {"magnetfeld", "flussdichte", "magnetometre", "magnetique"}
 TEMPERATURE = {"temp", "temps", "temperature", "temperatures", "tmp", "thermistor", "temperatur", "temperaturen"}
 PRESSURE = {"pressure", "press", "baro", "barometer", "druck", "luftdruck", "pression"}
 VOLTAGE = {"voltage", "volt", "volts", "vref", "spannung", "tension"}

@@ -64,6 +64,7 @@ WAVEFORM = ("waveform", "t0", "delta t")
 NUMBERED = 3  # lines: names, units, numbers
 COMMENT = ("#", "%", "//", "!")
 SEMICOLON_COMMENT = (*COMMENT, ";")
+OF_SPREADSHEET = re.compile(r'"?sep=.?"?', re.IGNORECASE)  # a first line that names the separator
 SIGN = re.compile(r"[ \t]*(?://+|([#%!;])\1*)")  # of a comment, however often it stands there
 SIGNS = "#%/;! \t"  # what may stand before the text of a comment
 ROW_AS_COMMENT = re.compile(r"[ \t]*[-+]?[0-9.][-+0-9.,;:/TZeE \t]*")  # numbers, and a date
@@ -257,7 +258,7 @@ def _head(text: str, comment: tuple[str, ...], where: str) -> tuple[list[Line], 
         stripped = line.text.strip()
         if stripped.startswith(comment):
             comments.append(replace(line, text=stripped[:LONGEST_COMMENT]))
-        elif stripped:
+        elif stripped and not (line.row == 1 and OF_SPREADSHEET.fullmatch(stripped)):
             lines.append(line)
         if len(lines) == SAMPLE:
             break

@@ -7,6 +7,7 @@ reading (REP 145); an axis that is not there, and a missing sample, is NaN.
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -19,9 +20,10 @@ from ...core.estimate import Array
 from ...core.key import AXES
 from ...core.recording import SECOND, Channel, Recording, Times
 from ...core.remarks import Remark
-from ...core.units import convert, same_dimension
+from ...core.units import convert, kind, same_dimension
 from ..loggers.ros_messages import MESSAGES, part_columns
 from ..loggers.topics import library
+from ..text.headers import RAW
 
 FRAME = "imu"
 GROUP = 2**14  # messages that are made at once
@@ -84,12 +86,11 @@ def write_mcap(path: Path, recording: Recording) -> tuple[Remark, ...]:
     time_ns, remarks = _stamps(recording)
     taken = _taken(recording)
     if not any(kind_name == "Imu" for kind_name, _ in taken):
-        raise DataError(
-            "no angular rate or acceleration with axis and unit, as sensor_msgs/Imu needs them",
-            where=where,
-            do="Give the units: --unit gyro=UNIT --unit acc=UNIT; counts need a model first: inertialcal compensate",
-            code="no_channel",
-        )
+        units = "Give the units: --unit gyro=UNIT --unit acc=UNIT"
+        model = f"Counts and volts need a model: inertialcal compensate MODEL {shlex.quote(where)} -o OUT.mcap"
+        is_raw = any(one.quantity in VECTORS and kind(one.unit or "1") in RAW for one in recording.channels)
+        what = "no angular rate or acceleration with axis and unit, as sensor_msgs/Imu needs them"
+        raise DataError(what, where=where, do=model if is_raw else units, code="no_channel")
     names = {name for _, columns in taken for name in columns.values()}
     gone = [name for name in recording.names if name not in names]
     if gone:
