@@ -9,6 +9,12 @@ from advised_cases import Case
 
 COMPENSATED = (
     Case(
+        "State what each reads without input: --acc-zero x=NUMBER, y and z alike; acc_zero of the plan",
+        'positions faces_codes.csv --unit acc=count --scale-factor "400 count/(m/s2)"',
+        "+ --acc-zero x=32768 --acc-zero y=32768 --acc-zero z=32768",
+        "bias x 0.12",
+    ),
+    Case(
         'Give the date of the first sample: --epoch "2026-03-01", or mission_start',
         "magnetometer-bias orbit_elapsed.csv",
         '+ --epoch "2026-03-01"',

@@ -192,6 +192,11 @@ def _acc(board: Board, name: str) -> dict[str, list[float]]:
     return {name.format(axis): rounded(board.acc[:, i], 6) for i, axis in enumerate("xyz")}
 
 
+def _codes(board: Board) -> dict[str, list[int]]:
+    """Return the accelerometer of a board in codes that begin at none: 400 a m/s^2, 32768 without input."""
+    return {f"acc_{axis}": [int(one) for one in np.rint(32768 + 400 * board.acc[:, i])] for i, axis in enumerate("xyz")}
+
+
 def _boards() -> dict[str, str]:
     """Return logs of a board with both sensors: at rest, and on its faces."""
     board, laid = board_at_rest(seconds=10.0), six_faces()
@@ -205,6 +210,7 @@ def _boards() -> dict[str, str]:
         "gyro_ns.csv": csv({"t": stamps[::2], **{k: v[::2] for k, v in gyro.items()}}),
         "faces_named.csv": csv({"t [s]": rounded(laid.time, 3), **named}),
         "faces_bare.csv": csv({"t [s]": rounded(laid.time, 3), **_acc(laid, "acc_{}")}),
+        "faces_codes.csv": csv({"t [s]": rounded(laid.time, 3), **_codes(laid)}),
         "faces_wrong.csv": csv({"t [s]": rounded(laid.time, 3), **_acc(laid, "acc_{} [m]")}),
     }
 

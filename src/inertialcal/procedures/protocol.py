@@ -154,6 +154,8 @@ class Facts:
         Body axes are mixtures of the sensor's.
     cut_off : float or None
         Of the sensor's low pass [Hz].
+    others : tuple of Facts
+        What is known of the other sensors of the test.
     """
 
     kind: Kind | None
@@ -172,6 +174,7 @@ class Facts:
     output_scale_factor: float | None = None
     oblique: bool = False
     cut_off: float | None = None
+    others: tuple[Facts, ...] = ()
 
 
 class Source(Protocol):

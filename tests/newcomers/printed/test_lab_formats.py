@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from endaq_files import Group, Subchannel, write_endaq
+from newcomer_boards import GYRO_BIASES, six_faces
 from newcomer_truths import BIASES, ERRORS, NOISE, Log, at_rest, rate_table
 
 import inertialcal as ic
@@ -144,6 +145,40 @@ def test_a_clock_of_any_name_behind_a_number_of_rows(tmp_path: Path) -> None:
     path.write_text(path.read_text().replace("17.06.2025", "06/05/2025").replace("erfasst", "logged"))
     with pytest.raises(DataError, match="which is the day, which the month"):
         ic.read(path)
+
+
+def test_both_data_sheets_of_one_imu_are_taken(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Gyros in counts refer to their own nominal scale factor, not to one that is found and rounded."""
+    board = six_faces()
+    table = np.column_stack([board.time, np.rint(2000.0 * board.acc), np.rint(1000.0 * np.degrees(board.gyro))])
+    names = ("acc_x", "acc_y", "acc_z", *GYRO)
+    path = tmp_path / "faces.csv"
+    np.savetxt(path, table, "%.8g", ",", header=",".join(["t [s]", *names]), comments="")
+    words = ["positions", str(path), "--unit", "acc=count", "--unit", "gyro=count", "--json"]
+    sheets = ("--scale-factor", "acc=2000 count/(m/s2)", "--scale-factor", "gyro=1024 count/(deg/s)")
+    status, out, err = call(capsys, *words, *sheets)
+    assert status == 0, err
+    rows = [one for one in json.loads(out)["results"] if (one["sensor"], one["method"]) == ("gyro", "result")]
+    for axis, bias in zip("xyz", GYRO_BIASES, strict=True):
+        own = {one["quantity"]: one for one in rows if one["axis"] == axis}
+        assert own["scale_factor_error"]["value"] == pytest.approx(1000.0 / 1024.0 - 1.0, abs=5e-4)
+        assert own["bias"]["value"] == pytest.approx(bias * 1000.0 / 1024.0, abs=2e-4)
+
+
+def test_counts_of_gyros_whose_scale_nobody_knows_are_no_rates(
+    shared: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = shared / "data/imucal_ferraris/annotated_session.csv"
+    words = ["positions", str(path), "--sample-rate", "204.8", "--unit", "acc=count", "--unit", "gyro=count", "--json"]
+    _, out, _ = call(capsys, *words)
+    biases = [one for one in json.loads(out)["results"] if (one["quantity"], one["sensor"]) == ("bias", "gyro")]
+    assert {one["reason"]["code"] for one in biases if one["method"] == "result"} == {"no_scale_factor"}
+    sheets = ("--scale-factor", "acc=2090 count/g", "--scale-factor", "gyro=16.4 count/(deg/s)")
+    _, out, _ = call(capsys, *words, *sheets)
+    values = [one["value"] for one in json.loads(out)["results"]
+              if (one["quantity"], one["sensor"], one["method"]) == ("bias", "gyro", "result")]  # fmt: skip
+    at_rest_counts = np.array([1.96, -4.45, -3.65])  # of its sections without a turn
+    np.testing.assert_allclose(values, np.radians(at_rest_counts / 16.4), atol=np.radians(0.2 / 16.4))
 
 
 def wav(log: Log, path: Path) -> None:

@@ -157,7 +157,8 @@ def prepare_test(
     entries = {name: file.recordings[name] for name in test.recordings}
     sensors = {name: file.sensors[entry.sensor] for name, entry in entries.items()}
     facts = {entry.sensor: facts_of(sensors[name], standards, file.site) for name, entry in entries.items()}
-    first = facts[entries[test.recordings[0]].sensor]
+    leading = entries[test.recordings[0]].sensor
+    first = replace(facts[leading], others=tuple(one for name, one in facts.items() if name != leading))
     plan = plan_of(procedure, test.plan, first)
     spec = procedure.inputs_for(plan, corrections)
     sources = [

@@ -42,7 +42,7 @@ def check_dates(order: str | None) -> str | None:
     return order
 
 
-def looks_dated(cells: Sequence[Any] | NDArray[Any]) -> bool:
+def looks_dated(cells: Sequence[str] | NDArray[Any]) -> bool:
     """Whether the first and the last cell are dates in the order of a spreadsheet."""
     ends = [str(cell) for cell in (cells[0], cells[-1])] if len(cells) else [""]
     return all(DATE.fullmatch(cell) and not ISO_DATE.fullmatch(cell) for cell in ends)

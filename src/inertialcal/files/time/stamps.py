@@ -118,7 +118,7 @@ def _in_ns(values: Numbers, per_unit: float, most: float = WIDEST) -> Times:
     return np.rint(numbers * per_unit).astype(np.int64)
 
 
-def looks_iso(cells: Sequence[Any] | NDArray[Any]) -> bool:
+def looks_iso(cells: Sequence[str] | NDArray[Any]) -> bool:
     """Whether the first and the last cell are ISO 8601 instants."""
     return bool(len(cells)) and all(ISO.fullmatch(str(cell)) for cell in (cells[0], cells[-1]))
 

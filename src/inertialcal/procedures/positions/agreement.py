@@ -121,9 +121,16 @@ def _rests(plan: Plan, readings: Readings, force: Array) -> Iterator[Remark]:
             continue  # the gyros have another bias: their turns show why
         middle = float(np.median(own))
         place = readings.where[part.first] if readings.where else ""
+        is_all = not part.changed and part.last - part.first == len(readings) - 1
+        if is_all and readings.acc.unit != "m/s^2" and _is_beside_zero(force / local_gravity(plan)):
+            what = f"{_here(readings, part)} accelerometers read {number(float(own.min()), 2)} to"
+            what += f" {number(float(own.max()), 2)} times gravity at rest, all in one direction beside gravity"
+            do = "State what each reads without input: --acc-zero x=NUMBER, y and z alike; acc_zero of the plan"
+            yield Remark("zero_missing", "error", what, place, do=do)
+            continue
         if middle > 0.0 and np.ptp(own) < ALIKE * middle and abs(middle - 1.0) >= OFF:
             unit = unit_mistaken(middle, "acceleration") or unit_mistaken(middle, "angular_rate")
-            if not part.changed and part.last - part.first == len(readings) - 1:
+            if is_all:
                 continue  # ``checks.check_units`` refuses all of it
             code = ("unit_changed" if unit else "scale_changed") if part.changed else "unit_disagrees"
             what = f"{_here(readings, part)} accelerometers read {number(middle, 3)} times gravity at rest"
@@ -134,6 +141,13 @@ def _rests(plan: Plan, readings: Readings, force: Array) -> Iterator[Remark]:
         what += f" {number(float(own.max()), 2)} times gravity at rest, or gyros turn: these are other axes or sensors"
         code = "axes_changed" if part.changed else "axes_disagree"
         yield Remark(code, "error", what, place, do="Check the columns, and cut the recording there")
+
+
+def _is_beside_zero(force: Array) -> bool:
+    """Whether readings at rest, shape (m, 3) [g], are of gravity about a point that is far from zero."""
+    middle = 0.5 * (force.max(axis=0) + force.min(axis=0))
+    around = np.linalg.norm(force - middle, axis=1)
+    return bool(np.linalg.norm(middle) > 1.0 + OFF and np.all(np.abs(around - 1.0) < OFF))
 
 
 def _turning(rate: Array) -> NDArray[np.bool_]:

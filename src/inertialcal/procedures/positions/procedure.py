@@ -117,9 +117,10 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
         from ...core.units import kind
 
         found: dict[str, Any] = {"gravity": facts.gravity, "latitude": facts.latitude, "height": facts.height or 0.0}
-        name = {"accelerometer": "acc_scale_factor", "gyro": "gyro_scale_factor"}.get(facts.kind or "")
-        if name and facts.scale_factor and kind(facts.unit) in ("count", "voltage"):  # else readings are in SI
-            found[name] = facts.scale_factor
+        for one in (facts, *facts.others):
+            name = {"accelerometer": "acc_scale_factor", "gyro": "gyro_scale_factor"}.get(one.kind or "")
+            if name and one.scale_factor and kind(one.unit) in ("count", "voltage"):  # else readings are in SI
+                found[name] = one.scale_factor
         return {**found, "standards": facts.standards}
 
     def plan(self, values: Mapping[str, Any], facts: Facts) -> Plan:

@@ -39,7 +39,7 @@ from ..corrections import TakenOff
 from .checks import check_units, judged_scale, remarks_of, start_of
 from .fit.accelerometer import FEWEST, Fitted, among, fit_known, fit_unknown
 from .fit.at_rest import apart, at_rest, joined
-from .fit.gyro import FittedGyro, fit_gyro, problem_of
+from .fit.gyro import NO_SCALE, FittedGyro, fit_gyro, problem_of, without_scale
 from .fit.linear_sensor import after_corrections, rounded_scale, with_ideal
 from .fit.next_record import FEW, NO_TIME, UNJUDGED, NextRecord, rests_of, slow_noise_of
 from .fit.over_temperature import at_reference, check_over_temperature, over_temperature
@@ -177,7 +177,8 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     remarks = gather([*readings.remarks, *missing_faces(readings), *warm, *found, *remarks_of(bare)])
     onward: dict[str, NextRecord | Reason] = {"accelerometer": _next_accelerometers(readings, fitted, acc)}
     if gyro is not None:
-        onward["gyro"] = _next_gyros(readings, gyro)
+        unscaled = NO_SCALE in gyro.sensor.reasons.values()
+        onward["gyro"] = NO_SCALE if unscaled else _next_gyros(readings, gyro)
     return replace(bare, remarks=remarks, next_record=onward)
 
 
@@ -270,6 +271,8 @@ def _gyros(plan: Plan, readings: Readings, acc: Fitted) -> tuple[FittedGyro, lis
         ideal = rounded_scale(first.sensor, np.ones(3, dtype=bool))
         start = np.asarray(np.linalg.inv(with_ideal(first.sensor, ideal, zero).matrix), dtype=np.float64)
     fitted = fit_gyro(plan, readings, acc, ideal, zero, start, north)
+    if not known:
+        fitted = without_scale(fitted)
     if fitted.rotated is None:
         return fitted, []
     determined = fitted.rotated.observed.determined[[0, 4, 8]]

@@ -37,6 +37,7 @@ NAMES = (*MATRIX, *BIAS, *G_SENSITIVITY)
 MODEL = "uncertainty of the accelerometers"
 NO_ROTATIONS = Reason("no_rotations", "no rotations: at rest, gyros show only their bias")
 NOT_TOLD = Reason("not_told", "these rotations do not determine it")
+NO_SCALE = Reason("no_scale_factor", "no scale factor is stated, and these rotations do not determine it")
 NOTHING_LEFT = Reason(
     "nothing_left",
     "no rotation was repeated, and turn.angle and fixture.orientation are not both stated:"
@@ -229,6 +230,14 @@ def _by_accelerometers(acc: Fitted, rotated: Rotated, force: Array, forward: Arr
     back = np.zeros((21, 12))
     back[:9] = forward @ np.einsum("wkj,kjq->wq", rotated.by_positions, wide)
     return back
+
+
+def without_scale(fitted: FittedGyro) -> FittedGyro:
+    """Return gyros of no stated scale factor: where rotations do not tell it either, readings are no rates."""
+    open_ones = [k for k in range(3) if fitted.sensor.reasons.get(4 * k, NOTHING_LEFT) is not NOTHING_LEFT]
+    places = [at for k in open_ones for at in (9 + k, *range(12 + 3 * k, 15 + 3 * k))]
+    reasons = dict.fromkeys(places, NO_SCALE) | dict(fitted.sensor.reasons)
+    return replace(fitted, sensor=replace(fitted.sensor, reasons=reasons))
 
 
 def _reasons(
