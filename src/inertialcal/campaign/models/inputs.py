@@ -9,7 +9,12 @@ from __future__ import annotations
 import shlex
 from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
+from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.batches import every
 from ...core.errors import DataError, Problem
 from ...core.recording import Channel, Recording
 from ...core.remarks import Remark
@@ -196,17 +201,24 @@ def chain_columns(chain: Chain, recording: Recording, columns: Mapping[str, str]
             found[axis] = alike
     if not all(axis in found for axis in chain.axes):
         return {}
-    every = [found[axis] for axis in chain.axes]
+    axes = [found[axis] for axis in chain.axes]
     references = {"reference", *(f"reference_{axis}" for axis in chain.axes)} & set(found)
     subtracted = chain.reference == "channel"
     counted = all(
-        one.unit == "count" or (one.unit is None and bool(references if subtracted else one.data.dtype.kind in "iu"))
-        for one in every
+        one.unit == "count" or (one.unit is None and bool(references if subtracted else _are_whole(one.data)))
+        for one in axes
     )
     counted = counted and chain.input_unit == "count"
-    raw = counted or all(one.unit is not None and same_dimension(one.unit, chain.output_unit) for one in every)
+    raw = counted or all(one.unit is not None and same_dimension(one.unit, chain.output_unit) for one in axes)
     warm = [word for word, one in found.items() if one.unit is not None and same_dimension(one.unit, "degC")]
     return {word: one.name for word, one in found.items() if word not in warm} if raw else {}
+
+
+def _are_whole(values: NDArray[Any]) -> bool:
+    """Whether values are whole numbers, in whichever type; missing ones aside."""
+    if values.dtype.kind in "iu":
+        return True
+    return values.dtype.kind == "f" and every(values, lambda part: np.all(~np.isfinite(part) | (part == np.rint(part))))
 
 
 def _raw_column(chain: Chain, recording: Recording, axis: str, taken: Set[str]) -> Channel | None:
