@@ -9,6 +9,7 @@ from collections import Counter
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -21,12 +22,17 @@ import inertialcal as ic
 from independent.coverage import keeps
 from independent.orbit.environment import UG, Recorded, Station, recorded
 from inertialcal.core.errors import DataError
+from inertialcal.core.estimate import Component, Estimate
+from inertialcal.core.key import Key, Origin
+from inertialcal.core.recording import Channel, Recording
+from inertialcal.procedures.corrections import BiasCorrection
 from inertialcal.procedures.microgravity.bands import BANDS, Band, share, variance
 from inertialcal.procedures.microgravity.curve_file import read_requirement
 from inertialcal.procedures.microgravity.plan import Plan
-from inertialcal.procedures.microgravity.readings import Readings, Track
+from inertialcal.procedures.microgravity.readings import Readings, Track, readings_from
 from inertialcal.procedures.microgravity.reduction import Result, reduce
 from inertialcal.procedures.microgravity.rows import size_interval
+from inertialcal.procedures.protocol import Facts
 
 Array = NDArray[np.float64]
 AXES = "xyz"
@@ -357,3 +363,32 @@ def test_a_record_of_the_archive(tmp_path: Path) -> None:
     turned = ic.microgravity(tmp_path / source.name, frame="sensor", bias_x="1 ug", bias_y="1 ug", bias_z="1 ug",
                              bias_u="1 ug")  # fmt: skip
     assert turned.result.estimate is not None
+
+
+def test_a_bias_that_an_earlier_test_found_is_taken_off_with_its_covariance() -> None:
+    """The uncertainty of the bias enters once, though two records have it: it does not shrink with their number."""
+    made = recorded(np.random.default_rng(19))
+    u = 0.5 * UG
+    keys = tuple(Key("bias", axis) for axis in AXES)
+    covariance = np.diag([u**2, 4.0 * u**2, u**2])
+    found = Estimate(keys, np.array(made.station.bias) * UG, ("m/s^2",) * 3,
+                     (Component(Origin("scatter of flips", level="dwell"), "A", covariance, 12.0),))  # fmt: skip
+    n, stamps = len(made.time) // 2, np.rint(made.time * 1e9).astype(np.int64)
+    halves = []
+    for rows in (slice(0, n), slice(n, None)):
+        channels = tuple(Channel(axis, made.values[rows, i], "m/s^2", axis=axis) for i, axis in enumerate(AXES))
+        halves.append(Recording(channels, stamps[rows], 0.05, None, "utc", "column", cut_off=8.0))
+    sources: list[Any] = [
+        SimpleNamespace(name=name, file=f"{name}.csv", facts=Facts("accelerometer", "ug", "m/s^2"),
+                        entry=SimpleNamespace(curve=None), recordings=lambda one=one, name=name: [(name, one)])
+        for name, one in zip(("first", "second"), halves, strict=True)
+    ]  # fmt: skip
+    readings = readings_from(Plan(), sources, (BiasCorrection("flip", found),))
+    estimate = reduce(Plan(), readings).estimate
+    assert estimate is not None
+    stated = reduced(made.values, **(known_bias(made) | {"bias_u": u})).estimate
+    assert stated is not None
+    assert estimate.values == pytest.approx(stated.values, abs=1e-3 * UG)
+    by_bias = [one for one in estimate.components if one.origin.test == "flip"]
+    assert len(by_bias) == 1
+    assert by_bias[0].u == pytest.approx([u, 2.0 * u, u])
