@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path
 
 from ....core.estimate import Array
 from ....core.show.rounding import number
@@ -68,10 +70,15 @@ def draw(ax: Axes, curve: Curve, title: str = "") -> None:
     for k, dark in enumerate(SHADES):
         bars = _bars((shade == k) & np.isfinite(level))
         name = f"{_level(ends[k])} to {_level(ends[k + 1])}"
-        x, y, h = (np.array([bar[i] for bar in bars], dtype=float) for i in range(3))
-        if len(x):
-            ax.bar(clock[x.astype(int)], h * high, width=wide, bottom=(frequency[y.astype(int)] - 0.5 * high),
-                   color=COLOURS["blue"], alpha=dark, linewidth=0.0, label=name)  # fmt: skip
+        corners = [
+            ((clock[i] + side * wide, frequency[j] + (end - 0.5) * high), code)
+            for i, j, n in bars
+            for side, end, code in ((-0.5, 0, Path.MOVETO), (0.5, 0, Path.LINETO), (0.5, n, Path.LINETO),
+                                    (-0.5, n, Path.LINETO), (-0.5, 0, Path.CLOSEPOLY))
+        ]  # fmt: skip
+        if corners:  # one path a shade: a page stays small
+            shape = Path([place for place, _ in corners], [code for _, code in corners])
+            ax.add_patch(PathPatch(shape, facecolor=COLOURS["blue"], alpha=dark, linewidth=0.0, label=name))
     ax.set_xlim(float(clock[0]) - 0.5 * wide, float(clock[-1]) + 0.5 * wide)
     ax.set_ylim(0.0, float(frequency[-1]) + 0.5 * high)
     set_title(ax, title)
