@@ -108,6 +108,21 @@ def test_it_asks_only_for_what_the_file_does_not_say(tmp_path: Path, capsys: pyt
     assert campaign(same) == campaign(folder)
 
 
+def test_each_axis_may_have_a_chain_of_its_own(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder, same = (put(tmp_path / name, "turned_volts.csv") for name in ("asked", "options"))
+    volts = {"x": "2.5 V", "y": "2.4 V", "z": "2.6 V"}
+    factors = {"x": "0.02 V/(deg/s)", "y": "0.018 V/(deg/s)", "z": "0.025 V/(deg/s)"}
+    typed = [", ".join(f"{axis}={text}" for axis, text in own.items()) for own in (volts, factors)]
+    shown, status = on_terminal(["init", str(folder)], ["x=2.5 V, y=nonsense", *typed, ENTER, ENTER, ENTER, "7"])
+    assert status == 0, shown
+    words = [word for axis in "xyz" for word in ("--reference", f"{axis}={volts[axis]}", "--scale-factor",
+                                                 f"{axis}={factors[axis]}")]  # fmt: skip
+    assert call(capsys, "init", str(same), "--yes", *words, "--serial", "7")[0] == 0
+    found = campaign(folder)
+    assert found["sensors"]["suite"]["chain"]["zero"] == volts  # type: ignore[index]
+    assert found == campaign(same)
+
+
 def test_a_file_that_says_all_is_asked_for_the_sensor_alone(tmp_path: Path) -> None:
     folder = put(tmp_path / "all", "chamber_units.csv")
     shown, status = on_terminal(["init", str(folder)], [ENTER, ENTER, "7"])

@@ -6,7 +6,7 @@ suggested: Enter leaves them to be filled in.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -89,18 +89,31 @@ def _of_readings(found: Contents, group: str, said: Said) -> Iterator[Question]:
         yield Question("lsb", seen, ask, wrong=quantity("V", optional=True))
     volts = not counted or bool(said.lsb)
     if volts and not _answered(said.reference, group):
-        ask = "Voltage without input, like 2.5 V? (channel: it was recorded)"
-        yield Question("reference", seen, ask, group=group, wrong=quantity("V", optional=True, words=("channel",)))
+        ask = "Voltage without input, like 2.5 V, or x=2.5 V, y=2.4 V, z=2.6 V? (channel: it was recorded)"
+        wrong = _of_each(quantity("V", optional=True, words=("channel",)))
+        yield Question("reference", seen, ask, group=group, wrong=wrong)
     if not _answered(said.scale_factor, group):
         unit = f"{'V' if volts else 'count'}/({per})"
-        ask = f"Scale factor of the data sheet, like {'0.02' if volts else '131'} {unit}?"
-        yield Question("scale_factor", seen, ask, group=group, wrong=quantity(unit, optional=True))
+        ask = f"Scale factor of the data sheet, like {'0.02' if volts else '131'} {unit}, or x=..., y=..., z=...?"
+        yield Question("scale_factor", seen, ask, group=group, wrong=_of_each(quantity(unit, optional=True)))
 
 
 def answered(said: Said, question: Question, text: str) -> Said:
     """Return what was said with one more answer; an empty one counts as said."""
-    answer: Any = {**getattr(said, question.name), question.group: text} if question.group else text
+    answer: Any = {**getattr(said, question.name), **_by_axis(text, question.group)} if question.group else text
     return replace(said, **{question.name: answer})
+
+
+def _by_axis(text: str, group: str) -> dict[str, str]:
+    """Return an answer by what it holds for: each axis, ``x=2.5 V, y=2.4 V``, or the group."""
+    parts = [part.partition("=") for part in text.split(",")]
+    by_axis = {axis.strip(): value.strip() for axis, _, value in parts}
+    return by_axis if by_axis.keys() <= set(AXES) and len(by_axis) == len(parts) else {group: text}
+
+
+def _of_each(wrong: Callable[[str], str]) -> Callable[[str], str]:
+    """Return what is wrong with an answer for all axes, or for each."""
+    return lambda text: next(filter(None, map(wrong, _by_axis(text, "").values())), "")
 
 
 def _answered(values: Mapping[str, str], group: str) -> bool:
