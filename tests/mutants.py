@@ -153,6 +153,24 @@ MUTANTS = (
     ),
     Mutant("means.py", "float(weights.sum() ** -0.5)", "float(weights.sum() ** -1.0)", "test_means"),
     Mutant("drift_line.py", "+ shared.T @ shared", "- 0.5 * shared.T @ shared", "test_drift_line"),
+    Mutant("drift_line.py", "rank >= i for i", "rank > i for i", "test_drift_line"),
+    Mutant("drift_line.py", "covariance = fixed + scaled", "covariance = scaled", "test_drift_line"),
+    Mutant("drift_line.py", "special.stdtr(spare, -math.sqrt", "special.ndtr(-1e0 * math.sqrt", "test_drift_line"),
+    Mutant("drift_line.py", "+ self.wander**2)", ")", "test_drift_line"),
+    Mutant(
+        "drift_line.py", "abs(level - value) + factor * u - limit", "abs(level) + factor * u - limit", "test_drift_line"
+    ),
+    Mutant("control_charts.py", "process**2 * (1.0 - 1.0 / n)", "0.0", "test_control_charts"),
+    Mutant("control_charts.py", "- float(tests.mean())", "", "test_control_charts"),
+    Mutant("control_charts.py", "length + 1 if one == side and one else 1", "length + 1", "test_control_charts"),
+    Mutant("control_charts.py", "D2 = 2.0 / math.sqrt(math.pi)", "D2 = 1.0", "test_control_charts"),
+    Mutant(
+        "history.py",
+        "if rejected:\n            words[i] = DEPARTURES",
+        "if not rejected:\n            words[i] = DEPARTURES",
+        "test_archive",
+    ),
+    Mutant("verify.py", "every[count - 1]", "every[-1]", "test_moves"),
     Mutant(
         "difference.py",
         "b.change(name) - a.change(name)",

@@ -80,20 +80,72 @@ def test_results_that_were_edited_or_never_made_are_refused(campaign: Callable[.
 
 
 def test_history_of_a_unit_uses_the_standard_that_its_tests_share(archive: Archive) -> None:
-    values = [0.10, 0.12, 0.14]
+    """Of two tests, before an adjustment of 2017: no residual, and the stated uncertainties count."""
+    values = [0.10, 0.14, 0.50]
     add(archive, *yearly("A", values))
     add(archive, *(content("B", i, [figure(v, 0.0316227766, shared={"rate_table.rate": 0.03})], certificate=f"C-{i}")
                    for i, v in enumerate(values)))  # fmt: skip
-    one, other = (archive.history(serial).series[0] for serial in "AB")
+    one, other = (archive.history(serial, adjusted=["2017-01-01"]).series[0] for serial in "AB")
     assert one.line is not None
     assert other.line is not None
-    assert one.line.slope == pytest.approx(0.02)
-    assert one.line.u == pytest.approx(0.01 / 2**0.5)  # without the error of the table: 0.01 a test
-    assert other.line.u == pytest.approx((0.01**2 + 0.03**2) ** 0.5 / 2**0.5)  # a certificate each: with it
+    assert one.line.slope == pytest.approx(0.04, rel=1e-4)
+    assert one.line.u == pytest.approx(0.01 * 2**0.5, rel=1e-4)  # without the error of the table: 0.01 a test
+    assert other.line.u == pytest.approx((0.01**2 + 0.03**2) ** 0.5 * 2**0.5, rel=1e-4)  # a certificate each: with it
     assert one.drift is not None
     assert one.drift.unit == "%/year"
     assert one.word == "drift"
     assert other.word == "no drift shown"
+
+
+LONG = [0.1012345678, 0.1198765432, 0.1412345671, 0.1587654321, 0.1801234567, 0.2012345679, 0.2198765431]
+
+
+def words_of(archive: Archive, serial: str, **more: list[str]) -> tuple[str, list[str]]:
+    """Return the word on the drift, and the codes of remarks."""
+    found = archive.history(serial, **more)  # type: ignore[arg-type]
+    return found.series[0].word, [one.code for one in found.remarks]
+
+
+def test_what_is_no_line_is_said_and_nothing_is_forecast(tmp_path: Path) -> None:
+    archive = open_archive(tmp_path / "lab.db")
+    jumped = [value + 0.5 * (i > 3) for i, value in enumerate(LONG)]
+    odd = [value * (57.3 if i == 2 else 1.0) for i, value in enumerate(LONG)]
+    bent = [0.2 * (1.0 - 0.5**i) + 0.001 * (-1) ** i for i in range(8)]
+    for serial, values in {"line": LONG, "jump": jumped, "odd": odd, "bend": bent}.items():
+        add(archive, *yearly(serial, values))
+    assert words_of(archive, "line") == ("drift", [])
+    assert words_of(archive, "jump") == ("jumps", ["jumps"])
+    assert words_of(archive, "odd") == ("odd test", ["odd_test"])
+    assert words_of(archive, "bend") == ("bends", ["bends"])
+    found = archive.history("jump", limits=["0.1 %"])
+    assert found.series[0].due is None
+    assert "no line" in str(found)
+    (said,) = found.remarks
+    assert "between 2018-06-01 and 2019-06-01" in said.what
+    assert "--adjusted 2019-06-01" in said.do
+    word, codes = words_of(archive, "jump", adjusted=["2019-06-01"])
+    assert (word, codes) == ("drift", [])
+
+
+def test_a_copied_campaign_counts_once(tmp_path: Path) -> None:
+    archive = open_archive(tmp_path / "lab.db")
+    made = yearly("A", LONG)
+    copy = content("A", 9.0, made[2]["results"])
+    add(archive, *made, copy)
+    found = archive.history("A")
+    assert [one.row.value for one in found.series[0].points] == LONG
+    (said,) = found.remarks
+    assert (said.code, said.count, said.where) == ("copied", 1, "A-9")
+    assert "campaign A-2" in said.what
+
+
+def test_figures_of_another_kind_of_unit_are_counted(tmp_path: Path) -> None:
+    archive = open_archive(tmp_path / "lab.db")
+    other = content("A", 0.5, [figure(0.1, 0.01, unit="deg/s")], influences={})
+    add(archive, other, *yearly("A", LONG))
+    found = archive.history("A")
+    assert len(found.series[0].points) == len(LONG)
+    assert [(one.code, one.count) for one in found.remarks] == [("other_dimension", 1)]
 
 
 def test_a_version_that_was_replaced_counts_no_more(archive: Archive) -> None:
@@ -127,7 +179,7 @@ def test_when_to_calibrate_again(tmp_path: Path) -> None:
     assert due.expected is not None
     assert due.last is not None
     assert due.expected == pytest.approx(5.0, rel=0.03)  # 0.1 % at 0.02 % a year
-    assert 3.0 < due.first < due.expected < due.last < 8.0
+    assert 2.5 < due.first < due.expected < due.last < 8.0
     assert found.due_ns is not None
     assert "calibrate again by 20" in str(found)
     assert archive.history("A", limits=["0.001 %"]).series[0].due.first == 0.0  # type: ignore[union-attr]

@@ -213,6 +213,29 @@ def test_a_campaign_that_was_taken_out_is_missed(empty: Callable[[str], Archive]
     assert [one.code for one in archive.verify().problems] == ["chain"]
 
 
+def test_the_newest_campaigns_taken_out_are_missed_with_a_receipt(
+    empty: Callable[[str], Archive], tmp_path: Path
+) -> None:
+    archive, receipt = filled(empty("sqlite")), tmp_path / "receipt.json"
+    receipt.write_text(json.dumps({"verified": archive.verify().to_dict()}))
+    add(archive, *yearly("later", [0.1]))
+    assert not archive.verify(receipt).problems  # more may have come since
+    with archive.database.writing(migrating=True) as connection:
+        for table in ("tests", "results", "standards", "uses"):
+            connection.execute(text(f"DELETE FROM {table} WHERE campaign_id > 4"))
+        connection.execute(text("DELETE FROM campaigns WHERE id > 4"))
+    assert not archive.verify().problems
+    (said,) = archive.verify(receipt).problems
+    assert "2 of 6 campaigns" in said.what
+    add(archive, *yearly("others", [0.1, 0.2, 0.3]))
+    (said,) = archive.verify(receipt).problems
+    assert "not those of the receipt" in said.what
+    for wrong in ("x", "[]", '{"verified": 3}', '{"verified": {"campaigns": "many"}}'):
+        receipt.write_text(wrong)
+        with pytest.raises(DataError, match="not a receipt"):
+            archive.verify(receipt)
+
+
 @pytest.mark.usefixtures("undrawn")
 def test_a_recording_that_was_changed_is_found(campaign: Callable[..., Path], tmp_path: Path) -> None:
     folder, archive = campaign(), open_archive(tmp_path / "lab.db")

@@ -28,7 +28,7 @@ from .points import newest
 from .record import Record, chained, item_number, read_record, record_of, results_content, written
 from .tables import REVISIONS, campaigns, items, tests
 from .trend import By, Trend, trend
-from .verify import Verified, verify
+from .verify import Verified, read_receipt, verify
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -194,6 +194,7 @@ class Archive:
         axis: str | None = None,
         test: str | None = None,
         limits: Sequence[str] = (),
+        adjusted: Sequence[str] = (),
     ) -> History:
         """Return what each figure of a unit was from test to test, its drift, and when it leaves a limit.
 
@@ -205,6 +206,8 @@ class Archive:
             Of these alone.
         limits : sequence of str
             How far a figure may change since its last test: ``"0.01 deg/s"``, ``"scale_factor_error=0.1 %"``.
+        adjusted : sequence of str
+            Days of adjustments, ``"2024-05-04"``, or instants: tests of that day are after it ("as left").
 
         Raises
         ------
@@ -214,7 +217,7 @@ class Archive:
             ``several_items``; ``allowed``.
         """
         with self.database.reading() as connection:
-            return history(connection, serial, part, quantity, axis, test, limits)
+            return history(connection, serial, part, quantity, axis, test, limits, adjusted)
 
     def trend(
         self,
@@ -310,16 +313,25 @@ class Archive:
         documents = len({digest for one in found for digest in one.record.contents})
         return Moved(len(found), there, documents, chain)
 
-    def verify(self) -> Verified:
+    def verify(self, receipt: str | os.PathLike[str] | None = None) -> Verified:
         """Compare all that the archive holds with what was added; what is missing or changed is named.
+
+        Parameters
+        ----------
+        receipt : str or path, optional
+            File with the output of ``archive verify --json`` of an earlier time: the campaigns that it counted have to
+            be there, too.
 
         Raises
         ------
+        DataError
+            ``not_a_receipt``.
         StoreError
             As `list`.
         """
+        kept = None if receipt is None else read_receipt(os.fspath(receipt))
         with self.database.reading() as connection:
-            return verify(connection, self.database.name)
+            return verify(connection, self.database.name, kept)
 
     def migrate(self, to: str = REVISIONS[-1]) -> tuple[str, str]:
         """Bring the schema to a version, later or earlier; return the version before, and the one now.

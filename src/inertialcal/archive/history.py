@@ -5,6 +5,11 @@ name of the test where a campaign has several such. Its drift is that of ``stati
 ``drift`` needs a t test at 95 %, with Holm's step-down over the figures of one quantity of one test [1]_: where nothing
 drifts, it falls in at most 5 % of histories of each quantity.
 
+A unit that ages along a curve, jumps, or has a test that is not its own (another unit's serial number, another unit of
+measure) has no line: what departs from it is named in place of ``drift``, with Holm's step-down over all figures of the
+unit, and nothing is forecast. Adjustments that are stated part a series into stretches, each with its own level and
+all with one slope. A figure that is that of a campaign added before to the last digit is a copy of it, and is left out.
+
 When to calibrate again is told by the control of drift and uncertainty, the family of statistical methods that
 ILAC-G24 [2]_ names: the line and its prediction interval are followed until the change since the last test may exceed
 the stated limit. That date has an interval of its own: from where the 95 % interval first touches the limit, to where
@@ -19,8 +24,8 @@ References
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Hashable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 from sqlalchemy import Connection, select
@@ -34,11 +39,11 @@ from ..core.show.result_tables import remarks_line
 from ..core.show.rounding import number, settled, settled_ends
 from ..core.show.rows import quantity_name
 from ..core.show.tables import Block, Table, html, text
-from ..core.times import LATEST, instant_text
+from ..core.times import LATEST, instant_text, read_instant
 from ..core.units import divide, same_dimension
 from ..statistics.decision import holm
 from ..statistics.intervals import t_interval, t_quantile
-from ..statistics.over_time.drift_line import ENOUGH, REJECTED, Due, Line, due, line
+from ..statistics.over_time.drift_line import REJECTED, Due, Kind, Line, due, line
 from .points import Point, in_unit, points
 from .tables import items, results
 
@@ -46,9 +51,12 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 YEAR = 31_557_600.0  # [s]: 365.25 days
+DATE = len("2024-05-04")
 HORIZON = 30.0  # [years] to which forecasts look
 P = 0.95
-Word = Literal["drift", "no drift shown", ""]
+Word = Literal["drift", "no drift shown", "bends", "jumps", "odd test", ""]
+DEPARTURES: dict[Kind, Word] = {"bend": "bends", "jump": "jumps", "odd": "odd test"}
+DIGITS = 7  # of a figure, from which an equal one is no chance
 HEADS = ("figure", "test", "tests", "last", "unit")
 OF_DRIFT = ("drift a year", "95 % interval", "verdict")
 
@@ -63,6 +71,11 @@ class Series:
     word: Word
     limit: float | None = None  # Of a change since the last test, where one is stated
     due: Due | None = None  # In years since the last test
+
+    @property
+    def straight(self) -> bool:
+        """Whether nothing shows that it is no line."""
+        return self.word not in DEPARTURES.values()
 
     @property
     def last(self) -> Point:
@@ -94,6 +107,7 @@ class Series:
         if self.line is not None:
             found |= {"wander": self.line.wander, "consistency": self.line.consistency, "basis": self.line.basis,
                       "p_value": self.line.p_value}  # fmt: skip
+            found["departure"] = None if self.line.departure is None else asdict(self.line.departure)
         if self.due is not None:
             dates = {name: self.date(getattr(self.due, name)) for name in ("first", "expected", "last")}
             found |= {"limit": self.limit, "due": {name: None if at is None else instant_text(at)
@@ -136,7 +150,7 @@ class History:
 
     @property
     def _limited(self) -> bool:
-        return any(one.due is not None for one in self.series)
+        return any(one.limit is not None for one in self.series)
 
     def _cells(self, one: Series) -> list[str]:
         row, drift = one.last.row, one.drift
@@ -152,7 +166,7 @@ class History:
             when = f"not in {HORIZON:g} years" if at is None else instant_text(at)[:10]
             cells += [f"± {number(one.limit, 4)}", when]
         elif self._limited:
-            cells += ["", ""]
+            cells += ["", ""] if one.limit is None else [f"± {number(one.limit, 4)}", "no line"]
         return cells
 
     def __str__(self) -> str:
@@ -187,6 +201,7 @@ def history(
     axis: str | None = None,
     test: str | None = None,
     limits: Sequence[str] = (),
+    adjusted: Sequence[str] = (),
 ) -> History:
     """Return the history of a unit.
 
@@ -200,15 +215,18 @@ def history(
         Of these alone.
     limits : sequence of str
         How far a figure may change since its last test: ``"0.01 deg/s"``, ``"scale_factor_error=0.1 %"``.
+    adjusted : sequence of str
+        Days of adjustments, ``"2024-05-04"``, or instants: tests of that day are after it ("as left").
 
     Raises
     ------
     DataError
-        ``no_item``; ``no_figure``; ``unit_mismatch`` of a limit.
+        ``no_item``; ``no_figure``; ``unit_mismatch`` of a limit; as ``read_instant``.
     UsageError
         ``several_items``; ``allowed``.
     """
     stated = parse_allowed(limits)
+    instants = sorted(read_instant(f"{day}T00:00:00Z" if len(day) == DATE else day) for day in adjusted)
     item = _item(connection, serial, part)
     conditions = [items.c.id == item["id"]]
     conditions += [results.c.quantity == quantity] if quantity else []
@@ -220,20 +238,23 @@ def history(
         wanted = " ".join(filter(None, (quantity, axis, test)))
         what = f"no figure{f' of {wanted}' * bool(wanted)} of unit {serial!r} has an uncertainty"
         raise DataError(what, do=f"See: inertialcal archive history {serial}", code="no_figure")
+    grouped, copies = without_copies(series_of(timed))
     made = []
-    for found in series_of(timed):
+    for found in grouped:
         unit = found[-1].row.unit
         figures = in_unit(found, unit)
         start = found[0].time_ns or 0
         years = [((one.time_ns or 0) - start) / 1e9 / YEAR for one in found]
-        fitted = _line(years, figures)
+        fitted = _line(years, figures, [sum(at <= (one.time_ns or 0) for at in instants) for one in found])
         row = None if fitted is None else _drift(found[-1].row, fitted)
         limit = allowed_for(found[-1].row, stated) if stated else None
         when = None if fitted is None or limit is None else due(fitted, years[-1], figures[-1].value, limit, HORIZON)
         made.append(Series(tuple(found), fitted, row, "", limit, when))
     judged = _judged(made)
+    apart = len(timed) - sum(len(one) for one in grouped) - sum(copies.values())
+    remarks = _remarks(judged, len(every) - len(timed), apart, copies)
     return History({name: str(item[name]) for name in ("maker", "part", "serial", "owner")}, tuple(judged),
-                   tuple(_remarks(judged, len(every) - len(timed))))  # fmt: skip
+                   tuple(remarks))  # fmt: skip
 
 
 def _item(connection: Connection, serial: str, part: str | None) -> dict[str, Any]:
@@ -266,15 +287,40 @@ def series_of(found: Sequence[Point]) -> list[list[Point]]:
     return made
 
 
+def without_copies(series: Sequence[Sequence[Point]]) -> tuple[list[list[Point]], dict[tuple[str, str], int]]:
+    """Return series without figures that a campaign has from another; how many, by it and that which had them first.
+
+    Parameters
+    ----------
+    series : sequence of sequence of Point
+        Of one unit.
+    """
+    kept, copies = [], dict[tuple[str, str], int]()
+    for found in series:
+        first: dict[tuple[float, float], Point] = {}
+        for one in sorted(found, key=lambda point: point.campaign):
+            same = first.setdefault((one.found.value, one.found.u), one)
+            if same is not one and _exact(one):
+                copies[one.name, same.name] = copies.get((one.name, same.name), 0) + 1
+        own = {id(one) for one in first.values()}
+        kept.append([one for one in found if id(one) in own or not _exact(one)])
+    return kept, copies
+
+
+def _exact(one: Point) -> bool:
+    """Whether a figure has so many digits that an equal one is a copy."""
+    return len(f"{one.found.value:.11e}".partition("e")[0].strip("-").rstrip("0")) > DIGITS
+
+
 def _figure(row: Row) -> Hashable:
     """Return what a figure is of; a place as tables show it."""
     place = None if row.key.at is None else str(row.key.at)
     return row.key._replace(at=None), place, row.condition
 
 
-def _line(years: Sequence[float], figures: Sequence[Any]) -> Line | None:
+def _line(years: Sequence[float], figures: Sequence[Any], stretches: Sequence[int]) -> Line | None:
     try:
-        return line(years, figures)
+        return line(years, figures, stretches)
     except DataError:  # one test, or one day
         return None
 
@@ -288,36 +334,64 @@ def _drift(row: Row, found: Line) -> Row:
 
 
 def _judged(made: Sequence[Series]) -> list[Series]:
-    """Return the series, each with the word on its drift."""
+    """Return the series, each with the word on its drift, and without a forecast where it is no line."""
+    departures = [(i, found) for i, one in enumerate(made) if one.line is not None and (found := one.line.departure)]
+    words: dict[int, Word] = {}
+    for (i, found), rejected in zip(departures, holm([one.p_value for _, one in departures], 1.0 - P), strict=True):
+        if rejected:
+            words[i] = DEPARTURES[found.kind]
     families: dict[Hashable, list[int]] = {}
     for i, one in enumerate(made):
-        if one.line is not None:
+        if one.line is not None and i not in words:
             row = one.last.row
             families.setdefault((row.test, row.key.sensor, row.quantity), []).append(i)
-    words: dict[int, Word] = {}
     for family in families.values():
         p_values = [fitted.p_value for i in family if (fitted := made[i].line) is not None]
         for i, rejected in zip(family, holm(p_values, 1.0 - P), strict=True):
             words[i] = "drift" if rejected else "no drift shown"
-    return [replace(one, word=words.get(i, "")) for i, one in enumerate(made)]
+    judged = [replace(one, word=words.get(i, "")) for i, one in enumerate(made)]
+    return [one if one.straight else replace(one, due=None) for one in judged]
 
 
-def _remarks(made: Sequence[Series], untimed: int) -> list[Remark]:
+def _departed(one: Series) -> Iterator[Remark]:
+    """Yield what is said of a series that is no line."""
+    found = None if one.line is None else one.line.departure
+    if one.straight or found is None:
+        return
+    row, (before, at) = one.last.row, (one.points[max(found.index - 1, 0)], one.points[found.index])
+    name = f"{quantity_name(row.to_dict())} {row.axis}".strip() + f", {row.test}"
+    size = f"{number(found.size, 3)} {row.unit}".strip()
+    day, day_before = (instant_text(point.time_ns or 0)[:10] for point in (at, before))
+    unit = "Check that its serial number and its units of measure are right"
+    said = {
+        "bend": (f"ages along a curve, up to {size} off a line: there is no drift a year to tell, and no forecast",
+                 "Look at it with -o history.png; test it more often"),
+        "jump": (f"jumps by {size} between {day_before} and {day}: no forecast",
+                 f"If it was adjusted then: --adjusted {day}. {unit}"),
+        "odd": (f"campaign {at.name} of {day} is {size} off the line through the others: no forecast", unit),
+    }  # fmt: skip
+    what, do = said[found.kind]
+    yield Remark(one.word.replace(" ", "_"), "warning", what, where=name, do=do)
+
+
+def _remarks(made: Sequence[Series], untimed: int, apart: int, copies: Mapping[tuple[str, str], int]) -> list[Remark]:
     found = []
     if untimed:
         what = "figures of tests whose day is not known: they stand in no history"
         found.append(Remark("no_time", "warning", what, count=untimed, do='State day = "2026-11-29" in [[tests]]'))
-    few = [one for one in made if one.line is not None and one.line.basis == "stated"]
-    if few:
-        what = (
-            f"fewer than {ENOUGH} tests do not show how far the unit wanders between them: u is that of the tests alone"
-        )
-        found.append(Remark("few_tests", "info", what, count=len(few)))
+    if apart:
+        what = "figures in units of another kind than the last test has: they stand in no history"
+        found.append(Remark("other_dimension", "warning", what, count=apart, do="Correct unit in their campaigns"))
+    for (copy, first), count in copies.items():
+        what = f"figures are those of campaign {first} to the last digit: copies, and left out"
+        found.append(Remark("copied", "warning", what, where=copy, count=count, do="Run it with its own recordings"))
+    found += [remark for one in made for remark in _departed(one)]
     two = [one for one in made if one.line is not None and one.line.basis == "difference"]
     if two:
         what = "two tests: u is that of their difference, and a wander of the unit is not in it"
         found.append(Remark("two_tests", "info", what, count=len(two)))
-    odd = [one for one in made if one.line is not None and one.line.wander and one.line.consistency < REJECTED]
+    lines = [one for one in made if one.straight and one.line is not None]
+    odd = [one for one in lines if (fit := one.line) and fit.wander and fit.consistency < REJECTED]
     if odd:
         names = ", ".join(dict.fromkeys(f"{one.last.row.quantity} {one.last.row.axis}".strip() for one in odd[:6]))
         what = f"scatters about its line more than the stated uncertainties say, which is in u: {names}"

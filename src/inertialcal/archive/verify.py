@@ -2,27 +2,54 @@
 
 A record has the SHA-256 that was noted when it was added; the chain ties each campaign to the one before, so that one
 taken out, or put between, shows; rows are made again of the ``results.json`` that is kept, so that the row that was
-changed is named. What is not seen: the newest campaigns taken out together. Keep the last ``chain`` elsewhere, and
-compare it.
+changed is named. The newest campaigns taken out together leave no gap: a receipt, which is kept elsewhere, says how
+many there were, and with which chain.
 """
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
+import json
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-from sqlalchemy import Connection, select
+from sqlalchemy import Connection, RowMapping, select
 
 from ..campaign.outcome.publish import RESULTS
 from ..core.errors import DataError, Problem
+from ..files.source import load
 from ..files.write.exchange import file_digest
 from .record import Record, chained, content_rows, read_record, results_content, unpacked
 from .tables import campaigns, files
 
 MOST = 5  # rows of a table that are named
+
+
+class Receipt(NamedTuple):
+    """What an archive was when it was verified before."""
+
+    campaigns: int
+    chain: str  # Of the newest of them
+    where: str
+
+
+def read_receipt(path: str | Path) -> Receipt:
+    """Return the receipt that the output of ``archive verify --json`` is.
+
+    Raises
+    ------
+    DataError
+        ``not_a_receipt``; as whatever reads files.
+    """
+    data = load(Path(path)).data
+    try:
+        said = json.loads(data)["verified"]
+        return Receipt(int(said["campaigns"]), str(said["chain"]), str(path))
+    except (ValueError, TypeError, KeyError, RecursionError):
+        do = "Name a file of: inertialcal archive verify --json > receipt.json"
+        raise DataError("not a receipt of an archive", where=str(path), do=do, code="not_a_receipt") from None
 
 
 @dataclass(frozen=True)
@@ -51,7 +78,7 @@ class Verified:
         return "\n".join([*lines, *(["all as it was added"] if not self.problems else [])])
 
 
-def verify(connection: Connection, archive: str) -> Verified:
+def verify(connection: Connection, archive: str, receipt: Receipt | None = None) -> Verified:
     """Compare all that an archive holds with what was added.
 
     Parameters
@@ -60,9 +87,11 @@ def verify(connection: Connection, archive: str) -> Verified:
         That reads.
     archive : str
         Its address, for messages.
+    receipt : Receipt, optional
+        Of an earlier time: what it counted has to be there.
     """
-    problems: list[Problem] = []
     every = connection.execute(select(campaigns).order_by(campaigns.c.id)).mappings().all()
+    problems = [] if receipt is None else list(_missing(every, receipt))
     numbers = {one["id"] for one in every}
     before, rows, recordings, away = "", 0, 0, 0
     for one in every:
@@ -93,6 +122,17 @@ def verify(connection: Connection, archive: str) -> Verified:
         documents += 1
         problems += _document(connection, found)
     return Verified(archive, len(every), rows, documents, recordings, away, before, tuple(problems))
+
+
+def _missing(every: Sequence[RowMapping], receipt: Receipt) -> Iterator[Problem]:
+    """Yield what a receipt counted and is not there."""
+    count = receipt.campaigns
+    if len(every) < count:
+        what = f"{count - len(every)} of {count} campaigns that the receipt counted are not there: taken out at the end"
+        yield Problem(what, where=receipt.where, code="missing")
+    elif count and every[count - 1]["chain"] != receipt.chain:
+        what = f"its first {count} campaigns are not those of the receipt: changed, or another archive"
+        yield Problem(what, where=receipt.where, code="missing")
 
 
 def _document(connection: Connection, digest: str) -> Iterator[Problem]:

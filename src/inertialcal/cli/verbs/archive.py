@@ -89,13 +89,21 @@ def archive_history(
             "May be repeated.",
         ),
     ] = [],  # noqa: B006 - typer copies it
+    adjusted: Annotated[
+        list[str],
+        typer.Option(
+            "--adjusted",
+            metavar="DAY",
+            help="Day of an adjustment: tests of that day are after it. May be repeated.",
+        ),
+    ] = [],  # noqa: B006 - typer copies it
     output: figures.FigureFile = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
     """Show each figure of a unit over its tests: drift with uncertainty, and when to calibrate again."""
     figures.check_figure(output)
-    found = opened(archive).history(serial, part, quantity, axis, test, limit)
+    found = opened(archive).history(serial, part, quantity, axis, test, limit, adjusted)
     if as_json:
         content: dict[str, Any] = {"item": found.item, "results": found.results}
         content["series"] = [one.to_dict() for one in found.series]
@@ -103,6 +111,9 @@ def archive_history(
         json_out("archive history", content)
     elif not quiet:
         _say(found)
+        for remark in found.remarks:
+            if remark.severity == "warning":
+                print(wrapped(str(remark)))
     if output is not None:
         from ...archive.pictures import history_pictures
 
@@ -200,11 +211,24 @@ def archive_import(
     return 0
 
 
-def archive_verify(archive: Where = None, as_json: Json = False, quiet: Quiet = False) -> int:
+def archive_verify(
+    archive: Where = None,
+    receipt: Annotated[
+        Path | None,
+        typer.Option(
+            "--receipt",
+            metavar="FILE",
+            help="Earlier output of archive verify --json: what it counted has to be there.",
+            show_default=False,
+        ),
+    ] = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
     """Compare all that an archive holds with what was added, and name what is missing or changed."""
     from ...core.errors import DataError
 
-    found = opened(archive).verify()
+    found = opened(archive).verify(receipt)
     if found.problems:
         raise DataError(list(found.problems))
     if as_json:
