@@ -148,7 +148,7 @@ def test_a_unit_is_due_where_its_interval_touches_the_limit() -> None:
     assert when.expected is not None
     assert when.last is not None
     assert when.first < when.expected < when.last
-    table = line(t, [Figure(0.1 * x + 0.001 * (-1.0) ** x, 0.3, changes={"table": 0.29999833}) for x in t])
+    table = line(t, [Figure(0.1 * x + 0.001 * (-1.0) ** x, 0.3, changes={"table": 0.29999833 + 1e-9 * x}) for x in t])
     assert table.at(9.0)[1] == pytest.approx(0.3, rel=1e-3)
     again = due(table, 9.0, 0.9, 0.5, 30.0)  # the error of the one table is in no change
     assert (again.first, again.last) == pytest.approx((when.first, when.last), rel=1e-3)

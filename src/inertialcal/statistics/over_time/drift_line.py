@@ -215,7 +215,7 @@ def line(times: ArrayLike, figures: Sequence[Figure], stretches: Sequence[int] |
     return Line(
         float(slope), u, dof, float(t.mean()) - shift, float(level - slope * shift),
         np.diag([max(spread, 0.0), u**2]), math.sqrt(wander2), consistency, basis,
-        math.sqrt(float(np.sum(shared[np.ptp(shared, axis=1) == 0.0, :1] ** 2))), _departure(t, X, y, whole),
+        _common(shared), _departure(t, X, y, whole),
     )  # fmt: skip
 
 
@@ -250,6 +250,12 @@ def _departure(t: Array, X: Array, y: Array, V: Array) -> Departure | None:
 
 def _names(one: Figure, names: Sequence[str]) -> list[str]:
     return [name for name in names if name in one.changes or name in one.curvature]
+
+
+def _common(shared: Array) -> float:
+    """Return what errors that all tests have move all of them by: the least that each moves one."""
+    every = shared[np.abs(shared.sum(axis=1)) == np.abs(shared).sum(axis=1)]  # of one sign
+    return math.sqrt(float(np.sum(np.min(np.abs(every), axis=1, initial=math.inf) ** 2))) if every.size else 0.0
 
 
 def _change(one: Figure, name: str, size: float) -> float:
