@@ -6,8 +6,9 @@ effective size of correlated samples.
 
 It is enough when the 95 % interval of every mean is no wider than that of the wanted standard uncertainty, 1.96 times
 it to both sides. Few samples whose scatter happens to look small are thus not enough: their interval is wide by
-Student's t. Intervals of 1,000 simulated records that ended so hold the truth in 95 %, with 10, 20 and 40 samples at
-least.
+Student's t. Intervals of 1,000 simulated records of white noise that ended so hold the truth in 95 %, with 10, 20 and
+40 samples at least. Of slow noise they do not, unless the record is long at least: the correlation, too, is judged from
+what was recorded (neighbours correlated by 0.9: 79 % from 20 samples on, 92 % from 200 on).
 """
 
 from __future__ import annotations
