@@ -17,9 +17,14 @@ import pyarrow.parquet as pq
 from pydantic import BaseModel
 
 from inertialcal.campaign.file.schema import CampaignFile
+from inertialcal.core.estimate import Component, Estimate
+from inertialcal.core.key import Key
 from inertialcal.core.schema.quantities import Text
+from inertialcal.files.models.model_json import dump_model
 from inertialcal.procedures.mass_attraction.reduction import repeated
 from inertialcal.procedures.mass_attraction.schedule_csv import write_schedule
+from inertialcal.sensors.model.assemble import model_from
+from inertialcal.sensors.model.sensor_model import SensorModel
 
 Give = Callable[[str], str]  # from the name of a field ("Item.maker") to its text
 Keys = tuple[str | int, ...]
@@ -38,6 +43,7 @@ FILES = {
     "KnownDrive.schedule": ".csv",
     "RecordingEntry.profile": ".csv",
     "RecordingEntry.curve": ".csv",
+    "Flips.file": ".json",
 }
 CIRCLED = 432  # gates of a run of a turned mass
 LONGEST_NAME = 120  # characters of a folder or file name; each is up to 4 of the 255 bytes
@@ -158,6 +164,7 @@ def document() -> dict[str, Any]:
                 "clock": {},
                 "curve": "",
             },
+            "several": {"sensor": "head", "flips": {"unit": "ug"}},
             "rested": {
                 "sensor": "unit",
                 "rests": {
@@ -211,6 +218,7 @@ def document() -> dict[str, Any]:
             {"id": "laid", "procedure": "positions", "recordings": ["laid"], "use": "report_only"},
             {"id": "rested", "procedure": "positions", "recordings": ["rested"], "use": "report_only"},
             {"id": "flown", "procedure": "microgravity", "recordings": ["flown"], "use": "report_only"},
+            {"id": "shifted", "procedure": "shifted_model", "recordings": ["several"], "use": "report_only"},
             {"id": "shaken", "procedure": "vibration", "recordings": ["shaken"], "use": "report_only"},
         ],
         "requirements": [
@@ -272,7 +280,7 @@ def filled(give: Give) -> dict[str, Any]:
     stepped = give("RecordingEntry.conditions field").strip()
     made["recordings"]["stepped"]["conditions"] = {stepped: made["recordings"]["stepped"]["conditions"]["field"]}
     made["tests"][4]["plan"]["to"] = [stepped]
-    for name in ("table", "means", "lines", "rested"):
+    for name in ("table", "means", "lines", "rested", "several"):
         del made["recordings"][name]["run"]  # a table has a column of runs, or of flips, instead
     for name in made["recordings"].keys() - {"laid"}:
         del made["recordings"][name]["sections"]
@@ -315,6 +323,7 @@ def write(folder: Path, made: dict[str, Any], runs: tuple[str, ...]) -> Path:
     starts = np.arange(len(RATES) * 2) * DWELL
     rates = np.array(RATES * 2)
     scheduled = {schedule["start"]: starts, schedule["stop"]: starts + DWELL, schedule["rate"]: rates}
+    scheduled |= {schedule["recording"]: ["steps"] * len(rates)}
     _save(folder / schedule["file"], scheduled)
     time = np.arange(len(rates) * DWELL) + 0.5
     reading = 1.01 * np.repeat(rates, DWELL) + 0.02 + np.random.default_rng(2).normal(0.0, 0.002, len(time))
@@ -350,11 +359,43 @@ def write(folder: Path, made: dict[str, Any], runs: tuple[str, ...]) -> Path:
     _save(folder / flown["file"], {flown["clock"]["column"]: time, **columns})
     (folder / flown["curve"]).parent.mkdir(parents=True, exist_ok=True)
     (folder / flown["curve"]).write_text("frequency [Hz],rms [ug]\n1,100\n300,1000\n")
+    _save_flights(folder, made["recordings"]["several"], runs)
     rested = made["recordings"]["rested"]
     _save(folder / rested["file"], _rested(rested["rests"]))
     (folder / laid["sections"]).parent.mkdir(parents=True, exist_ok=True)
     (folder / laid["sections"]).write_text(json.dumps(_sections()), encoding="utf-8")
     return folder
+
+
+def _save_flights(folder: Path, several: dict[str, Any], runs: tuple[str, ...]) -> None:
+    _save(folder / several["file"], _several(several["flips"], runs))
+    ground = folder / several["flips"]["file"]
+    ground.parent.mkdir(parents=True, exist_ok=True)
+    ground.write_text(dump_model(_ground()), encoding="utf-8")
+
+
+def _several(flips: dict[str, Any], runs: tuple[str, ...]) -> dict[str, Any]:
+    """Return a table of two flips of y and z in each of several flights."""
+    n = len(runs)
+    noise = np.random.default_rng(12).standard_normal(4 * n)
+    return {
+        flips["flight"]: [run for run in runs for _ in range(4)],
+        flips["date"]: [f"{2001 + k}-01-01" for k in range(n) for _ in range(4)],
+        flips["serial"]: ["head"] * (4 * n),
+        flips["axis"]: ["y", "z", "y", "z"] * n,
+        flips["temperature"]: np.tile([18.0, 18.0, 22.0, 22.0], n),
+        flips["bias"]: np.tile([1020.0, -980.0], 2 * n) + noise,
+        flips["u"]: np.ones(4 * n),
+        flips["dof"]: np.full(4 * n, 20.0),
+    }
+
+
+def _ground() -> SensorModel:
+    """Return the model of the head on the ground."""
+    keys = tuple(Key("bias", axis) for axis in AXES)
+    values = np.array([500.0, 1000.0, -1000.0]) * 9.80665e-6
+    part = Component("ground test", "A", np.eye(3) * 1e-10)
+    return model_from(Estimate(keys, values, ("m/s^2",) * 3, (part,)), "accelerometer", AXES)
 
 
 def _stepped(stepped: dict[str, Any]) -> dict[str, Any]:

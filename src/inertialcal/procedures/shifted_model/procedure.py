@@ -64,7 +64,7 @@ class ShiftedModel(Procedure[Plan, "Readings", "Result"]):
     chosen_by = "Choose by groups"
     counts_dwells = False
     figures = FIGURES
-    inputs = InputSpec(("accelerometer",), table="flips", windows="refused")
+    inputs = InputSpec(("accelerometer",), table="flips", ground_model="bias_kept", windows="refused")
 
     def described(self, given: GivenFile) -> Sequence[Described]:
         """Return the columns of a table of flips, with the ground model."""
