@@ -1358,6 +1358,19 @@ MUTANTS = (
         "test_shifted_model",
     ),
     Mutant(
+        "planning.py",
+        "np.sum(np.square(each), axis=0)",
+        "np.square(np.sum(each, axis=0))",
+        "test_rate_table_plan",
+    ),
+    Mutant("planning.py", "line = line - line.sum() * record", "line = 1.0 * line", "test_flip_plan"),
+    Mutant(
+        "planned.py",
+        "best.least * REACHED > figure.wanted",
+        "best.u * REACHED > figure.wanted",
+        "test_flip_plan",
+    ),
+    Mutant(
         "turned_mass.py",
         "common, tidal = w * w + 2.0 * orbit * w, 3.0 * orbit * orbit",
         "common, tidal = w * w - 2.0 * orbit * w, 3.0 * orbit * orbit",

@@ -20,6 +20,7 @@ from inertialcal.procedures.rate_table.plan import Attitude, Plan
 from inertialcal.procedures.rate_table.planning import Programme
 from inertialcal.procedures.rate_table.readings import Readings
 from inertialcal.procedures.rate_table.reduction import reduce
+from typed_commands import call
 
 DEG = math.radians(1.0)
 KNOWN = {
@@ -165,6 +166,30 @@ def test_the_noun_reads_the_schedule_and_its_figures_lie_within_the_forecast(tmp
         assert bias["u"] == pytest.approx(found.of("bias").u / DEG, rel=0.6)  # of five power-ups
         assert abs(bias["value"]) < 4.5 * found.of("bias").u / DEG
         assert abs(scale["value"] - 0.1) < 4.5 * 100.0 * found.of("scale_factor_error").u
+
+
+def test_a_sequence_takes_the_schedule(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The steps of a rehearsal are the rows of schedule.csv, with the limits of its bench kept."""
+    assert call(capsys, "simulate", "rate_table", "--lab", "-o", str(tmp_path / "lab"))[0] == 0
+    found = ic.plan_rate_table(noise="0.002 deg/s/sqrt(Hz)", fastest="4.5 deg/s", sizes=3, longest_dwell="30 s",
+                               least_runs=12, most_runs=12, available="200 h", simulate=0,
+                               schedule=str(tmp_path / "lab" / "schedule.csv"))  # fmt: skip
+    assert found.design.choice["runs"] == "12"
+    path = tmp_path / "lab" / "LAB.toml"
+    head, _, _ = path.read_text(encoding="utf-8").partition("[[sequence.steps]]")
+    steps = (
+        '[sequence.schedule]\nfile = "schedule.csv"\nname = "name"\nrecording = "recording"\nprompt = "prompt"\n'
+        'set = { "bench.rate" = "rate" }\nrecord = { for = "1 s" }\n'
+        'stable = { channel = "rate_dps", follows = "bench.rate", within = "0.001 deg/s", for = "4 s" }\n'
+    )
+    path.write_text(head + steps, encoding="utf-8")
+    status, out, err = call(capsys, "sequence", str(path), "--check")
+    assert (status, err) == (0, "")
+    assert "216 steps" in out
+    assert "and 36 prompts" in out
+    fast = path.with_name("schedule.csv").read_text(encoding="utf-8").replace(",4.5,", ",5.5,")
+    path.with_name("schedule.csv").write_text(fast, encoding="utf-8")
+    assert call(capsys, "sequence", str(path), "--check")[0] == 3  # beyond the limits of the bench
 
 
 def test_a_bias_that_wanders_costs_less_where_senses_alternate() -> None:
