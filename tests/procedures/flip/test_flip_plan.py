@@ -57,6 +57,14 @@ def test_white_noise_by_the_closed_form() -> None:
     assert found.of("bias").u == pytest.approx(5.0 * UG / math.sqrt(2.0 * dwell), rel=1e-9)
 
 
+def test_slow_noise_counts_as_far_as_the_dwells_are_not_the_record() -> None:
+    given = {"noise": "1e-3 ug/sqrt(Hz)", "walk": "0.1 ug/sqrt(s)", "longest_dwell": "60 s", **ONE}
+    bare = ic.plan_flip(**given, quiet="0 s", turn="0 s").of("bias")
+    assert [part.label for part in bare.parts] == ["noise"]  # the dwells are the record
+    beside = ic.plan_flip(**given, quiet="300 s", turn="0 s").of("bias")
+    assert "random walk of the bias" in [part.label for part in beside.parts]
+
+
 def test_three_positions_take_a_steady_change_out_and_a_swing_is_least_at_its_best_phase() -> None:
     """Over a hundredth of an orbit a swing is a straight line, which dwells at 0, 180 and 0 deg do not see."""
     given = {"noise": "1e-3 ug/sqrt(Hz)", "swing": "1 ug", "orbit": "1000 h", "longest_dwell": "60 s"}
