@@ -58,6 +58,7 @@ POSTGRES = {  # class or code of PostgreSQL [2] -> our code, what; none where no
 DO = {
     "locked": "Wait until the other program is done, and type it again",
     "read_only": "Ask who keeps the archive, or name another one",
+    "not_written": "Make room, and type it again: nothing of it was added",
     "damaged": "Go back to a copy: inertialcal archive import reads an export",
 }
 

@@ -23,6 +23,7 @@ from inertialcal.lab.instruments.links.link import LinkLostError
 from inertialcal.lab.sequence import store as store_module
 from inertialcal.lab.sequence.operator import Operator
 from inertialcal.lab.sequence.sequence import Sequence
+from typed_commands import call
 
 PATIENCE = 60.0  # [s] of this machine
 STEPS = """schema = 1
@@ -271,3 +272,28 @@ record = { for = "5 s" }
         load_lab(tmp_path / "LAB.toml")
     assert caught.value.problems[0].code == "beyond_limits"
     assert caught.value.problems[0].where == "schedule.csv:2"
+
+
+def test_a_programme_that_was_planned_is_a_sequence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Names, recordings, prompts, rates and durations of `plan rate-table`."""
+    short_rig.add_rigs()
+    words = ["--noise", "0.2 deg/sqrt(h)", "--fastest", "4 deg/s", "--latitude", "36.6 deg", "--wanted",
+             "scale_factor_error=500 ppm", "--simulate", "0", "--schedule", str(tmp_path / "schedule.csv")]  # fmt: skip
+    assert call(capsys, "plan", "rate-table", *words)[0] == 0
+    head = STEPS.format(more="", record="{}", rate="0", prompt="").partition("[[sequence.steps]]")[0]
+    (tmp_path / "LAB.toml").write_text(head + """[sequence.schedule]
+file = "schedule.csv"
+set = { "bench.rate" = "rate" }
+name = "name"
+recording = "recording"
+prompt = "prompt"
+duration = "duration"
+record = { for = "1 s" }
+""")  # fmt: skip
+    steps = load_lab(tmp_path / "LAB.toml").sequence
+    assert steps[0].name == "x run 1 dwell 1"
+    assert steps[0].recording == "x_run1"
+    assert "along the axis of the table" in steps[0].prompt
+    assert not steps[1].prompt
+    assert {one.values[0][2] for one in steps} == {-4.0, -3.0, -2.0, -1.0, 1.0, 2.0, 3.0, 4.0}
+    assert all(one.record is not None and one.record.least >= 5.0 for one in steps)
