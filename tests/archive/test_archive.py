@@ -107,6 +107,8 @@ def words_of(archive: Archive, serial: str, **more: list[str]) -> tuple[str, lis
 
 
 def test_what_is_no_line_is_said_and_nothing_is_forecast(tmp_path: Path) -> None:
+    from inertialcal.archive.pictures import history_pictures
+
     archive = open_archive(tmp_path / "lab.db")
     jumped = [value + 0.5 * (i > 3) for i, value in enumerate(LONG)]
     odd = [value * (57.3 if i == 2 else 1.0) for i, value in enumerate(LONG)]
@@ -123,6 +125,9 @@ def test_what_is_no_line_is_said_and_nothing_is_forecast(tmp_path: Path) -> None
     (said,) = found.remarks
     assert "between 2018-06-01 and 2019-06-01" in said.what
     assert "--adjusted 2019-06-01" in said.do
+    (drawn,) = history_pictures(found)
+    assert drawn.finding == "scale factor error x: jumps, no line"
+    assert archive.history("jump", adjusted=["2019-06-01"]).series[0].since == 4
     word, codes = words_of(archive, "jump", adjusted=["2019-06-01"])
     assert (word, codes) == ("drift", [])
 

@@ -71,6 +71,7 @@ class Series:
     word: Word
     limit: float | None = None  # Of a change since the last test, where one is stated
     due: Due | None = None  # In years since the last test
+    since: int = 0  # The first point after the last adjustment
 
     @property
     def straight(self) -> bool:
@@ -245,11 +246,12 @@ def history(
         figures = in_unit(found, unit)
         start = found[0].time_ns or 0
         years = [((one.time_ns or 0) - start) / 1e9 / YEAR for one in found]
-        fitted = _line(years, figures, [sum(at <= (one.time_ns or 0) for at in instants) for one in found])
+        stretches = [sum(at <= (one.time_ns or 0) for at in instants) for one in found]
+        fitted = _line(years, figures, stretches)
         row = None if fitted is None else _drift(found[-1].row, fitted)
         limit = allowed_for(found[-1].row, stated) if stated else None
         when = None if fitted is None or limit is None else due(fitted, years[-1], figures[-1].value, limit, HORIZON)
-        made.append(Series(tuple(found), fitted, row, "", limit, when))
+        made.append(Series(tuple(found), fitted, row, "", limit, when, stretches.index(stretches[-1])))
     judged = _judged(made)
     apart = len(timed) - sum(len(one) for one in grouped) - sum(copies.values())
     remarks = _remarks(judged, len(every) - len(timed), apart, copies)

@@ -34,11 +34,13 @@ def _history(one: Series) -> drawn_history.Drawn:
     years = np.array([one.years(point.time_ns or 0) for point in one.points])
     values = np.array([point.figure.value for point in one.points])
     half = np.array([point.figure.u * t_quantile(point.figure.dof, HALF) for point in one.points])
-    line_years = np.zeros(0) if one.line is None else np.linspace(0.0, years[-1] + AHEAD, POINTS)
-    at = np.zeros((0, 2)) if one.line is None else np.array([one.line.at(float(year)) for year in line_years])
-    factor = 1.0 if one.line is None else t_quantile(one.line.dof, HALF)
+    line = one.line if one.straight else None
+    line_years = np.zeros(0) if line is None else np.linspace(years[one.since], years[-1] + AHEAD, POINTS)
+    at = np.zeros((0, 2)) if line is None else np.array([line.at(float(year)) for year in line_years])
+    factor = 1.0 if line is None else t_quantile(line.dof, HALF)
     drift = one.drift
     said = "" if drift is None else f": {with_uncertainty(drift.value, drift.u)} {drift.unit}, {one.word}"
+    said = said if one.straight else f": {one.word}, no line"
     limits = None if one.limit is None else (values[-1] - one.limit, values[-1] + one.limit)
     return drawn_history.Drawn(what, row.unit, f"{what}{said}", first + years, values, half, first + line_years,
                                at[:, 0], at[:, 1] * factor, limits)  # fmt: skip
