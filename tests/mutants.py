@@ -1371,6 +1371,24 @@ MUTANTS = (
         "test_flip_plan",
     ),
     Mutant(
+        "contrasts.py",
+        "weights = 1.0 / len(places) + inverse @ (wanted - middle)",
+        "weights = 1.0 / len(places) - inverse @ (wanted - middle)",
+        "test_heads",
+    ),
+    Mutant(
+        "rigid.py",
+        "return np.asarray(rate**2 * (3.0 * np.outer(vertical, vertical) - np.eye(3)))",
+        "return np.asarray(rate**2 * (3.0 * np.outer(vertical, vertical) + np.eye(3)))",
+        "test_heads test_heads_rig",
+    ),
+    Mutant(
+        "reduction.py",
+        "slopes[m, m] += q / (1.0 - q)",
+        "slopes[m, m] -= q / (1.0 - q)",
+        "test_heads",
+    ),
+    Mutant(
         "turned_mass.py",
         "common, tidal = w * w + 2.0 * orbit * w, 3.0 * orbit * orbit",
         "common, tidal = w * w - 2.0 * orbit * w, 3.0 * orbit * orbit",

@@ -216,7 +216,8 @@ def test_campaigns_name_no_procedure(path: Path) -> None:
 )
 def test_the_report_names_no_procedure_but_the_folders_of_their_figures(path: Path) -> None:
     calls = "Give what run, rate_table, read"  # of a message for people
-    assert not [one for one in names_of_procedures(path) if calls not in one]
+    columns = "says 'heads'"  # of a table
+    assert not [one for one in names_of_procedures(path) if calls not in one and columns not in one]
 
 
 def test_no_curve_has_the_name_of_one_of_another_procedure() -> None:

@@ -43,6 +43,7 @@ from inertialcal.core.show.rows import case_name
 from inertialcal.files.binary.curves import read_curves
 from inertialcal.procedures import procedure_names, procedure_of
 from inertialcal.procedures.flip import entry as flip
+from inertialcal.procedures.heads import entry as heads
 from inertialcal.procedures.mass_attraction import entry as mass_attraction
 from inertialcal.procedures.mass_attraction.planning.settings import Settings
 from inertialcal.procedures.positions import entry as positions
@@ -88,6 +89,7 @@ CAMPAIGN_TABLES: dict[str, type[schema_words.Strict]] = {
     "`mass`, of": mass_attraction.MovedMass,
     "`turned`, of": turned_mass.Turned,
     "`flips`, of": shifted_model.Flips,
+    "`head`, of": heads.Head,
     "`drive`, of": sine.KnownDrive,
     "`[[tests]]`": schema.Test,
     "`[decision]`": schema_decisions.Decision,

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .campaign.calls.nouns import (
         allan,
         flip,
+        heads,
         magnetometer_bias,
         mass_attraction,
         microgravity,
@@ -105,6 +106,7 @@ __all__ = [
     "compare",
     "compensate",
     "flip",
+    "heads",
     "info",
     "load_model",
     "load_models",

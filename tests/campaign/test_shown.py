@@ -29,6 +29,8 @@ from inertialcal.procedures.mass_attraction.reduction import repeated
 from inertialcal.procedures.mass_attraction.schedule_csv import write_schedule
 from inertialcal.rigs.flights.rig import Bench as Flights
 from inertialcal.rigs.flights.rig import build as flights
+from inertialcal.rigs.heads.rig import Bench as HeadsBench
+from inertialcal.rigs.heads.rig import build as build_heads
 from inertialcal.rigs.satellite.rig import Bench, build
 from inertialcal.rigs.station import rig as station
 from inertialcal.sensors.model.sensor_model import Item, SensorModel
@@ -83,6 +85,15 @@ def shifted(folder: Path) -> Reduced:
     for file, one in extras.items():
         (folder / file).write_text(one.text, encoding="utf-8")
     return ic.shifted_model(folder / "flips.csv", ground=str(folder / "ground.json"))
+
+
+def heads(folder: Path) -> Reduced:
+    """What three heads on a line give."""
+    twin = build_heads(HeadsBench(seconds=600), 1)
+    for file, made in twin.recordings.items():
+        ic.write(folder / Path(file).name, made)
+    (folder / "body.toml").write_text(twin.extras["body.toml"].text, encoding="utf-8")
+    return ic.heads([folder / f"tsh{n}.csv" for n in (1, 2, 3)], body=str(folder / "body.toml"))
 
 
 def turned(folder: Path) -> Reduced:
@@ -193,6 +204,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
         "magnetometer_bias": satellite(tmp_path_factory.mktemp("satellite")),
         "microgravity": in_station(tmp_path_factory.mktemp("station")),
         "shifted_model": shifted(tmp_path_factory.mktemp("shifted")),
+        "heads": heads(tmp_path_factory.mktemp("heads")),
         "turned_mass": turned(tmp_path_factory.mktemp("turned")),
         "plan_turned_mass": ic.plan_turned_mass(hours="12 h", trials=0),
         "plan_rate_table": ic.plan_rate_table(noise="0.2 deg/sqrt(h)", fastest="100 deg/s", wanted=TO_BIAS, simulate=0),
@@ -234,7 +246,7 @@ TO_BIAS = {"bias": "0.01 deg/s"}
 NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "thermal", "sensitivity", "allan", "psd", "sine",
          "mass_attraction", "plan_mass_attraction", "positions", "positions_batch", "plan_positions",
          "vibration", "vibration_profile", "plan_vibration", "plan_vibration_survey", "vibration_survey",
-         "vibration_effects", "magnetometer_bias", "microgravity", "shifted_model", "turned_mass",
+         "vibration_effects", "magnetometer_bias", "microgravity", "shifted_model", "turned_mass", "heads",
          "plan_turned_mass",
          "plan_rate_table", "plan_thermal", "plan_flip", "plan_allan",
          "result", "estimate",

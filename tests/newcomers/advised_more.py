@@ -15,6 +15,12 @@ COMPENSATED = (
         "bias x 0.12",
     ),
     Case(
+        "Add: --body body.toml",
+        "heads body_a.csv body_b.csv body_c.csv",
+        "+ --body body.toml",
+        "bias x -108.246",
+    ),
+    Case(
         'Give the date of the first sample: --epoch "2026-03-01", or mission_start',
         "magnetometer-bias orbit_elapsed.csv",
         '+ --epoch "2026-03-01"',

@@ -19,6 +19,8 @@ from newcomer_boards import FACES, Board, G, board_at_rest, board_of, six_faces
 from newcomer_tables import rounded
 from newcomer_truths import BIASES, NOISE, at_rest, chamber
 
+from independent.orbit.heads import made as on_one_body
+from independent.orbit.heads import on_line
 from independent.orbit.magnetometer import recorded as in_orbit
 from independent.shaking.shaker import Mode, recorded
 from independent.shaking.shaker import Run as Sweep
@@ -132,6 +134,7 @@ def write_records(folder: Path) -> None:
     """Write every file into a folder."""
     _orbits(folder)
     _flown(folder)
+    _body(folder)
     write_model(folder / "both.json", ModelSet(tuple(_model(one) for one in BIAS)))
     keys = tuple(Key("angle_random_walk", axis) for axis in "xyz")
     scatter = Component("scatter", "A", np.diag([1e-16] * 3), 7.0)
@@ -599,3 +602,11 @@ def _flown(folder: Path) -> None:
     (folder / "flown.json").write_text(made["ground.json"].text, encoding="utf-8")
     (folder / "flown.csv").write_text(text, encoding="utf-8")
     (folder / "flown_bare.csv").write_text(text.replace("bias [ug],u [ug]", "bias,u"), encoding="utf-8")
+
+
+def _body(folder: Path) -> None:
+    """Write three heads on a line, of which two are calibrated, and the file of their body."""
+    made = on_one_body(on_line(), np.random.default_rng(5))
+    for path in made.write(folder):
+        path.replace(folder / f"body_{path.name}")
+    (folder / "body.toml").write_text(made.toml(biases=True).replace("[heads.", "[heads.body_"), encoding="utf-8")

@@ -27,6 +27,7 @@ BUILT_IN = (
     "satellite",
     "station",
     "flights",
+    "heads",
 )
 DEMONSTRATED = "npsat1"  # where none is named
 

@@ -40,6 +40,7 @@ FILES = {
     "Schedule.file": ".parquet",
     "MovedMass.schedule": ".csv",
     "Turned.schedule": ".parquet",
+    "Head.file": ".toml",
     "KnownDrive.schedule": ".csv",
     "RecordingEntry.profile": ".csv",
     "RecordingEntry.curve": ".csv",
@@ -56,6 +57,7 @@ FACES = ("x+", "x-", "y+", "y-", "z+", "z-")
 STEPPED = (0.0, 1.0) * 4  # V, of another channel
 LAID = 200  # samples, a unit on each face, twice
 MOVED = repeated((0.1, 0.4), (7e-7, 2e-7), cycles=40, dwell=100.0, move=20.0, drive="abab")
+HEADS = ("first", "second", "third")  # on one body
 
 
 def document() -> dict[str, Any]:
@@ -137,6 +139,10 @@ def document() -> dict[str, Any]:
                 "clock": {},
                 "turned": {"begin": 0.5},
             },
+            **{
+                name: {"sensor": "unit", "channels": {axis: {"unit": "m/s2"} for axis in AXES}, "clock": {}, "head": {}}
+                for name in HEADS
+            },
             "driven": {
                 "sensor": "mesa",
                 "channels": {"x": {"unit": "count"}},
@@ -214,6 +220,7 @@ def document() -> dict[str, Any]:
                     "recoil": "stated",
                 },
             },
+            {"id": "body", "procedure": "heads", "recordings": list(HEADS), "use": "report_only"},
             {"id": "drive", "procedure": "sine", "recordings": ["driven"], "use": "report_only"},
             {"id": "laid", "procedure": "positions", "recordings": ["laid"], "use": "report_only"},
             {"id": "rested", "procedure": "positions", "recordings": ["rested"], "use": "report_only"},
@@ -288,6 +295,8 @@ def filled(give: Give) -> dict[str, Any]:
         del made["recordings"][name]["profile"]
     for name in made["recordings"].keys() - {"flown"}:
         made["recordings"][name].pop("curve", None)
+    for name in HEADS[1:]:
+        made["recordings"][name]["head"]["file"] = made["recordings"][HEADS[0]]["head"]["file"]
     turned = made["recordings"]["turned"]["positions"]
     turned[1]["flip"] = turned[0]["flip"]
     made["recordings"]["means"]["means"]["angles"] = {
@@ -341,6 +350,7 @@ def write(folder: Path, made: dict[str, Any], runs: tuple[str, ...]) -> Path:
     once = {"start [s]": 0.0, "stop [s]": CIRCLED * 100.0, "rate [deg/s]": 0.1, "angle [deg]": 0.0}
     cells = {name: np.array([value]) for name, value in once.items()}
     _save(folder / circled["turned"]["schedule"], {"run": [circled["turned"]["run"].strip(" \t")], **cells})
+    _write_heads(folder, [made["recordings"][name] for name in HEADS])
     driven = made["recordings"]["driven"]
     _save(folder / driven["file"], _moved(driven))
     (folder / driven["drive"]["schedule"]).parent.mkdir(parents=True, exist_ok=True)
@@ -455,6 +465,22 @@ def _circled(circled: dict[str, Any]) -> dict[str, Any]:
     rate = 177.0 - 1.7e-3 * np.cos(np.radians(0.1 * time)) + np.random.default_rng(11).normal(0.0, 3e-3, CIRCLED)
     pulses = np.diff(np.floor(np.cumsum(np.append(0.0, 100.0 * rate))))
     return {circled["clock"]["column"]: time, circled["channels"]["x"]["column"]: pulses}
+
+
+def _write_heads(folder: Path, heads: list[dict[str, Any]]) -> None:
+    """Write what three heads on a line read, and the file of their body."""
+    rng = np.random.default_rng(9)
+    time, felt = np.arange(400.0) + 0.5, rng.normal(0.0, 1e-3, (400, 3))
+    body: dict[str, Any] = {}
+    for number, one in enumerate(heads):
+        read = felt + rng.normal(0.0, 1e-5, (400, 3))
+        columns = {one["channels"][axis]["column"]: read[:, i] for i, axis in enumerate(AXES)}
+        _save(folder / one["file"], {one["clock"]["column"]: time, **columns})
+        place = ["0 m", f"{number} m", "0 m"]
+        body[one["head"]["name"]] = {"position": place, "position_u": "1 mm"} | ({"calibrated": True} if number else {})
+    path = folder / heads[0]["head"]["file"]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(toml({"heads": body}), encoding="utf-8")
 
 
 def _laid(laid: dict[str, Any]) -> dict[str, Any]:

@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from test_figure_flip import dwells as flip_dwells
 from test_figure_flip import quiet as flip_quiet
+from test_figure_heads import CURVES as HEADS_CURVES
 from test_figure_magnetometer_bias import CURVES as FIELD_CURVES
 from test_figure_mass import CURVES as MASS_CURVES
 from test_figure_mass import ROWS as MASS_ROWS
@@ -199,7 +200,8 @@ def results() -> dict[str, Any]:
                    flip_quiet("y"), saved("rec", [2.0, 3.0, 6.0], [900, 17, 2]), saved("other", [2.0, 5.0], [100, 7]),
                    *copy.deepcopy([*THERMAL_CURVES, *MASS_CURVES, *POSITIONS_CURVES, *SENSITIVITY_CURVES,
                                  *planned().results["curves"], *vibration_curves(), *TURNED_CURVES,
-                                 *FIELD_CURVES, *SHIFTED_CURVES, *STATION_CURVES, *PLAN_CURVES]),
+                                 *FIELD_CURVES, *SHIFTED_CURVES, *STATION_CURVES, *PLAN_CURVES,
+                                 *HEADS_CURVES]),
                    noise_allan("z"), noise_terms("z"), noise_spectrum("z"), *sine_curves("z")],
         "sequence": SEQUENCE + THERMAL_SEQUENCE, "verdicts": [*VERDICTS, *JUDGED],
         "results": [*ROWS, *BESIDE, *CHANGES, *THERMAL_ROWS, *MASS_ROWS, *SENSITIVITY_ROWS,

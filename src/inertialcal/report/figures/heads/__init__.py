@@ -1,0 +1,1 @@
+"""Figures of a calibration of heads by others on one body."""
