@@ -131,7 +131,7 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     edges = edges_of(start, stop, interval)
     means = body_means(readings, edges)
     gammas = None if readings.gyro is None else turning(readings.gyro, edges)
-    there = np.isfinite(means).all(axis=(0, 2))
+    there: Flags = np.asarray(np.isfinite(means).all(axis=(0, 2)))
     if gammas is not None:
         there &= np.isfinite(gammas).all(axis=(1, 2))
     kept, left = _without_glitches(readings, means, gammas, there)
