@@ -347,9 +347,11 @@ def write(folder: Path, made: dict[str, Any], runs: tuple[str, ...]) -> Path:
     write_schedule(folder / moved["mass"]["schedule"], MOVED)
     circled = made["recordings"]["circled"]
     _save(folder / circled["file"], _circled(circled))
-    once = {"start [s]": 0.0, "stop [s]": CIRCLED * 100.0, "rate [deg/s]": 0.1, "angle [deg]": 0.0}
-    cells = {name: np.array([value]) for name, value in once.items()}
-    _save(folder / circled["turned"]["schedule"], {"run": [circled["turned"]["run"].strip(" \t")], **cells})
+    once = (("start [s]", 0.0), ("stop [s]", CIRCLED * 100.0), ("rate [deg/s]", 0.1), ("angle [deg]", 0.0))
+    _save(
+        folder / circled["turned"]["schedule"],
+        {"run": [circled["turned"]["run"].strip(" \t")], **{name: np.array([value]) for name, value in once}},
+    )
     _write_heads(folder, [made["recordings"][name] for name in HEADS])
     driven = made["recordings"]["driven"]
     _save(folder / driven["file"], _moved(driven))
