@@ -382,6 +382,27 @@ LEVELS = (
     ),
 )
 WINDOWS = " ".join(f'--window "{100 * i + 2}..{100 * i + 98}={one} deg"' for i, one in enumerate((0, 90, 180, 270, 0)))
+NAMELESS = (
+    Case(
+        "positions: --column acc_x=COLUMN (likewise acc_y, acc_z, gyro_x, ...) --unit acc=UNIT; rate-table: --axis AXIS --column applied=COLUMN --column x=COLUMN --unit UNIT; thermal: --column x=COLUMN --column temperature=COLUMN --unit UNIT --unit temperature=UNIT",
+        "info nameless.csv",
+        "thermal nameless.csv --sample-rate 1 --column x=2 --column temperature=5 --unit deg/s --unit temperature=degC",
+        "bias x 0.3542",
+        quick=True,
+    ),
+    Case(
+        "--unit {}=UNIT",
+        "thermal nameless.csv --sample-rate 1",
+        "+ --column x=2 --column y=3 --column z=4 --column temperature=5 --unit deg/s --unit temperature=degC",
+        "bias y -0.20832",
+    ),
+    Case(
+        "If the export was set to other units: --unit gyro=UNIT",
+        "info xsens.csv",
+        "+ --unit gyro=deg/s",
+        "unit Gyr_X deg/s",
+    ),
+)
 HEADS = (
     Case(
         "Check plan.axis, columns and mounting (--axis {})",
@@ -989,4 +1010,4 @@ ARCHIVES = (
         "done",
     ),
 )
-MORE = (*ARCHIVES, *LAB, *GUIDED, *COMPENSATED, *LEVELS, *HEADS, *MASSES, *CAMPAIGNS, *SHAKEN)
+MORE = (*ARCHIVES, *LAB, *GUIDED, *COMPENSATED, *LEVELS, *NAMELESS, *HEADS, *MASSES, *CAMPAIGNS, *SHAKEN)

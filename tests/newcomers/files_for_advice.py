@@ -74,6 +74,7 @@ def write_files(folder: Path) -> None:
         _turned(logs["rate-table"], texts),
         _chamber(texts),
         _boards(),
+        _without_units(texts),
         _waves(),
     ):
         for name, content in text.items():
@@ -89,6 +90,15 @@ def write_files(folder: Path) -> None:
 def csv(columns: Columns) -> str:
     """Return columns as comma-separated text."""
     return csv_bytes(columns).decode()
+
+
+def _without_units(texts: dict[str, str]) -> dict[str, str]:
+    """Return a file without a header, and an export that names no units."""
+    ticks = "".join(f"{i},{500 + 100 * i},0.1,0.2,9.8,0.01,0.02,{0.03 + 0.001 * (i % 7)}\n" for i in range(200))
+    return {
+        "nameless.csv": texts["chamber_units.csv"].split("\n", 1)[1],
+        "xsens.csv": f"PacketCounter,SampleTimeFine,Acc_X,Acc_Y,Acc_Z,Gyr_X,Gyr_Y,Gyr_Z\n{ticks}",
+    }
 
 
 def _head(text: str, *replaced: tuple[str, str]) -> str:

@@ -10,19 +10,24 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.errors import DataError, UsageError
+from ..core.errors import DataError, InertialcalError, UsageError
 from ..core.recording import COMPENSATED, MARK, Channel, Recording, Source
 from ..core.remarks import Remark, gather
 from ..core.unit.magnitudes import check_sample_rate
 from ..signals.time.time_axis import analyse
-from .columns import Content, missing_remarks, nan_in_required, without_unfilled_end
+from .columns import Column, Content, missing_remarks, nan_in_required, without_unfilled_end
 from .info.describe import Described, axis_remarks, describe, find_column, rate_remark
+from .text import xsens
 from .text.grouped import grouped_column, problem
+from .text.headers import heading, normal_unit
+from .text.hobo import without_events
 from .text.layout import CELL
 from .time.clock import Clock, find_clock, unit_rates
 from .time.unused import unused_clocks
 
 MARKED = re.compile(rf"(?:^|[./]){COMPENSATED}([0-9a-f]{{{MARK}}})$", re.IGNORECASE)
+BESIDE = re.compile(r"([+-]?[0-9]+(?:\.[0-9]*)?(?:[eE][+-]?[0-9]+)?) ?([A-Za-z%°µ].*)")  # number and unit in one cell
+LOOKED_AT = 100  # cells of a column of words in which a number with its unit must appear
 SHOWN = 5  # texts of a label column in its remark
 
 
@@ -56,6 +61,8 @@ def assemble(
     if sample_rate is not None and (wrong := check_sample_rate(sample_rate)):
         raise UsageError(wrong, code="sample_rate")
     content, compensated_by = _without_mark(content)
+    content = replace(content, columns=tuple(map(with_unit_beside, content.columns)))
+    content = xsens.settled(without_events(content, path), path)
     if content.time_ns is None:
         content = without_unfilled_end(content, path)
     described, unit_remarks = describe(content.columns, units or {}, path)
@@ -97,6 +104,29 @@ def _refuse_grouped(content: Content, path: str) -> None:
     ]
     if problems:
         raise DataError(problems)
+
+
+def with_unit_beside(column: Column) -> Column:
+    """Return a column of texts like ``2.5039 VDC``, all of one unit that its header does not contradict, as numbers."""
+    if column.values.dtype.kind != "O" or not len(column.values):
+        return column
+    said = heading(column.name, column.unit)
+    first = next((found for cell in column.values[:LOOKED_AT] if (found := BESIDE.fullmatch(str(cell).strip()))), None)
+    if first is None:
+        return column
+    written = first[2]
+    try:
+        unit = normal_unit(written, said.quantity)
+    except InertialcalError:
+        return column
+    if said.unit not in (None, unit):
+        return column
+    texts = [str(cell).strip() for cell in column.values]
+    cells = [found if (found := BESIDE.fullmatch(text)) and found[2] == written else None for text in texts]
+    if any(cell is None and text for cell, text in zip(cells, texts, strict=True)):
+        return column
+    values = np.array([float(cell[1]) if cell else np.nan for cell in cells])
+    return replace(column, values=values, unit=unit, empty=np.flatnonzero(np.isnan(values)))
 
 
 def _without_mark(content: Content) -> tuple[Content, str]:

@@ -16,7 +16,7 @@ from ..core.errors import UsageError
 from ..core.key import AXES, Kind
 from ..core.settings import setting
 from ..core.units import divide, kind, normalise, parse_quantity, same_dimension
-from ..files.text.headers import bare_name, full_name
+from ..files.text.headers import UNNAMED, bare_name, full_name
 
 if TYPE_CHECKING:
     from ..core.recording import Channel, Recording
@@ -244,7 +244,11 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     axes = {axis: columns[axis] for axis in AXES if axis in columns} or _axes(recording, sensor)
     if not axes:
         what = f"{given.name}: cannot tell which column is which axis of the {sensor}; it has {have}"
-        raise UsageError(what, do=f"Add: {given.add('column', 'x=COLUMN')}", code="no_column")
+        others = {one.name: one.kind or KIND_OF_UNIT[sensor] for one in spec.roles if one.required}
+        do = nameless_advice(
+            given, AXES, KIND_OF_UNIT[sensor], {name: others[name] for name in others if name not in columns}
+        )
+        raise UsageError(what, do=do or f"Add: {given.add('column', 'x=COLUMN')}", code="no_column")
     taken = axes | {what: name for what, name in columns.items() if what not in AXES}
     for name in columns.values():
         if len(several := [what for what, one in taken.items() if one == name]) > 1:
@@ -560,6 +564,10 @@ def _no_unit(
     channels = {taken[what]: given.recording.channel(taken[what]) for what in bad}
     names = ", ".join(f"{name!r} ({one.unit or '?'})" for name, one in channels.items())
     what = f"{given.name}: unit missing or of the wrong kind: {names}"
+    alternating = [one.name for one in channels.values() if one.unit is not None and same_dimension(one.unit, "VAC")]
+    if alternating:
+        why = "the level of an alternating voltage has no sign: it is not what a sensor puts out"
+        return UsageError(what, "", why, "Record it as DC voltage", "no_unit")
     axes = [one for name, one in channels.items() if name in {taken[what] for what in bad if what in AXES}]
     raw = [one for one in axes if one.unit is not None and kind(one.unit) in RAW]
     unsaid = [what for what in bad if given.recording.channel(taken[what]) not in raw]
@@ -574,6 +582,20 @@ def _no_unit(
     return UsageError(
         what, "", "counts and volts need the chain of the sensor" if raw else "", ". ".join(do), "no_unit"
     )
+
+
+def nameless_advice(given: GivenFile, readings: Sequence[str], wanted: str, others: Mapping[str, str]) -> str:
+    """Return all that is to be said of a file none of whose columns has a name; empty where one has.
+
+    ``wanted``: kind of unit of the readings; ``others``: that of each other column.
+    """
+    if not all(UNNAMED.fullmatch(name) for name in given.recording.names):
+        return ""
+    columns = " ".join(given.add("column", f"{one}=COLUMN") for one in (*readings, *others))
+    units = " ".join([given.add("unit", "UNIT"), *(given.add("unit", f"{one}=UNIT") for one in others)])
+    notes = [f"COLUMN: a name or its number; UNIT: {UNITS_OF.get(wanted, wanted)}, ..."]
+    notes += [f"UNIT of {one}: {UNITS_OF.get(unit, unit)}, ..." for one, unit in others.items()]
+    return f"Add: {columns} {units} ({'; '.join(notes)})"
 
 
 def unit_advice(given: GivenFile, named: Mapping[str, tuple[str, Sequence[Channel]]]) -> list[str]:

@@ -265,7 +265,9 @@ def _with_unit(recording: Recording, unit: str | None, columns: Mapping[str, str
         return recording  # counts or volts by its header: they become rates by a chain alone
     own = [one for one in own if one.unit is None or one.axis] or own  # not the rate of the table, which states its own
     own = own or [one for one in axes if not one.quantity or (not group and one.quantity in GROUPS.values())]
-    own = own or [one for one in recording.channels if one.name in columns.values() and one.unit is None]
+    readings = {full_name(recording.names, name) for what, name in columns.items()
+                if what == name or heading(what).quantity in ("", group)}  # fmt: skip
+    own = own or [one for one in recording.channels if one.name in readings and one.unit is None]
     if not own and not axes and not columns:  # names that say nothing: what no header tells is a reading
         own = [one for one in recording.channels if not one.quantity and one.unit is None]
     named, unit = {one.name for one in own}, normalise(unit)

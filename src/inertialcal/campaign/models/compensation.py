@@ -371,6 +371,10 @@ def _about(model: SensorModel, chosen: Taken) -> list[Remark]:
     if not model.judged:
         what = "recordings held out have not confirmed the model: how well it does on other data is not known"
         remarks.append(Remark("unjudged_model", "info", what))
+    ends = [] if model.input_range is None else zip(model.axes, model.input_range, strict=True)
+    if still := [axis for axis, (low, high) in ends if low == high]:
+        what = f"{', '.join(still)}: no input was applied in the test, so the scale factor is the nominal one"
+        remarks.append(Remark("axis_not_moved", "info", what, do="Move these axes, too"))
     given = set(chosen.columns) - set(model.axes) | ({"temperature"} if chosen.temperature is not None else set())
     needs = {*needed(model), *(() if model.pressure_range is None else ("pressure",))}
     own = {f"temperature_{axis}": "temperature" for axis in model.axes} | dict.fromkeys(FORCES, "specific_force")

@@ -86,6 +86,7 @@ def taken(
     asked = temperature is None and "temperature" not in named and "temperature" in needed(model)
     found |= _warm(model, recording) if asked else {}
     found |= _pressure(recording) if "pressure" in needed(model) and "pressure" not in named else {}
+    found |= _force(recording) if "specific_force" in needed(model) and not {*named} & {*FORCES} else {}
     found |= {
         name: column for name in channels if name not in CONDITIONS and (column := full_name(recording.names, name))
     }
@@ -246,6 +247,14 @@ def _pressure(recording: Recording) -> dict[str, str]:
     column = full_name(recording.names, "pressure")
     gauges = [one.name for one in recording.channels if one.quantity == "pressure" and one.unit]
     return {"pressure": column or gauges[0]} if column or len(gauges) == 1 else {}
+
+
+def _force(recording: Recording) -> dict[str, str]:
+    """Return the columns of the only triad of accelerometers: beside gyros, they read the specific force."""
+    felt = [one for one in recording.channels
+            if one.quantity == "acc" and one.unit and same_dimension(one.unit, "m/s^2")]  # fmt: skip
+    by_axis = {f"force_{one.axis}": one.name for one in felt if one.axis in FORCE_AXES}
+    return by_axis if len(by_axis) == len(felt) == len(FORCES) else {}
 
 
 def from_chain(

@@ -139,6 +139,8 @@ def next_command(
         return folder
     if options and home is None:
         return f"inertialcal info {path} {' '.join(options)}" if "info" in commands else None
+    if home is None and not found and any(remark.code == "nameless_columns" for remark in survey.remarks):
+        return None  # the remark says what to type
     words = None if options else _first(found, path, commands, raw)  # a campaign says its units itself
     return folder if words is None else words
 

@@ -95,11 +95,12 @@ ATOMS = (
     Atom("Gal", "galileo", "acceleration", 1e-2, "m/s^2", "m/s^2", "num", ("gal",)),
     Atom("Eotvos", "eotvos", "other", 1e-9, "1/s^2", "1/s^2"),
     Atom("A", "ampere", "other", 1.0, "A", "A", "pnum", words=("amp",)),
-    Atom("V", "volt", "voltage", 1.0, "kg*m^2/s^3/A", "V", "numk"),
+    Atom("V", "volt", "voltage", 1.0, "kg*m^2/s^3/A", "V", "numk", ("VDC", "DCV")),
+    Atom("VAC", "volt_rms", "other", 1.0, "VAC", "VAC", "um", ("Vrms", "ACV")),  # of an alternating voltage: no sign
     Atom("ohm", "ohm", "other", 1.0, "V/A", "ohm", "mkM"),
     Atom("W", "watt", "other", 1.0, "V*A", "W", "numk"),
     Atom("T", "tesla", "other", 1.0, "V*s/m^2", "T", "num"),
-    Atom("gauss", "gauss", "other", 1e-4, "T", "T", "um"),
+    Atom("gauss", "gauss", "other", 1e-4, "T", "T", "um", ("Ga",)),
     Atom("N", "newton", "other", 1.0, "kg*m/s^2", "N", "numk"),
     Atom("Pa", "pascal", "pressure", 1.0, "N/m^2", "Pa", "umhkM"),
     Atom("bar", "bar", "pressure", 1e5, "Pa", "Pa", "um"),
@@ -131,6 +132,8 @@ COMPOUNDS: dict[str, tuple[str, tuple[tuple[str, int], ...]]] = {
     "hz": ("", (("Hz", 1),)),
     "HZ": ("", (("Hz", 1),)),
     "sps": ("k", (("Hz", 1),)),
+    "mADC": ("", (("mA", 1),)),
+    "uADC": ("", (("uA", 1),)),
 }
 
 _GAUSS = ("G is gauss as well as standard gravity", "Write g for the acceleration, gauss for the field")
@@ -145,6 +148,7 @@ REFUSED = {
     "uG": _GAUSS,
     "rps": _REVOLUTIONS,
     "RPS": _REVOLUTIONS,
+    "ADC": ("ADC is amperes of direct current as well as codes of a converter", "Write A or count"),
     "rads": ("rads is radians as well as radians per second", "Write rad or rad/s"),
     "degs": ("degs is degrees as well as degrees per second", "Write deg or deg/s"),
     "cps": ("cps is counts as well as cycles per second", "Write count/s or Hz"),

@@ -22,7 +22,8 @@ ONE = r"\one"
 WORDS = {
     "%": "percent", "ppm": "ppm", "kg": "kilogram", "gram": "gram", "m": "metre", "s": "second", "min": "minute",
     "h": "hour", "day": "day", "rad": "radian", "deg": "degree", "arcmin": "arcminute", "arcsec": "arcsecond",
-    "A": "ampere", "V": "volt", "ohm": "ohm", "W": "watt", "T": "tesla", "N": "newton", "Pa": "pascal", "K": "kelvin",
+    "A": "ampere", "V": "volt", "VAC": "volt", "ohm": "ohm", "W": "watt", "T": "tesla", "N": "newton",
+    "Pa": "pascal", "K": "kelvin",
     "degC": "degreecelsius", "Hz": "hertz", "dB": "decibel",
 }  # fmt: skip
 NUMBERS = ("count", "octave")  # of dimension one

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import statistics
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -21,6 +20,7 @@ from ...signals.codes import resolution_of_values
 from ...signals.screening.remarks import remarks_of
 from ...signals.screening.screen import Finding, Screening, screen
 from ...signals.screening.slow import stuck_slow
+from ..text.headers import UNNAMED
 
 NOT_SCREENED = Screening((), 0, 0.0, 0.0)
 ANY_CHANNEL = ("repeated", "missing")  # findings that mean something for any channel
@@ -174,7 +174,6 @@ GYRO_STEPS = (  # [deg/s]
     *((scale / 2**15, f"{scale} deg/s full scale over 2^15 codes") for scale in (125, 250, 500, 1000, 2000)),
 )
 ACC_STEPS = tuple((1 / codes, f"{codes} LSB/g") for codes in (16384, 8192, 4096, 2048))  # [g]
-UNNAMED = re.compile(r"(?:.*_)?[0-9]+")  # column_3, data_2
 STEP_AGREES = 1e-4  # relative; the step is printed with few digits
 AT_REST = (("m/s2", 9.0, 10.7), ("g", 0.9, 1.1), ("mg", 900.0, 1100.0))  # 1 g with usual bias and scale error
 COUNTS_FROM = 256.0  # whole numbers whose largest is beyond 8 bits

@@ -12,9 +12,10 @@ from ...core.batches import any_step, batches, every
 from ...core.errors import DataError, UsageError
 from ...core.recording import SECOND, Times
 from ...core.remarks import Remark
+from ...core.unit.atoms import REFUSED
 from ...signals.time.time_axis import AGAIN, TimeAxis, backward_steps
 from ..columns import Column
-from ..text.headers import KINDS, Heading, bare_name, counted_axis, heading, normal_unit
+from ..text.headers import KINDS, Heading, bare_name, counted_axis, heading, is_applied, normal_unit
 
 GROUPS = {
     "gyro": "gyro",
@@ -110,8 +111,10 @@ def _from_header(column: Column, path: str, remarks: list[Remark]) -> Described:
     title = column.name if column.named else column.matrix
     said = heading(title, column.unit) if title or column.unit else Heading()
     if said.unknown:
+        cause, do = REFUSED.get(said.unknown, ("", ""))
         what = f"{said.unknown!r} in the header of {column.name!r} is not a suitable unit: ignored"
-        remarks.append(Remark("unknown_unit", "info", what, where=path, subject=column.name))
+        what += f" ({cause})" if cause else ""
+        remarks.append(Remark("unknown_unit", "info", what, where=path, do=do, subject=column.name))
     quantity = "index" if _counts_rows(column, said.quantity) else said.quantity
     kept = quantity != "index" and (quantity != "status" or said.unit is None or units.kind(said.unit) in TESTED)
     unit = said.unit if kept else None
@@ -166,7 +169,8 @@ def _chosen(described: Sequence[Described], key: str) -> list[int]:
     """Columns that a flag means."""
     named = _named(described, key)
     group = GROUPS.get(key.lower())
-    chosen = named or [i for i, d in enumerate(described) if group and d.quantity == group]
+    readings = [i for i, d in enumerate(described) if not (d.unit and d.axis and is_applied(d.name))]
+    chosen = named or [i for i in readings if group and described[i].quantity == group]
     if not chosen:  # an axis, of the one sensor that has it
         of_axis = [i for i, d in enumerate(described) if d.axis == key]
         chosen = of_axis if len(of_axis) == 1 else []

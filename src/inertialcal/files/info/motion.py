@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Sequence
 
 import numpy as np
@@ -16,6 +15,7 @@ from ...core.units import factor, kind
 from ...signals.segmentation.segments import detect, static_intervals
 from ...signals.segmentation.stillness import Stillness, judge_in_pieces
 from ...signals.vibration.recognised import LONGEST, recognised
+from ..text.headers import UNNAMED
 from .channel_survey import ChannelSurvey
 
 SHORT = 1_000  # samples: a shorter record says little about noise, and may be a dwell
@@ -99,7 +99,6 @@ def is_laid(recording: Recording) -> bool:
 
 
 SENSED = ("gyro", "acc")
-UNNAMED = re.compile(r"(?:.*_)?[0-9]+")  # column_3, accelBuffer_2
 MOST = 3  # stretches of disturbance; with more of them the sensor is not at rest
 
 

@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ...core.key import AXES
 from ...core.recording import ClockRate, Recording, Source
 from ...core.remarks import Remark, gather
 from ...core.results import finite
@@ -17,6 +18,7 @@ from ...core.show.tables import Block, Table, ending, html, text
 from ...signals.screening.screen import NO_READINGS
 from ...signals.time.time_axis import TimeAxis, analyse
 from ..budget import SURVEY, claim_recording
+from ..text.headers import UNNAMED
 from ..time.stamps import time_remarks
 from .channel_survey import ChannelSurvey, Hint, channel_remarks, screened, survey_channel, unit_hints
 from .motion import is_sensed, motion_remarks
@@ -24,6 +26,12 @@ from .sense import sense_remarks
 
 SENSORS = ("gyro", "acc")
 HEADS = ("channel", "axis", "what", "unit", "min", "max", "mean", "std", "missing", "")
+
+NAMELESS = (
+    "positions: --column acc_x=COLUMN (likewise acc_y, acc_z, gyro_x, ...) --unit acc=UNIT; rate-table: --axis AXIS "
+    "--column applied=COLUMN --column x=COLUMN --unit UNIT; thermal: --column x=COLUMN --column temperature=COLUMN "
+    "--unit UNIT --unit temperature=UNIT"
+)
 
 
 @dataclass(frozen=True)
@@ -216,6 +224,7 @@ def survey_recording(recording: Recording) -> Survey:
             *time_remarks(recording),
             *(remark for one in channels for remark in channel_remarks(one, place, _is_aside(one, channels))),
             *sense_remarks(recording),
+            *nameless_remarks(recording),
             *motion,
         )
     )
@@ -228,6 +237,17 @@ def survey_recording(recording: Recording) -> Survey:
         remarks=remarks,
         compensated_by=recording.compensated_by,
     )
+
+
+def nameless_remarks(recording: Recording) -> tuple[Remark, ...]:
+    """Return what can be typed of a file whose columns, several, have no names."""
+    channels = [one for one in recording.channels if one.quantity != "index"]
+    if len(channels) < len(AXES) or any(
+        one.axis or one.quantity or not UNNAMED.fullmatch(one.name) for one in channels
+    ):
+        return ()
+    what = f"{len(channels)} columns of {len(recording):,} rows without names: say which is which, by name or number"
+    return (Remark("nameless_columns", "info", what, where=recording.source.path, do=NAMELESS),)
 
 
 def _is_aside(channel: ChannelSurvey, channels: Sequence[ChannelSurvey]) -> bool:

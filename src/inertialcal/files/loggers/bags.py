@@ -483,14 +483,13 @@ def _mcap(loaded: Loaded, bag: Bag) -> Iterator[Messages]:
         if op == 0:
             raise TornError(at, "a record is damaged")
         if op in (OF_MCAP["footer"], OF_MCAP["data_end"]):
-            if op == OF_MCAP["data_end"] and size == DATA_END:
-                _mcap_sum(data, at, bag)
-                _mcap_end(data, at, bag)
-            else:
-                _mcap_damaged(bag)
+            _mcap_closed(data, at, op == OF_MCAP["data_end"] and size == DATA_END, bag)
             return
         if at + 9 + size > len(data):
-            raise TornError(at, "it ends in the middle of a record")
+            if op != OF_MCAP["chunk"]:
+                raise TornError(at, "it ends in the middle of a record")
+            yield from _mcap_inside(_mcap_chunk(data[at + 9 :], loaded, at, False, True), bag, schemas, at)
+            raise TornError(len(data), CUT)
         if op == OF_MCAP["chunk"]:
             inside = _mcap_chunk(_take(data, at + 9, size), loaded, at, always_summed)
             if (yield from _mcap_inside(inside, bag, schemas, at)) != len(inside):
@@ -587,6 +586,15 @@ def _gathered(data: bytes, first: Times, kind: str) -> Times:
     return np.ascontiguousarray(table).view(kind).astype(np.int64)[:, 0]
 
 
+def _mcap_closed(data: bytes, at: int, summed: bool, bag: Bag) -> None:
+    """Look at the end of the data, and at what stands behind it."""
+    if summed:
+        _mcap_sum(data, at, bag)
+        _mcap_end(data, at, bag)
+    else:
+        _mcap_damaged(bag)
+
+
 def _mcap_sum(data: bytes, at: int, bag: Bag) -> None:
     """Compare the checksum of all that stands before the end of the data, if the file has one, with its content."""
     (said,) = struct.unpack("<I", _take(data, at + 9, DATA_END))
@@ -621,8 +629,11 @@ def _mcap_damaged(bag: Bag) -> None:
     bag.remarks += (Remark("wrong_checksum", "warning", what, where=bag.path, do=do),)
 
 
-def _mcap_chunk(body: bytes, loaded: Loaded, at: int, summed: bool) -> bytes:
-    """Return the records of a chunk; its checksum is looked at, which only other writers may leave out."""
+def _mcap_chunk(body: bytes, loaded: Loaded, at: int, summed: bool, cut: bool = False) -> bytes:
+    """Return the records of a chunk; its checksum is looked at, which only other writers may leave out.
+
+    Of one that is cut off, as much as is there, whose checksum nobody can look at.
+    """
     try:
         _, _, size, checksum, length = struct.unpack_from("<QQQII", body)
         how = body[32 : 32 + length].decode("ascii", "replace")
@@ -630,9 +641,14 @@ def _mcap_chunk(body: bytes, loaded: Loaded, at: int, summed: bool) -> bytes:
     except struct.error:
         raise TornError(at, "a chunk is damaged") from None
     records = body[40 + length : 40 + length + packed]
-    if len(records) != packed:
+    if len(records) != packed and not cut:
         raise TornError(at, "a chunk is damaged")
-    found = unpacked(records, how, size, loaded, at)
+    found = unpacked(records, how, size, loaded, at, cut)
+    if cut:
+        if not found:
+            packing = f"packed by {how}, of which nothing can be unpacked" if how else "of which nothing is there"
+            raise TornError(at, f"it ends in the middle of a chunk {packing}")
+        return found
     if (checksum or summed) and zlib.crc32(found) != checksum:
         raise TornError(at, "the checksum of a chunk is not that of its content")
     return found

@@ -51,14 +51,17 @@ VECTORS: dict[str, dict[str, str]] = {
     "sensor_accel_fifo": dict.fromkeys(XYZ, ACCELERATION),
     "sensor_gyro_fifo": dict.fromkeys(XYZ, RATE),
     "sensor_combined": {"gyro_rad": RATE, "accelerometer_m_s2": ACCELERATION},
-    "vehicle_imu": {"delta_angle": "rad", "delta_velocity": "m/s"},
+    "vehicle_imu": {"gyro": RATE, "acc": ACCELERATION},
+    "vehicle_imu_status": {"mean_gyro": RATE, "mean_accel": ACCELERATION},
     "vehicle_acceleration": {"xyz": ACCELERATION},
     "vehicle_angular_velocity": {"xyz": RATE},
     "sensor_mag": dict.fromkeys(XYZ, FIELD),
     "vehicle_magnetometer": {"magnetometer_ga": FIELD},
     "sensor_baro": {"pressure": "Pa"},
 }
-NOT_INERTIAL = ("sensor_mag", "vehicle_magnetometer", "sensor_baro")
+NOT_INERTIAL = ("sensor_mag", "vehicle_magnetometer", "sensor_baro", "vehicle_imu_status")
+# Increments of a message, and how long it gathered them [us]: in one field in older logs.
+INCREMENTS = {"gyro": ("delta_angle", ("delta_angle_dt", "dt")), "acc": ("delta_velocity", ("delta_velocity_dt", "dt"))}
 CLOCKS = ("timestamp_sample", "timestamp")  # that of the measurement before that of the message
 FRAME = "body of the autopilot, x forward, y right, z down"
 
@@ -95,6 +98,14 @@ def _columns(one: Any, path: str) -> Content:
     remarks: tuple[Remark, ...] = ()
     if one.name.endswith("_fifo") and "samples" in data:
         data, remarks = _laid_out(data, path)
+    elif one.name == "vehicle_imu":
+        data, remarks = _mean_rates(data, path)
+    elif one.name == "vehicle_imu_status":
+        aside = [field for field in data if not field.startswith(("timestamp", "mean_", "temperature"))]
+        data = {field: values for field, values in data.items() if field not in aside}
+        remarks = left_out(
+            list(dict.fromkeys(field.partition("[")[0] for field in aside)), path, "about the sensor, no readings"
+        )
     sizes = Counter(field.partition("[")[0] for field in data)
     runs = [name for name in CLOCKS if name in data
             and (np.any(data[name] != data[name][0]) or (len(data[name]) == 1 and data[name][0]))]  # fmt: skip
@@ -105,10 +116,34 @@ def _columns(one: Any, path: str) -> Content:
             continue
         index = number.rstrip("]")
         name = base if not number else f"{base}.{XYZ[int(index)]}" if sizes[base] == len(XYZ) else f"{base}_{index}"
-        unit = "degC" if base == "temperature" else units.get(base)
+        unit = "degC" if base.startswith("temperature") else units.get(base)
         columns.append(number_column(name, np.asarray(values), unit))
     frame = FRAME if one.name.startswith("vehicle_") or one.name == "sensor_combined" else ""
     return Content(tuple(columns), "PX4 ULog", remarks=(*remarks, *frame_remark(frame, path)))
+
+
+def _mean_rates(data: dict[str, NDArray[Any]], path: str) -> tuple[dict[str, NDArray[Any]], tuple[Remark, ...]]:
+    """Return mean rates and accelerations of the messages, their increments divided by how long they were gathered."""
+    found = {name: data[name] for name in CLOCKS if name in data}
+    used, remarks = [*found], tuple[Remark, ...]()
+    for sensor, (field, durations) in INCREMENTS.items():
+        spans = [name for name in durations if name in data]
+        own = [f"{field}[{i}]" for i in range(len(XYZ)) if f"{field}[{i}]" in data]
+        if not spans or not own:
+            continue
+        seconds = data[spans[0]].astype(float) * 1e-6
+        whole = seconds > 0
+        for name in own:
+            values = np.full(len(seconds), np.nan)
+            found[name.replace(field, sensor)] = np.divide(data[name], seconds, out=values, where=whole)
+        used += [*own, spans[0]]
+        unit = VECTORS["vehicle_imu"][sensor]
+        remarks += (Remark("derived", "info", f"{sensor} = {field} / {spans[0]}, in {unit}", where=path),)
+        if not whole.all():
+            what = f"messages whose {spans[0]} is 0: no {sensor}"
+            remarks += (Remark("damaged_records", "warning", what, where=path, count=int(np.sum(~whole))),)
+    gone = [name for name in data if name not in used]
+    return found, (*remarks, *left_out(gone, path, "about the sensors, no readings"))
 
 
 def _laid_out(data: dict[str, NDArray[Any]], path: str) -> tuple[dict[str, NDArray[Any]], tuple[Remark, ...]]:

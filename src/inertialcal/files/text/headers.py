@@ -22,7 +22,7 @@ GYRO = {"gyro", "gyros", "gyr", "gyroscope", "gyroscopes", "omega", "angvel"}
 GYRO |= {"drehrate", "drehraten", "winkelgeschwindigkeit", "kreisel", "gyrometre", "gyrometres"}
 RATE = {"vitesse", "rate", "rotation"}  # of what turns, where it is read in volts or counts about an axis
 RAW = {"voltage", "count"}
-ACC = {"acc", "accs", "accel", "accels", "accelerometer", "accelerometers", "acceleration", "accelerations"}
+ACC = {"acc", "accs", "accel", "accels", "accl", "accelerometer", "accelerometers", "acceleration", "accelerations"}
 ACC |= {"beschleunigung", "beschleunigungen", "beschl", "accelerometre", "accelerometres"}
 MAGNETOMETER = {"mag", "magn", "magnetometer", "magnetic"}
 MAGNETOMETER |= {"magnetfeld", "flussdichte", "magnetometre", "magnetique"}
@@ -35,6 +35,9 @@ NOT_TIME = {"sigma", "std", "deviation", "error", "constant", "interval", "step"
 OFFSET = {"relative"}  # of a stamp to another one, where a sensor is named beside it
 NOT_TIME |= {"konstante", "abstand", "dauer", "constante", "intervalle", "duree"}
 SPREAD = {"std", "stdev", "stddev", "sd", "sigma", "standardabweichung", "stabw", "streuung", "ecarttype"}
+# What a table says was applied, beside what was read.
+APPLIED = {"applied", "app", "reference", "ref", "true", "truth", "nominal", "nom", "commanded", "command", "cmd"}
+APPLIED |= {"expected", "ideal", "theoretical", "soll", "sollwert", "up"}
 STATUS = {"status", "state", "flag", "flags", "valid", "validity", "mode", "quality"}
 WORDS = (
     ("gyro", GYRO),
@@ -82,7 +85,8 @@ TIME_NAMES = {
 _INDEX_NAMES = (
     "nsamples nsample samples sample samplenumber sampleno samplenr sampleindex sampleid sampleidx index idx "
     "row rows rownumber rowno line frame frames frameno framenumber framecount counter packetcounter packet "
-    "seq sequence sequencenumber i n nr no number anzahl nombre tick ticks record recordno unnamed0 indexlevel0"
+    "seq sequence sequencenumber i n nr no number anzahl nombre tick ticks record recordno unnamed0 indexlevel0 "
+    "readingnumber readingno scan scannumber datacntr"
 )
 INDEX_NAMES = frozenset(_INDEX_NAMES.split())
 
@@ -156,6 +160,7 @@ OF_GRAPH = re.compile(r"[XY]\[[0-9]+\]", re.IGNORECASE)  # as LabVIEW counts the
 AFTER = re.compile(
     r"(?:, *| in | / )([^\s,]+)$"
 )  # a unit behind the name: ``Temp, °C``, ``Drehrate in °/s``, ``t / s``
+UNNAMED = re.compile(r"(?:.*_)?[0-9]+")  # ``column_3``, ``imu_2``: columns of a file, or matrix, without names
 CLOSING = {"]": "[", ")": "("}
 
 
@@ -198,7 +203,7 @@ def heading(name: str, unit: str | None = None) -> Heading:
         return Heading(known, "", quantity, "")
     if not quantity and kind in RAW and RATE.intersection(words) and _axis(words):
         quantity = "gyro"  # ``Vitesse X (V)``: in m/s it is none
-    unknown = given.strip() if given is not None and known is None else ""
+    unknown = given.strip() if given is not None and known is None and ":" not in given else ""  # ``LGR S/N: 123``
     if (bare, kind) == ("T", "temperature"):
         quantity = kind
     if quantity == "index" and kind in BY_KIND and kind != "time":  # ``i [g]``
@@ -211,7 +216,9 @@ def heading(name: str, unit: str | None = None) -> Heading:
     if known is not None and quantity in KINDS and kind not in KINDS[quantity]:
         known, unknown = None, given or ""
     axis = "" if OF_GRAPH.fullmatch(name.strip()) else _axis(words)
-    return Heading(known, axis, quantity or BY_KIND.get(kind, ""), unknown)
+    if not quantity and not (axis and kind in RAW):  # ``x [V]`` is an axis of a sensor, like ``x [count]``
+        quantity = BY_KIND.get(kind, "")
+    return Heading(known, axis, quantity, unknown)
 
 
 def _plain(name: str) -> str:
@@ -227,6 +234,11 @@ def sensor_of_stamps(name: str) -> str:
     return next((one for one, known in (("gyro", GYRO), ("acc", ACC)) if known.intersection(words)), "")
 
 
+def is_applied(name: str) -> bool:
+    """Whether a column is called an input that was applied: ``gx_applied [g]``."""
+    return not APPLIED.isdisjoint(word.lower() for word in WORD.findall(bare_name(name)))
+
+
 def bare_name(name: str) -> str:
     """Return the name without a unit in brackets."""
     at = _opening(name)
@@ -234,9 +246,16 @@ def bare_name(name: str) -> str:
 
 
 def full_name(names: Sequence[str], name: str) -> str | None:
-    """Return the column of a name given with or without the unit in brackets; None where there is not one."""
+    """Return the column of a name given with or without the unit in brackets; None where there is not one.
+
+    Columns that have no names are found by their number, too: ``2`` is ``column_2``, or ``imu_2`` of a matrix ``imu``
+    whose columns alone the names are.
+    """
     exact = [known for known in names if known == name]
     found = exact or [known for known in names if bare_name(known) == name]
+    if not found and name.isascii() and name.isdigit():
+        stems = {stem for known in names for stem, line, number in [known.rpartition("_")] if line and number.isdigit()}
+        found = [known for known in names if {known.rpartition("_")[0]} == stems and known.endswith(f"_{name}")]
     return found[0] if len(found) == 1 else None
 
 
@@ -336,7 +355,10 @@ def _quantity(bare: str, words: list[str], letters: bool = True) -> str:
     for phrase, quantity in PHRASES.items():
         if phrase in spaced:
             return quantity
-    for quantity, known in WORDS:
+    of_sensor = words[-1:] and (words[-1] in TEMPERATURE or not _axis(words))  # ``gyro_temp``
+    if "free" in words:  # of gravity: no reading of a sensor
+        words = [word for word in words if word not in ACC]
+    for quantity, known in (("temperature", TEMPERATURE if of_sensor else set()), *WORDS):
         if any(_stem(word) in known or word in known for word in words):
             return "" if quantity == "time" and NOT_TIME.intersection(words) else quantity
     pairs = [word for word in words if letters and len(word) == 2 and word[0] in LETTERS and word[1] in "xyz"]

@@ -35,6 +35,10 @@ UNIT = {"sec": "s", "min": "min", "hr": "h", "days": "d"}
 OF_AXES = [f"{what}_{axis} [{unit}]" for what, unit in (("mag", "gauss"), ("acc", "m/s^2"), ("gyro", "rad/s"))
            for axis in "xyz"]  # fmt: skip
 FIELDS = {"VNIMU": (*OF_AXES, "temperature [degC]", "pressure [kPa]")}
+# A multimeter's reading: ``+2.50392122E+00VDC``
+METERED = re.compile(rf"\s*({_NUMBER}) ?([A-Za-z%°µΩ#]*)\s*")
+NUMBERED = "RDNG#"  # unit that a multimeter gives the number of its reading
+TRACES, VALUES = "trace_names", "trace_values"  # words of dSPACE ControlDesk
 Row = tuple[tuple[str, ...], list[str]]  # names, cells
 
 
@@ -56,17 +60,30 @@ def as_table(text: str, where: str) -> Printed | None:
     DataError
         ``ragged_row``, if a line between the rows is none.
     """
-    if (beside := settings_beside(text)) is not None:
-        remark = Remark("preamble", "info", "settings beside the first rows ignored: 'Record Length' ...", where=where)
-        return Printed(*beside, (remark,))
-    if (above := settings_above_channels(text)) is not None:
-        return Printed(*above, ())
+    if f"\n{VALUES}" in text[: LOOKED_AT * LONGEST]:
+        return _traces(text)
+    if (above := _with_settings(text, where)) is not None:
+        return above
     lines = text[: LOOKED_AT * LONGEST].split("\n")[:LOOKED_AT]
     start = [one for one in lines if one.strip() and len(one) < LONGEST]
     if sum(one.startswith("$") for one in start) * 2 > len(start):
         return _sentences(text, where)
     if len(start) > 1 and all(DURATION.match(one) for one in start[1:]):
         return _durations(text)
+    if start and (metered := _metered(text, start)) is not None:
+        return metered
+    return _printed_rows(text, start, where)
+
+
+def _with_settings(text: str, where: str) -> Printed | None:
+    if (beside := settings_beside(text)) is not None:
+        remark = Remark("preamble", "info", "settings beside the first rows ignored: 'Record Length' ...", where=where)
+        return Printed(*beside, (remark,))
+    above = settings_above_channels(text)
+    return None if above is None else Printed(*above, ())
+
+
+def _printed_rows(text: str, start: Sequence[str], where: str) -> Printed | None:
     rows = [row for one in start if (row := _row(one))]
     return _printed(text, rows[-1][0], where) if 2 * len(rows) > len(start) > 1 else None
 
@@ -99,7 +116,7 @@ def _pairs(body: str) -> list[tuple[str, str]]:
 
 
 def _printed(text: str, names: tuple[str, ...], where: str) -> Printed | None:
-    made, notes, begun = list[str](), list[str](), False
+    made, notes, begun, header = list[str](), list[str](), False, tuple[str, ...]()
     lines = text.split("\n")
     for number, line in enumerate(lines, 1):
         row = _row(line) if line.strip() else None
@@ -109,17 +126,64 @@ def _printed(text: str, names: tuple[str, ...], where: str) -> Printed | None:
         elif not line.strip() or (begun and number == len(lines)):  # the last may be cut off
             made.append("")
         elif not begun:
-            notes.append(line)
+            header = _header(line, names)
+            notes += [] if header else [line]
             made.append("")
         else:
             what, why = f"this line is not like the others: {line.strip()[:40]!r}", "a message of the board?"
             raise DataError(what, f"{where}:{number}", why, "Delete the line", "ragged_row")
+    names = header or names
     what = f"lines as a board prints them: columns {', '.join(name or '(no name)' for name in names)}"
     remarks = [Remark("printed_lines", "info", what[:120], where=where)]
     if notes:
         what = f"{len(notes)} line(s) before the table ignored: {notes[0].strip()[:60]!r} ..."
         remarks.append(Remark("preamble", "info", what, where=where))
     return Printed("\n".join(made), names, (), tuple(remarks))
+
+
+def _header(line: str, names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the names that a board printed above rows of numbers alone; empty where the line is none."""
+    stamped = STAMPED.fullmatch(line)
+    if stamped is None or any(names[1:]):
+        return ()
+    cells = re.split(r"\s*[,;\t]\s*", stamped[2].strip())
+    words = all(re.search("[A-Za-z]", cell) for cell in cells)
+    return ("time", *cells) if words and len(cells) == len(names) - 1 else ()
+
+
+def _metered(text: str, start: Sequence[str]) -> Printed | None:
+    """Return readings of a multimeter, each with its unit behind it and no header, as numbers; None elsewhere."""
+    first = [METERED.fullmatch(cell) for cell in start[0].split(",")]
+    said = [one[2] for one in first if one is not None]
+    if len(said) != len(first) or not any(said):
+        return None
+    made = []
+    for line in text.split("\n"):
+        cells = [METERED.fullmatch(cell) for cell in line.split(",")]
+        if line.strip() and [one[2] for one in cells if one is not None] != said:
+            return None
+        made.append(",".join(one[1] for one in cells if one is not None) if line.strip() else "")
+    names = tuple("reading number" if unit == NUMBERED else "" for unit in said)
+    return Printed("\n".join(made), names, tuple("" if unit == NUMBERED else unit for unit in said), ())
+
+
+def _traces(text: str) -> Printed | None:
+    """Return an export of dSPACE ControlDesk as a table: a word stands before names, units and values."""
+    words: dict[str, list[str]] = {}
+    lines = text.split("\n")
+    for number, line in enumerate(lines):
+        sign = next((one for one in ";,\t" if one in line), ";")
+        word, *cells = (cell.strip(' "\r') for cell in line.split(sign))
+        if word != VALUES:
+            words[word] = cells
+            continue
+        names = words.get(TRACES, [])
+        rows = [row.partition(sign)[2] for row in lines[number:]]
+        if not names or len(rows) < 2 or sign not in lines[number + 1]:
+            return None
+        units = words.get("unit", [""] * len(names))
+        return Printed("\n".join([""] * number + rows), tuple(names), tuple(units[: len(names)]), ())
+    return None
 
 
 def _sentences(text: str, where: str) -> Printed | None:

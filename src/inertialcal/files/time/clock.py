@@ -28,6 +28,7 @@ from ...core.remarks import Remark
 from ...signals.time.time_axis import Steps, steps_of
 from ..columns import Content
 from ..info.describe import Described, find_column
+from ..text.hobo import zone_of
 from .dates import as_iso, looks_clock, looks_dated, since_midnight, with_times_of_day
 from .stamps import beyond_epoch, digits, epoch_unit, from_iso, is_serial, is_utc, looks_iso, serial_ns, to_ns
 
@@ -147,6 +148,10 @@ def _clock(described: Described, at: int, place: _Place) -> Clock:
         time_ns, remarks = _from_text(described, place)
     else:
         time_ns, remarks = _from_numbers(described, place)
+    ahead = zone_of(described.name)
+    if ahead is not None and any(one.code == "naive_time" for one in remarks):
+        time_ns = changed(time_ns, lambda part: part - ahead, "int64")
+        remarks = (Remark("zone_of_header", "info", f"stamps of {described.name!r}: UTC by their header", place.path),)
     steps = _require_forward(described, time_ns, place)
     dated = kind == "M" or (kind == "O" and not looks_clock(described.column.values))
     utc = dated or is_utc(time_ns) or _said_utc(described.name, time_ns)

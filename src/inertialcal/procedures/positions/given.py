@@ -7,7 +7,7 @@ The names and units of its channels decide. For a file without a header it is wh
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,10 +16,10 @@ import numpy as np
 
 from ...core.errors import UsageError
 from ...core.key import AXES, Kind
-from ...core.recording import Channel
+from ...core.recording import Channel, Recording
 from ...core.remarks import Remark
 from ...core.units import kind, normalise
-from ...files.text.headers import full_name
+from ...files.text.headers import bare_name, full_name, is_applied
 from ..given import (
     EXAMPLE,
     KIND_OF_UNIT,
@@ -31,6 +31,7 @@ from ..given import (
     chain_of_units,
     chain_said,
     named_columns,
+    nameless_advice,
     own_clock,
     raw_units,
     reference_columns,
@@ -84,8 +85,7 @@ def described(given: GivenFile) -> list[Described]:
         do = f"There are: {', '.join(known)}"
         raise UsageError(f"column {wrong[0]!r}", do=do, code="unknown_name")
     entry = own_keys(given)
-    is_table = recording.time_ns is None and recording.sample_interval is None and len(recording) <= LONGEST
-    is_table = is_table and given.has_rows and "sections" not in entry and not given.label
+    is_table = is_table_of_positions(recording) and given.has_rows and "sections" not in entry and not given.label
     sensors, remarks = _channels(given, is_table)
     units = _units(given, sensors)
     named = named_columns(recording, said.columns)
@@ -130,6 +130,25 @@ def _with_sensor(given: GivenFile) -> GivenFile:
     return replace(given, said=replace(given.said, columns=columns))
 
 
+def is_table_of_positions(recording: Recording) -> bool:
+    """Whether a file without time is short enough to have a row a position."""
+    return recording.time_ns is None and recording.sample_interval is None and len(recording) <= LONGEST
+
+
+def applied_columns(channels: Sequence[Channel]) -> dict[str, Channel]:
+    """Return the channels of a table that say what was applied along each axis; none where it does not say all three.
+
+    They are called so (``gx_applied``, ``a_ref_x``, ``true_x``), or ``g_x``, ``g_y``, ``g_z`` beside readings.
+    """
+    fits = [c for c in channels if c.axis in AXES and (c.unit is None or kind(c.unit) == KIND_OF_UNIT["accelerometer"])]
+    called = [c for c in fits if is_applied(c.name)]
+    said = {c.axis: c for c in called}
+    if not said and len([c for c in channels if c.axis in AXES]) > len(AXES):
+        called = [c for c in fits if bare_name(c.name).lower() == f"g_{c.axis}"]
+        said = {c.axis: c for c in called}
+    return said if len(said) == len(called) == len(AXES) else {}
+
+
 def own_keys(given: GivenFile) -> dict[str, Any]:
     """Return sections, orientations and angle of the turns as the caller gives them for a file.
 
@@ -165,6 +184,8 @@ def _channels(given: GivenFile, is_table: bool) -> tuple[dict[str, dict[str, Cha
     """
     recording, columns = given.recording, given.said.columns
     every = [c for c in recording.channels if not is_table or not (SCATTER.search(c.name) or SAMPLES.match(c.name))]
+    applied = applied_columns(every) if is_table else {}
+    every = [c for c in every if c not in applied.values()]
     wanted = [given.label] if given.label in KINDS else list(KINDS)
     if given.said.sensor is not None:
         wanted = [one for one in wanted if given.said.sensor in (one, KINDS[one])]
@@ -181,6 +202,9 @@ def _channels(given: GivenFile, is_table: bool) -> tuple[dict[str, dict[str, Cha
                 what = f"{sensor}_{axis}={name}: no channel {name!r} in {given.name}"
                 raise UsageError(what, do=f"There are: {', '.join(recording.names)}", code="no_column")
         own |= {axis: recording.channel(name) for axis, name in roles.items()}
+        lettered = [c for c in every if c.axis in AXES and not c.quantity]
+        if applied and not own and sensor == "acc" and len({c.axis for c in lettered}) == len(lettered):
+            own = {str(c.axis): c for c in lettered}  # ``out_x [V]`` beside what was applied
         if own:
             found[sensor] = {axis: own[axis] for axis in AXES if axis in own}
     if not found:
@@ -196,7 +220,8 @@ def _channels(given: GivenFile, is_table: bool) -> tuple[dict[str, dict[str, Cha
     if missing or not found:
         missing = missing or [f"acc_{axis}" for axis in AXES]
         what = f"{given.name}: cannot tell which column is {', '.join(missing)}; it has {', '.join(recording.names)}"
-        do = f"Add: {given.add('column', f'{missing[0]}=COLUMN')}; or name the file: acc=FILE gyro=FILE"
+        nameless = nameless_advice(given, missing, KIND_OF_UNIT[KINDS[missing[0][:-2]]], {})
+        do = nameless or f"Add: {given.add('column', f'{missing[0]}=COLUMN')}; or name the file: acc=FILE gyro=FILE"
         raise UsageError(what, do=do, code="no_column")
     return found, remarks
 
@@ -260,7 +285,9 @@ def _rests(given: GivenFile, sensor: str, by_axis: Mapping[str, Channel], unit: 
         found["scatter"] = scatter
     if len(samples) == 1:
         found["samples"] = samples[0]
-    if set(AXES) <= set(lower):
+    if applied := applied_columns([c for c in given.recording.channels if c not in by_axis.values()]):
+        found["direction"] = {axis: applied[axis].name for axis in AXES}
+    elif set(AXES) <= set(lower):
         found["direction"] = {axis: lower[axis] for axis in AXES}
     elif label is not None and all(direction_of(cell) is not None for cell in table.text(label)):
         found["orientation"] = label

@@ -21,10 +21,12 @@ from ...core.labelled import LabelledPart
 from ...core.recording import SECOND, Channel, Recording, Times
 from ...core.remarks import Remark
 from ...core.show.rounding import number
-from ...core.units import kind
+from ...core.units import factor, kind
 from ...core.unknowns import Unknowns
 from ...core.unknowns import joined as unknowns_joined
 from ...files.budget import ANALYSIS, claim_recording
+from ...files.text.headers import heading
+from ...files.text.table import Table
 from ...signals.time.interpolation import interpolated
 from ...signals.time.samples import samples_of
 from ..corrections import between, corrected
@@ -39,6 +41,7 @@ TEMPERATURE = "temperature"
 PREFIX: dict[str, str] = {"accelerometer": "acc", "gyro": "gyro"}
 SATURATED = ("saturated", "rail")  # remarks
 SAME_STAMP = 0.01  # of a sample interval, by which stamps of one clock may differ
+NEAR_GRAVITY = 0.05  # of it, by which the length of a nominal input may be rounded or local gravity differ
 OVERLAP = 0.5  # of the shorter recording, that must lie within the other
 
 
@@ -333,6 +336,7 @@ def _read_tables(sources: Sequence[Source]) -> Readings:
         size = np.linalg.norm(vectors, axis=1)
         if np.any(size == 0.0):
             raise DataError("0, 0, 0 is no direction", table.where(int(np.argmax(size == 0.0))), code="wrong_value")
+        _check_lengths(table, named, size)
         direction = np.asarray(vectors / size[:, None])
     elif rests.orientation is not None:
         direction = parse_directions(table.text(rests.orientation), source.file)
@@ -344,6 +348,31 @@ def _read_tables(sources: Sequence[Source]) -> Readings:
     where = tuple(table.where(k) for k in range(len(table)))
     remarks_of_all = (*table.remarks, *remarks)
     return Readings(triads["accelerometer"], triads.get("gyro"), (), direction, where=where, remarks=remarks_of_all)
+
+
+def _check_lengths(table: Table, columns: Mapping[str, str], size: Array) -> None:
+    """Refuse accelerations that were applied and are not gravity: positions have no other input.
+
+    Raises
+    ------
+    DataError
+        ``not_gravity``.
+    """
+    unit = heading(columns["x"], table.unit(columns["x"])).unit
+    if unit is None or kind(unit) != "acceleration":
+        return
+    wrong = np.abs(size * factor(unit, "g") - 1.0) > NEAR_GRAVITY
+    if not np.any(wrong):
+        return
+    first = int(np.argmax(wrong))
+    what = f"{', '.join(columns.values())}: together {size[first]:.4g} {unit}, which is not gravity"
+    raise DataError(
+        what,
+        table.where(first),
+        "positions have no other input than gravity, whose direction these columns say",
+        "Leave other rows out; what a rate table or a centrifuge applied is not read here",
+        code="not_gravity",
+    )
 
 
 def _triad(source: Source) -> Triad:

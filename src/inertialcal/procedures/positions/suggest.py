@@ -24,6 +24,7 @@ from ..suggestions import (
     recording_table,
     sensor_table,
 )
+from .given import applied_columns, is_table_of_positions
 
 SENSORS = {"acc": ("accelerometer", "acceleration"), "gyro": ("gyro", "angular_rate")}
 REQUIREMENT = {"quantity": "transition_error", "upper": "0.5 deg"}
@@ -32,6 +33,8 @@ GRAVITY = 0.5  # least that an axis feels of it, in any position of a triad [g]
 
 def suggests(recording: Recording, survey: Survey) -> Suggestion | None:
     """Return ``positions`` where a triad of accelerometers was moved, and feels gravity."""
+    if is_table_of_positions(recording) and applied_columns(recording.channels):
+        return Suggestion(("positions",), Strength.SURE)
     if not any(remark.code == "not_at_rest" for remark in survey.remarks):
         return None
     sizes = [max(map(abs, extremes(one.data))) * factor(one.unit or "", "g") for one in triad(recording)]

@@ -39,7 +39,8 @@ REQUIREMENT = {"quantity": "rate_error", "of": "dwell_mean", "limit": "5 %", "wh
 
 def suggests(recording: Recording, survey: Survey) -> Suggestion | None:
     """Return ``rate-table`` of reduced readings, a row a dwell, and of gyros that turn beside an applied rate."""
-    channels = [one for one in recording.channels if one.unit is None or kind(one.unit) != "acceleration"]
+    channels = [one for one in recording.channels
+                if one.quantity != "index" and (one.unit is None or kind(one.unit) != "acceleration")]  # fmt: skip
     applied = guess_channels(channels).applied
     named = applied is not None or names_rates(channel.name for channel in channels)
     if named and recording.sample_interval is None and len(recording) <= REDUCED_ROWS:

@@ -38,6 +38,7 @@ KERNEL_ROWS = 1_000_000  # from here on the compiled loop is worth its compilati
 KERNEL_CHUNK = 131_072  # rows of which a thread takes one lot after the other
 WORKERS = os.cpu_count() or 1  # threads; no result depends on their number
 LARGEST_CONDITION = 1e4  # of M: input axes nearer to one plane than this lose four digits
+NOISE_OF_ENDS = 0.01  # of an end of the inputs of a model, by which a reading may lie beyond: noise does
 NODES = 33  # temperatures at which M(T) is looked at
 
 
@@ -130,8 +131,12 @@ def beyond(
     lost = np.any(np.isnan(x), axis=1) & complete
     remarks = [_remark("no_inverse", "no input gives this reading; left empty", lost, "Look at these readings")]
     if model.input_range is not None:
-        over = np.any((x < model.input_range[:, 0]) | (x > model.input_range[:, 1]), axis=1)
-        ends = ", ".join(f"{a} {lo:g} to {hi:g}" for a, (lo, hi) in zip(model.axes, model.input_range, strict=True))
+        tested = model.input_range[:, 0] < model.input_range[:, 1]  # an axis that was never moved has no ends
+        low, high = model.input_range.T
+        edge = NOISE_OF_ENDS * np.maximum(np.abs(low), np.abs(high))
+        over = np.any(((x < low - edge) | (x > high + edge)) & tested, axis=1)
+        each = zip(model.axes, model.input_range, tested, strict=True)
+        ends = ", ".join(f"{a} {lo:.4g} to {hi:.4g}" for a, (lo, hi), moved in each if moved)
         remarks.append(_remark("outside_input_range", f"beyond the input range ({ends} {model.unit})", over))
     ranges = [
         ("outside_temperature_range", "temperature", model.temperature_range, "degC"),
