@@ -1009,5 +1009,17 @@ ARCHIVES = (
         "archive migrate --archive old.db ; archive list --archive old.db",
         "done",
     ),
+    Case(
+        "If it was adjusted then: --adjusted {}. {}",
+        "archive history A --archive jumped.db",
+        "archive history A --archive jumped.db --adjusted 2019-06-01",
+        "lacks jumps",
+    ),
+    Case(
+        "Name a file of: inertialcal archive verify --json > receipt.json",
+        "run certified_2 --archive told.db ; archive verify --archive told.db --receipt certified_2/campaign.toml",
+        "archive verify --archive told.db --json > receipt.json ; archive verify --archive told.db --receipt receipt.json",
+        "done",
+    ),
 )
 MORE = (*ARCHIVES, *LAB, *GUIDED, *COMPENSATED, *LEVELS, *NAMELESS, *HEADS, *MASSES, *CAMPAIGNS, *SHAKEN)

@@ -15,6 +15,7 @@ from cryptography.hazmat.primitives.asymmetric import rsa
 from cryptography.x509.oid import NameOID
 from files_for_advice import CAMPAIGN, csv
 from logger_files import ros_1, ros_2
+from made_records import add, content, figure
 from newcomer_boards import FACES, Board, G, board_at_rest, board_of, six_faces
 from newcomer_tables import rounded
 from newcomer_truths import BIASES, NOISE, at_rest, chamber
@@ -26,6 +27,7 @@ from independent.shaking.shaker import Mode, recorded
 from independent.shaking.shaker import Run as Sweep
 from independent.vibration.random_run import Run, simulate
 from independent.warm.warm_up import Chamber, power_ups, starts
+from inertialcal.archive import open_archive
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.key import Key
 from inertialcal.core.units import factor
@@ -130,9 +132,16 @@ KALIBR_SCALED = """imu0:
 START_OF_SECOND = stamp(START, 1.0)
 
 
+def _archived(folder: Path) -> None:
+    """Seven tests of a unit that nobody says was adjusted after the fourth."""
+    values = [0.02 * k + 0.001 * (-1) ** k + 0.5 * (k > 3) for k in range(7)]
+    add(open_archive(folder / "jumped.db"), *(content("A", k, [figure(one, 0.03)]) for k, one in enumerate(values)))
+
+
 def write_records(folder: Path) -> None:
     """Write every file into a folder."""
     _orbits(folder)
+    _archived(folder)
     _flown(folder)
     _body(folder)
     write_model(folder / "both.json", ModelSet(tuple(_model(one) for one in BIAS)))
@@ -156,8 +165,8 @@ def write_records(folder: Path) -> None:
         _shaken(),
         _moved(),
     ):
-        for name, content in text.items():
-            (folder / name).write_text(content)
+        for name, written in text.items():
+            (folder / name).write_text(written)
     _pads(folder)
     _heads(folder)
     _campaigns(folder)

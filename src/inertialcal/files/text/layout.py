@@ -289,8 +289,8 @@ def _score(table: Table, decimal: Decimal) -> tuple[float, bool, float]:
     width = _width(table)
     alike = [i for i, cells in enumerate(table) if len(cells) == width]
     share = len(alike) / len(table)
-    # The first line may be a header, which must fit in width but holds no number.
-    rows = [i for i in alike if i] or alike
+    # The first line may be a header, which must fit in width but holds no number, and units may stand below it.
+    rows = [i for i in alike if i and not (i == 1 and _holds_units(table[i]))] or alike
     filled = text = 0
     every = [cell for i in rows for cell in table[i][:CELLS]]
     if _are_numbers(every, decimal):
@@ -307,6 +307,12 @@ def _score(table: Table, decimal: Decimal) -> tuple[float, bool, float]:
     if width == 1 and decimal == "," and ("," in table[0][0] or numbers < 1.0 or share < 1.0):
         numbers = 0.0  # 1,5 are two columns, unless a name stands above them that has no comma
     return round(share * numbers, 6), width > 1, share
+
+
+def _holds_units(cells: list[str]) -> bool:
+    """Whether some cells are filled, all of them with units."""
+    filled = [cell for cell in cells if cell.strip()]
+    return bool(filled) and all(_is_unit(_unbracketed(cell)) for cell in filled)
 
 
 def _are_numbers(cells: list[str], decimal: Decimal) -> bool:
@@ -403,9 +409,7 @@ def _is_numbered(table: Table, decimal: Decimal, width: int) -> bool:
     if len(table) < NUMBERED or any(len(cells) != width for cells in table[:NUMBERED]) or width == 1:
         return False
     names, given, first = ([kind(cell, decimal) for cell in cells] for cells in table[:NUMBERED])
-    filled = [cell for cell in table[1] if cell.strip()]
-    units_below = set(given) <= {"t", "e"} and bool(filled) and all(_is_unit(_unbracketed(cell)) for cell in filled)
-    return names[0] == "t" and units_below and set(first) <= NUMBER
+    return names[0] == "t" and set(given) <= {"t", "e"} and _holds_units(table[1]) and set(first) <= NUMBER
 
 
 def _is_title(table: Table, decimal: Decimal, width: int) -> bool:
