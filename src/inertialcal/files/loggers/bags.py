@@ -486,7 +486,7 @@ def _mcap(loaded: Loaded, bag: Bag) -> Iterator[Messages]:
             _mcap_closed(data, at, op == OF_MCAP["data_end"] and size == DATA_END, bag)
             return
         if at + 9 + size > len(data):
-            if op != OF_MCAP["chunk"]:
+            if op != OF_MCAP["chunk"] or always_summed:  # what a loss of power left of one may be anything
                 raise TornError(at, "it ends in the middle of a record")
             yield from _mcap_inside(_mcap_chunk(data[at + 9 :], loaded, at, False, True), bag, schemas, at)
             raise TornError(len(data), CUT)
