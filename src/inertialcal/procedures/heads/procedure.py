@@ -24,7 +24,7 @@ QUANTITIES = {
     "relative_bias": Quantity(READING),
     "bias": Quantity(READING),
     "scale_factor_error": Quantity(RELATIVE, shown="%"),
-    "misalignment": Quantity(("angle",), unit="rad", shown="deg"),
+    "misalignment": Quantity(("angle",)),
     "uncertainty_growth": Quantity(("dimensionless",), unit="1"),
     "off_line_distance": Quantity(("length",), unit="m", shown="m"),
     "off_line_uncertainty": Quantity(READING),
