@@ -165,7 +165,10 @@ def test_a_record_that_is_recorded_live_gives_the_figures_of_the_recorded_one(tm
     write_twin(twin, tmp_path / "recorded")
     csv = tmp_path / "recorded" / "recordings" / "static_1.csv"
     found = record_live(tmp_path / "lab", csv, over)
-    first, second = (ic.allan(path, columns=["x", "y", "z"], sample_rate=0.5).rows for path in (csv, found))
+    stated = {"clock.rate": "20 ppm"}  # else what acquire found out of the clock goes into u
+    first, second = (
+        ic.allan(path, columns=["x", "y", "z"], sample_rate=0.5, standards=stated).rows for path in (csv, found)
+    )
     assert len(first) == len(second) > 3
     for one, other in zip(first, second, strict=True):
         assert (one.value, one.u) == (other.value, other.u)
@@ -185,7 +188,10 @@ def test_a_campaign_that_is_recorded_live_gives_the_figures_of_the_recorded_one(
         taken = name.replace(".csv", ".parquet")
         found.rename(tmp_path / "live" / taken)
         text = text.replace(f'"{name}"', f'"{taken}"')
-    (tmp_path / "live" / "campaign.toml").write_text(text)
+    recorded = (tmp_path / "recorded" / "campaign.toml").read_text()
+    for folder, plan in (("recorded", recorded), ("live", text)):  # else u holds what acquire found out of the clock
+        clock = '\n[standards.clock]\nrate = { u = "20 ppm" }\n'
+        (tmp_path / folder / "campaign.toml").write_text(plan + clock)
     first, second = (run(tmp_path / folder, write=False).results for folder in ("recorded", "live"))
     assert len(first["results"]) == len(second["results"]) > 20
     for one, other in zip(first["results"], second["results"], strict=True):
