@@ -17,6 +17,7 @@ from inertialcal.archive.record import read_record
 from inertialcal.archive.trend import By
 from inertialcal.campaign.engine.run import run
 from inertialcal.core.errors import DataError, StoreError, UsageError
+from inertialcal.report.plot import pictures
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
@@ -107,8 +108,6 @@ def words_of(archive: Archive, serial: str, **more: list[str]) -> tuple[str, lis
 
 
 def test_what_is_no_line_is_said_and_nothing_is_forecast(tmp_path: Path) -> None:
-    from inertialcal.archive.pictures import history_pictures
-
     archive = open_archive(tmp_path / "lab.db")
     jumped = [value + 0.5 * (i > 3) for i, value in enumerate(LONG)]
     odd = [value * (57.3 if i == 2 else 1.0) for i, value in enumerate(LONG)]
@@ -125,7 +124,7 @@ def test_what_is_no_line_is_said_and_nothing_is_forecast(tmp_path: Path) -> None
     (said,) = found.remarks
     assert "between 2018-06-01 and 2019-06-01" in said.what
     assert "--adjusted 2019-06-01" in said.do
-    (drawn,) = history_pictures(found)
+    (drawn,) = pictures(found)
     assert drawn.finding == "scale factor error x: jumps, no line"
     assert archive.history("jump", adjusted=["2019-06-01"]).series[0].since == 4
     word, codes = words_of(archive, "jump", adjusted=["2019-06-01"])
@@ -191,18 +190,17 @@ def test_when_to_calibrate_again(tmp_path: Path) -> None:
 
 
 def test_histories_and_trends_are_drawn(tmp_path: Path) -> None:
-    from inertialcal.archive.pictures import history_pictures, trend_pictures
     from inertialcal.report.figure_file import write_figure
 
     archive = open_archive(tmp_path / "lab.db")
     for i in range(24):
         add(archive, *yearly(f"$U{i}$", [0.10 + 0.01 * i, 0.121, 0.139], lot=f"L{i // 6}"))
     history = archive.history("$U3$", limits=["0.1 %"])
-    (one,) = history_pictures(history)
+    (one,) = pictures(history)
     assert one.finding.startswith("scale factor error x: ")
     kinds: tuple[By, ...] = ("unit", "lot")
     for by in kinds:
-        (chart,) = trend_pictures(archive.trend("scale_factor_error", by=by))
+        (chart,) = pictures(archive.trend("scale_factor_error", by=by))
         assert f"{by}s" in chart.finding
         write_figure(tmp_path / f"{by}.png", [one, chart], [])
         assert (tmp_path / f"{by}.png").stat().st_size > 10_000

@@ -44,6 +44,7 @@ from ..core.units import divide, same_dimension
 from ..statistics.decision import holm
 from ..statistics.intervals import t_interval, t_quantile
 from ..statistics.over_time.drift_line import REJECTED, Due, Kind, Line, due, line
+from .drawn import content_of_history
 from .points import Point, in_unit, points
 from .tables import items, results
 
@@ -134,6 +135,10 @@ class History:
     def results(self) -> list[dict[str, Any]]:
         """Drifts as rows of results."""
         return [one.drift.to_dict() for one in self.series if one.drift is not None]
+
+    def content(self) -> dict[str, Any]:
+        """Return what figures are drawn from, as ``inertialcal.plot`` takes it."""
+        return content_of_history(self.series)
 
     def parts(self) -> tuple[Block, ...]:
         """Return what is shown: a row a figure, when the unit is due, how many remarks."""

@@ -24,6 +24,7 @@ from ..core.show.rows import quantity_name
 from ..core.show.tables import Block, Table, html, text
 from ..core.units import same_dimension
 from ..statistics.over_time.control_charts import RUN, Chart, individuals, lots
+from .drawn import content_of_trend
 from .points import Point, in_unit, points
 from .tables import items, results
 
@@ -80,6 +81,10 @@ class Trend:
     quantity: str
     groups: tuple[Group, ...]
     remarks: tuple[Remark, ...] = ()
+
+    def content(self) -> dict[str, Any]:
+        """Return what figures are drawn from, as ``inertialcal.plot`` takes it."""
+        return content_of_trend(self.groups)
 
     def parts(self) -> tuple[Block, ...]:
         """Return what is shown: a row a chart, then its signals."""

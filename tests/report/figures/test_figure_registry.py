@@ -66,7 +66,17 @@ def toy(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 def test_every_procedure_of_ours_declares_its_figures_and_no_name_twice() -> None:
     declared = [spec.name for name in PROCEDURES for spec in PROCEDURES[name].figures]
     assert len(declared) == len(set(declared))
-    assert set(figures()) == {*declared, "compensated", "changes", "matrix", "budget", "save_intervals"}
+    assert set(figures()) == {
+        *declared,
+        "compensated",
+        "changes",
+        "matrix",
+        "budget",
+        "save_intervals",
+        "plan_time",
+        "archive_history",
+        "archive_trend",
+    }
     assert next(iter(figures())) == "compensated"
     assert list(figures())[-2:] == ["matrix", "budget"]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,9 +14,11 @@ from ..shown.output import json_out, wrapped
 
 if TYPE_CHECKING:
     from ...archive.archive import Added, Archive
-    from ...report.figures.drawing.picture import Picture
+    from ...archive.history import History
+    from ...archive.trend import Trend
 
-PICTURES = 4  # in one file
+PICTURES = 3  # in one file, side by side
+PAGE = ".html"
 VARIABLE = "INERTIALCAL_ARCHIVE"
 Where = Annotated[
     str | None,
@@ -25,6 +26,15 @@ Where = Annotated[
         "--archive",
         metavar="URL",
         help=f"File (lab.db) or postgresql://USER@HOST/DATABASE; {VARIABLE} if not given.",
+        show_default=False,
+    ),
+]
+HistoryFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--output",
+        "-o",
+        help="Write figures (.png, .svg or .pdf, by the ending), or a page with all of the unit (.html).",
         show_default=False,
     ),
 ]
@@ -97,13 +107,16 @@ def archive_history(
             help="Day of an adjustment: tests of that day are after it. May be repeated.",
         ),
     ] = [],  # noqa: B006 - typer copies it
-    output: figures.FigureFile = None,
+    output: HistoryFile = None,
+    plot: figures.Plot = False,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
     """Show each figure of a unit over its tests: drift with uncertainty, and when to calibrate again."""
-    figures.check_figure(output)
-    found = opened(archive).history(serial, part, quantity, axis, test, limit, adjusted)
+    is_page = output is not None and output.suffix.lower() == PAGE
+    figures.check_figure(None if is_page else output, {}, plot, as_json)
+    where = opened(archive)
+    found = where.history(serial, part, quantity, axis, test, limit, adjusted)
     if as_json:
         content: dict[str, Any] = {"item": found.item, "results": found.results}
         content["series"] = [one.to_dict() for one in found.series]
@@ -114,10 +127,15 @@ def archive_history(
         for remark in found.remarks:
             if remark.severity == "warning":
                 print(wrapped(str(remark)))
-    if output is not None:
-        from ...archive.pictures import history_pictures
+    if output is not None and is_page:
+        from ...archive.page import history_page
+        from ...files.write.atomic import atomic_write
 
-        _draw(output, history_pictures(found), quiet or as_json)
+        with atomic_write(output, []) as aside:
+            aside.write_text(history_page(where, found), encoding="utf-8", errors="replace")
+        if not (quiet or as_json):
+            print(wrapped(f"written: {output}"))
+    _draw(None if is_page else output, found, plot, quiet or as_json)
     return 0
 
 
@@ -130,6 +148,7 @@ def archive_trend(
     by: Annotated[str, typer.Option("--by", help="A point for each unit, or for each lot: unit, lot.")] = "unit",
     every: Annotated[bool, typer.Option("--every", help="All tests of a unit, not the last alone.")] = False,
     output: figures.FigureFile = None,
+    plot: figures.Plot = False,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -138,17 +157,14 @@ def archive_trend(
 
     if by not in ("unit", "lot"):
         raise UsageError(f"--by {by}", do="Say unit or lot", code="wrong_value")
-    figures.check_figure(output)
+    figures.check_figure(output, {}, plot, as_json)
     found = opened(archive).trend(quantity, axis, test, part, "lot" if by == "lot" else "unit", every)
     if as_json:
         content = {"charts": [one.to_dict() for one in found.groups]}
         json_out("archive trend", content | {"remarks": [one.to_dict() for one in found.remarks]})
     elif not quiet:
         _say(found)
-    if output is not None:
-        from ...archive.pictures import trend_pictures
-
-        _draw(output, trend_pictures(found), quiet or as_json)
+    _draw(output, found, plot, quiet or as_json)
     return 0
 
 
@@ -257,15 +273,20 @@ def archive_migrate(
     return 0
 
 
-def _draw(output: Path, found: Sequence[Picture], quiet: bool) -> None:
-    """Write the first pictures, one below the other, and say what was left out."""
-    from ...report.figure_file import write_figure
+def _draw(output: Path | None, found: History | Trend, plot: bool, quiet: bool) -> None:
+    """Draw the first pictures in text, and into a file, side by side; say what was left out."""
+    if plot:
+        figures.print_plot(found, {}, PICTURES)
+    if output is not None:
+        from ...report.figure_file import write_figure
+        from ...report.plot import pictures
 
-    write_figure(output, found[:PICTURES], [])
-    if not quiet:
-        rest = len(found) - PICTURES
-        more = f"; {rest} more are not drawn" if rest > 0 else ""
-        print(wrapped(f"written: {output}{more}"))
+        drawn = pictures(found)
+        write_figure(output, drawn[:PICTURES])
+        if not quiet:
+            rest = len(drawn) - PICTURES
+            more = f"; {rest} more are not drawn" if rest > 0 else ""
+            print(wrapped(f"written: {output}{more}"))
 
 
 def _say(found: object) -> None:

@@ -2,54 +2,85 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
-from ....core.estimate import Array
+from ..drawing.data import Curve, curves, finite, numbers, unit
 from ..drawing.picture import Picture
 from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, with_unit
 
-NAME = "history"
+NAME = "archive_history"
+LINE = "archive_line"
 SHOWS = "Figure of each test over the year, its 95 % interval as a bar; the line through the tests with its 95 % band"
 HEIGHT = 2.4  # [in]
+AHEAD = 1.0  # years that limits go on where no line does
+SPAN = 2.5  # years, at least: two of them have a tick
 
 
-@dataclass(frozen=True, eq=False)
-class Drawn:
-    """What is drawn."""
-
-    what: str  # Figure, in words
-    unit: str
-    finding: str
-    years: Array  # Of each test
-    values: Array
-    half: Array  # Half of the 95 % interval of each
-    line_years: Array  # Empty where there is no line
-    line: Array
-    band: Array  # Half of its 95 % interval
-    limits: tuple[float, float] | None = None  # That the unit may reach before it is calibrated again
+def pictures(results: Mapping[str, Any]) -> list[Picture]:
+    """Return a picture a figure of the unit; its line, where it has one, is the curve of the same ``of``."""
+    lines = {_of(one): one for one in curves(results, LINE)}
+    found = [one for one in curves(results, NAME) if len(finite(numbers(one, "value")))]
+    return [_picture(one, lines.get(_of(one))) for one in found]
 
 
-def picture(drawn: Drawn) -> Picture:
-    """Return the picture of one figure."""
+def _of(curve: Curve) -> tuple[str, ...]:
+    return tuple(str(curve.get(name, "")) for name in ("test", "axis", "of", "condition"))
 
+
+def _picture(curve: Curve, line: Curve | None) -> Picture:
     def paint(axes: Sequence[Axes], title: str) -> None:
-        ax = axes[0]
-        if drawn.line_years.size:
-            ax.plot(drawn.line_years, drawn.line, color=COLOURS["orange"], label="line through the tests")
-            ends = (drawn.line - drawn.band, drawn.line + drawn.band)
-            ax.fill_between(drawn.line_years, *ends, color=COLOURS["orange"], alpha=0.2, lw=0, label="95 % of the unit")
-        look: dict[str, Any] = {"fmt": "o", "color": COLOURS["blue"], "ms": 4.0, "capsize": 2.0, "label": "tests, 95 %"}
-        ax.errorbar(drawn.years, drawn.values, yerr=drawn.half, **look)
-        for i, limit in enumerate(drawn.limits or ()):
-            label = "limit since the last test" if not i else "_other"
-            ax.axhline(limit, color=COLOURS["vermilion"], ls="--", lw=1.0, label=label)
-        ax.ticklabel_format(axis="x", useOffset=False)
-        set_title(ax, title)
-        set_labels(ax, "year", with_unit(plain(drawn.what), drawn.unit))
-        set_legend(ax)
+        draw(axes, curve, line, title)
 
-    return Picture(NAME, "", "", drawn.finding, SHOWS, (HEIGHT,), paint)
+    data = [curve] if line is None else [curve, line]
+    note = () if line is None else ("; the line through them, with the 95 % interval of the unit",)
+    return Picture(
+        NAME,
+        str(curve["test"]),
+        str(curve["axis"]),
+        plain(curve.get("finding", ""), 400),
+        SHOWS,
+        (HEIGHT,),
+        paint,
+        data=data,
+        note=note,
+    )
+
+
+def draw(axes: Sequence[Axes], curve: Curve, line: Curve | None, title: str = "") -> None:
+    """Draw the tests of a unit over time.
+
+    Parameters
+    ----------
+    axes : sequence of Axes, length 1
+        To draw on.
+    curve, line : mapping
+        ``archive_history``; ``archive_line``, None where there is none.
+    title : str
+        Above; empty for none.
+    """
+    (ax,) = axes
+    if line is not None:
+        years, values, half = (numbers(line, name) for name in ("year", "value", "half"))
+        ax.plot(years, values, color=COLOURS["orange"], label="line through the tests")
+        look: dict[str, Any] = {"color": COLOURS["orange"], "alpha": 0.2, "lw": 0}
+        ax.fill_between(years, values - half, values + half, label="95 % of the unit", **look)
+    tests: dict[str, Any] = {"fmt": "o", "color": COLOURS["blue"], "ms": 4.0, "capsize": 2.0, "label": "tests, 95 %"}
+    years = numbers(curve, "year")
+    ax.errorbar(years, numbers(curve, "value"), yerr=numbers(curve, "half"), **tests)
+    end = years[-1] + AHEAD if line is None else numbers(line, "year")[-1]
+    for name, label in (("low", "limit since the last test"), ("high", "_other")):
+        if name in curve["columns"]:
+            level = [numbers(curve, name)[-1]] * 2
+            ax.plot([years[-1], end], level, color=COLOURS["vermilion"], ls="--", lw=1.0, label=label)
+    left, right = ax.get_xlim()
+    if right - left < SPAN:
+        ax.set_xlim(0.5 * (left + right - SPAN), 0.5 * (left + right + SPAN))
+    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
+    ax.ticklabel_format(axis="x", useOffset=False)
+    set_title(ax, title)
+    set_labels(ax, "year", with_unit(plain(curve.get("of", "")), unit(curve, "value")))
+    set_legend(ax)

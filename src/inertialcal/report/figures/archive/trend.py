@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
-from ....core.estimate import Array
+from ..drawing.data import Curve, curves, finite, flags, numbers, unit
 from ..drawing.picture import Picture
 from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, with_unit
 
-NAME = "trend"
+NAME = "archive_trend"
 SHOWS = (
     "Figures in order of time with mean and limits of three standard deviations; below, the moving range, or the"
     " standard deviation in each lot, with its limits"
@@ -23,47 +21,50 @@ SHOWS = (
 HEIGHTS = (2.2, 1.1)  # [in]
 
 
-@dataclass(frozen=True, eq=False)
-class Drawn:
-    """What is drawn; all columns are equally long, by point."""
-
-    what: str  # Figure, in words
-    unit: str
-    finding: str
-    of: str  # What a point is: ``"unit"``, ``"lot"``
-    values: Array
-    centre: float
-    lower: Array
-    upper: Array
-    signal: NDArray[np.bool_]
-    spread: Array
-    spread_lower: Array
-    spread_upper: Array
+def pictures(results: Mapping[str, Any]) -> list[Picture]:
+    """Return a picture a chart."""
+    return [_picture(one) for one in curves(results, NAME) if len(finite(numbers(one, "value")))]
 
 
-def picture(drawn: Drawn) -> Picture:
-    """Return the picture of one chart."""
-    x = np.arange(1, drawn.values.size + 1)
-
+def _picture(curve: Curve) -> Picture:
     def paint(axes: Sequence[Axes], title: str) -> None:
-        top, below = axes
-        limits: dict[str, Any] = {"color": COLOURS["vermilion"], "ls": "--", "lw": 1.0, "where": "mid"}
-        top.plot(x, drawn.values, ".-", color=COLOURS["blue"], lw=0.6, ms=4.0, label=f"a {drawn.of}")
-        top.axhline(drawn.centre, color=COLOURS["quiet"], lw=1.0, label="mean")
-        top.step(x, drawn.lower, label="limits", **limits)
-        top.step(x, drawn.upper, **limits)
-        at = drawn.signal
-        top.plot(x[at], drawn.values[at], "s", color=COLOURS["vermilion"], ms=5.0, label="signal")
-        set_title(top, title)
-        set_labels(top, "", with_unit(plain(drawn.what), drawn.unit))
-        below.plot(x, drawn.spread, ".-", color=COLOURS["blue"], lw=0.6, ms=4.0)
-        known = np.isfinite(drawn.spread)  # the first unit has no range
-        below.step(x[known], drawn.spread_upper[known], **limits)
-        if (drawn.spread_lower > 0.0).any():
-            below.step(x[known], drawn.spread_lower[known], **limits)
-        below.xaxis.set_major_locator(MaxNLocator(integer=True))
-        spread = "range" if drawn.of == "unit" else "std"  # moving, in a lot: the panel is low
-        set_labels(below, f"{drawn.of}, in order of time", with_unit(spread, drawn.unit))
-        set_legend(below, top.get_legend_handles_labels()[0])
+        draw(axes, curve, title)
 
-    return Picture(NAME, "", "", drawn.finding, SHOWS, HEIGHTS, paint)
+    test, axis, finding = (str(curve.get(name, "")) for name in ("test", "axis", "finding"))
+    return Picture(NAME, test, axis, plain(finding, 400), SHOWS, HEIGHTS, paint, data=[curve])
+
+
+def draw(axes: Sequence[Axes], curve: Curve, title: str = "") -> None:
+    """Draw a control chart.
+
+    Parameters
+    ----------
+    axes : sequence of Axes, length 2
+        To draw on: figures, spread.
+    curve : mapping
+        ``archive_trend``; its column of names, ``unit`` or ``lot``, says what a point is.
+    title : str
+        Above; empty for none.
+    """
+    top, below = axes
+    by = "lot" if "lot" in curve["columns"] else "unit"
+    values, spread, most, least = (numbers(curve, name) for name in ("value", "spread", "spread_upper", "spread_lower"))
+    x = np.arange(1, values.size + 1)
+    limits: dict[str, Any] = {"color": COLOURS["vermilion"], "ls": "--", "lw": 1.0, "where": "mid"}
+    top.plot(x, values, ".-", color=COLOURS["blue"], lw=0.6, ms=4.0, label=f"a {by}")
+    top.plot(x, numbers(curve, "mean"), color=COLOURS["quiet"], lw=1.0, label="mean")
+    top.step(x, numbers(curve, "lower"), label="limits", **limits)
+    top.step(x, numbers(curve, "upper"), **limits)
+    at = flags(curve, "signal")
+    top.plot(x[at], values[at], "s", color=COLOURS["vermilion"], ms=5.0, label="signal")
+    set_title(top, title)
+    set_labels(top, "", with_unit(plain(curve.get("of", "")), unit(curve, "value")))
+    below.plot(x, spread, ".-", color=COLOURS["blue"], lw=0.6, ms=4.0)
+    known = np.isfinite(spread)  # the first unit has no range
+    below.step(x[known], most[known], **limits)
+    if (least > 0.0).any():
+        below.step(x[known], least[known], **limits)
+    below.xaxis.set_major_locator(MaxNLocator(integer=True))
+    what = "range" if by == "unit" else "std"  # moving, in a lot: the panel is low
+    set_labels(below, f"{by}, in order of time", with_unit(what, unit(curve, "value")))
+    set_legend(below, top.get_legend_handles_labels()[0])

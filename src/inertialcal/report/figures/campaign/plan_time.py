@@ -60,7 +60,7 @@ def draw(found: Sequence[Curve], axes: Sequence[Axes], title: str) -> None:
                                        markersize=6.0, label="chosen", zorder=3)  # fmt: skip
         log_axis(ax, "y", shown, 1.6)
         log_axis(ax, "x", time, 1.1)
-        set_labels(ax, "length of the test [h]" if ax is axes[-1] else "", f"u [{unit(one, 'u')}]")
+        set_labels(ax, "length of the test [h]" if ax is axes[-1] else "", f"u [{plain(unit(one, 'u'))}]")
         ax.text(0.99, 0.95, name, transform=ax.transAxes, ha="right", va="top", fontsize="small")
         if k == 0:
             set_title(ax, title)

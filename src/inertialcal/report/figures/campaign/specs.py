@@ -32,6 +32,22 @@ FIGURES = (
         rank=90,
         first=True,
     ),
+    FigureSpec(
+        "archive_history",
+        "inertialcal.report.figures.archive.history",
+        "Tests of the unit over the years with their 95 % intervals{note}.",
+        curves={"archive_history": "{of}, tests", "archive_line": "{of}, line"},
+        order=840,
+        place="",
+    ),
+    FigureSpec(
+        "archive_trend",
+        "inertialcal.report.figures.archive.trend",
+        "Units, or lots, in order of time, with limits of three standard deviations; below, their spread.",
+        curves={"archive_trend": "{of}"},
+        order=841,
+        place="",
+    ),
     FigureSpec("plan_time", DRAWN + "plan_time", curves={"plan_time": ""}, order=830, place=""),
     FigureSpec(
         "matrix",
