@@ -92,7 +92,8 @@ def _verdicts(archive: Archive, newest: dict[int, str]) -> Table:
         found = connection.execute(query.order_by(verdicts.c.campaign_id, verdicts.c.position)).mappings().all()
     groups: dict[tuple[str, ...], list[Any]] = {}
     for one in found:
-        figure = (newest[one["campaign_id"]], one["requirement"], _name(one["quantity"], one["axis"], None), one["test"])
+        named = _name(one["quantity"], one["axis"], None)
+        figure = (newest[one["campaign_id"]], one["requirement"], named, one["test"])
         groups.setdefault(figure, []).append(one)
     rows = []
     for key, mine in groups.items():
