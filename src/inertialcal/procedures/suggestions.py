@@ -150,6 +150,21 @@ def quantity(unit: str, optional: bool = False, words: Sequence[str] = ()) -> Ca
     return wrong
 
 
+def unit_of(wanted: str) -> Callable[[str], str]:
+    """Return what is wrong with text that is no unit of such a kind."""
+
+    def wrong(text: str) -> str:
+        from ..core.units import kind, normalise  # noqa: PLC0415 - numpy starts slowly
+
+        try:
+            found = kind(normalise(text))
+        except InertialcalError as error:
+            return error.problems[0].what
+        return "" if found == wanted else f"is of {found}, need a unit of {wanted}".replace("_", " ")
+
+    return wrong
+
+
 def fill_in(value: object = "?") -> Noted:
     """Return a value that the user has to fill in or confirm."""
     return Noted(value, FILL_IN)

@@ -14,7 +14,7 @@ from markupsafe import Markup, escape
 from ..core.results import case_of
 from ..core.show.rows import Quoted, error_sentence, estimated, largest, quantity_name
 from ..core.show.wording import VERDICTS, count, counted, listed, severities
-from ..core.units import factor
+from ..core.units import factor, kind
 from ..procedures import procedure_of
 from .numbers import Branch, Number, Text, both, clean, digits, time, unwrapped
 
@@ -218,9 +218,9 @@ def of_exclusions(rows: Sequence[Branch]) -> Finding:
     by_kind = {kind: [row for row in rows if str(row["counts"]) == kind] for kind in kinds}
     parts = [counted(len(by_kind["dwell"]), "dwell")] if by_kind["dwell"] else []
     parts += [f"{kind}s at {counted(len(by_kind[kind]), 'place')}" for kind in ("row", "sample") if by_kind[kind]]
-    for kind, text in (("window", "parts of "), ("position", ""), ("rotation", "")):
-        number = sum(int(getattr(row["count"], "raw", row["count"])) for row in by_kind[kind])
-        parts += [f"{text}{counted(number, kind)}"] if number else []
+    for name, text in (("window", "parts of "), ("position", ""), ("rotation", "")):
+        number = sum(int(getattr(row["count"], "raw", row["count"])) for row in by_kind[name])
+        parts += [f"{text}{counted(number, name)}"] if number else []
     rules = counted(len({str(row["rule"]) for row in rows}), "stated rule")
     several = len({str(row["test"]) for row in rows}) > 1
     note = "; items left out by several tests count once per test" if several else ""
@@ -300,7 +300,7 @@ def _largest_error(rows: Sequence[Branch]) -> Highlight | None:
 
     def size(row: Branch) -> float:
         unit = str(row["unit"])
-        return abs(float(row["value"].raw)) * (1.0 if unit == "rad" else factor(unit, "1"))
+        return abs(float(row["value"].raw)) * factor(unit, "rad" if kind(unit) == "angle" else "1")
 
     known = [row for quantity in ERRORS for row in estimated(rows, quantity, any_case=True)]
     row = max(known, key=size, default=None)

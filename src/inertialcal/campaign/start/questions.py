@@ -53,6 +53,8 @@ def questions(
     for procedure, contents in found.items():
         for question in procedure_of(procedure).asks(contents) if contents else ():
             known = axis if question.name == "axis" else getattr(said, question.name, None)
+            if question.group:
+                known = (known or {}).get(question.group, bare(known or {}))
             if known is None:
                 yield question
     for name, ask in ITEM.items():

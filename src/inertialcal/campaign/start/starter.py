@@ -188,7 +188,8 @@ def _take(
     if not claimed:
         recording = with_said_columns(files.read(str(path)), files.said)
         for group, unit in answers.items():
-            open_ones = [one.name for one in recording.channels if one.quantity == group and one.unit is None]
+            open_ones = [one.name for one in recording.channels
+                         if group in (one.quantity, one.name) and one.unit is None]  # fmt: skip
             recording = recording.with_unit(open_ones, normalise(unit), "flag") if open_ones else recording
         overruled = [one for one in recording.remarks if one.code == "unit_overridden"]
         timed = recording.time_ns is not None or recording.sample_interval is not None

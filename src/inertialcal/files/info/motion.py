@@ -16,13 +16,14 @@ from ...signals.segmentation.segments import detect, static_intervals
 from ...signals.segmentation.stillness import Stillness, judge_in_pieces
 from ...signals.vibration.recognised import LONGEST, recognised
 from ..text.headers import UNNAMED
-from .channel_survey import ChannelSurvey
+from .channel_survey import ChannelSurvey, median_norm
 
 SHORT = 1_000  # samples: a shorter record says little about noise, and may be a dwell
 APART = 20.0  # standard deviations: levels of files that differ by more were turned at different rates
 FEWEST = 6  # static intervals
 SHORTEST = 1.0  # [s]
 LARGEST = 1e100  # squares of larger numbers are none
+FREE_FALL = 0.1  # [g]: on the ground a triad reads 1 g in all
 TURNED = 0.3  # of the largest reading at rest, by which the second widest direction of the readings spreads
 
 
@@ -54,6 +55,13 @@ def triad(recording: Recording) -> list[Channel]:
     """Return the accelerometers x, y, z whose unit is known."""
     named = (one for one in recording.channels if one.axis in AXES and one.unit)
     return [one for one in named if kind(one.unit or "") == "acceleration"]
+
+
+def on_ground(recording: Recording) -> bool:
+    """Whether a triad of accelerometers whose unit is known feels gravity, or more."""
+    channels = triad(recording)
+    in_g = [factor(one.unit or "", "g") for one in channels]
+    return len(channels) == len(AXES) and max(in_g) * median_norm(channels) >= FREE_FALL
 
 
 def is_still(recording: Recording) -> bool:

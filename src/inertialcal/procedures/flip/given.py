@@ -28,8 +28,9 @@ from ...files.text.headers import bare_name
 from ...files.text.table import Table
 from ...files.time.window import Window as Between
 from ...signals.segmentation.turn_windows import turn_windows
-from ...signals.segmentation.turns import Turn, TurnPlan, find_turns
+from ...signals.segmentation.turns import Turn
 from ...signals.sense.limits import impossible
+from ..archived import seconds_of, turns_of
 from ..given import (
     RAW,
     Described,
@@ -65,7 +66,6 @@ HALF_TURN = "180 deg"
 ENOUGH = 10_000  # samples that show a level
 MICRO = 0.01  # [g], below which a head in g is shown in ug
 MOST = 8  # times in a message
-PART = 0.1  # of a record that a window may be: its noise is known from ten times as much
 
 
 def described(given: GivenFile, spec: InputSpec) -> Described:
@@ -361,14 +361,7 @@ def found_windows(
     UsageError
         If no turn is found, or it is not certain which changes are turns.
     """
-    time_ns, interval = recording.time_ns, recording.sample_interval or 0.0
-    seconds = len(recording) * interval
-    if time_ns is not None:
-        seconds = (int(time_ns[-1]) - int(time_ns[0])) / SECOND + interval
-    shortest = TurnPlan().shortest
-    plan = TurnPlan(widest=min(max(PART * seconds, shortest), TurnPlan().widest))
-    channels = [recording.channel(axis).data for axis in AXES if axis in recording.names]
-    turns = find_turns(channels, time_ns, recording.sample_interval, plan=plan)
+    seconds, turns = seconds_of(recording), turns_of(recording)
     pairs = turn_windows(turns)
     do = f"Give the windows, each with its angle: {option}"
     place = name or recording.source.path

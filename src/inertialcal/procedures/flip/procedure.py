@@ -219,10 +219,11 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
         return suggests(recording, survey)
 
     def found_in(self, root: Path) -> tuple[dict[str, object], list[Remark]]:
-        """Return the archive records of a folder: those of one sensor, in one folder, are one recording."""
-        from .suggest import found_in
+        """Return the archive records of a folder in which the head turned: those of one sensor are one recording."""
+        from ..archived import found_in
+        from .suggest import in_archive
 
-        found, remarks = found_in(root)
+        found, remarks = found_in(root, in_archive)
         return dict(found), remarks
 
     def claims(self, file: FolderFile) -> Claim | None:

@@ -9,35 +9,29 @@ from pathlib import Path
 from typing import Any
 
 from ...core.campaign_text import Noted
-from ...core.errors import InertialcalError, UsageError
-from ...core.key import AXES
+from ...core.errors import UsageError
 from ...core.recording import Recording
 from ...core.remarks import Remark
-from ...core.units import factor, kind
+from ...core.units import kind
 from ...files import read
-from ...files.info.channel_survey import median_norm
-from ...files.info.motion import accelerometers, gyros, triad
+from ...files.info.motion import accelerometers, gyros, on_ground
 from ...files.info.survey import Survey
-from ...files.pad.pairs import pairs_of
 from ...files.text.table import Table
+from ..archived import Entry, Made, in_orbit, is_turned
 from ..given import GivenFile, Said
 from ..suggestions import Claim, Draft, FolderFile, Strength, Suggestion, channel_tables, fill_in, sensor_table
 
-Entry = dict[str, Any]  # of a recording, without its sensor and file
 REQUIREMENT = {"quantity": "control_error", "limit": "0.5 ug"}
 STANDARDS = {
     "turn": Noted({"angle": {"u": "0.2 deg", "certificate": "..."}, "axis": {"u": "0.2 deg"}}, example=True),
 }
 AXIS_COLUMNS = {"axis", "channel", "sensor"}
 POSITION_COLUMNS = {"position", "orientation", "attitude", "turned"}
-FREE_FALL = 0.1  # [g]: on the ground a triad reads 1 g in all
-ARCHIVED = "pad"  # triaxial heads in orbit
 
 
 def suggests(recording: Recording, survey: Survey) -> Suggestion | None:
-    """Return ``flip`` of a head in orbit: an archive record, means of a flip, or a triad in free fall."""
-    archived = recording.source.reader == ARCHIVED
-    if not (archived or _is_of_means(recording, survey.remarks) or _floats(recording)):
+    """Return ``flip`` of means of a flip, and of a head that turned in orbit."""
+    if not (_is_of_means(recording, survey.remarks) or (in_orbit(recording) and is_turned(recording))):
         return None
     return Suggestion(("flip",), Strength.SURE)
 
@@ -49,22 +43,13 @@ def _is_of_means(recording: Recording, remarks: Sequence[Remark]) -> bool:
     return means and bool(names & AXIS_COLUMNS) and bool(names & POSITION_COLUMNS)
 
 
-def _floats(recording: Recording) -> bool:
-    """Whether this is a triad of accelerometers, and nothing of gyros, that feels next to nothing of gravity."""
-    if recording.time_ns is None or any(one.quantity == "gyro" for one in recording.channels):
-        return False
-    channels = triad(recording)
-    in_g = [factor(one.unit or "", "g") for one in channels]
-    return len(channels) == len(AXES) and max(in_g) * median_norm(channels) < FREE_FALL
-
-
 def claims(file: FolderFile) -> Claim | None:
-    """Claim a table of means, and a recording of accelerometers alone."""
+    """Claim a table of means, and a recording of accelerometers alone that do not feel gravity, as far as is known."""
     recording = file.recording
     if recording is None:
         means = means_of_table(file.table)
         return None if means is None else Claim(Strength.SURE, lambda: (means, ()))
-    alone = accelerometers(recording) and not gyros(recording)
+    alone = accelerometers(recording) and not gyros(recording) and not on_ground(recording)
     return Claim(Strength.POSSIBLE, lambda: head_entry(recording)) if alone else None
 
 
@@ -108,27 +93,10 @@ def head_entry(recording: Recording, frame: str = "") -> tuple[Entry, tuple[Rema
     return entry | {"channels": channel_tables(heads)}, remarks
 
 
-def found_in(root: Path) -> tuple[dict[str, Entry], list[Remark]]:
-    """Return the entries of archive records in a campaign folder, by file.
-
-    Those of one sensor, in one folder (with the archive's own tree below it), are one recording.
-    """
-    found: dict[str, Entry] = {}
-    remarks: list[Remark] = []
-    for folder in (root, *sorted({one.parent for one in root.rglob("*.header")} - {root})):
-        file = folder.relative_to(root).as_posix()
-        if file.startswith("out/") or any(file.startswith(f"{one}/") or one == "." for one in found):
-            continue
-        try:
-            pairs = pairs_of(folder)
-            if not pairs:
-                continue
-            file = file if len(pairs) > 1 else pairs[0].data.relative_to(root).as_posix()
-            found[file], more = head_entry(*_in_sensor_axes(root / file))
-            remarks += [one.at(file) for one in more]
-        except InertialcalError as error:
-            remarks.append(Remark("not_read", "warning", error.problems[0].what, file, do=error.problems[0].do))
-    return found, remarks
+def in_archive(path: Path) -> Made | None:
+    """Return the entry of an archive record in whose readings the head turns."""
+    recording, frame = _in_sensor_axes(path)
+    return head_entry(recording, frame) if is_turned(recording) else None
 
 
 def _in_sensor_axes(path: Path) -> tuple[Recording, str]:

@@ -33,11 +33,17 @@ from .plan import (
 )
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from ...core.judging import Asked, Verdict
+    from ...core.recording import Recording
+    from ...core.remarks import Remark
     from ...core.results import Interval, Row, WrittenRow
     from ...core.show.rows import Sentence
+    from ...files.info.survey import Survey
     from ..entries import EntryKey
     from ..given import Described, GivenFile
+    from ..suggestions import Claim, Draft, FolderFile, Suggestion
     from .readings import Readings
     from .reduction import Result
 
@@ -129,6 +135,32 @@ class Microgravity(Procedure[Plan, "Readings", "Result"]):
     def truths(self, result: Result) -> Sequence[Row]:
         """Return the rows: levels stand in no joint estimate."""
         return result.rows()
+
+    def suggests(self, recording: Recording, survey: Survey) -> Suggestion | None:
+        """Return the command to type next."""
+        from .suggest import suggests
+
+        return suggests(recording, survey)
+
+    def found_in(self, root: Path) -> tuple[dict[str, object], list[Remark]]:
+        """Return the archive records of a folder in which the head did not turn."""
+        from ..archived import found_in
+        from .suggest import in_archive
+
+        found, _ = found_in(root, in_archive)  # what cannot be read was said for the flip
+        return dict(found), []
+
+    def claims(self, file: FolderFile) -> Claim | None:
+        """Return how well a file of a folder fits this test."""
+        from .suggest import claims
+
+        return claims(file)
+
+    def draft(self, contents: Mapping[str, object]) -> Draft:
+        """Return the tables of a first campaign.toml."""
+        from .suggest import draft
+
+        return draft(contents)
 
     def finding(self, rows: Sequence[WrittenRow]) -> Sentence:
         """Return level, distance from the curve and slow acceleration."""

@@ -28,17 +28,18 @@ from .given import applied_columns, is_table_of_positions
 
 SENSORS = {"acc": ("accelerometer", "acceleration"), "gyro": ("gyro", "angular_rate")}
 REQUIREMENT = {"quantity": "transition_error", "upper": "0.5 deg"}
+LONGEST = 4_000_000  # samples of a record whose dwells are looked for before it is asked for
 GRAVITY = 0.5  # least that an axis feels of it, in any position of a triad [g]
 
 
 def suggests(recording: Recording, survey: Survey) -> Suggestion | None:
-    """Return ``positions`` where a triad of accelerometers was moved, and feels gravity."""
+    """Return ``positions`` where a triad of accelerometers was laid into many positions, and feels gravity."""
     if is_table_of_positions(recording) and applied_columns(recording.channels):
         return Suggestion(("positions",), Strength.SURE)
     if not any(remark.code == "not_at_rest" for remark in survey.remarks):
         return None
     sizes = [max(map(abs, extremes(one.data))) * factor(one.unit or "", "g") for one in triad(recording)]
-    laid = len(sizes) == len(AXES) and max(sizes) > GRAVITY
+    laid = len(sizes) == len(AXES) and max(sizes) > GRAVITY and (len(recording) > LONGEST or is_laid(recording))
     return Suggestion(("positions",), Strength.POSSIBLE) if laid else None
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -30,10 +30,14 @@ from ..suggestions import (
     one_of,
     recording_table,
     sensor_table,
+    unit_of,
 )
 from .given import following_axis, goes_in_steps
 
 REDUCED_ROWS = 10_000  # a longer table is no table of dwells
+RATES = "deg/s, rad/s, rpm"
+NO_RATE = "No column says the rate of the table. Name it, or take its line out and give a table of the dwells here: "
+NO_RATE += 'schedule = { file = "FILE.csv", start = "start", stop = "stop", rate = "rate", unit = "deg/s" }'
 REQUIREMENT = {"quantity": "rate_error", "of": "dwell_mean", "limit": "5 %", "where": "abs(rate) >= 0.1 deg/s"}
 
 
@@ -88,17 +92,35 @@ def _is_table(table: Table, rates: Guess) -> bool:
 
 
 def asks(contents: Mapping[str, object]) -> list[Question]:
-    """Return the question which axis was turned, of the first file that does not say it."""
+    """Return what the first file that does not say it leaves open: the axis that was turned, the unit of the rate."""
+    asked: dict[tuple[str, str], Question] = {}
     for file, one in contents.items():
-        if isinstance(one, Recording):
-            follows = turned_axis(one)
-            seen = f"{file}: {follows} follows the rate of the table" if follows else f"{file}: turned on a rate table"
-        elif isinstance(one, Guess) and one.axis is None and len(one.by_axis) != 1:
-            follows, seen = "", f"{file}: a table of dwells"
-        else:
-            continue
-        return [Question("axis", seen, "Axis that was turned? (x, y or z)", follows, wrong=one_of(AXES))]
-    return []
+        for question in (*_asked_axis(file, one), *_asked_unit(file, one)):
+            asked.setdefault((question.name, question.group), question)
+    return list(asked.values())
+
+
+def _asked_axis(file: str, one: object) -> Iterator[Question]:
+    if isinstance(one, Recording):
+        follows = turned_axis(one)
+        seen = f"{file}: {follows} follows the rate of the table" if follows else f"{file}: turned on a rate table"
+    elif isinstance(one, Guess) and one.axis is None and len(one.by_axis) != 1:
+        follows, seen = "", f"{file}: a table of dwells"
+    else:
+        return
+    yield Question("axis", seen, "Axis that was turned? (x, y or z)", follows, wrong=one_of(AXES))
+
+
+def _asked_unit(file: str, one: object) -> Iterator[Question]:
+    if isinstance(one, Recording):
+        applied = guess_channels(one.channels).applied
+        if applied is not None and one.channel(applied).unit is None:
+            ask = f"Unit of the rate of the table? ({RATES}, ...)"
+            seen = f"{file}: {applied} without a unit"
+            yield Question("units", seen, ask, group=applied, wrong=unit_of("angular_rate"))
+    elif isinstance(one, Guess) and one.unit is None and one.applied_unit is None and one.reading_unit is None:
+        yield Question("units", f"{file}: rates without a unit", f"Unit? ({RATES}, ...)", group="gyro",
+                       wrong=unit_of("angular_rate"))  # fmt: skip
 
 
 def draft(contents: Mapping[str, object]) -> Draft:
@@ -141,10 +163,11 @@ def _rows(found: Guess) -> dict[str, object] | Noted:
     return rows if rows["unit"] != "?" and (alone or found.by_axis) else fill_in(rows)
 
 
-def _recording(file: str, one: Recording) -> dict[str, object]:
+def _recording(file: str, one: Recording) -> dict[str, object] | Noted:
     applied = guess_channels(one.channels).applied
     unit = None if applied is None else one.channel(applied).unit
     rate: object = {"column": applied or "?", "unit": unit or "?"}
     turned = {axis: channel for axis, channel in gyros(one).items() if channel.name != applied}
     channels = {"applied": rate if unit else fill_in(rate), **channel_tables(turned)}
-    return recording_table("suite", file, one, channels) | {"axis": fill_in(turned_axis(one) or "?")}
+    table = recording_table("suite", file, one, channels) | {"axis": fill_in(turned_axis(one) or "?")}
+    return table if applied else Noted(table, above=NO_RATE)

@@ -10,7 +10,7 @@ from ...core.campaign_text import Noted
 from ...core.recording import Channel, Recording
 from ...core.units import kind
 from ...files.info.channel_survey import unit_hints
-from ...files.info.motion import SHORT, accelerometers, any_accelerometers, gyros
+from ...files.info.motion import SHORT, accelerometers, any_accelerometers, gyros, on_ground
 from ...files.info.survey import Survey
 from ..suggestions import Claim, Draft, FolderFile, Strength, Suggestion, channel_tables, recording_table, sensor_table
 
@@ -34,11 +34,11 @@ def suggests(recording: Recording, survey: Survey) -> Suggestion | None:
 
 
 def claims(file: FolderFile) -> Claim | None:
-    """Claim a recording at rest, unless it says a rate that was applied, or is of a head of accelerometers alone."""
+    """Claim a recording at rest, unless it says a rate that was applied, or is of accelerometers alone that float."""
     recording = file.recording
     if recording is None:
         return None
-    own = not file.columns.applied if gyros(recording) else not accelerometers(recording)
+    own = not file.columns.applied if gyros(recording) else on_ground(recording) or not accelerometers(recording)
     return Claim(Strength.POSSIBLE, lambda: (recording, ())) if own and file.at_rest else None
 
 

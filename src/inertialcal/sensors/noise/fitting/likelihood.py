@@ -170,7 +170,8 @@ def covariance_of_runs(problem: Problem, fitted: Fitted) -> Array:
         lost, (level, shape) = run.band.lost([phase], run.m)[0], run.band.u_lost(phase, run.m)
         phase += Phase(point=-float(lost[0] * run.m[0] ** 2) / 3.0)
         own = covariance_of_allan(phase, run.m, run.n, run.inflation)
-        more = 1.0 + level / np.sqrt(np.diag(own))  # the level comes from the same noise
+        spread = np.sqrt(np.diag(own))  # none, where a ramp is all there is
+        more = 1.0 + np.divide(level, spread, out=np.zeros_like(spread), where=spread > 0.0)  # of the same noise
         blocks.append(own * np.outer(more, more) + np.outer(shape, shape))
     sigma = blocks[0] if len(blocks) == 1 else linalg.block_diag(*blocks)
     if problem.misfit > 0.0:

@@ -135,6 +135,8 @@ def _limit(
     there = held(first)
     bread = sandwich(problem, there, covariance_of_runs(problem, there), timed=linear)
     stretch = float(bread.stretch[column_of(there, at)])
+    if not stretch > 0.0:  # nothing but a ramp is left, which does not scatter
+        return None, stretch
     x = _zero(lambda x: beyond(x, stretch), TOLERANCE)
     return (None if x is None else best + x * u), stretch
 
