@@ -31,7 +31,7 @@ def test_info_tells_the_traps_and_what_to_type_next(capsys: pytest.CaptureFixtur
         "not those of the sensor",
     ):
         assert words in told
-    assert f"next: inertialcal flip {path}" in told
+    assert f"next: inertialcal microgravity {path}" in told
 
 
 def test_a_record_without_a_turn_is_refused_with_a_way_out(capsys: pytest.CaptureFixture[str], shared: Path) -> None:

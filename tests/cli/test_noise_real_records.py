@@ -109,3 +109,13 @@ def test_a_filtered_record_of_vibration_has_terms_inside_its_band(
     assert ["cut-off stated at 6 Hz" in one for one in remarks(content, "low_pass")] == [True, True, True]
     assert not remarks(content, "cut_off_disagrees")
     assert not remarks(content, "terms_do_not_explain")
+
+
+def test_a_sensor_turned_by_hand_has_no_limit_next_to_a_ramp_alone(
+    capsys: pytest.CaptureFixture[str], shared: Path
+) -> None:
+    """Nothing but a ramp is left at the limit, and a ramp does not scatter."""
+    path = shared / MPU / "set-1__rotate-360ccw-around-z-pointing-up/mpu6050_gyroscope.mat"
+    content = allan(capsys, path, "--unit", "gyro=deg/s")
+    ramp = [one["status"] for one in content["results"] if (one["quantity"], one["axis"]) == ("rate_ramp", "z")]
+    assert set(ramp) == {"not_estimated"}

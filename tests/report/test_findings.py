@@ -146,6 +146,11 @@ def test_highlights_are_those_of_their_rules() -> None:
     assert plain(second.figure) == "-0.0200 ± 0.0010 rad"
 
 
+def test_an_angle_in_degrees_is_compared_with_errors() -> None:
+    rows = [row("scale_factor_error", "x", 0.9), row("misalignment", "xy", -2.0, 0.1, unit="deg")]
+    assert any(plain(one.figure) == "-2.00 ± 0.10 deg" for one in highlights(results(results=rows)))
+
+
 def test_highlights_fall_back_where_there_is_no_loop_and_no_requirement() -> None:
     rows = [row("bias", "x", 0.1, unit="deg/s"), row("bias", "y", -0.3, unit="deg/s"), row("scale_factor", "x", 0.5)]
     found = highlights(results(results=rows))

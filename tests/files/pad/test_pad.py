@@ -302,11 +302,11 @@ def test_a_whole_day_keeps_its_stamps_and_values(tmp_path: Path) -> None:
 # info, and the record of the archive itself
 
 
-def test_info_leads_on_to_the_flip(tmp_path: Path) -> None:
+def test_info_leads_on_from_a_head_that_did_not_turn(tmp_path: Path) -> None:
     path = pair(tmp_path, records())
     from inertialcal.campaign.start.info import info as survey
 
-    assert survey(path, commands=("info", "flip")).next == f"inertialcal flip {path}"
+    assert survey(path, commands=("info", "flip", "microgravity")).next == f"inertialcal microgravity {path}"
     assert survey(path, commands=("info", "init")).next == f"inertialcal init {tmp_path}"
     assert survey(path, commands=("info",)).next is None
 

@@ -152,7 +152,7 @@ def test_init_of_a_folder_of_several_sensors_says_so(tmp_path: Path) -> None:
         start(tmp_path)
 
 
-def test_a_record_without_a_turn_leaves_its_windows_open(tmp_path: Path) -> None:
+def test_a_record_without_a_turn_is_one_of_the_environment(tmp_path: Path) -> None:
     folder = flip_records(tmp_path, files=1)
     data = next(folder.glob("*.121f03"))
     whole = data.read_bytes()
@@ -162,9 +162,9 @@ def test_a_record_without_a_turn_leaves_its_windows_open(tmp_path: Path) -> None
     data.with_name(data.name + ".header").rename(short.with_name(short.name + ".header"))
     data.unlink()
     path, marked, remarks = start(folder)
-    assert [one.code for one in remarks] == ["no_turns"]
-    assert path.read_text(encoding="utf-8").count('start = "?"') == 2
-    assert len(marked) == 3 + 2 + 1
+    assert not remarks
+    assert 'procedure = "microgravity"' in path.read_text(encoding="utf-8")
+    assert len(marked) == 3  # maker, part and serial number
 
 
 def test_a_frame_is_for_archive_records_alone(tmp_path: Path) -> None:

@@ -52,9 +52,9 @@ def questions(
         yield from _of_readings(found, group, said)
     for procedure, contents in found.items():
         for question in procedure_of(procedure).asks(contents) if contents else ():
-            known = axis if question.name == "axis" else getattr(said, question.name, None)
+            known: Any = axis if question.name == "axis" else getattr(said, question.name, None)
             if question.group:
-                known = (known or {}).get(question.group, bare(known or {}))
+                known = known.get(question.group, bare(known))
             if known is None:
                 yield question
     for name, ask in ITEM.items():
