@@ -119,7 +119,9 @@ MUTANTS = (
     Mutant("ulog.py", "astype(float) * 1e-6", "astype(float) * 1e-3", "test_lab_files"),
     Mutant("estimate.py", "np.maximum(1.0, 2.0 - FEW / dof)", "2.0", "test_estimate"),
     Mutant("conditions.py", "np.all(half <= WIDE * u)", "np.all(half >= WIDE * u)", "test_step_conditions"),
-    Mutant("conditions.py", "dof = dwell.n_effective - 1.0", "dof = dwell.n_effective + 1e9", "test_step_conditions"),
+    Mutant("conditions.py", "1.0 - most) / (1.0 + most)", "1.0 - most)", "test_step_conditions"),
+    Mutant("conditions.py", "for slow, likely in LIKELY.items()", "for slow, likely in ()", "test_step_conditions"),
+    Mutant("conditions.py", "t_upper(LEVEL, count) * np", "WIDE * np", "test_step_conditions"),
     Mutant("as_run.py", 'found[: found.rfind(b"\\n") + 1]', "found", "test_sequenced_campaign"),
     Mutant("taken.py", "asked.monotonic_ns >= self._since", "asked.monotonic_ns < self._since", "test_step_ends"),
     Mutant(

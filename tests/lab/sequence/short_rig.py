@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from inertialcal.lab.sequence.rehearsal import write_rehearsal
@@ -10,7 +11,7 @@ from inertialcal.rigs.protocol import Rig, on_bench
 from inertialcal.rigs.rate_table.rig import build
 from inertialcal.rigs.rate_table.setup import Bench
 
-TABLE, SUITE = "short_table", "short_suite"
+TABLE, LONG, SUITE = "short_table", "long_table", "short_suite"
 RATES = (0.0, 1.5, -1.5, 4.5, -4.5, 0.0)
 
 
@@ -20,6 +21,7 @@ def add_rigs() -> None:
 
     bench = Bench(rates_deg_s=RATES, runs=2, fit_runs=2, dwell=60.0)
     RIGS[TABLE] = Rig(TABLE, "rate table, two power-ups", on_bench(build, bench))
+    RIGS[LONG] = Rig(LONG, "rate table, longer dwells", on_bench(build, replace(bench, dwell=240.0)))
     small = {"table_runs": 3, "table_fit_runs": 2, "static_hours": 0.3, "chamber_runs": 3, "chamber_fit_runs": 2}
     RIGS[SUITE] = Rig(SUITE, "rate suite, three power-ups", lambda seed, changes: short_twin(seed, **small))
 

@@ -378,8 +378,12 @@ class Sequence:
                     return part
                 if elapsed[stop - 1] >= round(record.most * SECOND):
                     _, half = conditions.uncertainty(part.values(record.channels), part.time_ns)
-                    what = f"after {record.most:g} s u is {float(np.max(half)) / conditions.WIDE:.3g}"
-                    raise InstrumentError(f"{what}, {record.u:g} is wanted", code="u_not_reached")
+                    found_u = float(np.max(half)) / conditions.WIDE
+                    what = (
+                        f"u is {found_u:.3g}" if np.isfinite(found_u) else "too few samples are independent to tell u"
+                    )
+                    what = f"after {record.most:g} s {what}, {record.u:g} is wanted"
+                    raise InstrumentError(what, code="u_not_reached")
                 stop += max(stop // LOOKS, 1)  # the same ones however the rows came together
             judged = stop if elapsed[-1] >= round(record.least * SECOND) else 0
             if stable is not None and stable.channel:
