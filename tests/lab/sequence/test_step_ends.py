@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 import short_rig
 
-from inertialcal.core.errors import InertialcalError
+from inertialcal.core.errors import InertialcalError, StoreError
 from inertialcal.core.recording import Recording
 from inertialcal.files import read
+from inertialcal.files.write.recording import write
 from inertialcal.lab.acquisition.acquisition import Acquisition
 from inertialcal.lab.acquisition.lab_file import Lab, load_lab
 from inertialcal.lab.clock import Clock
@@ -59,12 +60,13 @@ class Watched(BenchLink):
     def __init__(self, bench: Bench, clock: Clock) -> None:
         super().__init__(bench, clock)
         self.told: list[str] = []
-        self.lost_after, self.deaf_after = 2**62, 2**62  # commands
+        self.lost_after = self.deaf_after = self.mute_after = 2**62  # commands
 
     def read(self, wait: float) -> list[bytes]:
         if len(self.told) >= self.lost_after:
             raise LinkLostError("made: unplugged")
-        return super().read(wait)
+        found = super().read(wait)
+        return [] if len(self.told) >= self.mute_after else found
 
     def write(self, data: bytes) -> None:
         if len(self.told) >= self.deaf_after:
@@ -142,6 +144,7 @@ def leave(rate: np.ndarray) -> None:
             {},
         ),
         ("no_rows", None, {"rate": "1.7", "more": 'silence = "5 s"'}, {}),
+        ("no_rows", None, {"more": 'silence = "5 s"'}, {"mute_after": 3}),
         ("unplugged", None, {}, {"lost_after": 3}),
         ("unreachable", None, {}, {"deaf_after": 2}),
     ],
@@ -191,6 +194,71 @@ def test_a_record_that_does_not_read_back_is_not_pass(tmp_path: Path, monkeypatc
     assert (ended, made.log.rows[-1].code, link.told[-1]) == ("not_read_again", "not_read_again", "SAFE")
     assert not made.passed
     went_on(lab, tmp_path / "made")
+
+
+def cut(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[:-100])
+
+
+def flip(path: Path) -> None:
+    data = bytearray(path.read_bytes())
+    data[len(data) // 4] ^= 1
+    path.write_bytes(data)
+
+
+@pytest.mark.parametrize("harm", [Path.unlink, cut, flip])
+@pytest.mark.parametrize("when", ["before", "after"])
+def test_a_file_that_is_harmed_while_it_is_read_again_is_not_pass(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, harm: Callable[[Path], None], when: str
+) -> None:
+    """Between writing and reading, and between reading and taking its SHA-256."""
+
+    def reading(path: Path) -> Recording:
+        found = read(path)
+        harm(path)
+        return found
+
+    def writing(path: Path, recording: Recording) -> None:
+        write(path, recording)
+        harm(path)
+
+    lab = lab_of(tmp_path)
+    with monkeypatch.context() as patch:
+        patch.setattr(store_module, *(("write", writing) if when == "before" else ("read", reading)))
+        made, link, ended = conducted(lab, tmp_path / "made")
+    assert (ended, made.log.rows[-1].code, link.told[-1]) == ("not_read_again", "not_read_again", "SAFE")
+    assert not made.passed
+    assert "PASS" not in {row.status for row in made.log.rows}
+
+
+@pytest.mark.parametrize("harm", [Path.unlink, cut, flip])
+def test_a_file_that_is_harmed_after_pass_makes_no_campaign_and_is_made_anew(
+    tmp_path: Path, harm: Callable[[Path], None]
+) -> None:
+    lab = lab_of(tmp_path)
+    made, _, ended = conducted(lab, tmp_path / "made")
+    assert (ended, made.complete) == ("", True)
+    (tmp_path / "campaign").mkdir()
+    (tmp_path / "campaign" / "campaign.toml").write_text('[recordings.one]\nfile = "one.parquet"\n')
+    harm(tmp_path / "made" / made.records[2].file)
+    with pytest.raises(StoreError) as caught:
+        store_module.build_campaign(tmp_path / "campaign", tmp_path / "made", lab.sequence, made.records)
+    assert caught.value.problems[0].code == "damaged_file"
+    again = Sequence(lab, tmp_path / "made", Operator(answers=True))
+    again.log.close()
+    assert again.passed == set()
+    went_on(lab, tmp_path / "made")
+
+
+def test_an_operator_who_stops_a_record_ends_it_safely(tmp_path: Path) -> None:
+    lab, operator = lab_of(tmp_path, record='{ for = "1000 s" }', more='silence = "10 h"'), Operator(answers=True)
+    stop = threading.Timer(1.5, operator.say, ["stop"])
+    stop.start()
+    made, link, ended = conducted(lab, tmp_path / "made", operator=operator)
+    stop.join()
+    assert (ended, made.log.rows[-1].code, link.told[-1]) == ("operator_stop", "operator_stop", "SAFE")
+    assert 2 not in made.passed
+    assert [row.status for row in made.log.rows if row.step == 2] in ([], ["FAILED"])
 
 
 def test_a_record_that_cannot_be_written_is_not_pass(tmp_path: Path) -> None:

@@ -35,7 +35,7 @@ from . import conditions
 from .as_run import AsRun, Log, Status, time_text
 from .operator import Operator
 from .steps import Record, SequenceStep, Stable
-from .store import is_there, store
+from .store import Stored, is_there, store
 from .taken import Since, Taken
 
 LAB_FILE, ACQUIRED = "LAB.toml", "acquired"
@@ -116,10 +116,10 @@ class Sequence:
         return len(self.passed) == len(self.lab.sequence)
 
     @property
-    def records(self) -> Mapping[int, str]:
-        """File of the record of each step that is PASS and has one."""
+    def records(self) -> Mapping[int, Stored]:
+        """Record of each step that is PASS and has one."""
         last = self.log.last()
-        return {number: last[number].file for number in self.passed if last[number].file}
+        return {number: Stored(last[number].file, last[number].sha256) for number in self.passed if last[number].file}
 
     def acquired(self) -> Path:
         """Return a new folder for what is acquired."""

@@ -52,13 +52,15 @@ def store(folder: Path, name: str, recording: Recording) -> Stored:
     except OSError as error:
         raise StoreError(f"cannot be made: {error.strerror}", str(path.parent), code="not_written") from None
     write(path, recording)
-    _compare(path, recording)
-    return Stored(f"{RECORDS}/{path.name}", sha256(path))
+    return Stored(f"{RECORDS}/{path.name}", _compare(path, recording))
 
 
-def _compare(path: Path, recording: Recording) -> None:
+def _compare(path: Path, recording: Recording) -> str:
+    """Return the SHA-256 of the file that was read again and is as it came."""
     try:
+        digest = sha256(path)
         again = read(path)
+        unchanged = sha256(path) == digest
     except InertialcalError as error:
         raise InstrumentError(f"{path.name}: {error.problems[0].what}", code="not_read_again") from None
     stamps = again.stamps
@@ -68,8 +70,9 @@ def _compare(path: Path, recording: Recording) -> None:
     for one in recording.channels:
         there = by_name.get(one.name)
         same &= there is not None and np.array_equal(there, one.data, equal_nan=one.data.dtype.kind == "f")
-    if not same:
+    if not same or not unchanged:
         raise InstrumentError(f"{path.name} does not read back as it came", code="not_read_again")
+    return digest
 
 
 def is_there(folder: Path, file: str, digest: str) -> bool:
@@ -84,7 +87,7 @@ def is_there(folder: Path, file: str, digest: str) -> bool:
 # ---- the campaign ----
 
 
-def build_campaign(campaign: Path, folder: Path, steps: Sequence[SequenceStep], records: Mapping[int, str]) -> Path:
+def build_campaign(campaign: Path, folder: Path, steps: Sequence[SequenceStep], records: Mapping[int, Stored]) -> Path:
     """Make the campaign of a sequence that is PASS: its recordings, and the schedule of each as it was run.
 
     Parameters
@@ -95,11 +98,13 @@ def build_campaign(campaign: Path, folder: Path, steps: Sequence[SequenceStep], 
         Of the sequence.
     steps : sequence of SequenceStep
         All.
-    records : mapping of int to str
-        Step -> file of its record, from the folder of the sequence.
+    records : mapping of int to Stored
+        Step -> its record.
 
     Raises
     ------
+    StoreError
+        ``damaged_file`` if a record is no longer as it was stored.
     InertialcalError
         What cannot be read or written.
     """
@@ -111,17 +116,27 @@ def build_campaign(campaign: Path, folder: Path, steps: Sequence[SequenceStep], 
     for step in steps:
         values |= {quantity: value for _, quantity, value in step.values}
         if step.record is not None:
-            parts.setdefault(step.recording, []).append((read(folder / records[step.number]), dict(values)))
-    for name, own in parts.items():
+            own = _as_stored(folder, records[step.number], step.name)
+            parts.setdefault(step.recording, []).append((own, dict(values)))
+    for name, of_steps in parts.items():
         path = target / wanted[name].file
         path.parent.mkdir(parents=True, exist_ok=True)
-        whole = _joined([one for one, _ in own], str(path))
+        whole = _joined([one for one, _ in of_steps], str(path))
         write(path, whole)
         _compare(path, whole)
         schedule = wanted[name].schedule
         if schedule:
-            _write_schedule(target / schedule["file"], own)
+            _write_schedule(target / schedule["file"], of_steps)
     return target
+
+
+def _as_stored(folder: Path, record: Stored, name: str) -> Recording:
+    """Return the record of a step, which was PASS, if it still is as it was then."""
+    if not is_there(folder, record.file, record.sha256):
+        why = f"step {name} was PASS with it, and its SHA-256 is no longer the same"
+        do = "Add --resume: its recording is made anew"
+        raise StoreError("the record was changed or removed", str(folder / record.file), why, do, "damaged_file")
+    return read(folder / record.file)
 
 
 def _joined(parts: Sequence[Recording], place: str) -> Recording:
