@@ -24,15 +24,19 @@ class Operator:
     def __init__(self, answers: bool = False) -> None:
         self.answers = answers
         self.asked = ""  # What is asked now; empty: nothing
+        self.number = 0  # of what was asked last
         self.paused = False
         self.stopped = False
         self._said = threading.Condition()
 
-    def say(self, word: Word) -> None:
-        """Take a word: what was asked is done, pause, go on, stop."""
+    def say(self, word: Word, number: int | None = None) -> None:
+        """Take a word: what was asked is done, pause, go on, stop.
+
+        With the number of what was asked, another prompt, which came meanwhile, is not taken as done.
+        """
         with self._said:
             if word == "done":
-                self.asked = ""
+                self.asked = self.asked if number not in (None, self.number) else ""
             elif word == "stop":
                 self.stopped = True
             else:
@@ -48,7 +52,7 @@ class Operator:
             ``operator_stop``.
         """
         with self._said:
-            self.asked = "" if self.answers else text
+            self.asked, self.number = "" if self.answers else text, self.number + 1
             while self.asked and not stop.is_set() and not self.stopped:
                 self._said.wait(LOOK)
         self.check()

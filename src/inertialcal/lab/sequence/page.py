@@ -34,9 +34,12 @@ class OperatorContent(LiveContent):
         """Return the answer to what a page asks; None where it asks for what is not given."""
         if not isinstance(asked, str) or not asked.startswith(ASKS):
             return await super().answer(asked)
-        word = next((one for one in WORDS if asked == f"{ASKS}{one}"), None)
-        if word is None and asked != f"{ASKS}look":
+        said, _, number = asked.removeprefix(ASKS).partition(" ")
+        word = next((one for one in WORDS if said == one), None)
+        of_a_prompt = word == "done" and number.isascii() and number.isdecimal()
+        if (word is None and said != "look") or (bool(number) or word == "done") != of_a_prompt:
             return None
         if word is not None:
-            self._operator.say(word)
-        return json.dumps({"asked": self._operator.asked, "paused": self._operator.paused})
+            self._operator.say(word, int(number) if of_a_prompt else None)
+        now = self._operator
+        return json.dumps({"asked": now.asked, "number": now.number, "paused": now.paused})
