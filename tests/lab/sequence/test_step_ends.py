@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import threading
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -22,6 +23,7 @@ from inertialcal.lab.instruments.device import Device
 from inertialcal.lab.instruments.links.bench import Bench, BenchLink, bench_of
 from inertialcal.lab.instruments.links.link import LinkLostError
 from inertialcal.lab.sequence import store as store_module
+from inertialcal.lab.sequence.campaign_entries import campaign_problems
 from inertialcal.lab.sequence.operator import Operator
 from inertialcal.lab.sequence.sequence import Sequence
 from typed_commands import call
@@ -248,6 +250,27 @@ def test_a_file_that_is_harmed_after_pass_makes_no_campaign_and_is_made_anew(
     again.log.close()
     assert again.passed == set()
     went_on(lab, tmp_path / "made")
+
+
+def test_two_instruments_with_one_quantity_have_columns_of_their_own(tmp_path: Path) -> None:
+    lab = lab_of(tmp_path)
+    made, _, _ = conducted(lab, tmp_path / "made")
+    steps = [replace(one, values=(*one.values, ("oven", "rate", 7.0))) for one in lab.sequence]
+    campaign = tmp_path / "campaign"
+    campaign.mkdir()
+    text = '[recordings.one]\nfile = "one.parquet"\nschedule = {{ file = "one.csv", unit = "deg/s"{} }}\n'
+    (campaign / "campaign.toml").write_text(text.format(""))
+    (problem,) = campaign_problems(campaign, steps, "LAB.toml:1")
+    assert problem.code == "unknown_name"
+    assert "bench.rate, oven.rate" in problem.do
+    assert campaign_problems(campaign, lab.sequence, "LAB.toml:1") == []
+    (campaign / "campaign.toml").write_text(text.format(', rate = "bench.rate"'))
+    assert campaign_problems(campaign, steps, "LAB.toml:1") == []
+    store_module.build_campaign(campaign, tmp_path / "made", steps, made.records)
+    with (tmp_path / "made" / "campaign" / "one.csv").open() as stream:
+        rows = list(csv.DictReader(stream))
+    assert [(float(row["bench.rate"]), float(row["oven.rate"])) for row in rows] == [(0.0, 7.0), (1.5, 7.0)]
+    assert "recording" in rows[0]
 
 
 def test_an_operator_who_stops_a_record_ends_it_safely(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -45,6 +46,16 @@ def wanted_of(campaign: Path) -> dict[str, Wanted]:
         raise PlanError("a recording without its file", str(path), code="wrong_value") from None
 
 
+def columns_of(steps: Sequence[SequenceStep]) -> dict[tuple[str, str], str]:
+    """Return the column of a schedule for each instrument and quantity that is set.
+
+    It is called as the quantity; with the instrument before it where several instruments have that quantity.
+    """
+    targets = {(name, quantity) for step in steps for name, quantity, _ in step.values}
+    several = Counter(quantity for _, quantity in targets)
+    return {one: one[1] if several[one[1]] == 1 else ".".join(one) for one in sorted(targets)}
+
+
 def campaign_problems(campaign: Path, steps: Sequence[SequenceStep], where: str) -> list[Problem]:
     """Return in what the recordings of a sequence and of a campaign differ."""
     try:
@@ -52,6 +63,7 @@ def campaign_problems(campaign: Path, steps: Sequence[SequenceStep], where: str)
     except PlanError as error:
         return [replace(one, where=one.where or where) for one in error.problems]
     made = {one.recording for one in steps if one.record is not None}
+    columns = sorted(columns_of(steps).values())
     found, files = [], {wanted[name].file for name in made & wanted.keys()}  # two recordings may be of one file
     for name in sorted(wanted.keys() - made):
         if wanted[name].file not in files and not (campaign / wanted[name].file).is_file():
@@ -66,6 +78,11 @@ def campaign_problems(campaign: Path, steps: Sequence[SequenceStep], where: str)
         inside = not file.is_absolute() and ".." not in file.parts
         if not inside:
             found.append(Problem(f"recordings.{name}: {file} lies outside the campaign", where, code="wrong_value"))
+        rate = wanted[name].schedule.get("rate", "rate")
+        if wanted[name].schedule and rate not in columns:
+            what = f"recordings.{name}: its schedule will have no column {rate}"
+            do = f"Say in campaign.toml: schedule.rate, of {', '.join(columns) or 'what is set: nothing is'}"
+            found.append(Problem(what, where, do=do, code="unknown_name"))
         try:
             writer_for(file)
         except InertialcalError as error:

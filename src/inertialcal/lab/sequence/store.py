@@ -22,7 +22,7 @@ from ...files.write.atomic import atomic_write
 from ...files.write.recording import write
 from ..acquisition.seal import sha256
 from .as_run import time_text
-from .campaign_entries import wanted_of
+from .campaign_entries import columns_of, wanted_of
 from .steps import SequenceStep
 
 CAMPAIGN, RECORDS = "campaign", "records"
@@ -110,11 +110,11 @@ def build_campaign(campaign: Path, folder: Path, steps: Sequence[SequenceStep], 
     """
     target = folder / CAMPAIGN
     shutil.copytree(campaign, target, dirs_exist_ok=True)
-    wanted = wanted_of(campaign)
+    wanted, columns = wanted_of(campaign), columns_of(steps)
     values: dict[str, float] = {}
     parts: dict[str, list[tuple[Recording, dict[str, float]]]] = {}
     for step in steps:
-        values |= {quantity: value for _, quantity, value in step.values}
+        values |= {columns[name, quantity]: value for name, quantity, value in step.values}
         if step.record is not None:
             own = _as_stored(folder, records[step.number], step.name)
             parts.setdefault(step.recording, []).append((own, dict(values)))
