@@ -11,7 +11,9 @@ from scipy.stats import binom
 from inertialcal.core.recording import SECOND
 from inertialcal.lab.sequence.conditions import at_rest, held, known_well, stays_at_rest, uncertainty
 from inertialcal.lab.sequence.sequence import LOOKS
+from sized import sized
 
+LONG = sized(300, 100)  # records
 SHORT = 20  # samples of a record at least
 SLOW = {"white": 0.0, "0.6": 0.6, "0.9": 0.9, "0.97": 0.97, "mixed": 0.97}  # correlation of neighbours
 LENGTH = {"white": 1500, "0.6": 2000, "0.9": 6000, "0.97": 20_000, "mixed": 20_000}  # samples, of which more never come
@@ -55,10 +57,9 @@ def ended(kind: str, u: float, n: int, least: int = SHORT) -> tuple[int, int, fl
 @pytest.mark.parametrize(
     ("kind", "u", "least", "n"),
     [
-        ("white", 0.13, SHORT, 60),
         ("0.9", 0.25, SHORT, 30),
-        *(pytest.param(kind, 0.13, SHORT, 300, marks=pytest.mark.slow) for kind in ("white", "0.6", "0.9", "0.97")),
-        pytest.param("mixed", 0.06, SHORT, 300, marks=pytest.mark.slow),
+        *(pytest.param(kind, 0.13, SHORT, LONG, marks=pytest.mark.slow) for kind in ("white", "0.6", "0.9", "0.97")),
+        pytest.param("mixed", 0.06, SHORT, LONG, marks=pytest.mark.slow),
     ],
 )
 def test_intervals_of_records_that_ended_by_themselves_hold_the_truth(kind: str, u: float, least: int, n: int) -> None:
@@ -70,8 +71,10 @@ def test_intervals_of_records_that_ended_by_themselves_hold_the_truth(kind: str,
 
 def test_white_noise_takes_little_longer() -> None:
     """Scatter 1 and u = 0.13 are 1/u^2 = 59 samples when the scatter is known, 69 when it is judged from them too."""
-    _, _, length = ended("white", 0.13, 60)
+    count, inside, length = ended("white", 0.13, 60)
     assert length < 1.3 * 69
+    assert count == 60
+    assert binom.cdf(inside, count, 0.95) > 0.0005
 
 
 def test_a_correlation_that_few_samples_hide_ends_no_record() -> None:
