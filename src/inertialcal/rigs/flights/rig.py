@@ -23,6 +23,7 @@ from ...core.estimate import Array, Component, Estimate
 from ...core.influence import Influence
 from ...core.key import AXES, Key
 from ...core.recording import Source
+from ...core.show.rounding import number
 from ...files.models.model_json import dump_model
 from ...files.text.table import Table
 from ...sensors.model.assemble import model_from
@@ -115,7 +116,7 @@ class Row:
     def cells(self) -> tuple[str, ...]:
         """Return its cells."""
         return (self.flight, self.date, self.serial, self.axis, f"{self.temperature:.2f}", f"{self.bias:.6g}",
-                f"{self.u:.3g}")  # fmt: skip
+                number(self.u, 3))  # fmt: skip
 
 
 def build(bench: Bench, seed: int) -> Twin:
@@ -198,8 +199,8 @@ def _rows(
         date = str(np.datetime64(round((year - 1970.0) * YEAR), "s"))[:10]
         centre = 20.0 + rng.normal(0.0, bench.temperatures)
         launch = rng.normal(0.0, bench.launch, 3) * UG + (bench.knock * UG if flight == bench.flights else 0.0)
-        for number in range(bench.flips):
-            T = round(float(centre + bench.apart * (number / max(bench.flips - 1, 1) - 0.5)), 2)
+        for flip in range(bench.flips):
+            T = round(float(centre + bench.apart * (flip / max(bench.flips - 1, 1) - 0.5)), 2)
             away = T - REFERENCE
             bias = ground.bias + ground.bias_temperature[0] * away + ground.bias_temperature[1] * away**2
             head = np.linalg.solve(ground.matrix[0], bias)

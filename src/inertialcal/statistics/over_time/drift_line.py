@@ -159,8 +159,8 @@ def line(times: ArrayLike, figures: Sequence[Figure], stretches: Sequence[int] |
     --------
     >>> tests = [Figure(y, 0.05, changes={"table": 0.04}) for y in (1.00, 1.02, 1.06)]
     >>> found = line([0.0, 1.0, 2.0], tests)
-    >>> round(found.slope, 4), round(found.u, 4)  # the error of the table is not in it: 0.03 / sqrt(2)
-    (0.03, 0.0212)
+    >>> round(found.slope, 4), round(found.u, 4)  # of three tests the residuals tell it: 0.0082 / sqrt(2)
+    (0.03, 0.0058)
     """
     t = np.asarray(times, dtype=float)
     which = np.zeros(t.size, dtype=int) if stretches is None else np.asarray(stretches, dtype=int)

@@ -22,6 +22,7 @@ SHOWS = (
     " is chosen"
 )
 MOST = 4  # panels
+LONGEST = 27  # characters of the name in a panel
 
 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
@@ -49,7 +50,7 @@ def draw(found: Sequence[Curve], axes: Sequence[Axes], title: str) -> None:
     handles: dict[str, Line2D] = {}
     for k, (one, ax) in enumerate(zip(found, axes, strict=True)):
         time, u, chosen = numbers(one, "time"), numbers(one, "u"), flags(one, "chosen")
-        name = plain(one.get("of", ""))
+        name = plain(one.get("of", ""), LONGEST)
         ax.plot(time, u, color=COLOURS["blue"], label=name, zorder=2)
         shown = u
         if "wanted" in one["columns"]:
