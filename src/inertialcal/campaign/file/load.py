@@ -22,7 +22,6 @@ from ...core.schema.problems import model_problems
 from ...core.schema.standards import STANDARDS, WRITTEN, StandardEntry
 from ...core.schema.toml import At, key_lines, nearest_line, parse_toml
 from ...core.schema.toml import Path as KeyPath
-from ...core.show.rounding import number
 from ...files.binary.parquet import clock_in
 from ...files.source import read_bytes
 from .cross_checks import cross_checks
@@ -122,8 +121,8 @@ def clock_standard(clocks: Iterable[ClockRate | None]) -> dict[str, dict[str, An
     if not known or len(known) < len(found):
         return {}
     worst = max(known, key=lambda one: one.u)
-    entry: dict[str, Any] = {"u": f"{number(1e6 * worst.u, 4)} ppm", "certificate": worst.source}
-    return {"rate": entry if math.isinf(worst.dof) else entry | {"dof": float(number(worst.dof, 4))}}
+    entry: dict[str, Any] = {"u": f"{1e6 * worst.u:g} ppm", "certificate": worst.source}
+    return {"rate": entry if math.isinf(worst.dof) else entry | {"dof": float(f"{worst.dof:g}")}}
 
 
 def with_clock(file: CampaignFile, clocks: Iterable[ClockRate | None]) -> CampaignFile:

@@ -23,7 +23,6 @@ from ...core.estimate import Array, Component, Estimate
 from ...core.influence import Influence
 from ...core.key import AXES, Key
 from ...core.recording import Source
-from ...core.show.rounding import number
 from ...files.models.model_json import dump_model
 from ...files.text.table import Table
 from ...sensors.model.assemble import model_from
@@ -116,7 +115,7 @@ class Row:
     def cells(self) -> tuple[str, ...]:
         """Return its cells."""
         return (self.flight, self.date, self.serial, self.axis, f"{self.temperature:.2f}", f"{self.bias:.6g}",
-                number(self.u, 3))  # fmt: skip
+                f"{self.u:g}")  # fmt: skip
 
 
 def build(bench: Bench, seed: int) -> Twin:
