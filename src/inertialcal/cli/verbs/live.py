@@ -54,11 +54,13 @@ def live(
         return 0
     with interruption.held(), Followed(folder) as followed, page_of(followed, port) as page:
         print(f"live: {page}", file=sys.stderr, flush=True)
-        while not interruption.requested:
+        while True:
             view = followed.view()
             if view.state != said and not (quiet or as_json):
                 print(f"{SAID.get(view.state, view.state)}{_why(view)}", file=sys.stderr, flush=True)
             said = view.state
+            if interruption.requested:  # its last state was said
+                break
             machine.pause(many=LOOKS)
         interruption.accept()
     if as_json:
