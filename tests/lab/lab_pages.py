@@ -7,7 +7,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from browsing import PATIENCE
-from playwright.sync_api import Browser, Dialog, Page, Request
+from playwright.sync_api import Browser, ConsoleMessage, Dialog, Page, Request
+
+READ_BACK = "Multiple readback operations"  # what chromium says of a canvas that is read several times
 
 
 @contextmanager
@@ -25,6 +27,10 @@ def opened(
             if not one.url.startswith(place):
                 odd.append(f"asked: {one.url}")
 
+        def said(one: ConsoleMessage) -> None:
+            if READ_BACK not in one.text:  # by the tests, where the machine is slow; the page reads none
+                odd.append(f"console: {one.text}")
+
         def dialog(one: Dialog) -> None:
             odd.append(f"dialog: {one.message}")
             one.dismiss()
@@ -32,8 +38,7 @@ def opened(
         page.on("request", asked)
         page.on("dialog", dialog)
         page.on("pageerror", lambda one: odd.append(f"error: {one}"))
-        # A canvas that a test reads, several times where the machine is slow, is none of the page's doing.
-        page.on("console", lambda one: None if READ_BACK in one.text else odd.append(f"console: {one.text}"))
+        page.on("console", said)
         page.goto(address)
         yield page, odd
     finally:
