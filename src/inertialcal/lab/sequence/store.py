@@ -134,7 +134,7 @@ def _as_stored(folder: Path, record: Stored, name: str) -> Recording:
     """Return the record of a step, which was PASS, if it still is as it was then."""
     if not is_there(folder, record.file, record.sha256):
         why = f"step {name} was PASS with it, and its SHA-256 is no longer the same"
-        do = "Add --resume: its recording is made anew"
+        do = "Resume the sequence: that record is made anew"
         raise StoreError("the record was changed or removed", str(folder / record.file), why, do, "damaged_file")
     return read(folder / record.file)
 
