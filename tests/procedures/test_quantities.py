@@ -169,3 +169,15 @@ def test_what_a_ground_model_leaves_of_the_bias_is_its_error(corrected: bool, qu
     result: Any = SimpleNamespace(plan=FlipPlan(corrected=corrected))
     assert PROCEDURES["flip"].called(result, Key("bias", "x")) == Key(quantity, "x")
     assert PROCEDURES["flip"].called(result, Key("reading", "x")) == Key("reading", "x")
+
+
+OPEN = {"second_order", "third_order", "scale_factor_error_temperature_1"}  # shown as the one procedure says that does
+
+
+def test_procedures_that_give_a_figure_of_one_name_show_it_in_one_unit() -> None:
+    """What one leaves open is as another has it: a new procedure could change the unit of a figure of all."""
+    said: dict[str, set[tuple[str, str]]] = {}
+    for one in PROCEDURES.values():
+        for name, quantity in one.quantities().items():
+            said.setdefault(name, set()).add((quantity.shown, str(quantity.shown_by_kind)))
+    assert {name for name, units in said.items() if len(units) > 1} == OPEN

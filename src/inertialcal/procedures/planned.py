@@ -332,6 +332,20 @@ def settings_said(kind: type[T], given: Mapping[str, Any], options: bool) -> tup
     return kind(**values), words
 
 
+def check_order(said: object, words: Mapping[str, str], least: str, most: str) -> None:
+    """Refuse two settings, the least and the most of something, of which the most is less.
+
+    Raises
+    ------
+    UsageError
+        ``wrong_value``.
+    """
+    low, high = getattr(said, least), getattr(said, most)
+    if high < low:
+        what = f"{words[least]} is {low}, {words[most]} is {high}"
+        raise UsageError(what, do=f"Give {words[most]} {low} or more", code="wrong_value")
+
+
 def quantity(word: str, said: str, unit: str, example: str, least: float = 0.0) -> float:
     """Return a quantity of a setting that is text, in a unit.
 

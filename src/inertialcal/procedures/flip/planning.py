@@ -18,7 +18,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from ...core.errors import DataError, UsageError
+from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.influence import Influence
 from ...core.key import AXES, Key
@@ -89,9 +89,7 @@ def plan_flip(**settings: Any) -> TestPlan:
 def planned(given: Mapping[str, Any], options: bool = True) -> TestPlan:
     """Return the plan that settings give, as text with units; messages speak of options, or of arguments of Python."""
     said, words = shared.settings_said(PlannedFlips, given, options)
-    if said.most_flips < said.least_flips:
-        what = f"{words['least_flips']} is {said.least_flips}, {words['most_flips']} is {said.most_flips}"
-        raise UsageError(what, do=f"Give {words['most_flips']} {said.least_flips} or more", code="wrong_value")
+    shared.check_order(said, words, "least_flips", "most_flips")
     wanted = shared.targets(words["wanted"], said.wanted, dict.fromkeys((BIAS, AMBIENT), (UNIT, "0.5 ug")))
     try:
         return _planned(said, wanted)

@@ -5,7 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..protocol import READING, RELATIVE, Command, Correction, Facts, InputSpec, Procedure, Quantity, Source, Tested
+from ..protocol import (
+    OF_MOUNTING,
+    READING,
+    RELATIVE,
+    Command,
+    Correction,
+    Facts,
+    InputSpec,
+    Procedure,
+    Quantity,
+    Source,
+    Tested,
+)
 from .figures import FIGURES
 from .plan import Plan, SaidBody
 
@@ -24,7 +36,7 @@ QUANTITIES = {
     "relative_bias": Quantity(READING),
     "bias": Quantity(READING),
     "scale_factor_error": Quantity(RELATIVE, shown="%"),
-    "misalignment": Quantity(("angle",)),
+    "misalignment": Quantity(("angle",), redrawn_by=OF_MOUNTING),
     "uncertainty_growth": Quantity(("dimensionless",), unit="1"),
     "off_line_distance": Quantity(("length",), unit="m", shown="m"),
     "off_line_uncertainty": Quantity(READING),

@@ -19,7 +19,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from ...core.errors import DataError, UsageError
+from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.influence import Influence
 from ...core.key import AXES, Key
@@ -84,9 +84,7 @@ def plan_rate_table(**settings: Any) -> TestPlan:
 def planned(given: Mapping[str, Any], options: bool = True) -> TestPlan:
     """Return the plan that settings give, as text with units; messages speak of options, or of arguments of Python."""
     said, words = shared.settings_said(PlannedRates, given, options)
-    if said.most_runs < said.least_runs:
-        what = f"{words['least_runs']} is {said.least_runs}, {words['most_runs']} is {said.most_runs}"
-        raise UsageError(what, do=f"Give {words['most_runs']} {said.least_runs} or more", code="wrong_value")
+    shared.check_order(said, words, "least_runs", "most_runs")
     there = {name: (unit, example) for name, (unit, _, example) in FIGURES.items()}
     wanted = shared.targets(words["wanted"], said.wanted, there)
     try:

@@ -108,9 +108,7 @@ def plan_thermal(**settings: Any) -> TestPlan:
 def planned(given: Mapping[str, Any], options: bool = True) -> TestPlan:
     """Return the plan that settings give, as text with units; messages speak of options, or of arguments of Python."""
     said, words = shared.settings_said(PlannedRamps, given, options)
-    if said.most_runs < said.least_runs:
-        what = f"{words['least_runs']} is {said.least_runs}, {words['most_runs']} is {said.most_runs}"
-        raise UsageError(what, do=f"Give {words['most_runs']} {said.least_runs} or more", code="wrong_value")
+    shared.check_order(said, words, "least_runs", "most_runs")
     if not said.hottest - said.coldest >= Plan().least_range:
         what = f"{words['coldest']} {said.coldest:g} degC, {words['hottest']} {said.hottest:g} degC"
         do = f"Give a range of {Plan().least_range:g} K or more"
