@@ -162,11 +162,11 @@ class History:
         row, drift = one.last.row, one.drift
         name = f"{quantity_name(row.to_dict())} {row.axis}".strip() + (f" at {row.key.at}" if row.key.at else "")
         cells = [name, row.test, str(len(one.points)), settled(row.value, row.u), row.unit]
-        if drift is not None and drift.interval is not None:
+        if one.straight and drift is not None and drift.interval is not None:
             ends = settled_ends(drift.value, drift.u, drift.interval.lo, drift.interval.hi)
             cells += [settled(drift.value, drift.u), ends, one.word]
         elif self._drifts:
-            cells += ["-", "", ""]
+            cells += ["-", "", one.word]
         if one.due is not None:
             at = one.date(one.due.first)
             when = f"not in {HORIZON:g} years" if at is None else instant_text(at)[:10]

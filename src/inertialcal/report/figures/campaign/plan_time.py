@@ -12,9 +12,10 @@ from matplotlib.lines import Line2D
 
 from ....core.show.rounding import number, uncertainty
 from ..drawing.data import Curve, curves, finite, flags, numbers, unit
+from ..drawing.metrics import shortened
 from ..drawing.picture import Picture
 from ..drawing.scales import log_axis
-from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title
+from ..drawing.style import COLOURS, TEXT, plain, set_labels, set_legend, set_title
 
 NAME = "plan_time"
 SHOWS = (
@@ -22,7 +23,7 @@ SHOWS = (
     " is chosen"
 )
 MOST = 4  # panels
-LONGEST = 27  # characters of the name in a panel
+LONGEST = 200.0  # width of the name in a panel [pt]
 
 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
@@ -50,7 +51,7 @@ def draw(found: Sequence[Curve], axes: Sequence[Axes], title: str) -> None:
     handles: dict[str, Line2D] = {}
     for k, (one, ax) in enumerate(zip(found, axes, strict=True)):
         time, u, chosen = numbers(one, "time"), numbers(one, "u"), flags(one, "chosen")
-        name = plain(one.get("of", ""), LONGEST)
+        name = shortened(plain(one.get("of", "")), TEXT - 1.0, LONGEST)
         ax.plot(time, u, color=COLOURS["blue"], label=name, zorder=2)
         shown = u
         if "wanted" in one["columns"]:

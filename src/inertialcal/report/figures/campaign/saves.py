@@ -26,6 +26,7 @@ from ..drawing.style import COLOURS, TEXT, plain, set_labels, set_legend, set_ti
 
 NAME = "save_intervals"
 SHOWS = "A bar for each time from one save to the next: how often it occurs, on a logarithmic axis"
+DIGITS = 5  # of a length: stamps that count from 1970 hold no more than 0.2 us of it
 HEIGHT = 1.7  # [in]
 WIDTH = 0.7  # of a bar, in places
 MOST = 10  # lengths that are drawn and told, the most frequent ones
@@ -60,7 +61,7 @@ def _picture(test: str, curves: Sequence[Mapping[str, Any]], often: Counter[floa
 
     late = {length: times for length, times in sorted(often.items()) if length > LATE * usual}
     steps, total = sum(late.values()), sum(often.values())
-    head = f"{plain(test)}: {steps:,} of {total:,} saves later than after {number(usual)} s"
+    head = f"{plain(test)}: {steps:,} of {total:,} saves later than after {number(usual, DIGITS)} s"
     rest = f"; {counted(len(often) - len(shown), 'rarer length')} not drawn" if len(often) > len(shown) else ""
     note = (f" {counted(len(curves), 'recording').capitalize()}{rest}.",)
     return Picture(NAME, test, "", head, SHOWS, (HEIGHT,), paint, note=note)
@@ -74,11 +75,11 @@ def draw(ax: Axes, often: Mapping[float, int], usual: float, title: str = "") ->
         ax.bar(i, times, WIDTH, color=colour, hatch="//" if late else "", edgecolor=COLOURS["paper"], linewidth=0.0)
         ax.annotate(f"{times:,}", (i, times), (0, 2), textcoords="offset points", ha="center", fontsize=TEXT - 1)
     log_axis(ax, "y", np.array([0.6, 3.0 * max(often.values())]))
-    ax.set_xticks(range(len(often)), [number(length) for length in often])
+    ax.set_xticks(range(len(often)), [number(length, DIGITS) for length in often])
     ax.set_xlim(-0.6, max(len(often), 4) - 0.4)
     set_labels(ax, "time from one save to the next [s]", "saves")
     set_title(ax, title)
     set_legend(ax, [
-        Patch(facecolor=COLOURS["blue"], label=f"as usual, {number(usual)} s"),
+        Patch(facecolor=COLOURS["blue"], label=f"as usual, {number(usual, DIGITS)} s"),
         Patch(facecolor=COLOURS["vermilion"], hatch="//", edgecolor=COLOURS["paper"], linewidth=0.0, label="late"),
     ])  # fmt: skip
