@@ -132,7 +132,7 @@ def archive_history(
         from ...files.write.atomic import atomic_write
 
         with atomic_write(output, []) as aside:
-            aside.write_text(history_page(where, found), encoding="utf-8", errors="replace")
+            aside.write_text(history_page(where, found), encoding="utf-8", errors="replace", newline="\n")
         if not (quiet or as_json):
             print(wrapped(f"written: {output}"))
     _draw(None if is_page else output, found, plot, quiet or as_json)
