@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+from io import BytesIO
 from itertools import product
+from pathlib import Path
 
 from matplotlib.font_manager import FontProperties, findfont
 from matplotlib.ft2font import FT2Font, LoadFlags
@@ -54,7 +56,8 @@ def shortened(text: str, size: float, widest: float) -> str:
 
 @cache
 def _font() -> FT2Font:
-    font = FT2Font(findfont(FontProperties(family=[FONT])))  # our own: of shared ones the size changes
+    # Our own: of shared ones the size changes. From memory: two processes would share the place in an open file.
+    font = FT2Font(BytesIO(Path(findfont(FontProperties(family=[FONT]))).read_bytes()))
     font.set_size(SIZE, 72)
     return font
 
