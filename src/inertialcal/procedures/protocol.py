@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, Protocol, TypeVar
 
+from ..core.errors import InertialcalError
 from ..core.figure import FigureSpec
 from ..core.influence import Occasion, Selection
 from ..core.key import AXES, Kind
@@ -703,6 +704,21 @@ class Procedure(Generic[P, R, S]):
     def reduce(self, plan: P, readings: R) -> S:
         """Return the result: pure."""
         raise NotImplementedError
+
+    def reduce_many(self, tests: Sequence[tuple[P, R]]) -> list[S | InertialcalError]:
+        """Return the result of each of many tests, of many units, or why it is refused: the same as `reduce` gives.
+
+        A form of its own shares what tests have in common (the design of one plan, the compiled loop over readings).
+        What is not refused but breaks down (an ``ArithmeticError``) may end the whole call: the engine then reduces
+        the tests one by one.
+        """
+        found: list[S | InertialcalError] = []
+        for plan, readings in tests:
+            try:
+                found.append(self.reduce(plan, readings))
+            except InertialcalError as error:
+                found.append(error)
+        return found
 
     def by_sensor(self, result: S) -> Mapping[str, S]:
         """Return the part of a result about each kind of sensor; the whole, without a name, where it holds one."""

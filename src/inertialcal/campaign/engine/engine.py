@@ -307,6 +307,26 @@ def reduce_test(prepared: Prepared) -> Result:
     return found
 
 
+def reduce_alike(prepared: Sequence[Prepared]) -> list[Result | Exception]:
+    """Return the result of one test for each of many units, or what `reduce_test` raises there."""
+    procedure = procedure_of(prepared[0].test.procedure)
+    try:
+        found = procedure.reduce_many([(one.plan, one.readings) for one in prepared])
+    except Exception:  # of one of them: which one, and what it says, comes out where each is alone
+        return [_alone(one) for one in prepared]
+    return [
+        _explained(result, one.readings.remarks) if isinstance(result, InertialcalError) else result
+        for one, result in zip(prepared, found, strict=True)
+    ]
+
+
+def _alone(prepared: Prepared) -> Result | Exception:
+    try:
+        return reduce_test(prepared)
+    except Exception as error:  # no refusal: a fault of the program, which ends one unit and not the others
+        return error
+
+
 def _explained(error: InertialcalError, remarks: Sequence[Remark]) -> InertialcalError:
     """Return a refusal after the errors of the readings, and before the samples that are no readings."""
     errors = [one.problem for one in remarks if one.severity == "error"]
