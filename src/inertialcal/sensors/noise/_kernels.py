@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ...core.estimate import Array
 from ...signals._kernels_lanes import LANES, eight, load, store, times
@@ -12,6 +15,16 @@ MOST_STEPS, MOST_PIVOTS = 60, 100  # of Fisher scoring, of its equations
 SHORTEST_STEP = 1e-3  # of Fisher scoring, below which it ends
 CONVERGED = 1e-6  # gain of the cost below which it ends
 NO_SLOPE, SINGULAR = 1e-12, 1e-13  # relative, what is taken for zero
+BRIEF = 0.05  # lag in correlation times below which an exponential less its first terms is summed as a series
+ONE_SIDED = 0.95  # of an upper limit
+SURE = 2.5758293035489004  # a term of a size that is named in 99.5 % of records is not missed
+FURTHEST = 1e6  # standard uncertainties: beyond, there is no limit
+STEEP = 1e6  # rise of the cost that is not looked into
+MOST_ROOTS, EXACT = 100, 4.0 * float(np.finfo(float).eps)  # steps towards a root; relative, closer than which none goes
+MOST_SWEEPS, NO_ANGLE = 30, 1e-34  # of rotations; relative square of the elements that they leave
+HALF_ROOT = float(np.sqrt(0.5))
+
+Indices = NDArray[np.int64]
 
 
 @inlined
@@ -170,3 +183,286 @@ def searched(
                 for j in range(p):
                     v[j] = powers[j]
     return best, least
+
+
+@compiled
+def fill_covariance(
+    pair: Indices, windows: Array, size: Array, distance: Array, m1: Array, m2: Array, powers: tuple[Array, ...],
+    sizes: tuple[float, ...], exponentials: Array, ramp: float, out: Array,
+) -> None:  # fmt: skip
+    """Add up what every pair of averaging times has in common, see ``fitting.allan_covariance``.
+
+    ``powers`` are second differences of the powers of a lag, of which those of size 0 are empty.
+    """
+    (linear, point, cubic, flicker), squared = sizes, ramp * ramp
+    for t in range(len(pair)):
+        s = linear * powers[0][t] if linear != 0.0 else 0.0
+        if point != 0.0:
+            s += point * powers[1][t]
+        if cubic != 0.0:
+            s += cubic * powers[2][t]
+        if flicker != 0.0:
+            s += flicker * powers[3][t]
+        total = 0.0
+        for a in range(-1, 2):
+            for b in range(-1, 2):
+                j, found = abs(distance[t] + b * m2[t] - a * m1[t]), 0.0
+                for e in range(len(exponentials)):
+                    x = exponentials[e, 1] * j
+                    if x < BRIEF:
+                        decay = -x * x * x * (1.0 - x * 0.25 * (1.0 - x * 0.2 * (1.0 - x / 6.0 * (1.0 - x / 7.0)))) / 6.0
+                    else:
+                        decay = np.exp(-x) - 1.0 + x - 0.5 * x * x
+                    found -= exponentials[e, 0] * (exponentials[e, 2] * decay + exponentials[e, 3] * j)
+                total += (2.0 - 3.0 * abs(a)) * (2.0 - 3.0 * abs(b)) * found
+        s += total
+        s /= size[t]
+        square = 0.5 * s * s
+        if ramp != 0.0:
+            square += squared * size[t] * s
+        out[pair[t]] += square * windows[t]
+
+
+@compiled
+def brent(state: Array, tolerance: float) -> bool:
+    """Return whether a root is found at state[1]; if not, put the next place there, whose value goes into state[4].
+
+    The method of Brent [1]_: ``state`` holds the place before, this one and that on the other side of the root, the
+    values there, and the last two steps.
+
+    References
+    ----------
+    .. [1] R. P. Brent, Algorithms for minimization without derivatives, 1973, chapter 4.
+    """
+    if state[3] != 0.0 and state[4] != 0.0 and (state[3] < 0.0) != (state[4] < 0.0):
+        state[2], state[5] = state[0], state[3]
+        state[6] = state[7] = state[1] - state[0]
+    if abs(state[5]) < abs(state[4]):
+        state[0], state[1], state[2] = state[1], state[2], state[1]
+        state[3], state[4], state[5] = state[4], state[5], state[4]
+    before, here, other, f_before, f_here, f_other = state[:6]
+    delta = 0.5 * (tolerance + EXACT * abs(here))
+    half = 0.5 * (other - here)
+    if f_here == 0.0 or abs(half) < delta:
+        return True
+    step = last = half
+    if abs(state[6]) > delta and abs(f_here) < abs(f_before):
+        if before == other:
+            new = -f_here * (here - before) / (f_here - f_before)
+        else:
+            one, two = (f_before - f_here) / (before - here), (f_other - f_here) / (other - here)
+            new = -f_here * (f_other * two - f_before * one) / (two * one * (f_other - f_before))
+        if 2.0 * abs(new) < min(abs(state[6]), 3.0 * abs(half) - delta):
+            last, step = state[7], new
+    state[0], state[3], state[6], state[7] = here, f_here, last, step
+    state[1] = here + (step if abs(step) > delta else delta if half > 0.0 else -delta)
+    return False
+
+
+@compiled
+def held_cost(
+    D: Array, table: Array, lo: float, hi: float, spacings: Array, s: Array, w: Array, held: int, value: float, v: Array
+) -> float:
+    """Fill v of least cost with one unknown held, as ``searched`` does; as ``scored`` where there are no spacings."""
+    if len(spacings) == 0:
+        return scored(D, s, w, held, value, v, False)
+    return searched(D, table, lo, hi, spacings, s, w, held, value, v)[1]
+
+
+@compiled
+def _beyond(rise: float, x: float, stretch: float, short: float, missed: bool) -> float:
+    """Return how far a power lies beyond its upper limit, from the rise of the cost there."""
+    far = np.sqrt(max(2.0 * rise, 0.0) / stretch)
+    if not missed:
+        return float(far - SURE)
+    lacks = far - short * far / x  # distance of the power from which it is named
+    chance = math.erfc(far * HALF_ROOT) / math.erfc(lacks * HALF_ROOT)
+    least = lacks - SURE
+    other = 1.0 - ONE_SIDED - chance
+    return float(other if other > least else least)
+
+
+@compiled
+def limit_root(
+    D: Array, table: Array, lo: float, hi: float, spacings: Array, s: Array, w: Array, held: int,
+    best: float, u: float, least: float, stretch: float, short: float, missed: bool, tolerance: float,
+) -> float:  # fmt: skip
+    """Return the distance at which a power is ruled out, in u from the best; NaN where it is not up to 1e6.
+
+    """
+    v = np.zeros(D.shape[1])
+
+    def beyond(x: float) -> float:
+        cost = held_cost(D, table, lo, hi, spacings, s, w, held, best + x * u, v)
+        return _beyond(cost - least, x, stretch, short, missed)
+
+    inside, outside, below, above = 0.0, 1.0, 0.0, beyond(1.0)
+    while above < 0.0:
+        inside, outside, below = outside, 2.0 * outside, above
+        if outside > FURTHEST:
+            return np.nan
+        above = beyond(outside)
+    if inside == 0.0:
+        inside = tolerance
+        below = beyond(inside)
+        if below >= 0.0:
+            return inside
+    state = np.array([inside, outside, 0.0, below, above, 0.0, 0.0, 0.0])
+    for _ in range(MOST_ROOTS):
+        if brent(state, tolerance):
+            break
+        state[4] = beyond(state[1])
+    return float(state[1])
+
+
+@compiled
+def crossing_root(
+    D: Array, table: Array, lo: float, hi: float, spacings: Array, s: Array, w: Array, held: int, by: float,
+    start: float, first: float, least: float, step: float, target: float, furthest: float, tolerance: float,
+) -> float:  # fmt: skip
+    """Return the distance from ``first`` at which twice the cost has risen by the target; NaN where it never does.
+
+    The unknown is the logarithm of a power over its ``start``, or, where none is held, the position in the table over
+    ``by``, from ``start`` on.
+    """
+    v = np.zeros(D.shape[1])
+    root, most = np.sqrt(target), max(STEEP, 4.0 * target)
+
+    def rise(x: float) -> float:
+        if held < 0:
+            at = start + x * by
+            return 2.0 * (held_cost(D, table, at, at, spacings, s, w, held, 0.0, v) - least)
+        return 2.0 * (held_cost(D, table, lo, hi, spacings, s, w, held, start * np.exp(first + x), v) - least)
+
+    inside, outside = 0.0, step if abs(step) < abs(furthest) else furthest
+    above = rise(outside)
+    while above < target:
+        if abs(outside) >= abs(furthest):
+            return np.nan
+        inside, outside = outside, 2.0 * outside if abs(2.0 * outside) < abs(furthest) else furthest
+        above = rise(outside)
+    below = np.sqrt(min(max(rise(inside), 0.0), most)) - root  # nearly straight, where the rise is a parabola
+    if below >= 0.0:  # of a long record, the fit that is held at zero may lie above the free one
+        return inside
+    state = np.array([inside, outside, 0.0, below, np.sqrt(min(max(above, 0.0), most)) - root, 0.0, 0.0, 0.0])
+    for _ in range(MOST_ROOTS):
+        if brent(state, tolerance):
+            break
+        state[4] = np.sqrt(min(max(rise(state[1]), 0.0), most)) - root
+    return float(state[1])
+
+
+@compiled
+def invert(A: Array, least: float) -> None:
+    """Put the pseudo-inverse of a symmetric matrix in its place, without eigenvalues up to ``least`` of the largest.
+
+    By rotations that make one pair of elements vanish at a time [1]_.
+
+    References
+    ----------
+    .. [1] C. G. J. Jacobi, J. reine angew. Math. 30 (1846) 51.
+    """
+    q = len(A)
+    V = np.eye(q)
+    for _ in range(MOST_SWEEPS):
+        off = diagonal = 0.0
+        for i in range(q):
+            diagonal += A[i, i] * A[i, i]
+            for j in range(i):
+                off += A[i, j] * A[i, j]
+        if not off > NO_ANGLE * diagonal:
+            break
+        for i in range(1, q):
+            for j in range(i):
+                if A[i, j] == 0.0:
+                    continue
+                angle = (A[i, i] - A[j, j]) / (2.0 * A[i, j])
+                t = (1.0 if angle >= 0.0 else -1.0) / (abs(angle) + np.sqrt(angle * angle + 1.0))
+                c = 1.0 / np.sqrt(t * t + 1.0)
+                s = t * c
+                for k in range(q):
+                    one, other = A[k, j], A[k, i]
+                    A[k, j], A[k, i] = c * one - s * other, s * one + c * other
+                for k in range(q):
+                    one, other = A[j, k], A[i, k]
+                    A[j, k], A[i, k] = c * one - s * other, s * one + c * other
+                    one, other = V[k, j], V[k, i]
+                    V[k, j], V[k, i] = c * one - s * other, s * one + c * other
+    largest = 0.0
+    for i in range(q):
+        largest = max(largest, abs(A[i, i]))
+    sizes = np.zeros(q)
+    for i in range(q):
+        if abs(A[i, i]) > least * largest:
+            sizes[i] = 1.0 / A[i, i]
+    for i in range(q):
+        for j in range(q):
+            total = 0.0
+            for k in range(q):
+                total += V[i, k] * sizes[k] * V[j, k]
+            A[i, j] = total
+
+
+@compiled
+def fill_sandwich(D: Array, w: Array, sigma: Array, least: float, covariance: Array, naive: Array) -> None:
+    """Fill the covariance of unknowns with slopes D, weights w and covariance sigma, and it for sigma = 1 / w."""
+    k, q = D.shape
+    scale, half = np.empty(q), np.empty((q, k))
+    for i in range(q):
+        for j in range(i + 1):
+            total = 0.0
+            for t in range(k):
+                total += D[t, i] * w[t] * D[t, j]
+            naive[i, j] = naive[j, i] = total
+        scale[i] = 1.0 / np.sqrt(naive[i, i])  # powers of different terms differ by orders of magnitude
+    for i in range(q):
+        for j in range(q):
+            naive[i, j] *= scale[i] * scale[j]
+    invert(naive, least)
+    for i in range(q):
+        for j in range(q):
+            naive[i, j] *= scale[i] * scale[j]
+    for i in range(q):
+        for t in range(k):
+            half[i, t] = 0.0
+            for j in range(q):
+                half[i, t] += naive[i, j] * D[t, j] * w[t]
+    for i in range(q):
+        for j in range(i + 1):
+            total = 0.0
+            for t in range(k):
+                row = 0.0
+                for r in range(k):
+                    row += sigma[t, r] * half[j, r]
+                total += half[i, t] * row
+            covariance[i, j] = covariance[j, i] = total
+
+
+@compiled
+def first_known(columns: Array, weight: Array, column: int, most: float, least: float) -> int:
+    """Return the first row of roots of weights with which a size has no larger variance; their number where none has.
+
+    ``columns`` are what each size adds to the mean.
+    """
+    k, q = columns.shape
+    D, H, scale = np.empty((k, q)), np.empty((q, q)), np.empty(q)
+    for n in range(len(weight)):
+        for i in range(q):
+            scale[i] = 0.0
+        for t in range(k):
+            mean = 0.0
+            for i in range(q):
+                mean += columns[t, i]
+            for i in range(q):
+                D[t, i] = columns[t, i] / mean * weight[n, t]
+                scale[i] += D[t, i] * D[t, i]
+        for i in range(q):
+            for j in range(i + 1):
+                total = 0.0
+                for t in range(k):
+                    total += D[t, i] * D[t, j]
+                H[i, j] = H[j, i] = total / np.sqrt(scale[i] * scale[j])
+        invert(H, least)
+        if H[column, column] <= most * scale[column]:
+            return n
+    return len(weight)

@@ -25,6 +25,7 @@ SIDE = 15  # samples on each side that a running median takes
 WINDOW = 2 * SIDE + 1
 PRINT = 24  # samples of a fingerprint
 CHANGES = 6  # of value that a fingerprint needs, to be one
+CUT = 5.0  # times the level, to which single large values are cut
 
 
 @summing
@@ -300,3 +301,26 @@ def squared_runs(x: Samples) -> float:
             total += float(length) * length
             length = 1
     return total + float(length) * length
+
+
+@compiled
+def fit_powers(part: Array, values: Array, rounds: int, weight: Array) -> None:
+    """Improve the weights (k,) of positive rows (k, n) whose sum is the mean of exponential values (n,).
+
+    Each round multiplies them by the root of what the values ask for over what the mean gives.
+    """
+    k, n = part.shape
+    above, below = np.empty(k), np.empty(k)
+    for _ in range(rounds):
+        for i in range(k):
+            above[i] = below[i] = 0.0
+        for t in range(n):
+            level = weight[0] * part[0, t]
+            for i in range(1, k):
+                level += weight[i] * part[i, t]
+            kept, inverse = min(values[t], CUT * level) / (level * level), 1.0 / level
+            for i in range(k):
+                above[i] += part[i, t] * kept
+                below[i] += part[i, t] * inverse
+        for i in range(k):
+            weight[i] *= np.sqrt(above[i] / below[i])

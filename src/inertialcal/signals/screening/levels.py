@@ -27,7 +27,7 @@ from ...core.estimate import Array
 from ...statistics.quantiles import t_upper
 from ..time.samples import Flags, Indices
 from .blocks import SMALLEST
-from .loops import loops
+from .loops import exact_loops, loops
 
 FALSE_ALARM = 5e-4  # of changes of the noise, and of waves, a record
 STEP_ALARM = 1e-3  # of steps
@@ -275,9 +275,5 @@ def _continuum(k: Array, p: Array, used: Flags) -> Array:
     basis /= basis.mean(axis=1, keepdims=True)
     part, values = basis[:, used], p[used]
     weight = np.full(len(POWERS), values.mean() / len(POWERS))
-    level = weight @ part
-    for _ in range(ROUNDS):
-        kept = np.minimum(values, 5.0 * level)
-        weight = weight * np.sqrt((part @ (kept / level**2)) / (part @ (1.0 / level)))
-        level = weight @ part
+    exact_loops(SMALLEST * GRID).fit_powers(np.ascontiguousarray(part), values, ROUNDS, weight)
     return np.asarray(weight @ basis)

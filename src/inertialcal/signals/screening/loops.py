@@ -25,6 +25,7 @@ _calls = itertools.count()
 SUB, SIDE = 16, 15  # samples in which a glitch is looked for at once, and of a running median on each side
 WINDOW = 2 * SIDE + 1
 PRINT, CHANGES = 24, 6  # samples of a fingerprint, and changes of value that it needs
+CUT = 5.0  # times the level, to which single large values are cut
 ODD = 0x9E3779B97F4A7C15
 WORD = 0xFFFFFFFFFFFFFFFF
 
@@ -184,6 +185,18 @@ class Loops:
         digest = np.sum((v ^ (v >> np.uint64(32))) * weights, axis=1, dtype=np.uint64)
         many = np.count_nonzero(v[:, 1:] != v[:, :-1], axis=1) >= CHANGES
         prints[fits] = np.where(many, digest ^ (digest >> np.uint64(32)), np.uint64(0))
+
+    @staticmethod
+    def fit_powers(part: Array, values: Array, rounds: int, weight: Array) -> None:
+        """Improve the weights (k,) of positive rows (k, n) whose sum is the mean of exponential values (n,)."""
+        level = np.empty(len(values))
+        for _ in range(rounds):
+            level[:] = weight[0] * part[0]
+            for own, row in zip(weight[1:], part[1:], strict=True):
+                level += own * row
+            kept = np.minimum(values, CUT * level) / (level * level)
+            above = np.cumsum(part * kept, axis=1)[:, -1]  # one after the other, as a loop adds them up
+            weight *= np.sqrt(above / np.cumsum(part * (1.0 / level), axis=1)[:, -1])
 
     @staticmethod
     def fill_apart(sums: Array, w: int, out: Array) -> None:

@@ -11,6 +11,7 @@ from scipy import optimize, special
 
 from inertialcal.sensors.noise.fitting.likelihood import covariance_of_runs, estimate, sandwich
 from inertialcal.sensors.noise.fitting.limits import (
+    Held,
     end_of,
     interval_of,
     limit_and_record,
@@ -59,16 +60,8 @@ def test_ends_lie_where_the_cost_has_risen_by_the_point_of_chi_square() -> None:
     for end in (wide.lo, wide.hi):
         assert rise(problem, end / best.powers[at]) == pytest.approx(CHI_SQUARE * stretch, rel=0.03)
     for step, furthest in ((0.1, 40.0), (-0.1, -40.0)):
-        x, _ = end_of(
-            problem,
-            lambda x: estimate(problem, WHITE, at, float(best.powers[at] * np.exp(x))),
-            at,
-            best.cost,
-            stretch,
-            CHI_SQUARE,
-            step,
-            furthest,
-        )
+        held = Held(problem, WHITE, at, (0.0, 0.0))
+        x, _ = end_of(held, float(best.powers[at]), best.cost, stretch, CHI_SQUARE, step, furthest)
         assert x is not None
         assert rise(problem, float(np.exp(x))) == pytest.approx(CHI_SQUARE * stretch, rel=0.03)
 

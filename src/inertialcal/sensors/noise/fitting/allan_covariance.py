@@ -37,6 +37,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....core.estimate import Array
+from .._kernels import fill_covariance
 from ..expected import density_of_samples
 from ..terms import SERIES_FROM, Phase, dead_time_part, exponential_gain
 
@@ -44,35 +45,24 @@ NO_BEAT = 1e-9  # sine of a frequency that is no beat: the sum of two lines at t
 TAIL = 8.0  # of a correlation time, and of both averaging times, beyond which nothing is summed
 NEAR = 2  # distances from a kink that are summed one by one
 GROWTH = 8.0  # lengths of neighbouring panels beyond
-SMALL = 0.05  # lag in correlation times below which an exponential less its first terms is summed as a series
+NONE = np.empty(0)
 LAGS = [(a, b, (2.0 - 3.0 * abs(a)) * (2.0 - 3.0 * abs(b))) for a in (-1, 0, 1) for b in (-1, 0, 1)]  # (1, -2, 1) twice
 
 
 def covariance_of_allan(phase: Phase, m: Array, n: Array, inflation: Array | None = None) -> Array:
     """Return the covariance of overlapping Allan variances, shape (k, k) [unit^4]."""
-    slope = dead_time_part(np.array([float(SERIES_FROM) * 100.0]), phase.duty)[0] / (SERIES_FROM * 100.0)
-    linear = phase.linear + 2.0 * phase.flicker * slope  # what dead time adds to flicker is short, and taken as white
-    sizes = np.array([phase.point, linear, phase.cubic, phase.flicker])
+    linear = phase.linear + 2.0 * phase.flicker * _slope(phase.duty)  # what dead time adds is short, taken as white
     parts = np.array(phase.exponentials).reshape(-1, 2)
-    exponentials = np.column_stack([parts, *exponential_gain(parts[:, 1])])
-    slowest = float(exponentials[:, 1].min()) if len(exponentials) else np.inf
+    slowest = float(parts[:, 1].min()) if len(parts) else np.inf
     wanders = TAIL * float(m[-1]) * (phase.flicker > 0.0)
-    reach = max(TAIL / slowest, wanders, 2.0)
     m, n = np.asarray(m, dtype=float), np.asarray(n, dtype=float)
-    row, column = np.triu_indices(len(m))
-    m1, m2, n1, n2 = m[row], m[column], n[row], n[column]
-    last = np.floor(np.maximum(np.minimum((n1 + n2) / 2.0 - 1.0, reach + m1 + m2), 0.0))
-    lags = _lags(m1.tobytes(), m2.tobytes(), last.tobytes())
-    pair, size = lags.pair, lags.size
-    even = inflation is None or bool(np.all(inflation == 1.0))
-    more = 1.0 if inflation is None or even else np.sqrt(inflation[row] * inflation[column])[pair]
-    s = _second_differences(lags, sizes, exponentials, more) / size
-    squares = 0.5 * s * s
-    if phase.ramp:
-        squares += phase.ramp**2 * size * s
-    squares *= lags.windows(n1.tobytes(), n2.tobytes())
+    raised = None if inflation is None or np.all(inflation == 1.0) else inflation.tobytes()
+    known = _design(m.tobytes(), n.tobytes(), raised, max(TAIL / slowest, wanders, 2.0))
+    sizes = np.array([-0.5 * linear, phase.point, phase.cubic / 12.0, 0.5 * phase.flicker])
+    row, column = known.pairs
+    found = known.sums(sizes, phase.ramp) if not len(parts) else known.with_exponentials(sizes, parts, phase.ramp)
     out = np.empty((len(m), len(m)))
-    out[row, column] = 2.0 * np.bincount(pair, squares, len(m1)) / (n1 * n2)  # t and -t are alike
+    out[row, column] = 2.0 * found / (n[row] * n[column])  # t and -t are alike
     out[column, row] = out[row, column]
     for line in phase.cosines:
         out += noise_on_line(phase, line, m, n)
@@ -84,6 +74,71 @@ def covariance_of_allan(phase: Phase, m: Array, n: Array, inflation: Array | Non
 
 
 @dataclass(frozen=True, eq=False)
+class Design:
+    """What the covariance takes of the averaging times alone, whatever the noise: the same of all records of a length.
+
+    Where noise has no exponentials, it is quadratic in the sizes of the powers of a lag.
+    """
+
+    pairs: tuple[NDArray[np.intp], NDArray[np.intp]]  # both averaging times of each pair, shape (p,)
+    lags: Lags
+    windows: Array  # weight of each lag, shape (t,)
+    more: Array  # what missing samples multiply the linear part by, shape (t,); of one number where none is missing
+    _squares: dict[tuple[int, int], Array] = field(default_factory=dict)  # sums of products of powers, shape (p,)
+
+    def power(self, i: int) -> Array:
+        """Return weighted second differences of a power: linear, none, cubic, flicker; shape (t,)."""
+        if i == 0:
+            return self.lags.linear * self.more
+        return (self.lags.none, self.lags.cubic, self.lags.flicker)[i - 1]
+
+    def square(self, i: int, j: int) -> Array:
+        """Return the weighted sum of the product of two powers over the lags of each pair; of one, where j is -1."""
+        if (i, j) not in self._squares:
+            size = self.lags.size
+            terms = self.power(i) if j < 0 else self.power(i) * (self.power(j) / size) / size
+            self._squares[i, j] = np.bincount(self.lags.pair, self.windows * terms, len(self.pairs[0]))
+        return self._squares[i, j]
+
+    def sums(self, sizes: Array, ramp: float) -> Array:
+        """Return the sum over the lags of each pair, shape (p,)."""
+        found = np.zeros(len(self.pairs[0]))
+        there = np.flatnonzero(sizes).tolist()
+        for i in there:
+            for j in there:
+                if j <= i:
+                    found += (0.5 if i == j else 1.0) * sizes[i] * sizes[j] * self.square(i, j)
+            if ramp:
+                found += ramp**2 * sizes[i] * self.square(i, -1)
+        return found
+
+    def with_exponentials(self, sizes: Array, parts: Array, ramp: float) -> Array:
+        """Return the same of noise with exponentials, which are no fixed powers; rows of parts are size and u."""
+        exponentials = np.column_stack([parts, *exponential_gain(parts[:, 1])])
+        powers = tuple(self.power(i) if size else NONE for i, size in enumerate(sizes.tolist()))
+        found, lags = np.zeros(len(self.pairs[0])), self.lags
+        fill_covariance(
+            lags.pair, self.windows, lags.size, lags.distance, lags.m1, lags.m2, powers, tuple(sizes.tolist()),
+            exponentials, ramp, found,
+        )  # fmt: skip
+        return found
+
+
+@lru_cache(32)  # a fit asks for the same again and again, and fits of records of one length
+def _design(m: bytes, n: bytes, inflation: bytes | None, reach: float) -> Design:
+    """Return what all noise has in common that is summed up to a reach [samples], not to be changed."""
+    sizes, numbers = np.frombuffer(m), np.frombuffer(n)
+    row, column = np.triu_indices(len(sizes))
+    m1, m2, n1, n2 = sizes[row], sizes[column], numbers[row], numbers[column]
+    last = np.floor(np.maximum(np.minimum((n1 + n2) / 2.0 - 1.0, reach + m1 + m2), 0.0))
+    lags = _lags(m1.tobytes(), m2.tobytes(), last.tobytes())
+    there = np.minimum(np.minimum(n1, n2)[lags.pair], (n1 + n2)[lags.pair] / 2.0 - lags.distance)
+    raised = np.ones(len(sizes)) if inflation is None else np.frombuffer(inflation)
+    more = np.ones(1) if inflation is None else np.sqrt(raised[row] * raised[column])[lags.pair]
+    return Design((row, column), lags, lags.weight * np.maximum(there, 0.0), more)
+
+
+@dataclass(frozen=True, eq=False)
 class Lags:
     """All that is summed, and second differences there of the powers of a lag: no phase is in them."""
 
@@ -92,24 +147,11 @@ class Lags:
     weight: Array  # shape (t,)
     m1: Array  # of the pair, shape (t,) [samples]
     m2: Array
-    counted: dict[tuple[bytes, ...], Array] = field(default_factory=dict)  # of `windows`, what was asked for last
 
     @cached_property
     def size(self) -> Array:
         """Of the pair: m1 m2, shape (t,)."""
         return self.m1 * self.m2
-
-    def windows(self, *n: bytes) -> Array:
-        """Return how many pairs of differences there are so far apart, times the weight, shape (t,).
-
-        Given are the numbers of differences of either averaging time of each pair, as bytes; not to be changed.
-        """
-        if n not in self.counted:
-            n1, n2 = map(np.frombuffer, n)
-            there = np.minimum(np.minimum(n1, n2)[self.pair], (n1 + n2)[self.pair] / 2.0 - self.distance)
-            self.counted.clear()
-            self.counted[n] = self.weight * np.maximum(there, 0.0)
-        return self.counted[n]
 
     @cached_property
     def none(self) -> Array:
@@ -141,7 +183,7 @@ class Lags:
         return total.astype(np.float64)
 
 
-@lru_cache(8)  # a fit asks for the same again and again
+@lru_cache(32)  # records that differ in what is missing share them
 def _lags(*given: bytes) -> Lags:
     """Return all that is summed, not to be changed.
 
@@ -181,34 +223,11 @@ def _lags(*given: bytes) -> Lags:
     return Lags(of, np.concatenate(distance), np.concatenate(weight), m1[of], m2[of])
 
 
-def _second_differences(lags: Lags, sizes: Array, exponentials: Array, more: Array | float) -> Array:
-    """Return m1 m2 times the covariance of differences of neighbouring means over m1 and m2 samples, shape (t,).
-
-    That is C of ``phase.Phase``, without lines, at nine lags; sizes are point, linear, cubic and flicker, ``more`` what
-    missing samples multiply the linear one by. Rows of ``exponentials`` are size, u, gain and excess (see
-    ``phase.twice_summed_exponential``).
-    """
-    point, linear, cubic, flicker = (sizes * (1.0, -0.5, 1.0 / 12.0, 0.5)).tolist()
-    total: Array = linear * more * lags.linear
-    if point:
-        total += point * lags.none
-    if cubic:
-        total += cubic * lags.cubic
-    if flicker:
-        total += flicker * lags.flicker
-
-    def exponential(j: Array) -> Array:
-        found = np.zeros(len(j))
-        for part, u, gain, excess in exponentials:
-            x = u * j
-            decay = np.exp(-x) - 1.0 + x - 0.5 * x * x
-            small = np.flatnonzero(x < SMALL)
-            x = x[small]
-            decay[small] = -x * x * x * (1.0 - x * 0.25 * (1.0 - x * 0.2 * (1.0 - x / 6.0 * (1.0 - x / 7.0)))) / 6.0
-            found -= part * (gain * decay + excess * j)
-        return found
-
-    return total + lags.differences(exponential) if len(exponentials) else total
+@lru_cache(32)
+def _slope(duty: float) -> float:
+    """Return what dead time adds to the covariance of flicker at long lags, a sample."""
+    lag = float(SERIES_FROM) * 100.0
+    return float(dead_time_part(np.array([lag]), duty)[0] / lag)
 
 
 def noise_on_line(phase: Phase, line: tuple[float, float], m: Array, n: Array) -> Array:

@@ -35,7 +35,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -88,6 +88,7 @@ class Band:
     curve: float  # -ln h at the end of the level, nearly: see `rolled`
     doubt: Array  # shape (2, 2): Covariance of the logarithm of the level that the share is of, and of the curve
     found: bool = True  # False: the spectrum does not show it, nor excludes it
+    _known: dict[tuple[tuple[float, ...], float], Array] = field(init=False, repr=False, default_factory=dict)
 
     @property
     def end(self) -> float:
@@ -112,8 +113,21 @@ class Band:
 
     def lost(self, phases: Sequence[Phase], m: Array) -> Array:
         """Return what the filter takes of the Allan variance of each noise over m samples, shape (p, k) [unit^2]."""
-        density = np.array([density_at(one) for one in phases])
-        return np.asarray((density * (1.0 - self.share)) @ windows(tuple(m.tolist())).T)
+        sizes = np.array([(one.point, one.linear, one.cubic, one.flicker) for one in phases])
+        wander = {one.duty for one in phases if one.flicker} or {1.0}
+        if len(wander) > 1:
+            return np.concatenate([self.lost([one], m) for one in phases])
+        found = sizes @ self._lost_of_units(tuple(m.tolist()), wander.pop())
+        if any(one.exponentials for one in phases):
+            density = np.array([density_at(Phase(exponentials=one.exponentials)) for one in phases])
+            found += (density * (1.0 - self.share)) @ windows(tuple(m.tolist())).T
+        return np.asarray(found)
+
+    def _lost_of_units(self, m: tuple[float, ...], duty: float) -> Array:
+        """Return what the filter takes of point, linear, cubic and flicker noise of size 1, shape (4, k)."""
+        if (m, duty) not in self._known:
+            self._known[m, duty] = (unit_densities(duty) * (1.0 - self.share)) @ windows(m).T
+        return self._known[m, duty]
 
     def u_lost(self, phase: Phase, m: Array) -> tuple[Array, Array]:
         """Return standard uncertainties of what is lost: by level and curve, and by the shape, shape (k,) [unit^2]."""
@@ -136,6 +150,13 @@ def density_at(phase: Phase) -> Array:
     """Return the density of samples at `CYCLES`, shape (GRID,) [unit^2]."""
     found = density_of_samples(replace(phase, flicker=0.0), CYCLES)
     return found + phase.flicker * unit_flicker(phase.duty) if phase.flicker else found
+
+
+@lru_cache(maxsize=8)
+def unit_densities(duty: float) -> Array:
+    """Return the density of point, linear, cubic and flicker noise of size 1 at `CYCLES`, shape (4, GRID)."""
+    units = (Phase(point=1.0), Phase(linear=1.0), Phase(cubic=1.0), Phase(flicker=1.0, duty=duty))
+    return np.array([density_at(one) for one in units])
 
 
 @lru_cache(maxsize=8)
@@ -232,6 +253,13 @@ def with_one_time(cycles: Array, density: Array, weight: Array, interval: float)
     return float(min(found.fun, cost(first)))
 
 
+@lru_cache(maxsize=32)  # sizes are those of `FOLDS`
+def mild_band(size: float) -> Band:
+    """Return the band of a mild low pass that the spectrum does not show, not to be changed."""
+    passed, corner = 1.0 / (1.0 + size * 4.0 * np.sin(np.pi * CYCLES) ** 2), corner_of(size)
+    return Band(corner, CYCLES, passed, (corner,) * 3, 0.0, np.zeros((2, 2)), False)
+
+
 def corner_of(size: float) -> float:
     """Return the corner of 1 / (1 + size 4 sin^2(pi f)), that of the low pass before sampling [cycles a sample]."""
     a = 1.0 + 0.5 / size
@@ -258,10 +286,7 @@ class Search:
 
     def unseen(self) -> Band | None:
         """Return the band of a low pass that may be there where none is found; None where its best size is zero."""
-        if self.hidden == 0.0:
-            return None
-        passed, corner = 1.0 / (1.0 + self.hidden * 4.0 * np.sin(np.pi * CYCLES) ** 2), corner_of(self.hidden)
-        return Band(corner, CYCLES, passed, (corner,) * 3, 0.0, np.zeros((2, 2)), False)
+        return None if self.hidden == 0.0 else mild_band(self.hidden)
 
     def band(self, stated: float | None = None) -> Band | None:
         """Return the band, about a stated corner [cycles a sample]; None where too little lies inside of it."""

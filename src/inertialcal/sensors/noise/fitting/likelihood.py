@@ -33,8 +33,7 @@ import numpy as np
 from scipy import linalg
 
 from ....core.estimate import Array
-from ....statistics.least_squares import symmetric_inverse
-from .._kernels import scored, searched
+from .._kernels import fill_sandwich, scored, searched
 from ..terms import GaussMarkov, Phase, Sinusoid, Term, total_phase
 from .allan_covariance import covariance_of_allan
 from .problem import COMPLETE, GAUSS_MARKOV, LINEAR, PER_E, Problem
@@ -78,6 +77,17 @@ def estimate(
     every = np.zeros(len(problem.names) + 1)
     every[at] = powers
     return Fitted(every, position, cost)
+
+
+def loop_of(
+    problem: Problem, wanted: tuple[str, ...], held: int, within: tuple[float, float]
+) -> tuple[Array, Array, float, float, Array, Array, Array, int]:
+    """Return what loops take that hold an unknown of a choice of terms: see ``_kernels.held_cost``."""
+    at, D = _design(problem, wanted)
+    lo, hi = within
+    spacings = SPACINGS[: (2 if hi > lo else 1) if GAUSS_MARKOV in wanted else 0]
+    place = at.index(held) if held <= len(problem.names) else -1
+    return D.copy(), problem.table, float(lo), float(hi), spacings, problem.variance, problem.weight, place
 
 
 def estimate_at(problem: Problem, wanted: Sequence[str], position: float) -> Fitted:
@@ -207,11 +217,7 @@ class Sandwich:
 
 def sandwich_of(D: Array, weights: Array, sigma: Array) -> Sandwich:
     """Return the covariance of the unknowns; see the module head."""
-    DW = D.T * weights
-    H = DW @ D
-    scale = 1.0 / np.sqrt(np.diag(H))  # powers of different terms differ by orders of magnitude
-    scales = np.outer(scale, scale)
-    inverse = symmetric_inverse(H * scales, SINGULAR) * scales
-    half = inverse @ DW
-    covariance = half @ sigma @ half.T
-    return Sandwich(0.5 * (covariance + covariance.T), inverse)
+    shape = D.shape[1], D.shape[1]
+    covariance, naive = np.empty(shape), np.empty(shape)
+    fill_sandwich(np.ascontiguousarray(D), weights, np.ascontiguousarray(sigma), SINGULAR, covariance, naive)
+    return Sandwich(covariance, naive)

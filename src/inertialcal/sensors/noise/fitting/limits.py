@@ -32,16 +32,15 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
-from functools import lru_cache
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy import optimize, special
+from scipy import special
 
 from ....core.estimate import Array
 from ....core.results import Interval
-from ....statistics.least_squares import symmetric_inverse
+from .._kernels import crossing_root, first_known, limit_root
 from .likelihood import (
     Fitted,
     Sandwich,
@@ -49,17 +48,15 @@ from .likelihood import (
     covariance_of_runs,
     estimate,
     estimate_at,
+    loop_of,
     mean_of,
     sandwich,
     terms_of,
     time_at,
 )
 from .order import NAMES, PRICE, present, unknowns
-from .problem import GAUSS_MARKOV, PER_E, Problem, Run, expected
+from .problem import GAUSS_MARKOV, LINEAR, PER_E, Problem, Run, expected, linear_columns
 
-ONE_SIDED = 0.95  # of an upper limit
-SURE = float(special.ndtri(0.995))  # a term of a size that is named in so many records is not missed
-FURTHEST = 1e6  # standard uncertainties: beyond, there is no limit
 KNOWN = 0.25  # relative uncertainty of a power in the record needed
 DOUBLINGS = 24  # of the record that are looked at
 NORMAL_BELOW = 0.1  # relative uncertainty, below which the logarithm of a value is taken as normal
@@ -69,8 +66,6 @@ ROUGH = 0.1  # the same, where the stretch is taken
 NEARBY = 16.0  # rows of the table of correlation times that are searched while another unknown is held
 FIRST_STEP = 0.01  # of the logarithm of a power, towards an end
 ROUNDING = 1e-15  # of the largest eigenvalue: directions that nothing tells of
-STEEP = 1e6  # rise of the cost that is not looked into
-Held = Callable[[float], Fitted]  # least cost with one unknown held at a distance from its best
 
 
 def limit_and_record(
@@ -118,41 +113,54 @@ def _limit(
     within = nearby(problem, fitted) if linear else (fitted.position, fitted.position)
     least = estimate(problem, names, looks=1, within=within)
     best = float(least.powers[at])
-    held = lru_cache(lambda x: estimate(problem, names, at, best + x * u, 1, within))
+    held = Held(problem, names, at, within)
     short = 0.0 if named is None else max(named - best, 0.0) / u
 
-    def beyond(x: float, stretch: float) -> float:
-        far = float(np.sqrt(max(2.0 * (held(x).cost - least.cost), 0.0) / stretch))
-        if named is None:
-            return far - SURE
-        missed = far - short * far / x  # distance of the power from which it is named
-        chance = float(special.ndtr(-far) / special.ndtr(-missed))
-        return max(missed - SURE, 1.0 - ONE_SIDED - chance)
+    def zero(stretch: float, tolerance: float) -> float | None:
+        found = limit_root(*held.loop, best, u, least.cost, stretch, short, named is not None, tolerance)
+        return None if np.isnan(found) else found
 
-    first = _zero(lambda x: beyond(x, stretch), ROUGH)
+    first = zero(stretch, ROUGH)
     if first is None:
         return None, stretch
-    there = held(first)
+    there = held.fit(best + first * u)
     bread = sandwich(problem, there, covariance_of_runs(problem, there), timed=linear)
     stretch = float(bread.stretch[column_of(there, at)])
     if not stretch > 0.0:  # nothing but a ramp is left, which does not scatter
         return None, stretch
-    x = _zero(lambda x: beyond(x, stretch), TOLERANCE)
+    x = zero(stretch, TOLERANCE)
     return (None if x is None else best + x * u), stretch
 
 
-def _zero(function: Callable[[float], float], tolerance: float) -> float | None:
-    """Return where a function that rises from below zero crosses it; None if it does not up to `FURTHEST`."""
-    inside, outside = 0.0, 1.0
-    while function(outside) < 0.0:
-        inside, outside = outside, 2.0 * outside
-        if outside > FURTHEST:
-            return None
-    if inside == 0.0:
-        inside = tolerance
-        if function(inside) >= 0.0:
-            return inside
-    return float(optimize.brentq(function, inside, outside, xtol=tolerance))
+@dataclass(frozen=True, eq=False)
+class Held:
+    """Least cost of a choice of terms with one of its powers held, or its correlation time where ``at`` is beyond."""
+
+    problem: Problem
+    names: tuple[str, ...]
+    at: int
+    within: tuple[float, float]  # Positions of the correlation time that are searched
+
+    @cached_property
+    def loop(self) -> tuple[Array, Array, float, float, Array, Array, Array, int]:
+        """What loops take that find a root: see ``_kernels.limit_root``."""
+        return loop_of(self.problem, self.names, self.at, self.within)
+
+    def fit(self, value: float) -> Fitted:
+        """Return the least cost with the power at a value, or the correlation time at a position."""
+        if self.at > len(self.problem.names):
+            return estimate_at(self.problem, self.names, value)
+        return estimate(self.problem, self.names, self.at, value, 1, self.within)
+
+    def crossing(
+        self, start: float, first: float, least: float, step: float, target: float, furthest: float, tolerance: float
+    ) -> float | None:
+        """Return the distance from ``first`` at which twice the cost has risen by the target; None if it never does.
+
+        Of the logarithm of a power over its start, or of the correlation time over that at a position.
+        """
+        found = crossing_root(*self.loop, PER_E, start, first, least, step, target, furthest, tolerance)
+        return None if np.isnan(found) else found
 
 
 def record_needed(problem: Problem, fitted: Fitted, at: int, power: float, stretch: float) -> float | None:
@@ -161,16 +169,12 @@ def record_needed(problem: Problem, fitted: Fitted, at: int, power: float, stret
     powers = fitted.powers.copy()
     powers[at] = power
     longest, weight = longer_records(run)
-    terms = terms_of(problem, replace(fitted, powers=powers))
-    columns = np.column_stack([expected(term, longest) for term in terms])
-    mu, column = columns.sum(axis=1), column_of(fitted, at)
-    D = columns / mu[:, None] * weight[:, :, None]
-    scale = np.sqrt(np.sum(D**2, axis=1, keepdims=True))
-    D /= scale
-    inverse = symmetric_inverse(D.transpose(0, 2, 1) @ D, ROUNDING)
-    variance = stretch * inverse[:, column, column] / scale[:, 0, column] ** 2
-    shown = np.flatnonzero(np.sqrt(variance) <= KNOWN)
-    return run.length * 2.0 ** int(shown[0]) if len(shown) else None
+    there = powers[: len(LINEAR)] > 0.0
+    columns = linear_columns(longest)[:, there] * powers[: len(LINEAR)][there]
+    others = [one for one in terms_of(problem, replace(fitted, powers=powers)) if not isinstance(one, LINEAR)]
+    columns = np.column_stack([columns, *(expected(one, longest) for one in others)])
+    doublings = first_known(columns, weight, column_of(fitted, at), KNOWN**2 / stretch, ROUNDING)
+    return run.length * 2.0**doublings if doublings <= DOUBLINGS else None
 
 
 @lru_cache(2)
@@ -192,27 +196,6 @@ def longer_records(run: Run) -> tuple[Run, Array]:
     return longest, np.sqrt(np.where(there, weight, 0.0))
 
 
-def crossing(
-    rise: Callable[[float], float], step: float, target: float, furthest: float, tolerance: float = TOLERANCE
-) -> float | None:
-    """Return the distance from zero, on the side of ``step``, where a rising function reaches the target.
-
-    None if it does not up to ``furthest``.
-    """
-    inside, outside = 0.0, step if abs(step) < abs(furthest) else furthest
-    while rise(outside) < target:
-        if abs(outside) >= abs(furthest):
-            return None
-        inside, outside = outside, 2.0 * outside if abs(2.0 * outside) < abs(furthest) else furthest
-
-    def beyond(x: float) -> float:  # nearly straight, where the rise is a parabola
-        return float(np.sqrt(np.clip(rise(x), 0.0, max(STEEP, 4.0 * target))) - np.sqrt(target))
-
-    if beyond(inside) >= 0.0:  # of a long record, the fit that is held at zero may lie above the free one
-        return inside
-    return float(optimize.brentq(beyond, inside, outside, xtol=tolerance))
-
-
 def interval_of(problem: Problem, fitted: Fitted, at: int, bread: Sandwich, p: float) -> Interval:
     """Return the interval of a power [unit^2] or of the correlation time [s].
 
@@ -225,14 +208,14 @@ def interval_of(problem: Problem, fitted: Fitted, at: int, bread: Sandwich, p: f
         half = float(special.ndtri(0.5 * (1.0 + p))) * relative
         return Interval(best * np.exp(-half), best * np.exp(half), p)
     names, within, furthest = present(problem, fitted), nearby(problem, fitted), (-WIDEST, WIDEST)
-    held: Held = lru_cache(lambda x: estimate(problem, names, at, best * float(np.exp(x)), 1, within))
+    held, start = Held(problem, names, at, within), best
     if timed:
-        held = lru_cache(lambda x: estimate_at(problem, names, fitted.position + x * PER_E))
+        start = fitted.position
         furthest = (-fitted.position / PER_E, (len(problem.table) - 1.0 - fitted.position) / PER_E)
     target, step = float(special.chdtri(1.0, 1.0 - p)), min(2.0 * relative, 1.0)
     stretch = float(bread.stretch[column])
     lo, hi = (
-        end_of(problem, held, at, fitted.cost, stretch, target, float(np.copysign(step, far)), far)[0]
+        end_of(held, start, fitted.cost, stretch, target, float(np.copysign(step, far)), far)[0]
         for far in furthest
     )
     none = None if timed else 0.0
@@ -250,21 +233,20 @@ def wide_interval(
     own = problem.names[at] if at < len(problem.names) else GAUSS_MARKOV
     without = estimate(problem, tuple(name for name in names if name != own), looks=1)
     start, best = float(fitted.powers[at]), float(least.powers[at])
-    held: Held = lru_cache(lambda x: estimate(problem, names, at, start * float(np.exp(x)), 1, within))
+    held = Held(problem, names, at, within)
     target = float(special.chdtri(1.0, 1.0 - p))
 
     def end(first: float, furthest: float) -> float | None:
-        def rise(x: float) -> float:
-            return 2.0 * (held(first + x).cost - least.cost)
+        risen = 2.0 * (held.fit(start * float(np.exp(first))).cost - least.cost)
 
         def reached(level: float, tolerance: float) -> float | None:
             step = float(np.copysign(FIRST_STEP, furthest))
-            return 0.0 if rise(0.0) >= level else crossing(rise, step, level, furthest, tolerance)
+            return 0.0 if risen >= level else held.crossing(start, first, least.cost, step, level, furthest, tolerance)
 
         rough = reached(target * stretch, ROUGH)
         if rough is None:
             return None
-        there = held(first + rough)
+        there = held.fit(start * float(np.exp(first + rough)))
         bread = sandwich(problem, there, covariance_of_runs(problem, there))
         x = reached(target * float(bread.stretch[column_of(there, at)]), TOLERANCE)
         return None if x is None else start * float(np.exp(first + x))
@@ -276,24 +258,27 @@ def wide_interval(
 
 
 def end_of(
-    problem: Problem, held: Held, at: int, least: float, stretch: float, target: float, step: float, furthest: float
+    held: Held, start: float, least: float, stretch: float, target: float, step: float, furthest: float
 ) -> tuple[float | None, float]:
     """Return the distance at which the cost has risen by the target, None if it never does, and the stretch there."""
-    if 2.0 * (held(0.0).cost - least) >= target * stretch:  # the search near the estimate does not reach the least
-        least = held(0.0).cost
+    problem, at = held.problem, held.at
 
-    def rise(x: float) -> float:
-        return 2.0 * (held(x).cost - least)
+    def fit(x: float) -> Fitted:
+        return held.fit(start + x * PER_E if at > len(problem.names) else start * float(np.exp(x)))
 
-    first = crossing(rise, step, target * stretch, furthest, ROUGH)
+    nearest = fit(0.0).cost
+    if 2.0 * (nearest - least) >= target * stretch:  # the search near the estimate does not reach the least
+        least = nearest
+    first = held.crossing(start, 0.0, least, step, target * stretch, furthest, ROUGH)
     if first is None:
         return None, stretch
-    there = held(first)
+    there = fit(first)
     if there.powers[min(at, len(there.powers) - 1)] <= 0.0:
         return first, stretch
     bread = sandwich(problem, there, covariance_of_runs(problem, there))
     stretch = float(bread.stretch[column_of(there, at)])
-    return crossing(rise, first or step, target * stretch, furthest), stretch  # a rough root may be zero
+    step = first or step  # a rough root may be zero
+    return held.crossing(start, 0.0, least, step, target * stretch, furthest, TOLERANCE), stretch
 
 
 def column_of(fitted: Fitted, at: int) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import pairwise
 from typing import Protocol
 
@@ -69,15 +70,14 @@ class Problem:
 
 def problem_of(runs: Sequence[Run], lines: Sequence[float] = ()) -> Problem:
     """Return runs of one axis stacked, with the columns of all terms."""
-    units: list[Term] = [term(1.0) for term in LINEAR]
-    units += [Sinusoid(1.0, frequency) for frequency in lines]
+    of_lines = [np.concatenate([expected(Sinusoid(1.0, one), run) for run in runs]) for one in lines]
     names = tuple(term.name for term in LINEAR) + tuple(f"line_{i}" for i in range(len(lines)))
-    columns = np.column_stack([np.concatenate([expected(unit, run) for run in runs]) for unit in units])
+    columns = np.column_stack([np.concatenate([linear_columns(run) for run in runs]), *of_lines])
     shortest = min(run.interval if run.band is None else BEYOND * run.tau[0] for run in runs)
     longest = max(float(run.tau[-1]) for run in runs)
     count = max(int(np.ceil(PER_E * np.log(2.0 * longest / shortest))), 4)
     times = shortest * np.exp(np.arange(count) / PER_E)
-    table = np.hstack([exponentials_of(times, run) for run in runs])
+    table = np.hstack([table_of(times, run) for run in runs])
     variance = np.concatenate([run.variance for run in runs])
     weight = np.concatenate([0.5 * run.edf for run in runs])
     return Problem(tuple(runs), names, columns, table, times, tuple(lines), variance, weight)
@@ -115,6 +115,44 @@ def expected(term: Term, run: Run) -> Array:
     if run.band is not None:
         found = found - run.band.lost([phase], run.m)[0]
     return found if run.ends is None else found + phase.point / run.m**2 * (run.ends - COMPLETE)
+
+
+def linear_columns(run: Run) -> Array:
+    """Return what `expected` gives of each linear term with coefficient 1, shape (k, p); not to be changed."""
+    if run.band is None:
+        return _linear_columns(*_sampling(run))
+    return np.column_stack([expected(term(1.0), run) for term in LINEAR])
+
+
+def table_of(times: Array, run: Run) -> Array:
+    """Return `exponentials_of` a run; not to be changed."""
+    return exponentials_of(times, run) if run.band is not None else _table(times.tobytes(), *_sampling(run))
+
+
+Sampling = tuple[float, float, bytes, bytes, bytes | None]  # What the unit terms of a run without a band hang on
+
+
+def _sampling(run: Run) -> Sampling:
+    ends = None if run.ends is None else run.ends.tobytes()
+    return run.interval, run.averaging, run.m.tobytes(), run.inflation.tobytes(), ends
+
+
+def _sampled(interval: float, averaging: float, m: bytes, inflation: bytes, ends: bytes | None) -> Run:
+    at = np.frombuffer(m)
+    return Run(
+        at, at, at, at, interval, averaging, np.frombuffer(inflation), None if ends is None else np.frombuffer(ends)
+    )
+
+
+@lru_cache(16)  # records of one length share them
+def _linear_columns(interval: float, averaging: float, m: bytes, inflation: bytes, ends: bytes | None) -> Array:
+    run = _sampled(interval, averaging, m, inflation, ends)
+    return np.column_stack([expected(term(1.0), run) for term in LINEAR])
+
+
+@lru_cache(16)
+def _table(times: bytes, interval: float, averaging: float, m: bytes, inflation: bytes, ends: bytes | None) -> Array:
+    return exponentials_of(np.frombuffer(times), _sampled(interval, averaging, m, inflation, ends))
 
 
 def exponentials_of(times: Array, run: Run) -> Array:
