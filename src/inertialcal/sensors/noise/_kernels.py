@@ -16,6 +16,7 @@ SHORTEST_STEP = 1e-3  # of Fisher scoring, below which it ends
 CONVERGED = 1e-6  # gain of the cost below which it ends
 NO_SLOPE, SINGULAR = 1e-12, 1e-13  # relative, what is taken for zero
 BRIEF = 0.05  # lag in correlation times below which an exponential less its first terms is summed as a series
+GONE = 40.0  # the same from which nothing is left of it beside the other terms, to the last bit
 ONE_SIDED = 0.95  # of an upper limit
 SURE = 2.5758293035489004  # a term of a size that is named in 99.5 % of records is not missed
 FURTHEST = 1e6  # standard uncertainties: beyond, there is no limit
@@ -212,7 +213,7 @@ def fill_covariance(
                     if x < BRIEF:
                         decay = -x * x * x * (1.0 - x * 0.25 * (1.0 - x * 0.2 * (1.0 - x / 6.0 * (1.0 - x / 7.0)))) / 6.0
                     else:
-                        decay = np.exp(-x) - 1.0 + x - 0.5 * x * x
+                        decay = (np.exp(-x) if x < GONE else 0.0) - 1.0 + x - 0.5 * x * x
                     found -= exponentials[e, 0] * (exponentials[e, 2] * decay + exponentials[e, 3] * j)
                 total += (2.0 - 3.0 * abs(a)) * (2.0 - 3.0 * abs(b)) * found
         s += total

@@ -42,7 +42,7 @@ JUMPS = 8.0  # times what it changes by from sample to sample
 STEP = 0.05  # of its range
 TURNED_WITHIN = 0.045  # [s]: nobody lays an accelerometer on another side so fast; slower samples may miss the turn
 
-SAME = 1e-6  # relative
+SAME, EXACT = 1e-6, 1e-9  # relative
 LATE = 1.5  # intervals from one stamp to the next, from which a sample is missing
 
 
@@ -172,6 +172,11 @@ def _found(
 
 def _scale(data: Array, columns: Array) -> float | None:
     """Return SI units in the unit of columns; None where one factor makes the data of them, or none does about."""
+    largest = np.unravel_index(np.argmax(columns), columns.shape)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        made = columns * (data[largest] / columns[largest])
+        if np.all(np.abs(data - made) <= EXACT * np.abs(made)):  # as a change of unit makes them
+            return None
     good = np.isfinite(columns)
     spread = np.std(columns, where=good) if good.any() else 0.0
     if not spread > 0.0:
@@ -218,10 +223,11 @@ def _by_noise(x: Array, noise: Noise, names: Sequence[str], factors: Factors) ->
     ratio, u = only.ratios(at)
     middle = float(np.median(ratio))
     low = middle - NOISE_AGREES - 4.0 * u
+    if not np.isfinite(ratio).all() or abs(middle) < LEAST_NOISE or np.any(ratio < low):
+        return []
     with np.errstate(divide="ignore"):  # rounding to steps adds its own noise to what is quieter
         rounded = 0.5 * np.log(np.exp(2.0 * middle) + only.rounding(x[:, columns], at) ** 2)
-    known = np.isfinite(ratio).all() and abs(middle) >= LEAST_NOISE
-    if not known or np.any(ratio < low) or np.any(ratio > rounded + NOISE_AGREES + 4.0 * u):
+    if np.any(ratio > rounded + NOISE_AGREES + 4.0 * u):
         return []
     unit = unit_of(float(np.exp(middle)), factors, NOISE_AGREES + 4.0 * float(u.min()))
     index = refined(x[:, columns], at, noise.size, only)

@@ -23,6 +23,8 @@ PATIENCE = 2  # lengths in a row that do not fit
 NEAR = 64  # samples that tell the noise of the shortest lines
 ABRUPT = 2.0  # times the largest step among the neighbours
 NEIGHBOURS = 4
+AROUND, BEFORE = np.arange(NEIGHBOURS), NEIGHBOURS // 2  # steps on a side; beside the ends are none
+LEAST = 3.0  # times the typical step, that a jump stands out of the largest beside it
 CANDIDATES = 12
 FEWEST_BLOCKS = 8  # on each side, that tell the level of all that lies there
 
@@ -179,33 +181,23 @@ def candidates(x: Array) -> list[int]:
         gap = 1 if size == 1 else 2  # the block of the jump itself is a mixture
         step = np.abs(means[:, gap:] - means[:, :-gap])
         typical = np.maximum(medians(step), 1e-9 * np.abs(means).max(axis=1))[:, None]
-        beside = np.zeros_like(step)
-        width = NEIGHBOURS
-        widest = _widest(step, width)
-        shift = width // 2 + gap
-        beside[:, shift:] = np.maximum(beside[:, shift:], widest[:, :-shift])
-        beside[:, :-shift] = np.maximum(beside[:, :-shift], widest[:, shift:])
+        some = np.flatnonzero((step > LEAST * typical).any(axis=0))
+        own = step[:, some]
+        at = some[:, None] + np.concatenate([-gap - 1 - AROUND, gap + AROUND])
+        around = step[:, np.clip(at, 0, step.shape[1] - 1)].reshape(len(step), -1, 2, NEIGHBOURS).max(axis=3)
+        inside = np.stack([some >= gap + BEFORE, some < step.shape[1] - gap - BEFORE], axis=1)
+        beside = np.where(inside, around, 0.0).max(axis=2)
         with np.errstate(divide="ignore", invalid="ignore"):
-            excess = np.max(np.where(typical > 0.0, (step - ABRUPT * beside) / typical, 0.0), axis=0)
-        most = np.argpartition(excess, -min(CANDIDATES, len(excess)))[-CANDIDATES:]
-        for row in most[np.argsort(-excess[most])].tolist():
-            if excess[row] > 3.0:
+            excess = np.max(np.where(typical > 0.0, (own - ABRUPT * beside) / typical, 0.0), axis=0)
+        for best in np.argsort(-excess, kind="stable")[:CANDIDATES].tolist():
+            row = int(some[best])
+            if excess[best] > LEAST:
                 place = row + 1 if size == 1 else _best_split(x, row * size, (row + gap + 1) * size)
                 near = [one for one in found if abs(place - one) <= SIDE[0]]  # shorter means tell the sample better
                 place = min(near, key=lambda one: abs(place - one)) if near else place
-                found[place] = max(found.get(place, 0.0), float(excess[row]))
+                found[place] = max(found.get(place, 0.0), float(excess[best]))
         size *= 8
     return sorted(found, key=lambda one: -found[one])[: 2 * CANDIDATES]
-
-
-def _widest(step: Array, width: int) -> Array:
-    """Return the largest value of each channel within a width about each sample."""
-    found = np.pad(step, ((0, 0), (width // 2, width - 1 - width // 2)), mode="edge")
-    size = 1
-    while size < width:  # of windows, twice as wide each time
-        more = min(size, width - size)
-        found, size = np.maximum(found[:, :-more], found[:, more:]), size + more
-    return found
 
 
 def _best_split(x: Array, first: int, last: int) -> int:
