@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ...core.batches import release
 from ...core.estimate import Array
 from ..time.samples import Flags, Indices
-from .blocks import Blocks, pieces, together
+from .blocks import Blocks, together
 from .loops import exact_loops
 
 FEWEST = 64  # samples that a scale needs
@@ -58,9 +58,8 @@ class Stretches:
     peak: Array
 
 
-def scale_of(x: NDArray[Any]) -> Scale:
-    """Return the scale of a record with 64 samples or more, from pieces spread evenly over it."""
-    first, rows = pieces(x)
+def scale_of(x: NDArray[Any], first: Indices, rows: Array) -> Scale:
+    """Return the scale of a record with 64 samples or more, from its pieces, spread evenly over it."""
     off = np.empty_like(rows)
     for own in together(len(first)):
         exact_loops(len(x)).fill_pieces(x, first[own], off[own])

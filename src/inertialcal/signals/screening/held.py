@@ -88,6 +88,7 @@ class Habits:
     rows: Array  # the pieces, shape (k, m)
     equal: float  # chance that a neighbour is equal, where it is most likely
     again: float  # chance that distant samples are equal, where those before them are
+    pairs: bool  # whether any neighbours are equal
 
     @cached_property
     def counts(self) -> NDArray[np.int64]:
@@ -101,13 +102,19 @@ class Habits:
 
     def has_fewer(self, many: int) -> bool:
         """Whether there are fewer different values than so many; a few samples tell it most often."""
-        return len(_counted(self.samples[:SOME])[1]) < many and len(self.counts) < many
+        return self._of_some < many and len(self.counts) < many
+
+    @cached_property
+    def _of_some(self) -> int:
+        return len(_counted(self.samples[:SOME])[1])
 
 
-def habits_of(blocks: Blocks) -> Habits:
-    """Return the habits of a record."""
-    _, rows = pieces(blocks.x)
+def habits_of(blocks: Blocks, rows: Array | None = None) -> Habits:
+    """Return the habits of a record; rows are its pieces, where they are known."""
+    _, rows = pieces(blocks.x) if rows is None else (None, rows)
     same = rows[:, 1:] == rows[:, :-1]
+    if not same.any() and not blocks.same.any():
+        return Habits(rows[np.isfinite(rows)], rows, 0.0 if len(blocks) else 1.0, _again(rows), False)
     lively = same[same.mean(axis=1) < FULL]
     equal = [_group_share(blocks)]
     if lively.shape[1] > HELD and lively.any():
@@ -118,7 +125,7 @@ def habits_of(blocks: Blocks) -> Habits:
         ]  # what is held is no habit
         if each[usual].sum() >= ALIKE:
             equal.append(float(goes_on[usual].sum() / each[usual].sum()))
-    return Habits(rows[np.isfinite(rows)], rows, max(equal), _again(rows))
+    return Habits(rows[np.isfinite(rows)], rows, max(equal), _again(rows), bool(same.any()))
 
 
 def _counted(samples: Array) -> tuple[Array, NDArray[np.int64]]:
@@ -183,6 +190,9 @@ def _rail(blocks: Blocks, habits: Habits, skip: Indices, step: float, sign: floa
     end = float(extreme.max())
     if not np.isfinite(end) or habits.has_fewer(2):
         return None
+    whole = np.flatnonzero(extreme == end)
+    if len(whole) < OF_CONVERTER and np.count_nonzero(blocks.rows(whole) == sign * end) < OF_CONVERTER:
+        return None  # one sample is no end
     third, below = end, extreme
     for _ in range(2):
         below = below[below < third]
@@ -195,7 +205,6 @@ def _rail(blocks: Blocks, habits: Habits, skip: Indices, step: float, sign: floa
     levels, counts = _counted(inside[(inside >= least) & (inside <= end)])
     if len(levels) < 2:
         return None
-    whole = np.flatnonzero(extreme == end)
     starts, stops = np.empty((2, ROOM), dtype=np.int64)
     runs = int(exact_loops(len(blocks.x)).fill_runs(blocks.x, blocks.size, whole, sign * end, starts, stops))
     starts, stops = starts[: min(runs, ROOM)], stops[: min(runs, ROOM)]
@@ -271,6 +280,8 @@ def repeats(habits: Habits) -> float:
     Samples further apart tell how many neighbours noise makes equal: as many more as neighbours lie closer together.
     The record must do it all along.
     """
+    if not habits.pairs:
+        return 0.0
     low, high = habits.ends
     rows = np.where((habits.rows == low) | (habits.rows == high), np.nan, (habits.rows - low) / (high - low))
     near = np.diff(rows, axis=1)

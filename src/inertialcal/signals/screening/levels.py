@@ -246,6 +246,10 @@ def slow_wave(mean: Array, smallest: float) -> Wave | None:
     level = _continuum(k, p, np.ones(len(k), dtype=bool))
     ratio = np.where(tested, p / level, 0.0)
     peak = int(np.argmax(ratio))
+    left = p[max(peak - LOBE - BESIDE, 0) : peak - LOBE]
+    right = p[peak + LOBE + 1 : peak + LOBE + 1 + BESIDE]
+    if any(len(side) and p[peak] < STANDS * side.mean() for side in (left, right)):
+        return None
     order = k[peak]
     clear = np.min(np.abs(k[:, None] - order * np.arange(1, last // order + 2)), axis=1) > LOBE
     level = _continuum(k, p, clear)
@@ -254,9 +258,7 @@ def slow_wave(mean: Array, smallest: float) -> Wave | None:
     dof = 0.5 * np.count_nonzero(clear)
     limit = MARGIN * dof * (float(np.exp(limit / dof)) - 1.0)
     score = float(p[peak] / level[peak]) / limit
-    left = p[max(peak - LOBE - BESIDE, 0) : peak - LOBE]
-    right = p[peak + LOBE + 1 : peak + LOBE + 1 + BESIDE]
-    if score <= 1.0 or any(len(side) and p[peak] < STANDS * side.mean() for side in (left, right)):
+    if score <= 1.0:
         return None
     near = p[max(peak - 1, 0) : peak + 2]
     period = m * group / float(near @ k[max(peak - 1, 0) : peak + 2] / near.sum())

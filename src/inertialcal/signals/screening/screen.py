@@ -64,7 +64,7 @@ from ...core.batches import batches, release, zeros
 from ...core.estimate import Array
 from ..remembered import remembered
 from ..time.samples import Flags, Indices
-from .blocks import Blocks, blocks_of
+from .blocks import Blocks, blocks_of, pieces
 from .glitches import FEWEST, Scale, Stretches, far_samples, scale_of
 from .held import HELD, Copy, Habits, Held, copies, habits_of, rails, repeats, stuck
 from .levels import level_steps, noise_changes, slow_wave
@@ -205,14 +205,15 @@ def _looked_through(x: NDArray[Any], at_rest: bool) -> Screening:
         found["missing"] = _missing(blocks, lost)
     if len(x) - lost < 2:
         return Screening(tuple(found.values()), len(x), 0.0, 0.0)
-    scale = scale_of(blocks.x) if len(x) >= FEWEST else Scale(0.0, 0.0, np.inf)
+    first, rows = pieces(blocks.x)
+    scale = scale_of(blocks.x, first, rows) if len(x) >= FEWEST else Scale(0.0, 0.0, np.inf)
     short, long = far_samples(blocks, scale, at_rest)
     for code, one in (("glitch", short), ("disturbed", long)):
         if len(one.places):
             found[code] = _stretches(code, one, scale)  # type: ignore[index,arg-type]
     skip = _samples(np.concatenate((short.places, long.places)))
     clean = blocks.without(skip)
-    habits = habits_of(clean)
+    habits = habits_of(clean, rows)
     again = copies(clean, habits)
     if again:
         found["repeated"] = _repeated(again)
