@@ -494,3 +494,19 @@ def test_a_line_below_a_step_counts_only_in_noise_that_hides_rounding() -> None:
     quiet, loud = 2.0 * density, 20.0 * density
     assert found.hides([0.5, 2.0], quiet, 0.01).tolist() == [True, False]
     assert found.hides([0.5, 0.9e-4], loud, 0.01).tolist() == [False, True]
+
+
+def test_the_continuum_is_the_same_to_the_bit_in_a_loop_and_in_numpy() -> None:
+    rng = np.random.default_rng(4)
+    k = np.arange(1.0, 300.0)
+    part = np.array([k**power for power in (0.0, -1.0, -2.0)])
+    values = (3.0 + 50.0 / k) * rng.exponential(size=len(k))
+    values[40] *= 100.0
+    found = []
+    for fit in (_kernels.fit_powers, Loops.fit_powers):
+        weight = np.ones(3)
+        fit(part, values, 60, weight)
+        found.append(weight)
+    assert found[0].tolist() == found[1].tolist()
+    level = found[0] @ part
+    assert np.mean(np.minimum(values, 5.0 * level) / level) == pytest.approx(1.0, abs=0.01)  # as the likelihood asks

@@ -211,7 +211,9 @@ def fill_covariance(
                 for e in range(len(exponentials)):
                     x = exponentials[e, 1] * j
                     if x < BRIEF:
-                        decay = -x * x * x * (1.0 - x * 0.25 * (1.0 - x * 0.2 * (1.0 - x / 6.0 * (1.0 - x / 7.0)))) / 6.0
+                        decay = (
+                            -x * x * x * (1.0 - x * 0.25 * (1.0 - x * 0.2 * (1.0 - x / 6.0 * (1.0 - x / 7.0)))) / 6.0
+                        )
                     else:
                         decay = (np.exp(-x) if x < GONE else 0.0) - 1.0 + x - 0.5 * x * x
                     found -= exponentials[e, 0] * (exponentials[e, 2] * decay + exponentials[e, 3] * j)
@@ -288,9 +290,7 @@ def limit_root(
     D: Array, table: Array, lo: float, hi: float, spacings: Array, s: Array, w: Array, held: int,
     best: float, u: float, least: float, stretch: float, short: float, missed: bool, tolerance: float,
 ) -> float:  # fmt: skip
-    """Return the distance at which a power is ruled out, in u from the best; NaN where it is not up to 1e6.
-
-    """
+    """Return the distance at which a power is ruled out, in u from the best; NaN where it is not up to 1e6."""
     v = np.zeros(D.shape[1])
 
     def beyond(x: float) -> float:

@@ -223,11 +223,13 @@ def _by_noise(x: Array, noise: Noise, names: Sequence[str], factors: Factors) ->
     ratio, u = only.ratios(at)
     middle = float(np.median(ratio))
     low = middle - NOISE_AGREES - 4.0 * u
-    if not np.isfinite(ratio).all() or abs(middle) < LEAST_NOISE or np.any(ratio < low):
-        return []
-    with np.errstate(divide="ignore"):  # rounding to steps adds its own noise to what is quieter
-        rounded = 0.5 * np.log(np.exp(2.0 * middle) + only.rounding(x[:, columns], at) ** 2)
-    if np.any(ratio > rounded + NOISE_AGREES + 4.0 * u):
+
+    def too_much() -> bool:  # rounding to steps adds its own noise to what is quieter
+        with np.errstate(divide="ignore"):
+            rounded = 0.5 * np.log(np.exp(2.0 * middle) + only.rounding(x[:, columns], at) ** 2)
+        return bool(np.any(ratio > rounded + NOISE_AGREES + 4.0 * u))
+
+    if not np.isfinite(ratio).all() or abs(middle) < LEAST_NOISE or np.any(ratio < low) or too_much():
         return []
     unit = unit_of(float(np.exp(middle)), factors, NOISE_AGREES + 4.0 * float(u.min()))
     index = refined(x[:, columns], at, noise.size, only)

@@ -6,9 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from noise_records import exact_run
 from scipy import optimize, special
 
+from inertialcal.sensors.noise import _kernels as kernels
 from inertialcal.sensors.noise.fitting.likelihood import covariance_of_runs, estimate, sandwich
 from inertialcal.sensors.noise.fitting.limits import (
     Held,
@@ -113,3 +116,32 @@ def test_the_upper_limit_of_a_term_that_white_noise_hides(name: str, share: floa
         assert chance == pytest.approx(0.05, abs=0.015)  # the stretch is that of a rough end
     else:  # named in 99.5 % of records with so much
         assert missed == pytest.approx(SURE, rel=0.06)
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.05, 40.0))
+@settings(max_examples=50, deadline=None)
+def test_a_root_is_where_scipy_finds_it(seed: int, at: float) -> None:
+    rng = np.random.default_rng(seed)
+    power, bend = rng.uniform(0.2, 4.0), rng.uniform(0.0, 2.0)
+
+    def function(x: float) -> float:
+        return float(x**power - at**power + bend * (np.sqrt(x) - np.sqrt(at)))
+
+    inside, outside, tolerance = 0.0, 64.0, 0.01
+    state = np.array([inside, outside, 0.0, function(inside), function(outside), 0.0, 0.0, 0.0])
+    while not kernels.brent(state, tolerance):
+        state[4] = function(state[1])
+    assert state[1] == pytest.approx(optimize.brentq(function, inside, outside, xtol=tolerance), rel=1e-12)
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 6), st.integers(0, 2))
+@settings(max_examples=50, deadline=None)
+def test_the_inverse_is_that_of_the_directions_that_are_told(seed: int, size: int, lost: int) -> None:
+    rng = np.random.default_rng(seed)
+    rank = max(size - lost, 1)
+    A = rng.normal(size=(size, rank))
+    A = A @ A.T
+    found = A.copy()
+    kernels.invert(found, 1e-10)
+    expected = np.linalg.pinv(A, rcond=1e-10, hermitian=True)
+    assert found == pytest.approx(expected, rel=1e-6, abs=1e-9 * np.abs(expected).max())

@@ -89,7 +89,7 @@ class Design:
     def power(self, i: int) -> Array:
         """Return weighted second differences of a power: linear, none, cubic, flicker; shape (t,)."""
         if i == 0:
-            return self.lags.linear * self.more
+            return np.asarray(self.lags.linear * self.more)
         return (self.lags.none, self.lags.cubic, self.lags.flicker)[i - 1]
 
     def square(self, i: int, j: int) -> Array:
@@ -97,7 +97,8 @@ class Design:
         if (i, j) not in self._squares:
             size = self.lags.size
             terms = self.power(i) if j < 0 else self.power(i) * (self.power(j) / size) / size
-            self._squares[i, j] = np.bincount(self.lags.pair, self.windows * terms, len(self.pairs[0]))
+            sums = np.bincount(self.lags.pair, self.windows * terms, len(self.pairs[0]))
+            self._squares[i, j] = np.asarray(sums, dtype=np.float64)
         return self._squares[i, j]
 
     def sums(self, sizes: Array, ramp: float) -> Array:

@@ -215,8 +215,7 @@ def interval_of(problem: Problem, fitted: Fitted, at: int, bread: Sandwich, p: f
     target, step = float(special.chdtri(1.0, 1.0 - p)), min(2.0 * relative, 1.0)
     stretch = float(bread.stretch[column])
     lo, hi = (
-        end_of(held, start, fitted.cost, stretch, target, float(np.copysign(step, far)), far)[0]
-        for far in furthest
+        end_of(held, start, fitted.cost, stretch, target, float(np.copysign(step, far)), far)[0] for far in furthest
     )
     none = None if timed else 0.0
     return Interval(none if lo is None else best * np.exp(lo), None if hi is None else best * np.exp(hi), p)
