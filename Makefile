@@ -107,7 +107,7 @@ $(READY): requirements.txt $(INSTALLED)
 	touch $(READY)
 
 COMPILE = uv pip compile --quiet --universal --generate-hashes --no-header --no-emit-index-url --python-version 3.11 pyproject.toml
-EXTRAS = --extra frame --extra pdf --extra sign --extra formats --extra archive --extra lab --extra orbit --extra web --extra test --extra build
+EXTRAS = --extra frame --extra pdf --extra sign --extra formats --extra archive --extra lab --extra fleet --extra orbit --extra web --extra test --extra build
 pins:  ## needs uv; writes no address of an index
 	$(COMPILE) --all-extras -o requirements.txt
 	$(COMPILE) --extra build --constraint requirements.txt --no-annotate -o requirements-run.txt

@@ -22,7 +22,7 @@ PACKAGE = Path(__file__).resolve().parents[1] / "src" / "inertialcal"
 # one can read its own tables and schedules.
 ORDER = (
     "core", "statistics", "signals", "physics", "sensors", "files", "rigs", "procedures", "report", "campaign",
-    "archive", "lab", "cli",
+    "archive", "lots", "lab", "cli",
 )  # fmt: skip
 FILES = sorted(PACKAGE.rglob("*.py"))
 STUBS = sorted(PACKAGE.rglob("*.pyi"))

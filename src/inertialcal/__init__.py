@@ -61,6 +61,7 @@ if TYPE_CHECKING:
     from .files.text.table import Table, read_table
     from .files.write.recording import write
     from .lab.guide.engine import Guide
+    from .lots.lot import lot
     from .procedures.flip.planning import plan_flip
     from .procedures.mass_attraction.planning.planner import plan_mass_attraction
     from .procedures.mass_attraction.recorded_series import programme_1969
@@ -110,6 +111,7 @@ __all__ = [
     "info",
     "load_model",
     "load_models",
+    "lot",
     "magnetometer_bias",
     "mass_attraction",
     "max_memory",
@@ -176,6 +178,7 @@ _HOMES = {  # nouns of procedures apart, which are found by their commands
         "files.text.table": "Table read_table",
         "files.write.recording": "write",
         "lab.guide.engine": "Guide",
+        "lots.lot": "lot",
         "procedures.mass_attraction.planning.planner": "plan_mass_attraction",
         "procedures.mass_attraction.recorded_series": "programme_1969",
         "procedures.positions.batch": "positions_batch",

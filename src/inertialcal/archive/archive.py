@@ -150,15 +150,25 @@ class Archive:
             ``read_only``, ``locked``, ``schema_version``, ...; ``not_read_back`` where the archive has something else
             than what was added.
         """
-        record = record_of(folder)
+        return self.add_records([record_of(folder)])[0]
+
+    def add_records(self, records: Sequence[Record]) -> Sequence[Added]:
+        """Add records, all or none, and read them back.
+
+        Raises
+        ------
+        StoreError
+            As `add`.
+        """
         with self.database.writing() as connection:
-            added = add_record(connection, record, self.database.name, time.time_ns())
+            every = [add_record(connection, one, self.database.name, time.time_ns()) for one in records]
         with self.database.reading() as connection:
-            if read_record(connection, added.number).lines() != record.lines() and added.new:
-                what = f"campaign {added.name} was added as number {added.number}, and reads otherwise"
-                do = "Verify the archive before more is added"
-                raise StoreError(what, where=self.database.name, do=do, code="not_read_back")
-        return added
+            for added, record in zip(every, records, strict=True):
+                if added.new and read_record(connection, added.number).lines() != record.lines():
+                    what = f"campaign {added.name} was added as number {added.number}, and reads otherwise"
+                    do = "Verify the archive before more is added"
+                    raise StoreError(what, where=self.database.name, do=do, code="not_read_back")
+        return every
 
     def list(self, serial: str | None = None) -> Listing:
         """Return the campaigns, by unit and time.

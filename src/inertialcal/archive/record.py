@@ -119,6 +119,36 @@ def record_of(folder: str | Path) -> Record:
     return Record(item, _clean(run | more), rows, contents, sizes)
 
 
+def record_of_results(
+    content: Mapping[str, Any], inputs: Iterable[tuple[str, str]], outputs: Mapping[str, bytes], run: Fields
+) -> Record:
+    """Return the record of results that were made now, and lie in no folder of their own.
+
+    Parameters
+    ----------
+    content : mapping
+        Of ``results.json``.
+    inputs : iterable of (str, str)
+        Path and SHA-256 of what was read.
+    outputs : mapping of str to bytes
+        What was made, by path: documents.
+    run : dict
+        ``folder``, ``program``, ``made_ns``, ``results_sha256``.
+    """
+    digests = {path: hashlib.sha256(data).hexdigest() for path, data in outputs.items()}
+    uses = [{"path": path, "role": "input", "sha256": digest} for path, digest in sorted(inputs)]
+    uses += [{"path": path, "role": "output", "sha256": digest} for path, digest in sorted(digests.items())]
+    models = []
+    for path, digest in sorted(digests.items()):
+        said = json.loads(outputs[path])
+        if said.get("format") == FORMAT:
+            models += [{"condition": name, "file": path, "sha256": digest} for name in said["models"]]
+    item, more, rows = content_rows(content)
+    rows |= {"models": _placed(models), "uses": _placed(uses)}
+    contents = {digests[path]: data for path, data in outputs.items()}
+    return Record(item, _clean(run | more), rows, contents, {one: len(data) for one, data in contents.items()})
+
+
 def content_rows(content: Mapping[str, Any]) -> tuple[Fields, Fields, dict[str, list[Fields]]]:
     """Return what the content of ``results.json`` makes: the item, part of the row of the campaign, rows by table."""
     item = {name: str(content["item"].get(name, "")) for name in ITEM}

@@ -32,7 +32,7 @@ VERBS = {
     "programme-1969": "verbs.programme1969", "filter": "verbs.filters", "certificate": "verbs.certificate",
     "vibration profile": "verbs.vibration_profile", "acquire": "verbs.acquire", "live": "verbs.live",
     "sequence": "verbs.sequence",
-    "guide": "verbs.guide",
+    "guide": "verbs.guide", "lot": "verbs.lot",
 }  # fmt: skip
 NO_FIGURES = (
     "info",
@@ -57,6 +57,7 @@ NO_FIGURES = (
     "archive verify",
     "archive migrate",
     "guide",
+    "lot",
 )
 READ_NOTHING = ("demo", "simulate")  # commands that read no file of a user
 OF_ARCHIVE = (
@@ -130,6 +131,7 @@ EXAMPLES = {  # word of a verb -> what may follow it, for its help
         'LAB.toml -o imu --no-page --gravity "9.807 m/s2" --label z+=label --for px4',
         'LAB.toml -o again --no-page --target bias="2 mg" --rest "2 s"',
     ),
+    "lot": ("LOT.toml -o lot7", "gyros -o lot9 --archive lab.db"),
     "vibration profile": ("table01.csv -o profile.svg", "table01.csv --band 20..100"),
     "filter": (
         "inertialcal-demo rest.csv",

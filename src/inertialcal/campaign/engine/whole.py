@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ...core.errors import DataError, InertialcalError, Problem
-from ...core.judging import Verdict
 from ...core.remarks import Remark, gather
 from ...core.results import COLUMNS, flat
 from ...core.show.result_tables import remarks_line
@@ -26,7 +25,7 @@ from ..inputs.gate import Gate
 from ..inputs.sources import ReadOnce, Store
 from ..models.build import build_models, model_files
 from ..models.judged import NOT_RUN, Modelled, Residual, hold_out_residuals
-from ..outcome.contents import results_content
+from ..outcome.contents import Figures, figures_and_verdicts, results_content
 from ..outcome.publish import changes, check_writable, csv_text, json_text, provenance, publish, restore
 from ..outcome.requirements import worst
 from ..outcome.results_file import previous, sealed
@@ -41,7 +40,7 @@ from .engine import (
     shared_readings,
     with_opened,
 )
-from .reductions import reduce_all, waiting_for
+from .reductions import Reduced, reduce_all, waiting_for
 from .status import EXIT, Progress
 
 VERDICT_COLUMNS = (
@@ -199,11 +198,19 @@ class Whole:
 
     @cached_property
     @one_blas_thread()
-    def _content(self) -> tuple[dict[str, Any], list[Verdict]]:
+    def figures(self) -> Figures:
+        """Its rows and verdicts, without budgets, curves and advice.
+
+        Raises
+        ------
+        DataError
+            ``not_computable``.
+        """
         with computable(self.campaign.file.campaign.id, "campaign"):
-            return results_content(self.campaign, self.prepared, self.tested, self.modelled, self.remarks)
+            return figures_and_verdicts(self.campaign, self.tested, self.modelled)
 
     @cached_property
+    @one_blas_thread()
     def results(self) -> dict[str, Any]:
         """As `Outcome` has them: made when they are first asked for, as a call may show its figures alone.
 
@@ -212,7 +219,10 @@ class Whole:
         DataError
             ``not_computable``.
         """
-        return self._content[0] | {"verdict": self.verdict or None}
+        figures = self.figures
+        with computable(self.campaign.file.campaign.id, "campaign"):
+            found = results_content(self.campaign, self.prepared, self.tested, self.modelled, self.remarks, figures)
+        return found | {"verdict": self.verdict or None}
 
     @cached_property
     def verdict(self) -> str:
@@ -223,7 +233,7 @@ class Whole:
         DataError
             ``not_computable``.
         """
-        stated = [worst(self._content[1])] if self.campaign.file.requirements else []
+        stated = [worst([one for one, _ in self.figures.judged])] if self.campaign.file.requirements else []
         if self.modelled is not None and self.modelled.whole_verdict != NOT_RUN:
             stated.append(self.modelled.whole_verdict)
         stated += ["INCONCLUSIVE"] * any(one.errors for one in self.tested)
@@ -253,10 +263,21 @@ def reduce_campaign(
         If the campaign or a recording is refused.
     """
     tell = progress or (lambda done, total, what: None)
-    prepared, tested, remarks = reduce_tests(campaign, store, tell, cache)
+    parts = reduce_tests(campaign, store, tell, cache)
+    tell(len(parts[1]), len(parts[1]), "model and requirements")
+    return whole_of(campaign, *parts)
+
+
+def whole_of(campaign: Campaign, prepared: list[Prepared], tested: list[ReducedTest], remarks: list[Remark]) -> Whole:
+    """Return a campaign whose tests were reduced, with its models and what readings held out say of them.
+
+    Raises
+    ------
+    DataError
+        ``not_computable``; as the models say.
+    """
     own = {"campaign.toml": campaign.sha256} if campaign.sha256 else {}
     inputs = own | one_digest(pair for one in prepared for pair in one.inputs.items())
-    tell(len(tested), len(tested), "model and requirements")
     reduced = {one.test.id: one.tested for one in tested}
     with computable(campaign.file.campaign.id, "campaign"):
         errors = {one.test.id: one.errors for one in tested if one.errors}
@@ -286,9 +307,21 @@ def reduce_tests(
     DataError
         With all that was refused, test by test.
     """
-    tests = campaign.file.tests
     store = store or ReadOnce(campaign.folder, waiting_for(campaign))
-    found, problems = reduce_all(campaign, store, tell, cache)
+    return tests_of(campaign, *reduce_all(campaign, store, tell, cache))
+
+
+def tests_of(
+    campaign: Campaign, found: dict[int, Reduced], problems: dict[int, tuple[Problem, ...]]
+) -> tuple[list[Prepared], list[ReducedTest], list[Remark]]:
+    """Return the tests of a campaign set beside each other, as `reduce_tests`, of what `reduce_all` gives.
+
+    Raises
+    ------
+    DataError
+        With all that was refused, test by test.
+    """
+    tests = campaign.file.tests
     ready = {number: found[number].prepared for number in sorted(found)}
     for number, problem in shared_readings(campaign, list(ready.values())):
         problems[number] = (*problems.get(number, ()), placed(problem, campaign, number))

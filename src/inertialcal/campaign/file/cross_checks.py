@@ -27,11 +27,15 @@ Known = Mapping[str, Quantity]
 RESERVED = "model"  # test that the rows of the model of the sensor carry in results.json
 
 
-def cross_checks(folder: Path | None, file: CampaignFile, at: At) -> list[Problem]:
-    """Return everything that does not fit together; a folder of None allows files anywhere."""
+def cross_checks(folder: Path | None, file: CampaignFile, at: At, elsewhere: bool = False) -> list[Problem]:
+    """Return everything that does not fit together; a folder of None allows files anywhere.
+
+    ``elsewhere``: recordings lie in no folder that is known yet.
+    """
+    own = None if elsewhere else folder
     found = [
         *(p for name, sensor in file.sensors.items() for p in sensor_checks(name, sensor, at)),
-        *(p for name, entry in file.recordings.items() for p in recording_checks(folder, file, name, entry, at)),
+        *(p for name, entry in file.recordings.items() for p in recording_checks(own, file, name, entry, at)),
         *(p for number, test in enumerate(file.tests) for p in procedure_checks(file, number, test, at)),
         *(p for number, test in enumerate(file.tests) for p in against_checks(file, number, test, at)),
         *(p for number, test in enumerate(file.tests) for p in after_checks(file, number, test, at)),

@@ -6,7 +6,7 @@ import hashlib
 import json
 import math
 import shlex
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -56,8 +56,15 @@ def place(lines: dict[KeyPath, int], path: KeyPath) -> str:
     return f"{FILE}:{line}" if line else FILE
 
 
-def load(folder: str | Path) -> Campaign:
+def load(folder: str | Path, elsewhere: bool = False) -> Campaign:
     """Read the campaign of a folder.
+
+    Parameters
+    ----------
+    folder : path
+        Of the campaign.
+    elsewhere : bool
+        Its recordings lie in other places: it is the template of many units.
 
     Raises
     ------
@@ -81,7 +88,36 @@ def load(folder: str | Path) -> Campaign:
     if not raw:
         do = f"Delete the file, then type: inertialcal init {shlex.quote(str(root))}"
         raise PlanError("cannot be read: the file is empty", FILE, do=do, code="empty_file")
+    return campaign_of(root, raw, elsewhere)
+
+
+def campaign_of(
+    root: Path, raw: bytes, elsewhere: bool = False, changes: Mapping[KeyPath, Any] | None = None
+) -> Campaign:
+    """Return the campaign that the text of a campaign.toml says.
+
+    Parameters
+    ----------
+    root : Path
+        Its folder.
+    raw : bytes
+        The text.
+    elsewhere : bool
+        As `load` takes it.
+    changes : mapping of key path to value, optional
+        That stand in place of what the text says, or are added to it.
+
+    Raises
+    ------
+    PlanError
+        As `load`.
+    """
     text, document = parse_toml(raw, FILE)
+    for key, value in (changes or {}).items():
+        table: Any = document
+        for part in key[:-1]:
+            table = table[part] if isinstance(part, int) else table.setdefault(part, {})
+        table[key[-1]] = value
     lines = key_lines(text)
     marked = [number for number, line in enumerate(text.splitlines(), 1) if line.rstrip().endswith(MARK)]
     if marked:
@@ -102,11 +138,12 @@ def load(folder: str | Path) -> Campaign:
             problems.append(Problem(f"and {error.error_count() - MOST} more problems", FILE, do="Correct these first"))
         raise PlanError(problems) from None
     _, problems = standards_of(file, lambda *key: place(lines, key))
-    problems += cross_checks(root, file, lambda *key: place(lines, key))
+    problems += cross_checks(root, file, lambda *key: place(lines, key), elsewhere)
     if problems:
         raise PlanError(problems)
-    recordings = (root / one.file for one in file.recordings.values() if one.channels)
-    file = with_clock(file, (clock_in(one) for one in recordings))
+    if not elsewhere:
+        recordings = (root / one.file for one in file.recordings.values() if one.channels)
+        file = with_clock(file, (clock_in(one) for one in recordings))
     standards, _ = standards_of(file, lambda *key: place(lines, key))
     return Campaign(root, file, standards, lines, hashlib.sha256(raw).hexdigest())
 

@@ -105,21 +105,25 @@ class Folder:
 
     folder: Path
 
+    def path(self, file: str) -> Path:
+        """Return where a file lies that the campaign names."""
+        return self.folder / file
+
     def recording(self, entry: RecordingEntry, required: Sequence[str]) -> Recording:
         """Return a recording as its file has it."""
-        return read(self.folder / entry.file, required=required, **reading_of(entry))
+        return read(self.path(entry.file), required=required, **reading_of(entry))
 
     def table(self, file: str, text: Mapping[str, Any] | None = None) -> Table:
         """Return a reduced table."""
-        return read_table(self.folder / file, **table_of(text or {}))
+        return read_table(self.path(file), **table_of(text or {}))
 
     def has(self, file: str) -> bool:
         """Return whether there is such a file."""
-        return (self.folder / file).is_file()
+        return self.path(file).is_file()
 
     def read_file(self, file: str, read_it: Callable[[Any], T]) -> tuple[T, str]:
         """Return what another file says, and its SHA-256."""
-        path = self.folder / file
+        path = self.path(file)
         digest = load_file(path).sha256  # before it is read: a change in between shows in the end
         return read_it(path), digest
 
@@ -156,7 +160,7 @@ class ReadOnce(Folder):
                           window=window, frame=reading["frame"], topics=reading["topics"],
                           **text_of(entry))  # fmt: skip
         parsed = self._parsed.setdefault(entry.file, {})
-        found = read_recording(self.folder / entry.file, request, parsed)
+        found = read_recording(self.path(entry.file), request, parsed)
         if not parsed:
             self._archived[which] = found
         return found

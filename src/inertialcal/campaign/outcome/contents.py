@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from ...core.estimate import Component, Estimate
 from ...core.influence import Influence, influence_fields, lasting, standard_of
@@ -47,8 +47,9 @@ def results_content(
     tested: Sequence[ReducedTest],
     modelled: Modelled | None,
     remarks: Sequence[Remark],
-) -> tuple[dict[str, Any], list[Verdict]]:
-    """Return the content of ``results.json``, and the verdicts behind it.
+    figures: Figures,
+) -> dict[str, Any]:
+    """Return the content of ``results.json``.
 
     Parameters
     ----------
@@ -62,7 +63,60 @@ def results_content(
         Model and closed loop.
     remarks : sequence of Remark
         Of all tests.
+    figures : Figures
+        Of `figures_and_verdicts`.
     """
+    rows, judged = figures.rows, figures.judged
+    judged_rows = [{**one} for one in figures.verdicts]
+    verdicts = [verdict for verdict, _ in judged]
+    unused = left_out(campaign, prepared, tested)
+    general = campaign.file.decision.made()
+    unit = campaign.file.sensors[next(iter(campaign.file.sensors))].unit
+    results: dict[str, Any] = {
+        "schema": SCHEMA,
+        "campaign": campaign.file.campaign.model_dump(),
+        "item": campaign.file.item.content(),
+        "site": site_content(campaign.file.site),
+        "sensors": sensors_content(campaign.file.sensors),
+        "standards": standards_rows(campaign, tested),
+        "influences": {name: influence_fields(one) for name, one in sorted(campaign.standards.items())},
+        "occasions": _occasions(campaign, tested, modelled),
+        "sequence": sequence_rows(campaign.file, prepared, unused),
+        "exclusions": exclusion_rows(unused),
+        "results": [row.to_dict() for row in rows],
+        "covariances": [c for one in tested for kind in one.parts if (c := _covariance(one, kind)) is not None],
+        "budgets": _budgets(campaign, tested, modelled),
+        "curves": curves_content(campaign, tested, modelled),
+        "remarks": [remark.to_dict() for remark in condensed(remarks)],
+        "decision_rule": rule_text(general),
+        "verdicts": judged_rows,
+        "closed_loop": closed_loop_content(campaign, modelled, unit, [one for each in tested for one in each.errors]),
+        "verification": _verification(campaign, verdicts, modelled),
+    }
+    _with_advice(judged_rows, results, [quantity for _, quantity in judged])
+    return results
+
+
+class Figures(NamedTuple):
+    """What a campaign found and what is said of it, without what explains it: budgets, curves, advice.
+
+    Parameters
+    ----------
+    rows : list of Row
+        Of ``results.json``.
+    verdicts : list of dict
+        Of ``results.json``, without advice.
+    judged : list of (Verdict, str)
+        Behind each of them its Verdict, and the quantity asked for.
+    """
+
+    rows: list[Row]
+    verdicts: list[dict[str, Any]]
+    judged: list[tuple[Verdict, str]]
+
+
+def figures_and_verdicts(campaign: Campaign, tested: Sequence[ReducedTest], modelled: Modelled | None) -> Figures:
+    """Return the figures of a campaign in the units of its sensors, and the verdicts on them."""
     rows = displayed_rows(campaign, tested)
     for name, (unit, one) in named_models(campaign, modelled).items():
         estimate = None if one.model is None else one.model.estimate
@@ -87,9 +141,7 @@ def results_content(
         stated = [replace(row, condition=tests[row.test].condition) if row.test in tests else row for row in more]
         new = [row for row in stated if (row.test, row.key, row.case) not in known]
         rows += [displayed(row, unit) for row in new]
-    verdicts = [verdict for verdict, _ in judged]
-    unused = left_out(campaign, prepared, tested)
-    judged_rows = [
+    verdicts = [
         _verdict_row(
             verdict,
             sensor_of(campaign, tests[verdict.test], verdict.sensor).unit if verdict.test in tests else unit,
@@ -97,29 +149,7 @@ def results_content(
         )
         for verdict, asked in judged
     ]
-    results: dict[str, Any] = {
-        "schema": SCHEMA,
-        "campaign": campaign.file.campaign.model_dump(),
-        "item": campaign.file.item.content(),
-        "site": site_content(campaign.file.site),
-        "sensors": sensors_content(campaign.file.sensors),
-        "standards": standards_rows(campaign, tested),
-        "influences": {name: influence_fields(one) for name, one in sorted(campaign.standards.items())},
-        "occasions": _occasions(campaign, tested, modelled),
-        "sequence": sequence_rows(campaign.file, prepared, unused),
-        "exclusions": exclusion_rows(unused),
-        "results": [row.to_dict() for row in rows],
-        "covariances": [c for one in tested for kind in one.parts if (c := _covariance(one, kind)) is not None],
-        "budgets": _budgets(campaign, tested, modelled),
-        "curves": curves_content(campaign, tested, modelled),
-        "remarks": [remark.to_dict() for remark in condensed(remarks)],
-        "decision_rule": rule_text(general),
-        "verdicts": judged_rows,
-        "closed_loop": closed_loop_content(campaign, modelled, unit, [one for each in tested for one in each.errors]),
-        "verification": _verification(campaign, verdicts, modelled),
-    }
-    _with_advice(judged_rows, results, [quantity for _, quantity in judged])
-    return results, verdicts
+    return Figures(rows, verdicts, judged)
 
 
 def displayed_rows(campaign: Campaign, tested: Sequence[ReducedTest]) -> list[Row]:

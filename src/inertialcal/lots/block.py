@@ -1,0 +1,347 @@
+"""A block of units reduced, test by test: the one place where units are worked on, in whatever process that is.
+
+Every unit goes through what a campaign goes through, with its own files, gate and remarks; only the reduction itself is
+given all units of the block at once (``Procedure.reduce_many``). What is refused, or breaks down, ends its unit alone.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import time
+import traceback
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Literal
+
+import pyarrow as pa
+
+from ..campaign.engine.engine import open_test, order_of, placed, prepare, reduce_alike, screened_samples
+from ..campaign.engine.reductions import Reduced, waiting_for
+from ..campaign.engine.whole import Whole, tests_of, whole_of
+from ..campaign.file.load import Campaign, campaign_of, standards_of, with_clock
+from ..campaign.inputs.gate import Gate
+from ..campaign.models.build import model_files
+from ..campaign.outcome.publish import json_text
+from ..campaign.outcome.results_file import sealed
+from ..core.errors import DataError, InertialcalError, Problem
+from ..core.remarks import condensed
+from ..files.binary.curves import curves_bytes
+from ..files.binary.parquet import clock_in
+from ..files.source import changed_input
+from ..signals.blas import one_blas_thread
+from .rows import UnitRow, quarantined, table_of
+from .stores import Delivery, Place, Shared, UnitStore, file_of, store_of
+
+FRAMES = 12  # of a fault that its log holds
+Cell = str | int | float | bool
+
+
+@dataclass(frozen=True)
+class Job:
+    """What all blocks of a lot have in common: plain values, so that any process can be given it.
+
+    Parameters
+    ----------
+    folder : str
+        Of the template.
+    raw : bytes
+        Its campaign.toml.
+    place : Place
+        Where recordings lie.
+    files : tuple of (str, str or Shared)
+        Of each recording, by its name in the campaign.
+    options : tuple of (key path, str)
+        Keys of the campaign, and the column that stands in place of each.
+    archived : bool
+        Whether each unit gives what an archive keeps.
+    version : str
+        Of the code; a worker with another one refuses.
+    """
+
+    folder: str
+    raw: bytes
+    place: Place
+    files: tuple[tuple[str, str | Shared], ...]
+    options: tuple[tuple[tuple[str | int, ...], str], ...] = ()
+    archived: bool = False
+    version: str = ""
+
+
+@dataclass(frozen=True)
+class Given:
+    """A unit as the table has it: its number from 0, its serial number, and the cells that its reduction depends on."""
+
+    number: int
+    serial: str
+    cells: tuple[tuple[str, Cell], ...] = ()
+
+    @property
+    def texts(self) -> dict[str, str]:
+        """Cells as text, by column."""
+        return {"serial": self.serial} | {name: str(cell) for name, cell in self.cells}
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How a unit ended.
+
+    Parameters
+    ----------
+    number : int
+        In the table.
+    status, verdict, reason_code : str
+        As its row has them.
+    stamps : str
+        Size and time of the last change of its files before they were read, as JSON.
+    log : str
+        Of a fault of the program; empty else.
+    results : bytes
+        ``results.json`` for an archive; empty where none is asked for, and of a unit in quarantine.
+    models : tuple of (str, str)
+        Name and text of its model files, for an archive.
+    inputs : tuple of (str, str)
+        Path and SHA-256, for an archive.
+    at_ns : int
+        When.
+    """
+
+    number: int
+    status: Literal["done", "quarantined"]
+    verdict: str
+    reason_code: str
+    stamps: str = ""
+    log: str = ""
+    results: bytes = b""
+    models: tuple[tuple[str, str], ...] = ()
+    inputs: tuple[tuple[str, str], ...] = ()
+    at_ns: int = 0
+
+
+@dataclass(frozen=True)
+class Block:
+    """A block that is done: its rows as an Arrow stream, and how each unit ended, in the same order."""
+
+    rows: bytes
+    units: tuple[Ended, ...]
+
+
+@dataclass(eq=False)
+class _Unit:
+    """A unit at work."""
+
+    given: Given
+    campaign: Campaign
+    store: UnitStore
+    files: tuple[str, ...] = ()
+    stamps: Mapping[str, list[int]] = field(default_factory=dict[str, list[int]])
+    gate: Gate = field(default_factory=Gate)
+    found: dict[int, Reduced] = field(default_factory=dict[int, Reduced])
+    problems: dict[int, tuple[Problem, ...]] = field(default_factory=dict[int, tuple[Problem, ...]])
+
+
+@lru_cache(maxsize=4)
+def _template(folder: str, raw: bytes) -> Campaign:
+    return campaign_of(Path(folder), raw, elsewhere=True)
+
+
+def files_of(job: Job, given: Given) -> dict[str, str]:
+    """Return the file of each recording of a unit, in the store.
+
+    Raises
+    ------
+    DataError
+        ``bad_path``, ``outside``.
+    """
+    root = job.place.store if job.place.is_local else ""
+    return {name: one.file if isinstance(one, Shared) else file_of(one, given.texts, root) for name, one in job.files}
+
+
+def campaign_for(job: Job, given: Given, files: Mapping[str, str], root: Path) -> Campaign:
+    """Return the campaign of a unit: the template with its serial number, its files and what the table changes.
+
+    Raises
+    ------
+    PlanError
+        If what the table says cannot stand there.
+    """
+    cells = dict(given.cells)
+    changes: dict[tuple[str | int, ...], Any] = {
+        key: given.serial if column == "serial" else cells[column]
+        for key, column in job.options
+        if column in cells or column == "serial"
+    }
+    own = campaign_of(Path(job.folder), job.raw, True, changes) if changes else _template(job.folder, job.raw)
+    item = own.file.item.model_copy(update={"serial": given.serial})
+    entries = {name: one.model_copy(update={"file": files[name]}) for name, one in own.file.recordings.items()}
+    file = own.file.model_copy(update={"item": item, "recordings": entries})
+    recordings = (root / entry.file for entry in entries.values() if entry.channels)
+    timed = with_clock(file, (clock_in(path) for path in recordings))
+    standards = own.standards if timed is file else standards_of(timed, lambda *key: "")[0]
+    return replace(own, folder=root, file=timed, standards=standards)
+
+
+@one_blas_thread()
+def reduce_block(job: Job, units: Sequence[Given]) -> Block:
+    """Return a block of units reduced; no unit ends another.
+
+    Parameters
+    ----------
+    job : Job
+        The lot.
+    units : sequence of Given
+        Of the block, in the order of the table.
+    """
+    ended: dict[int, tuple[UnitRow, Ended]] = {}
+    shared = {name: one for name, one in job.files if isinstance(one, Shared)}
+    with Delivery(job.place, shared) as delivery:
+        cells = {one.number: one.texts for one in units}
+        refused = delivery.load_shared(cells) if shared else {}
+        working = []
+        for one in units:
+            try:
+                if one.number in refused:
+                    raise refused[one.number]
+                working.append(_begun(job, one, delivery))
+            except Exception as error:
+                ended[one.number] = _quarantined(one, error)
+        _reduce(working, ended)
+        for unit in working:
+            if unit.given.number not in ended:
+                ended[unit.given.number] = _finished(job, unit)
+    made = [ended[one.number] for one in units]
+    return _block([row for row, _ in made], [one for _, one in made])
+
+
+def _begun(job: Job, given: Given, delivery: Delivery) -> _Unit:
+    files = files_of(job, given)
+    own = [one for name, one in files.items() if not isinstance(dict(job.files)[name], Shared)]
+    stamps = job.place.stamps(list(dict.fromkeys(files.values())))
+    delivery.lay_out(given.number, own)
+    root = delivery.root(given.number)
+    campaign = campaign_for(job, given, files, root)
+    store = store_of(Path(job.folder), root, waiting_for(campaign))
+    return _Unit(given, campaign, store, tuple(dict.fromkeys(files.values())), stamps)
+
+
+def _reduce(working: Sequence[_Unit], ended: dict[int, tuple[UnitRow, Ended]]) -> None:
+    """Reduce every test of all units, those of one number together."""
+    template = working[0].campaign.file.tests if working else []
+    places = {one.id: number for number, one in enumerate(template)}
+    for number in order_of(template):
+        before = {name: places[name] for name in template[number].after}
+        ready = []
+        for unit in working:
+            if unit.given.number in ended or any(one not in unit.found for one in before.values()):
+                continue
+            results = {name: unit.found[place].result for name, place in before.items()}
+            with _apart(unit, number, ended):
+                ready.append((unit, results, prepare(unit.campaign, number, results, unit.store, unit.gate)))
+                unit.store.leave(unit.campaign.file.recordings[name].file for name in template[number].recordings)
+        found = reduce_alike([one for _, _, one in ready]) if ready else []
+        for (unit, results, prepared), result in zip(ready, found, strict=True):
+            with _apart(unit, number, ended):
+                if isinstance(result, Exception):
+                    raise result
+                count = screened_samples(prepared, result)
+                opened = open_test(unit.campaign, prepared, count, results, unit.store, unit.gate) if count else None
+                unit.found[number] = Reduced(prepared, result, opened, "")
+
+
+@contextmanager
+def _apart(unit: _Unit, number: int, ended: dict[int, tuple[UnitRow, Ended]]) -> Iterator[None]:
+    """Keep what goes wrong in a test of a unit from the others: a refusal is noted, a fault of the program ends it."""
+    try:
+        yield
+    except InertialcalError as error:
+        unit.problems[number] = tuple(placed(one, unit.campaign, number) for one in error.problems)
+    except Exception as error:
+        ended[unit.given.number] = _quarantined(unit.given, error, unit)
+
+
+def _finished(job: Job, unit: _Unit) -> tuple[UnitRow, Ended]:
+    """Return the row of a unit whose tests were reduced: models, verdicts, remarks."""
+    given = unit.given
+    try:
+        whole = whole_of(unit.campaign, *tests_of(unit.campaign, unit.found, unit.problems))
+        if job.place.stamps(unit.files) != unit.stamps:
+            now = job.place.stamps(unit.files)
+            raise DataError([changed_input(one) for one in unit.files if now.get(one) != unit.stamps.get(one)])
+        figures, verdict = whole.figures, whole.verdict
+        models = tuple(sorted(model_files(whole.modelled).items())) if whole.modelled is not None else ()
+        inputs = tuple(sorted((path, one) for path, one in whole.inputs.items() if path in unit.files))
+        remarks = [(one.test.id, remark) for one in whole.tested for remark in condensed(one.remarks)]
+        if whole.modelled is not None:
+            closed = condensed(remark for one in whole.modelled.every for remark in one.remarks)
+            remarks += [("closed loop", remark) for remark in closed]
+        row = UnitRow(
+            given.number, given.serial, "done", verdict, figures.rows, figures.verdicts, remarks, models, inputs
+        )
+        kept = _for_archive(whole) if job.archived else b""
+    except Exception as error:
+        return _quarantined(given, error, unit)
+    stamps = json.dumps(unit.stamps, sort_keys=True)
+    more = {"results": kept, "models": models, "inputs": tuple(sorted(whole.inputs.items()))} if kept else {}
+    return row, Ended(given.number, "done", verdict, "", stamps, at_ns=time.time_ns(), **more)  # type: ignore[arg-type]
+
+
+def _for_archive(whole: Whole) -> bytes:
+    """Return the ``results.json`` of a unit, as `run` writes it."""
+    results = sealed(whole.results, curves_bytes(whole.results["curves"]))
+    return json_text({name: part for name, part in results.items() if name != "curves"}).encode()
+
+
+def _quarantined(given: Given, error: Exception, unit: _Unit | None = None) -> tuple[UnitRow, Ended]:
+    """Return the row of a unit that was refused, or in which the program failed."""
+    log = ""
+    if isinstance(error, InertialcalError):
+        problems = list(error.problems)
+    else:
+        said = " ".join(str(error).split())[:200]
+        what = f"internal error ({type(error).__name__}: {said}): this is a fault of inertialcal, not of the recordings"
+        problems = [Problem(what, do=f"Send {log_name(given.number)} with its recordings", code="internal")]
+        log = "".join(traceback.format_exception(error, limit=-FRAMES))
+    if unit is not None:
+        prefix = f"{unit.campaign.folder}/"
+        problems = [replace(one, what=one.what.replace(prefix, ""), where=one.where.removeprefix(prefix))
+                    for one in problems]  # fmt: skip
+    stamps = json.dumps({} if unit is None else unit.stamps, sort_keys=True)
+    row = quarantined(given.number, given.serial, list(dict.fromkeys(problems)))
+    return row, Ended(given.number, "quarantined", "", row.reason_code, stamps, log, at_ns=time.time_ns())
+
+
+def log_name(number: int) -> str:
+    """Return the name of the log of a fault of the program in a unit, in the folder of the lot."""
+    return f"logs/unit-{number:05d}.txt"
+
+
+def killed(units: Sequence[Given]) -> Block:
+    """Return the rows of units that ended their process each time they were tried alone."""
+    what = "the process that reduced this unit ended twice without a word"
+    why = "memory that ran out, or a library that failed, leaves no reason"
+    do = "Look at its recordings: are they far longer than those of other units?"
+    problems = [Problem(what, "", why, do, "worker_killed")]
+    rows = [quarantined(one.number, one.serial, problems) for one in units]
+    now = time.time_ns()
+    return _block(rows, [Ended(one.number, "quarantined", "", "worker_killed", "{}", at_ns=now) for one in units])
+
+
+def _block(rows: Sequence[UnitRow], ended: Sequence[Ended]) -> Block:
+    sink = io.BytesIO()
+    table = table_of(rows)
+    with pa.ipc.new_stream(sink, table.schema, options=pa.ipc.IpcWriteOptions(compression="zstd")) as stream:
+        stream.write_table(table)
+    return Block(sink.getvalue(), tuple(ended))
+
+
+def unit_key(given: Given) -> str:
+    """Return by what a unit is known from one run of a lot to the next: its serial number and what its reduction needs.
+
+    Patterns, options and the campaign are those of the lot; they stand in the digest of the lot.
+    """
+    text = json.dumps([given.serial, *given.cells], sort_keys=True, default=str)
+    return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()

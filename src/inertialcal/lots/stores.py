@@ -1,0 +1,294 @@
+"""Where the recordings of a lot lie: a folder, or an address that pyarrow's file systems read (``s3://bucket/path``).
+
+A unit is read from a folder, as a campaign is. In a local store that is the store itself. What comes from elsewhere, or
+out of a file of many units, is laid into a folder for the time of a block.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path, PurePosixPath
+from tempfile import TemporaryDirectory
+
+import pyarrow as pa
+import pyarrow.csv as pa_csv
+import pyarrow.dataset as ds
+import pyarrow.fs as pa_fs
+import pyarrow.parquet as pq
+
+from ..campaign.inputs.sources import ReadOnce
+from ..core.errors import DataError, PlanError
+
+COLUMN = re.compile(r"\{([^{}]*)\}")
+CSV = (".csv", ".txt", ".tsv")
+
+
+@dataclass(frozen=True)
+class Shared:
+    """A file of many units: which column says the serial number, and what other columns must say."""
+
+    file: str
+    serial: str
+    match: tuple[tuple[str, str], ...] = ()  # Column of the file, column of the table of units
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where the recordings of all units lie.
+
+    Parameters
+    ----------
+    store : str
+        Folder, or address.
+    endpoint, region : str
+        Of an S3 server; empty for those of the environment.
+    """
+
+    store: str
+    endpoint: str = ""
+    region: str = ""
+
+    @property
+    def is_local(self) -> bool:
+        """Whether it is a folder of this machine."""
+        return "://" not in self.store
+
+    def opened(self) -> tuple[pa_fs.FileSystem, str]:
+        """Return the file system, and the folder in it. Keys are those of the environment.
+
+        Raises
+        ------
+        PlanError
+            ``wrong_value``, if the address is none that pyarrow knows.
+        """
+        if self.is_local:
+            return pa_fs.LocalFileSystem(), self.store
+        try:
+            if self.store.startswith("s3://"):
+                scheme, _, host = self.endpoint.rpartition("://")
+                words = {"endpoint_override": host, "scheme": scheme or "https"} if host else {}
+                if self.region:
+                    words["region"] = self.region
+                return pa_fs.S3FileSystem(**words), self.store.removeprefix("s3://").rstrip("/")
+            system, path = pa_fs.FileSystem.from_uri(self.store)
+        except (pa.ArrowInvalid, pa.ArrowNotImplementedError, OSError, ValueError) as error:
+            do = 'Write a folder, or an address like "s3://bucket/lot7"'
+            raise PlanError(f"store {self.store!r}: {_said(error)}", do=do, code="wrong_value") from None
+        return system, path.rstrip("/")
+
+    def stamps(self, files: Sequence[str]) -> dict[str, list[int]]:
+        """Return size and time of the last change of each file, by its name; nothing of those that are not there."""
+        if self.is_local:
+            found = {}
+            for file in files:
+                try:
+                    about = os.stat(os.path.join(self.store, file))
+                except (OSError, ValueError):
+                    continue
+                found[file] = [about.st_size, about.st_mtime_ns]
+            return found
+        system, root = self.opened()
+        with reading(self.store):
+            infos = system.get_file_info([f"{root}/{file}" for file in files]) if files else []
+        known = zip(files, infos, strict=True)
+        return {file: [one.size, one.mtime_ns or 0] for file, one in known if one.type == pa_fs.FileType.File}
+
+
+def _said(error: BaseException) -> str:
+    return " ".join(str(error).split())[:160] or type(error).__name__
+
+
+@contextmanager
+def reading(where: str) -> Iterator[None]:
+    """Turn what a file system says into a DataError.
+
+    Raises
+    ------
+    DataError
+        ``unreachable``.
+    """
+    try:
+        yield
+    except (OSError, pa.ArrowException) as error:
+        do = "Check the address, the server, and the keys in the environment"
+        raise DataError(f"the store cannot be read: {_said(error)}", where, do=do, code="unreachable") from None
+
+
+def file_of(pattern: str, cells: Mapping[str, str], folder: str = "") -> str:
+    """Return the file that a pattern names for a unit, its columns plainly replaced.
+
+    Parameters
+    ----------
+    pattern : str
+        ``"noise/{serial}.parquet"``.
+    cells : mapping of str to str
+        Of the unit, by column.
+    folder : str
+        Store, where it is a folder of this machine.
+
+    Raises
+    ------
+    DataError
+        ``bad_path``: a cell is empty or no part of a name; ``outside``: a link leads out of the store.
+    """
+    for name in COLUMN.findall(pattern):
+        cell = cells.get(name, "")
+        if not cell or cell in {".", ".."} or any(one in cell for one in "/\\\0:") or cell != cell.strip():
+            what = f"column {name}: {cell!r} cannot be part of the name of a file"
+            raise DataError(what, why=f"the recording would be {pattern}", do="Correct the table", code="bad_path")
+    found = COLUMN.sub(lambda one: cells[one.group(1)], pattern)
+    if folder:
+        try:
+            root = Path(folder).resolve()
+            inside = (root / found).resolve().is_relative_to(root)
+        except (OSError, RuntimeError, ValueError):
+            inside = False
+        if not inside:
+            raise DataError(f"{found!r} lies outside the store", do="Copy it into the store", code="outside")
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class UnitStore(ReadOnce):
+    """Files of a unit: recordings in the folder of the unit, what is common to all beside the template.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the template, in which ground models lie.
+    waiting : Counter of str
+        As `ReadOnce` has it.
+    root : Path
+        In which the recordings lie as the campaign of the unit names them.
+    """
+
+    root: Path = field(default_factory=Path)
+
+    def path(self, file: str) -> Path:
+        """Return where a file lies: one that is no recording of the unit, beside the template."""
+        own = self.root / file
+        return own if file in self.waiting or own.exists() else self.folder / file
+
+
+def store_of(template: Path, root: Path, waiting: Counter[str]) -> UnitStore:
+    """Return the files of a unit."""
+    return UnitStore(template, waiting, root=root)
+
+
+class Delivery:
+    """Files of a block of units, laid out as folders where they do not lie in a local store already."""
+
+    def __init__(self, place: Place, shared: Mapping[str, Shared]) -> None:
+        self.place, self.shared = place, shared
+        self.temporary = None if place.is_local and not shared else TemporaryDirectory(prefix="inertialcal-lot-")
+
+    def __enter__(self) -> Delivery:
+        """Return it."""
+        return self
+
+    def __exit__(self, *given: object) -> None:
+        """Forget the folders."""
+        if self.temporary is not None:
+            self.temporary.cleanup()
+
+    def load_shared(self, units: Mapping[int, Mapping[str, str]]) -> dict[int, DataError]:
+        """Lay out the rows of each unit of each file of many; return why those of a unit cannot be.
+
+        Parameters
+        ----------
+        units : mapping of int to mapping of str to str
+            Cells of each unit, by its number.
+        """
+        refused: dict[int, DataError] = {}
+        for one in dict.fromkeys(self.shared.values()):
+            try:
+                table = self._rows(one, sorted({cells["serial"] for cells in units.values()}))
+            except DataError as error:
+                refused |= dict.fromkeys(units, error)
+                continue
+            by_key: dict[tuple[str, ...], list[int]] = {}
+            columns = [table[name].cast(pa.string()).to_pylist() for name in (one.serial, *(m for m, _ in one.match))]
+            for at, key in enumerate(zip(*columns, strict=True)):
+                by_key.setdefault(tuple("" if part is None else part for part in key), []).append(at)
+            for number, cells in units.items():
+                key = (cells["serial"], *(cells.get(column, "") for _, column in one.match))
+                rows = by_key.get(key)
+                if not rows:
+                    said = " and ".join(f"{name} {part!r}" for name, part in zip(
+                        (one.serial, *(m for m, _ in one.match)), key, strict=True))  # fmt: skip
+                    do = f"Check column {one.serial}, or take the unit out of the table"
+                    refused.setdefault(number, DataError(f"no row of {said}", one.file, do=do, code="no_rows"))
+                    continue
+                path = self.root(number) / one.file
+                path.parent.mkdir(parents=True, exist_ok=True)
+                own = table.take(pa.array(rows)).drop_columns([one.serial])
+                if path.suffix.lower() in CSV:
+                    pa_csv.write_csv(own, path)
+                else:
+                    pq.write_table(own, path)
+        return refused
+
+    def _rows(self, shared: Shared, serials: Sequence[str]) -> pa.Table:
+        """Return the rows of some units of a file of many."""
+        system, root = self.place.opened()
+        kind = "csv" if PurePosixPath(shared.file).suffix.lower() in CSV else "parquet"
+        known = system.get_file_info(f"{root}/{shared.file}")
+        if known.type == pa_fs.FileType.NotFound:
+            do = "Check files in LOT.toml"
+            raise DataError("no such file", shared.file, do=do, code="missing_file")
+        with reading(shared.file):
+            if kind == "csv":
+                options = pa_csv.ConvertOptions(column_types={shared.serial: pa.string()})
+                made: ds.FileFormat = ds.CsvFileFormat(convert_options=options)
+            else:
+                made = ds.ParquetFileFormat()
+            data = ds.dataset(f"{root}/{shared.file}", filesystem=system, format=made)
+            for name in (shared.serial, *(one for one, _ in shared.match)):
+                if name not in data.schema.names:
+                    do = f"It has: {', '.join(data.schema.names)}"
+                    raise DataError(f"no column {name!r}", shared.file, do=do, code="unknown_column")
+            column = ds.field(shared.serial)
+            if not pa.types.is_string(data.schema.field(shared.serial).type):
+                column = column.cast(pa.string())
+            found: pa.Table = data.to_table(filter=column.isin(list(serials)), use_threads=False)
+        return found
+
+    def root(self, number: int) -> Path:
+        """Return the folder in which the recordings of a unit lie."""
+        return Path(self.place.store) if self.temporary is None else Path(self.temporary.name) / str(number)
+
+    def lay_out(self, number: int, files: Sequence[str]) -> None:
+        """Lay out the files that a unit has for itself.
+
+        Raises
+        ------
+        DataError
+            ``unreachable``; one that is not there is told where it is read.
+        """
+        if self.temporary is None:
+            return
+        root = self.root(number)
+        system, store = self.place.opened()
+        for file in dict.fromkeys(files):
+            path = root / file
+            path.parent.mkdir(parents=True, exist_ok=True)
+            if self.place.is_local:
+                here = Path(self.place.store).resolve() / file
+                if here.exists():
+                    path.symlink_to(here) if os.name == "posix" else shutil.copyfile(here, path)
+                continue
+            with reading(file):
+                if system.get_file_info(f"{store}/{file}").type == pa_fs.FileType.File:
+                    with system.open_input_stream(f"{store}/{file}") as source, open(path, "wb") as target:
+                        shutil.copyfileobj(source, target, 2**22)
+
+    def leave(self, number: int) -> None:
+        """Forget the files of a unit."""
+        if self.temporary is not None:
+            shutil.rmtree(self.root(number), ignore_errors=True)

@@ -1,0 +1,250 @@
+"""Blocks given to workers, no more at a time than there are, until each is done: processes here, or a dask cluster.
+
+Workers end when and how they like. A block whose worker has ended is given to another; one that has lost two of them is
+under suspicion: its units are tried alone, and what ends its worker twice even then is quarantined. The rest of the
+block goes on as before, so that what comes out does not depend on which worker ended when. A block that loses workers
+though none of its units does (they are too much for the memory together, or somebody ends processes) is worked on unit
+by unit in the end.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+import warnings
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, ProcessPoolExecutor, wait
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from multiprocessing import active_children, get_context, parent_process
+from multiprocessing.connection import wait as wait_for
+from multiprocessing.process import BaseProcess
+from typing import Protocol
+
+from ..campaign.engine.processes import SIGNALS, can_fork
+from ..procedures import loaded_procedures
+from .block import Block, Given, Job, killed, reduce_block
+
+SUSPECT = 2  # workers that a block may lose before its units are tried alone
+PROBES = 3  # how often that may find no culprit before the units stay alone
+LOOK = 0.5  # [s] between two looks at whether the other side is still there
+Done = Callable[[Sequence[Given], Block], None]
+
+
+@dataclass(frozen=True)
+class Task:
+    """A block that is to be done."""
+
+    units: tuple[Given, ...]
+    lost: int = 0  # Workers, since it was begun or looked through
+    probes: int = 0  # How often its units were tried alone, and none was it
+
+
+class Workers(Protocol):
+    """Those who work."""
+
+    @property
+    def size(self) -> int:
+        """How many blocks may be under way."""
+        ...
+
+    def begin(self, job: Job, units: Sequence[Given]) -> Future[Block]:
+        """Give a block to one of them."""
+        ...
+
+    def is_lost(self, error: BaseException) -> bool:
+        """Tell whether an error says that a worker has ended."""
+        ...
+
+    def check(self) -> None:
+        """Refuse to go on where nobody is there any more.
+
+        Raises
+        ------
+        StoreError
+            ``no_scheduler``.
+        """
+        ...
+
+    def close(self) -> None:
+        """End them."""
+        ...
+
+
+def conduct(workers: Workers, job: Job, blocks: Iterator[tuple[Given, ...]], done: Done) -> None:
+    """Have every block done.
+
+    Parameters
+    ----------
+    workers : Workers
+        Who work; they are ended, however this ends.
+    job : Job
+        The lot.
+    blocks : iterator of tuple of Given
+        Taken as they are needed.
+    done : callable
+        Called here with the units of a block and what was made of them, as each is done.
+    """
+    again: deque[Task] = deque()
+    suspects: deque[Task] = deque()
+    under_way: dict[Future[Block], Task] = {}
+    try:
+        while True:
+            while len(under_way) < workers.size and not suspects:
+                task = again.popleft() if again else next((Task(units) for units in blocks), None)
+                if task is None:
+                    break
+                under_way[workers.begin(job, task.units)] = task
+            if suspects and not under_way:  # else nobody could say which block ended a worker
+                again.append(_probed(workers, job, suspects.popleft(), done))
+                continue
+            if not under_way:
+                return
+            for future in _ended(under_way, workers):
+                task = under_way.pop(future)
+                if not _is_lost(future, workers):
+                    done(task.units, future.result())
+                    continue
+                task = replace(task, lost=task.lost + 1)
+                if task.lost < SUSPECT:
+                    again.append(task)
+                elif task.probes < PROBES or len(task.units) == 1:
+                    suspects.append(task)
+                else:
+                    again.extend(Task((one,)) for one in task.units)
+    finally:
+        workers.close()
+
+
+def _ended(under_way: dict[Future[Block], Task], workers: Workers) -> set[Future[Block]]:
+    found, _ = wait(under_way, LOOK, FIRST_COMPLETED)
+    if not found:
+        workers.check()
+    return found
+
+
+def _is_lost(future: Future[Block], workers: Workers) -> bool:
+    """Tell whether a block lost its worker; what else went wrong is raised."""
+    try:
+        error = future.exception()
+    except CancelledError as cancelled:
+        error = cancelled
+    if error is None:
+        return False
+    workers.check()
+    if workers.is_lost(error):
+        return True
+    raise error
+
+
+def _probed(workers: Workers, job: Job, task: Task, done: Done) -> Task:
+    """Return a block without the units that end their worker when they are alone, twice; those are done."""
+    good: list[Given] = []
+    for one in task.units:
+        for trial in range(SUSPECT):
+            future = workers.begin(job, (one,))
+            while not future.done():
+                _ended({future: task}, workers)
+            if not _is_lost(future, workers):
+                good.append(one)
+                break
+            if trial == SUSPECT - 1:
+                done((one,), killed((one,)))
+    return Task(tuple(good), 0, task.probes + (len(good) == len(task.units)))
+
+
+class Processes:
+    """Processes of this machine; they end with this one, and are replaced where one ends.
+
+    Parameters
+    ----------
+    count : int
+        How many.
+    """
+
+    def __init__(self, count: int) -> None:
+        self.size = count
+        self._own: set[BaseProcess] = set()
+        self._pool: ProcessPoolExecutor | None = None
+
+    def begin(self, job: Job, units: Sequence[Given]) -> Future[Block]:
+        """Give a block to one of them."""
+        if self._pool is not None:
+            with suppress(BrokenExecutor):
+                return self._pool.submit(reduce_block, job, tuple(units))
+        self._end()
+        return self._started().submit(reduce_block, job, tuple(units))
+
+    def _started(self) -> ProcessPoolExecutor:
+        """Start a pool; its processes are doubles of this one where that is safe, so that nothing is loaded again."""
+        loaded_procedures()
+        context = get_context("fork" if can_fork() else "spawn")
+        before = set(active_children())
+        pool = ProcessPoolExecutor(self.size, context, _work_for, (os.getpid(),))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)  # of threads: those of libraries, which know of forks
+            pool.submit(os.getpid)  # starts them
+        self._own = set(active_children()) - before
+        self._pool = pool
+        return pool
+
+    def is_lost(self, error: BaseException) -> bool:
+        """Tell whether an error says that a worker has ended."""
+        return isinstance(error, BrokenExecutor)
+
+    def check(self) -> None:
+        """Go on: processes are replaced as blocks are begun."""
+
+    def close(self) -> None:
+        """End them, whatever they do."""
+        self._end()
+
+    def _end(self) -> None:
+        for one in self._own:
+            with suppress(ValueError, OSError):
+                one.kill()
+        if self._pool is not None:
+            self._pool.shutdown(wait=True, cancel_futures=True)
+        self._own, self._pool = set(), None
+
+
+def _work_for(parent: int) -> None:
+    """Begin as a worker: signals are the parent's to judge, and its end is the end of this process."""
+    for name in SIGNALS:
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), signal.SIG_IGN if name == "SIGINT" else signal.SIG_DFL)
+    signal.set_wakeup_fd(-1)
+    above = parent_process()
+
+    def watch() -> None:
+        while above is not None and not wait_for([above.sentinel], LOOK):
+            if sys.platform != "win32" and os.getppid() != parent:  # doubles hold each other's ends of pipes
+                break
+        os._exit(1)
+
+    threading.Thread(target=watch, name="parent", daemon=True).start()
+
+
+class Here:
+    """No other process: one block after the other, in that of the caller."""
+
+    size = 1
+
+    def begin(self, job: Job, units: Sequence[Given]) -> Future[Block]:
+        """Do a block now."""
+        future: Future[Block] = Future()
+        future.set_result(reduce_block(job, units))
+        return future
+
+    def is_lost(self, error: BaseException) -> bool:
+        """Tell whether an error says that a worker has ended: none can."""
+        return False
+
+    def check(self) -> None:
+        """Go on."""
+
+    def close(self) -> None:
+        """Nothing is left."""
