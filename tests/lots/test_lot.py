@@ -12,6 +12,7 @@ import pytest
 from small_lot import CAMPAIGN, csv, digests, folder_lot, rates, rows, shared_lot
 
 import inertialcal as ic
+from inertialcal.campaign.engine import engine
 from inertialcal.cli.__main__ import main
 from inertialcal.core.errors import DataError, StoreError, UsageError
 from inertialcal.core.results import COLUMNS, flat
@@ -46,7 +47,7 @@ def test_a_unit_has_the_figures_verdicts_and_model_of_its_campaign(made: tuple[P
     row = rows(out)[4]
     assert (row["serial"], row["status"], row["verdict"]) == ("u004", "done", found.verdict) == ("u004", "done", "FAIL")
     assert row["results"] == [flat(one) for one in found.results["results"]]
-    assert [tuple(one) for one in row["results"][:1]] == [COLUMNS]  # type: ignore[index]
+    assert [tuple(one) for one in row["results"][:1]] == [COLUMNS]
     verdicts: Any = row["verdicts"]
     expected = [one | (one["interval"] or {}) for one in found.results["verdicts"]]
     assert verdicts == [{name: one[name] for name in verdicts[0]} for one in expected]
@@ -115,7 +116,7 @@ def test_a_fault_of_the_program_ends_its_unit_alone_and_leaves_a_log(
 ) -> None:
     lot = folder_lot(tmp_path / "lot", 4)
     kind = type(procedure_of("rate_table"))
-    before, alone = kind.reduce, block_module.prepare
+    before, alone = kind.reduce, engine.prepare
     marked: dict[int, str] = {}
 
     def prepare(campaign: Any, *rest: Any) -> Any:

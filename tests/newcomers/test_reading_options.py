@@ -17,7 +17,7 @@ from typed_commands import call, call_json
 
 COMMANDS = Root()
 READ_NONE = {"check", "run", "demo", "certificate", "show", "export", "budget", "compare", "simulate", "score", "plan",
-             "vibration profile", "acquire", "archive", "live", "sequence", "guide"}  # fmt: skip
+             "vibration profile", "acquire", "archive", "live", "sequence", "guide", "lot"}  # fmt: skip
 OWN = {("sensitivity", "--to"): "stop"}  # an option of its test has the word; the setting is called as its field
 RNG = np.random.default_rng(5)
 BIAS = (0.3, -0.2, 0.1)

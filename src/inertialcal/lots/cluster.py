@@ -41,9 +41,10 @@ class Cluster:
             do = "Write it with its protocol: tcp://HOST:8786"
             raise UsageError(f"--scheduler {scheduler}: no address", do=do, code="wrong_value")
         self.address = scheduler
-        self._killed: type[BaseException] = distributed.KilledWorker
+        package: Any = distributed
+        self._killed: type[BaseException] = package.KilledWorker
         try:
-            self._client: Any = distributed.Client(scheduler, timeout=CONNECT, set_as_default=False)
+            self._client: Any = package.Client(scheduler, timeout=CONNECT, set_as_default=False)
         except (OSError, ValueError, ImportError, RuntimeError) as error:
             do = "Start it with: dask scheduler; and workers with: dask worker ADDRESS --nthreads 1"
             said = " ".join(str(error).split())[:160]

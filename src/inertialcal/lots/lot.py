@@ -1,8 +1,8 @@
 """Reduce a lot: every unit of a table by one campaign, into one folder.
 
 ``OUT/units/part-00000.parquet``, ... hold a row a unit in the order of the table, and ``OUT/lot.json`` says what they
-are; both are put in place when all units are done, and hold no clock times. ``OUT/ledger.sqlite`` holds what is done, so
-that a lot that was cut off goes on.
+are; both are put in place when all units are done, and hold no clock times. ``OUT/ledger.sqlite`` holds what is done,
+so that a lot that was cut off goes on.
 """
 
 from __future__ import annotations

@@ -154,8 +154,9 @@ def _of_folder(root: Path) -> Lot:
         raise PlanError(what, why=why, do=do, code="no_campaign")
     template, raw = load(root, elsewhere=True), read_bytes(root / FILE)
     units, remarks = folder_units(root, {one.file for one in template.file.recordings.values()})
-    name = re.sub(r"[^A-Za-z0-9_.-]", "-", root.resolve().name).lstrip("_.-")[:64] or "lot"
-    file = LotFile(schema=1, id=name, units=".", folder="{serial}")
+    folder = root.resolve().parts[-1]
+    called = re.sub(r"[^A-Za-z0-9_.-]", "-", folder).lstrip("_.-")[:64] or "lot"
+    file = LotFile(schema=1, id=called, units=".", folder="{serial}")
     return Lot(root, file, template, raw, units, remarks)
 
 

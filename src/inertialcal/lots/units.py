@@ -117,7 +117,7 @@ def folder_units(root: Path, files: Set[str]) -> tuple[Units, tuple[Remark, ...]
     PlanError
         ``no_units``.
     """
-    folders = sorted(one for one in root.iterdir() if one.is_dir() and not one.name.startswith("."))
+    folders = sorted(one for one in root.glob("[!.]*") if one.is_dir())
     units = [one for one in folders if any((one / file).exists() for file in files)]
     if not units:
         what = f"no unit here: no folder in {root} holds {' or '.join(sorted(files)[:FEW])}"

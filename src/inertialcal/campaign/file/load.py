@@ -92,7 +92,7 @@ def load(folder: str | Path, elsewhere: bool = False) -> Campaign:
 
 
 def campaign_of(
-    root: Path, raw: bytes, elsewhere: bool = False, changes: Mapping[KeyPath, Any] | None = None
+    root: Path, raw: bytes, elsewhere: bool = False, changes: Mapping[KeyPath, object] | None = None
 ) -> Campaign:
     """Return the campaign that the text of a campaign.toml says.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -13,7 +14,7 @@ from ..shown.progress import progress
 
 
 def lot(
-    path: Annotated[
+    lot: Annotated[
         Path,
         typer.Argument(
             metavar="LOT", help="LOT.toml, or a folder with campaign.toml and a folder a unit.", show_default=False
@@ -47,9 +48,11 @@ def lot(
     from ..shown.summary import remarks_part
 
     if output is None:
-        raise UsageError("lot needs a folder", do=f"Say: inertialcal lot {path} -o OUT", code="missing_option")
+        raise UsageError(
+            "lot needs a folder", do=f"Say: inertialcal lot {shlex.quote(str(lot))} -o OUT", code="missing_option"
+        )
     with progress(quiet or as_json) as tell:
-        outcome = reduce_lot(path, output, resume, workers, scheduler, archive, tell)
+        outcome = reduce_lot(lot, output, resume, workers, scheduler, archive, tell)
     found(outcome.exit_status)
     remarks = [one.to_dict() for one in outcome.remarks]
     if as_json:
