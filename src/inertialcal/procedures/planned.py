@@ -11,6 +11,8 @@ simulated tests, root mean square.
 
 from __future__ import annotations
 
+import csv
+import io
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -533,9 +535,11 @@ def write_schedule(path: str, heads: Sequence[str], rows: Iterable[Sequence[str]
     StoreError
         If it cannot be written.
     """
-    lines = [*(f"# {one}" for one in notes), ",".join(heads), *(",".join(row) for row in rows)]
+    written = io.StringIO()
+    written.writelines(f"# {one}\n" for one in notes)
+    csv.writer(written, lineterminator="\n").writerows((heads, *rows))  # prompts have commas
     with atomic_write(Path(path), []) as aside:
-        aside.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
+        aside.write_text(written.getvalue(), encoding="utf-8", newline="\n")
 
 
 def refused(error: DataError) -> UsageError:

@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from .entries import Entry, EntryKey, SaidSensor, SaidTest
     from .given import Described, GivenFile
     from .model_terms import HeldOut, ModelTerms, TermKind
+    from .rehearsed import Rehearsal
     from .suggestions import Claim, Draft, FolderFile, Question, Suggestion
 
 T = TypeVar("T")
@@ -895,6 +896,16 @@ class Procedure(Generic[P, R, S]):
         ------
         UsageError, PlanError
             If they cannot be meant.
+        """
+        raise NotImplementedError
+
+    def rehearsed(self, given: Mapping[str, Any], schedule: Table, seed: int) -> Rehearsal:
+        """Return what the schedule of a plan gives on a simulated unit, by the same settings.
+
+        Raises
+        ------
+        UsageError, DataError
+            If they cannot be meant, or the schedule cannot be read.
         """
         raise NotImplementedError
 

@@ -20,6 +20,7 @@ from ...sensors.chain.converter import Chain
 from ...sensors.ground.correction import PREDICTED
 from ...sensors.model.on_recordings import apply_chain
 from ...signals.time.samples import Flags
+from ...signals.time.time_axis import steps_of
 from ..file.recordings import OF_CHAIN, ROLES, ChannelEntry, Clock, RecordingEntry
 from ..file.schema import Test
 from ..file.sensors import Sensor
@@ -148,7 +149,7 @@ def _gains(recording: Recording, chain: Chain) -> Array | None:
 def _timed(recording: Recording, clock: Clock) -> Recording:
     """Move the stamps to the middle of their averaging windows."""
     seen = recording.sample_interval
-    if clock.interval and seen and abs(clock.interval / seen - 1.0) > SAME_INTERVAL:
+    if clock.interval and seen and not _is_interval(clock.interval, recording, seen):
         what = f"clock.interval is {clock.interval:g} s, but the stamps are {seen:g} s apart"
         raise DataError(what, recording.source.path, do="Correct clock.interval, or the stamps", code="clock_disagrees")
     interval = clock.interval or seen
@@ -166,6 +167,15 @@ def _timed(recording: Recording, clock: Clock) -> Recording:
         return recording
     moved = round(shift * SECOND)
     return replace(recording, time_ns=changed(recording.time_ns, lambda part: part + moved, np.int64))
+
+
+def _is_interval(stated: float, recording: Recording, seen: float) -> bool:
+    """Return whether a stated interval is that of the stamps: of all, or of most where dwells alone were recorded.
+
+    Such a record looks like packets: long steps between many short ones. What was stated tells them apart.
+    """
+    steps = [] if recording.time_ns is None else [steps_of(recording.time_ns).median() / SECOND]
+    return any(abs(stated / one - 1.0) <= SAME_INTERVAL for one in (seen, *steps) if one)
 
 
 def _in_si(recording: Recording, columns: dict[str, str], unit: str, as_wide: bool = False) -> Recording:

@@ -23,6 +23,13 @@ class Wanted:
     file: str
     schedule: Mapping[str, str]  # What it says of its schedule; empty: none
 
+    @property
+    def columns(self) -> list[str]:
+        """Columns that its schedule needs, beside those of time."""
+        return [self.schedule[name] for name in ("angle", "dwell", "flip") if name in self.schedule] or [
+            self.schedule.get("rate", "rate")
+        ]
+
 
 def wanted_of(campaign: Path) -> dict[str, Wanted]:
     """Return the recordings of a campaign by name.
@@ -36,7 +43,10 @@ def wanted_of(campaign: Path) -> dict[str, Wanted]:
     try:
         document: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
         entries = dict(document.get("recordings", {}))
-        return {name: Wanted(str(one["file"]), dict(one.get("schedule", {}))) for name, one in entries.items()}
+        return {
+            name: Wanted(str(one["file"]), dict(one.get("schedule", one.get("dwells", {}))))
+            for name, one in entries.items()
+        }
     except OSError:
         do = "Name the folder of a campaign, beside LAB.toml"
         raise PlanError("no campaign here", str(path), do=do, code="missing_file") from None
@@ -63,7 +73,7 @@ def campaign_problems(campaign: Path, steps: Sequence[SequenceStep], where: str)
     except PlanError as error:
         return [replace(one, where=one.where or where) for one in error.problems]
     made = {one.recording for one in steps if one.record is not None}
-    columns = sorted(columns_of(steps).values())
+    columns = sorted({*columns_of(steps).values(), *(name for one in steps for name, _ in one.kept)})
     found, files = [], {wanted[name].file for name in made & wanted.keys()}  # two recordings may be of one file
     for name in sorted(wanted.keys() - made):
         if wanted[name].file not in files and not (campaign / wanted[name].file).is_file():
@@ -78,11 +88,11 @@ def campaign_problems(campaign: Path, steps: Sequence[SequenceStep], where: str)
         inside = not file.is_absolute() and ".." not in file.parts
         if not inside:
             found.append(Problem(f"recordings.{name}: {file} lies outside the campaign", where, code="wrong_value"))
-        rate = wanted[name].schedule.get("rate", "rate")
-        if wanted[name].schedule and rate not in columns:
-            what = f"recordings.{name}: its schedule will have no column {rate}"
-            do = f"Say in campaign.toml: schedule.rate, of {', '.join(columns) or 'what is set: nothing is'}"
-            found.append(Problem(what, where, do=do, code="unknown_name"))
+        for column in wanted[name].columns if wanted[name].schedule else ():
+            if column not in columns:
+                what = f"recordings.{name}: its schedule will have no column {column}"
+                do = f"Say in campaign.toml which it is, of {', '.join(columns) or 'what is set: nothing is'}"
+                found.append(Problem(what, where, do=do, code="unknown_name"))
         try:
             writer_for(file)
         except InertialcalError as error:

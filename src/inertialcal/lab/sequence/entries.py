@@ -56,6 +56,7 @@ class ScheduleEntry(Strict):
     recording: Text = ""  # column of recordings, or the one recording of all where there is no such column
     prompt: Text = ""  # column of prompts; or one prompt of all, in which {name} stands for the name of the step
     duration: Text = ""  # column; by default stop less start where there are such columns
+    keep: Texts = ()  # columns that the schedule as it was run has too
     stable: StableEntry | None = None
     record: RecordEntry | None = None
 

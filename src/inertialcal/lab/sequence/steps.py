@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -59,6 +59,7 @@ class SequenceStep:
     hold: float  # [s]
     stable: Stable | None
     record: Record | None
+    kept: tuple[tuple[str, str], ...] = ()  # Column and cell that the schedule as it was run has too
 
     @property
     def least(self) -> float:
@@ -227,12 +228,15 @@ class _Reading:
         try:
             table = read_table(self.folder / said.file)
             rows = list(self._rows(said, table))
+            kept = [table.text(one) for one in said.keep]
         except InertialcalError as error:
             here = self.at(*path, "file")
             yield from (Problem(p.what, p.where or here, p.why, p.do, p.code) for p in error.problems)
             return
-        for row, step in zip(table.rows, rows, strict=True):
+        for row, step, *cells in zip(table.rows, rows, *kept, strict=True):
             yield from self._step(step, f"row {row}", path, f"{said.file}:{row}")
+            if cells:
+                self.steps[-1] = replace(self.steps[-1], kept=tuple(zip(said.keep, cells, strict=True)))
 
     def _rows(self, said: ScheduleEntry, table: Table) -> Iterator[SequenceStepEntry]:
         numbers: dict[str, list[str]] = {}

@@ -112,12 +112,13 @@ def build_campaign(campaign: Path, folder: Path, steps: Sequence[SequenceStep], 
     shutil.copytree(campaign, target, dirs_exist_ok=True)
     wanted, columns = wanted_of(campaign), columns_of(steps)
     values: dict[str, float] = {}
-    parts: dict[str, list[tuple[Recording, dict[str, float]]]] = {}
+    parts: dict[str, list[tuple[Recording, dict[str, str]]]] = {}
     for step in steps:
         values |= {columns[name, quantity]: value for name, quantity, value in step.values}
         if step.record is not None:
             own = _as_stored(folder, records[step.number], step.name)
-            parts.setdefault(step.recording, []).append((own, dict(values)))
+            cells = {name: repr(value) for name, value in values.items()} | dict(step.kept)
+            parts.setdefault(step.recording, []).append((own, cells))
     for name, of_steps in parts.items():
         path = target / wanted[name].file
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -153,8 +154,11 @@ def _joined(parts: Sequence[Recording], place: str) -> Recording:
     return Recording(channels, times, epoch=parts[0].epoch)
 
 
-def _write_schedule(path: Path, own: Sequence[tuple[Recording, Mapping[str, float]]]) -> None:
-    """Write from when to when what was set: half an interval beyond the first and the last sample of each record."""
+def _write_schedule(path: Path, own: Sequence[tuple[Recording, Mapping[str, str]]]) -> None:
+    """Write from when to when what was set, and what is kept.
+
+    From half an interval before the first sample of each record to half of one after its last.
+    """
     names = sorted({name for _, values in own for name in values})
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
@@ -165,7 +169,7 @@ def _write_schedule(path: Path, own: Sequence[tuple[Recording, Mapping[str, floa
         half = int(np.median(np.diff(stamps))) // 2 if len(stamps) > 1 else 0
         utc = recording.epoch == "utc"
         ends = [time_text(int(one), utc) for one in (stamps[0] - half, stamps[-1] + half)]
-        rows.writerow([*ends, *(repr(values[name]) if name in values else "" for name in names)])
+        rows.writerow([*ends, *(values.get(name, "") for name in names)])
     path.parent.mkdir(parents=True, exist_ok=True)
     with atomic_write(path) as aside:
         aside.write_text(text.getvalue(), encoding="utf-8", newline="\n")

@@ -45,6 +45,18 @@ class Position(Strict):
     flip: Text = "1"
 
 
+class Dwells(Strict):
+    """dwells = {...}: a table of the positions of a recording, a row a dwell; rows without a dwell are none."""
+
+    file: Text
+    start: Text = "start"
+    stop: Text = "stop"
+    angle: Text = "angle"
+    unit: Unit = "deg"
+    dwell: Text | None = None
+    flip: Text | None = None
+
+
 class FlipEntry(Entry, Protocol):
     """A recording of a turned head."""
 
@@ -58,10 +70,16 @@ class FlipEntry(Entry, Protocol):
         """How the head was turned, and when."""
         ...
 
+    @property
+    def dwells(self) -> Dwells | None:
+        """The same, as a table."""
+        ...
+
 
 KEYS = (
     EntryKey("means", Means, table=True, readings=lambda means: [means.mean], run=lambda means: means.flip),
     EntryKey("positions", Annotated[list[Position], Field(min_length=1)]),
+    EntryKey("dwells", Dwells, file=lambda dwells: dwells.file),
 )
 
 
@@ -75,7 +93,11 @@ def test_problems(test: SaidTest) -> Iterator[Problem]:
 
 def recording_problems(test: SaidTest, name: str, entry: Entry) -> Iterator[Problem]:
     """Yield a recording without positions of the head."""
-    if entry.channels is not None and cast("FlipEntry", entry).positions is None:
+    own = cast("FlipEntry", entry)
+    if own.positions is not None and own.dwells is not None:
+        what, do = f"recordings.{name}: positions and dwells both say how the head was turned", "Give one of them"
+        yield Problem(what, test.at("recordings", name), do=do, code="wrong_value")
+    if entry.channels is not None and own.positions is None and own.dwells is None:
         what = f"recordings.{name}: positions of the head are not given"
         do = 'Give positions = [{ start = ..., stop = ..., angle = "ANGLE deg" }, ...]'
         yield Problem(what, test.at("recordings", name), do=do, code="missing_key")

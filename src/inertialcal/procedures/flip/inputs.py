@@ -15,14 +15,15 @@ from ...core.key import AXES
 from ...core.recording import SECOND, Recording
 from ...core.remarks import Remark
 from ...core.times import read_elapsed, read_instant
-from ...core.units import factor, kind, si_unit
+from ...core.units import convert, factor, kind, si_unit
 from ...core.unknowns import joined
+from ...files.text.table import read_table
 from ..corrections import between, corrected
 from ..protocol import Correction, Source
 from .dwells.disturbances import is_reading, stamped
 from .dwells.quiet import Window
 from .dwells.recordings import FlipRecording, readings_from
-from .entry import FlipEntry, Means, Position
+from .entry import Dwells, FlipEntry, Means, Position
 from .plan import Plan
 from .readings import HalfWidths, Readings
 
@@ -149,7 +150,34 @@ def turned_head(source: Source) -> FlipRecording:
     recording = stamped(source.recordings()[0][1])
     begin = None if entry.clock is None else entry.clock.mission_start
     origin = None if begin is None else read_instant(begin)
-    return FlipRecording(recording, windows_of(entry.positions or (), recording, source.name, origin), source.name)
+    positions = entry.positions or () if entry.dwells is None else positions_of_table(source, entry.dwells)
+    return FlipRecording(recording, windows_of(positions, recording, source.name, origin), source.name)
+
+
+def positions_of_table(source: Source, dwells: Dwells) -> list[Position]:
+    """Return the positions that a table of dwells says.
+
+    Raises
+    ------
+    DataError
+        ``nan_in_required`` if an angle is missing; ``no_dwells`` if no row is a dwell.
+    """
+    table = source.read_file(dwells.file, read_table)
+    angle = convert(table.numbers(dwells.angle), dwells.unit, "rad")
+    flips = table.text(dwells.flip) if dwells.flip else ("1",) * len(table)
+    kept = table.text(dwells.dwell) if dwells.dwell else ("1",) * len(table)
+    rows = zip(kept, table.text(dwells.start), table.text(dwells.stop), angle, flips, strict=True)
+    found = []
+    for i, (dwell, start, stop, turned, flip) in enumerate(rows):
+        if not dwell:
+            continue
+        if not math.isfinite(turned):
+            what = f"column {dwells.angle!r}: no angle"
+            raise DataError(what, table.where(i), do="Fill it in", code="nan_in_required")
+        found.append(Position.model_construct(start=start, stop=stop, angle=float(turned), flip=flip))
+    if not found:
+        raise DataError("no row is a dwell", dwells.file, do="Number its dwells", code="no_dwells")
+    return found
 
 
 def corrected_heads(plan: Plan, turned: Sequence[FlipRecording], corrections: Sequence[Correction]) -> Readings:

@@ -287,7 +287,18 @@ def _record(
     return replace(quiet, means=both, name=f"flip {int(own[0]) // len(own) + 1}"), slow, float(means["swing"].mean())
 
 
-HEADS = ("name", "recording", "flip", "start [s]", "stop [s]", "duration [s]", "angle [deg]", "prompt")
+HEADS = (
+    "name",
+    "recording",
+    "power_up",
+    "flip",
+    "dwell",
+    "start [s]",
+    "stop [s]",
+    "duration [s]",
+    "angle [deg]",
+    "prompt",
+)
 
 
 def _rows(programme: Programme, flips: int) -> Iterator[tuple[str, ...]]:
@@ -300,9 +311,10 @@ def _rows(programme: Programme, flips: int) -> Iterator[tuple[str, ...]]:
             angle = math.degrees(programme.angle[at])
             inside = start in programme.start
             name = f"flip {flip} dwell {at + 1}" if inside else f"flip {flip} quiet {'before' if k == 0 else 'after'}"
-            turn = inside and at > 0
-            yield (name, f"flip_{flip}", str(flip), f"{start:.1f}", f"{stop:.1f}", f"{stop - start:.1f}",
-                   f"{angle:.6g}", f"Turn the head to {angle:.6g} deg" if turn else "")  # fmt: skip
+            turn = at > 0 if inside else k == 0 and flip > 1
+            yield (name, f"flip_{flip}", str(flip), str(flip), str(at + 1) if inside else "", f"{start:.1f}",
+                   f"{stop:.1f}", f"{stop - start:.1f}", f"{angle:.6g}",
+                   f"Turn the head to {angle:.6g} deg" if turn else "")  # fmt: skip
 
 
 def _steps(said: PlannedFlips, programme: Programme) -> Table:

@@ -20,10 +20,12 @@ if TYPE_CHECKING:
     from ...core.results import Row, WrittenRow
     from ...core.show.rows import Sentence
     from ...files.info.survey import Survey
+    from ...files.text.table import Table
     from ..entries import Entry, EntryKey, SaidSensor, SaidTest
     from ..given import Described, GivenFile
     from ..model_terms import ModelTerms
     from ..planned import TestPlan
+    from ..rehearsed import Rehearsal
     from ..suggestions import Claim, Draft, FolderFile, Suggestion
     from .readings import Readings
     from .reduction import Result
@@ -95,6 +97,13 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
         from .planning import planned
 
         return planned(given)
+
+    def rehearsed(self, given: Mapping[str, Any], schedule: Table, seed: int) -> Rehearsal:
+        """Return what a schedule gives on a simulated unit."""
+        from ..planned import settings_said
+        from .rehearsal import rehearse
+
+        return rehearse(settings_said(PlannedFlips, given, options=True)[0], schedule, seed)
 
     def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
         """Return the dwells, of reduced means or of recordings."""

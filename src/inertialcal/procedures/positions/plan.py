@@ -128,3 +128,4 @@ class Wanted:
     )
     goal: str = setting("What added positions are best for: determinant, trace, or a parameter.", "determinant")
     most: int = setting("Positions in all, at most.", 200, least=1, most=LARGEST)
+    schedule: str | None = setting("Write the programme as CSV into this file.", None, example="schedule.csv")

@@ -31,10 +31,12 @@ if TYPE_CHECKING:
     from ...core.remarks import Remark
     from ...core.results import Row
     from ...files.info.survey import Survey
+    from ...files.text.table import Table
     from ...sensors.model.sensor_model import SensorModel
     from ..entries import Entry, EntryKey, SaidSensor
     from ..given import Described, GivenFile
     from ..model_terms import HeldOut, ModelTerms
+    from ..rehearsed import Rehearsal
     from ..suggestions import Claim, Draft, FolderFile, Question, Suggestion
     from .planning.planner import PositionsPlan
     from .readings import Readings
@@ -263,6 +265,12 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
         from .planning.planner import planned
 
         return planned(given)
+
+    def rehearsed(self, given: Mapping[str, Any], schedule: Table, seed: int) -> Rehearsal:
+        """Return what a schedule gives on a simulated unit."""
+        from .planning.rehearsal import rehearse
+
+        return rehearse(given, schedule, seed)
 
     def suggests(self, recording: Recording, survey: Survey) -> Suggestion | None:
         """Return the command to type next."""

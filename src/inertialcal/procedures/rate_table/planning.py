@@ -282,19 +282,31 @@ def simulated(
     return made
 
 
-HEADS = ("name", "recording", "run", "axis", "start [s]", "stop [s]", "duration [s]", "rate [deg/s]", "prompt")
+HEADS = (
+    "name",
+    "recording",
+    "power_up",
+    "run",
+    "axis",
+    "start [s]",
+    "stop [s]",
+    "duration [s]",
+    "rate [deg/s]",
+    "prompt",
+)
 
 
 def _rows(programme: Programme, runs: int) -> Iterator[tuple[str, ...]]:
     """Yield the programme a row a dwell: axis by axis, since mounting takes a person."""
     unit = factor("deg/s", "rad/s")
-    for axis in AXES:
+    for at, axis in enumerate(AXES):
         for run in range(1, runs + 1):
+            power_up = str(runs * at + run)
             for k, (rate, start, stop) in enumerate(zip(programme.rates, programme.start, programme.stop, strict=True)):
                 mount = f"Mount the unit with {axis} along the axis of the table; switch it on and let it warm up"
                 again = "Switch the unit off and on and let it warm up"
                 prompt = "" if k else mount if run == 1 else again
-                yield (f"{axis} run {run} dwell {k + 1}", f"{axis}_run{run}", str(run), axis, f"{start:.3f}",
+                yield (f"{axis} run {run} dwell {k + 1}", f"{axis}_run{run}", power_up, str(run), axis, f"{start:.3f}",
                        f"{stop:.3f}", f"{stop - start:.3f}", f"{rate / unit:.9g}", prompt)  # fmt: skip
 
 

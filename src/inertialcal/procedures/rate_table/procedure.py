@@ -33,11 +33,13 @@ if TYPE_CHECKING:
     from ...core.remarks import Remark
     from ...core.results import Row
     from ...files.info.survey import Survey
+    from ...files.text.table import Table
     from ...sensors.model.sensor_model import SensorModel
     from ..entries import Entry, EntryKey, SaidSensor, SaidTest
     from ..given import Described, GivenFile
     from ..model_terms import HeldOut, ModelTerms
     from ..planned import TestPlan
+    from ..rehearsed import Rehearsal
     from ..suggestions import Claim, Draft, FolderFile, Question, Suggestion
     from .readings import Readings
     from .reduction import Result
@@ -119,6 +121,13 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
         from .planning import planned
 
         return planned(given)
+
+    def rehearsed(self, given: Mapping[str, Any], schedule: Table, seed: int) -> Rehearsal:
+        """Return what a schedule gives on a simulated unit."""
+        from ..planned import settings_said
+        from .rehearsal import rehearse
+
+        return rehearse(settings_said(PlannedRates, given, options=True)[0], schedule, seed)
 
     def agreement(self, plan: Plan, readings: Readings) -> Sequence[Remark]:
         """Return runs and readings that disagree with the table, or with each other."""

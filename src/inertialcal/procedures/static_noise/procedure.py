@@ -30,10 +30,12 @@ if TYPE_CHECKING:
     from ...core.results import Interval, Row, WrittenRow
     from ...core.show.rows import Sentence
     from ...files.info.survey import Survey
+    from ...files.text.table import Table
     from ..given import Described, GivenFile
     from ..model_terms import ModelTerms
     from ..planned import TestPlan
     from ..protocol import Reduced
+    from ..rehearsed import Rehearsal
     from ..suggestions import Claim, Draft, FolderFile, Suggestion
     from .readings import Readings
     from .reduction import Result
@@ -101,6 +103,14 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
         from .planning.planner import planned
 
         return planned(given)
+
+    def rehearsed(self, given: Mapping[str, Any], schedule: Table, seed: int) -> Rehearsal:
+        """Return what a schedule gives on a simulated unit."""
+        from ..planned import settings_said
+        from .planning.planner import known_of
+        from .planning.rehearsal import rehearse
+
+        return rehearse(known_of(*settings_said(PlannedRecord, given, options=True)), schedule, seed)
 
     def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
         """Return the records at rest, a record a recording or a window."""

@@ -116,7 +116,7 @@ def planned(given: Mapping[str, Any], options: bool = True) -> TestPlan:
     if not said.coldest <= said.room <= said.hottest:
         what = f"{words['room']} {said.room:g} degC lies outside the range"
         raise UsageError(what, do="Widen the range, or start inside it", code="wrong_value")
-    known = _known(said, words)
+    known = known_of(said, words)
     shown, example = UNITS[known.unit]
     there = dict.fromkeys((BIAS, CHANGE) if known.unit == "rad/s" else (CHANGE,), (known.unit, example))
     wanted = shared.targets(words["wanted"], said.wanted, there)
@@ -126,7 +126,7 @@ def planned(given: Mapping[str, Any], options: bool = True) -> TestPlan:
         raise shared.refused(error) from error
 
 
-def _known(said: PlannedRamps, words: Mapping[str, str]) -> Known:
+def known_of(said: PlannedRamps, words: Mapping[str, str]) -> Known:
     unit = "rad/s"
     try:
         parse_quantity(said.noise).to("m/s^2/sqrt(Hz)")
@@ -293,8 +293,8 @@ def simulated(
     return made
 
 
-HEADS = ("name", "recording", "run", "start [s]", "stop [s]", "duration [s]", "temperature [degC]", "ramp [K/min]",
-         "prompt")  # fmt: skip
+HEADS = ("name", "recording", "power_up", "run", "start [s]", "stop [s]", "duration [s]", "temperature [degC]",
+         "ramp [K/min]", "prompt")  # fmt: skip
 
 
 def _rows(programme: Programme, runs: int) -> Iterator[tuple[str, ...]]:
@@ -302,7 +302,7 @@ def _rows(programme: Programme, runs: int) -> Iterator[tuple[str, ...]]:
         for k, (start, stop, before, after) in enumerate(_legs(programme)):
             prompt = "Let the chamber come to the first temperature, then switch the unit on" if k == 0 else ""
             ramp = 60.0 * (after - before) / (stop - start)
-            yield (f"run {run} step {k + 1}", f"run_{run}", str(run), f"{start:.1f}", f"{stop:.1f}",
+            yield (f"run {run} step {k + 1}", f"run_{run}", str(run), str(run), f"{start:.1f}", f"{stop:.1f}",
                    f"{stop - start:.1f}", f"{after:g}", f"{ramp:.6g}", prompt)  # fmt: skip
 
 

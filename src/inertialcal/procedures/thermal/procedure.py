@@ -30,10 +30,12 @@ if TYPE_CHECKING:
     from ...core.results import Row, WrittenRow
     from ...core.show.rows import Sentence
     from ...files.info.survey import Survey
+    from ...files.text.table import Table
     from ...sensors.model.sensor_model import SensorModel
     from ..entries import SaidTest
     from ..model_terms import HeldOut, ModelTerms
     from ..planned import TestPlan
+    from ..rehearsed import Rehearsal
     from ..suggestions import Claim, Draft, FolderFile, Suggestion
     from .recordings import Readings
     from .reduction import Result
@@ -132,6 +134,14 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
         from .planning import planned
 
         return planned(given)
+
+    def rehearsed(self, given: Mapping[str, Any], schedule: Table, seed: int) -> Rehearsal:
+        """Return what a schedule gives on a simulated unit."""
+        from ..planned import settings_said
+        from .planning import known_of
+        from .rehearsal import rehearse
+
+        return rehearse(known_of(*settings_said(PlannedRamps, given, options=True)), schedule, seed)
 
     def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
         """Return the recordings of all sources."""

@@ -8,7 +8,7 @@ from .link import LinkKind
 BUILT_IN = {
     "serial": "serial:KIND", "visa": "visa:KIND", "tcp": "network:TCP", "udp": "network:UDP", "file": "growing:KIND",
     "replay": "recorded:REPLAY", "rig": "recorded:RIG", "bench": "bench:KIND",
-    "phone": "phone:KIND",
+    "planned": "planned:KIND", "phone": "phone:KIND",
 }  # fmt: skip
 LINKS: Registry[LinkKind] = Registry(
     "link", LinkKind, "inertialcal.links", {name: f"{__name__}.{place}" for name, place in BUILT_IN.items()}

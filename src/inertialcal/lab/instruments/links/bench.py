@@ -1,8 +1,9 @@
 """The bench of a simulated rig: its unit and what moves it as one instrument, with all recordings of a campaign in it.
 
-``recording`` (a number, in the order of the campaign) powers the unit up as that recording begins. A recording of a
-table then waits: ``rate`` has it go on to the next dwell at that rate, ramp first. Others run at once. What was told
-is done from the next row on; a rate that does not come any more in the recording brings no rows.
+``recording`` (a number, in the order of the campaign) powers the unit up as that recording begins; told again, it stays
+on. A recording of a table then waits: ``rate`` has it go on to the next dwell at that rate, ramp first. Others run at
+once. What was told is done from the next row on; a rate that does not come any more in the recording brings no rows.
+A plan's bench (`links.planned`) does the same with what its schedule sets: a temperature, an angle, a position.
 
 A rehearsal is the same each time: rows depend on what was told, not on when.
 """
@@ -11,6 +12,7 @@ from __future__ import annotations
 
 import threading
 import tomllib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
@@ -22,6 +24,7 @@ from ....core.errors import InstrumentError
 from ....core.estimate import Array
 from ....core.recording import SECOND, Recording
 from ....files.loggers.rows import Rows
+from ....procedures.rehearsed import Stretch
 from ....rigs import RIGS
 from ...clock import Clock
 from ..dialect import CommandsEntry, Dialect, FieldEntry, FrameEntry, SettingEntry
@@ -30,9 +33,8 @@ from .link import LinkEntry, LinkKind
 
 AT_ONCE = 4096  # rows
 SHORTEST = 3  # samples of a dwell
-SAME = 1e-6  # difference of a rate that is none, in its unit
+SAME = 1e-6  # difference of what is told that is none, in its unit
 LOOK = 0.05  # [s] of the machine between two looks where nothing is to come
-Stretch = tuple[int, int, float]  # First and last sample but one, rate of its dwell; NaN: as it is
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,8 +90,8 @@ class BenchLink:
             with self._told:
                 if word == "RECORDING":
                     self._power_up(int(number) - 1)
-                elif word == "RATE":
-                    self._turn(float(number))
+                elif word == "GO":
+                    self._go(float(number))
                 else:
                     self._send(None)
                 self._told.notify_all()
@@ -101,15 +103,17 @@ class BenchLink:
             self._told.notify_all()
 
     def _power_up(self, number: int) -> None:
+        if number == self._recording:
+            return
         known = 0 <= number < len(self.bench.rows)
         self._recording, self._next = number if known else -1, 0
         stretches = self.bench.stretches[number] if known else ()
         self._send(stretches[0] if stretches and np.isnan(stretches[0][2]) else None)
 
-    def _turn(self, rate: float) -> None:
+    def _go(self, value: float) -> None:
         stretches = self.bench.stretches[self._recording] if self._recording >= 0 else ()
         for number in (*range(self._next, len(stretches)), self._next - 1):  # the last one again where none comes
-            if number >= 0 and abs(stretches[number][2] - rate) <= SAME:
+            if number >= 0 and abs(stretches[number][2] - value) <= SAME:
                 self._next = number + 1
                 self._send(stretches[number])
                 return
@@ -145,25 +149,43 @@ def bench_of(rig: str, seed: int) -> Bench:
     applied = applied_columns(twin.campaign)
     if any(one.stamps is None for one in recordings.values()):
         raise InstrumentError(f"rig {rig} has recordings without a time", code="no_time")
+    stretches = {file: _stretches(one, applied.get(file, ("", ""))[0]) for file, one in recordings.items()}
+    told = ("rate", next(iter(applied.values()))[1]) if applied else ("", "")
+    return build_bench(f"bench of the rig {rig}", recordings, stretches, "recording", *told)
+
+
+def build_bench(
+    title: str, recordings: Mapping[str, Recording], stretches: Mapping[str, tuple[Stretch, ...]], power_up: str,
+    told: str, unit: str,
+) -> Bench:  # fmt: skip
+    """Return a bench of recordings.
+
+    Parameters
+    ----------
+    title : str
+        Of its dialect.
+    recordings, stretches : mapping
+        By name, in order: rows, and which of them follow what is told.
+    power_up, told, unit : str
+        Names of what is set: the number of a recording, and what the machine is told, with its unit; empty: nothing.
+    """
     fields = [FieldEntry(name=STAMP, type="int64", unit="ns", role="time")]
     units: dict[str, str] = {}
     for one in recordings.values():
         units |= {channel.name: channel.unit or "" for channel in one.channels}
-    for name, unit in units.items():
+    for name, own_unit in units.items():
         own = [one.channel(name).data for one in recordings.values() if name in one.names]
         whole = len(own) == len(recordings) and all(data.dtype.kind in "iu" for data in own)
-        fields.append(FieldEntry(name=name, type="int64" if whole else "float64", unit=unit))
-    settings = {"recording": SettingEntry(unit="", set=("RECORDING {value:.0f}",))}
-    if applied:
-        settings["rate"] = SettingEntry(unit=next(iter(applied.values()))[1], set=("RATE {value:.9f}",))
+        fields.append(FieldEntry(name=name, type="int64" if whole else "float64", unit=own_unit))
+    settings = {power_up: SettingEntry(unit="", set=("RECORDING {value:.0f}",))}
+    if told:
+        settings[told] = SettingEntry(unit=unit, set=("GO {value:.9f}",))
     dialect = Dialect(
-        title=f"bench of the rig {rig}", frame=FrameEntry(kind="packets", sync="AA 55", checksum="crc32"),
+        title=title, frame=FrameEntry(kind="packets", sync="AA 55", checksum="crc32"),
         fields=tuple(fields), commands=CommandsEntry(safe=("SAFE",)), settings=settings,
     )  # fmt: skip
-    return Bench(
-        dialect, tuple(_rows(one, dialect) for one in recordings.values()),
-        tuple(_stretches(one, applied.get(file, ("", ""))[0]) for file, one in recordings.items()), tuple(recordings),
-    )  # fmt: skip
+    rows = tuple(_rows(one, dialect) for one in recordings.values())
+    return Bench(dialect, rows, tuple(stretches[name] for name in recordings), tuple(recordings))
 
 
 def applied_columns(campaign: str) -> dict[str, tuple[str, str]]:

@@ -38,6 +38,7 @@ class LinkEntry(Strict):
     rig: Text = ""
     recording: Text = ""
     seed: int = Field(default=1, ge=0)
+    plan: Text = ""  # file of a plan
     over: Literal["serial", "tcp", "udp"] = "serial"
     faults: Annotated[tuple[Fault, ...], Strictly(False), Field(max_length=5)] = ()
 

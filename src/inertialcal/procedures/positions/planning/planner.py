@@ -6,7 +6,7 @@ the scatter, scale factors in percent, angles in radians.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +24,7 @@ from ....core.show.result_tables import remarks_line
 from ....core.show.rounding import number
 from ....core.show.tables import Block, Table, html, text
 from ....core.units import factor, parse_quantity
+from ...planned import write_schedule
 from ..plan import Wanted
 from .design import (
     DETERMINANT,
@@ -49,6 +50,7 @@ SETS: Mapping[str, slice] = {
     "faces+edges": slice(0, 18),
     "cube": slice(0, 26),
 }
+LAY, REST = 20.0, 20.0  # of a position [s]
 EDGE = 0.3  # component of a direction, below which its axis is level
 ROUGH = 2  # digits of an uncertainty
 USUAL = {"m/s^2": "0.1 mg", "rad": "0.5 deg", "1": "100 ppm"}
@@ -64,6 +66,7 @@ class PositionsPlan:
     prediction: Prediction  # Of all of them, SI
     rows: tuple[Row, ...]  # The uncertainty to expect of each parameter, ``bias_uncertainty`` of ``bias``
     remarks: tuple[Remark, ...] = ()  # What there is to say of it
+    written: str = ""  # File with the programme
 
     @property
     def results(self) -> dict[str, Any]:
@@ -96,7 +99,8 @@ class PositionsPlan:
         caption = f"after {len(self.directions)} positions: {found.rank} of {found.count} parameters determined"
         figures = [(row.quantity, row.axis, number(row.value, ROUGH), row.unit) for row in self.rows]
         lost = (f"not determined: {', '.join(found.undetermined)}",) if found.undetermined else ()
-        return (*head, Table(("quantity", "axis", "value", "unit"), figures, caption, (2,)), *lost)
+        written = (f"programme written into {self.written}",) if self.written else ()
+        return (*head, Table(("quantity", "axis", "value", "unit"), figures, caption, (2,)), *lost, *written)
 
     def __str__(self) -> str:
         """Return what is shown as text."""
@@ -165,7 +169,25 @@ def planned(given: Mapping[str, Any], options: bool = True) -> PositionsPlan:
     names = ", ".join(words[name] for name, one in exact.items() if one)
     what, do = f"taken as exact: {names}", "State it: the uncertainty to expect is relative to these as they are"
     remarks = (Remark("no_standard_uncertainty", "warning", what, do=do),) if names else ()
-    return PositionsPlan(len(taken), directions, found, _rows(found, wanted.target, str(said["scatter"])), remarks)
+    made = PositionsPlan(len(taken), directions, found, _rows(found, wanted.target, str(said["scatter"])), remarks,
+                         wanted.schedule or "")  # fmt: skip
+    if wanted.schedule is not None:
+        notes = ("positions: in any order; x, y, z: what points up, in body axes",)
+        write_schedule(wanted.schedule, HEADS, _programme(made), notes)
+    return made
+
+
+HEADS = ("name", "recording", "power_up", "start [s]", "stop [s]", "duration [s]", "position", "x", "y", "z", "prompt")
+
+
+def _programme(made: PositionsPlan) -> Iterator[tuple[str, ...]]:
+    """Yield the positions to take, each laid, and left alone."""
+    for k, one in enumerate(made.steps()):
+        start = LAY + k * (LAY + REST)
+        direction = [f"{x:.6f}" for x in one["direction"]]
+        name, up = f"position {one['number']}", one["up"]
+        yield (name, "positions", "1", f"{start:g}", f"{start + REST:g}", f"{REST:g}", str(one["number"]), *direction,
+               f"Lay the unit with {up} and let go")  # fmt: skip
 
 
 def limits_of(setup: Setup, target: Mapping[str, str], words: Mapping[str, str]) -> dict[str, float]:

@@ -112,14 +112,14 @@ def planned(given: Mapping[str, Any], options: bool = True) -> TestPlan:
     """Return the plan that settings give, as text with units; messages speak of options, or of arguments of Python."""
     said, words = shared.settings_said(PlannedRecord, given, options)
     try:
-        known = _known(said, words)
+        known = known_of(said, words)
         there = dict.fromkeys(known.terms, ("1", "10 %"))
         return _planned(known, shared.targets(words["wanted"], said.wanted, there))
     except DataError as error:
         raise shared.refused(error) from error
 
 
-def _known(said: PlannedRecord, words: Mapping[str, str]) -> Known:
+def known_of(said: PlannedRecord, words: Mapping[str, str]) -> Known:
     texts = {name: text for name in KINDS if (text := getattr(said, name)) is not None}
     terms: dict[str, Term] = {}
     kind: Kind = "gyro"
@@ -205,14 +205,14 @@ def _planned(known: Known, wanted: Mapping[str, tuple[float, str]]) -> TestPlan:
     remarks += [*found, *_remarks(known)]
     if said.schedule is not None:
         notes = ("allan: one record at rest, temperature held",)
-        row = ("at rest", "still", "0", f"{chosen.time:.1f}", f"{chosen.time:.1f}", f"{said.sample_rate:.9g}",
+        row = ("at rest", "still", "1", "0", f"{chosen.time:.1f}", f"{chosen.time:.1f}", f"{said.sample_rate:.9g}",
                "Set the unit down on something heavy, let it warm up, and leave the room")  # fmt: skip
         shared.write_schedule(said.schedule, HEADS, [row], notes)
     return TestPlan(WORD, after, shared.adopted(front, chosen, after), _steps(known, chosen), said.schedule or "",
                     tuple(remarks))  # fmt: skip
 
 
-HEADS = ("name", "recording", "start [s]", "stop [s]", "duration [s]", "sample_rate [Hz]", "prompt")
+HEADS = ("name", "recording", "power_up", "start [s]", "stop [s]", "duration [s]", "sample_rate [Hz]", "prompt")
 
 
 def _design(known: Known, wanted: Mapping[str, tuple[float, str]], time: float) -> Design | None:
