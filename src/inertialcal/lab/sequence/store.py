@@ -18,6 +18,7 @@ import numpy as np
 from ...core.errors import DataError, InertialcalError, InstrumentError, StoreError
 from ...core.recording import Recording
 from ...files import read
+from ...files.text.headers import bare_name
 from ...files.write.atomic import atomic_write
 from ...files.write.recording import write
 from ..acquisition.seal import sha256
@@ -66,9 +67,9 @@ def _compare(path: Path, recording: Recording) -> str:
     stamps = again.stamps
     told = recording.stamps
     same = stamps is not None and told is not None and np.array_equal(stamps, told)
-    by_name = {one.name: one.data for one in again.channels}
+    by_name = {name: one.data for one in again.channels for name in (bare_name(one.name), one.name)}
     for one in recording.channels:
-        there = by_name.get(one.name)
+        there = by_name.get(one.name)  # the head of a CSV has its unit too
         same &= there is not None and np.array_equal(there, one.data, equal_nan=one.data.dtype.kind == "f")
     if not same or not unchanged:
         raise InstrumentError(f"{path.name} does not read back as it came", code="not_read_again")
