@@ -224,6 +224,26 @@ def test_clocks_that_nothing_has(clock: str, code: str, tmp_path: Path) -> None:
     assert caught.value.problems[0].code == code
 
 
+@pytest.mark.parametrize(("interval", "fits"), [("0.1 s", True), ("0.3 s", False)])
+def test_dwells_with_long_pauses_between_them_have_the_interval_that_is_stated(
+    interval: str, fits: bool, tmp_path: Path
+) -> None:
+    """Sixteen samples, then a pause of as long: by the stamps alone it might be packets that came late."""
+    folder, path = tmp_path / "campaign", tmp_path / "a.csv"
+    times = np.concatenate([np.arange(16) * 0.1 + 3.3 * k for k in range(30)])
+    rows = [f"{t:.1f},{x}" for t, x in zip(times, noise(len(times)), strict=True)]
+    path.write_text("\n".join(["t_s,gyro_x [deg/s]", *rows]) + "\n")
+    ic.allan(path).write_campaign(folder)
+    file = folder / "campaign.toml"
+    file.write_text(file.read_text().replace("channels = {", f'clock = {{ interval = "{interval}" }}\nchannels = {{'))
+    if fits:
+        assert run(folder, write=False).results["results"]
+        return
+    with pytest.raises(InertialcalError) as caught:
+        run(folder)
+    assert caught.value.problems[0].code == "clock_disagrees"
+
+
 def test_a_temperature_that_leaves_its_start_with_the_first_sample() -> None:
     n = 4000
     temperature = np.interp(np.arange(n), np.linspace(0, n, 5), [20.0, 20.0, -20.0, 60.0, 20.0])

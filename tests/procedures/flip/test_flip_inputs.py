@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import tomllib
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -231,6 +232,41 @@ def test_a_time_that_cannot_be_meant_is_refused(turned: Edit, old: str, new: str
     if words == "overlap":
         folder = turned(('stop = "1996-02-20T12:20:00.000Z"', 'stop = "1996-02-20T12:21:00.000Z"'))
     assert any(words in one for one in refused(folder, run))
+
+
+def by_table(turned: Edit, rows: list[str], more: str = "") -> Path:
+    """Return the simulated campaign with the positions of its head in a table."""
+    folder = turned()
+    text = (folder / "campaign.toml").read_text(encoding="utf-8")
+    first = text.index("positions = [")
+    whole = text[first : text.index("\n]\n", first) + 3]
+    (folder / "dwells.csv").write_text("\n".join(["start,stop,angle,dwell", *rows]) + "\n")
+    return turned((whole, f'dwells = {{ file = "dwells.csv", dwell = "dwell" }}\n{more}'))
+
+
+def dwell_rows(folder: Path) -> list[str]:
+    positions = tomllib.loads((folder / "campaign.toml").read_text(encoding="utf-8"))["recordings"]["flip"]["positions"]
+    return [f"{one['start']},{one['stop']},{one['angle'].removesuffix(' deg')},{k}" for k, one in enumerate(positions)]
+
+
+def test_positions_of_a_table_are_those_of_a_list(turned: Edit, simulated: Path) -> None:
+    """A row without a dwell is none: here one that lies across a turn."""
+    rows = dwell_rows(simulated)
+    across = f"{rows[0].split(',')[0]},{rows[-1].split(',')[1]},0,"
+    found, listed = (run(one, write=False).results["results"] for one in (by_table(turned, [*rows, across]), simulated))
+    assert found == listed
+
+
+def test_a_table_of_positions_that_says_none_is_refused(turned: Edit, simulated: Path) -> None:
+    rows = dwell_rows(simulated)
+    assert any("no row is a dwell" in one for one in refused(by_table(turned, [f"{rows[0].rpartition(',')[0]},"]), run))
+
+
+def test_positions_that_are_said_twice_are_refused(turned: Edit, simulated: Path) -> None:
+    rows = dwell_rows(simulated)
+    start, stop, *_ = rows[0].split(",")
+    more = f'positions = [{{ start = "{start}", stop = "{stop}", angle = "0 deg" }}]\n'
+    assert any("both say" in one for one in refused(by_table(turned, rows, more)))
 
 
 def test_positions_outside_the_record_are_refused(turned: Edit) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 from ...core.key import At
 from ...files.text.table import Table
 from ...physics.earth import earth_rate
-from ...rigs.parts.campaign import Content, attitude, standard_tables
+from ...rigs.parts.campaign import Content, standard_tables
 from ...rigs.parts.gyro_bench import draw_world
 from ...rigs.twin import TrueValue
 from ..rehearsed import Rehearsal, Way, course_of, entry_of, interval_of, noise_of, recorded, steps_of
@@ -60,7 +60,7 @@ def rehearse(known: Known, table: Table, seed: int) -> Rehearsal:
     content: Content = {}
     if said.latitude is not None and si == "rad/s":
         content["site"] = {"latitude": f"{latitude:.9g} deg"}
-        plan["attitude"] = {name: one for name, one in attitude(0.0, tilt, 0.0, 0.0).items() if "azimuth" not in name}
+        plan["attitude"] = {"tilt": "0 deg", "u": f"{tilt:g} deg"}
     kind = "gyro" if si == "rad/s" else "accelerometer"
     content |= {
         "standards": standard_tables(standards),
