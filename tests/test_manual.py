@@ -79,6 +79,7 @@ CAMPAIGN_TABLES: dict[str, type[schema_words.Strict]] = {
     "`rows`, of": rate_table.Rows,
     "`means`, of": flip.Means,
     "`positions`, of": flip.Position,
+    "`dwells`, of": flip.Dwells,
     "`rests`, of": positions.Rests,
     "`channels`, of": schema_recordings.ChannelEntry,
     "`conditions`, of": sensitivity.Condition,
