@@ -20,6 +20,7 @@ class Ageing:
     """How units are made and tested."""
 
     years: int = 11  # tests, a year apart
+    apart: float = 1.0  # in place of a year
     drift: float = 0.02  # a year
     runs: int = 6  # power-ups in a test
     scatter: float = 0.02  # between power-ups
@@ -49,7 +50,7 @@ class Life:
 
 def life(of: Ageing, rng: np.random.Generator) -> Life:
     """Draw one unit and its tests."""
-    years = np.arange(of.years, dtype=float)
+    years = np.arange(of.years, dtype=float) * of.apart
     true = rng.normal() + of.drift * years + of.wander * rng.normal(size=of.years)
     blocks = np.arange(of.years) // of.certificate_years
     errors = of.standard * rng.normal(size=blocks.max() + 1)[blocks]

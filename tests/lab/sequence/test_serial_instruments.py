@@ -158,6 +158,7 @@ def test_killed_and_resumed_while_the_instruments_go_on(tmp_path: Path, seed: in
     check_results(tmp_path / "made")
 
 
+@pytest.mark.slow
 def test_an_interruption_makes_all_safe_and_the_rest_is_resumed(tmp_path: Path) -> None:
     with SerialBench() as bench:
         command = [*COMMAND, str(written(tmp_path / "lab", bench)), "-o", str(tmp_path / "made"), "-q"]

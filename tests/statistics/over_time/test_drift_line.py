@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.results import Curvature
+from inertialcal.statistics.decision import holm
 from inertialcal.statistics.difference import Figure, difference
 from inertialcal.statistics.intervals import covers, t_interval
 from inertialcal.statistics.over_time.drift_line import Line, due, line
@@ -198,6 +199,36 @@ def test_intervals_of_drift_hold_the_truth_in_95_of_100(name: str) -> None:
     assert covers(hits, n), f"{hits} of {n}"
     if of.drift == 0.0:
         assert called == n - hits
+
+
+A_YEAR = {  # without drift
+    "tested each month": Ageing(years=13, apart=1.0 / 12.0, drift=0.0, certificate_years=99),
+    "tested each month, another certificate halfway": Ageing(
+        years=13, apart=1.0 / 12.0, drift=0.0, certificate_years=7
+    ),
+    "tested each quarter": Ageing(years=5, apart=0.25, drift=0.0, certificate_years=99),
+    "tested each quarter, and it wanders": Ageing(years=5, apart=0.25, drift=0.0, wander=0.03),
+    "tested at both ends": Ageing(years=2, drift=0.0, certificate_years=99),
+    "tested at both ends, another certificate": Ageing(years=2, drift=0.0, certificate_years=1, runs=3),
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "n"),
+    [("tested at both ends", 100), *(pytest.param(one, sized(1000, 300), marks=pytest.mark.slow) for one in A_YEAR)],
+)
+def test_a_year_without_drift_is_called_one_in_at_most_5_of_100(name: str, n: int) -> None:
+    """Of one axis, and of any of three by Holm's step-down; the interval of the drift holds 0 in the others."""
+    alone = any_of_three = 0
+    for seed in range(1, n + 1):
+        rng = np.random.default_rng(seed)
+        lives = [life(A_YEAR[name], rng) for _ in range(3)]
+        p_values = [line(one.years, figures(one)).p_value for one in lives]
+        alone += p_values[0] < 0.05
+        any_of_three += any(holm(p_values, 0.05))
+    print(f"{name}: {alone} of {n} called a drift, {any_of_three} of three axes")
+    assert covers(n - alone, n), f"{alone} of {n}"
+    assert covers(n - any_of_three, n), f"{any_of_three} of {n}"
 
 
 DEPARTED = {  # with the year of the step, or of the odd test
