@@ -14,7 +14,9 @@ from pathlib import Path
 from typing import Any, Literal, Protocol, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ...core.batches import every
 from ...core.curve import Curve
 from ...core.errors import DataError
 from ...core.estimate import Array
@@ -380,7 +382,8 @@ class Ready:
         if isinstance(self.store, Folder):
             said = {one.column for one in channels.values()}
             called = {full: name for name in said if (full := full_name(recording.names, name)) not in (None, name)}
-            if set(required) & set(called.values()):  # Only under its full name is a reading known to be required
+            needed = [full for full, name in called.items() if name in required]
+            if not all(_whole(recording.channel(one).data) for one in needed):  # Under its full name it is refused
                 recording = self.store.recording(self.entry, [str(full_name(recording.names, one) or one)
                                                               for one in required])  # fmt: skip
             named = tuple(replace(one, name=called.get(one.name, one.name)) for one in recording.channels)
@@ -512,6 +515,11 @@ class Ready:
         chosen = sum(len(one) for one in self._parts)
         raw, by = self.raw, self.raw.compensated_by
         return Origin(self.name, file, raw.source.sha256, "recording", len(raw), chosen, compensated_by=by)
+
+
+def _whole(data: NDArray[Any]) -> bool:
+    """Return whether all are finite numbers."""
+    return data.dtype.kind in "iu" or (data.dtype.kind == "f" and every(data, lambda part: np.isfinite(part).all()))
 
 
 def facts_of(sensor: Sensor, standards: Standards, site: Site | None = None) -> Facts:
