@@ -222,3 +222,8 @@ def standard_of(name: str) -> tuple[str, str]:
 def influence_of(unknown: str) -> str:
     """Return the influence that an unknown is of: ``"rate_table.mounting"`` of ``"rate_table.mounting[xz]"``."""
     return unknown.partition("[")[0]
+
+
+def unknown_of(influence: str, unknown: str) -> str:
+    """Return which unknown of an influence it is: ``"xz"`` of ``"rate_table.mounting[xz]"``; empty for the only one."""
+    return unknown.removeprefix(influence).removeprefix("[").removesuffix("]")

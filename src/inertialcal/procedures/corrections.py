@@ -9,7 +9,7 @@ unknowns, and what a constant does not change (a difference of readings, a scale
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -145,10 +145,19 @@ class BiasCorrection:
         Its name.
     estimate : Estimate
         Bias of each axis that has one, SI.
+    temperature : mapping of str to float
+        Of each axis meanwhile [degC]; without those not known.
+    time : float or None
+        Middle of its readings, since 1970 UTC [s]; None where they do not say it.
+    recordings : tuple of str
+        That it was found in.
     """
 
     test: str
     estimate: Estimate
+    temperature: Mapping[str, float] = field(default_factory=dict[str, float])
+    time: float | None = None
+    recordings: tuple[str, ...] = ()
 
     @property
     def unit(self) -> str:

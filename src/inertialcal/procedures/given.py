@@ -203,6 +203,8 @@ class Described:
         What a reader of the figures should know.
     requirements : list of dict
         What was asked of the figures, as a campaign has it.
+    procedure : str
+        Whose test it is, where that of the call is made of its result; ``plan`` is then that of this test.
     """
 
     entry: dict[str, Any]
@@ -213,6 +215,7 @@ class Described:
     test: str = ""
     remarks: tuple[Remark, ...] = ()
     requirements: list[dict[str, Any]] = field(default_factory=list[dict[str, Any]])
+    procedure: str = ""
 
 
 def bare(named: Mapping[str, str]) -> str | None:

@@ -233,6 +233,11 @@ class Source(Protocol):
         ...
 
     @property
+    def ground(self) -> SensorModel | None:
+        """Ground model that a file of the chain gives; None where there is none."""
+        ...
+
+    @property
     def screening(self) -> bool:
         """Whether samples that are no readings are left out; False where figures are made with them, to compare."""
         ...
@@ -625,6 +630,7 @@ class Procedure(Generic[P, R, S]):
     judged_alone: bool = False  # each test held out by itself, on readings that nothing was taken off
     compensated: tuple[str, ...] = ()  # quantities that a requirement can ask of compensated readings held out
     takes_corrections: bool = False  # readings may have taken off what another test found
+    made_of: str = ""  # procedure whose tests, named by ``after``, it is made of: they then give the model no terms
     no_corrections: str = ""  # why they may not
 
     @property

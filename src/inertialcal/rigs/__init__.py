@@ -27,6 +27,7 @@ BUILT_IN = (
     "satellite",
     "station",
     "flights",
+    "flights_recorded",
     "heads",
 )
 DEMONSTRATED = "npsat1"  # where none is named

@@ -338,7 +338,10 @@ def call(
         error.inputs = error.inputs or tuple(read)
         raise
     with computable(campaign.file.campaign.id, "campaign"):
-        rows = tuple(displayed_rows(campaign, whole.tested))
+        own = [
+            one for one in whole.tested if one.test.procedure == procedure.name
+        ]  # of its parts, their results have them
+        rows = tuple(displayed_rows(campaign, own))
     timed = [remark for one in files.held.values() for remark in time_remarks(one)]
     judged = [] if whole.modelled is None else [remark for one in whole.modelled.every for remark in one.remarks]
     several = len(whole.tested) > 1 and not held
@@ -361,7 +364,7 @@ def _reduced(document: Document, files: Files) -> tuple[Campaign, Whole, list[Re
         return campaign, reduce_campaign(campaign, files), []
     except DataError as error:
         tests = document["tests"]
-        if len(tests) < 2 or any(one["use"] != "fit" for one in tests):
+        if len(tests) < 2 or any(one.get("use") != "fit" for one in tests):
             raise
         possible: list[dict[str, Any]] = []
         problems: list[Problem] = []

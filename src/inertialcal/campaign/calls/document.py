@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path, PurePath
 from typing import Any
 
@@ -65,6 +65,7 @@ def document_of(
     clocks: list[ClockRate | None] = []
     uses: dict[tuple[str, str], dict[str, Any]] = {}
     requirements: list[dict[str, Any]] = []
+    parts: list[dict[str, Any]] = []
     remarks: list[Remark] = []
     for one in given:
         found = like.entries(one, procedure) if like is not None else list(procedure.described(one))
@@ -81,20 +82,31 @@ def document_of(
             use = "hold_out" if one.name in held_out else "fit"
             test = uses.setdefault((use, each.test), {"recordings": [], "plan": {}})
             test["recordings"].append(name)
-            test["plan"] |= each.plan
+            if each.procedure:  # a test of its own, that the one of the call is made of
+                parts.append({"id": name, "procedure": each.procedure, "recordings": [name], "plan": each.plan})
+                test.setdefault("after", []).append(name)
+            else:
+                test["plan"] |= each.plan
             if each.windows:
                 test.setdefault("windows", []).extend(each.windows)
     if "rate" not in document["standards"].get("clock", {}) and (said_by_them := clock_standard(clocks)):
         document["standards"]["clock"] = said_by_them
     used = {entry["sensor"] for entry in document["recordings"].values()}
     document["sensors"] = {name: sensor for name, sensor in sensors.items() if name in used}
-    for (use, test_id), test in uses.items():
-        stem = test_id or procedure.name
-        head = {"id": stem if use == "fit" else f"{stem}_held_out", "procedure": procedure.name}
-        document["tests"].append({**head, "use": use, **test, "plan": test["plan"] | dict(plan)})
+    document["tests"] = [*_tests_of(procedure, uses, plan), *parts]
     if requirements:
         document["requirements"] = requirements
     return document, columns, remarks
+
+
+def _tests_of(
+    procedure: Procedure[Any, Any, Any], uses: Mapping[tuple[str, str], dict[str, Any]], plan: Mapping[str, Any]
+) -> Iterator[dict[str, Any]]:
+    """Yield the tests of the call, by use and name."""
+    for (use, test_id), test in uses.items():
+        stem = test_id or procedure.name
+        head = {"id": stem if use == "fit" else f"{stem}_held_out", "procedure": procedure.name}
+        yield {**head, "use": use, **test, "plan": test["plan"] | dict(plan)}
 
 
 def _reading(said: Said, entry: Mapping[str, Any]) -> dict[str, Any]:
@@ -186,8 +198,8 @@ class _Like:
             If none fits, or several of one sensor that differ.
         """
         entries: dict[str, dict[str, Any]] = self.document["recordings"]
-        tests = [test for test in self.document["tests"] if test["procedure"] == procedure.name]
-        tests.sort(key=lambda test: test.get("use", "fit") != "fit")
+        tests = [test for test in self.document["tests"] if test["procedure"] in (procedure.name, procedure.made_of)]
+        tests.sort(key=lambda test: (test["procedure"] != procedure.made_of, test.get("use", "fit") != "fit"))
         read = {name: test for test in reversed(tests) for name in test["recordings"]}
         fits = {name: entries[name] for name in read if PurePath(entries[name]["file"]).name == PurePath(one.name).name}
         named = bool(fits)
@@ -208,15 +220,13 @@ class _Like:
             do = f"Tests of {procedure.name} read: {', '.join(read) or 'nothing'}. Give the file one of their names"
             raise UsageError(f"{one.name}: {fit} in {self.folder}", do=do, code="unknown_name")
         several = len(by_sensor) > 1
-        return [
-            self._described(one, kept[n], read[n].get("plan", {}), procedure, several) for n, *_ in by_sensor.values()
-        ]
+        return [self._described(one, kept[n], read[n], procedure, several) for n, *_ in by_sensor.values()]
 
     def _described(
         self,
         one: GivenFile,
         entry: dict[str, Any],
-        plan: dict[str, Any],
+        test: dict[str, Any],
         procedure: Procedure[Any, Any, Any],
         several: bool,
     ) -> Described:
@@ -231,7 +241,8 @@ class _Like:
         stem = f"{GROUP.get(sensor['kind'], sensor['kind'])}_" if several else ""
         taken = {f"{stem}{what}": str(channel["column"]) for what, channel in entry.get("channels", {}).items()}
         entry, remarks = procedure.like(one, entry)
-        return Described(entry, sensor, taken, plan, remarks=tuple(remarks))
+        part = "" if test["procedure"] == procedure.name else test["procedure"]
+        return Described(entry, sensor, taken, test.get("plan", {}), remarks=tuple(remarks), procedure=part)
 
     def _has_columns(self, one: GivenFile, entry: Mapping[str, Any]) -> bool:
         names = set(one.recording.names) if "channels" in entry else set(one.table.names)

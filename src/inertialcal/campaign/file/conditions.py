@@ -20,6 +20,12 @@ def gives(test: Test) -> tuple[TermKind, ...]:
     return procedure_of(test.procedure).gives if fits else ()
 
 
+def parts_of_others(file: CampaignFile) -> set[str]:
+    """Return the tests that another one is made of: their terms are in its own."""
+    known = [test for test in file.tests if test.procedure in procedure_names()]
+    return {name for test in known if procedure_of(test.procedure).made_of for name in test.after}
+
+
 def on_sensor(file: CampaignFile, test: Test, sensor: str) -> bool:
     """Whether a test reads a sensor."""
     return any(file.recordings[name].sensor == sensor for name in test.recordings if name in file.recordings)
@@ -47,7 +53,8 @@ def chosen_tests(file: CampaignFile, sensor: str, condition: str) -> dict[TermKi
     took off its readings before belongs to its bias.
     """
     every = [test for test in file.tests if gives(test) and on_sensor(file, test, sensor)]
-    own = [test for test in every if in_condition(file, test, sensor, condition)]
+    parts = parts_of_others(file)
+    own = [test for test in every if in_condition(file, test, sensor, condition) and test.id not in parts]
     found: dict[TermKind, list[Test]] = {}
     for kind in KINDS:
         able = [test for test in every if kind in gives(test)]
@@ -64,7 +71,7 @@ def chosen_tests(file: CampaignFile, sensor: str, condition: str) -> dict[TermKi
         if chosen:
             found[kind] = chosen
     if "bias" in found:
-        before = {name for test in found["bias"] for name in test.after}
+        before = {name for test in found["bias"] for name in test.after} - parts
         found["bias"] = [test for test in every if test in found["bias"] or test.id in before]
     return found
 

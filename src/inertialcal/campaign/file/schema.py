@@ -79,7 +79,7 @@ class Test(Strict):
     day: Text = ""
     source: Text = ""
     against: Name | None = None
-    after: list[Name] = Field(default=[], max_length=1)
+    after: list[Name] = Field(default=[])
     plan: dict[str, Any] = Field(default={})
 
     @field_validator("windows", mode="before")

@@ -161,9 +161,19 @@ def against_checks(file: CampaignFile, number: int, test: Test, at: At) -> Itera
 
 def after_checks(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Problem]:
     """Find a test that comes after none, after itself, or after one that finds no bias over temperature."""
-    if not test.after:
-        return
     where = at("tests", number, "after")
+    made_of = procedure_of(test.procedure).made_of if test.procedure in procedure_names() else ""
+    if made_of:
+        yield from _parts_checks(file, test, made_of, where)
+    elif test.after:
+        yield from _correction_checks(file, test, where)
+
+
+def _correction_checks(file: CampaignFile, test: Test, where: str) -> Iterator[Problem]:
+    """Find a test whose readings nothing is taken off, or nothing that the tests before it find."""
+    if len(test.after) > 1:
+        what = f"test {test.id!r}: after names {len(test.after)} tests"
+        yield Problem(what, where, "the bias would be taken off twice", "Name one", "wrong_value")
     corrects = _with(lambda procedure: procedure.corrects)
     corrected = _with(lambda procedure: procedure.takes_corrections)
     tables = [procedure_of(name).inputs.table for name in corrected]
@@ -190,6 +200,33 @@ def after_checks(file: CampaignFile, number: int, test: Test, at: At) -> Iterato
             if table is not None and table[0].name in tables:
                 what = f"test {test.id!r}: after = {name!r}, but recording {recording!r} is a table without temperature"
                 yield Problem(what, where, do="Leave after out, or give the recording itself", code="wrong_value")
+
+
+def _parts_checks(file: CampaignFile, test: Test, made_of: str, where: str) -> Iterator[Problem]:
+    """Find a test made of others that names none, or one of another procedure or sensor, or leaves out recordings."""
+    others = {one.id: one for one in file.tests if one.procedure == made_of}
+    known = [file.recordings[name] for name in test.recordings if name in file.recordings]
+    if any(one.channels is not None for one in known) and not test.after:
+        what = f"test {test.id!r}: it has recordings, but after names no {made_of} test of them"
+        do = f"Give it after = [...]; there are: {', '.join(others) or 'none'}"
+        yield Problem(what, where, f"a {test.procedure} is made of what {made_of} tests find", do, "missing_key")
+    if len(set(test.after)) < len(test.after):
+        what = f"test {test.id!r}: after names a test twice"
+        yield Problem(what, where, "it would count twice", "Name each once", "duplicate_id")
+    for name in dict.fromkeys(test.after):
+        if name not in others:
+            what = f"test {test.id!r}: after = {name!r} is no {made_of} test of this campaign"
+            yield Problem(what, where, do=f"There are: {', '.join(others) or 'none'}", code="unknown_name")
+        elif not _sensors(file, test) & _sensors(file, others[name]):
+            what = f"test {test.id!r}: after = {name!r} is a test of another sensor"
+            yield Problem(what, where, do="Leave it out, or name a test of its own sensor", code="another_sensor")
+        elif lacking := [one for one in others[name].recordings if one not in test.recordings]:
+            what = f"test {test.id!r}: after = {name!r}, whose recording {lacking[0]!r} is not among its own"
+            yield Problem(what, where, "they say what it rests on", "Add it to recordings", "missing_key")
+        elif others[name].plan.get("corrected"):
+            what = f"test {test.id!r}: after = {name!r}, whose bias was subtracted before (corrected = true)"
+            why = "what is left is the error of that model, not the bias of the head"
+            yield Problem(what, where, why, "Leave corrected out of its plan", "wrong_value")
 
 
 def _said(procedure: str) -> str:

@@ -40,6 +40,7 @@ from ...procedures.protocol import Exclusion, Facts, InputSpec
 from ...procedures.recorded import CLOCK, recorded_rows, saves_curve
 from ...sensors.chain.conversion import convert as convert_counts
 from ...sensors.chain.converter import Chain
+from ...sensors.model.sensor_model import SensorModel
 from ..file.recordings import Clock, RecordingEntry
 from ..file.schema import Site, Test
 from ..file.sensors import Sensor
@@ -371,6 +372,12 @@ class Ready:
     def model(self) -> ChainModel | None:
         """Ground model of the sensor, where the procedure takes readings after one."""
         return None if self.spec.ground_model == "refused" else chain_model(self.sensor, self.store.folder)
+
+    @property
+    def ground(self) -> SensorModel | None:
+        """Ground model that a file of the chain gives."""
+        found = None if self.model is None or not self.model.file else self.model
+        return None if found is None else found.model.base
 
     @cached_property
     def raw(self) -> Recording:

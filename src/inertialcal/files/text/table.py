@@ -27,6 +27,7 @@ from .delimited import cell_columns, column_names, header_again, header_repeated
 from .grouped import commas, problem, without_groups
 from .headers import bare_name, heading
 from .layout import BLANKS, CELL, CELL_BYTES, Decimal, judge, kind, sniff, text_of, to_float, without_first
+from .results_table import is_results, results_columns
 
 SHOWN = 4  # cells of a column
 
@@ -170,6 +171,10 @@ def read_table(
         If there is no such file, it is empty or no text, rows differ in width, or a name appears twice.
     """
     loaded = load(checked_path(path, "table"))
+    if is_results(loaded.data):
+        names, cells, units = results_columns(loaded)
+        source = Source(loaded.path, loaded.sha256, "results of flips", "results")
+        return Table(names, cells, np.arange(1, len(cells[0]) + 1), source, units)
     reader = find_reader(loaded)
     if reader.name != TEXT:
         return _from_content(reader.read(loaded, topics or None), loaded, reader.name)

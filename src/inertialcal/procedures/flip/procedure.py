@@ -6,7 +6,18 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from ..protocol import READING, Command, Correction, Exclusion, InputSpec, Procedure, Quantity, Source, Tested
+from ..protocol import (
+    READING,
+    Command,
+    Correction,
+    Exclusion,
+    InputSpec,
+    Procedure,
+    Quantity,
+    Reduced,
+    Source,
+    Tested,
+)
 from .figures import COMPARED, FIGURES
 from .plan import INFLUENCES, Plan, PlannedFlips, Turned
 
@@ -37,7 +48,7 @@ QUANTITIES = dict.fromkeys(
         "model_bias_error_change", "model_bias_error_reduction", "other_model_bias_error", "predicted_bias",
     ),
     Quantity(READING),
-)  # fmt: skip
+) | {"flip_temperature": Quantity(("temperature",))}  # fmt: skip
 
 RULES = {"settling": ("settle", "window")}  # remark: rule, what it counts
 UNREAD = {"dwell_incomplete": "missing", "gain_changed": "gain"}  # remark: rule by which an axis is not read
@@ -137,6 +148,14 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
         """Return units and use of its figures."""
         return QUANTITIES
 
+    def content(self, found: Reduced) -> Mapping[str, object]:
+        """Return when the head was flipped, for `shifted-model`."""
+        from ...core.times import instant_text
+        from .terms import time_of
+
+        time = time_of(found.result)
+        return {} if time is None else {"time": instant_text(round(time * 1e9))}
+
     def exclusions(self, test: Tested[Plan, Readings, Result]) -> Iterator[Exclusion]:
         """Yield starts of windows and samples as remarks count them, then the dwells in which an axis is not read."""
 
@@ -166,11 +185,9 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
 
     def correction(self, test: str, result: Result) -> Correction | None:
         """Return the bias of the axes across the turn, to be taken off."""
-        from ..corrections import BiasCorrection
-        from .terms import bias_of
+        from .terms import correction
 
-        found = bias_of(result)
-        return None if found is None else BiasCorrection(test, found)
+        return correction(test, result)
 
     def terms(self, result: Result, tests: Sequence[Tested[Plan, Readings, Result]]) -> ModelTerms | None:
         """Return the bias of the axes across the turn."""

@@ -34,6 +34,7 @@ from .separation.equations import AMBIENT, BIAS, CONTROL, READING, SAME, directi
 from .separation.orbit import CORRECTED, PREDICTED, SHIFT, Against, against_model
 from .separation.pooling import Flip, units
 from .separation.uncertainty import missing
+from .terms import temperatures
 
 if TYPE_CHECKING:
     from .reduction import Result
@@ -48,6 +49,8 @@ DOUBTED = Reason(
     "magnitude", "readings too large or too small for a head in orbit (remark `magnitude`): check the unit"
 )
 PREDICTION = "prediction of the ground model, without its uncertainty: the readings do not contain it"
+TEMPERATURE = "flip_temperature"
+OF_DWELLS = Reason("taken_as_is", "mean of the dwells, as the thermometer reads")
 ACCURACY = "accuracy"
 REASON = Reason("limits", "accuracy as the sum of both half widths, noise taken as white within a dwell")
 WIDTH = Reason("width", "the sum of both half widths itself")
@@ -58,6 +61,8 @@ def rows(result: Result) -> list[Row]:
     bias = MODEL_BIAS if result.plan.corrected else BIAS
     found = _of_flip(result, result.whole)
     found += _next_rows(result)
+    found += [Row(Key(TEMPERATURE, axis), value, None, "degC", status="not_estimated", reason=OF_DWELLS)
+              for axis, value in temperatures(result).items()]  # fmt: skip
     several = len(result.flips) > 1
     for one in result.flips if several else ():
         found += _of_flip(result, one, member=Member("flip", one.label))

@@ -1,14 +1,18 @@
-"""What a file is taken for: a table of flips, a row an axis and flip, with the ground model beside it."""
+"""What a file is taken for: a table of flips, a row an axis and flip; results of flips; or a recording of a flip."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
-from ...core.errors import UsageError
+from ...core.errors import InertialcalError, UsageError
 from ...core.units import kind, normalise
+from ..flip.given import described as described_flip
 from ..given import Described, GivenFile, bare, sensor_said
+from ..protocol import InputSpec
 from .readings import read_ground
 
 PATTERNS = {
@@ -24,6 +28,34 @@ PATTERNS = {
 OPTIONAL = ("dof", "serial")
 
 
+def is_recording(given: GivenFile) -> bool:
+    """Tell whether a file is a recording of a flip, and no table of flips or results of them."""
+    if not given.has_rows or Path(given.name).is_dir():
+        return True
+    if given.said.columns.get("bias") or Path(given.name).suffix.lower() == ".json":
+        return False
+    try:
+        return _column(given.table.names, "bias") is None and _column(given.table.names, "flight") is None
+    except InertialcalError:  # no table, but perhaps a record of the archive
+        return True
+
+
+def described_recording(given: GivenFile, spec: InputSpec) -> Described:
+    """Return a recording of a flip as a test of its own: the bias is along the axes of the head by the ground model.
+
+    Raises
+    ------
+    UsageError
+        ``missing`` where no ground model is given; as for a flip.
+    """
+    ground = str(_ground(given))
+    found = described_flip(given, spec)
+    axes = read_ground(ground).axes
+    sensor = {**found.sensor, "axes": [*axes], "chain": {"kind": "none", **found.sensor.get("chain", {}),
+                                                        "model": ground}}  # fmt: skip
+    return replace(found, sensor=sensor, plan=dict(given.own.get("turn", {})), procedure="flip")
+
+
 def described(given: GivenFile) -> Described:
     """Return columns, unit and sensor of a table of flips.
 
@@ -34,10 +66,7 @@ def described(given: GivenFile) -> Described:
     DataError
         As ``readings.read_ground``.
     """
-    ground = given.own.get("ground")
-    if not ground:
-        what = f"{given.name}: the ground model is missing"
-        raise UsageError(what, "", "flips shift it", f"Add: {given.add('ground', 'ground.json')}", "missing")
+    ground = _ground(given)
     table, said = given.table, given.said.columns
     if strange := [what for what in said if what not in PATTERNS]:
         raise UsageError(f"column {strange[0]!r}", do=f"There are: {', '.join(PATTERNS)}", code="unknown_name")
@@ -63,7 +92,15 @@ def described(given: GivenFile) -> Described:
 def like(given: GivenFile, entry: Mapping[str, Any]) -> dict[str, Any]:
     """Return the entry of another campaign, with the ground model that is given."""
     ground = given.own.get("ground")
-    return {**entry, "flips": {**entry["flips"], "file": str(ground)}} if ground else dict(entry)
+    return {**entry, "flips": {**entry["flips"], "file": str(ground)}} if ground and "flips" in entry else dict(entry)
+
+
+def _ground(given: GivenFile) -> object:
+    ground = given.own.get("ground")
+    if not ground:
+        what = f"{given.name}: the ground model is missing"
+        raise UsageError(what, "", "flips shift it", f"Add: {given.add('ground', 'ground.json')}", "missing")
+    return ground
 
 
 def _column(names: Sequence[str], what: str) -> str | None:

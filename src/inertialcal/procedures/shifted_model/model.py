@@ -15,13 +15,14 @@ References
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...core.estimate import Array, Component, Estimate, joined_dof
+from ...core.influence import Influence, influence_of, standard_of, unknown_of
 from ...core.key import Key, Origin
 from ...core.recording import SECOND
 from ...sensors.model.assemble import with_parameters
@@ -29,7 +30,7 @@ from ...sensors.model.equation import inverted
 from ...sensors.model.sensor_model import SensorModel
 from ...sensors.model.terms import values as values_of
 from .fit import Fit
-from .plan import SCALE, ZERO
+from .plan import SCALE, ZERO, Plan
 from .readings import Flip, ground_bias
 
 if TYPE_CHECKING:
@@ -70,12 +71,13 @@ def shifts_of(result: Result) -> Estimate:
     """Return the estimate of all shifts at the date of the new model: level, drift, slope of each axis, SI."""
     units = {SHIFT: UNIT, DRIFT: f"{UNIT}/s", SLOPE: f"{UNIT}/degC"}
     keys, values, of_axis = [], [], []
-    blocks = []
+    blocks, acting = [], {}
     for axis, one in result.shifts.items():
         rows = np.eye(len(one.names))
         rows[0] = one.row(result.date, one.temperature)
         weights, covariance = one.fit.predicted(rows)
         blocks.append(covariance)
+        acting[axis] = np.vstack([np.zeros((len(keys), len(one.flips))), weights])
         keys += [Key(name, axis) for name in one.names]
         values += (weights @ one.fit.shift).tolist()
         of_axis += [one] * len(one.names)
@@ -86,30 +88,43 @@ def shifts_of(result: Result) -> Estimate:
         start += len(block)
     dof = np.array([free_of(one) for one in of_axis])
     components = [Component(Origin(SCATTER, level="run"), "A", covariance, dof, "t")]
-    level = np.diag([float(key.quantity == SHIFT) for key in keys])
-    axes = [key.axis for key in keys]
-    components += _of_standards(result, level, axes)
+    components += _of_standards(result, acting)
     return Estimate(tuple(keys), np.array(values), tuple(units[key.quantity] for key in keys), tuple(components))
 
 
-def _of_standards(result: Result, level: Array, axes: Sequence[str]) -> list[Component]:
-    """Return what all flips share: an unknown of each axis; ``level``: what a shift of each axis changes, (m, k)."""
+def _of_standards(result: Result, acting: Mapping[str, Array]) -> list[Component]:
+    """Return what all flips share.
+
+    ``acting``: of each axis, by how much each of its flips moves the figures, shape (up to k, N).
+    """
+    k = max(len(one) for one in acting.values())
+    flips = {axis: [_shared_by(result.plan, flip) for flip in one.flips] for axis, one in result.shifts.items()}
+    names = dict.fromkeys(name for own in flips.values() for each in own for name in each)
+    by_influence: dict[str, list[str]] = {}
+    for name in names:
+        by_influence.setdefault(influence_of(name), []).append(name)
     found = []
-    for name in (ZERO, SCALE):
-        influence = result.plan.standards.get(name)
-        if influence is None or not influence.u:
-            continue
-        rows, unknowns = [], []
-        for axis, one in result.shifts.items():
-            size = 1.0 if name == ZERO else abs(float(np.mean([flip.bias for flip in one.flips])))
-            at = np.array([float(each == axis) for each in axes])
-            rows.append(influence.u * size * (at @ level))
-            unknowns.append(axis)
-        changes = np.array(rows)
-        covariance = changes.T @ changes
-        found.append(Component(influence.origin(name), "B", covariance, influence.dof, influence.distribution,
-                               influence.stated, changes, tuple(unknowns)))  # fmt: skip
+    for influence, unknowns in by_influence.items():
+        changes = np.zeros((len(unknowns), k))
+        for axis, weights in acting.items():
+            each = np.array([[own.get(name, 0.0) for own in flips[axis]] for name in unknowns])
+            changes[:, : len(weights)] += each @ weights.T
+        standard = result.plan.standards.get(influence, Influence(1.0, standard=standard_of(influence)[0],
+                                                                  quantity=standard_of(influence)[1]))  # fmt: skip
+        stated = standard.stated if influence in result.plan.standards else None
+        own_names = tuple(unknown_of(influence, name) for name in unknowns)
+        found.append(Component(standard.origin(influence), "B", changes.T @ changes, standard.dof,
+                               standard.distribution, stated, changes, own_names))  # fmt: skip
     return found
+
+
+def _shared_by(plan: Plan, flip: Flip) -> Mapping[str, float]:
+    """Return what one standard uncertainty of each unknown that all flips share changes the bias of a flip by."""
+    if flip.shared:
+        return flip.shared
+    sizes = {ZERO: 1.0, SCALE: flip.bias}
+    stated = {name: one.u for name, one in plan.standards.items() if name in sizes and one.u}
+    return {f"{name}[{flip.axis}]": u * sizes[name] for name, u in stated.items()}
 
 
 def shifted(result: Result, date: int) -> SensorModel:
@@ -140,8 +155,8 @@ def shifted(result: Result, date: int) -> SensorModel:
     scatter = np.zeros((2 * len(result.shifts),) * 2)
     shift = np.zeros(2 * len(result.shifts))
     dof = np.full(2 * len(result.shifts), np.inf)
-    tilt = np.zeros((len(result.shifts), 2 * len(result.shifts)))
-    for j, one in enumerate(result.shifts.values()):
+    tilt, acting = np.zeros((len(result.shifts), 2 * len(result.shifts))), {}
+    for j, (axis, one) in enumerate(result.shifts.items()):
         rows = np.zeros((2, len(one.names)))
         rows[0] = one.row(date, reference)
         if SLOPE in one.names:
@@ -151,6 +166,7 @@ def shifted(result: Result, date: int) -> SensorModel:
         weights, covariance = one.fit.predicted(rows)
         own = slice(2 * j, 2 * j + 2)
         shift[own], scatter[own, own], dof[own] = weights @ one.fit.shift, covariance, free_of(one)
+        acting[axis] = add[:, own] @ weights
         taken[own] = weights @ _by_coefficient(result, one, keys)
     change = np.eye(len(keys)) - add @ taken
     components = [] if ground.estimate is None else [
@@ -163,8 +179,7 @@ def shifted(result: Result, date: int) -> SensorModel:
         components.append(
             Component(source, "B", turned.T @ turned, np.inf, "normal", size, turned, tuple(result.shifts))
         )
-    level = add[:, ::2].T
-    components += _of_standards(result, level, list(result.shifts))
+    components += _of_standards(result, acting)
     estimate = Estimate(tuple(keys), values + add @ shift, tuple(every[key].unit for key in keys), tuple(components))
     found = with_parameters(base, dict(zip([every[key] for key in keys], estimate.values.tolist(), strict=True)))
     scatter_of = {axis: one.fit.tau for axis, one in result.shifts.items()}

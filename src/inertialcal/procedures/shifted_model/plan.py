@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -21,6 +22,15 @@ class SaidFlips:
     """What a caller says of a table of flips."""
 
     ground: str | None = setting("Model that was made on the ground.", None, example="ground.json")
+    windows: list[str] = setting(
+        "When the head stood still in a recording, and its position then; found by the turns if not given.",
+        list[str], example='"START..STOP=180 deg"', option="window",
+    )  # fmt: skip
+    angle: str = setting("Angle of the turns of a recording, where the windows are found.", "180 deg",
+                         example='"90 deg"')  # fmt: skip
+    turn: Mapping[str, str] = setting(
+        "Setting of the flip of each recording, as `flip` takes it.", dict[str, str], example="axis=x"
+    )
 
 
 @dataclass(frozen=True)

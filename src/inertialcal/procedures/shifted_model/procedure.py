@@ -63,14 +63,15 @@ class ShiftedModel(Procedure[Plan, "Readings", "Result"]):
     gives = ("bias", "scale_factor", "misalignment", "sensitivity", "noise")
     chosen_by = "Choose by groups"
     counts_dwells = False
+    made_of = "flip"
     figures = FIGURES
     inputs = InputSpec(("accelerometer",), table="flips", ground_model="bias_kept", windows="refused")
 
     def described(self, given: GivenFile) -> Sequence[Described]:
-        """Return the columns of a table of flips, with the ground model."""
-        from .given import described
+        """Return the columns of a table of flips, with the ground model; or the flip of a recording."""
+        from .given import described, described_recording, is_recording
 
-        return [described(given)]
+        return [described_recording(given, self.inputs) if is_recording(given) else described(given)]
 
     def like(self, given: GivenFile, entry: Mapping[str, Any]) -> tuple[dict[str, Any], Sequence[Remark]]:
         """Return an entry of another campaign, with the ground model that is given."""
@@ -83,10 +84,10 @@ class ShiftedModel(Procedure[Plan, "Readings", "Result"]):
         return {"standards": facts.standards}
 
     def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
-        """Return the flips of all tables."""
+        """Return the flips of all tables, and those of the tests that it is made of."""
         from .readings import readings_from
 
-        return readings_from(plan, sources)
+        return readings_from(plan, sources, corrections)
 
     def reduce(self, plan: Plan, readings: Readings) -> Result:
         """Return the shifts."""

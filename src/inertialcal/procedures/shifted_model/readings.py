@@ -7,8 +7,8 @@ temperatures, in a unit or with a sign that the ground model contradicts, or a f
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from itertools import combinations
 from pathlib import Path
@@ -18,6 +18,7 @@ import numpy as np
 
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
+from ...core.influence import influence_of
 from ...core.key import AXES
 from ...core.recording import SECOND
 from ...core.remarks import Remark
@@ -28,7 +29,8 @@ from ...files.text.table import Table
 from ...sensors.ground.model import GroundModel
 from ...sensors.model.equation import condition_columns, inverted, matrix_at, offset
 from ...sensors.model.sensor_model import SensorModel
-from ..protocol import Source
+from ..corrections import BiasCorrection
+from ..protocol import Correction, Source
 from .entry import Flips, FlipsEntry
 from .plan import Plan
 
@@ -38,6 +40,9 @@ UNITS = {  # factor between units of acceleration: what is then wrong
     1e-6: "g for ug", 1e6: "ug for g", 1e-3: "mg for ug, or g for mg", 1e3: "ug for mg, or mg for g",
     9.80665: "g for m/s2", 1.0 / 9.80665: "m/s2 for g",
 }  # fmt: skip
+ANEW = ("mounting", "power_up", "day")  # what draws the error of a standard anew for each flight
+FRAME = "bias_of"  # column of a table
+SHARED = "shared "  # before the name of an unknown, in a column of a table
 DEGREE = 0.5  # [degC]: beyond the temperature range of the ground model by no more than its last digit
 
 
@@ -50,9 +55,12 @@ class Flip:
     axis: str
     temperature: float  # [degC]
     bias: float  # [m/s^2]
-    u: float  # [m/s^2]
+    u: float  # Of what is drawn anew for each flight [m/s^2]
     dof: float
     where: str = ""
+    # Change of the bias for one standard uncertainty of each unknown that all flips share [m/s^2]; empty: as the
+    # standards of the plan say
+    shared: Mapping[str, float] = field(default_factory=dict[str, float])
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,43 +138,110 @@ def read_ground(path: str | Path) -> SensorModel:
     return model
 
 
-def readings_from(plan: Plan, sources: Sequence[Source]) -> Readings:
-    """Return the flips of all tables of a test.
+def readings_from(plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
+    """Return the flips of a test: of all tables, and of the flip tests that it is made of.
+
+    Where the corrections are not known yet, as for a check, flips of recordings are left out.
 
     Raises
     ------
     DataError
-        ``nothing_left``, ``wrong_serial``, ``older_than_ground``, ``outside_temperature_range``, ``flight_twice``,
-        ``unit_mixed``, ``wrong_sign``, ``axes_exchanged``, ``wrong_value``, ``models_differ``.
+        ``nothing_left``, ``no_flip``, ``no_temperature``, ``no_date``, ``no_ground_model``, ``frames_differ``,
+        ``wrong_serial``, ``older_than_ground``, ``outside_temperature_range``, ``flight_twice``, ``unit_mixed``,
+        ``wrong_sign``, ``axes_exchanged``, ``wrong_value``, ``models_differ``.
     """
     flips: list[Flip] = []
     remarks: list[Remark] = []
     grounds: list[SensorModel] = []
     for source in sources:
         said = cast("FlipsEntry", source.entry).flips
-        assert said is not None  # noqa: S101 - as the file was checked
-        ground = source.read_file(said.file, read_ground)
+        ground = _ground_of(source) if said is None else source.read_file(said.file, read_ground)
         if grounds and (ground.item != grounds[0].item or not np.array_equal(ground.bias, grounds[0].bias)):
-            what = f"{said.file} is another ground model than that of {sources[0].name}"
+            what = f"{source.name} has another ground model than {sources[0].name}"
             raise DataError(what, source.file, "one new model is made of one", "Give the same", "models_differ")
         grounds.append(ground)
+        if said is None:
+            continue
         table = source.table()
-        found = list(_rows(source, table, said, ground))
+        found = list(_rows(plan, source, table, said, ground))
         chosen = [one for one in found if source.groups is None or one.flight in source.groups]
         source.chose(len(chosen))
         flips += chosen
         remarks += [*table.remarks, *table.missing(said.bias)]
-    if not flips:
+    recorded = [one for one in sources if not one.is_table]
+    flips += _of_tests(plan, corrections, recorded)
+    if not flips and not recorded:
         what = f"test {sources[0].test!r}: no flip is in its groups ({', '.join(sources[0].groups or ())})"
         raise DataError(what, code="nothing_left")
     flips.sort(key=lambda one: one.time)
     made = Readings(tuple(flips), grounds[0], tuple(remarks))
+    if not flips:
+        return made
     for check in (_of_one_date, _twice, _older, _beyond, _as_ground):
         check(plan, made)
     return made
 
 
-def _rows(source: Source, table: Table, said: Flips, ground: SensorModel) -> Iterator[Flip]:
+def _ground_of(source: Source) -> SensorModel:
+    """Return the ground model in the chain of a recording."""
+    ground = source.ground
+    if ground is None:
+        what = f"recordings.{source.name}: its sensor has no ground model in its chain"
+        do = 'Give the sensor chain = { model = "ground.json" }, so that flips have the bias along the axes of the head'
+        raise DataError(what, source.file, "flips shift it", do, "no_ground_model")
+    return ground
+
+
+def _of_tests(plan: Plan, corrections: Sequence[Correction], sources: Sequence[Source]) -> Iterator[Flip]:
+    """Yield what flip tests found, an axis each.
+
+    A flight is a power-up: tests whose recordings say one ``run`` are of one flight, any other test is one itself. What
+    a standard adds is shared by all flips, unless a mounting, a power-up or a day draws its error anew.
+    """
+    runs = {one.name: one.run for one in sources}
+    if corrections and plan.bias_of == "sensor":
+        what = 'bias_of = "sensor", but flips of recordings have the bias along the axes of the head'
+        do = "Leave bias_of out"
+        raise DataError(what, why="their readings are those after the ground model", do=do, code="frames_differ")
+    for found in corrections:
+        if not isinstance(found, BiasCorrection):
+            continue
+        if found.time is None:
+            what = f"test {found.test!r}: its recording has no date"
+            do = "Give the clock of the recording its mission_start"
+            raise DataError(what, "", "flights are told apart, and drift, by their dates", do, "no_date")
+        named = {runs.get(name, "") for name in found.recordings}
+        flight = (named.pop() if len(named) == 1 else "") or found.test
+        estimate = found.estimate
+        for i, key in enumerate(estimate.keys):
+            if key.axis not in found.temperature:
+                what = f"test {found.test!r}: temperature of {key.axis} not known"
+                do = "Name the channel of the temperature in the recording"
+                why = "the ground model has another bias at each temperature"
+                raise DataError(what, "", why, do, "no_temperature")
+            changes = estimate.shared(key)
+            anew = {name for name in changes if _drawn_anew(plan, name)}
+            scatter = [one.covariance[i, i] for one in estimate.components if not one.named_changes]
+            u = math.sqrt(sum(scatter) + sum(changes[name] ** 2 for name in anew))
+            yield Flip(
+                flight, round(found.time * SECOND), key.axis, found.temperature[key.axis], float(estimate.values[i]), u,
+                float(estimate.dof[i]), f"test {found.test}",
+                {name: change for name, change in changes.items() if name not in anew and change},
+            )  # fmt: skip
+    absent = [] if not corrections else [name for name in runs if not any(
+        name in one.recordings for one in corrections if isinstance(one, BiasCorrection))]  # fmt: skip
+    if absent:
+        what = f"recordings.{absent[0]}: no test in after found a bias with its uncertainty in it"
+        do = "Look at that flip: it says why; or leave the recording out"
+        raise DataError(what, "", "the flight would be missing without a word", do, "no_flip")
+
+
+def _drawn_anew(plan: Plan, unknown: str) -> bool:
+    standard = plan.standards.get(influence_of(unknown))
+    return standard is not None and standard.redrawn_by in ANEW
+
+
+def _rows(plan: Plan, source: Source, table: Table, said: Flips, ground: SensorModel) -> Iterator[Flip]:
     """Yield the flips of a table, SI."""
     axes = [one.lower() for one in table.text(said.axis)]
     flights, dates = table.text(said.flight), table.text(said.date)
@@ -178,10 +253,18 @@ def _rows(source: Source, table: Table, said: Flips, ground: SensorModel) -> Ite
     if warm not in (None, "degC"):
         what = f"column {said.temperature!r} is in {warm}"
         raise DataError(what, source.file, do="Give temperatures in degC", code="wrong_value")
+    frames = set(table.text(FRAME)) - {plan.bias_of} if FRAME in table.names else set()
+    if frames:
+        what = f'the bias is that of the {frames.pop()}, bias_of = "{plan.bias_of}"'
+        why = "scale factor and misalignment of the ground model lie between the two"
+        do = "Flip with the ground model in the chain" if plan.bias_of == "head" else 'Set bias_of = "head"'
+        do = f'{do}, or set bias_of = "sensor"' if plan.bias_of == "head" else do
+        raise DataError(what, source.file, why, do, "frames_differ")
     dof = table.numbers(said.dof) if said.dof else np.full(len(table), math.inf)
+    shared = {name.removeprefix(SHARED): table.numbers(name) for name in table.names if name.startswith(SHARED)}
     for i in range(len(table)):
         where = table.where(i)
-        if serials and ground.item.serial and serials[i].strip() != ground.item.serial:
+        if serials and ground.item.serial and serials[i].strip() not in ("", ground.item.serial):
             what = f"the flip is of serial {serials[i]!r}, the ground model of {ground.item.serial!r}"
             do = "Leave out flips of other units, or give their ground model"
             raise DataError(what, where, "each head has a bias of its own", do, "wrong_serial")
@@ -198,7 +281,9 @@ def _rows(source: Source, table: Table, said: Flips, ground: SensorModel) -> Ite
         size = float(u[i]) * (per_u if per_u is not None else abs(source.factor(said.unit, axes[i])))
         free = float(dof[i]) if math.isfinite(dof[i]) and dof[i] > 0.0 else math.inf
         time = instant(dates[i], "date", where)
-        yield Flip(flights[i].strip(), time, axes[i], float(temperature[i]), value, size, free, where)
+        own_unknowns = {name: float(column[i]) * abs(source.factor(said.unit, axes[i]))
+                        for name, column in shared.items() if np.isfinite(column[i]) and column[i]}  # fmt: skip
+        yield Flip(flights[i].strip(), time, axes[i], float(temperature[i]), value, size, free, where, own_unknowns)
 
 
 def _of_one_date(plan: Plan, made: Readings) -> None:

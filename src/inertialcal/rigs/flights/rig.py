@@ -32,7 +32,7 @@ from ..protocol import Rig, on_bench
 from ..twin import Extra, Fault, TrueValue, Twin
 from . import TITLE
 
-__all__ = ["FAULTS", "RIG", "Bench", "build"]
+__all__ = ["FAULTS", "RIG", "Bench", "build", "fly"]
 
 UG = 1e-6 * STANDARD_GRAVITY.value
 YEAR = 365.25 * 86400.0
@@ -111,11 +111,22 @@ class Row:
     temperature: float
     bias: float  # [ug]
     u: float  # [ug]
+    true: float = 0.0  # bias along the axis of the head [ug]
 
     def cells(self) -> tuple[str, ...]:
         """Return its cells."""
         return (self.flight, self.date, self.serial, self.axis, f"{self.temperature:.2f}", f"{self.bias:.6g}",
                 f"{self.u:g}")  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Flown:
+    """What was drawn: ground model, errors of the standards, rows of all flips, truth of the test ``shifted``."""
+
+    ground: SensorModel
+    errors: Mapping[str, float]
+    rows: list[Row]
+    truth: tuple[TrueValue, ...]
 
 
 def build(bench: Bench, seed: int) -> Twin:
@@ -128,6 +139,16 @@ def build(bench: Bench, seed: int) -> Twin:
     seed : int
         Of all draws.
     """
+    made = fly(bench, seed)
+    table = _table(_spoiled(bench, made.rows))
+    text = "\n".join([",".join(HEADER), *(",".join(cells) for cells in zip(*table.cells, strict=True)), ""])
+    extras = {FLIPS: Extra(table, text), GROUND: Extra(made.ground, dump_model(made.ground))}
+    drawn = drawn_errors(bench.standards, made.errors)
+    return Twin(campaign_text(bench), {}, made.truth, made.errors, extras, drawn)
+
+
+def fly(bench: Bench, seed: int) -> Flown:
+    """Return what is flown on a bench, by the seed of all draws."""
     of_head, of_ground, of_errors, of_flights = np.random.default_rng(seed).spawn(4)
     ground = _ground(bench, of_head)
     off = np.array([of_ground.normal(0.0, one, 3) for one in (bench.ground_bias, bench.ground_slope, BENT)]) * UG
@@ -145,10 +166,7 @@ def build(bench: Bench, seed: int) -> Twin:
         truth.append(TrueValue("bias_shift", axis, float(level), "m/s^2", "shifted"))
         truth.append(TrueValue("bias_drift", axis, float(drift[i] / YEAR), "m/s^2/s", "shifted"))
         truth.append(TrueValue("bias_shift_slope", axis, float(slope[i]), "m/s^2/degC", "shifted"))
-    table = _table(_spoiled(bench, rows))
-    text = "\n".join([",".join(HEADER), *(",".join(cells) for cells in zip(*table.cells, strict=True)), ""])
-    extras = {FLIPS: Extra(table, text), GROUND: Extra(ground, dump_model(ground))}
-    return Twin(campaign_text(bench), {}, tuple(truth), errors, extras, drawn_errors(bench.standards, errors))
+    return Flown(ground, errors, rows, tuple(truth))
 
 
 def _ground(bench: Bench, rng: np.random.Generator) -> SensorModel:
@@ -208,7 +226,8 @@ def _rows(
                 i = AXES.index(axis)
                 read = true_bias[i] * (1.0 + errors[f"sensor.scale_factor[{axis}]"]) + errors[f"converter.zero[{axis}]"]
                 read += rng.normal(0.0, bench.noise * bench.noise_times) * UG
-                rows.append(Row(str(flight + 1), date, SERIAL, axis, T, float(read / UG), bench.noise))
+                rows.append(Row(str(flight + 1), date, SERIAL, axis, T, float(read / UG), bench.noise,
+                                float(true_bias[i] / UG)))  # fmt: skip
     return rows
 
 
