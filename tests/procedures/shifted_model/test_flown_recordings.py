@@ -175,14 +175,14 @@ def test_a_campaign_of_flips_and_its_results_give_the_figures_of_the_recordings(
     made = tmp_path / "c"
     shutil.copytree(campaign, made)
     found = run(made)
-    said = {"ground": str(folder / "ground.json"), "ground_date": DATE}
-    alone = ic.shifted_model(names(folder), **said)
+    ground = str(folder / "ground.json")
+    alone = ic.shifted_model(names(folder), ground=ground, ground_date=DATE)
     own = {(row["quantity"], row["axis"]): row["value"] for row in found.results["results"]
            if row["test"] == "shifted_model" and row["member"] is None}  # fmt: skip
     same = {(row.quantity, row.axis): row.value for row in alone.rows if row.member is None}
     assert own == pytest.approx(same, nan_ok=True)
     assert "shifted_model" in (made / "out" / "model.json").read_text(encoding="utf-8")
-    again = ic.shifted_model(str(made / "out" / "results.json"), **said, standards={"converter.zero": "0.05 ug"})
+    again = ic.shifted_model(str(made / "out" / "results.json"), ground=ground, ground_date=DATE)
     for one, other in zip(again.result.readings.flips, alone.result.readings.flips, strict=True):
         assert one.axis == other.axis
         assert abs(one.time - other.time) < 3600 * 10**9  # begin and middle of the record

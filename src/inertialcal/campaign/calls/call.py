@@ -338,10 +338,10 @@ def call(
         error.inputs = error.inputs or tuple(read)
         raise
     with computable(campaign.file.campaign.id, "campaign"):
-        own = [
+        mine = [
             one for one in whole.tested if one.test.procedure == procedure.name
         ]  # of its parts, their results have them
-        rows = tuple(displayed_rows(campaign, own))
+        rows = tuple(displayed_rows(campaign, mine))
     timed = [remark for one in files.held.values() for remark in time_remarks(one)]
     judged = [] if whole.modelled is None else [remark for one in whole.modelled.every for remark in one.remarks]
     several = len(whole.tested) > 1 and not held

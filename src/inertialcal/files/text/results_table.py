@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +31,11 @@ def is_results(data: bytes) -> bool:
     """Tell whether a file is results of this package, by its first bytes."""
     start = data[:4096].lstrip()
     return start.startswith(b"{") and b'"schema"' in start and (b'"campaign"' in start or b'"command"' in start)
+
+
+def shared_columns(names: Sequence[str]) -> dict[str, str]:
+    """Return the columns that say what an unknown changes which flights share: column, unknown."""
+    return {name: name.removeprefix(SHARED) for name in names if name.startswith(SHARED)}
 
 
 def results_columns(

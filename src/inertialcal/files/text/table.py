@@ -172,9 +172,9 @@ def read_table(
     """
     loaded = load(checked_path(path, "table"))
     if is_results(loaded.data):
-        names, cells, units = results_columns(loaded)
+        called, given, units = results_columns(loaded)
         source = Source(loaded.path, loaded.sha256, "results of flips", "results")
-        return Table(names, cells, np.arange(1, len(cells[0]) + 1), source, units)
+        return Table(called, given, np.arange(1, len(given[0]) + 1), source, units)
     reader = find_reader(loaded)
     if reader.name != TEXT:
         return _from_content(reader.read(loaded, topics or None), loaded, reader.name)

@@ -70,8 +70,8 @@ def free_of(one: AxisShift) -> float:
 def shifts_of(result: Result) -> Estimate:
     """Return the estimate of all shifts at the date of the new model: level, drift, slope of each axis, SI."""
     units = {SHIFT: UNIT, DRIFT: f"{UNIT}/s", SLOPE: f"{UNIT}/degC"}
-    keys, values, of_axis = [], [], []
-    blocks, acting = [], {}
+    keys: list[Key] = []
+    values, of_axis, blocks, acting = [], [], [], {}
     for axis, one in result.shifts.items():
         rows = np.eye(len(one.names))
         rows[0] = one.row(result.date, one.temperature)

@@ -25,6 +25,7 @@ from ...core.remarks import Remark
 from ...core.show.rounding import number
 from ...core.units import factor, kind, si_unit
 from ...files.models.model_file import load_model_file
+from ...files.text.results_table import shared_columns
 from ...files.text.table import Table
 from ...sensors.ground.model import GroundModel
 from ...sensors.model.equation import condition_columns, inverted, matrix_at, offset
@@ -42,7 +43,6 @@ UNITS = {  # factor between units of acceleration: what is then wrong
 }  # fmt: skip
 ANEW = ("mounting", "power_up", "day")  # what draws the error of a standard anew for each flight
 FRAME = "bias_of"  # column of a table
-SHARED = "shared "  # before the name of an unknown, in a column of a table
 DEGREE = 0.5  # [degC]: beyond the temperature range of the ground model by no more than its last digit
 
 
@@ -261,7 +261,7 @@ def _rows(plan: Plan, source: Source, table: Table, said: Flips, ground: SensorM
         do = f'{do}, or set bias_of = "sensor"' if plan.bias_of == "head" else do
         raise DataError(what, source.file, why, do, "frames_differ")
     dof = table.numbers(said.dof) if said.dof else np.full(len(table), math.inf)
-    shared = {name.removeprefix(SHARED): table.numbers(name) for name in table.names if name.startswith(SHARED)}
+    shared = {unknown: table.numbers(name) for name, unknown in shared_columns(table.names).items()}
     for i in range(len(table)):
         where = table.where(i)
         if serials and ground.item.serial and serials[i].strip() not in ("", ground.item.serial):

@@ -102,7 +102,7 @@ def campaign_text(bench: Bench, made: Flown, files: dict[str, Recording]) -> str
         begin = read_instant(f"{made.rows[2 * (number - 1)].date}T12:00:00Z")
         positions = [{"start": instant_text(begin + round(a * SECOND)), "stop": instant_text(begin + round(b * SECOND)),
                       "angle": f"{angle} deg"} for a, b, angle in WINDOWS]  # fmt: skip
-        warm = {"temperature": {"column": "temperature", "unit": "degC"}} if "temperature" in one.names else {}
+        warm = channel_entries({"temperature": "temperature"} if "temperature" in one.names else {}, "degC")
         entries[f"flight{number}"] = {
             "sensor": "head", "file": file, "clock": {"column": "unix_s"}, "positions": positions,
             "channels": channel_entries({axis: axis for axis in AXES}, "ug") | warm,
