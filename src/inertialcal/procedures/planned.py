@@ -44,6 +44,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 TEST = "plan"
+WIDER = 1.2  # of the scatter, by which a test states more than it scatters
 FEW = 20  # simulated tests, from which they check a forecast
 CHANCE = 1e-3  # that sound simulated tests scatter so much more or less than the forecast
 SHOWN = 7  # lengths in the table of what more time buys
@@ -462,7 +463,10 @@ def with_simulated(design: Design, found: Mapping[Key, Simulated]) -> Design:
 
 
 def checked(
-    design: Design, trials: int, test: Callable[[np.random.Generator], Mapping[Key, tuple[Array, Array]]]
+    design: Design,
+    trials: int,
+    test: Callable[[np.random.Generator], Mapping[Key, tuple[Array, Array]]],
+    wider: str = "what the test cannot exclude",
 ) -> tuple[Design, list[Remark]]:
     """Return a design beside simulated tests, and what they say of its forecast.
 
@@ -474,6 +478,8 @@ def checked(
         How many; none with fewer than 20.
     test : callable
         One simulated test: errors and stated uncertainties of each figure, one of each sensor, SI.
+    wider : str
+        What the interval of the test allows for beyond its scatter, where it states more.
     """
     if trials == 0:
         return design, []
@@ -504,13 +510,28 @@ def checked(
         said = math.sqrt(float(np.mean(np.concatenate(stated[key]))))
         found[key] = Simulated(scatter, said, n, float(n))
     made = with_simulated(design, found)
-    for figure in made.figures:
-        beside = figure.simulated
-        if beside is not None and not beside.agrees(figure.u):
-            what = f"{figure.name}: {beside.tests} simulated tests scatter by {figure.said(beside.scatter)},"
-            what += f" the forecast is {figure.said(figure.u)}"
-            remarks.append(Remark("forecast_differs", "warning", what, do="Trust the simulated tests"))
+    remarks += [remark for one in made.figures if (remark := _beside(one, wider)) is not None]
     return made, remarks
+
+
+def _beside(figure: Figure, wider: str) -> Remark | None:
+    """Return what simulated tests say of a forecast; None where they agree with it."""
+    beside = figure.simulated
+    if beside is None:
+        return None
+    if not beside.agrees(figure.u):
+        what = f"{figure.name}: {beside.tests} simulated tests scatter by {figure.said(beside.scatter)},"
+        what += f" the forecast is {figure.said(figure.u)}"
+        return Remark("forecast_differs", "warning", what, do="Trust the simulated tests")
+    size = max(beside.scatter, figure.u)
+    if beside.stated <= WIDER * size:
+        return None
+    what = f"{figure.name}: the test will state {figure.said(beside.stated)}, {number(beside.stated / size, 2)} times "
+    what += f"what it scatters by: its interval allows for {wider}"
+    if figure.wanted is None or not figure.u <= figure.wanted < beside.stated:
+        return Remark("states_more", "info", what)
+    do = f"Want less than {figure.said(figure.wanted)} where that is to be stated"
+    return Remark("states_more", "warning", what, do=do)
 
 
 def adopted(others: Sequence[Design], before: Design, after: Design) -> tuple[Design, ...]:

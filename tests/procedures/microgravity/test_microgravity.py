@@ -6,6 +6,7 @@ import math
 import os
 import shutil
 from collections import Counter
+from collections.abc import Sequence
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -159,6 +160,44 @@ def test_intervals_hold_the_truth(n: int, gaps: tuple[int, ...]) -> None:
     for seed in range(1, n + 1):
         hits += _hits(seed, gaps=gaps)
     assert len(hits) == 16
+    for name, count in hits.items():
+        assert keeps("interval", count, n), f"{name}: {count} of {n}"
+
+
+def _orbiting(seed: int, amplitudes: Sequence[float], noise: float, u_bias: float) -> tuple[Result, Array]:
+    """Two orbits of slow acceleration, each axis with an amplitude and a phase of its own; and its slow part [ug]."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.0, 12_000.0, 0.5)
+    waves = [a * np.sin(2.0 * np.pi * t / 5556.0 + rng.uniform(0.0, 2.0 * np.pi)) for a in amplitudes]
+    part = np.array([0.4, -0.3, 0.8]) + np.column_stack(waves)
+    read = part + rng.normal(0.0, u_bias, 3) + rng.normal(0.0, noise, part.shape)
+    said = dict.fromkeys(("bias_x", "bias_y", "bias_z"), 0.0) | {"bias_u": u_bias * UG, "orbit": 5556.0}
+    return reduce(Plan(**said), Readings((track(read * UG, 2.0, cut_off=0.8),))), part
+
+
+@pytest.mark.parametrize("n", [25, pytest.param(150, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(("amplitudes", "noise"), [((1.0, 0.0, 0.1), 10.0), ((1.5, 1.5, 0.3), 0.5)])
+def test_amplitude_of_the_orbit_and_part_across_the_mean_hold_the_truth(
+    amplitudes: tuple[float, ...], noise: float, n: int
+) -> None:
+    """Noise alone has an amplitude, and the bias turns the mean: 80 % held before both were counted."""
+    hits: Counter[str] = Counter()
+    for seed in range(1, n + 1):
+        found, part = _orbiting(seed, amplitudes, noise, 0.2)
+        rows = {(row.key.quantity, row.key.axis): row for row in found.rows()}
+        for axis, true in zip(AXES, amplitudes, strict=True):
+            ends = rows["orbital_amplitude", axis].interval
+            assert ends is not None
+            hits[axis] += int((ends.lo or 0.0) <= true * UG <= (ends.hi or 0.0))
+        blocks, mean = part.reshape(-1, 200, 3).mean(axis=1), part.mean(axis=0)
+        along = mean / np.linalg.norm(mean)
+        true = float(np.max(np.linalg.norm(blocks - np.outer(blocks @ along, along), axis=1))) * UG
+        across = rows["quasi_steady_perpendicular", ""]
+        if across.interval is None:  # the mean points nowhere for certain
+            assert across.reason.code == "no_direction"
+            hits["across"] += 1
+        else:
+            hits["across"] += int((across.interval.lo or 0.0) <= true <= (across.interval.hi or 0.0))
     for name, count in hits.items():
         assert keeps("interval", count, n), f"{name}: {count} of {n}"
 

@@ -92,6 +92,11 @@ def test_the_schedule_is_one_record_and_the_check_simulates_it(tmp_path: Path) -
     beside = found.of("instability").simulated
     assert beside is not None
     assert beside.agrees(found.of("instability").u)
+    for one in found.figures:  # a test that states more than it scatters by says so, and why
+        wide = one.simulated is not None and one.simulated.stated > 1.2 * max(one.simulated.scatter, one.u)
+        told = [said for said in found.remarks if said.code == "states_more" and said.what.startswith(f"{one.name}:")]
+        assert len(told) == wide
+        assert all("a mild low pass" in said.what for said in told)
     with path.open(encoding="utf-8") as file:
         (row,) = list(csv.DictReader(line for line in file if not line.startswith("#")))
     assert float(row["duration [s]"]) == pytest.approx(found.time, abs=0.1)

@@ -270,7 +270,9 @@ def _orbit(plan: Plan, trend: Trend) -> Orbit | None:
     elif span < period:
         return None
     law, _ = _fitted(trend, period)
-    u = trend.noise * math.sqrt(2.0 / len(trend.times))
+    # Of the phase that a part of an orbit tells worse; sqrt(2 / n) of each over whole orbits
+    design = _orbital(trend, period)
+    u = trend.noise * math.sqrt(float(np.linalg.eigvalsh(np.linalg.inv(design.T @ design)[1:, 1:])[-1]))
     amplitude = np.hypot(law[1], law[2])
     if plan.orbit is None and not np.any(amplitude > 4.0 * u):
         return None
@@ -281,10 +283,15 @@ def _orbit(plan: Plan, trend: Trend) -> Orbit | None:
     return Orbit(period, u_period, amplitude, u, means, times)
 
 
+def _orbital(trend: Trend, period: float) -> Array:
+    """Return the columns constant, cosine and sine of an orbit, shape (n, 3)."""
+    turns = 2.0 * math.pi * trend.times / period
+    return np.column_stack([np.ones_like(turns), np.cos(turns), np.sin(turns)])
+
+
 def _fitted(trend: Trend, period: float) -> tuple[Array, float]:
     """Return constant, cosine and sine of each axis, shape (3, a), and the squares that are left, in its noise."""
-    turns = 2.0 * math.pi * trend.times / period
-    design = np.column_stack([np.ones_like(turns), np.cos(turns), np.sin(turns)])
+    design = _orbital(trend, period)
     law = np.linalg.lstsq(design, trend.values, rcond=None)[0]
     return law, float(np.sum(((trend.values - design @ law) / np.maximum(trend.noise, 1e-30)) ** 2))
 

@@ -26,7 +26,7 @@ from .plan import (
 )
 
 if TYPE_CHECKING:
-    from ...core.estimate import Array
+    from ...core.estimate import Array, Estimate
     from .bands import Power
     from .reduction import Result
 
@@ -34,6 +34,8 @@ P = 0.95
 ALL = "all"
 NO_BIAS = Reason("bias_unknown", "the bias is not known: state it, or take off what a flip found")
 FEW = Reason("few_blocks", "too few blocks that follow each other")
+DIRECTED = 3.0  # times its standard uncertainty, from which the mean has a direction
+NO_DIRECTION = Reason("no_direction", "the mean is too small beside its uncertainty to point anywhere")
 NO_AXES = Reason("no_axes", "all three axes are needed")
 
 
@@ -104,9 +106,18 @@ def _slow(result: Result) -> list[Row]:
         ends = Interval(value - half, value + half, P)
         found.append(Row(key, value, u, "m/s^2", None if math.isinf(dof) else dof, ends, shared=one.shared(key)))
     for name in (MAGNITUDE, PERPENDICULAR):
+        if name == PERPENDICULAR and not _has_direction(one):
+            found.append(not_estimated(Key(name, ""), "m/s^2", NO_DIRECTION))
+            continue
         value, u = size(result, name)
         found.append(Row(Key(name, ""), value, u, "m/s^2", None, size_interval(result, name, P)))
     return [*_means(result), *found]
+
+
+def _has_direction(estimate: Estimate) -> bool:
+    """Tell whether the mean is known to point somewhere: longer than three of its largest standard uncertainty."""
+    largest = math.sqrt(max(float(np.linalg.eigvalsh(estimate.covariance)[-1]), 0.0))
+    return float(np.linalg.norm(estimate.values)) > DIRECTED * largest
 
 
 def _means(result: Result) -> list[Row]:
@@ -133,7 +144,9 @@ def _vectors(result: Result, name: str) -> tuple[Array, Array]:
     along = mean / max(float(np.linalg.norm(mean)), 1e-300)
     across = values - np.outer(values @ along, along)
     project = np.eye(len(AXES)) - np.outer(along, along)
-    return across, project @ scatter @ project
+    # An error common to all blocks turns the mean too: of a block of the mean's own length nothing of it is left
+    turned = float(np.max((1.0 - values @ along / max(float(np.linalg.norm(mean)), 1e-300)) ** 2))
+    return across, project @ (scatter + turned * known) @ project
 
 
 def size(result: Result, name: str) -> tuple[float, float]:
@@ -170,14 +183,35 @@ def _orbital(result: Result) -> list[Row]:
     one = result.orbit
     if one is None:
         return []
-    found = [Row(Key(ORBITAL, axis), float(value), float(u), "m/s^2", None,
-                 Interval(max(float(value - 1.96 * u), 0.0), float(value + 1.96 * u), P))
+    dof = math.inf if result.trend is None else result.trend.dof
+    found = [Row(Key(ORBITAL, axis), float(value), float(u), "m/s^2", None if math.isinf(dof) else dof,
+                 amplitude_interval(float(value), float(u), dof))
              for axis, value, u in zip(result.axes, one.amplitude, one.u, strict=True)]  # fmt: skip
     if one.u_period is not None:
         half = 1.96 * one.u_period
         found.append(Row(Key(PERIOD, ""), one.period, one.u_period, "s", None,
                          Interval(one.period - half, one.period + half, P)))  # fmt: skip
     return found
+
+
+def amplitude_interval(value: float, u: float, dof: float) -> Interval:
+    """Return the 95 % interval of an amplitude, of which noise of two phases makes up u each.
+
+    Noise alone has an amplitude, too: the lower end is the one that gives as much or more in 2.5 % of records
+    (noncentral chi-square), and zero where none does. The upper end is as of one phase, and holds for any amplitude.
+    """
+    from scipy.optimize import brentq  # noqa: PLC0415 - start slowly
+    from scipy.stats import chi2, ncx2  # noqa: PLC0415
+
+    half = coverage_factor(dof, P) * u
+    if u <= 0.0:
+        return Interval(value, value, P)
+    square, tail = (value * coverage_factor(math.inf, P) / half) ** 2, 0.5 * (1.0 - P)
+    low = 0.0
+    if float(chi2.sf(square, 2)) < tail:
+        root = brentq(lambda a: float(ncx2.sf(square, 2, a * a)) - tail, 1e-9, math.sqrt(square))
+        low = root * half / coverage_factor(math.inf, P)
+    return Interval(low, value + half, P)
 
 
 def interval_at(result: Result, row: Row, p: float) -> Interval | None:

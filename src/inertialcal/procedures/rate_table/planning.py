@@ -109,7 +109,8 @@ def _planned(said: PlannedRates, wanted: Mapping[str, tuple[float, str]]) -> Tes
         replace(one, wanted=before.wanted, shown=before.shown)
         for one, before in zip(forecast(said, plan, programme, runs), chosen.figures, strict=True)
     ))  # fmt: skip
-    after, found = shared.checked(after, said.simulate, lambda rng: simulated(said, plan, programme, runs, rng))
+    after, found = shared.checked(after, said.simulate, lambda rng: simulated(said, plan, programme, runs, rng),
+                                  "a curvature of the scale factor that these rates do not exclude")  # fmt: skip
     remarks += [*found, *_remarks(said, plan, programme, runs)]
     made = TestPlan(WORD, after, shared.adopted(front, chosen, after), _steps(programme), said.schedule or "",
                     tuple(remarks))  # fmt: skip

@@ -64,6 +64,7 @@ MOST = 2**14  # samples of a simulated record
 ALIKE = 0.1  # relative: forecasts at two sample rates that are one
 SECOND_ORDER = 0.5  # relative change of a deviation for that of its square
 LONGER = "a longer record"
+UNSEEN = "a mild low pass, a rounded angle or a slow term that such a record does not exclude"
 MAKE = "Give what allan prints as JSON"
 
 
@@ -311,7 +312,7 @@ def _checked(known: Known, design: Design) -> tuple[Design, list[Remark]]:
     of_length = Design(design.time, design.choice, tuple(
         replace(one, parts=tuple(part for part in one.parts if part.remedy)) for one in design.figures
     ))  # fmt: skip
-    made, remarks = shared.checked(of_length, known.said.simulate, test)
+    made, remarks = shared.checked(of_length, known.said.simulate, test, UNSEEN)
     simulated = {one.key: one.simulated for one in made.figures if one.simulated is not None}
     if interval > known.interval and simulated:
         what = f"simulated records have {number(1.0 / interval, 3)} Hz:"
