@@ -292,7 +292,7 @@ def _orbital(trend: Trend, period: float) -> Array:
 def _fitted(trend: Trend, period: float) -> tuple[Array, float]:
     """Return constant, cosine and sine of each axis, shape (3, a), and the squares that are left, in its noise."""
     design = _orbital(trend, period)
-    law = np.linalg.lstsq(design, trend.values, rcond=None)[0]
+    law: Array = np.asarray(np.linalg.lstsq(design, trend.values, rcond=None)[0], dtype=np.float64)
     return law, float(np.sum(((trend.values - design @ law) / np.maximum(trend.noise, 1e-30)) ** 2))
 
 
