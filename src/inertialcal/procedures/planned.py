@@ -530,7 +530,7 @@ def _beside(figure: Figure, wider: str) -> Remark | None:
     what += f"what it scatters by: its interval allows for {wider}"
     if figure.wanted is None or not figure.u <= figure.wanted < beside.stated:
         return Remark("states_more", "info", what)
-    do = f"Want less than {figure.said(figure.wanted)} where that is to be stated"
+    do = f"Want less, until {figure.said(figure.wanted)} is stated"
     return Remark("states_more", "warning", what, do=do)
 
 
