@@ -431,3 +431,27 @@ def test_a_bias_that_an_earlier_test_found_is_taken_off_with_its_covariance() ->
     by_bias = [one for one in estimate.components if one.origin.test == "flip"]
     assert len(by_bias) == 1
     assert by_bias[0].u == pytest.approx([u, 2.0 * u, u])
+
+
+def test_an_axis_that_the_flip_found_no_bias_of_has_no_slow_acceleration() -> None:
+    """A flip about x has none of x: taken as known, x had been off by its whole bias with u of the noise."""
+    made = recorded(np.random.default_rng(19))
+    keys = (Key("bias", "y"), Key("bias", "z"))
+    part = Component(Origin("scatter of flips", level="dwell"), "A", np.eye(2) * (0.5 * UG) ** 2, 12.0)
+    found = Estimate(keys, np.array(made.station.bias[1:]) * UG, ("m/s^2",) * 2, (part,))
+    channels = tuple(Channel(axis, made.values[:, i], "m/s^2", axis=axis) for i, axis in enumerate(AXES))
+    stamps = np.rint(made.time * 1e9).astype(np.int64)
+    one = Recording(channels, stamps, 0.05, None, "utc", "column", cut_off=8.0)
+    source: Any = SimpleNamespace(name="one", file="one.csv", facts=Facts("accelerometer", "ug", "m/s^2"),
+                                  entry=SimpleNamespace(curve=None), recordings=lambda: [("one", one)])  # fmt: skip
+    readings = readings_from(Plan(), [source], (BiasCorrection("flip", found),))
+    result = reduce(Plan(), readings)
+    rows = {(row.key.quantity, row.key.axis): row for row in result.rows()}
+    for axis, true in zip("yz", made.slow[1:], strict=True):
+        row = rows["quasi_steady_acceleration", axis]
+        assert row.value == pytest.approx(float(true), abs=3.0 * float(row.u or 0.0))
+    for key in (("quasi_steady_acceleration", "x"), ("quasi_steady_magnitude", ""), ("quasi_steady_perpendicular", "")):
+        assert rows[key].status == "not_estimated"
+    assert rows["interval_mean", "x"].value is not None
+    assert ("interval_mean", "y") not in rows
+    assert "bias_unknown" in codes(result)

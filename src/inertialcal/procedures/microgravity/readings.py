@@ -45,7 +45,7 @@ class Track:
     file: str = ""
     cut_off: float | None = None
     taken_off: Mapping[Origin, Unknowns] = field(default_factory=dict["Origin", "Unknowns"])
-    corrected: bool = False
+    corrected: tuple[str, ...] = ()  # axes that an earlier test took something off
 
     def __len__(self) -> int:
         return len(self.values[0])
@@ -86,13 +86,13 @@ def readings_from(plan: Plan, sources: Sequence[Source], corrections: Sequence[C
     begin = min((int(one.time_ns[0]) for one in made if one.time_ns is not None and len(one)), default=0)
     tracks, remarks, spans = [], [], []
     after = 0.0
-    for (source, label, _), one, unknowns in zip(named, made, off, strict=True):
+    for (source, label, before), one, unknowns in zip(named, made, off, strict=True):
         if (plan.bias or corrections) and any(remark.code == OTHER_AXES for remark in one.remarks):
             what = f"recordings.{label}: the axes of the readings are not those of the sensor"
             raise DataError(what, source.file, "a bias is that of an axis of the sensor",
                             "Read them in the axes of the sensor (frame)", "wrong_frame")  # fmt: skip
         found, said = _track(one, source, label, begin, after)
-        found = replace(found, taken_off=unknowns, corrected=bool(corrections))
+        found = replace(found, taken_off=unknowns, corrected=_taken_off(before, one))
         after = found.starts[-1] + (found.stretches[-1][1] - found.stretches[-1][0]) * found.interval
         tracks.append(found)
         spans.append((found.starts[0], after, label, source.file))
@@ -118,6 +118,12 @@ def _requirement(sources: Sequence[Source]) -> Requirement | None:
         if entry.curve is not None:
             return source.read_file(entry.curve, read_requirement)
     return None
+
+
+def _taken_off(before: Recording, after: Recording) -> tuple[str, ...]:
+    """Return the axes of a recording that something was taken off: a flip has no bias of the axis of its turn."""
+    return tuple(axis for axis in AXES if axis in after.names
+                 and after.channel(axis).data is not before.channel(axis).data)  # fmt: skip
 
 
 def _track(one: Recording, source: Source, label: str, begin: int, after: float) -> tuple[Track, Sequence[Remark]]:

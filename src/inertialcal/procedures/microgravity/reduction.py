@@ -224,8 +224,9 @@ def _slow(plan: Plan, readings: Readings, found: Found) -> tuple[Trend | None, E
         return None, None
     noise, dof = np.sqrt(np.mean(bends**2, axis=0) / SECOND_DIFFERENCE), max(len(bends) / LESS, 1.0)
     axes = readings.tracks[0].axes
-    known = any(one.corrected for one in readings.tracks) or set(axes) == set(plan.bias or {})
-    if len(axes) < len(AXES) or not known:
+    by_test = set(axes).intersection(*(one.corrected for one in readings.tracks))
+    known = [axis for axis in axes if axis in by_test or axis in (plan.bias or {})]
+    if len(axes) < len(AXES) or not known or (plan.attitude is not None and len(known) < len(axes)):
         return Trend(times, values, noise, dof), None
     keys = tuple(Key(SLOW, axis) for axis in axes)
     mean = values.mean(axis=0)
@@ -249,7 +250,8 @@ def _slow(plan: Plan, readings: Readings, found: Found) -> tuple[Trend | None, E
         noise = np.sqrt(np.diag(C @ np.diag(noise**2) @ C.T))
         parts = [replace(one, covariance=C @ one.covariance @ C.T,
                          changes=None if one.changes is None else one.changes @ C.T) for one in parts]  # fmt: skip
-    return Trend(times, values, noise, dof), Estimate(keys, mean, ("m/s^2",) * len(axes), tuple(parts))
+    whole = Estimate(keys, mean, ("m/s^2",) * len(axes), tuple(parts))
+    return Trend(times, values, noise, dof), whole.select([key for key in keys if key.axis in known])
 
 
 def _orbit(plan: Plan, trend: Trend) -> Orbit | None:
@@ -343,12 +345,21 @@ def _saturated(result: Result) -> Iterator[Remark]:
                              axis=axis)  # fmt: skip
 
 
+def _without_bias(result: Result) -> list[str]:
+    known = set() if result.estimate is None else {key.axis for key in result.estimate.keys}
+    return [axis for axis in result.axes if axis not in known]
+
+
 def _slow_remarks(result: Result) -> Iterator[Remark]:
     trend, plan = result.trend, result.plan
     if trend is None:
         what = f"{len(result.found.slow)} blocks: the slow acceleration needs {FEWEST} that follow each other"
         yield Remark("few_blocks", "warning", what, do="Give a longer record")
         return
+    lacking = [] if result.estimate is None else _without_bias(result)
+    if lacking:
+        what = f"the bias of {', '.join(lacking)} is not known: slow acceleration and bias cannot be told apart there"
+        yield Remark("bias_unknown", "warning", what, do="A flip has none of the axis of its turn: turn about another")
     if result.estimate is None:
         what = "the bias is not known: slow acceleration and bias cannot be told apart"
         yield Remark("bias_unknown", "warning", what,

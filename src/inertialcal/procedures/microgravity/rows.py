@@ -105,7 +105,12 @@ def _slow(result: Result) -> list[Row]:
         half = coverage_factor(dof, P) * u
         ends = Interval(value - half, value + half, P)
         found.append(Row(key, value, u, "m/s^2", None if math.isinf(dof) else dof, ends, shared=one.shared(key)))
+    lacking = [axis for axis in result.axes if axis not in {key.axis for key in one.keys}]
+    found += [not_estimated(Key(SLOW, axis), "m/s^2", NO_BIAS) for axis in lacking]
     for name in (MAGNITUDE, PERPENDICULAR):
+        if lacking:
+            found.append(not_estimated(Key(name, ""), "m/s^2", NO_BIAS))
+            continue
         if name == PERPENDICULAR and not _has_direction(one):
             found.append(not_estimated(Key(name, ""), "m/s^2", NO_DIRECTION))
             continue
@@ -122,13 +127,14 @@ def _has_direction(estimate: Estimate) -> bool:
 
 def _means(result: Result) -> list[Row]:
     """Return the mean of each axis over the record as it was read, what was stated of the bias taken off."""
-    if result.trend is None or result.estimate is not None:
+    if result.trend is None:
         return []
+    known = set() if result.estimate is None else {key.axis for key in result.estimate.keys}
     values, u = result.trend.values.mean(axis=0), result.trend.noise / math.sqrt(len(result.trend.times))
     factor = coverage_factor(result.trend.dof, P)
     return [Row(Key(INTERVAL_MEAN, axis), float(value), float(own), "m/s^2", result.trend.dof,
                 Interval(float(value - factor * own), float(value + factor * own), P))
-            for axis, value, own in zip(result.axes, values, u, strict=True)]  # fmt: skip
+            for axis, value, own in zip(result.axes, values, u, strict=True) if axis not in known]  # fmt: skip
 
 
 def _vectors(result: Result, name: str) -> tuple[Array, Array]:
