@@ -198,9 +198,23 @@ def _columns_at(stored: bytes, interval: float) -> Array:
 def least(D: Array, density: Array, weight: Array) -> tuple[float, Array]:
     """Return the least cost of a sum of columns, not negative, and their sizes."""
     scale = D.max(axis=0)
-    sizes = np.zeros(D.shape[1])
-    cost = scored(np.ascontiguousarray(D / scale), density, weight, -1, 0.0, sizes, False)
+    cost, sizes = _least(np.ascontiguousarray(D / scale), density, weight)
     return cost, sizes / scale
+
+
+def _least(D: Array, density: Array, weight: Array) -> tuple[float, Array]:
+    """Return the same for columns whose largest value is 1."""
+    sizes = np.zeros(D.shape[1])
+    return scored(D, density, weight, -1, 0.0, sizes, False), sizes
+
+
+@lru_cache(maxsize=256)  # spectra of one length share their frequencies: about 100 sizes each
+def _behind(stored: bytes, interval: float, size: float, few: bool) -> Array:
+    """Return columns that fall, behind a low pass of a size, with 1 as their largest value; not to be changed."""
+    cycles = np.frombuffer(stored)
+    D = np.delete(_columns_at(stored, interval), ROUNDED, axis=1)
+    D = (D[:, :3] if few else D) / (1.0 + size * (4.0 * np.sin(np.pi * cycles) ** 2))[:, None]
+    return np.ascontiguousarray(D / D.max(axis=0))
 
 
 def gain_of(cycles: Array, density: Array, weight: Array, interval: float) -> tuple[float, float, float]:
@@ -210,13 +224,12 @@ def gain_of(cycles: Array, density: Array, weight: Array, interval: float) -> tu
     """
     D = columns_at(cycles, interval)
     plain = least(D, density, weight)[0]
-    steps = 4.0 * np.sin(np.pi * cycles) ** 2
-    falling = np.delete(D, ROUNDED, axis=1)
+    stored = cycles.tobytes()
     known: dict[int, float] = {}
 
     def cost(i: int) -> float:
         if i not in known:
-            known[i] = least(falling / (1.0 + FOLDS[i] * steps)[:, None], density, weight)[0]
+            known[i] = _least(_behind(stored, interval, float(FOLDS[i]), False), density, weight)[0]
         return known[i]
 
     best = min((*range(NONE + 1), *range(0, len(FOLDS), COARSE)), key=cost)
@@ -227,10 +240,9 @@ def gain_of(cycles: Array, density: Array, weight: Array, interval: float) -> tu
     plain = min(plain, *map(cost, range(NONE + 1)))  # where the solver stops short
     if 2.0 * (plain - cost(best)) >= CLEAR:
         plain = min(plain, with_one_time(cycles, density, weight, interval))
-    few = falling[:, :3]  # white noise, flicker, walk: others give way to any filter
-    mild = np.array(
-        [least(few / (1.0 + size * steps)[:, None], density, weight)[0] for size in (0.0, *FOLDS[FOLDS <= MILD])]
-    )
+    sizes = (0.0, *FOLDS[FOLDS <= MILD].tolist())
+    # White noise, flicker, walk: others give way to any filter
+    mild = np.array([_least(_behind(stored, interval, size, True), density, weight)[0] for size in sizes])
     hidden = float([0.0, *FOLDS][np.flatnonzero(mild < mild.min() + NEAR)[-1]])
     return 2.0 * float(plain - cost(best)), corner_of(float(FOLDS[best])), hidden
 
