@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 
 from ..core.errors import DataError
 from ..core.estimate import Array
-from .least_squares import Fit
+from .least_squares import Fit, times
 
 ALONE = 1e-9  # 1 - share of a direction that one cluster decides, below which it decides it alone
 UNRESOLVED = 1e-6  # part of a variance that may be unseen before its dof is called 0
@@ -124,12 +124,27 @@ class Clustered:
 def clustered(fit: Fit, clusters: NDArray[Any] | Members) -> Clustered:
     """Return a fit with what its clusters, labels (n,) or members, disagree about; raises as `clustered_covariance`."""
     order, starts = _clusters(fit, clusters)
-    Q = fit.basis[order]
     root = 1.0 if fit.weights is None else np.sqrt(fit.weights)
-    e = (fit.residuals * root)[order]
-    gram = np.add.reduceat(Q[:, :, None] * Q[:, None, :], starts)
-    adjust = _inverse_root(gram)
-    return Clustered(fit, gram, adjust, np.einsum("gij,gj->gi", adjust, np.add.reduceat(Q * e[:, None], starts)))
+    shares = Shares(Members(order, starts), fit.basis)
+    return Clustered(fit, shares.gram, shares.adjust, shares.score(fit.residuals * root))
+
+
+class Shares:
+    """What clusters have of a fit, by its orthonormal basis, shape (n, p), alone: the same whatever the readings."""
+
+    def __init__(self, members: Members, basis: Array) -> None:
+        self.members, self.basis = members, basis[members.order]
+        self.gram = np.add.reduceat(self.basis[:, :, None] * self.basis[:, None, :], members.starts)
+        self.adjust = _inverse_root(self.gram)
+
+    def score(self, residuals: Array) -> Array:
+        """Return what each cluster moves the coefficients of the basis by: residuals (..., n), result (..., R, p)."""
+        order, starts = self.members
+        return times(self.adjust, np.add.reduceat(self.basis * residuals[..., order, None], starts, axis=-2))
+
+    def dof(self, to_contrast: Array) -> Array:
+        """Return Satterthwaite's degrees of freedom of combinations of the basis, rows (m, p)."""
+        return _satterthwaite(self.gram, self.adjust, to_contrast)
 
 
 def _clusters(fit: Fit, clusters: NDArray[Any] | Members) -> Members:

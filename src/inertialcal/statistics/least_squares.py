@@ -21,8 +21,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import linalg
 
 from ..core.errors import DataError
@@ -126,8 +128,9 @@ def fit(design: Array, readings: Array, weights: Array | None = None, names: Seq
     design, readings, labels = _checked(design, readings, names)
     root = np.sqrt(_checked_weights(weights, readings.size)) if weights is not None else None
     white = design if root is None else design * root[:, None]
-    basis, transform, condition = _decompose(white, labels)
-    coefficients = _refined(white, readings if root is None else readings * root, basis, transform)
+    decomposed = decompose(white, labels)
+    basis, transform, condition = decomposed.basis, decomposed.transform, decomposed.condition
+    coefficients = decomposed.coefficients(readings if root is None else readings * root)
     residuals = readings - design @ coefficients
     dof = readings.size - len(labels)
     mean_square = float(np.sum((residuals if root is None else residuals * root) ** 2)) / dof if dof else None
@@ -170,8 +173,9 @@ def fit_correlated(design: Array, readings: Array, covariance: Array, names: Seq
     design, readings, labels = _checked(design, readings, names)
     root = _cholesky(covariance, readings.size)
     white = linalg.solve_triangular(root, np.column_stack([design, readings]), lower=True)
-    basis, transform, condition = _decompose(white[:, :-1], labels)
-    coefficients = _refined(white[:, :-1], white[:, -1], basis, transform)
+    decomposed = decompose(white[:, :-1], labels)
+    basis, transform, condition = decomposed.basis, decomposed.transform, decomposed.condition
+    coefficients = decomposed.coefficients(white[:, -1])
     free = readings.size - len(labels)
     chi_square = float(np.sum((white[:, -1] - white[:, :-1] @ coefficients) ** 2))
     pull = linalg.solve_triangular(root, basis, lower=True, trans="T")  # rows of V^-1/2' Q
@@ -202,6 +206,52 @@ def symmetric_inverse(matrix: Array, least: float) -> Array:
     inverse = np.zeros_like(values)
     np.divide(1.0, values, out=inverse, where=size > least * size.max(axis=-1, keepdims=True))
     return np.asarray((vectors * inverse[..., None, :]) @ vectors.swapaxes(-1, -2))
+
+
+@dataclass(frozen=True, eq=False)
+class Decomposed:
+    """A whitened design, ready for any number of sets of readings: what a fit takes of the design alone."""
+
+    design: Array  # as given, (n, p)
+    basis: Array  # orthonormal, of its columns, (n, p)
+    transform: Array  # ``coefficients = transform @ basis.T @ readings``, (p, p)
+    condition: float  # largest over smallest singular value of the scaled design
+
+    def coefficients(self, readings: Array) -> Array:
+        """Return the coefficients of readings, shape (..., n), each set by itself, after one refinement: (..., p)."""
+        back, wide = self.basis.T, self._wide
+        found = times(self.transform, times(back, readings))
+        left = readings - times(self.design, found)
+        missed: Array = (readings - times(wide, found) - left).astype(float)
+        along: Array = times(wide.T, left).astype(float)
+        return found + times(self.transform, times(back, missed) + times(self.transform.T, along))
+
+    @cached_property
+    def _wide(self) -> NDArray[np.longdouble]:
+        return self.design.astype(np.longdouble)
+
+
+def times(matrix: Array, vectors: Array) -> Array:
+    """Return products of matrices, (..., m, n), with vectors, (..., n), each by itself: to the bit as if alone."""
+    product: Array = np.matmul(matrix, vectors[..., None])[..., 0]
+    return product
+
+
+def decompose(white: Array, names: Sequence[str]) -> Decomposed:
+    """Return the decomposition of a whitened design, shape (n, p), finite and n >= p.
+
+    Raises
+    ------
+    DataError
+        ``rank_deficient``, as `fit`.
+    """
+    length = np.sqrt(np.sum(white**2, axis=0))
+    scale = np.where(length > 0.0, length, 1.0)
+    basis, s, rows = np.linalg.svd(white / scale, full_matrices=False)
+    lost = s <= s[0] * max(white.shape) * np.finfo(float).eps
+    if lost.any():
+        raise _rank_deficient(rows[lost].T, length, tuple(names))
+    return Decomposed(white, basis, rows.T / s / scale[:, None], float(s[0] / s[-1]))
 
 
 def _checked(design: Array, readings: Array, names: Sequence[str] | None) -> tuple[Array, Array, tuple[str, ...]]:
@@ -253,27 +303,6 @@ def _cholesky(covariance: Array, n: int) -> Array:
             why="some combination of them would be known exactly",
             do="Add the independent part of the uncertainty of each reading",
         ) from None
-
-
-def _decompose(white: Array, names: tuple[str, ...]) -> tuple[Array, Array, float]:
-    """Orthonormal basis of the whitened design, the way back to coefficients, and the condition."""
-    length = np.sqrt(np.sum(white**2, axis=0))
-    scale = np.where(length > 0.0, length, 1.0)
-    basis, s, rows = np.linalg.svd(white / scale, full_matrices=False)
-    lost = s <= s[0] * max(white.shape) * np.finfo(float).eps
-    if lost.any():
-        raise _rank_deficient(rows[lost].T, length, names)
-    return basis, rows.T / s / scale[:, None], float(s[0] / s[-1])
-
-
-def _refined(white: Array, readings: Array, basis: Array, transform: Array) -> Array:
-    """Coefficients after one step of refinement."""
-    coefficients = transform @ (basis.T @ readings)
-    left = readings - white @ coefficients
-    wide = white.astype(np.longdouble)
-    missed: Array = (readings - wide @ coefficients - left).astype(float)
-    along: Array = (wide.T @ left).astype(float)
-    return coefficients + transform @ (basis.T @ missed + transform.T @ along)
 
 
 def _rank_deficient(null: Array, length: Array, names: tuple[str, ...]) -> DataError:

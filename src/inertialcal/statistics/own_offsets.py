@@ -30,29 +30,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.estimate import Array
-from .clustered import clustered_covariance
-from .least_squares import Fit, fit
+from .clustered import Shares, members_of
+from .least_squares import Decomposed, decompose, times
 from .random_offsets import whitened
 
 NEGLIGIBLE = 1e-9  # part of a column that varies within the groups, below which they cannot tell it
 ROUNDING = 1e-12  # of the largest variance, added to all
-HALVINGS = 60
+STEPS = 60  # of Newton's method, at most
+ROOT = 1e-14  # relative step of it, below which it has arrived
 MANY = 100  # clusters, from which on their scatter alone is the uncertainty of their mean
 
 
 @dataclass(frozen=True, eq=False)
 class OwnOffsets:
-    """Slopes from within the groups, and the mean intercept before them."""
+    """Slopes from within the groups, and the mean intercept before them; of one set of readings, or of several."""
 
-    coefficients: Array  # (p,): mean intercept, slopes
-    covariance: Array  # (p, p)
+    coefficients: Array  # (..., p): mean intercept, slopes
+    covariance: Array  # (..., p, p)
     dof: Array  # (p,)
-    solve: Array  # (p, n): ``coefficients = solve @ readings``
+    solve: Array  # (..., p, n): ``coefficients = solve @ readings``
     repeated: NDArray[np.bool_]  # (p,): whether two clusters or more decide it
-    local: Array  # (n,): residuals, the offset of their group taken off
+    local: Array  # (..., n): residuals, the offset of their group taken off
     numbers: NDArray[np.intp]  # (n,): group of each
     basis: Array  # (n, q): orthonormal, of the slopes within the groups
-    mean_square: float  # of readings of weight 1 within the groups
+    mean_square: Array  # (...): of readings of weight 1 within the groups
     spare: float  # its degrees of freedom
 
 
@@ -65,49 +66,65 @@ def fit_own_offsets(
     ----------
     slopes : ndarray, shape (n, q)
         Columns, without one for the intercept.
-    readings : ndarray, shape (n,)
-        In one unit.
+    readings : ndarray, shape (..., n)
+        In one unit; each set by itself.
     groups, clusters : ndarray, shape (n,)
         Labels; a group lies in one cluster.
     weights : ndarray, shape (n,), optional
         Relative: 1/variance up to a common factor. Equal by default.
     """
-    weights = np.ones(len(readings)) if weights is None else weights
-    first, numbers = np.unique(groups, return_index=True, return_inverse=True)[1:]
-    found = _within(slopes, readings, numbers, weights)
-    if found is None:
+    design = offset_design(slopes, groups, clusters, weights)
+    return None if design is None else design.fit(readings)
+
+
+@dataclass(frozen=True, eq=False)
+class Within:
+    """Slopes within groups, of the design alone."""
+
+    decomposed: Decomposed  # of the columns less their means in the groups, weighted
+    weights: Array  # (n,)
+    numbers: NDArray[np.intp]  # (n,): group of each, from 0
+    order: NDArray[np.intp]  # (n,): that brings groups together
+    starts: NDArray[np.intp]  # (g,): where each starts in that order
+    total: Array  # (g,): sum of the weights of each
+    spare: int  # degrees of freedom of the residuals
+
+    def means(self, readings: Array) -> Array:
+        """Return the weighted mean of each group, that of equal readings to the bit: readings (..., n), (..., g)."""
+        first = readings[..., self.order[self.starts]]
+        away = (readings - first[..., self.numbers]) * self.weights
+        sums: Array = np.add.reduceat(away[..., self.order], self.starts, axis=-1)
+        return first + sums / self.total
+
+    def fit(self, readings: Array) -> tuple[Array, Array, Array]:
+        """Return slopes (..., q), weighted residuals (..., n) and their mean square (...), and the means (..., g)."""
+        means = self.means(readings)
+        white = np.sqrt(self.weights) * (readings - means[..., self.numbers])
+        slopes = self.decomposed.coefficients(white)
+        return slopes, white - times(self.decomposed.design, slopes), means
+
+
+def slopes_within(slopes: Array, numbers: NDArray[np.intp], weights: Array) -> Within | None:
+    """Return slopes within groups; None where they do not tell them apart, or no degree of freedom is left.
+
+    Parameters
+    ----------
+    slopes : ndarray, shape (n, q)
+        Columns, without one for the intercept.
+    numbers : ndarray of int, shape (n,)
+        Group of each, from 0; all numbers occur.
+    weights : ndarray, shape (n,)
+        Relative: 1/variance up to a common factor.
+    """
+    spare = len(numbers) - int(numbers.max()) - 1 - slopes.shape[1]
+    white = whitened(slopes, weights, numbers, np.inf)
+    if spare < 1 or not _told(white, slopes, weights):
         return None
-    within, spare = found
-    mean_square = float(within.residuals @ within.residuals) / spare
-    covariance, dof, repeated = _of_slopes(within, clusters, mean_square, float(spare))
-    solve = within.transform @ within.basis.T * np.sqrt(weights)  # no mean of a group is in the basis
-    # Intercepts of the groups, then of the clusters, as combinations of the readings
-    total = np.bincount(numbers, weights)
-    means = _averages(np.column_stack([slopes, readings]), weights, numbers)
-    place, level = means[:, :-1], means[:, -1]
-    at = np.unique(clusters[first], return_inverse=True)[1]
-    share = _shares(mean_square / total + np.einsum("gi,ij,gj->g", place, covariance, place), at)
-    joined = _sums(share[:, None] * place, at)
-    weight, variance = _mean(
-        np.bincount(at, share * level) - joined @ within.coefficients,
-        np.asarray(np.bincount(at, share**2 * mean_square / total), dtype=np.float64),
-        joined,
-        covariance,
-    )
-    of_groups, seen = weight[at] * share, len(weight) > 1
-    cross = -(of_groups @ place) @ covariance
-    return OwnOffsets(
-        np.concatenate([[of_groups @ level - of_groups @ place @ within.coefficients], within.coefficients]),
-        np.block([[np.array([[variance]]), cross[None]], [cross[:, None], covariance]]),
-        np.concatenate([[len(weight) - 1.0 if seen else float(spare)], dof]),
-        np.vstack([(of_groups / total)[numbers] * weights - of_groups @ place @ solve, solve]),
-        np.concatenate([[seen], repeated]),
-        within.residuals / np.sqrt(weights),
-        numbers,
-        within.basis,
-        mean_square,
-        float(spare),
-    )
+    order = np.argsort(numbers, kind="stable")
+    starts = np.flatnonzero(np.diff(numbers[order], prepend=-1))
+    names = [f"column {i}" for i in range(slopes.shape[1])]
+    total = np.add.reduceat(weights[order], starts)
+    return Within(decompose(white, names), weights, numbers, order, starts, total, spare)
 
 
 def mean_square_within(slopes: Array, readings: Array, numbers: NDArray[np.intp], weights: Array) -> float | None:
@@ -115,32 +132,113 @@ def mean_square_within(slopes: Array, readings: Array, numbers: NDArray[np.intp]
 
     Parameters
     ----------
-    slopes : ndarray, shape (n, q)
-        Columns, without one for the intercept.
-    readings, weights : ndarray, shape (n,)
-        In one unit; relative weights.
-    numbers : ndarray of int, shape (n,)
-        Group of each, from 0.
+    slopes, numbers, weights
+        As `slopes_within` takes them.
+    readings : ndarray, shape (n,)
+        In one unit.
     """
-    found = _within(slopes, readings, numbers, weights)
-    return None if found is None else float(found[0].residuals @ found[0].residuals) / found[1]
-
-
-def _within(slopes: Array, readings: Array, numbers: NDArray[np.intp], weights: Array) -> tuple[Fit, int] | None:
-    """Return the fit of slopes within the groups, and its degrees of freedom, where there are any."""
-    spare = len(readings) - int(numbers.max()) - 1 - slopes.shape[1]
-    white = whitened(np.column_stack([slopes, readings]), weights, numbers, np.inf)
-    if spare < 1 or not _told(white[:, :-1], slopes, weights):
+    within = slopes_within(slopes, numbers, weights)
+    if within is None:
         return None
-    return fit(white[:, :-1], white[:, -1]), spare
+    residuals = within.fit(readings)[1]
+    return float(residuals @ residuals) / within.spare
 
 
-def _sums(columns: Array, numbers: NDArray[np.intp]) -> Array:
-    return np.asarray(np.column_stack([np.bincount(numbers, column) for column in columns.T]), dtype=np.float64)
+def offset_design(
+    slopes: Array, groups: NDArray[Any], clusters: NDArray[Any], weights: Array | None = None
+) -> OffsetDesign | None:
+    """Return what `fit_own_offsets` takes of the design alone, for any number of sets of readings."""
+    weights = np.ones(len(groups)) if weights is None else weights
+    first, numbers = np.unique(groups, return_index=True, return_inverse=True)[1:]
+    within = slopes_within(slopes, numbers, weights)
+    return None if within is None else OffsetDesign(within, slopes, clusters, first)
 
 
-def _averages(columns: Array, weights: Array, numbers: NDArray[np.intp]) -> Array:
-    return _sums(columns * weights[:, None], numbers) / np.bincount(numbers, weights)[:, None]
+class OffsetDesign:
+    """Slopes with an intercept of its own in each group: what depends on design, groups and clusters alone."""
+
+    def __init__(self, within: Within, slopes: Array, clusters: NDArray[Any], first: NDArray[np.intp]) -> None:
+        self.within = within
+        transform, basis = within.decomposed.transform, within.decomposed.basis
+        self.solve = transform @ basis.T * np.sqrt(within.weights)  # no mean of a group is in the basis
+        self.unit = transform @ transform.T  # covariance of the slopes, of a mean square of 1
+        self.place = within.means(slopes.T).T  # (g, q)
+        self.at = np.unique(clusters[first], return_inverse=True)[1]  # cluster of each group
+        self.by_cluster = members_of(self.at)
+        members = members_of(clusters)
+        self.shares = Shares(members, basis) if len(members.starts) > 1 else None
+        dof, spare = np.zeros(len(transform)), float(within.spare)
+        if self.shares is not None:
+            dof = self.shares.dof(transform)
+        self.repeated = dof > 0.0
+        seen = len(self.by_cluster.starts) > 1
+        first_dof = len(self.by_cluster.starts) - 1.0 if seen else spare
+        self.dof = np.concatenate([[first_dof], np.where(self.repeated, dof, spare)])
+        self.all_repeated = np.concatenate([[seen], self.repeated])
+
+    def fit(self, readings: Array) -> OwnOffsets:
+        """Return slopes and mean intercept of readings, shape (..., n), each set by itself."""
+        within = self.within
+        slopes, residuals, level = within.fit(readings)
+        mean_square = np.asarray(np.sum(residuals**2, axis=-1) / within.spare)
+        covariance = self._of_slopes(residuals, mean_square)
+        # Intercepts of the groups, then of the clusters, as combinations of the readings
+        own = mean_square[..., None] / within.total
+        share = self._shares(own + np.sum(times(covariance[..., None, :, :], self.place) * self.place, axis=-1))
+        joined = self._sums((share[..., None] * self.place).swapaxes(-1, -2)).swapaxes(-1, -2)
+        weight, variance = _mean(
+            self._sums(share * level) - times(joined, slopes), self._sums(share**2 * own), joined, covariance
+        )
+        of_groups = weight[..., self.at] * share
+        place = times(self.place.T, of_groups)
+        cross = -times(covariance, place)
+        intercept = np.sum(of_groups * level, axis=-1) - np.sum(place * slopes, axis=-1)
+        upper = np.concatenate([variance[..., None], cross], axis=-1)[..., None, :]
+        lower = np.concatenate([cross[..., None], covariance], axis=-1)
+        row = (of_groups / within.total)[..., within.numbers] * within.weights - times(self.solve.T, place)
+        solve = np.broadcast_to(self.solve, (*row.shape[:-1], *self.solve.shape))
+        return OwnOffsets(
+            np.concatenate([intercept[..., None], slopes], axis=-1),
+            np.concatenate([upper, lower], axis=-2),
+            self.dof,
+            np.concatenate([row[..., None, :], solve], axis=-2),
+            self.all_repeated,
+            residuals / np.sqrt(within.weights),
+            within.numbers,
+            within.decomposed.basis,
+            mean_square,
+            float(within.spare),
+        )
+
+    def _of_slopes(self, residuals: Array, mean_square: Array) -> Array:
+        """Return the covariance of the slopes: of those that two clusters or more decide by what these disagree."""
+        pooled = mean_square[..., None, None] * self.unit
+        if self.shares is None:
+            return pooled
+        spread = times(self.within.decomposed.transform, self.shares.score(residuals)).swapaxes(-1, -2)
+        between: Array = spread @ spread.swapaxes(-1, -2)
+        if np.all(self.repeated):
+            return between
+        variance = np.where(self.repeated, _diagonal(between), _diagonal(pooled))
+        size = np.sqrt(np.diag(self.unit))
+        unit = self.unit / np.outer(size, size)
+        return unit * np.sqrt(variance[..., :, None] * variance[..., None, :])
+
+    def _shares(self, variances: Array) -> Array:
+        """Return the weight of each group in the mean of its cluster, shape (..., g)."""
+        largest = np.max(variances, axis=-1, keepdims=True)
+        scaled = np.divide(variances, largest, out=np.zeros_like(variances), where=largest > 0.0)
+        weights = np.where(largest > 0.0, 1.0 / (scaled + ROUNDING), 1.0)
+        return np.asarray(weights / self._sums(weights)[..., self.at])
+
+    def _sums(self, values: Array) -> Array:
+        """Return sums of values of groups, shape (..., g), by cluster."""
+        order, starts = self.by_cluster
+        return np.asarray(np.add.reduceat(values[..., order], starts, axis=-1))
+
+
+def _diagonal(matrices: Array) -> Array:
+    return np.diagonal(matrices, axis1=-2, axis2=-1)
 
 
 def _told(within: Array, slopes: Array, weights: Array) -> bool:
@@ -152,58 +250,44 @@ def _told(within: Array, slopes: Array, weights: Array) -> bool:
     return bool(np.linalg.svd(unit, compute_uv=False)[-1] > NEGLIGIBLE)
 
 
-def _of_slopes(
-    within: Fit, clusters: NDArray[Any], mean_square: float, spare: float
-) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Return covariance, degrees of freedom, and whether two clusters or more decide: coefficient by coefficient."""
-    pooled = mean_square * within.transform @ within.transform.T
-    dof = np.full(len(pooled), spare)
-    if len(np.unique(clusters)) < 2:
-        return pooled, dof, np.zeros(len(pooled), dtype=bool)
-    between, freedom = clustered_covariance(within, clusters)
-    repeated = freedom > 0.0
-    if np.all(repeated):
-        return between, freedom, repeated
-    variance = np.where(repeated, np.diag(between), np.diag(pooled))
-    size = np.sqrt(np.diag(pooled))
-    unit = pooled / np.outer(np.where(size > 0.0, size, 1.0), np.where(size > 0.0, size, 1.0))
-    return unit * np.sqrt(np.outer(variance, variance)), np.where(repeated, freedom, dof), repeated
-
-
-def _shares(variances: Array, at: NDArray[np.intp]) -> Array:
-    """Return the weight of each group in the mean of its cluster."""
-    largest = float(np.max(variances))
-    weights = 1.0 / (variances / largest + ROUNDING) if largest > 0.0 else np.ones(len(at))
-    return np.asarray(weights / np.bincount(at, weights)[at])
-
-
-def _mean(values: Array, own: Array, place: Array, slopes: Array) -> tuple[Array, float]:
+def _mean(values: Array, own: Array, place: Array, slopes: Array) -> tuple[Array, Array]:
     """Return the weights of the mean of values that scatter more than their errors say, and its variance.
 
     Their covariance is ``diag(own) + place @ slopes @ place.T``. Many weigh alike, with the scatter that they have.
+    Shapes (..., K), (..., K), (..., K, q), (..., q, q); the results (..., K) and (...).
+
+    The scatter t between them is where the weighed mean square F(t) is 1. By Newton's method on 1 / F, which is
+    concave, t rises to it and never beyond.
     """
-    count = len(values)
-    middle = np.mean(place, axis=0)
-    shared = float(middle @ slopes @ middle)
-    scale = max(float(np.max(own)), float(np.var(values)))
-    if count < 2 or scale == 0.0:
-        return np.full(count, 1.0 / count), shared + float(np.mean(own)) / count
+    count = values.shape[-1]
+    middle = np.mean(place, axis=-2)
+    shared = np.sum(middle * times(slopes, middle), axis=-1)
+    scale = np.maximum(np.max(own, axis=-1), np.var(values, axis=-1))
+    alike = np.full(values.shape, 1.0 / count)
     if count > MANY:
-        return np.full(count, 1.0 / count), shared + float(np.var(values, ddof=1)) / count
-    spread = (np.diag(own) + place @ slopes @ place.T) / scale + ROUNDING * np.eye(count)
-    size, turn = np.linalg.eigh(spread)
-    ones, unit = turn.sum(axis=0), values @ turn / np.sqrt(scale)
-
-    def weighed(between: float) -> tuple[float, Array, float]:
-        inverse = 1.0 / (size + between)
-        total = float(ones @ (inverse * ones))
-        left = unit - ones * (ones @ (inverse * unit) / total)
-        return float(left @ (inverse * left)) / (count - 1.0), turn @ (inverse * ones) / total, scale / total
-
-    low, high = 0.0, 10.0 * count
-    if weighed(0.0)[0] > 1.0:
-        for _ in range(HALVINGS):
-            half = 0.5 * (low + high)
-            low, high = (half, high) if weighed(half)[0] > 1.0 else (low, half)
-    _, share, variance = weighed(low)
-    return share, variance
+        return alike, shared + np.where(scale > 0.0, np.var(values, axis=-1, ddof=1), 0.0) / count
+    plain = shared + np.mean(own, axis=-1) / count
+    if count < 2 or not np.any(scale > 0.0):
+        return alike, plain
+    scatters = scale > 0.0
+    scale = np.where(scatters, scale, 1.0)
+    known = np.eye(count) * own[..., None, :] + place @ slopes @ place.swapaxes(-1, -2)
+    size, turn = np.linalg.eigh(known / scale[..., None, None] + ROUNDING * np.eye(count))
+    back = turn.swapaxes(-1, -2)
+    ones, unit = np.sum(turn, axis=-2), times(back, values) / np.sqrt(scale)[..., None]
+    between, rising = np.zeros_like(scale), np.ones(scale.shape, dtype=bool)
+    for _ in range(STEPS):
+        inverse = 1.0 / (size + between[..., None])
+        total = np.sum(inverse * ones**2, axis=-1)
+        left = unit - ones * (np.sum(ones * inverse * unit, axis=-1) / total)[..., None]
+        square = inverse * left**2
+        excess = np.sum(square, axis=-1) / (count - 1.0)
+        falls = np.sum(square * inverse, axis=-1) / (count - 1.0)
+        rising = rising & (excess > 1.0)
+        gain = np.divide(excess * (excess - 1.0), falls, out=np.zeros_like(excess), where=rising)
+        rising = gain > ROOT * between
+        if not np.any(rising):
+            break
+        between = np.where(rising, between + gain, between)
+    share = times(turn, inverse * ones) / total[..., None]
+    return np.where(scatters[..., None], share, alike), np.where(scatters, scale / total, plain)

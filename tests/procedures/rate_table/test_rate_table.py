@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import csv
 from dataclasses import replace
 from pathlib import Path
@@ -97,10 +99,10 @@ def test_dwells_left_out_that_cannot_be_fitted_refuse_the_sensor(monkeypatch: py
     readings = table("table10_x", "x", "minus_ref")
     fit = reduction._chosen
 
-    def refusing(plan: Plan, some: Readings, sensor: str, sensors: int) -> Chosen:
-        if len(some) == len(readings):
-            raise DataError("not to be told apart", code="no_asymmetry")
-        return fit(plan, some, sensor, sensors)
+    def refusing(units: Sequence[reduction._Unit], dwells: Sequence[Readings], sensor: str) -> list[Chosen | DataError]:
+        if any(len(some) == len(readings) for some in dwells):
+            return [DataError("not to be told apart", code="no_asymmetry")]
+        return fit(units, dwells, sensor)
 
     monkeypatch.setattr(reduction, "_chosen", refusing)
     plan = Plan(axis="x", scale_factor=IDEAL, input_range=(-np.radians(5.0), np.radians(5.0)))

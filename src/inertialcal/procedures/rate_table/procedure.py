@@ -27,7 +27,7 @@ from .figures import FIGURES
 from .plan import INFLUENCES, Columns, Plan, PlannedRates
 
 if TYPE_CHECKING:
-    from ...core.errors import Problem
+    from ...core.errors import InertialcalError, Problem
     from ...core.judging import Asked, Verdict
     from ...core.recording import Recording
     from ...core.remarks import Remark
@@ -140,6 +140,12 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
         from .reduction import reduce
 
         return reduce(plan, readings)
+
+    def reduce_many(self, tests: Sequence[tuple[Plan, Readings]]) -> list[Result | InertialcalError]:
+        """Return the result of each unit, or its refusal; what was turned alike is fitted at once."""
+        from .reduction import reduce_many
+
+        return reduce_many(tests)
 
     def quantities(self) -> Mapping[str, Quantity]:
         """Return what there is to say of its figures."""

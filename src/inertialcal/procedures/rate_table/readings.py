@@ -58,6 +58,8 @@ class Readings:
 
     def take(self, keep: NDArray[np.bool_]) -> Readings:
         """Return the dwells for which ``keep`` holds; the traces, which are of all dwells, stay behind."""
+        if keep.all():
+            return replace(self, traces=()) if self.traces else self
         return replace(
             self,
             applied=self.applied[keep],

@@ -16,13 +16,13 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ...core.curve import Curve
-from ...core.errors import DataError
+from ...core.errors import DataError, InertialcalError
 from ...core.estimate import Estimate
 from ...core.key import Reason
 from ...core.remarks import Remark, gather
@@ -31,12 +31,13 @@ from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.rounding import freedom
 from ...core.show.tables import Block, html, text
 from .curves import curves
-from .exclusions import exclusions
+from .exclusions import Exclusions, exclusions
 from .fit.earth_input import with_earth
 from .fit.nonlinearity import Chosen, with_nonlinearity
 from .fit.quantities import estimate
 from .fit.rate_error import RateError, Resolution, rate_errors, resolution
-from .fit.regression import Line, can_tell_asymmetry, line, recordings_of
+from .fit.regression import Line, lines
+from .fit.turned import turned
 from .plan import INFLUENCES, Plan
 from .readings import Readings
 from .rows import applies, rows
@@ -114,46 +115,132 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     DataError
         If there are no dwells, or no sensor has enough of them.
     """
-    if not len(readings):
-        raise DataError("no dwells", why="there is nothing to fit", code="no_dwells")
-    if readings.run is not None and 0 < np.sum(readings.run == "") < len(readings):
-        at = int(np.flatnonzero(readings.run == "")[0])
-        where = readings.where[at] if readings.where else ""
-        what = f"{int(np.sum(readings.run == ''))} of {len(readings)} dwells do not name their run"
-        raise DataError(
-            what, where, "the scatter between runs would be wrong", "Name the run of all, or of none", "mixed_runs"
-        )
-    if readings.samples is not None and np.any(readings.samples < 1.0):
-        at = int(np.flatnonzero(readings.samples < 1.0)[0])
-        raise DataError(
-            f"{readings.samples[at]:g} samples in a dwell",
-            readings.where[at] if readings.where else "",
-            code="wrong_value",
-        )
-    if readings.earth is None:
-        readings = with_earth(plan, readings)
+    found = reduce_many([(plan, readings)])[0]
+    if isinstance(found, InertialcalError):
+        raise found
+    return found
+
+
+def reduce_many(tests: Sequence[tuple[Plan, Readings]]) -> list[Result | InertialcalError]:
+    """Return the result of each unit as `reduce` gives it, or its refusal; what was turned alike is fitted at once."""
+    found: dict[int, Result | InertialcalError] = {}
+    units: dict[int, _Unit] = {}
+    for i, (plan, readings) in enumerate(tests):
+        try:
+            units[i] = _Unit.of(plan, readings)
+        except InertialcalError as error:
+            found[i] = error
+    for sensor in dict.fromkeys(sensor for one in units.values() for sensor in one.readings.outputs):
+        _fit([one for one in units.values() if sensor in one.readings.outputs], sensor)
+    for i, one in units.items():
+        try:
+            found[i] = _result(one)
+        except InertialcalError as error:
+            found[i] = error
+    return [found[i] for i in range(len(tests))]
+
+
+@dataclass(eq=False)
+class _Unit:
+    """One unit while it is reduced: what was found of each sensor, or why it has no line."""
+
+    plan: Plan
+    readings: Readings  # with the rate of the earth
+    left_out: Mapping[str, Exclusions]
+    used: Mapping[str, Readings]  # by sensor, without what is left out
+    straight: dict[str, Line | DataError] = field(default_factory=dict)
+    chosen: dict[str, Chosen | DataError] = field(default_factory=dict)
+    everything: dict[str, Chosen | DataError] = field(default_factory=dict)  # nothing left out
+
+    @classmethod
+    def of(cls, plan: Plan, readings: Readings) -> _Unit:
+        """Return a unit with what its sensors leave out.
+
+        Raises
+        ------
+        DataError
+            If there are no dwells, some do not name their run, or have no sample.
+        """
+        if not len(readings):
+            raise DataError("no dwells", why="there is nothing to fit", code="no_dwells")
+        if readings.run is not None and 0 < (unnamed := int(np.count_nonzero(readings.run == ""))) < len(readings):
+            at = int(np.flatnonzero(readings.run == "")[0])
+            where = readings.where[at] if readings.where else ""
+            what = f"{unnamed} of {len(readings)} dwells do not name their run"
+            raise DataError(
+                what, where, "the scatter between runs would be wrong", "Name the run of all, or of none", "mixed_runs"
+            )
+        if readings.samples is not None and np.any(readings.samples < 1.0):
+            at = int(np.flatnonzero(readings.samples < 1.0)[0])
+            raise DataError(
+                f"{readings.samples[at]:g} samples in a dwell",
+                readings.where[at] if readings.where else "",
+                code="wrong_value",
+            )
+        if readings.earth is None:
+            readings = with_earth(plan, readings)
+        left_out = {sensor: exclusions(plan, readings, sensor) for sensor in readings.outputs}
+        used = {sensor: readings.take(~one.any) for sensor, one in left_out.items()}
+        return cls(plan, readings, left_out, used)
+
+
+def _fit(units: Sequence[_Unit], sensor: str) -> None:
+    """Fit the lines of one sensor of each unit."""
+    for one, line in zip(units, lines([one.used[sensor] for one in units], sensor, asymmetry=False), strict=True):
+        one.straight[sensor] = line
+    for one, chosen in zip(units, _chosen(units, [one.used[sensor] for one in units], sensor), strict=True):
+        one.chosen[sensor] = one.everything[sensor] = chosen
+    more = [one for one in units if one.left_out[sensor].any.any()]
+    for one, chosen in zip(more, _chosen(more, [one.readings for one in more], sensor), strict=True):
+        one.everything[sensor] = chosen
+
+
+def _chosen(units: Sequence[_Unit], dwells: Sequence[Readings], sensor: str) -> list[Chosen | DataError]:
+    """Fit lines with asymmetry where the rates allow it, and with the curvatures that are seen."""
+    kinds: dict[tuple[str, bool, int], list[int]] = {}
+    for i, (one, readings) in enumerate(zip(units, dwells, strict=True)):
+        plan, read = one.plan, readings.take(np.isfinite(readings.outputs[sensor]))
+        asymmetry = plan.asymmetry and turned(read).tells_asymmetry(sensor)
+        kinds.setdefault((plan.nonlinearity, asymmetry, len(readings.outputs)), []).append(i)
+    found: dict[int, Chosen | DataError] = {}
+    for (_, asymmetry, sensors), at in kinds.items():
+        plan = units[at[0]].plan
+        own = with_nonlinearity(plan, [dwells[i] for i in at], sensor, asymmetry, sensors)
+        found.update(zip(at, own, strict=True))
+    return [found[i] for i in range(len(units))]
+
+
+def _result(unit: _Unit) -> Result:
+    """Return what was found of a unit.
+
+    Raises
+    ------
+    DataError
+        If no sensor has a line.
+    """
+    plan, readings = unit.plan, unit.readings
     chosen: dict[str, Chosen] = {}
-    straight, everything, reasons = {}, {}, {}
+    everything: dict[str, Chosen] = {}
+    straight: dict[str, Line] = {}
+    reasons: dict[str, Reason] = {}
     remarks = [*readings.remarks]
     for sensor in readings.outputs:
-        left_out = exclusions(plan, readings, sensor)
-        remarks += left_out.remarks
-        used = readings.take(~left_out.any)
-        try:
-            plain = line(plan, used, sensor, asymmetry=False)
-            own = _chosen(plan, used, sensor, len(readings.outputs))
-            everything[sensor] = _chosen(plan, readings, sensor, len(readings.outputs)) if left_out.any.any() else own
-            chosen[sensor], straight[sensor] = own, plain
-        except DataError as error:
-            reasons[sensor] = Reason(error.problems[0].code, error.problems[0].what)
-            remarks.append(Remark("no_line", "warning", reasons[sensor].text, error.problems[0].where))
+        remarks += unit.left_out[sensor].remarks
+        plain, own, whole = unit.straight[sensor], unit.chosen[sensor], unit.everything[sensor]
+        if isinstance(plain, DataError) or isinstance(own, DataError) or isinstance(whole, DataError):
+            refused = next(one for one in (plain, own, whole) if isinstance(one, DataError))
+            problem = refused.problems[0]
+            reasons[sensor] = Reason(problem.code, problem.what)
+            remarks.append(Remark("no_line", "warning", reasons[sensor].text, problem.where))
+            continue
+        chosen[sensor], straight[sensor], everything[sensor] = own, plain, whole
     if not chosen:
         raise DataError(
             f"no sensor can be reduced: {'; '.join(map(str, reasons.values()))}",
             where=readings.where[0] if readings.where else "",
         )
-    lines = {sensor: one.line for sensor, one in chosen.items()}
-    if any(one.level == "dwell" for one in lines.values()) and readings.runs >= 2:
+    own_lines = {sensor: one.line for sensor, one in chosen.items()}
+    if any(one.level == "dwell" for one in own_lines.values()) and readings.runs >= 2:
         what = "some axis was turned in one run only: the uncertainty is the scatter between dwells, not between runs"
         remarks.append(Remark("not_repeated_between_runs", "warning", what, do="Turn every axis in every run"))
     repeated = any(chosen[sensor] is not everything[sensor] for sensor in chosen)
@@ -161,21 +248,15 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     return Result(
         plan,
         readings,
-        lines,
+        own_lines,
         straight,
         full,
         {sensor: one.reasons for sensor, one in chosen.items()},
-        estimate(plan, lines, full),
+        estimate(plan, own_lines, full),
         _estimate_of_all(plan, everything) if repeated else None,
         reasons,
         gather([*remarks, *_remarks(plan, readings)]),
     )
-
-
-def _chosen(plan: Plan, readings: Readings, sensor: str, sensors: int) -> Chosen:
-    """Fit the line with asymmetry where the rates allow it, and with the curvatures that are seen."""
-    asymmetry = plan.asymmetry and can_tell_asymmetry(readings, sensor)
-    return with_nonlinearity(plan, readings, sensor, asymmetry, sensors)
 
 
 def _estimate_of_all(plan: Plan, chosen: Mapping[str, Chosen]) -> Estimate | None:
@@ -191,7 +272,7 @@ def _remarks(plan: Plan, readings: Readings) -> list[Remark]:
         found.append(Remark("few_runs", "warning", what, do=f"Repeat until there are {FEW_RUNS} power-ups or more"))
     if readings.runs < 2:
         what = "power-up runs were not repeated or not given: the scatter between runs is not in the uncertainty"
-        recordings = len(np.unique(recordings_of(readings)[0]))
+        recordings = len(np.unique(turned(readings).groups))
         if recordings >= 2 and not readings.runs:
             what = f"power-up runs were not given: each of {recordings} recordings is taken as a power-up"
         found.append(Remark("no_runs", "warning", what, do="Name the run of each dwell, and repeat the power-up"))

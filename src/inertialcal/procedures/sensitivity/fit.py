@@ -70,7 +70,7 @@ def fitted(plan: Plan, readings: Readings, design: Design) -> SensorFit:
         do = "Record more levels, lower order, or interactions = false"
         raise DataError(what, why="no scatter is left to judge by", do=do, code="too_few_levels")
     if np.all(np.isfinite(noise)):
-        beyond = max(own.mean_square - float(noise.mean()), 0.0)
+        beyond = max(float(own.mean_square) - float(noise.mean()), 0.0)
         variances = noise + beyond
         if variances.min() > 0.0:
             weights = variances.mean() / variances

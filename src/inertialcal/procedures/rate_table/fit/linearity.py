@@ -18,7 +18,8 @@ from ....core.key import Key, Reason
 from ....core.results import Interval, Row, not_estimated
 from ....statistics.intervals import band_factor, coverage_factor
 from ..readings import Readings
-from .regression import Line, dwell_variance, recordings_of
+from .regression import Line, dwell_variance
+from .turned import turned
 
 ROUNDING = 1e-9  # part of a column that varies beside the lines of the recordings, below which it does not
 FEW = 3.0  # degrees of freedom that the scatter about a line of its own slope in each recording needs
@@ -71,7 +72,7 @@ def deviations(straight: Line, full: Line | None = None) -> tuple[Array, Array, 
 
 def _alike(readings: Readings, own: NDArray[np.bool_]) -> bool:
     """Tell whether each rate belongs to half of the recordings about the axis or more."""
-    groups = recordings_of(readings)[0][own]
+    groups = turned(readings).groups[own]
     rates = np.unique(readings.applied[own], return_inverse=True)[1]
     pairs = {(int(rate), str(group)) for rate, group in zip(rates, groups, strict=True)}
     counts = np.bincount([rate for rate, _ in pairs])

@@ -20,7 +20,7 @@ third order; (3) saturation, which looks like K3.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -29,14 +29,13 @@ from scipy import special
 from ....core.errors import DataError
 from ....core.estimate import Array
 from ....core.key import Reason
-from ....statistics.random_offsets import whitened
 from ..plan import Plan
 from ..readings import Readings
-from .regression import POWERS, Line, Unresolved, design, line, recordings_of
+from .regression import Line, Unresolved, lines
+from .turned import POWERS, turned
 
 SEEN = 0.02  # false-alarm rate for all terms together
 HINTED = 0.1  # of one term
-APART = 0.02  # part of a term's column that the other columns do not explain, from which on it is told apart
 NEEDS = {
     "K2": "needs three sizes of rate (rest counts) and a dwell more than coefficients: K2 and asymmetry look alike",
     "K3": "needs two sizes of rate in both senses and a dwell more than coefficients: K3 and scale factor look alike",
@@ -52,53 +51,87 @@ class Chosen:
     reasons: Mapping[str, Reason] = field(default_factory=dict[str, Reason])  # Why a term is not estimated
 
 
-def with_nonlinearity(plan: Plan, readings: Readings, sensor: str, asymmetry: bool, sensors: int) -> Chosen:
-    """Return the line of a sensor with the second- and third-order terms that are seen among so many sensors."""
-    plain = line(plan, readings, sensor, asymmetry)
+def with_nonlinearity(
+    plan: Plan, units: Sequence[Readings], sensor: str, asymmetry: bool, sensors: int
+) -> list[Chosen | DataError]:
+    """Return the line of a sensor of each of several units with the second- and third-order terms that are seen.
+
+    Parameters
+    ----------
+    plan : Plan
+        Of all units: its ``nonlinearity``.
+    units : sequence of Readings
+        Their dwells.
+    sensor : str
+        Axis of the sensor.
+    asymmetry : bool
+        Whether the lines have a coefficient of it.
+    sensors : int
+        How many sensors of a unit are looked at.
+
+    Returns
+    -------
+    list of Chosen or DataError
+        Why a unit has no line, as `regression.line`.
+    """
+    plain = lines(units, sensor, asymmetry)
     if plan.nonlinearity == "none":
-        return Chosen(plain, plain, dict.fromkeys(POWERS, Reason("by_plan", 'nonlinearity = "none" in the plan')))
-    told = allowed(plain)
-    reasons = {name: Reason("few_rates", NEEDS[name]) for name in POWERS if name not in told}
-    full = _fitted(plan, readings, sensor, asymmetry, told)
-    if full is None or full.covariance is None:
-        return Chosen(plain, plain, reasons | {name: Reason("few_rates", NEEDS[name]) for name in told})
-    if plan.nonlinearity == "always":
-        unresolved = tuple(_unresolved(full, full, name, hinted=True) for name in told)
-        return Chosen(replace(full, unresolved=unresolved), full, reasons)
-    p = {name: _p_of(full, name) for name in told}
-    seen = tuple(name for name in told if p[name] < SEEN / (len(POWERS) * sensors))
-    own = full if seen == told else _fitted(plan, readings, sensor, asymmetry, seen) or plain
-    unresolved = tuple(_unresolved(own, full, name, p[name] < HINTED) for name in told)
-    return Chosen(replace(own, unresolved=unresolved), full, reasons)
-
-
-def _fitted(plan: Plan, readings: Readings, sensor: str, asymmetry: bool, terms: tuple[str, ...]) -> Line | None:
-    try:
-        return line(plan, readings, sensor, asymmetry, terms)
-    except DataError:
-        return None
-
-
-def allowed(plain: Line) -> tuple[str, ...]:
-    """Return the terms that the rates tell apart from the coefficients of a line, and from each other."""
-    readings = plain.readings
-    found: tuple[str, ...] = ()
-    if plain.sensor not in plain.axes:
-        return found
-    groups = recordings_of(readings)[0] if plain.fit.own else np.zeros(len(readings))
-    numbers = np.unique(groups, return_inverse=True)[1]
-    spare = plain.fit.dof
-    for name in POWERS:
-        columns = design(readings, plain.sensor, plain.axes, plain.asymmetry, (*found, name))[0][:, 1:]
-        within = whitened(columns, np.ones(len(readings)), numbers, np.inf)
-        size = np.linalg.norm(within, axis=0)
-        if spare < 2.0 or not np.all(size > 0.0):
+        why = dict.fromkeys(POWERS, Reason("by_plan", 'nonlinearity = "none" in the plan'))
+        return [one if isinstance(one, DataError) else Chosen(one, one, why) for one in plain]
+    told = [() if isinstance(one, DataError) else _allowed(one) for one in plain]
+    full = _fitted(units, sensor, asymmetry, told, plain, plain)
+    always = plan.nonlinearity == "always"
+    p = [{name: 0.0 if always else _p_of(one, name) for name in _estimated(one)} for one in full]
+    seen = [tuple(name for name in one if one[name] < SEEN / (len(POWERS) * sensors)) for one in p]
+    own = _fitted(units, sensor, asymmetry, seen, plain, full)
+    found: list[Chosen | DataError] = []
+    for i, one in enumerate(plain):
+        if isinstance(one, DataError):
+            found.append(one)
             continue
-        unit = within / size
-        left = unit[:, -1] - unit[:, :-1] @ np.linalg.lstsq(unit[:, :-1], unit[:, -1], rcond=None)[0]
-        if np.linalg.norm(left) > APART:
-            found, spare = (*found, name), spare - 1.0
+        reasons = {name: Reason("few_rates", NEEDS[name]) for name in POWERS if name not in told[i]}
+        whole, line = full[i], own[i]
+        if isinstance(whole, DataError) or whole.covariance is None:
+            found.append(Chosen(one, one, reasons | {name: Reason("few_rates", NEEDS[name]) for name in told[i]}))
+            continue
+        line = one if isinstance(line, DataError) else line
+        unresolved = tuple(_unresolved(line, whole, name, p[i][name] < HINTED) for name in told[i])
+        found.append(Chosen(replace(line, unresolved=unresolved), whole, reasons))
     return found
+
+
+def _estimated(full: Line | DataError) -> tuple[str, ...]:
+    """Return the terms that a line has with an uncertainty."""
+    return () if isinstance(full, DataError) or full.covariance is None else full.curvature
+
+
+def _fitted(
+    units: Sequence[Readings],
+    sensor: str,
+    asymmetry: bool,
+    terms: Sequence[tuple[str, ...]],
+    plain: Sequence[Line | DataError],
+    full: Sequence[Line | DataError],
+) -> list[Line | DataError]:
+    """Return lines with terms, unit by unit: of those there are already, or fitted; none where there is no plain one."""
+    found = list(plain)
+    missing: dict[tuple[str, ...], list[int]] = {}
+    for i, (wanted, one, other) in enumerate(zip(terms, plain, full, strict=True)):
+        if isinstance(one, DataError) or one.curvature == wanted:
+            continue
+        if not isinstance(other, DataError) and other.curvature == wanted:
+            found[i] = other
+        else:
+            missing.setdefault(wanted, []).append(i)
+    for wanted, at in missing.items():
+        for i, line in zip(at, lines([units[i] for i in at], sensor, asymmetry, wanted), strict=True):
+            found[i] = line
+    return found
+
+
+def _allowed(plain: Line) -> tuple[str, ...]:
+    """Return the terms that the rates tell apart from the coefficients of a line, and from each other."""
+    return turned(plain.readings).allowed(plain.sensor, plain.asymmetry, plain.fit.own, plain.fit.dof)
 
 
 def _p_of(full: Line, name: str) -> float:

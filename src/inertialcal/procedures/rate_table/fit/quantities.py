@@ -30,7 +30,8 @@ from ....core.estimate import Array, Component, Estimate
 from ....core.key import AXES, Key, Origin
 from ..plan import Plan
 from .earth_input import earth_influences
-from .regression import POWERS, WORDS, Line
+from .regression import Line
+from .turned import POWERS, WORDS
 
 UNITS = {
     "bias": "rad/s", "scale_factor_error": "1", "scale_factor_asymmetry": "1", "cross_axis_sensitivity": "1",

@@ -39,7 +39,7 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,19 +49,18 @@ from ....core.errors import DataError
 from ....core.estimate import Array
 from ....core.key import AXES
 from ....statistics.clustered import clustered_covariance
-from ....statistics.least_squares import Fit, fit
-from ....statistics.own_offsets import OwnOffsets, fit_own_offsets, mean_square_within
+from ....statistics.least_squares import Decomposed, Fit, fit, times
+from ....statistics.own_offsets import mean_square_within
 from ....statistics.random_offsets import group_moments, offset_ratio, whitened, whitening
 from ..plan import Plan
-from ..readings import Labels, Readings
+from ..readings import Readings
+from .turned import LineDesign, columns_of, turned
 
 EARTH_PASSES = 3
 UNEQUAL = 2.0  # most over fewest samples of a dwell, from which on they decide its weight
 MANY = 12  # runs, from which on their scatter is known well enough to weigh an offset by it
 COST = 2.0  # of an intercept for each recording, in u of any coefficient, that many runs need not pay
 HALVINGS = 24
-POWERS = {"K2": 2, "K3": 3}
-WORDS = {"K2": "second-order term", "K3": "third-order term"}
 
 
 @dataclass(frozen=True)
@@ -136,84 +135,148 @@ def line(plan: Plan, readings: Readings, sensor: str, asymmetry: bool, curvature
     DataError
         If there are fewer dwells than coefficients, or the rates do not tell the coefficients apart.
     """
-    used = readings.take(np.isfinite(readings.outputs[sensor]))
-    axes = tuple(str(axis) for axis in np.unique(used.axis))
-    columns, names = design(used, sensor, axes, asymmetry, curvature)
-    y = _without_earth(used, sensor, columns, axes)
-    if len(y) < len(names):
-        raise DataError(
-            f"{sensor} sensor: {len(y)} dwells, need {len(names)} or more for {', '.join(names)}",
-            where=used.where[0] if used.where else "",
-            code="too_few_dwells",
-        )
-    try:
-        plain = fit(columns, y, names=names)
-    except DataError as error:
-        if error.problems[0].code != "rank_deficient":
-            raise
-        rates = ", ".join(f"{rate:+g}" for rate in np.unique(np.degrees(used.applied).round(9))[:8])
-        what = f"{sensor} sensor: the rates ({rates} deg/s) do not tell {', '.join(names)} apart"
-        raise DataError(
-            what, used.where[0] if used.where else "", do="Turn at more rates", code="rank_deficient"
-        ) from None
-    found, covariance, dof, level = _solved(used, sensor, columns, y, plain)
-    levels = (_sample_level(used, sensor), *_dwell_and_run_levels(used, plain, found))
-    return Line(sensor, axes, asymmetry, found, covariance, dof, level, levels, used, curvature)
+    found = lines([readings], sensor, asymmetry, curvature)[0]
+    if isinstance(found, DataError):
+        raise found
+    return found
 
 
-def recordings_of(readings: Readings) -> tuple[Labels, Labels]:
-    """Return the recording of each dwell, and its run: the power-up, or the recording where none is named."""
-    if readings.runs:
-        assert readings.run is not None  # noqa: S101 - for the type checker
-        label = readings.run
-    else:
-        label = np.full(len(readings), "") if readings.recording is None else readings.recording
-    groups = np.array([f"{one} {axis}" for one, axis in zip(label, readings.axis, strict=True)])
-    return groups, label if readings.runs else groups
+def lines(
+    units: Sequence[Readings], sensor: str, asymmetry: bool, curvature: tuple[str, ...] = ()
+) -> list[Line | DataError]:
+    """Return the line of one sensor of each of several units, or why it has none; those turned alike are fitted at once.
+
+    Every line is the same, to the bit, as that of its unit alone.
+    """
+    used = [one.take(np.isfinite(one.outputs[sensor])) for one in units]
+    found: dict[int, Line | DataError] = {}
+    alike: dict[int, tuple[LineDesign, Decomposed, list[int]]] = {}
+    for i, one in enumerate(used):
+        if not len(one):
+            where = units[i].where[0] if units[i].where else ""
+            found[i] = DataError(f"{sensor} sensor: no readings", where=where, code="too_few_dwells")
+            continue
+        design = turned(one).line(sensor, asymmetry, curvature)
+        if len(one) < len(design.words):
+            what = f"{sensor} sensor: {len(one)} dwells, need {len(design.words)} or more for {', '.join(design.words)}"
+            found[i] = DataError(what, where=one.where[0] if one.where else "", code="too_few_dwells")
+        elif isinstance(design.plain, DataError):
+            found[i] = _not_told_apart(one, design, design.plain)
+        else:
+            alike.setdefault(id(design), (design, design.plain, []))[2].append(i)
+    for design, plain, members in alike.values():
+        found.update(zip(members, _alike(design, plain, [used[i] for i in members]), strict=True))
+    return [found[i] for i in range(len(used))]
 
 
-Solved = tuple[Solution, Array | None, Array, str]
+def _not_told_apart(one: Readings, design: LineDesign, error: DataError) -> DataError:
+    if error.problems[0].code != "rank_deficient":
+        return error
+    rates = ", ".join(f"{rate:+g}" for rate in np.unique(np.degrees(one.applied).round(9))[:8])
+    what = f"{design.sensor} sensor: the rates ({rates} deg/s) do not tell {', '.join(design.words)} apart"
+    where = one.where[0] if one.where else ""
+    return DataError(what, where, do="Turn at more rates", code="rank_deficient")
 
 
-def _solved(readings: Readings, sensor: str, columns: Array, y: Array, plain: Fit) -> Solved:
-    """Return coefficients with covariance, degrees of freedom and the level that those of the slopes come from."""
-    groups, clusters = recordings_of(readings)
-    numbers = np.unique(groups, return_inverse=True)[1]
-    weights = _weights(readings, sensor, columns, y, numbers)
-    own = fit_own_offsets(columns[:, 1:], y, groups, clusters, weights)
-    ratio = offset_ratio(group_moments(columns, y, weights, numbers)) if plain.dof >= 2 else 0.0
-    white = fit(whitened(columns, weights, numbers, ratio), whitened(y[:, None], weights, numbers, ratio)[:, 0])
-    many = readings.runs >= MANY and own is not None and _cost(own, white) > COST
-    if own is None or many:
-        solve = whitening(white.transform @ white.basis.T, weights, numbers, ratio)
-        return _with_random_offsets(readings, sensor, columns, y, white, solve, numbers)
-    found = Solution(
-        own.coefficients,
-        own.solve,
-        columns,
-        y - columns @ own.coefficients,
-        own.local,
-        np.sum(own.basis**2, axis=1) + weights / np.bincount(numbers, weights)[numbers],
-        own.basis,
-        numbers,
-        own.mean_square,
-        own.spare,
-        True,
+@dataclass(frozen=True, eq=False)
+class _Plain:
+    """Fits with one intercept and equal weights, of units turned alike."""
+
+    residuals: Array  # (units, n)
+    dof: float
+
+
+def _alike(design: LineDesign, plain: Decomposed, units: Sequence[Readings]) -> list[Line]:
+    """Return the lines of units that were turned alike."""
+    sensor, columns = design.sensor, design.columns
+    y = _without_earth(design, plain, units)
+    fitted = _Plain(y - times(columns, plain.coefficients(y)), float(columns.shape[0] - columns.shape[1]))
+    weights = [_weights(one, sensor, columns, y[i], design.turned.numbers) for i, one in enumerate(units)]
+    equal = [i for i, one in enumerate(weights) if one is None]
+    solved: dict[int, Solved] = dict(
+        zip(equal, _solved(design, [units[i] for i in equal], y[equal], None), strict=True)
     )
-    between = "run" if readings.runs else "recording"
-    return found, own.covariance, own.dof, between if np.all(own.repeated[1:]) else "dwell"
+    for i, weight in enumerate(weights):
+        if weight is not None:
+            solved[i] = _solved(design, [units[i]], y[[i]], weight)[0]
+    own = np.array([np.sum(solved[i][0].local ** 2) for i in range(len(units))])
+    levels = _dwell_and_run_levels(design, fitted, [solved[i][0] for i in range(len(units))], own)
+    made = []
+    for i, one in enumerate(units):
+        found, covariance, dof, level = solved[i]
+        every = (_sample_level(one, sensor), *levels[i])
+        made.append(
+            Line(sensor, design.turned.axes, design.asymmetry, found, covariance, dof, level, every, one,
+                 design.curvature)
+        )  # fmt: skip
+    return made
 
 
-def _cost(own: OwnOffsets, white: Fit) -> float:
+Solved = tuple["Solution", Array | None, Array, str]
+
+
+def _solved(design: LineDesign, units: Sequence[Readings], y: Array, weights: Array | None) -> list[Solved]:
+    """Return coefficients with covariance, degrees of freedom and the level that those of the slopes come from.
+
+    Parameters
+    ----------
+    design : LineDesign
+        Of all units.
+    units : sequence of Readings
+        All of the same weights.
+    y : ndarray, shape (units, n)
+        Their readings, without the earth's rotation.
+    weights : ndarray, shape (n,), or None
+        Of the dwells; None for equal ones.
+    """
+    if not units:
+        return []
+    offsets = design.own if weights is None else design.own_weighed(weights)
+    every = np.ones(y.shape[1]) if weights is None else weights
+    if offsets is None:
+        return [_with_random_offsets(design, one, y[i], every) for i, one in enumerate(units)]
+    numbers, columns = design.turned.numbers, design.columns
+    own = offsets.fit(y)
+    residuals = y - times(columns, own.coefficients)
+    leverage = np.sum(own.basis**2, axis=1) + every / np.bincount(numbers, every)[numbers]
+    between = "run" if design.turned.runs else "recording"
+    level = between if np.all(own.repeated[1:]) else "dwell"
+    mean_square = own.mean_square.tolist()
+    found: list[Solved] = []
+    for i, one in enumerate(units):
+        if design.turned.runs >= MANY:
+            white = _white(design, y[i], every)[0]
+            if _cost(own.solve[i], white) > COST:
+                found.append(_with_random_offsets(design, one, y[i], every))
+                continue
+        solution = Solution(
+            own.coefficients[i], own.solve[i], columns, residuals[i], own.local[i], leverage, own.basis, numbers,
+            mean_square[i], own.spare, True,
+        )  # fmt: skip
+        found.append((solution, own.covariance[i], own.dof, level))
+    return found
+
+
+def _white(design: LineDesign, y: Array, weights: Array) -> tuple[Fit, float]:
+    """Return the fit with one intercept, and the variance of the offsets of recordings over that of a dwell."""
+    columns, numbers = design.columns, design.turned.numbers
+    spare = columns.shape[0] - columns.shape[1]
+    ratio = offset_ratio(group_moments(columns, y, weights, numbers)) if spare >= 2 else 0.0
+    white = whitened(np.column_stack([columns, y]), weights, numbers, ratio)
+    return fit(white[:, :-1], white[:, -1]), ratio
+
+
+def _cost(solve: Array, white: Fit) -> float:
     """Return by how much an intercept for each recording makes u of a slope larger, at most."""
-    size = np.sqrt(np.sum(own.solve[1:] ** 2, axis=1))
+    size = np.sqrt(np.sum(solve[1:] ** 2, axis=1))
     return float(np.max(size / np.sqrt(np.sum(white.transform[1:] ** 2, axis=1))))
 
 
-def _with_random_offsets(
-    readings: Readings, sensor: str, columns: Array, y: Array, white: Fit, solve: Array, numbers: NDArray[np.intp]
-) -> Solved:
+def _with_random_offsets(design: LineDesign, readings: Readings, y: Array, weights: Array) -> Solved:
     """Return a line with one intercept, the offsets of recordings a random effect, or in the scatter."""
+    sensor, columns, numbers = design.sensor, design.columns, design.turned.numbers
+    white, ratio = _white(design, y, weights)
+    solve = whitening(white.transform @ white.basis.T, weights, numbers, ratio)
     residuals = y - columns @ white.coefficients
     found = Solution(
         white.coefficients, solve, columns, residuals, residuals, white.leverage, white.basis, numbers,
@@ -235,17 +298,17 @@ def _with_random_offsets(
     return found, None, np.full(p, np.nan), ""
 
 
-def _weights(readings: Readings, sensor: str, columns: Array, y: Array, numbers: NDArray[np.intp]) -> Array:
-    """Return the weights of dwells, shape (n,): equal, or by their number of samples where these differ much.
+def _weights(readings: Readings, sensor: str, columns: Array, y: Array, numbers: NDArray[np.intp]) -> Array | None:
+    """Return the weights of dwells, shape (n,), by their number of samples where these differ much; None for equal.
 
     The variance of a mean is that of a sample over their number and that of a dwell, the latter such that the
     residuals are as large as expected.
     """
-    equal, samples, scatter = np.ones(len(y)), readings.samples, readings.scatters.get(sensor)
+    samples, scatter = readings.samples, readings.scatters.get(sensor)
     if samples is None or scatter is None or not (np.all(np.isfinite(samples)) and np.all(np.isfinite(scatter))):
-        return equal
+        return None
     if np.max(samples) <= UNEQUAL * np.min(samples) or not np.any(scatter > 0.0):
-        return equal
+        return None
     within = float(np.sum(samples * scatter**2) / np.sum(samples)) / samples
 
     def left(dwell: float) -> float:
@@ -261,17 +324,20 @@ def _weights(readings: Readings, sensor: str, columns: Array, y: Array, numbers:
     return np.asarray(found / found.mean())
 
 
-def _without_earth(readings: Readings, sensor: str, columns: Array, axes: tuple[str, ...]) -> Array:
-    """Return the readings less what the sensor reads of the earth's rotation, by its own matrix row, shape (n,)."""
-    y = readings.outputs[sensor]
-    if readings.earth is None or len(y) < columns.shape[1]:
+def _without_earth(design: LineDesign, plain: Decomposed, units: Sequence[Readings]) -> Array:
+    """Return readings less what each sensor reads of the earth's rotation, by its own matrix row, shape (units, n)."""
+    sensor = design.sensor
+    y = np.stack([one.outputs[sensor] for one in units])
+    earth = [one.earth for one in units if one.earth is not None]
+    if len(earth) < len(units):  # all have it, or none
         return y
-    row = (np.array(AXES) == sensor).astype(float)
+    stacked = np.stack(earth)
+    row = np.tile((np.array(AXES) == sensor).astype(float), (len(units), 1))
+    at = [AXES.index(axis) for axis in design.turned.axes]
     for _ in range(EARTH_PASSES):  # each gains two digits: the row is known to a percent before the first
-        coefficients = np.linalg.lstsq(columns, y - readings.earth @ row, rcond=None)[0]
-        for at, axis in enumerate(axes):
-            row[AXES.index(axis)] = coefficients[1 + at]
-    return np.asarray(y - readings.earth @ row)
+        coefficients = times(plain.transform, times(plain.basis.T, y - times(stacked, row)))
+        row[:, at] = coefficients[:, 1 : 1 + len(at)]
+    return np.asarray(y - times(stacked, row))
 
 
 def reading_of_line(one: Line, readings: Readings) -> Array:
@@ -281,7 +347,8 @@ def reading_of_line(one: Line, readings: Readings) -> Array:
     -------
     ndarray, shape (n,)
     """
-    columns, _ = design(readings, one.sensor, one.axes, one.asymmetry, one.curvature)
+    x = {axis: np.where(readings.axis == axis, readings.applied, 0.0) for axis in one.axes}
+    columns, _ = columns_of(x, one.sensor, one.asymmetry, one.curvature)
     expected: Array = columns @ one.fit.coefficients
     if readings.earth is None:
         return expected
@@ -289,37 +356,6 @@ def reading_of_line(one: Line, readings: Readings) -> Array:
     for at, axis in enumerate(one.axes):
         row[AXES.index(axis)] = one.fit.coefficients[1 + at]
     return np.asarray(expected + readings.earth @ row)
-
-
-def design(
-    readings: Readings, sensor: str, axes: tuple[str, ...], asymmetry: bool, curvature: tuple[str, ...] = ()
-) -> tuple[Array, list[str]]:
-    """Return the columns of a line, the first one of the intercept, shape (n, p), and their names in words."""
-    x = {axis: np.where(readings.axis == axis, readings.applied, 0.0) for axis in axes}
-    return columns_of(x, sensor, asymmetry, curvature)
-
-
-def columns_of(
-    x: Mapping[str, Array], sensor: str, asymmetry: bool, curvature: tuple[str, ...]
-) -> tuple[Array, list[str]]:
-    """Return the columns of a line for rates about its axes, and their names in words."""
-    columns = [np.ones(len(next(iter(x.values())))), *x.values()]
-    names = ["bias", *(f"matrix entry {sensor}{axis}" for axis in x)]
-    if asymmetry:
-        columns.append(np.abs(x[sensor]))
-        names.append("asymmetry")
-    for name in curvature:
-        columns.append(x[sensor] ** POWERS[name])
-        names.append(WORDS[name])
-    return np.column_stack(columns), names
-
-
-def can_tell_asymmetry(readings: Readings, sensor: str) -> bool:
-    """Return True where the sensor's own axis was turned both ways at two or more rates each, or with rest."""
-    rates = readings.applied[(readings.axis == sensor) & np.isfinite(readings.outputs[sensor])]
-    positive, negative = np.unique(rates[rates > 0.0]), np.unique(rates[rates < 0.0])
-    at_rest = bool(np.any(rates == 0.0))
-    return min(len(positive), len(negative)) >= 1 and len(positive) + len(negative) + at_rest >= 3
 
 
 def _sample_level(readings: Readings, sensor: str) -> Level:
@@ -337,28 +373,47 @@ def _sample_level(readings: Readings, sensor: str) -> Level:
     return Level("sample", float(np.sqrt(np.sum(weight * scatter[given] ** 2) / np.sum(weight))), float(weight.sum()))
 
 
-def _dwell_and_run_levels(readings: Readings, found: Fit, own: Solution) -> tuple[Level, Level]:
-    total = float(found.residuals @ found.residuals)
-    if readings.runs < 2:
-        reason = "one run: not repeated" if readings.runs else "runs were not given"
-        square = float(own.local @ own.local) if own.own else total
-        return _dwell_level(square, own.dof if own.own else found.dof), Level("run", None, reason=reason)
-    assert readings.run is not None  # noqa: S101 - for the type checker
-    labels, at = np.unique(readings.run, return_inverse=True)
+def _dwell_and_run_levels(
+    design: LineDesign, found: _Plain, solutions: Sequence[Solution], own: Array
+) -> list[tuple[Level, Level]]:
+    """Return the scatter of dwells and of runs of units turned alike.
+
+    Parameters
+    ----------
+    design : LineDesign
+        Of all units.
+    found : _Plain
+        Their fits with one intercept.
+    solutions : sequence of Solution
+        Their lines.
+    own : ndarray, shape (units,)
+        Sum of squares of their residuals without the offsets of recordings [(rad/s)^2].
+    """
+    runs = design.turned.runs
+    if runs < 2:
+        reason = "one run: not repeated" if runs else "runs were not given"
+        missing = Level("run", None, reason=reason)
+        total = np.sum(found.residuals**2, axis=-1)
+        squares = [(own[i], one.dof) if one.own else (total[i], found.dof) for i, one in enumerate(solutions)]
+        return [(_dwell_level(float(square), dof), missing) for square, dof in squares]
     # What no offset of a run can take up: within the runs, beside the columns there
-    within = whitened(np.column_stack([found.design, found.residuals]), np.ones(len(at)), at, np.inf)
-    left, singular, _ = np.linalg.svd(within[:, :-1], full_matrices=False)
-    size = np.hypot(np.linalg.norm(found.design), np.sqrt(np.max(np.bincount(at))))
-    basis: Array = left[:, singular > size * 1e-10]
-    residuals = within[:, -1] - basis @ (basis.T @ within[:, -1])
-    square = float(residuals @ residuals)
-    dof = float(len(residuals) - len(labels) - basis.shape[1])
+    at, basis = design.turned.of_run, design.within_runs
+    per_run = np.bincount(at)
+    order = np.argsort(at, kind="stable")
+    means = np.add.reduceat(found.residuals[:, order], np.cumsum(per_run) - per_run, axis=-1) / per_run
+    within = found.residuals - means[:, at]
+    left = within - times(basis, times(basis.T, within))
+    square = np.sum(left**2, axis=-1)
+    dof = float(len(at) - runs - basis.shape[1])
     dof_run = found.dof - dof
-    dwell = _dwell_level(square, dof)
     if dof_run < 1:
-        return dwell, Level("run", None, reason="the rates differ from run to run: no scatter between runs")
-    per_run = len(readings) / len(labels)
-    return dwell, Level("run", float(np.sqrt(max(total - square, 0.0) / dof_run / per_run)), dof_run)
+        missing = Level("run", None, reason="the rates differ from run to run: no scatter between runs")
+        return [(_dwell_level(one, dof), missing) for one in square.tolist()]
+    of_run = np.sqrt(np.sum((found.residuals - left) ** 2, axis=-1) / dof_run / (len(at) / runs))
+    return [
+        (_dwell_level(one, dof), Level("run", std, dof_run))
+        for one, std in zip(square.tolist(), of_run.tolist(), strict=True)
+    ]
 
 
 def _dwell_level(square: float, dof: float) -> Level:

@@ -28,7 +28,8 @@ from ....core.estimate import Array
 from ....core.key import AXES
 from ....statistics.closed_loop import AxisLoop
 from ..fit.quantities import matrix_entry
-from ..fit.regression import Line, columns_of
+from ..fit.regression import Line
+from ..fit.turned import columns_of
 from ..readings import Labels, Readings
 
 Find = Callable[[Readings], Mapping[str, Array]]

@@ -1,0 +1,181 @@
+"""What the rates of a test decide by themselves: the same for all units that were turned alike.
+
+A production line turns every unit by one programme. Designs of lines, their decompositions, recordings, runs, and which
+curvatures the rates tell apart depend on rates, axes and labels alone; they are made once and remembered by what these
+arrays hold.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....core.errors import DataError
+from ....core.estimate import Array
+from ....signals.remembered import remembered
+from ....statistics.least_squares import Decomposed, decompose
+from ....statistics.own_offsets import OffsetDesign, offset_design
+from ....statistics.random_offsets import whitened
+from ..readings import Labels, Readings
+
+POWERS = {"K2": 2, "K3": 3}
+WORDS = {"K2": "second-order term", "K3": "third-order term"}
+APART = 0.02  # part of a term's column that the other columns do not explain, from which on it is told apart
+
+
+class LineDesign:
+    """Design of a line: its columns, and what a fit takes of them.
+
+    Parameters
+    ----------
+    turned : Turned
+        The rates.
+    sensor, asymmetry, curvature
+        Of the line.
+    """
+
+    def __init__(self, turned: Turned, sensor: str, asymmetry: bool, curvature: tuple[str, ...]) -> None:
+        self.turned, self.sensor, self.asymmetry, self.curvature = turned, sensor, asymmetry, curvature
+        x = {axis: np.where(turned.axis == axis, turned.applied, 0.0) for axis in turned.axes}
+        self.columns, self.words = columns_of(x, sensor, asymmetry, curvature)  # (n, p), in words
+
+    @cached_property
+    def plain(self) -> Decomposed | DataError:
+        """With one intercept and equal weights; the refusal where the rates do not tell the coefficients apart.
+
+        Of as many dwells as coefficients, or more.
+        """
+        if not np.isfinite(self.columns).all():
+            return DataError(
+                "rates that are not finite", do="Leave out what is missing, and count it", code="not_finite"
+            )
+        try:
+            return decompose(self.columns, self.words)
+        except DataError as error:
+            return error
+
+    @cached_property
+    def own(self) -> OffsetDesign | None:
+        """With an intercept of its own in each recording, and equal weights; None where that cannot be."""
+        return self.own_weighed(None)
+
+    def own_weighed(self, weights: Array | None) -> OffsetDesign | None:
+        """Return the same with weights, shape (n,)."""
+        return offset_design(self.columns[:, 1:], self.turned.groups, self.turned.clusters, weights)
+
+    @cached_property
+    def within_runs(self) -> Array:
+        """Orthonormal basis of what varies within the runs, shape (n, q): no offset of a run can take it up."""
+        at = self.turned.of_run
+        within = whitened(self.columns, np.ones(len(at)), at, np.inf)
+        left, singular, _ = np.linalg.svd(within, full_matrices=False)
+        size = np.hypot(np.linalg.norm(self.columns), np.sqrt(np.max(np.bincount(at))))
+        return np.asarray(left[:, singular > size * 1e-10])
+
+
+class Turned:
+    """Rates of dwells, shape (n,), with axes turned, runs and recordings.
+
+    Parameters
+    ----------
+    applied : ndarray, shape (n,)
+        Rates [rad/s].
+    axis : ndarray of str, shape (n,)
+        Axis turned.
+    run, recording : ndarray of str, shape (n,), or None
+        As `Readings` has them.
+    """
+
+    def __init__(self, applied: Array, axis: Labels, run: Labels | None, recording: Labels | None) -> None:
+        self.applied, self.axis = applied.copy(), axis.copy()
+        self.axes = tuple(str(one) for one in np.unique(axis))
+        runs, self.of_run = (
+            (np.zeros(0), np.zeros(0, dtype=np.intp))
+            if run is None or np.all(run == "")
+            else np.unique(run, return_inverse=True)
+        )
+        self.runs = len(runs)
+        label = run if self.runs else recording
+        names = np.full(len(axis), "") if label is None else label
+        pairs = zip(names.tolist(), axis.tolist(), strict=True)
+        self.groups = np.array([f"{one} {about}" for one, about in pairs])  # recording of each dwell
+        self.clusters = names.copy() if self.runs else self.groups  # its power-up, or the recording
+        self.numbers = np.unique(self.groups, return_inverse=True)[1]
+        self._lines: dict[tuple[str, bool, tuple[str, ...]], LineDesign] = {}
+        self._allowed: dict[tuple[str, bool, bool, float], tuple[str, ...]] = {}
+
+    def line(self, sensor: str, asymmetry: bool, curvature: tuple[str, ...] = ()) -> LineDesign:
+        """Return the design of a line of a sensor."""
+        key = sensor, asymmetry, curvature
+        if key not in self._lines:
+            self._lines[key] = LineDesign(self, *key)
+        return self._lines[key]
+
+    def tells_asymmetry(self, sensor: str) -> bool:
+        """Return True where the sensor's own axis was turned both ways at two or more rates each, or with rest."""
+        rates = np.unique(self.applied[self.axis == sensor])
+        positive, negative = np.count_nonzero(rates > 0.0), np.count_nonzero(rates < 0.0)
+        return bool(min(positive, negative) >= 1 and len(rates) >= 3)
+
+    def allowed(self, sensor: str, asymmetry: bool, own: bool, spare: float) -> tuple[str, ...]:
+        """Return the curvatures that the rates tell apart from the other coefficients, and from each other.
+
+        Parameters
+        ----------
+        sensor : str
+            Axis of the sensor.
+        asymmetry : bool
+            Whether the line has a coefficient of it.
+        own : bool
+            Whether recordings have intercepts of their own.
+        spare : float
+            Degrees of freedom of the line.
+        """
+        key = sensor, asymmetry, own, spare
+        if key not in self._allowed:
+            self._allowed[key] = self._told_apart(*key)
+        return self._allowed[key]
+
+    def _told_apart(self, sensor: str, asymmetry: bool, own: bool, spare: float) -> tuple[str, ...]:
+        found: tuple[str, ...] = ()
+        numbers = self.numbers if own else np.zeros_like(self.numbers)
+        for name in POWERS if sensor in self.axes else ():
+            columns = self.line(sensor, asymmetry, (*found, name)).columns[:, 1:]
+            within = whitened(columns, np.ones(len(columns)), numbers, np.inf)
+            size = np.linalg.norm(within, axis=0)
+            if spare < 2.0 or not np.all(size > 0.0):
+                continue
+            unit = within / size
+            left = unit[:, -1] - unit[:, :-1] @ np.linalg.lstsq(unit[:, :-1], unit[:, -1], rcond=None)[0]
+            if np.linalg.norm(left) > APART:
+                found, spare = (*found, name), spare - 1.0
+        return found
+
+
+@remembered
+def _turned(applied: Array, axis: Labels, run: Labels | None, recording: Labels | None) -> Turned:
+    return Turned(applied, axis, run, recording)
+
+
+def turned(readings: Readings) -> Turned:
+    """Return what the rates of dwells decide."""
+    return _turned(readings.applied, readings.axis, readings.run, readings.recording)
+
+
+def columns_of(
+    x: Mapping[str, Array], sensor: str, asymmetry: bool, curvature: tuple[str, ...]
+) -> tuple[Array, list[str]]:
+    """Return the columns of a line for rates about its axes, and their names in words."""
+    columns = [np.ones(len(next(iter(x.values())))), *x.values()]
+    names = ["bias", *(f"matrix entry {sensor}{axis}" for axis in x)]
+    if asymmetry:
+        columns.append(np.abs(x[sensor]))
+        names.append("asymmetry")
+    for name in curvature:
+        columns.append(x[sensor] ** POWERS[name])
+        names.append(WORDS[name])
+    return np.column_stack(columns), names
