@@ -222,8 +222,8 @@ class Decomposed:
         back, wide = self.basis.T, self._wide
         found = times(self.transform, times(back, readings))
         left = readings - times(self.design, found)
-        missed: Array = (readings - times(wide, found) - left).astype(float)
-        along: Array = times(wide.T, left).astype(float)
+        missed: Array = (readings - np.matmul(wide, found[..., None])[..., 0] - left).astype(float)
+        along: Array = np.matmul(wide.T, left[..., None])[..., 0].astype(float)
         return found + times(self.transform, times(back, missed) + times(self.transform.T, along))
 
     @cached_property

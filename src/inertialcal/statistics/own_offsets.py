@@ -238,7 +238,7 @@ class OffsetDesign:
 
 
 def _diagonal(matrices: Array) -> Array:
-    return np.diagonal(matrices, axis1=-2, axis2=-1)
+    return np.asarray(np.diagonal(matrices, axis1=-2, axis2=-1))
 
 
 def _told(within: Array, slopes: Array, weights: Array) -> bool:

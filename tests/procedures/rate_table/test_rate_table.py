@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import csv
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 

@@ -81,7 +81,7 @@ def with_nonlinearity(
     told = [() if isinstance(one, DataError) else _allowed(one) for one in plain]
     full = _fitted(units, sensor, asymmetry, told, plain, plain)
     always = plan.nonlinearity == "always"
-    p = [{name: 0.0 if always else _p_of(one, name) for name in _estimated(one)} for one in full]
+    p = [{} if isinstance(one, DataError) else _chances(one, always) for one in full]
     seen = [tuple(name for name in one if one[name] < SEEN / (len(POWERS) * sensors)) for one in p]
     own = _fitted(units, sensor, asymmetry, seen, plain, full)
     found: list[Chosen | DataError] = []
@@ -100,9 +100,9 @@ def with_nonlinearity(
     return found
 
 
-def _estimated(full: Line | DataError) -> tuple[str, ...]:
-    """Return the terms that a line has with an uncertainty."""
-    return () if isinstance(full, DataError) or full.covariance is None else full.curvature
+def _chances(full: Line, always: bool) -> dict[str, float]:
+    """Return the probability of each term of a line to be so large where there is none; 0 where all are taken."""
+    return {} if full.covariance is None else {name: 0.0 if always else _p_of(full, name) for name in full.curvature}
 
 
 def _fitted(
@@ -113,7 +113,7 @@ def _fitted(
     plain: Sequence[Line | DataError],
     full: Sequence[Line | DataError],
 ) -> list[Line | DataError]:
-    """Return lines with terms, unit by unit: of those there are already, or fitted; none where there is no plain one."""
+    """Return lines with terms, unit by unit: of those there are, or fitted; none without a plain one."""
     found = list(plain)
     missing: dict[tuple[str, ...], list[int]] = {}
     for i, (wanted, one, other) in enumerate(zip(terms, plain, full, strict=True)):

@@ -144,7 +144,7 @@ def line(plan: Plan, readings: Readings, sensor: str, asymmetry: bool, curvature
 def lines(
     units: Sequence[Readings], sensor: str, asymmetry: bool, curvature: tuple[str, ...] = ()
 ) -> list[Line | DataError]:
-    """Return the line of one sensor of each of several units, or why it has none; those turned alike are fitted at once.
+    """Return the line of a sensor of each of several units, or why it has none; those turned alike are fitted at once.
 
     Every line is the same, to the bit, as that of its unit alone.
     """

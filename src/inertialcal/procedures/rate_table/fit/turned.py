@@ -8,11 +8,9 @@ arrays hold.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....core.errors import DataError
 from ....core.estimate import Array
