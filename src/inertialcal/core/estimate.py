@@ -237,25 +237,32 @@ class Estimate:
         """Keys as text, to be shown and printed."""
         return tuple(str(one) for one in self.given)
 
-    @property
+    @cached_property
     def covariance(self) -> Array:
-        """Sum of the components, shape (k, k)."""
+        """Sum of the components, shape (k, k); read-only."""
         k = len(self.names)
         total = np.zeros((k, k))
         for component in self.components:
-            total = total + component.covariance
+            total += component.covariance
+        total.flags.writeable = False
         return total
 
-    @property
+    @cached_property
     def u(self) -> Array:
-        """Standard uncertainties, shape (k,)."""
-        return np.sqrt(np.diag(self.covariance))
+        """Standard uncertainties, shape (k,); read-only."""
+        found = np.sqrt(np.diag(self.covariance))
+        found.flags.writeable = False
+        return found
 
     @cached_property
     def dof(self) -> Array:
         """Degrees of freedom whose t gives the interval, shape (k,); infinite where all sources are known."""
         variances = [np.diag(component.covariance) for component in self.components]
         return joined_dof(variances, [component.dof for component in self.components], np.diag(self.covariance))
+
+    @cached_property
+    def _named_changes(self) -> tuple[dict[str, Array], ...]:
+        return tuple(one.named_changes for one in self.components)
 
     def shared(self, name: Key | str, times: float = 1.0) -> dict[str, float]:
         """Return the change of a value for one standard uncertainty of each unknown of a standard, with its sign.
@@ -264,8 +271,8 @@ class Estimate:
         """
         at: int = self.index(name)
         found: dict[str, float] = {}
-        for one in self.components:
-            for unknown, changes in one.named_changes.items():
+        for named in self._named_changes:
+            for unknown, changes in named.items():
                 found[unknown] = found.get(unknown, 0.0) + float(changes[at]) * times
         return found
 

@@ -15,6 +15,7 @@ References
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -47,6 +48,11 @@ def t_quantile(dof: float, p: float) -> float:
     """
     _check_probability(p)
     _check_dof(dof)
+    return _t_quantile(float(dof), float(p))
+
+
+@lru_cache(maxsize=4096)
+def _t_quantile(dof: float, p: float) -> float:
     return float(special.ndtri(p) if math.isinf(dof) else special.stdtrit(dof, p))
 
 
@@ -171,9 +177,15 @@ def chi_square_interval(std: float, dof: float, p: float = 0.95) -> Interval:
     _check_value(std, std, name="standard deviation")
     if math.isinf(dof):
         return Interval(std, std, p)
+    low, high = _chi_square_factors(dof, p)
+    return Interval(std * low, std * high, p)
+
+
+@lru_cache(maxsize=1024)  # the same of all units that are tested alike
+def _chi_square_factors(dof: float, p: float) -> tuple[float, float]:
     tail = 0.5 * (1.0 - p)
     largest, smallest = special.chdtri(dof, tail), special.chdtri(dof, 1.0 - tail)
-    return Interval(std * math.sqrt(dof / largest), std * math.sqrt(dof / smallest), p)
+    return math.sqrt(dof / largest), math.sqrt(dof / smallest)
 
 
 def binomial_interval(hits: int, n: int, p: float = 0.999) -> tuple[float, float]:

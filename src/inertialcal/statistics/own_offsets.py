@@ -222,7 +222,7 @@ class OffsetDesign:
         variance = np.where(self.repeated, _diagonal(between), _diagonal(pooled))
         size = np.sqrt(np.diag(self.unit))
         unit = self.unit / np.outer(size, size)
-        return unit * np.sqrt(variance[..., :, None] * variance[..., None, :])
+        return np.asarray(unit * np.sqrt(variance[..., :, None] * variance[..., None, :]))
 
     def _shares(self, variances: Array) -> Array:
         """Return the weight of each group in the mean of its cluster, shape (..., g)."""

@@ -23,6 +23,7 @@ from ...core.remarks import Remark
 from ..protocol import Exclusion
 from .plan import Plan
 from .readings import Readings
+from .turned import nearest
 
 Mask = NDArray[np.bool_]
 
@@ -68,22 +69,13 @@ def at_rail(plan: Plan, applied: Array, output: Array, own: Mask, scatter: Array
 def odd_scatter(plan: Plan, readings: Readings, scatter: Array) -> Mask:
     """Return True where a scatter is far from that of the neighbours in rate about the same axis."""
     odd = np.zeros(len(readings), dtype=bool)
-    for axis in np.unique(readings.axis):
+    for axis in readings.turned.axes:
         at = np.flatnonzero((readings.axis == axis) & np.isfinite(scatter))
         if at.size <= plan.neighbours:
             continue  # too few to say what is usual
-        # Nearest others of each in size, the earlier rows first where equally near, shape (n, count)
-        sizes = np.abs(readings.applied[at])
-        count = plan.neighbours
-        order = np.argsort(sizes, kind="stable")
-        reach = np.concatenate([np.arange(-count, 0), np.arange(1, count + 1)])
-        places = np.arange(len(sizes))[:, None] + reach[None, :]
-        inside = (places >= 0) & (places < len(sizes))
-        places = np.clip(places, 0, len(sizes) - 1)
-        distance = np.where(inside, np.abs(sizes[order][:, None] - sizes[order][places]), np.inf)
-        chosen = np.argsort(distance, axis=1, kind="stable")[:, :count]
-        near = np.empty((len(sizes), count), dtype=np.intp)
-        near[order] = order[np.take_along_axis(places, chosen, axis=1)]
+        whole = len(at) == np.count_nonzero(readings.axis == axis)
+        sizes, count = np.abs(readings.applied[at]), plan.neighbours
+        near = readings.turned.neighbours(axis, count) if whole else nearest(sizes, count)
         usual = np.median(scatter[at][near], axis=1)
         own = scatter[at]
         told = (own > 0.0) & (usual > 0.0)  # a scatter printed as zero is one below its rounding

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +16,7 @@ from ...core.remarks import Remark
 from ...core.unknowns import Unknowns
 from ...signals.segmentation.dwells import Dwell, Tally
 from ...signals.time.samples import min_max
-
-Labels = NDArray[Any]
+from .turned import Labels, Turned, turned
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +75,11 @@ class Readings:
             incomplete=None if self.incomplete is None else self.incomplete[keep],
             traces=(),
         )
+
+    @cached_property
+    def turned(self) -> Turned:
+        """What its rates decide, the same for all units that were turned alike."""
+        return turned(self.applied, self.axis, self.run, self.recording)
 
     @cached_property
     def runs(self) -> int:

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -37,10 +38,9 @@ from .fit.nonlinearity import Chosen, with_nonlinearity
 from .fit.quantities import estimate
 from .fit.rate_error import RateError, Resolution, rate_errors, resolution
 from .fit.regression import Line, lines
-from .fit.turned import turned
 from .plan import INFLUENCES, Plan
 from .readings import Readings
-from .rows import applies, rows
+from .rows import applies, limits, rows
 from .simulation import Truth, simulate
 
 __all__ = [
@@ -79,6 +79,11 @@ class Result:
     all_readings: Estimate | None  # The same with nothing left out; None where nothing was
     reasons: Mapping[str, Reason]  # Why a sensor has no line
     remarks: tuple[Remark, ...]  # Findings
+
+    @cached_property
+    def limits(self) -> Reason:
+        """What limits every figure: standards that are not stated."""
+        return limits(self.plan, self.readings)
 
     def rows(self) -> tuple[Row, ...]:
         """Rows of ``results.json``, SI."""
@@ -200,7 +205,7 @@ def _chosen(units: Sequence[_Unit], dwells: Sequence[Readings], sensor: str) -> 
     kinds: dict[tuple[str, bool, int], list[int]] = {}
     for i, (one, readings) in enumerate(zip(units, dwells, strict=True)):
         plan, read = one.plan, readings.take(np.isfinite(readings.outputs[sensor]))
-        asymmetry = plan.asymmetry and turned(read).tells_asymmetry(sensor)
+        asymmetry = plan.asymmetry and read.turned.tells_asymmetry(sensor)
         kinds.setdefault((plan.nonlinearity, asymmetry, len(readings.outputs)), []).append(i)
     found: dict[int, Chosen | DataError] = {}
     for (_, asymmetry, sensors), at in kinds.items():
@@ -272,17 +277,17 @@ def _remarks(plan: Plan, readings: Readings) -> list[Remark]:
         found.append(Remark("few_runs", "warning", what, do=f"Repeat until there are {FEW_RUNS} power-ups or more"))
     if readings.runs < 2:
         what = "power-up runs were not repeated or not given: the scatter between runs is not in the uncertainty"
-        recordings = len(np.unique(turned(readings).groups))
+        recordings = len(np.unique(readings.turned.groups))
         if recordings >= 2 and not readings.runs:
             what = f"power-up runs were not given: each of {recordings} recordings is taken as a power-up"
         found.append(Remark("no_runs", "warning", what, do="Name the run of each dwell, and repeat the power-up"))
-    for axis in np.unique(readings.axis):
+    for axis in readings.turned.axes:
         rates = readings.applied[readings.axis == axis]
         if not (np.any(rates > 0.0) and np.any(rates < 0.0)):
             what = f"{axis} was turned in one sense only: its asymmetry, and how it reads the other sense, are unknown"
             found.append(Remark("one_sense", "warning", what, do="Turn it both ways"))
     for axis in readings.sensors:
-        if axis not in readings.axis and plan.axis == "":
+        if axis not in readings.turned.axes and plan.axis == "":
             what = f"{axis} was never turned: its scale factor, and what the others read of it, are unknown"
             found.append(Remark("axis_not_turned", "warning", what, do="Turn it"))
     missing = [name for name in INFLUENCES if name not in plan.standards and applies(name, plan, readings)]

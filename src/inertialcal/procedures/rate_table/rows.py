@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...core.estimate import Estimate
+from ...core.estimate import Array, Estimate
 from ...core.key import Key, Method, Reason
 from ...core.results import Interval, Row, not_estimated
+from ...signals.remembered import remembered
 from ...statistics.intervals import chi_square_interval, t_interval
-from ...statistics.least_squares import fit
+from ...statistics.least_squares import Decomposed, decompose, times
 from .fit.linearity import linearity_row
 from .fit.quantities import CURVATURES, UNITS
 from .fit.regression import Level, Line
@@ -73,7 +74,7 @@ def _wanted(result: Result, sensor: str) -> list[tuple[Key, str]]:
             wanted.append((Key("scale_factor", sensor), "V/(rad/s)"))
         wanted += [(Key("scale_factor_error", sensor), "1"), (Key("scale_factor_asymmetry", sensor), "1")]
         wanted += [(Key(quantity, sensor), UNITS[quantity]) for quantity in CURVATURES.values()]
-    for axis in np.unique(result.readings.axis):
+    for axis in result.readings.turned.axes:
         if axis != sensor:
             wanted += [
                 (Key("cross_axis_sensitivity", f"{sensor}{axis}"), "1"),
@@ -87,7 +88,7 @@ def _row(result: Result, estimate: Estimate, key: Key, method: Method) -> Row:
     value, u, dof = float(estimate.values[i]), float(estimate.u[i]), float(estimate.dof[i])
     unit = estimate.units[i]
     interval = t_interval(value, u, dof)
-    return Row(key, value, u, unit, _dof(dof), interval, reason=_limits(result), method=method)
+    return Row(key, value, u, unit, _dof(dof), interval, reason=result.limits, method=method)
 
 
 def _scale_factor_row(result: Result, sensor: str, estimate: Estimate | None, method: Method) -> Row:
@@ -105,7 +106,7 @@ def _scale_factor_row(result: Result, sensor: str, estimate: Estimate | None, me
     interval = t_interval(value, u, dof)
     shared, curvature = estimate.shared(error, ideal), estimate.curvature(error, ideal)
     return Row(
-        key, value, u, "V/(rad/s)", _dof(dof), interval, reason=_limits(result), method=method, shared=shared,
+        key, value, u, "V/(rad/s)", _dof(dof), interval, reason=result.limits, method=method, shared=shared,
         curvature=curvature,
     )  # fmt: skip
 
@@ -113,19 +114,19 @@ def _scale_factor_row(result: Result, sensor: str, estimate: Estimate | None, me
 def applies(name: str, plan: Plan, readings: Readings) -> bool:
     """Tell whether an influence can change a result of these readings."""
     if name == "rate_table.mounting":
-        return any(bool(np.any(readings.axis != sensor)) for sensor in readings.outputs)
+        return any(readings.turned.axes != (sensor,) for sensor in readings.outputs)
     return name != "converter.reference" or plan.scale_factor is not None
 
 
-def _limits(result: Result) -> Reason:
-    plan, readings = result.plan, result.readings
+def limits(plan: Plan, readings: Readings) -> Reason:
+    """Return what limits every figure of a test; nothing where all standards are stated."""
     missing = [name for name in INFLUENCES if name not in plan.standards and applies(name, plan, readings)]
     return Reason("relative", "relative to the fixture") if missing else Reason()
 
 
 def _why_not(result: Result, sensor: str, quantity: str, axis: str = "") -> Reason:
     readings = result.readings
-    turned = [axis] if axis else [str(one) for one in np.unique(readings.axis)]
+    turned = [axis] if axis else list(readings.turned.axes)
     read = np.isfinite(readings.outputs[sensor]) if sensor in readings.outputs else np.zeros(len(readings), dtype=bool)
     if not np.any(read & np.isin(readings.axis, turned)):
         return Reason("not_read", f"no readings of the {sensor} sensor while {', '.join(turned)} turned")
@@ -185,6 +186,12 @@ def _dof(dof: float) -> float | None:
 __all__ = ["LEVELS", "Interval", "rows"]
 
 
+@remembered
+def _straight(x: Array) -> Decomposed:
+    """Return a line through all dwells alike."""
+    return decompose(np.column_stack([x, np.ones_like(x)]), ("scale_factor", "intercept"))
+
+
 def published_rows(plan: Plan, readings: Readings, sensor: str) -> list[Row]:
     """Return slope and intercept of the published fit of a sensor turned about its own axis.
 
@@ -194,17 +201,17 @@ def published_rows(plan: Plan, readings: Readings, sensor: str) -> list[Row]:
     units = ("V/(rad/s)", "V") if volts is not None else ("1", "rad/s")
     names = ("scale_factor", "intercept")
     own = (readings.axis == sensor) & np.isfinite(readings.outputs[sensor])
-    if np.sum(own) < 3 or len(np.unique(readings.applied[own])) < 2:
+    x = readings.applied[own]
+    if len(x) < 3 or np.all(x == x[0]):
         reason = Reason("few_dwells", "needs three dwells or more at two rates or more")
         return [
             not_estimated(Key(name, sensor), unit, reason, Method.TEXTBOOK)
             for name, unit in zip(names, units, strict=True)
         ]
-    x = readings.applied[own]
     y = readings.outputs[sensor][own] * (1.0 if volts is None else volts)
-    found = fit(np.column_stack([x, np.ones_like(x)]), y, names=names)
-    assert found.covariance is not None  # noqa: S101 - more dwells than coefficients
-    us = np.sqrt(np.diag(found.covariance))
+    line, dof = _straight(x), len(x) - 2.0
+    found = line.coefficients(y)
+    us = np.sqrt(np.sum((y - times(line.design, found)) ** 2) / dof * np.sum(line.transform**2, axis=1))
     told = f"unweighted line through all {len(y)} dwells; the uncertainty assumes they are independent"
     return [
         Row(
@@ -212,10 +219,10 @@ def published_rows(plan: Plan, readings: Readings, sensor: str) -> list[Row]:
             float(value),
             float(u),
             unit,
-            float(found.dof),
-            t_interval(float(value), float(u), found.dof),
+            dof,
+            t_interval(float(value), float(u), dof),
             reason=Reason("limits", told),
             method=Method.TEXTBOOK,
         )
-        for name, value, u, unit in zip(names, found.coefficients, us, units, strict=True)
+        for name, value, u, unit in zip(names, found, us, units, strict=True)
     ]

@@ -14,7 +14,9 @@ after (k) are ``cos(theta) p + sin(theta) q`` and ``-sin(theta) p + cos(theta) q
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -23,8 +25,9 @@ from ....core.estimate import Array, Estimate
 from ....core.influence import Influence
 from ....core.key import AXES
 from ....physics.earth import axis_earth_rate
+from ....signals.remembered import remembered
 from ..plan import Attitude, Plan
-from ..readings import Readings
+from ..readings import Labels, Readings
 
 ROOT_HALF = float(np.sqrt(0.5))
 ROOT_THIRD = float(np.sqrt(1.0 / 3.0))
@@ -73,19 +76,26 @@ def earth_in_dwells(plan: Plan, axis: str, start: Array, angle: Array) -> tuple[
     return float(rate.values[0]) * along, sources
 
 
-def earth_influences(plan: Plan, axis: str) -> dict[str, Influence]:
+def earth_influences(plan: Plan, axis: str) -> Mapping[str, Influence]:
     """Return what each source of `earth_in_dwells` rests on, by its name.
 
     An angle where the plan or a standard states its uncertainty; else the component of earth rate itself: that of a
     vector in any direction is rectangular, that of one at any angle about the table axis has an arcsine distribution.
     """
-    if plan.attitude is None or plan.latitude is None:
+    return _influences(plan.attitude, plan.latitude, plan.standards.get("site.latitude"), axis)
+
+
+@lru_cache(maxsize=64)  # of all units of a lot the same
+def _influences(
+    attitude: Attitude | None, latitude: float | None, known: Influence | None, axis: str
+) -> Mapping[str, Influence]:
+    if attitude is None or latitude is None:
         return {_direction(axis): Influence(OMEGA * ROOT_THIRD, "rad/s", distribution="rectangular")}
-    rate = _along_table_axis(plan, plan.attitude, plan.latitude)
+    rate = _along(attitude, latitude, 0.0 if known is None else known.u)
     angles = {
-        "latitude": plan.standards.get("site.latitude", Influence(0.0, "rad")),
-        "tilt": Influence(plan.attitude.u, "rad"),
-        "azimuth": Influence(plan.attitude.u_azimuth, "rad"),
+        "latitude": known or Influence(0.0, "rad"),
+        "tilt": Influence(attitude.u, "rad"),
+        "azimuth": Influence(attitude.u_azimuth, "rad"),
     }
     found = {
         _of_table(one.source): angles.get(
@@ -116,11 +126,16 @@ def _across_axis(rate: Estimate) -> float:
 
 def _along_table_axis(plan: Plan, attitude: Attitude, latitude: float) -> Estimate:
     known = plan.standards.get("site.latitude")
+    return _along(attitude, latitude, 0.0 if known is None else known.u)
+
+
+@lru_cache(maxsize=64)
+def _along(attitude: Attitude, latitude: float, u_latitude: float) -> Estimate:
     return axis_earth_rate(
         latitude,
         attitude.tilt,
         attitude.azimuth,
-        u_latitude=0.0 if known is None else known.u,
+        u_latitude=u_latitude,
         u_tilt=attitude.u,
         u_azimuth=attitude.u_azimuth,
     )
@@ -146,19 +161,30 @@ def with_earth(plan: Plan, readings: Readings) -> Readings:
 
     With a zero reference the component along the axis was subtracted with the reading at rest.
     """
+    known = plan.standards.get("site.latitude")
+    u_latitude = 0.0 if known is None else known.u
+    earth, sources = _of_table_dwells(plan.attitude, plan.latitude, u_latitude, plan.zero_reference, readings.axis)
+    return replace(readings, earth=earth, earth_sources=sources)
+
+
+@remembered
+def _of_table_dwells(
+    attitude: Attitude | None, latitude: float | None, u_latitude: float, zero_reference: bool, about: Labels
+) -> tuple[Array, dict[str, Array]]:
+    plan = Plan(attitude=attitude, latitude=latitude, standards={"site.latitude": Influence(u_latitude, "rad")})
     parts: list[tuple[Array, dict[str, Array]]] = []
     order = []
-    for axis in np.unique(readings.axis):
-        at = np.flatnonzero(readings.axis == axis)
+    for axis in np.unique(about):
+        at = np.flatnonzero(about == axis)
         unknown = np.full(len(at), np.nan)
         one, found = earth_in_dwells(plan, str(axis), unknown, unknown)
-        if plan.zero_reference:
+        if zero_reference:
             one, found = np.zeros_like(one), {name: _across_only(p, str(axis)) for name, p in found.items()}
         parts.append((one, found))
         order.append(at)
     earth, sources = gathered(parts)
     back = np.argsort(np.concatenate(order), kind="stable")
-    return replace(readings, earth=earth[back], earth_sources={name: p[:, back] for name, p in sources.items()})
+    return earth[back], {name: p[:, back] for name, p in sources.items()}
 
 
 def _across_only(patterns: Array, axis: str) -> Array:

@@ -11,17 +11,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....core.estimate import Array
 from ....core.key import Key, Reason
 from ....core.results import Interval, Row, not_estimated
 from ....statistics.intervals import band_factor, coverage_factor
-from ..readings import Readings
+from ....statistics.least_squares import times
+from ..turned import about_means
 from .regression import Line, dwell_variance
-from .turned import turned
 
-ROUNDING = 1e-9  # part of a column that varies beside the lines of the recordings, below which it does not
 FEW = 3.0  # degrees of freedom that the scatter about a line of its own slope in each recording needs
 
 
@@ -45,38 +43,22 @@ def deviations(straight: Line, full: Line | None = None) -> tuple[Array, Array, 
     belongs to few of the recordings, what is theirs cannot be told from a deviation: the scatter is then that of
     dwells and runs.
     """
-    readings = straight.readings
-    own = readings.axis == straight.sensor
-    rates = np.unique(readings.applied[own])
-    alike = straight.fit.own and _alike(readings, own)
+    turned, fit = straight.readings.turned, straight.fit
+    rates, mean = turned.rates.get(straight.sensor, (np.zeros(0), np.zeros((0, 0))))
+    alike = fit.own and turned.shared_rates[straight.sensor]
     variance = _scatter(straight, full, alike)
     if variance is None or len(rates) < 3 or variance[2] < 1.0:
         return None
-    fit = straight.fit
     dwell, between, dof = variance
-    means, sigmas = [], []
-    for rate in rates:
-        at = own & (readings.applied == rate)
-        means.append(float(np.mean((fit.local if alike else fit.residuals)[at])))
-        mean = at / np.sum(at)
-        if alike:
-            mean = _about_means(mean, fit.groups)
-            taken = fit.basis.T @ mean
-            square = dwell * max(float(mean @ mean - taken @ taken), 0.0)
-        else:
-            mean = mean - (fit.design.T @ mean) @ fit.solve
-            square = dwell * float(mean @ mean) + between * float(np.sum(np.bincount(fit.groups, mean) ** 2))
-        sigmas.append(float(np.sqrt(square + np.finfo(float).tiny)))
-    return rates, np.array(means), np.array(sigmas), dof
-
-
-def _alike(readings: Readings, own: NDArray[np.bool_]) -> bool:
-    """Tell whether each rate belongs to half of the recordings about the axis or more."""
-    groups = turned(readings).groups[own]
-    rates = np.unique(readings.applied[own], return_inverse=True)[1]
-    pairs = {(int(rate), str(group)) for rate, group in zip(rates, groups, strict=True)}
-    counts = np.bincount([rate for rate, _ in pairs])
-    return bool(2 * np.min(counts) >= len(np.unique(groups)))
+    means = times(mean, fit.local if alike else fit.residuals)
+    if alike:
+        beside = about_means(mean, fit.groups)
+        square = dwell * np.maximum(np.sum(beside**2, axis=1) - np.sum((beside @ fit.basis) ** 2, axis=1), 0.0)
+    else:
+        beside = mean - (mean @ fit.design) @ fit.solve
+        in_groups = np.array([np.sum(np.bincount(fit.groups, one) ** 2) for one in beside])
+        square = dwell * np.sum(beside**2, axis=1) + between * in_groups
+    return rates, means, np.sqrt(square + np.finfo(float).tiny), dof
 
 
 def _scatter(straight: Line, full: Line | None, alike: bool) -> tuple[float, float, float] | None:
@@ -86,19 +68,11 @@ def _scatter(straight: Line, full: Line | None, alike: bool) -> tuple[float, flo
         return _with_recordings(straight)
     lines = [straight] if full is None or len(full.readings) != len(readings) else [full, straight]
     for one in lines:
-        groups = one.fit.groups
-        x = _about_means(readings.applied, groups)
-        square: Array = np.asarray(np.bincount(groups, x**2), dtype=np.float64)
-        columns = [_beside(column, x, square, groups) for column in one.fit.design[:, 1:].T]
-        left = _beside(one.fit.local, x, square, groups)
-        others = np.column_stack(columns)
-        size = np.linalg.norm(others, axis=0)
-        varies = size > ROUNDING * np.linalg.norm(one.fit.design[:, 1:], axis=0)
-        basis, singular, _ = np.linalg.svd(others[:, varies] / size[varies], full_matrices=False)
-        basis = basis[:, singular > ROUNDING]
-        dof = len(readings) - len(square) - np.count_nonzero(square) - basis.shape[1]
-        residuals = left - basis @ (basis.T @ left)
+        turned = one.readings.turned
+        basis, dof = turned.line(one.sensor, one.asymmetry, one.curvature).beside_lines
         if dof >= FEW:
+            left = turned.beside(one.fit.local)
+            residuals = left - basis @ (basis.T @ left)
             return float(residuals @ residuals) / dof, 0.0, float(dof)
     fit = straight.fit
     return None if fit.mean_square is None else (float(fit.local @ fit.local) / fit.dof, 0.0, fit.dof)
@@ -118,16 +92,6 @@ def _with_recordings(straight: Line) -> tuple[float, float, float] | None:
     offsets = offsets - fit.design @ (fit.solve @ offsets)
     between = max(float(fit.residuals @ fit.residuals - square * parts) / float(np.sum(offsets**2)), 0.0)
     return square, between, (square + between) ** 2 / (square**2 / dwell.dof + between**2 / max(count - 1.0, 1.0))
-
-
-def _about_means(values: Array, groups: NDArray[np.intp]) -> Array:
-    return np.asarray(values - (np.bincount(groups, values) / np.bincount(groups))[groups])
-
-
-def _beside(values: Array, x: Array, square: Array, groups: NDArray[np.intp]) -> Array:
-    """Return values less a line in x of its own in each group; x about its mean there."""
-    slope = np.bincount(groups, values * x) / np.where(square > 0.0, square, 1.0)
-    return np.asarray(_about_means(values, groups) - slope[groups] * x)
 
 
 def largest_deviation(straight: Line, full: Line | None = None) -> Deviation | None:

@@ -31,8 +31,8 @@ from ....core.estimate import Array
 from ....core.key import Reason
 from ..plan import Plan
 from ..readings import Readings
+from ..turned import POWERS
 from .regression import Line, Unresolved, lines
-from .turned import POWERS, turned
 
 SEEN = 0.02  # false-alarm rate for all terms together
 HINTED = 0.1  # of one term
@@ -131,7 +131,7 @@ def _fitted(
 
 def _allowed(plain: Line) -> tuple[str, ...]:
     """Return the terms that the rates tell apart from the coefficients of a line, and from each other."""
-    return turned(plain.readings).allowed(plain.sensor, plain.asymmetry, plain.fit.own, plain.fit.dof)
+    return plain.readings.turned.allowed(plain.sensor, plain.asymmetry, plain.fit.own, plain.fit.dof)
 
 
 def _p_of(full: Line, name: str) -> float:

@@ -29,9 +29,9 @@ import numpy as np
 from ....core.estimate import Array, Component, Estimate
 from ....core.key import AXES, Key, Origin
 from ..plan import Plan
+from ..turned import POWERS, WORDS
 from .earth_input import earth_influences
 from .regression import Line
-from .turned import POWERS, WORDS
 
 UNITS = {
     "bias": "rad/s", "scale_factor_error": "1", "scale_factor_asymmetry": "1", "cross_axis_sensitivity": "1",
@@ -236,21 +236,22 @@ def _mounting(parts: list[Part], lines: list[Line], u: float) -> dict[str, Array
     With axis a turned, an angle towards j adds ``M_sj`` times the angle to what every sensor s reads of a; the
     angles are others for each axis turned. Second order, all entries of a shrink together: ``"xx"``.
     """
-    patterns = {}
+    patterns, count = {}, [len(part[0]) for part in parts]
+    entry = {axis: np.array([matrix_entry(one, axis) for one in lines]) for axis in AXES}
     for a in sorted({axis for one in lines for axis in one.axes}):
+        of_entry = _by_entry(parts, lines, a)
         for j in (axis for axis in AXES if axis != a):
-            patterns[f"{a}{j}"] = _through(parts, lines, a, [u * matrix_entry(one, j) for one in lines])
-        shrunk = [np.sqrt(2.0) * u**2 * matrix_entry(one, a) for one in lines]
-        patterns[f"{a}{a}"] = _through(parts, lines, a, shrunk)
+            patterns[f"{a}{j}"] = of_entry * np.repeat(u * entry[j], count)
+        patterns[f"{a}{a}"] = of_entry * np.repeat(np.sqrt(2.0) * u**2 * entry[a], count)
     return patterns
 
 
-def _through(parts: list[Part], lines: list[Line], axis: str, changes: list[float]) -> Array:
-    """Change of all quantities for a change of the entry of one axis, given for every line."""
+def _by_entry(parts: list[Part], lines: list[Line], axis: str) -> Array:
+    """Return the derivative of all quantities by the matrix entry of one axis of their line."""
     found = []
-    for (_, _, jacobian, _), one, change in zip(parts, lines, changes, strict=True):
+    for (_, _, jacobian, _), one in zip(parts, lines, strict=True):
         name = f"M_{one.sensor}{axis}"
-        found.append(jacobian[:, one.names.index(name)] * change if name in one.names else np.zeros(len(jacobian)))
+        found.append(jacobian[:, one.names.index(name)] if name in one.names else np.zeros(len(jacobian)))
     return np.concatenate(found)
 
 
@@ -263,10 +264,10 @@ def _earth(plan: Plan, parts: list[Part], lines: list[Line]) -> list[Component]:
     """Components of what is not known of the earth rate: a wrong input of M e in the dwells that were used."""
     turned = dict.fromkeys(axis for one in lines for axis in one.axes)
     known = {name: influence for axis in turned for name, influence in earth_influences(plan, axis).items()}
-    sources = dict.fromkeys(name for one in lines for name in one.readings.earth_sources)
+    changed = [_earth_changes(part, one) for part, one in zip(parts, lines, strict=True)]
     found = []
-    for source in sources:
-        changes = np.vstack([_earth_change(part, one, source) for part, one in zip(parts, lines, strict=True)])
+    for source in dict.fromkeys(name for one in changed for name in one):
+        changes = np.vstack([one[source] for one in changed])
         covariance = changes @ changes.T
         component = Component(f"earth rate: {source}", "B", 0.5 * (covariance + covariance.T))
         if source in known:  # else the readings were made with another attitude than this plan has
@@ -278,12 +279,16 @@ def _earth(plan: Plan, parts: list[Part], lines: list[Line]) -> list[Component]:
     return found
 
 
-def _earth_change(part: Part, one: Line, source: str) -> Array:
-    """Change of the quantities of a sensor for each pattern of a source, shape (names, s)."""
+def _earth_changes(part: Part, one: Line) -> dict[str, Array]:
+    """Return the change of the quantities of a sensor for each pattern of each source, shapes (names, s)."""
+    sources = one.readings.earth_sources
+    if not sources:
+        return {}
     row = np.array([matrix_entry(one, axis) for axis in AXES])
-    readings = one.readings.earth_sources[source] @ row  # (s, n): what the sensor reads of each pattern
-    changes: Array = -part[2] @ (one.fit.solve @ readings.T)
-    return changes
+    patterns = np.concatenate([*sources.values()]) @ row  # (s of all, n): what the sensor reads of each
+    changes: Array = -part[2] @ (one.fit.solve @ patterns.T)
+    ends = np.cumsum([len(one) for one in sources.values()])
+    return dict(zip(sources, np.split(changes, ends[:-1], axis=1), strict=True))
 
 
 def _taken_off(keys: tuple[Key, ...], parts: list[Part], lines: list[Line]) -> list[Component]:

@@ -41,6 +41,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,7 +55,7 @@ from ....statistics.own_offsets import mean_square_within
 from ....statistics.random_offsets import group_moments, offset_ratio, whitened, whitening
 from ..plan import Plan
 from ..readings import Readings
-from .turned import LineDesign, columns_of, turned
+from ..turned import LineDesign, columns_of
 
 EARTH_PASSES = 3
 UNEQUAL = 2.0  # most over fewest samples of a dwell, from which on they decide its weight
@@ -116,7 +117,7 @@ class Line:
     curvature: tuple[str, ...] = ()  # Of ``"K2"``, ``"K3"``: what it has
     unresolved: tuple[Unresolved, ...] = ()  # What it may lack
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of the coefficients."""
         entries = tuple(f"M_{self.sensor}{axis}" for axis in self.axes)
@@ -156,7 +157,7 @@ def lines(
             where = units[i].where[0] if units[i].where else ""
             found[i] = DataError(f"{sensor} sensor: no readings", where=where, code="too_few_dwells")
             continue
-        design = turned(one).line(sensor, asymmetry, curvature)
+        design = one.turned.line(sensor, asymmetry, curvature)
         if len(one) < len(design.words):
             what = f"{sensor} sensor: {len(one)} dwells, need {len(design.words)} or more for {', '.join(design.words)}"
             found[i] = DataError(what, where=one.where[0] if one.where else "", code="too_few_dwells")

@@ -9,19 +9,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ....core.errors import DataError
-from ....core.estimate import Array
-from ....signals.remembered import remembered
-from ....statistics.least_squares import Decomposed, decompose
-from ....statistics.own_offsets import OffsetDesign, offset_design
-from ....statistics.random_offsets import whitened
-from ..readings import Labels, Readings
+from ...core.errors import DataError
+from ...core.estimate import Array
+from ...signals.remembered import remembered
+from ...statistics.least_squares import Decomposed, decompose
+from ...statistics.own_offsets import OffsetDesign, offset_design
+from ...statistics.random_offsets import whitened
+
+Labels = NDArray[Any]
 
 POWERS = {"K2": 2, "K3": 3}
 WORDS = {"K2": "second-order term", "K3": "third-order term"}
+ROUNDING = 1e-9  # part of a column that varies beside the lines of the recordings, below which it does not
 APART = 0.02  # part of a term's column that the other columns do not explain, from which on it is told apart
 
 
@@ -66,6 +70,18 @@ class LineDesign:
         return offset_design(self.columns[:, 1:], self.turned.groups, self.turned.clusters, weights)
 
     @cached_property
+    def beside_lines(self) -> tuple[Array, float]:
+        """Basis, (n, q), of what varies beside a line of each recording; degrees of freedom beside both."""
+        groups, applied = self.turned.numbers, self.turned.applied
+        columns = np.column_stack([self.turned.beside(column) for column in self.columns[:, 1:].T])
+        size = np.linalg.norm(columns, axis=0)
+        varies = size > ROUNDING * np.linalg.norm(self.columns[:, 1:], axis=0)
+        basis, singular, _ = np.linalg.svd(columns[:, varies] / size[varies], full_matrices=False)
+        basis = basis[:, singular > ROUNDING]
+        slopes = np.count_nonzero(np.bincount(groups, about_means(applied, groups) ** 2))
+        return basis, float(len(groups) - np.max(groups) - 1 - slopes - basis.shape[1])
+
+    @cached_property
     def within_runs(self) -> Array:
         """Orthonormal basis of what varies within the runs, shape (n, q): no offset of a run can take it up."""
         at = self.turned.of_run
@@ -104,6 +120,7 @@ class Turned:
         self.clusters = names.copy() if self.runs else self.groups  # its power-up, or the recording
         self.numbers = np.unique(self.groups, return_inverse=True)[1]
         self._lines: dict[tuple[str, bool, tuple[str, ...]], LineDesign] = {}
+        self._neighbours: dict[tuple[str, int], NDArray[np.intp]] = {}
         self._allowed: dict[tuple[str, bool, bool, float], tuple[str, ...]] = {}
 
     def line(self, sensor: str, asymmetry: bool, curvature: tuple[str, ...] = ()) -> LineDesign:
@@ -112,6 +129,46 @@ class Turned:
         if key not in self._lines:
             self._lines[key] = LineDesign(self, *key)
         return self._lines[key]
+
+    @cached_property
+    def rates(self) -> Mapping[str, tuple[Array, Array]]:
+        """By axis, its rates in order, shape (r,), and the weights of the mean of the dwells at each, shape (r, n)."""
+        found = {}
+        for axis in self.axes:
+            own = self.axis == axis
+            rates = np.unique(self.applied[own])
+            at = own & (self.applied == rates[:, None])
+            found[axis] = rates, at / np.sum(at, axis=1, keepdims=True)
+        return found
+
+    @cached_property
+    def shared_rates(self) -> Mapping[str, bool]:
+        """By axis, whether each of its rates belongs to half of the recordings about it or more."""
+        found = {}
+        for axis in self.axes:
+            own = self.axis == axis
+            rates = np.unique(self.applied[own], return_inverse=True)[1]
+            recordings, numbers = np.unique(self.groups[own], return_inverse=True)
+            pairs = np.unique(np.column_stack([rates, numbers]), axis=0)
+            found[axis] = bool(2 * np.min(np.bincount(pairs[:, 0])) >= len(recordings))
+        return found
+
+    def beside(self, values: Array) -> Array:
+        """Return values, shape (n,), less a line in the rate of its own in each recording."""
+        groups = self.numbers
+        x = about_means(self.applied, groups)
+        square = np.bincount(groups, x**2)
+        slope = np.bincount(groups, values * x) / np.where(square > 0.0, square, 1.0)
+        return np.asarray(about_means(values, groups) - slope[groups] * x)
+
+    def neighbours(self, axis: str, count: int) -> NDArray[np.intp]:
+        """Return the nearest others of each dwell about an axis in size of rate, shape (dwells about it, count).
+
+        The earlier rows first where several are equally near. For more dwells than that.
+        """
+        if (axis, count) not in self._neighbours:
+            self._neighbours[axis, count] = nearest(np.abs(self.applied[self.axis == axis]), count)
+        return self._neighbours[axis, count]
 
     def tells_asymmetry(self, sensor: str) -> bool:
         """Return True where the sensor's own axis was turned both ways at two or more rates each, or with rest."""
@@ -155,13 +212,9 @@ class Turned:
 
 
 @remembered
-def _turned(applied: Array, axis: Labels, run: Labels | None, recording: Labels | None) -> Turned:
+def turned(applied: Array, axis: Labels, run: Labels | None, recording: Labels | None) -> Turned:
+    """Return what the rates of dwells decide: once for the same rates, axes, runs and recordings."""
     return Turned(applied, axis, run, recording)
-
-
-def turned(readings: Readings) -> Turned:
-    """Return what the rates of dwells decide."""
-    return _turned(readings.applied, readings.axis, readings.run, readings.recording)
 
 
 def columns_of(
@@ -177,3 +230,25 @@ def columns_of(
         columns.append(x[sensor] ** POWERS[name])
         names.append(WORDS[name])
     return np.column_stack(columns), names
+
+
+def about_means(values: Array, groups: NDArray[np.intp]) -> Array:
+    """Return values, shape (..., n), less the mean of their group, numbered from 0."""
+    counts = np.bincount(groups)
+    order = np.argsort(groups, kind="stable")
+    means = np.add.reduceat(values[..., order], np.cumsum(counts) - counts, axis=-1) / counts
+    return np.asarray(values - means[..., groups])
+
+
+def nearest(sizes: Array, count: int) -> NDArray[np.intp]:
+    """Return the nearest others of each of n sizes, shape (n, count), the earlier ones first where equally near."""
+    order = np.argsort(sizes, kind="stable")
+    reach = np.concatenate([np.arange(-count, 0), np.arange(1, count + 1)])
+    places = np.arange(len(sizes))[:, None] + reach[None, :]
+    inside = (places >= 0) & (places < len(sizes))
+    places = np.clip(places, 0, len(sizes) - 1)
+    distance = np.where(inside, np.abs(sizes[order][:, None] - sizes[order][places]), np.inf)
+    chosen = np.argsort(distance, axis=1, kind="stable")[:, :count]
+    near = np.empty((len(sizes), count), dtype=np.intp)
+    near[order] = order[np.take_along_axis(places, chosen, axis=1)]
+    return near
