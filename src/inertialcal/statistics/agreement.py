@@ -79,32 +79,58 @@ def disagreeing(
             return named
 
 
+def any_disagrees(
+    values: Array, u: Array, alpha: float = FALSE_ALARM, scatter: float = 0.0, dof: float = 0.0
+) -> NDArray[np.bool_]:
+    """Return of which rows, shapes (r, n), `disagreeing` names something, shape (r,); all of them are known."""
+    found = np.zeros(len(values), dtype=bool)
+    for m in range(1, values.shape[1] // 2 + 1):
+        found |= _log_chance(values, u, m, scatter, dof)[0] < _limit(alpha, m)
+    return found
+
+
 def _worst(y: Array, u: Array, alpha: float, scatter: float, dof: float) -> NDArray[np.intp]:
     """Return the smallest set of values that disagrees, as indices; all of them where it is a half."""
-    n, order = len(y), np.argsort(y, kind="stable")
+    n = len(y)
     for m in range(1, n // 2 + 1):
-        # The n - m values that lie closest together stand side by side in order of size
-        windows = np.lib.stride_tricks.sliding_window_view(y[order], n - m)
-        first = int(np.argmin(np.var(windows, axis=1)))
-        kept, apart = order[first : first + n - m], np.concatenate([order[:first], order[first + n - m :]])
-        freedom = n - m - 1 + dof
-        if freedom <= 0.0:
-            continue
-        known = float(np.mean(u[kept] ** 2))
-        square = (np.sum((y[kept] - np.mean(y[kept])) ** 2) + dof * scatter**2) / freedom
-        variance = max(square, known)
-        away = y[apart] - np.mean(y[kept])
-        if variance == 0.0:
-            chance = 0.0 if np.any(away != 0.0) else 1.0
-        else:
-            weight = 1.0 / (1.0 + np.maximum(u[apart] ** 2 - known, 0.0) / variance)
-            shift = np.sum(weight * away**2) - np.sum(weight * away) ** 2 / (n - m + np.sum(weight))
-            chance = float(special.fdtrc(m, freedom, shift / (m * variance)))
-        sets = special.gammaln(n + 1.0) - special.gammaln(m + 1.0) - special.gammaln(n - m + 1.0)
-        with np.errstate(divide="ignore"):
-            if np.log(chance) + sets < np.log(alpha) - m * np.log(2.0):
-                return np.arange(n) if 2 * m == n else apart
+        chance, apart = _log_chance(y[None], u[None], m, scatter, dof)
+        if chance[0] < _limit(alpha, m):
+            return np.arange(n) if 2 * m == n else apart[0]
     return np.zeros(0, dtype=np.intp)
+
+
+def _limit(alpha: float, m: int) -> float:
+    return float(np.log(alpha) - m * np.log(2.0))
+
+
+def _log_chance(y: Array, u: Array, m: int, scatter: float, dof: float) -> tuple[Array, NDArray[np.intp]]:
+    """Return the logarithm of the chance that the worst m of each row, shapes (r, n), are so far off, and which."""
+    n, order = y.shape[1], np.argsort(y, axis=1, kind="stable")
+    freedom = n - m - 1 + dof
+    if freedom <= 0.0:
+        return np.zeros(len(y)), order[:, :m]
+    # The n - m values that lie closest together stand side by side in order of size
+    ordered, known_u = np.take_along_axis(y, order, axis=1), np.take_along_axis(u, order, axis=1)
+    first = np.argmin(np.var(np.lib.stride_tricks.sliding_window_view(ordered, n - m, axis=1), axis=2), axis=1)
+    places = np.arange(n - m) + first[:, None]
+    outside = np.arange(m) + np.where(np.arange(m) < first[:, None], 0, n - m)
+    kept, apart = np.take_along_axis(ordered, places, axis=1), np.take_along_axis(ordered, outside, axis=1)
+    known = np.mean(np.take_along_axis(known_u, places, axis=1) ** 2, axis=1)
+    middle = np.mean(kept, axis=1)
+    square = (np.sum((kept - middle[:, None]) ** 2, axis=1) + dof * scatter**2) / freedom
+    variance = np.maximum(square, known)
+    away, varies = apart - middle[:, None], variance > 0.0
+    size = np.where(varies, variance, 1.0)
+    beyond = np.maximum(np.take_along_axis(known_u, outside, axis=1) ** 2 - known[:, None], 0.0)
+    weight = 1.0 / (1.0 + beyond / size[:, None])
+    whole = np.sum(weight, axis=1)
+    shift = np.sum(weight * away**2, axis=1) - np.sum(weight * away, axis=1) ** 2 / (n - m + whole)
+    chance = np.where(
+        varies, special.fdtrc(m, freedom, shift / (m * size)), np.where(np.any(away != 0.0, axis=1), 0.0, 1.0)
+    )
+    sets = special.gammaln(n + 1.0) - special.gammaln(m + 1.0) - special.gammaln(n - m + 1.0)
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.log(chance) + sets), np.take_along_axis(order, outside, axis=1)
 
 
 def repeated_median_line(x: ArrayLike, y: ArrayLike) -> tuple[float, float]:
@@ -121,16 +147,36 @@ def repeated_median_line(x: ArrayLike, y: ArrayLike) -> tuple[float, float]:
     """
     used = np.isfinite(x) & np.isfinite(y)
     every = int(np.ceil(np.count_nonzero(used) / MOST)) or 1
-    first, second = (np.asarray(values, dtype=float)[used][::every] for values in (x, y))
-    if len(np.unique(first)) < 2:
-        return float("nan"), float("nan")
-    run, rise = (values[:, np.newaxis] - values[np.newaxis] for values in (first, second))
-    slopes = np.divide(rise, run, out=np.full_like(rise, np.nan), where=run != 0.0)
-    slopes.sort(axis=1)  # NaN last
-    known = np.count_nonzero(run, axis=1)[:, np.newaxis]
-    middle = (np.take_along_axis(slopes, at, axis=1) for at in ((known - 1) // 2, known // 2))
-    slope = float(np.median(0.5 * sum(middle)))
-    return slope, float(np.median(second - slope * first))
+    slope, level = repeated_median_lines(*(np.asarray(values, dtype=float)[used][::every] for values in (x, y)))
+    return float(slope), float(level)
+
+
+def repeated_median_lines(x: Array, y: Array) -> tuple[Array, Array]:
+    """Return slopes and intercepts of `repeated_median_line` for several sets of points, all of them used.
+
+    Parameters
+    ----------
+    x, y : ndarray, shapes (..., n)
+        Points, those with a NaN left out.
+    """
+    known = np.isfinite(x) & np.isfinite(y)
+    run, rise = (values[..., :, None] - values[..., None, :] for values in (x, y))
+    shape = np.broadcast_shapes(run.shape, rise.shape)
+    slopes = np.divide(rise, run, out=np.full(shape, np.nan), where=run != 0.0)
+    middle = _medians(slopes)
+    slope = _medians(np.where(known, middle, np.nan))
+    return slope, _medians(y - slope[..., None] * x)
+
+
+def _medians(values: Array) -> Array:
+    """Return the median of what is known of each row, shape (...); NaN where nothing is."""
+    if not values.shape[-1]:
+        return np.full(values.shape[:-1], np.nan)
+    count = np.count_nonzero(~np.isnan(values), axis=-1)[..., None]
+    ordered = np.sort(values, axis=-1)  # NaN last
+    halves = [np.take_along_axis(ordered, np.maximum(at, 0), axis=-1)[..., 0] for at in ((count - 1) // 2, count // 2)]
+    found: Array = 0.5 * (halves[0] + halves[1])
+    return np.where(count[..., 0] > 0, found, np.nan)
 
 
 def robust_scale(residuals: ArrayLike, fitted: int) -> tuple[float, float]:

@@ -28,7 +28,14 @@ from numpy.typing import NDArray
 from ...core.estimate import Array
 from ...core.key import AXES
 from ...core.remarks import Remark, Severity
-from ...statistics.agreement import FALSE_ALARM, disagreeing, repeated_median_line, robust_scale
+from ...statistics.agreement import (
+    FALSE_ALARM,
+    any_disagrees,
+    disagreeing,
+    repeated_median_line,
+    repeated_median_lines,
+    robust_scale,
+)
 from ...statistics.intervals import t_quantile
 from ..agreement import Cause, likely_cause
 from .exclusions import exclusions
@@ -37,7 +44,6 @@ from .readings import Readings
 
 FEWEST_SCATTERS = 7.0  # robust standard deviations from which a reading is odd
 MATTERS = 0.1  # of ``plan.agreement``: relative difference from which a model would be wrong
-LIKE = 0.2  # relative difference of largest rates up to which runs are compared
 SAME_RATE = 0.005  # of the largest rate
 ENOUGH = 3  # readings at a rate that tell what a reading there should be
 FEW = 5  # runs below which the scatter between the runs about other axes counts as well
@@ -45,6 +51,7 @@ CLIPPED = 0.01  # of the largest rate: what a saturated mean misses at least
 CUBIC = 0.4  # part of what a cubic bend, which misses a share at the highest rate, misses at the next one
 HELD = 0.1  # step of the readings from there to the highest, over that of the rates
 SURE = 30.0  # degrees of freedom from which a scale stands for itself
+AT_ONCE = 64  # readings of a run up to which the lines of all runs are found at once
 EQUAL = 1e-9  # relative difference of numbers that are copies
 EFFICIENCY = 0.64  # of a repeated median
 
@@ -76,27 +83,26 @@ def agreement(plan: Plan, readings: Readings) -> list[Remark]:
 
 
 def _runs(readings: Readings) -> list[Run]:
-    blank = np.full(len(readings), "")
-    recording = blank if readings.recording is None else readings.recording
-    run = blank if readings.run is None else readings.run
     files = {one.recording: file for one, file in zip(readings.traces, readings.files, strict=False)}
     found = []
-    for name, label, axis in dict.fromkeys(zip(recording.tolist(), run.tolist(), readings.axis.tolist(), strict=True)):
-        at = np.flatnonzero((recording == name) & (run == label) & (readings.axis == axis))
-        several = np.count_nonzero(recording == name) > len(at)
-        said = [str(name)] if name else []
-        if label not in ("", name):
-            said.append(f"run {label} about {axis}")
-        elif several or not said:
-            said.append(f"about {axis}")
-        place = files.get(name) or (readings.where[at[0]] if readings.where else "")
-        found.append(Run(", ".join(said), place, str(axis), at))
+    for one in readings.turned.runs_about:
+        said = [one.recording] if one.recording else []
+        if one.run not in ("", one.recording):
+            said.append(f"run {one.run} about {one.axis}")
+        elif one.several or not said:
+            said.append(f"about {one.axis}")
+        place = files.get(one.recording) or (readings.where[one.at[0]] if readings.where else "")
+        found.append(Run(", ".join(said), place, one.axis, one.at))
     return found
 
 
 def _copies(readings: Readings, runs: Sequence[Run]) -> list[Remark]:
     """Return a remark for each run in which a channel holds the rates of the table, digit by digit."""
     found: dict[tuple[str, str], tuple[list[Run], list[str]]] = {}
+    full = float(np.max(np.abs(readings.applied)))
+    near = {sensor: np.abs(y - readings.applied) <= EQUAL * full for sensor, y in readings.outputs.items()}
+    if not any(one.any() for one in near.values()):
+        return []
     for run in runs:
         x = readings.applied[run.at]
         if len(np.unique(x)) < ENOUGH:
@@ -138,41 +144,50 @@ class _Judged:
         }
         self.outputs, self.used = outputs, {sensor: ~one.any for sensor, one in left_out.items()}
         self.sensors = tuple(outputs)
-        self.slope = np.full((len(runs), len(outputs)), np.nan)
-        applied = readings.applied
-        self.off = {s: np.full(len(applied), np.nan) for s in outputs}  # off the line of the run
-        for i, run in enumerate(runs):
-            for j, (sensor, y) in enumerate(outputs.items()):
-                self.slope[i, j], level = repeated_median_line(applied[run.at], y[run.at])
-                self.off[sensor][run.at] = y[run.at] - level - self.slope[i, j] * applied[run.at]
-        self.sets = self._sets()
+        self.turned = readings.turned
+        applied, numbers = readings.applied, self.turned.run_numbers
+        self.slope, level = self._lines()
+        self.off = {  # off the line of the run
+            s: y - level[numbers, j] - self.slope[numbers, j] * applied for j, (s, y) in enumerate(outputs.items())
+        }
+        self.sets = self.turned.like_runs
         # Less what all readings at a rate have in common: curvature of the sensor; its scatter and that of the slopes
         self.odd = {s: off.copy() for s, off in self.off.items()}
-        self.u = np.zeros_like(self.slope)
         alone = {(k, s): self._scale(one, s) for k, one in enumerate(self.sets) for s in outputs}
         self.scales = {key: self._lent(key, alone) for key in alone}
+        spread = self._spreads()
+        scale = np.zeros_like(self.slope)
         for k, one in enumerate(self.sets):
             for j, sensor in enumerate(outputs):
-                for i in one:
-                    x = applied[self.runs[i].at][np.isfinite(outputs[sensor][self.runs[i].at])]
-                    spread = float(np.sum((x - np.mean(x)) ** 2)) if len(x) else 0.0
-                    scale = self.scales[k, sensor][0]
-                    self.u[i, j] = scale / np.sqrt(EFFICIENCY * spread) if spread > 0.0 else 0.0
+                scale[list(one), j] = self.scales[k, sensor][0]
+        some = spread > 0.0
+        self.u = np.where(some, scale / np.sqrt(EFFICIENCY * np.where(some, spread, 1.0)), 0.0)
         self.named = np.zeros(len(runs), dtype=bool)
 
-    def _sets(self) -> list[list[int]]:
-        """Return runs about one axis at like rates, by number."""
-        found: list[list[int]] = []
-        for i, run in enumerate(self.runs):
-            ends = np.array([np.min(self.applied[run.at]), np.max(self.applied[run.at])])
-            for one in found:
-                first = self.runs[one[0]]
-                other = np.array([np.min(self.applied[first.at]), np.max(self.applied[first.at])])
-                if first.axis == run.axis and np.all(np.abs(ends - other) <= LIKE * np.max(np.abs(other))):
-                    one.append(i)
-                    break
-            else:
-                found.append([i])
+    def _lines(self) -> tuple[Array, Array]:
+        """Return slope and level of each sensor in each run, shapes (runs, sensors)."""
+        y = np.column_stack([*self.outputs.values()]).T
+        slope, level = (np.full((len(self.runs), len(y)), np.nan) for _ in range(2))
+        for numbers, rows in self.turned.run_lengths:
+            if rows.shape[1] <= AT_ONCE:
+                found = repeated_median_lines(self.applied[rows][:, None], y[:, rows].swapaxes(0, 1))
+                slope[numbers], level[numbers] = found
+                continue
+            for i, at in zip(numbers, rows, strict=True):
+                lines = [repeated_median_line(self.applied[at], one[at]) for one in y]
+                slope[i], level[i] = zip(*lines, strict=True)
+        return slope, level
+
+    def _spreads(self) -> Array:
+        """Return the sum of squares of the rates of each run about their mean, as read, shape (runs, sensors)."""
+        found, runs = np.zeros_like(self.slope), len(self.runs)
+        for j, y in enumerate(self.outputs.values()):
+            numbers, x = self.turned.run_numbers, self.applied
+            if not (read := np.isfinite(y)).all():
+                numbers, x = numbers[read], x[read]
+            count = np.maximum(np.bincount(numbers, minlength=runs), 1)
+            away = x - (np.bincount(numbers, x, runs) / count)[numbers]
+            found[:, j] = np.bincount(numbers, away**2, runs)
         return found
 
     def _scale(self, one: Sequence[int], sensor: str) -> tuple[float, float]:
@@ -181,14 +196,11 @@ class _Judged:
         at = at[np.isfinite(self.off[sensor][at])]
         if not len(at):
             return 0.0, 0.0
-        step = SAME_RATE * float(np.max(np.abs(self.applied[at]))) or 1.0
-        rates, where = np.unique(np.round(self.applied[at] / step), return_inverse=True)
         fitted = 2 * len(one)
-        for k in range(len(rates)):
-            same = at[where == k]
-            if len(same) >= ENOUGH:
-                self.odd[sensor][same] -= np.median(self.off[sensor][same])
-                fitted += 1
+        for same in self.turned.at_rates(at, SAME_RATE):
+            if same.shape[1] >= ENOUGH:
+                self.odd[sensor][same] -= np.median(self.off[sensor][same], axis=1, keepdims=True)
+                fitted += len(same)
         return robust_scale(self.odd[sensor][at], fitted)
 
     def _lent(self, key: tuple[int, str], alone: Mapping[tuple[int, str], tuple[float, float]]) -> tuple[float, float]:
@@ -227,16 +239,28 @@ class _Judged:
 
     def against_others(self) -> Iterator[Remark]:
         """Yield runs that differ from the others about the axis."""
-        pairs = [self.runs[one[0]].axis == sensor for one in self.sets for sensor in self.sensors]
-        for k, one in enumerate(self.sets):
-            for j, sensor in enumerate(self.sensors):
-                own = self.runs[one[0]].axis == sensor
-                alpha = FALSE_ALARM * (0.5 if own else 0.25) / pairs.count(own)
-                slopes = np.where(self.named[one], np.nan, self.slope[one, j])
-                scatter, dof = self._scatter_of_others(k, j) if np.isfinite(slopes).sum() < FEW else (0.0, 0.0)
-                bad = disagreeing(slopes, self.u[one, j], alpha, scatter, dof)
-                if bad.any():
-                    yield from self._different([one[i] for i in np.flatnonzero(bad)], one, j, sensor)
+        pairs = [(k, j) for k in range(len(self.sets)) for j in range(len(self.sensors))]
+        owns = {(k, j): self.runs[self.sets[k][0]].axis == self.sensors[j] for k, j in pairs}
+        alike: dict[tuple[int, bool], list[tuple[int, int]]] = {}  # judged by themselves, of one number and chance
+        alone: list[tuple[int, int]] = []
+        slopes = np.where(self.named[:, None], np.nan, self.slope)
+        for k, j in pairs:
+            one = list(self.sets[k])
+            whole = len(one) >= FEW and np.isfinite(slopes[one, j]).all()
+            (alike.setdefault((len(one), owns[k, j]), []) if whole else alone).append((k, j))
+        everyone = list(owns.values())
+        alpha = {own: FALSE_ALARM * (0.5 if own else 0.25) / max(everyone.count(own), 1) for own in (True, False)}
+        for (_, own), some in alike.items():
+            values, u = (np.array([of[list(self.sets[k]), j] for k, j in some]) for of in (slopes, self.u))
+            found = any_disagrees(values, u, alpha[own])
+            alone += [pair for pair, bad in zip(some, found, strict=True) if bad]
+        for k, j in sorted(alone):
+            one, sensor = list(self.sets[k]), self.sensors[j]
+            few = np.isfinite(slopes[one, j]).sum() < FEW
+            scatter, dof = self._scatter_of_others(k, j) if few else (0.0, 0.0)
+            bad = disagreeing(slopes[one, j], self.u[one, j], alpha[owns[k, j]], scatter, dof)
+            if bad.any():
+                yield from self._different([one[i] for i in np.flatnonzero(bad)], one, j, sensor)
 
     def _scatter_of_others(self, k: int, j: int) -> tuple[float, float]:
         """Return the scatter of the like response between the runs of the other sets, and its degrees of freedom.
@@ -247,10 +271,10 @@ class _Judged:
         found, dof = [], 0
         for other, one in enumerate(self.sets):
             for i, sensor in enumerate(self.sensors):
-                slopes = np.where(self.named[one], np.nan, self.slope[one, i])
+                slopes = np.where(self.named[list(one)], np.nan, self.slope[list(one), i])
                 count = int(np.isfinite(slopes).sum())
                 if (other, i) != (k, j) and (self.runs[one[0]].axis == sensor) == own and count > 1:
-                    found.append(max(float(np.nanstd(slopes, ddof=1)), float(np.max(self.u[one, i]))))
+                    found.append(max(float(np.nanstd(slopes, ddof=1)), float(np.max(self.u[list(one), i]))))
                     dof += count - 1
         return (max(found), float(dof)) if found else (0.0, 0.0)
 
@@ -279,7 +303,7 @@ class _Judged:
             axis = self.runs[one[0]].axis
             ends = self._saturated(k, axis) if axis in self.sensors else None
             if ends is not None:
-                self.named[one] = True
+                self.named[list(one)] = True
                 name = f"all {len(one)} runs about {axis}" if len(one) > 1 else self.runs[one[0]].name
                 low, high = np.degrees(ends)
                 what = f"{axis} follows the lower rates, and at the highest reads {low:+.5g} and {high:+.5g} deg/s only"
@@ -324,6 +348,9 @@ class _Judged:
                 if dof <= 0.0 or scale <= 0.0:  # coarse readings may not scatter at all
                     continue
                 limit = scale * max(FEWEST_SCATTERS, t_quantile(dof, 1.0 - 0.5 * p))
+                at = np.concatenate([self.runs[i].at for i in one])
+                if not np.any(self.used[sensor][at] & (np.abs(self.odd[sensor][at]) > limit)):
+                    continue
                 for i in one:
                     if not self.named[i]:
                         yield from self._odd_readings(self.runs[i], sensor, limit, scale, len(one))

@@ -10,7 +10,8 @@ from ...core.estimate import Array
 from ...core.key import AXES
 from .fit.earth_input import with_earth
 from .plan import Plan
-from .readings import Labels, Readings
+from .readings import Readings
+from .turned import Labels
 
 
 @dataclass(frozen=True, eq=False)

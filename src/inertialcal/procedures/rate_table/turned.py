@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,8 @@ Labels = NDArray[Any]
 
 POWERS = {"K2": 2, "K3": 3}
 WORDS = {"K2": "second-order term", "K3": "third-order term"}
+MOST = 100  # choices of rows that are kept in order of rate
+LIKE = 0.2  # relative difference of largest rates up to which runs are compared
 ROUNDING = 1e-9  # part of a column that varies beside the lines of the recordings, below which it does not
 APART = 0.02  # part of a term's column that the other columns do not explain, from which on it is told apart
 
@@ -91,6 +93,16 @@ class LineDesign:
         return np.asarray(left[:, singular > size * 1e-10])
 
 
+class RunAbout(NamedTuple):
+    """A run about one axis: its recording, its label, the axis, its rows; whether its recording has others."""
+
+    recording: str
+    run: str
+    axis: str
+    at: NDArray[np.intp]
+    several: bool
+
+
 class Turned:
     """Rates of dwells, shape (n,), with axes turned, runs and recordings.
 
@@ -119,7 +131,10 @@ class Turned:
         self.groups = np.array([f"{one} {about}" for one, about in pairs])  # recording of each dwell
         self.clusters = names.copy() if self.runs else self.groups  # its power-up, or the recording
         self.numbers = np.unique(self.groups, return_inverse=True)[1]
+        blank = np.full(len(axis), "")
+        self._recording, self._run = (blank if one is None else one.copy() for one in (recording, run))
         self._lines: dict[tuple[str, bool, tuple[str, ...]], LineDesign] = {}
+        self._at_rates: dict[bytes, list[NDArray[np.intp]]] = {}
         self._neighbours: dict[tuple[str, int], NDArray[np.intp]] = {}
         self._allowed: dict[tuple[str, bool, bool, float], tuple[str, ...]] = {}
 
@@ -129,6 +144,65 @@ class Turned:
         if key not in self._lines:
             self._lines[key] = LineDesign(self, *key)
         return self._lines[key]
+
+    @cached_property
+    def runs_about(self) -> tuple[RunAbout, ...]:
+        """Its runs about each axis, in order."""
+        rows: dict[tuple[str, str, str], list[int]] = {}
+        labels = zip(self._recording.tolist(), self._run.tolist(), self.axis.tolist(), strict=True)
+        for i, label in enumerate(labels):
+            rows.setdefault(label, []).append(i)
+        return tuple(
+            RunAbout(*label, np.array(at), bool(np.count_nonzero(self._recording == label[0]) > len(at)))
+            for label, at in rows.items()
+        )
+
+    @cached_property
+    def run_numbers(self) -> NDArray[np.intp]:
+        """Number of the run about an axis of each dwell, shape (n,)."""
+        numbers = np.empty(len(self.axis), dtype=np.intp)
+        for i, one in enumerate(self.runs_about):
+            numbers[one.at] = i
+        return numbers
+
+    @cached_property
+    def like_runs(self) -> tuple[tuple[int, ...], ...]:
+        """Runs about one axis at like rates, by number."""
+        ends = [np.array([np.min(x), np.max(x)]) for x in (self.applied[one.at] for one in self.runs_about)]
+        found: list[list[int]] = []
+        for i, one in enumerate(self.runs_about):
+            for like in found:
+                first = like[0]
+                alike = np.all(np.abs(ends[i] - ends[first]) <= LIKE * np.max(np.abs(ends[first])))
+                if self.runs_about[first].axis == one.axis and alike:
+                    like.append(i)
+                    break
+            else:
+                found.append([i])
+        return tuple(tuple(one) for one in found)
+
+    @cached_property
+    def run_lengths(self) -> tuple[tuple[NDArray[np.intp], NDArray[np.intp]], ...]:
+        """Runs about an axis of one length: their numbers, shape (r,), and rows, shape (r, length)."""
+        lengths: dict[int, list[int]] = {}
+        for i, one in enumerate(self.runs_about):
+            lengths.setdefault(len(one.at), []).append(i)
+        return tuple((np.array(at), np.array([self.runs_about[i].at for i in at])) for at in lengths.values())
+
+    def at_rates(self, rows: NDArray[np.intp], step: float) -> list[NDArray[np.intp]]:
+        """Return rows at one rate each, up to a step of the largest: by how many they are, shape (rates, rows)."""
+        key = rows.tobytes() + f"{step}".encode()
+        if key not in self._at_rates:
+            x = self.applied[rows]
+            numbers = np.unique(np.round(x / (step * float(np.max(np.abs(x))) or 1.0)), return_inverse=True)[1]
+            lengths: dict[int, list[NDArray[np.intp]]] = {}
+            for k in range(int(numbers.max()) + 1):
+                same = rows[numbers == k]
+                lengths.setdefault(len(same), []).append(same)
+            if len(self._at_rates) > MOST:
+                self._at_rates.clear()
+            self._at_rates[key] = [np.array(one) for one in lengths.values()]
+        return self._at_rates[key]
 
     @cached_property
     def rates(self) -> Mapping[str, tuple[Array, Array]]:

@@ -27,7 +27,8 @@ from ....core.key import AXES
 from ....physics.earth import axis_earth_rate
 from ....signals.remembered import remembered
 from ..plan import Attitude, Plan
-from ..readings import Labels, Readings
+from ..readings import Readings
+from ..turned import Labels
 
 ROOT_HALF = float(np.sqrt(0.5))
 ROOT_THIRD = float(np.sqrt(1.0 / 3.0))
