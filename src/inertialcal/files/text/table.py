@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from ...core.errors import DataError
-from ...core.estimate import Array
+from ...core.estimate import Array, Numbers
 from ...core.recording import Source
 from ...core.remarks import Remark
 from ...core.show import tables as shown
@@ -30,6 +30,19 @@ from .layout import BLANKS, CELL, CELL_BYTES, Decimal, judge, kind, sniff, text_
 from .results_table import is_results, results_columns
 
 SHOWN = 4  # cells of a column
+
+
+class NumberCells(tuple[str, ...]):
+    """Cells of a column that was stored as numbers, every one there and finite: as text, and as ``values`` (n,)."""
+
+    values: Array
+
+    @classmethod
+    def of(cls, values: Numbers) -> NumberCells:
+        """Return the cells of numbers with all their digits."""
+        found = cls(map(str, values.tolist()))
+        found.values = values.astype(np.float64)
+        return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,6 +134,9 @@ class Table:
         """
         at = self.index(name)
         cells: Sequence[str] = self.cells[at]
+        if isinstance(cells, NumberCells):
+            check_readings(self.names[at], cells.values, self.unit(name), self.where)
+            return cells.values.copy()
         cells = without_groups(cells, self.decimal, CELL[self.decimal].fullmatch)
         kinds = [kind(cell, self.decimal) for cell in cells]
         numbers = [to_float(c, self.decimal) if k in "if" else np.nan for c, k in zip(cells, kinds, strict=True)]
@@ -151,6 +167,8 @@ class Table:
     def missing(self, name: str) -> tuple[Remark, ...]:
         """Remark on the empty cells of a column, and on its literal NaN; none where it is complete."""
         at = self.index(name)
+        if isinstance(self.cells[at], NumberCells):
+            return ()
         judged = judge(self.cells[at], self.decimal)
         return missing_remarks(self.names[at], judged.empty, judged.not_a_number, self.where)
 
@@ -202,8 +220,11 @@ def read_table(
 
 def _from_content(content: Content, loaded: Loaded, reader: str) -> Table:
     """Return a binary format's columns as text, with full digits."""
-    cells = []
+    cells: list[tuple[str, ...]] = []
     for column in content.columns:
+        if column.values.dtype.kind in "fiu" and not len(column.empty) and np.isfinite(column.values).all():
+            cells.append(NumberCells.of(column.values))
+            continue
         gone = set(column.empty.tolist())
         cells.append(tuple("" if i in gone else str(v) for i, v in enumerate(column.values.tolist())))
     return Table(

@@ -32,9 +32,10 @@ from ...statistics.agreement import (
     FALSE_ALARM,
     any_disagrees,
     disagreeing,
+    medians,
     repeated_median_line,
     repeated_median_lines,
-    robust_scale,
+    robust_scales,
 )
 from ...statistics.intervals import t_quantile
 from ..agreement import Cause, likely_cause
@@ -153,7 +154,7 @@ class _Judged:
         self.sets = self.turned.like_runs
         # Less what all readings at a rate have in common: curvature of the sensor; its scatter and that of the slopes
         self.odd = {s: off.copy() for s, off in self.off.items()}
-        alone = {(k, s): self._scale(one, s) for k, one in enumerate(self.sets) for s in outputs}
+        alone = {(k, s): one for k in range(len(self.sets)) for s, one in self._scales(k).items()}
         self.scales = {key: self._lent(key, alone) for key in alone}
         spread = self._spreads()
         scale = np.zeros_like(self.slope)
@@ -190,18 +191,27 @@ class _Judged:
             found[:, j] = np.bincount(numbers, away**2, runs)
         return found
 
-    def _scale(self, one: Sequence[int], sensor: str) -> tuple[float, float]:
-        """Return scale and degrees of freedom of the readings of a set of runs about their lines."""
-        at = np.concatenate([self.runs[i].at for i in one])
-        at = at[np.isfinite(self.off[sensor][at])]
-        if not len(at):
-            return 0.0, 0.0
-        fitted = 2 * len(one)
-        for same in self.turned.at_rates(at, SAME_RATE):
-            if same.shape[1] >= ENOUGH:
-                self.odd[sensor][same] -= np.median(self.off[sensor][same], axis=1, keepdims=True)
-                fitted += len(same)
-        return robust_scale(self.odd[sensor][at], fitted)
+    def _scales(self, k: int) -> dict[str, tuple[float, float]]:
+        """Return by sensor scale and degrees of freedom of the readings of a set of runs about their lines."""
+        at = np.concatenate([self.runs[i].at for i in self.sets[k]])
+        kinds: dict[bytes, list[str]] = {}
+        for sensor, off in self.off.items():
+            kinds.setdefault(np.isfinite(off[at]).tobytes(), []).append(sensor)
+        found: dict[str, tuple[float, float]] = {}
+        for known, sensors in kinds.items():
+            rows = at[np.frombuffer(known, dtype=bool)]
+            off = np.array([self.off[sensor] for sensor in sensors])
+            fitted = 2 * len(self.sets[k])
+            if len(rows):
+                for same in self.turned.at_rates(rows, SAME_RATE):
+                    if same.shape[1] >= ENOUGH:
+                        off[:, same] -= medians(off[:, same])[..., None]
+                        fitted += len(same)
+            for sensor, one in zip(sensors, off, strict=True):
+                self.odd[sensor][rows] = one[rows]
+            scale, dof = robust_scales(off[:, rows], fitted)
+            found.update(zip(sensors, zip(scale.tolist(), dof.tolist(), strict=True), strict=True))
+        return {sensor: found[sensor] for sensor in self.sensors}
 
     def _lent(self, key: tuple[int, str], alone: Mapping[tuple[int, str], tuple[float, float]]) -> tuple[float, float]:
         """Return a scale with its degrees of freedom; one that rests on little is not below what is usual."""
@@ -241,18 +251,18 @@ class _Judged:
         """Yield runs that differ from the others about the axis."""
         pairs = [(k, j) for k in range(len(self.sets)) for j in range(len(self.sensors))]
         owns = {(k, j): self.runs[self.sets[k][0]].axis == self.sensors[j] for k, j in pairs}
-        alike: dict[tuple[int, bool], list[tuple[int, int]]] = {}  # judged by themselves, of one number and chance
+        alike: dict[int, list[tuple[int, int]]] = {}  # judged by themselves, of one number of runs
         alone: list[tuple[int, int]] = []
         slopes = np.where(self.named[:, None], np.nan, self.slope)
         for k, j in pairs:
             one = list(self.sets[k])
             whole = len(one) >= FEW and np.isfinite(slopes[one, j]).all()
-            (alike.setdefault((len(one), owns[k, j]), []) if whole else alone).append((k, j))
+            (alike.setdefault(len(one), []) if whole else alone).append((k, j))
         everyone = list(owns.values())
         alpha = {own: FALSE_ALARM * (0.5 if own else 0.25) / max(everyone.count(own), 1) for own in (True, False)}
-        for (_, own), some in alike.items():
+        for some in alike.values():
             values, u = (np.array([of[list(self.sets[k]), j] for k, j in some]) for of in (slopes, self.u))
-            found = any_disagrees(values, u, alpha[own])
+            found = any_disagrees(values, u, np.array([alpha[owns[pair]] for pair in some]))
             alone += [pair for pair, bad in zip(some, found, strict=True) if bad]
         for k, j in sorted(alone):
             one, sensor = list(self.sets[k]), self.sensors[j]
@@ -314,22 +324,21 @@ class _Judged:
     def _saturated(self, k: int, axis: str) -> Array | None:
         """Return the readings at the highest rates both ways, where they saturate; None elsewhere."""
         at = np.concatenate([self.runs[i].at for i in self.sets[k]])
-        at = at[np.isfinite(self.off[axis][at])]
-        x, y, off = self.applied[at], self.outputs[axis][at], self.off[axis][at]
+        highest = self.turned.highest(at[np.isfinite(self.off[axis][at])])
+        if highest is None or highest.sizes < ENOUGH:
+            return None
+        y, off = self.outputs[axis], self.off[axis]
         ends, least, step, others, bend = [], np.inf, 0.0, 0.0, 0.0
-        for way in (-1.0, 1.0):
-            rates = way * np.unique(np.abs(x[np.sign(x) == way]))[::-1]
-            if len(rates) < 2 or len(np.unique(np.abs(x))) < ENOUGH:
-                return None
-            (top, top_off), (lower, lower_off) = (
-                (float(np.median(y[x == rate])), float(np.median(off[x == rate]))) for rate in rates[:2]
-            )
+        for way, rates in zip((-1.0, 1.0), highest.ways, strict=True):
+            (rate, rows), (next_rate, next_rows) = rates
+            top, top_off, lower, lower_off = (float(medians(of[some])) for some in (rows, next_rows) for of in (y, off))
             ends.append(top)
             least = min(least, -way * top_off)
-            others, bend = max(others, abs(lower_off)), max(bend, (rates[1] / rates[0]) ** 3)
-            step = max(step, abs((top - lower) / (rates[0] - rates[1])))
-        largest, fitted = float(np.max(np.abs(x))), 2 * len(self.sets[k])
-        inner = [off[np.abs(x) < (1.0 - SAME_RATE) * rate] for rate in (abs(rates[1]), largest)]
+            others, bend = max(others, abs(lower_off)), max(bend, (next_rate / rate) ** 3)
+            step = max(step, abs((top - lower) / (rate - next_rate)))
+        largest, fitted = highest.largest, 2 * len(self.sets[k])
+        x = np.abs(self.applied[highest.rows])
+        inner = [off[highest.rows[x < (1.0 - SAME_RATE) * rate]] for rate in (abs(highest.ways[1][1][0]), largest)]
         rest = next((one for one in inner if len(one) > fitted), None)
         if rest is None:
             return None

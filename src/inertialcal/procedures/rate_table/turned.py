@@ -103,6 +103,18 @@ class RunAbout(NamedTuple):
     several: bool
 
 
+class Highest(NamedTuple):
+    """Of some rows the largest size of rate, how many sizes there are, and the two highest rates of each way.
+
+    Those of the negative way first: of each the rate and its rows, the higher first.
+    """
+
+    rows: NDArray[np.intp]
+    largest: float
+    sizes: int
+    ways: tuple[tuple[tuple[float, NDArray[np.intp]], tuple[float, NDArray[np.intp]]], ...]
+
+
 class Turned:
     """Rates of dwells, shape (n,), with axes turned, runs and recordings.
 
@@ -134,6 +146,7 @@ class Turned:
         blank = np.full(len(axis), "")
         self._recording, self._run = (blank if one is None else one.copy() for one in (recording, run))
         self._lines: dict[tuple[str, bool, tuple[str, ...]], LineDesign] = {}
+        self._highest: dict[bytes, Highest | None] = {}
         self._at_rates: dict[bytes, list[NDArray[np.intp]]] = {}
         self._neighbours: dict[tuple[str, int], NDArray[np.intp]] = {}
         self._allowed: dict[tuple[str, bool, bool, float], tuple[str, ...]] = {}
@@ -188,6 +201,22 @@ class Turned:
         for i, one in enumerate(self.runs_about):
             lengths.setdefault(len(one.at), []).append(i)
         return tuple((np.array(at), np.array([self.runs_about[i].at for i in at])) for at in lengths.values())
+
+    def highest(self, rows: NDArray[np.intp]) -> Highest | None:
+        """Return the highest rates of rows; None where one way has fewer than two."""
+        key = rows.tobytes()
+        if key not in self._highest:
+            x = self.applied[rows]
+            ways = []
+            for way in (-1.0, 1.0):
+                rates = way * np.unique(np.abs(x[np.sign(x) == way]))[::-1][:2]
+                ways.append([(float(rate), rows[x == rate]) for rate in rates])
+            two = [(one[0], one[1]) for one in ways if len(one) == 2]
+            if len(self._highest) > MOST:
+                self._highest.clear()
+            sizes = np.unique(np.abs(x))
+            self._highest[key] = Highest(rows, float(sizes[-1]), len(sizes), tuple(two)) if len(two) == 2 else None
+        return self._highest[key]
 
     def at_rates(self, rows: NDArray[np.intp], step: float) -> list[NDArray[np.intp]]:
         """Return rows at one rate each, up to a step of the largest: by how many they are, shape (rates, rows)."""
