@@ -209,22 +209,34 @@ class Estimate:
         if len(set(self.names)) != k:
             raise DataError(f"a name appears twice in {self.names}")
         for component in self.components:
-            c = component.covariance
-            if c.shape != (k, k):
-                raise DataError(f"{component.source}: covariance of shape {c.shape}, need ({k}, {k})")
-            if not np.isfinite(c).all():
-                raise DataError(f"{component.source}: covariance is not finite", do="Leave out what is not estimated")
-            variance = c.diagonal()
-            deviations = np.sqrt(np.abs(variance))
-            allowed = SYMMETRY * deviations[:, np.newaxis] * deviations + TINY
-            if (variance < 0.0).any() or (np.abs(c - c.T) > allowed).any():
-                raise DataError(f"{component.source}: not a covariance (negative variance or not symmetric)")
+            if component.covariance.shape != (k, k):
+                shape = component.covariance.shape
+                raise DataError(f"{component.source}: covariance of shape {shape}, need ({k}, {k})")
             dof = np.asarray(component.dof, dtype=float)
             if dof.shape not in {(), (k,)} or not (dof > 0.0).all():
                 raise DataError(
                     f"{component.source}: degrees of freedom {component.dof}, need {k} positive ones or one for all"
                 )
-            if component.stated is not None and not component.stated[0] > 0.0 and (variance > 0.0).any():
+        if self.components:
+            self._check_covariances()
+
+    def _check_covariances(self) -> None:
+        c: Array = np.array([component.covariance for component in self.components])
+        variance = np.diagonal(c, axis1=1, axis2=2)
+        deviations = np.sqrt(np.abs(variance))
+        with np.errstate(invalid="ignore"):
+            allowed = SYMMETRY * deviations[:, :, np.newaxis] * deviations[:, np.newaxis] + TINY
+            skew = (variance < 0.0).any(axis=1) | (np.abs(c - c.swapaxes(1, 2)) > allowed).any(axis=(1, 2))
+        acts = np.any(variance > 0.0, axis=1)
+        is_finite = np.all(np.isfinite(c), axis=(1, 2)).tolist()
+        for component, bad, active, finite in zip(
+            self.components, np.atleast_1d(skew), np.atleast_1d(acts), is_finite, strict=True
+        ):
+            if not finite:
+                raise DataError(f"{component.source}: covariance is not finite", do="Leave out what is not estimated")
+            if bad:
+                raise DataError(f"{component.source}: not a covariance (negative variance or not symmetric)")
+            if active and component.stated is not None and not component.stated[0] > 0.0:
                 raise DataError(f"{component.source}: contributes, but its own uncertainty is {component.stated[0]:g}")
 
     @cached_property

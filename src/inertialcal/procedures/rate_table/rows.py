@@ -100,7 +100,7 @@ def _scale_factor_row(result: Result, sensor: str, estimate: Estimate | None, me
     i = estimate.index(error)
     value, u, dof = (
         ideal * (1.0 + float(estimate.values[i])),
-        ideal * float(estimate.u[i]),
+        abs(ideal) * float(estimate.u[i]),
         float(estimate.dof[i]),
     )
     interval = t_interval(value, u, dof)

@@ -22,7 +22,6 @@ converter reference
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 import numpy as np
 
@@ -122,48 +121,35 @@ def quantities_of(one: Line) -> Part:
 
 def _all_quantities(one: Line) -> Part:
     """Return what ``quantities_of`` chooses from; no ratio to the sensor's own response where that is zero."""
-    s, theta, k = one.sensor, one.fit.coefficients, len(one.names)
-    unit = np.eye(k)
-    keys, values, jacobian, about = [Key("bias", s)], [theta[0]], [unit[0]], [0]
+    s, theta = one.sensor, [float(value) for value in one.fit.coefficients]
     own = one.names.index(f"M_{s}{s}") if s in one.axes else None
+    slope = 0.0 if own is None else theta[own]
+    # Quantity, the coefficient it is about, its value and its derivatives by that and by the sensor's own response
+    found: list[tuple[Key, int, float, float, float]] = [(Key("bias", s), 0, theta[0], 1.0, 0.0)]
     if own is not None:
-        keys.append(Key("scale_factor_error", s))
-        values.append(theta[own] - 1.0)
-        jacobian.append(unit[own])
-        about.append(own)
-    responds = own is not None and theta[own] != 0.0
-    if one.asymmetry and own is not None and responds:
+        found.append((Key("scale_factor_error", s), own, slope - 1.0, 1.0, 0.0))
+    if one.asymmetry and slope != 0.0:
         at = one.names.index("c")
-        keys.append(Key("scale_factor_asymmetry", s))
-        values.append(2.0 * theta[at] / theta[own])
-        jacobian.append(_ratio(unit, at, own, theta, 2.0))
-        about.append(at)
-    for name in one.curvature if responds else ():
+        value = 2.0 * theta[at] / slope
+        found.append((Key("scale_factor_asymmetry", s), at, value, 2.0 / slope, -value / slope))
+    for name in one.curvature if slope != 0.0 else ():
         at, power = one.names.index(name), POWERS[name]
-        assert own is not None  # noqa: S101 - as it responds
-        keys.append(Key(CURVATURES[name], s))
-        values.append(theta[at] / theta[own] ** power)
-        jacobian.append(unit[at] / theta[own] ** power - power * values[-1] / theta[own] * unit[own])
-        about.append(at)
+        value = theta[at] / slope**power
+        found.append((Key(CURVATURES[name], s), at, value, 1.0 / slope**power, -power * value / slope))
     for axis in one.axes:
         if axis == s:
             continue
         at = one.names.index(f"M_{s}{axis}")
-        keys.append(Key("cross_axis_sensitivity", s + axis))
-        values.append(theta[at])
-        jacobian.append(unit[at])
-        about.append(at)
-        if own is not None and responds:
-            keys.append(Key("misalignment", s + axis))
-            values.append(theta[at] / theta[own])
-            jacobian.append(_ratio(unit, at, own, theta, 1.0))
-            about.append(at)
-    return keys, np.array(values), np.array(jacobian), about
-
-
-def _ratio(unit: Array, top: int, bottom: int, theta: Array, scale: float) -> Array:
-    gradient: Array = scale * (unit[top] / theta[bottom] - unit[bottom] * theta[top] / theta[bottom] ** 2)
-    return gradient
+        found.append((Key("cross_axis_sensitivity", s + axis), at, theta[at], 1.0, 0.0))
+        if slope != 0.0:
+            value = theta[at] / slope
+            found.append((Key("misalignment", s + axis), at, value, 1.0 / slope, -value / slope))
+    jacobian = np.zeros((len(found), len(theta)))
+    for i, (_, at, _, by_own, by_slope) in enumerate(found):
+        jacobian[i, at] = by_own
+        if by_slope and own is not None:
+            jacobian[i, own] = by_slope
+    return [key for key, *_ in found], np.array([one[2] for one in found]), jacobian, [at for _, at, *_ in found]
 
 
 SOURCES = {
@@ -264,31 +250,41 @@ def _earth(plan: Plan, parts: list[Part], lines: list[Line]) -> list[Component]:
     """Components of what is not known of the earth rate: a wrong input of M e in the dwells that were used."""
     turned = dict.fromkeys(axis for one in lines for axis in one.axes)
     known = {name: influence for axis in turned for name, influence in earth_influences(plan, axis).items()}
-    changed = [_earth_changes(part, one) for part, one in zip(parts, lines, strict=True)]
+    stacked: dict[int, Array] = {}  # patterns of all sources, shape (s of all, n, 3), by the sources
+    for one in lines:
+        sources = one.readings.earth_sources
+        if sources and id(sources) not in stacked:
+            stacked[id(sources)] = np.concatenate([*sources.values()])
+    changed = [
+        _earth_changes(part, one, stacked[id(one.readings.earth_sources)])
+        for part, one in zip(parts, lines, strict=True)
+        if one.readings.earth_sources
+    ]
     found = []
     for source in dict.fromkeys(name for one in changed for name in one):
-        changes = np.vstack([one[source] for one in changed])
+        changes = np.concatenate([one[source] for one in changed])
         covariance = changes @ changes.T
-        component = Component(f"earth rate: {source}", "B", 0.5 * (covariance + covariance.T))
-        if source in known:  # else the readings were made with another attitude than this plan has
-            own = known[source]
-            component = replace(component, dof=own.dof, distribution=own.distribution, stated=own.stated)
-            if own.standard:
-                component = replace(component, given=own.origin(component.source), changes=changes.T)
-        found.append(component)
+        covariance = 0.5 * (covariance + covariance.T)
+        name, own = f"earth rate: {source}", known.get(source)
+        if own is None:  # the readings were made with another attitude than this plan has
+            found.append(Component(name, "B", covariance))
+            continue
+        given, by = (own.origin(name), changes.T) if own.standard else (name, None)
+        found.append(Component(given, "B", covariance, own.dof, own.distribution, own.stated, by))
     return found
 
 
-def _earth_changes(part: Part, one: Line) -> dict[str, Array]:
+def _earth_changes(part: Part, one: Line, stacked: Array) -> dict[str, Array]:
     """Return the change of the quantities of a sensor for each pattern of each source, shapes (names, s)."""
     sources = one.readings.earth_sources
-    if not sources:
-        return {}
     row = np.array([matrix_entry(one, axis) for axis in AXES])
-    patterns = np.concatenate([*sources.values()]) @ row  # (s of all, n): what the sensor reads of each
+    patterns = stacked @ row  # (s of all, n): what the sensor reads of each
     changes: Array = -part[2] @ (one.fit.solve @ patterns.T)
-    ends = np.cumsum([len(one) for one in sources.values()])
-    return dict(zip(sources, np.split(changes, ends[:-1], axis=1), strict=True))
+    found, start = {}, 0
+    for name, each in sources.items():
+        found[name] = changes[:, start : start + len(each)]
+        start += len(each)
+    return found
 
 
 def _taken_off(keys: tuple[Key, ...], parts: list[Part], lines: list[Line]) -> list[Component]:
