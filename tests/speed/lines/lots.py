@@ -48,4 +48,4 @@ def rate_tables() -> Work:
     return Work(own, peer)
 
 
-line(f"reduce_many, {UNITS} rate tables of 210 dwells", peer="ic.rate_table of each", goal=10.0)(rate_tables)
+line(f"reduce_many, {UNITS} rate tables of 210 dwells", peer="ic.rate_table of each", goal=30.0)(rate_tables)
