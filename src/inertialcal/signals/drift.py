@@ -105,22 +105,39 @@ def drift_of(x: Array, axis: int, interval: float) -> tuple[Drift, ...]:
             total[b] += sum_of
     kept = count >= FILLED * size
     means = total[kept] / count[kept]
-    place = (np.arange(BLOCKS)[kept] + 0.5) / BLOCKS
-    smooth = np.polynomial.legendre.legvander(2.0 * place - 1.0, SMOOTH)
-    design = smooth[:, : DEGREE + 1]
     if len(means) - SMOOTH - 1 < LEAST:
         return ()
-    level = np.linalg.qr(smooth, mode="complete")[0][:, SMOOTH + 1 :].T @ means
+    blocks = _blocks(kept.tobytes())
+    level = blocks.rest.T @ means
     if not np.sum(level**2) > (ROUNDING * len(means)) ** 2 * np.sum(means**2):
         return ()
-    third = int(np.argmin(np.abs(place - 1.0 / 3.0)))
-    curve = design @ np.linalg.pinv(design)  # means to the curve through them
+    curve, third = blocks.curve, blocks.third
     weights = curve[-1] - curve[0]
     rise = float(weights @ means)
     found = [_explained(rise, weights, means, one) for one in _slow_noise(kept.tobytes())]
     u, chance = min(found)[1], max(one[2] for one in found)
     early = float((curve[third] - curve[0]) @ means) / rise if rise else 0.0
     return (Drift(axis, rise, u, chance, early),)
+
+
+@dataclass(frozen=True, eq=False)
+class _Blocks:
+    """Which blocks are kept: what a smooth curve leaves of their means, the curve through them, and a third of it."""
+
+    place: Array
+    rest: Array
+    curve: Array  # means to the curve through them
+    third: int
+
+
+@lru_cache(8)
+def _blocks(kept: bytes) -> _Blocks:
+    """Return what hangs on the blocks that are kept alone, all in most records; not to be changed."""
+    place = (np.flatnonzero(np.frombuffer(kept, dtype=bool)) + 0.5) / BLOCKS
+    smooth = np.polynomial.legendre.legvander(2.0 * place - 1.0, SMOOTH)
+    design = smooth[:, : DEGREE + 1]
+    rest = np.linalg.qr(smooth, mode="complete")[0][:, SMOOTH + 1 :]
+    return _Blocks(place, rest, design @ np.linalg.pinv(design), int(np.argmin(np.abs(place - 1.0 / 3.0))))
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,9 +152,8 @@ class _Slow:
 @lru_cache(8)
 def _slow_noise(kept: bytes) -> tuple[_Slow, ...]:
     """Return flicker and random walk of the blocks that are kept, all in most records."""
-    place = (np.flatnonzero(np.frombuffer(kept, dtype=bool)) + 0.5) / BLOCKS
-    smooth = np.polynomial.legendre.legvander(2.0 * place - 1.0, SMOOTH)
-    rest = np.linalg.qr(smooth, mode="complete")[0][:, SMOOTH + 1 :]
+    blocks = _blocks(kept)
+    place, rest = blocks.place, blocks.rest
     found = []
     for covariance in (flicker_covariance(place, 1.0 / BLOCKS), walk_covariance(place, 1.0 / BLOCKS)):
         sizes, axes = np.linalg.eigh(rest.T @ covariance @ rest)
