@@ -87,7 +87,7 @@ def _row(
     date = when if isinstance(when, str) else when[0] if when else ""
     if not date:
         what = f"test {test}: no date: the clock of its recording is elapsed time"
-        do = "Give that recording its mission_start, and flip it again"
+        do = "Flip a recording whose time column has dates, or give the flip as a row of a table"
         raise DataError(what, path, "flights are told apart, and drift, by their dates", do, "no_date")
     warm = next((one["value"] for one in rows if one["quantity"] == TEMPERATURE and one["axis"] == axis
                  and one["test"] == test), None)  # fmt: skip

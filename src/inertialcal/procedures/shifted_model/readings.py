@@ -208,7 +208,7 @@ def _of_tests(plan: Plan, corrections: Sequence[Correction], sources: Sequence[S
             continue
         if found.time is None:
             what = f"test {found.test!r}: its recording has no date"
-            do = "Give the clock of the recording its mission_start"
+            do = "Give a recording whose time column has dates, or the flip as a row of a table"
             raise DataError(what, "", "flights are told apart, and drift, by their dates", do, "no_date")
         named = {runs.get(name, "") for name in found.recordings}
         flight = (named.pop() if len(named) == 1 else "") or found.test
