@@ -63,6 +63,7 @@ if TYPE_CHECKING:
     from .lab.guide.engine import Guide
     from .lots.lot import lot
     from .procedures.flip.planning import plan_flip
+    from .procedures.magnetometer_bias.planning import plan_magnetometer_bias
     from .procedures.mass_attraction.planning.planner import plan_mass_attraction
     from .procedures.mass_attraction.recorded_series import programme_1969
     from .procedures.positions.batch import positions_batch
@@ -119,6 +120,7 @@ __all__ = [
     "open_archive",
     "plan_allan",
     "plan_flip",
+    "plan_magnetometer_bias",
     "plan_mass_attraction",
     "plan_positions",
     "plan_rate_table",
@@ -187,6 +189,7 @@ _HOMES = {  # nouns of procedures apart, which are found by their commands
         "procedures.static_noise.planning.planner": "plan_allan",
         "procedures.flip.planning": "plan_flip",
         "procedures.rate_table.planning": "plan_rate_table",
+        "procedures.magnetometer_bias.planning": "plan_magnetometer_bias",
         "procedures.thermal.planning": "plan_thermal",
         "procedures.turned_mass.planning": "plan_turned_mass",
         "procedures.vibration.planning": "plan_vibration",

@@ -216,6 +216,9 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
             latitude="36.6 deg",
             simulate=0,
         ),
+        "plan_magnetometer_bias": ic.plan_magnetometer_bias(
+            noise="0.2 deg/sqrt(h)", interval="10 s", wanted=TO_BIAS, most_orbits=1, simulate=0
+        ),
         "plan_flip": ic.plan_flip(noise="5 ug/sqrt(Hz)", wanted={"bias": "0.5 ug"}, simulate=0),
         "plan_allan": ic.plan_allan(
             noise="0.2 deg/sqrt(h)", instability="5 deg/h", wanted={"noise": "1 %"}, simulate=0
@@ -247,7 +250,7 @@ NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "thermal",
          "mass_attraction", "plan_mass_attraction", "positions", "positions_batch", "plan_positions",
          "vibration", "vibration_profile", "plan_vibration", "plan_vibration_survey", "vibration_survey",
          "vibration_effects", "magnetometer_bias", "microgravity", "shifted_model", "turned_mass", "heads",
-         "plan_turned_mass",
+         "plan_turned_mass", "plan_magnetometer_bias",
          "plan_rate_table", "plan_thermal", "plan_flip", "plan_allan",
          "result", "estimate",
          "check", "run", "budget", "model", "compare", "judged", "simulate", "score")  # fmt: skip

@@ -23,7 +23,7 @@ SIMULATORS = {
     path.stem: path for path in sorted(FOLDER.rglob("*.py"))
     if path.stem not in CALLERS and not path.stem.startswith(("test_", "__"))
 }  # fmt: skip
-ALLOWED = {"numpy", "scipy", "pyarrow", "h5py", "ppigrf", *sys.stdlib_module_names}
+ALLOWED = {"numpy", "scipy", "pyarrow", "h5py", "ppigrf", "sgp4", *sys.stdlib_module_names}
 RATE = 50.0
 RELATIVE = 4.0  # times the standard deviation of an Allan deviation over m of n samples, sqrt(m / n)
 

@@ -18,9 +18,9 @@ import math
 
 import numpy as np
 
-from ..core.constants import WGS84_FLATTENING, WGS84_GM, WGS84_SEMI_MAJOR_AXIS
+from ..core.constants import EARTH_ROTATION_RATE, WGS84_FLATTENING, WGS84_GM, WGS84_SEMI_MAJOR_AXIS
 from ..core.errors import DataError
-from ..core.estimate import Component, Estimate
+from ..core.estimate import Array, Component, Estimate
 
 A = WGS84_SEMI_MAJOR_AXIS.value  # [m]
 B = A * (1.0 - WGS84_FLATTENING.value)  # [m]
@@ -52,3 +52,29 @@ def orbital_rate(altitude: float) -> Estimate:
     u = 1.5 * rate / radius * (A - B) / math.sqrt(12.0)
     spread = Component("radius of the earth under the orbit", "B", np.array([[u**2]]), distribution="rectangular")
     return Estimate(("orbital_rate",), np.array([rate]), ("rad/s",), (spread,))
+
+
+def circular_track(altitude: float, inclination: float, time: Array, node: float = 0.0, start: float = 0.0) -> Array:
+    """Return earth-fixed positions of a circular orbit.
+
+    Parameters
+    ----------
+    altitude : float
+        Above the mean earth [m].
+    inclination : float
+        Of the orbit [rad].
+    time : ndarray, shape (n,)
+        [s].
+    node, start : float
+        Longitude of the ascending node at time 0; angle from it to the satellite then [rad].
+
+    Returns
+    -------
+    ndarray, shape (n, 3)
+        [m].
+    """
+    along = start + orbital_rate(altitude).value("orbital_rate") * time
+    turned = node - EARTH_ROTATION_RATE.value * time
+    x, y, z = np.cos(along), np.sin(along) * math.cos(inclination), np.sin(along) * math.sin(inclination)
+    c, s = np.cos(turned), np.sin(turned)
+    return np.asarray((MEAN_RADIUS + altitude) * np.column_stack([x * c - y * s, x * s + y * c, z]))

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import permutations
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from .protocol import Correction
 
 TakenOff = Mapping[Origin, Unknowns]  # by origin, a dwell a recording
 NEGLIGIBLE = 0.01  # part of a change, below which a sensor does not count in degrees of freedom
+SCALE, ACROSS = "scale_factor_error", "misalignment"
 TINY = 1e-24  # of the largest eigenvalue of a covariance: no unknown of its own
 
 
@@ -133,6 +135,132 @@ def factor(covariance: Array) -> Array:
     sizes, vectors = np.linalg.eigh(covariance / np.outer(size, size))
     keep = sizes > TINY * sizes[-1]
     return np.asarray((vectors[:, keep] * np.sqrt(sizes[keep])).T * size)
+
+
+@dataclass(frozen=True, eq=False)
+class MatrixCorrection:
+    """Scale factors and misalignment that tests of a gyro found: their inverse makes rates of readings.
+
+    Readings are those of the sensor less its bias, or with it: a bias is then found as the rate that looks like it, and
+    `matrix` turns it back.
+
+    Parameters
+    ----------
+    tests : tuple of str
+        Their names.
+    estimates : tuple of Estimate
+        Of each: scale factor errors and misalignment alone.
+    """
+
+    tests: tuple[str, ...]
+    estimates: tuple[Estimate, ...]
+
+    @property
+    def test(self) -> str:
+        """Names of the tests."""
+        return ", ".join(self.tests)
+
+    @property
+    def unit(self) -> str:
+        """Of the readings."""
+        return "rad/s"
+
+    @property
+    def reference_temperature(self) -> None:
+        """None: no temperature matters."""
+        return
+
+    @property
+    def keys(self) -> tuple[Key, ...]:
+        """What the tests found, in order."""
+        return tuple(key for one in self.estimates for key in one.keys)
+
+    @property
+    def matrix(self) -> Array:
+        """Readings per rate, shape (3, 3): what no test found is that of an ideal sensor."""
+        found = {key: float(value) for one in self.estimates for key, value in zip(one.keys, one.values, strict=True)}
+        made = np.eye(3)
+        for i, a in enumerate(AXES):
+            made[i, i] += found.get(Key(SCALE, a), 0.0)
+        for i, j in permutations(range(3), 2):
+            made[i, j] = made[i, i] * found.get(Key(ACROSS, AXES[i] + AXES[j]), 0.0)
+        return made
+
+    def entries(self, law: Array) -> Array:
+        """Return changes of the nine entries of the matrix, row by row, by changes of what was found (s, m): (s, 9)."""
+        matrix, made = self.matrix, np.zeros((len(law), 3, 3))
+        for change, key in zip(law.T, self.keys, strict=True):
+            i = AXES.index(key.axis[0])
+            if key.quantity == SCALE:
+                made[:, i] += change[:, None] * matrix[i] / matrix[i, i]
+            else:
+                made[:, i, AXES.index(key.axis[1])] += matrix[i, i] * change
+        return made.reshape(len(law), 9)
+
+    def joined(self, other: MatrixCorrection) -> MatrixCorrection:
+        """Return both as one.
+
+        Raises
+        ------
+        DataError
+            ``terms_twice`` if both found the same.
+        """
+        if twice := [str(key) for key in self.keys if key in other.keys]:
+            what = f"after = {[*self.tests, *other.tests]}: both found {', '.join(twice)}"
+            raise DataError(what, do="Leave one of them out", code="terms_twice")
+        return MatrixCorrection((*self.tests, *other.tests), (*self.estimates, *other.estimates))
+
+    def apply(
+        self, recordings: Sequence[tuple[str, Recording]]
+    ) -> tuple[list[Recording], list[Mapping[Origin, Unknowns]]]:
+        """Return recordings of all three axes as rates, and what is not known of the matrix, at the mean of each.
+
+        Raises
+        ------
+        DataError
+            ``no_axes`` if a recording lacks an axis.
+        """
+        inverse, made, off = np.asarray(np.linalg.inv(self.matrix), dtype=float), [], []
+        for name, one in recordings:
+            if missing := [axis for axis in AXES if axis not in one.names]:
+                what = (
+                    f"no channel {', '.join(missing)}, and after = {self.test!r}, which found what axes read of others"
+                )
+                raise DataError(what, one.source.path or name, do="Leave out after", code="no_axes")
+            rates = one.array(AXES) @ inverse.T
+            channels = tuple(replace(c, data=rates[:, AXES.index(c.name)]) if c.name in AXES else c
+                             for c in one.channels)  # fmt: skip
+            made.append(replace(one, channels=channels))
+            level = rates[np.isfinite(rates).all(axis=1)].mean(axis=0) if np.isfinite(rates).any() else np.zeros(3)
+            off.append(self._unknowns(inverse, level))
+        return made, list(off)
+
+    def _unknowns(self, inverse: Array, level: Array) -> dict[Origin, Unknowns]:
+        """Return what is not known, by origin: sources that several of the tests share are one."""
+        laws: dict[Origin, tuple[Component, Array, Array]] = {}
+        start, m = 0, len(self.keys)
+        for test, estimate in zip(self.tests, self.estimates, strict=True):
+            stop = start + len(estimate.keys)
+            for one in found_by(estimate, test).components:
+                assert one.changes is not None  # noqa: S101 - as made by found_by
+                law, dof = np.zeros((len(one.changes), m)), np.full(3, np.inf)
+                law[:, start:stop] = one.changes
+                for key, free in zip(estimate.keys, np.broadcast_to(one.dof, len(estimate.keys)), strict=True):
+                    i = AXES.index(key.axis[0])
+                    dof[i] = min(dof[i], float(free))
+                before = laws.get(one.origin)
+                if before is not None and before[1].shape == law.shape:
+                    law, dof = law + before[1], np.minimum(dof, before[2])
+                origin = one.origin if before is None or before[1].shape == law.shape else (
+                    one.origin._replace(test=test))  # fmt: skip
+                laws[origin] = one, law, dof
+            start = stop
+        found = {}
+        for origin, (one, law, dof) in laws.items():
+            changes = (self.entries(law).reshape(-1, 3, 3) @ level) @ inverse.T
+            found[origin] = Unknowns(origin, one.kind, changes[:, None, :], self.keys, law, dof, one.distribution,
+                                     one.stated, one.unknowns)  # fmt: skip
+        return found
 
 
 @dataclass(frozen=True, eq=False)

@@ -619,7 +619,7 @@ class Procedure(Generic[P, R, S]):
     inputs: InputSpec
     influences: Mapping[str, str] = {}
     uses: frozenset[str] = frozenset({"fit", "report_only"})
-    corrects: bool = False  # finds what later tests take off their readings
+    corrects: Literal["", "bias", "matrix"] = ""  # what it finds that later tests take off their readings
     set_against: bool = False  # two of its tests can be set beside each other: `against` says how
     changes: bool = False  # the figures of a test can be set against those of an earlier one, one by one
     chosen_by: str = "Choose by windows"  # how a test takes a part of a recording
@@ -629,7 +629,8 @@ class Procedure(Generic[P, R, S]):
     gives: tuple[TermKind, ...] = ()  # kinds of terms (``model_terms.KINDS``) that its ``terms`` can hold
     judged_alone: bool = False  # each test held out by itself, on readings that nothing was taken off
     compensated: tuple[str, ...] = ()  # quantities that a requirement can ask of compensated readings held out
-    takes_corrections: bool = False  # readings may have taken off what another test found
+    takes_corrections: bool = False  # readings may have a bias taken off that another test found
+    takes_matrix: bool = False  # and scale factors and misalignment
     made_of: str = ""  # procedure whose tests, named by ``after``, it is made of: they then give the model no terms
     no_corrections: str = ""  # why they may not
 

@@ -32,6 +32,7 @@ NO_CALL = (
     "open_archive",
     "plan_allan",
     "plan_flip",
+    "plan_magnetometer_bias",
     "plan_mass_attraction",
     "plan_positions",
     "plan_rate_table",

@@ -121,4 +121,5 @@ def test_both_plans_are_there() -> None:
         "vibration",
         "vibration survey",
         "turned-mass",
+        "magnetometer-bias",
     ]

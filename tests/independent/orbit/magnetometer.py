@@ -67,12 +67,13 @@ def recorded(
     magnetometer: Array | None = None,
     extra: Array | None = None,
     late: float = 0.0,
+    track: Array | None = None,
 ) -> Orbit:
     """Return one record.
 
     ``gyro`` and ``magnetometer``: matrices that the triads read through; ``drift``: of the bias of x from first to last
     sample [rad/s]; ``extra``: field beyond the model in axes that do not turn [T]; ``late``: the position is that of so
-    much earlier [s].
+    much earlier [s]; ``track``: earth-fixed positions in place of a circular orbit [m].
     """
     n = int(seconds / step)
     fine = (np.arange((n + 1) * FINE) - FINE // 2) * step / FINE
@@ -81,7 +82,7 @@ def recorded(
     turned = (attitude[:-1] * attitude[1:].inv()).as_rotvec() / (step / FINE)
     rates = turned[: n * FINE].reshape(n, FINE, 3).mean(axis=1)
     inclination, node, start = np.arccos(rng.uniform(-0.3, 0.7)), rng.uniform(0, 6.28), rng.uniform(0, 6.28)
-    now = _track(time, inclination, node, start)
+    now = _track(time, inclination, node, start) if track is None else track
     geodetic = _geodetic(now)
     reference = _field(geodetic, time) + (0.0 if extra is None else extra)
     body = attitude[FINE // 2 : FINE // 2 + n * FINE : FINE].apply(reference)

@@ -608,6 +608,8 @@ def magnetometer_bias(
     magnetometer_model: Literal['bias', 'scale_factor'] | None = None,
     epoch: str | None = None,
     magnetometer: str | None = None,
+    tle: str | None = None,
+    satellite: str | None = None,
     columns: Mapping[str, str] | Sequence[str] | str | None = None,
     units: Mapping[str, str] | Sequence[str] | str | None = None,
     sensor: str | None = None,

@@ -71,9 +71,16 @@ def chosen_tests(file: CampaignFile, sensor: str, condition: str) -> dict[TermKi
         if chosen:
             found[kind] = chosen
     if "bias" in found:
-        before = {name for test in found["bias"] for name in test.after} - parts
+        before = {name for test in found["bias"] for name in bias_before(file, test)} - parts
         found["bias"] = [test for test in every if test in found["bias"] or test.id in before]
     return found
+
+
+def bias_before(file: CampaignFile, test: Test) -> list[str]:
+    """Return the tests whose bias a test has taken off, so that its own adds to it."""
+    known = {one.id for one in file.tests if one.procedure in procedure_names()
+             and procedure_of(one.procedure).corrects == "bias"}  # fmt: skip
+    return [name for name in test.after if name in known]
 
 
 def _named(terms: Terms, kind: TermKind) -> set[str] | None:

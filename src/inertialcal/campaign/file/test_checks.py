@@ -171,10 +171,8 @@ def after_checks(file: CampaignFile, number: int, test: Test, at: At) -> Iterato
 
 def _correction_checks(file: CampaignFile, test: Test, where: str) -> Iterator[Problem]:
     """Find a test whose readings nothing is taken off, or nothing that the tests before it find."""
-    if len(test.after) > 1:
-        what = f"test {test.id!r}: after names {len(test.after)} tests"
-        yield Problem(what, where, "the bias would be taken off twice", "Name one", "wrong_value")
-    corrects = _with(lambda procedure: procedure.corrects)
+    matrix = test.procedure in _with(lambda procedure: procedure.takes_matrix)
+    corrects = _with(lambda procedure: procedure.corrects == "bias" or (matrix and procedure.corrects == "matrix"))
     corrected = _with(lambda procedure: procedure.takes_corrections)
     tables = [procedure_of(name).inputs.table for name in corrected]
     others = {one.id: one for one in file.tests
@@ -182,6 +180,10 @@ def _correction_checks(file: CampaignFile, test: Test, where: str) -> Iterator[P
     if _comes_after_itself(file, test):
         what = f"test {test.id!r} comes after itself, by way of {', '.join(test.after)}"
         yield Problem(what, where, "none of them could be the first", "Leave one after out", "wrong_value")
+    biases = [name for name in test.after if name in others and procedure_of(others[name].procedure).corrects == "bias"]
+    if len(biases) > 1:
+        what = f"test {test.id!r}: after = {biases}, each of which found the bias"
+        yield Problem(what, where, "it would be taken off twice", "Name one of them", "wrong_value")
     for name in test.after:
         if test.procedure not in corrected:
             what = f"test {test.id!r}: after, but nothing is taken off the readings of a {test.procedure} test"

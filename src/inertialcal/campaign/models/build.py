@@ -27,7 +27,7 @@ from ...sensors.model.model_set import ModelSet
 from ...sensors.model.sensor_model import Item, SensorModel
 from ...statistics.closed_loop import AxisLoop, judged, overall
 from ..engine.engine import computable, placed
-from ..file.conditions import chosen_tests, conditions_of, in_condition, on_sensor
+from ..file.conditions import bias_before, chosen_tests, conditions_of, in_condition, on_sensor
 from ..file.cross_checks import model_name
 from ..file.load import Campaign
 from ..file.schema import CampaignFile, Condition, Test
@@ -219,7 +219,7 @@ def _parts(
             terms = None if result is None else procedure.terms(result, done)
             if terms is None:
                 continue
-            after = tuple(dict.fromkeys(before for one in group for before in by_id[one].after))
+            after = tuple(dict.fromkeys(before for one in group for before in bias_before(campaign.file, by_id[one])))
             terms = replace(terms, tests=group, after=after)
             found.append(Part(procedure, tuple(by_id[one] for one in group), result, terms, terms.of_kinds(kinds)))
     return found

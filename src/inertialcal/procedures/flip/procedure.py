@@ -82,7 +82,8 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
     said_type = Turned
     figures, compared = FIGURES, COMPARED
     gives = ("bias",)
-    set_against = corrects = takes_corrections = True
+    corrects = "bias"
+    set_against = takes_corrections = True
     chosen_by = "Choose by positions"
     inputs = InputSpec(("accelerometer",), table="means", ground_model="bias_kept", windows="refused", as_wide=True)
 

@@ -51,6 +51,8 @@ class Arc:
     field: Array  # shape (n, 3): as read [T]
     reference: Array  # shape (n, 3): along the orbit, in axes that do not turn [T]
     start: float  # after the start of the record [s]
+    moved: Array | None = None  # shape (n, 3, k): change of the reference by influences of its own [T]
+    record: int = 0  # which it is of
 
     @property
     def length(self) -> float:
@@ -75,7 +77,7 @@ def turned(arcs: Sequence[Arc], bias: Array) -> list[Array]:
     angles = np.zeros((len(arcs), most, 3))
     for i, one in enumerate(arcs):
         angles[i, : len(one.rates)] = -(one.rates - bias) * one.interval
-    steps = _rotations(angles)
+    steps = rotations(angles)
     every = np.empty((len(arcs), most + 1, 3, 3))
     every[:, 0] = np.eye(3)
     for k in range(most):
@@ -83,7 +85,7 @@ def turned(arcs: Sequence[Arc], bias: Array) -> list[Array]:
     return [every[i, one.at] for i, one in enumerate(arcs)]
 
 
-def _rotations(vectors: Array) -> Array:
+def rotations(vectors: Array) -> Array:
     """Return the rotations about so many vectors by their lengths, shape (..., 3, 3)."""
     angle = np.linalg.norm(vectors, axis=-1)[..., None, None]
     across = cross_matrix(vectors)
@@ -108,7 +110,7 @@ class Equations:
 
     information: Array  # shape (p, p)
     pull: Array  # shape (p,)
-    others: Array  # shape (p, 12): information between them and influences that are not estimated
+    others: Array  # shape (p, 12 + k): information between them and influences that are not estimated
     squares: float  # of weighted residuals
     left: Array  # shape (n,): length of what each reading leaves, without weights [T]
 
@@ -151,10 +153,10 @@ class Solution:
         return np.asarray(np.maximum(shares.sum(axis=0) ** 2 / np.sum(shares**2, axis=0) - 1.0, 1.0))
 
     def changes(self) -> Array:
-        """Change of the unknowns where one unit of each influence is left out of account, shape (12, p).
+        """Change of the unknowns where one unit of each influence is left out of account, shape (12 + k, p).
 
         Nine entries of the gyro's matrix, row by row (axis that reads, axis that turns); then a uniform error of the
-        field along three axes [T].
+        field along three axes [T]; then those of the arcs' own (``Arc.moved``).
         """
         return np.linalg.solve(self.information, np.asarray(sum(one.others for one in self.equations))).T
 
@@ -179,7 +181,7 @@ def solved(arcs: Sequence[Arc], start: Array, noise: Noise, scale: bool) -> Solu
         ``not_observable`` if the arcs leave an unknown open.
     """
     values = np.concatenate([start, np.zeros(3)]) if scale else np.array(start, dtype=float)
-    now = _equations(arcs, values, noise)
+    now = equations(arcs, values, noise)
     damping = 1e-3
     for _ in range(STEPS):
         information = np.asarray(sum(one.information for one in now))
@@ -188,7 +190,7 @@ def solved(arcs: Sequence[Arc], start: Array, noise: Noise, scale: bool) -> Solu
         if not (diagonal > 0.0).all():
             break
         step = np.linalg.lstsq(information + damping * np.diag(diagonal), pull, rcond=None)[0]
-        tried = _equations(arcs, values + step, noise)
+        tried = equations(arcs, values + step, noise)
         if sum(one.squares for one in tried) <= sum(one.squares for one in now) * (1.0 + 1e-12):
             values, now, damping = values + step, tried, damping * 0.1
             if float(step @ information @ step) < STILL:
@@ -211,7 +213,18 @@ def _correlation_scaled(information: Array) -> Array:
     return np.asarray(information / np.outer(size, size))
 
 
-def _equations(arcs: Sequence[Arc], values: Array, noise: Noise) -> list[Equations]:
+def equations(arcs: Sequence[Arc], values: Array, noise: Noise) -> list[Equations]:
+    """Return what each arc knows about a point of the search, its attitude solved for.
+
+    Parameters
+    ----------
+    arcs : sequence of Arc
+        Of all recordings.
+    values : ndarray, shape (p,)
+        Bias [rad/s], bias of the magnetometer [T], and where estimated its scale factor errors (1).
+    noise : Noise
+        That residuals are weighted by.
+    """
     bias, offset = values[:3], values[3:6]
     scale = values[6:] if len(values) > 6 else np.zeros(3)
     return [_of_arc(one, turns, bias, offset, scale, len(values), noise)
@@ -234,6 +247,8 @@ def _of_arc(arc: Arc, turns: Array, bias: Array, offset: Array, scale: Array, si
         columns.append(back * (now / (1.0 + scale))[:, None, :])
     # what is not estimated: nine entries of the gyro's matrix (rows: axis that reads), and a uniform error of the field
     others = [np.einsum("kij,kjl->kil", across, moved), np.broadcast_to(attitude, (len(seen), 3, 3))]
+    if arc.moved is not None:
+        others.append(attitude @ arc.moved)
     design = np.concatenate([*columns, *others, across], axis=2)
     parts = np.array_split(np.arange(len(seen)), min(NODES, len(seen)))
     first = np.array([one[0] for one in parts])

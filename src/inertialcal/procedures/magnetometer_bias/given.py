@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 from ...core.errors import UsageError
 from ...core.key import AXES
@@ -39,15 +41,35 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     if not all(f"magnetometer_{axis}" in columns for axis in AXES):
         what = f"{given.name}: cannot tell which columns are the magnetometer; it has {have}"
         raise UsageError(what, do=f"Add: {given.add('magnetometer', 'BX,BY,BZ')}", code="no_column")
+    places = {*GEODETIC, *(f"position_{axis}" for axis in AXES)}
+    if tle := given.own.get("tle"):
+        columns = {role: name for role, name in columns.items() if role not in places}
+        found = described_channels(replace(given, said=replace(given.said, columns=columns)), spec)
+        return replace(found, entry={**found.entry, "tle": _elements(given, str(tle))})
+    if given.own.get("satellite"):
+        raise UsageError("a satellite, and no elements of it", do=f"Add: {given.add('tle', 'ELEMENTS.tle')}",
+                         code="missing")  # fmt: skip
     fixed = all(f"position_{axis}" in columns for axis in AXES)
     if not fixed and not all(name in columns for name in GEODETIC):
         what = f"{given.name}: cannot tell where the spacecraft was; it has {have}"
         do = f"Add: {given.add('column', 'latitude=COLUMN')}, longitude and height alike; or earth-fixed position_x, "
-        do += "position_y, position_z"
+        do += f"position_y, position_z; or two-line elements: {given.add('tle', 'ELEMENTS.tle')}"
         raise UsageError(what, why="the field of the earth is taken along the orbit", do=do, code="no_column")
     unused = GEODETIC if fixed else [f"position_{axis}" for axis in AXES]
     columns = {role: name for role, name in columns.items() if role not in unused}
     return described_channels(replace(given, said=replace(given.said, columns=columns)), spec)
+
+
+def like(given: GivenFile, entry: Mapping[str, Any]) -> dict[str, Any]:
+    """Return an entry of another campaign, with the elements that are given of this file."""
+    if tle := given.own.get("tle") or entry.get("tle", {}).get("file"):
+        return {**entry, "tle": {**entry.get("tle", {}), **_elements(given, str(tle))}}
+    return dict(entry)
+
+
+def _elements(given: GivenFile, file: str) -> dict[str, str]:
+    satellite = given.own.get("satellite")
+    return {"file": file} | ({"satellite": str(satellite)} if satellite else {})
 
 
 def found_columns(recording: Recording) -> dict[str, str]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, cast
 
 from ..protocol import (
     OF_MOUNTING,
@@ -20,13 +21,17 @@ from ..protocol import (
     Tested,
 )
 from .figures import FIGURES
-from .plan import INFLUENCES, Orbit, Plan
+from .plan import INFLUENCES, Orbit, Plan, PlannedOrbits
 
 if TYPE_CHECKING:
+    from ...core.remarks import Remark
     from ...core.results import WrittenRow
     from ...core.show.rows import Sentence
+    from ..entries import EntryKey
     from ..given import Described, GivenFile
     from ..model_terms import ModelTerms
+    from ..planned import TestPlan
+    from .entry import OrbitEntry
     from .readings import Readings
     from .reduction import Result
 
@@ -53,13 +58,21 @@ class MagnetometerBias(Procedure[Plan, "Readings", "Result"]):
             ),
         ),
     )
+    planner = Command(
+        "magnetometer-bias",
+        "Orbits and sample interval of a gyro and a magnetometer in orbit, and uncertainty of the bias.",
+        examples=(
+            '--noise "0.2 deg/sqrt(h)" --wanted bias="0.001 deg/s" --simulate 0',
+            '--noise "0.2 deg/sqrt(h)" --available "3 h" --motion nadir --simulate 0 --schedule schedule.csv',
+        ),
+    )
+    planner_type = PlannedOrbits
     plan_type, said_type, influences = Plan, Orbit, INFLUENCES
     figures = FIGURES
     uses = frozenset({"fit", "report_only"})
     counts_dwells = False
     gives = ("bias",)
-    no_corrections = "what they leave unknown of the bias would not be in its uncertainty"
-    changes = True
+    takes_corrections = takes_matrix = changes = True
     inputs = InputSpec(
         ("gyro",),
         (
@@ -79,6 +92,12 @@ class MagnetometerBias(Procedure[Plan, "Readings", "Result"]):
 
         return [described(given, self.inputs)]
 
+    def like(self, given: GivenFile, entry: Mapping[str, Any]) -> tuple[dict[str, Any], Sequence[Remark]]:
+        """Return an entry of another campaign, with the elements that are given of this file."""
+        from .given import like
+
+        return like(given, entry), ()
+
     def plan_fields(self, facts: Facts) -> dict[str, Any]:
         """Return the standards: all else is set."""
         return {"standards": facts.standards}
@@ -89,22 +108,43 @@ class MagnetometerBias(Procedure[Plan, "Readings", "Result"]):
         Raises
         ------
         DataError
-            As ``readings.track``.
+            As ``readings.track``, ``readings.after``; ``terms_twice``.
         """
-        from .readings import Readings, track
+        from .readings import Readings, after, matrix_of, read_elements, track
 
-        found, remarks = [], []
+        found, remarks, matrix = [], [], matrix_of(corrections)
         for source in sources:
+            said = cast("OrbitEntry", source.entry).tle
+            elements = None if said is None else (source.read_file(said.file, read_elements), said)
             for label, recording in source.recordings():
-                remarks += list(recording.remarks)
-                found.append(track(recording, label or source.name, source.file, plan.epoch))
-        return Readings(tuple(found), tuple(remarks))
+                name = label or source.name
+                rates, off = after(recording, name, corrections, matrix)
+                one = replace(track(rates, name, source.file, plan.epoch, elements), taken_off=off)
+                remarks += [*rates.remarks, *([] if one.orbit is None else [one.orbit.remark])]
+                found.append(one)
+        return Readings(tuple(found), tuple(remarks), matrix)
 
     def reduce(self, plan: Plan, readings: Readings) -> Result:
         """Return the biases."""
         from .reduction import reduce
 
         return reduce(plan, readings)
+
+    def planned(self, given: Mapping[str, Any]) -> TestPlan:
+        """Return what a record will give."""
+        from .planning import planned
+
+        return planned(given)
+
+    def entry_keys(self) -> Sequence[EntryKey]:
+        """Return ``tle``."""
+        from .entry import KEYS
+
+        return KEYS
+
+    def needs(self, influence: str, result: Result) -> bool:
+        """Return whether an influence would change this result: the matrix of the gyro does where none was found."""
+        return influence in self.influences and influence not in result.taken_off
 
     def quantities(self) -> Mapping[str, Quantity]:
         """Return the figures that it can give."""

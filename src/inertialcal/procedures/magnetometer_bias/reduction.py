@@ -26,7 +26,7 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise, permutations, product
 
@@ -42,10 +42,12 @@ from ...core.results import Row
 from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.rounding import number, uncertainty
 from ...core.show.tables import Block, html, text
+from ...core.unknowns import joined
 from ...statistics.intervals import t_interval
+from ..corrections import ACROSS, SCALE, components
 from .arcs import Arc, Noise, Solution, solved
 from .plan import INFLUENCES, Plan
-from .readings import Readings, Track
+from .readings import BLOCK, Readings, Track, sets_of
 from .start import best_start, by_magnitude, by_pairs
 
 FEWEST = 6  # arcs, whose scatter the uncertainty rests on
@@ -61,6 +63,8 @@ MEDIAN = 1.538  # of the length of a vector of three normal numbers
 ROUNDS, MOST_OUT, LEAST = 3, 0.3, 3  # of a robust search; part of all readings, and readings of an arc, that it leaves
 BETTER = 0.8  # of what magnitudes leave, that they leave with scale factors which matter
 FAR = 0.05  # of the field, by which readings may lie from the model: 3 deg across it; no stated error does that
+SURE_OF_ELEMENTS = 3.0  # the same, of a position by elements
+SCALES, ACROSSES, BY_ELEMENTS = "sensor.scale_factor", "sensor.misalignment", "position by elements"
 BIAS, FIELD_BIAS, FIELD_SCALE = "bias", "magnetometer_bias", "magnetometer_scale_factor_error"
 RESIDUAL = "field_residual"
 SOURCES = {
@@ -97,8 +101,39 @@ class Result:
         covariance = found.covariance
         scatter = Component(Origin("scatter of arcs", level="arc"), "A", 0.5 * (covariance + covariance.T),
                             found.dof, "t")  # fmt: skip
-        parts = [scatter, *_stated(found.changes(), self.plan)]
-        return Estimate(self.keys, found.values, tuple(units), tuple(parts))
+        changes = found.changes()
+        parts = [scatter, *_stated(changes, self.plan, self.taken_off), *_of_orbits(changes[12:], self.readings),
+                 *_of_matrix(changes[:9], self.readings), *self._of_bias()]  # fmt: skip
+        made = Estimate(self.keys, found.values, tuple(units), tuple(parts))
+        return made if self.readings.matrix is None else _as_read(made, self.readings.matrix.matrix)
+
+    @property
+    def taken_off(self) -> frozenset[str]:
+        """Influences in whose place earlier tests found what the gyro reads of the turn."""
+        matrix = self.readings.matrix
+        found = () if matrix is None else matrix.keys
+        pairs = {SCALES: [Key(SCALE, axis) for axis in AXES],
+                 ACROSSES: [Key(ACROSS, f"{a}{b}") for a, b in permutations(AXES, 2)]}  # fmt: skip
+        return frozenset(name for name, keys in pairs.items() if set(keys) <= set(found))
+
+    def _of_bias(self) -> list[Component]:
+        """Return what is not known of a bias that was taken off: each block counts by what its arc knows."""
+        tracks = self.readings.tracks
+        lengths = [len(one.taken_off.starts) for one in tracks]
+        off = joined([one.taken_off.unknowns for one in tracks], lengths)
+        if not off:
+            return []
+        inverse = self.solution.forecast
+        gain = np.zeros((len(inverse), sum(lengths), 3))
+        first = np.cumsum([0, *lengths])
+        for arc, one in zip(self.arcs, self.solution.equations, strict=True):
+            middle = tracks[arc.record].taken_off.starts + 0.5 * BLOCK
+            own = np.flatnonzero((middle >= arc.start) & (middle < arc.start + arc.length))
+            own = own if len(own) else np.array([np.argmin(np.abs(middle - arc.start - 0.5 * arc.length))])
+            gain[:, first[arc.record] + own] += (inverse @ one.information[:, :3])[:, None, :] / len(own)
+        if self.readings.matrix is not None:
+            gain = gain @ np.linalg.inv(self.readings.matrix.matrix)
+        return components(off, self.keys, gain)
 
     def rows(self) -> tuple[Row, ...]:
         """Rows of ``results.json``, SI."""
@@ -145,7 +180,7 @@ def reduce(plan: Plan, readings: Readings) -> Result:
         kept, left = _undisturbed(one)
         tracks.append(kept)
         remarks += left
-    arcs = [arc for one in tracks for arc in cut(one, plan.arc)]
+    arcs = [replace(arc, record=k) for k, one in enumerate(_of_elements(tracks)) for arc in cut(one, plan.arc)]
     if len(arcs) < FEWEST:
         length = sum(one.length for one in arcs)
         what = f"{len(arcs)} arcs of {number(plan.arc, 4)} s without a gap of the gyro ({number(length, 4)} s), need "
@@ -194,7 +229,55 @@ def _arc(track: Track, first: int, stop: int) -> Arc | None:
     between = 0.5 * (rates[1:] + rates[:-1])
     start = float(track.times[first])
     times = track.times[first:stop][at] - start
-    return Arc(times, between, steps, at, field[at], track.reference[first:stop][at], start)
+    moved = None if track.orbit is None else track.orbit.moved[first:stop][at]
+    return Arc(times, between, steps, at, field[at], track.reference[first:stop][at], start, moved)
+
+
+def _of_elements(tracks: Sequence[Track]) -> list[Track]:
+    """Return recordings whose orbits are off by the unknowns of all sets of elements: those of one set are the same."""
+    sets = sets_of(tracks)
+    if not sets:
+        return list(tracks)
+    made = []
+    for one in tracks:
+        moved = np.zeros((*one.reference.shape, 3 * len(sets)))
+        if one.orbit is not None:
+            k = 3 * sets.index(one.orbit.elements)
+            moved[..., k : k + 3] = one.orbit.moved
+        orbit = one.orbit or next(each.orbit for each in tracks if each.orbit is not None)
+        made.append(replace(one, orbit=replace(orbit, moved=moved)))
+    return made
+
+
+def _of_orbits(changes: Array, readings: Readings) -> Iterator[Component]:
+    """Yield what the elements of the orbit leave open: along it, across it, up, for each set of them."""
+    if not len(changes):
+        return
+    names = [
+        f"{way}, {one.called}" for one in sets_of(readings.tracks) for way in ("along the orbit", "across it", "up")
+    ]
+    yield Component(Origin(BY_ELEMENTS), "B", changes.T @ changes, changes=changes, unknowns=tuple(names))
+
+
+def _of_matrix(changes: Array, readings: Readings) -> Iterator[Component]:
+    """Yield what is not known of the matrix that was taken off."""
+    matrix = readings.matrix
+    if matrix is None:
+        return
+    for origin, one in readings.tracks[0].taken_off.of_matrix.items():
+        rows = -matrix.entries(one.law) @ changes
+        yield Component(origin, one.kind, rows.T @ rows, float(np.min(one.dof)), one.distribution, one.stated, rows,
+                        one.unknowns)  # fmt: skip
+
+
+def _as_read(found: Estimate, matrix: Array) -> Estimate:
+    """Return an estimate whose bias is what the gyro reads of no rate, from the rate that it looks like."""
+    turn = np.eye(len(found.values))
+    turn[:3, :3] = matrix
+    parts = [replace(one, covariance=turn @ one.covariance @ turn.T,
+                     changes=None if one.changes is None else one.changes @ turn.T)
+             for one in found.components]  # fmt: skip
+    return Estimate(found.keys, turn @ found.values, found.units, tuple(parts))
 
 
 def _all(arcs: Sequence[Arc]) -> tuple[Array, Array]:
@@ -258,7 +341,8 @@ def _robust(arcs: Sequence[Arc], start: Array, noise: Noise, scale: bool) -> tup
         out = sum(int(np.count_nonzero(~one)) for one in good)
         if not out or out + gone > MOST_OUT * sum(len(one.times) for one in arcs):
             break
-        kept = [replace(one, times=one.times[of], at=one.at[of], field=one.field[of], reference=one.reference[of])
+        kept = [replace(one, times=one.times[of], at=one.at[of], field=one.field[of], reference=one.reference[of],
+                        moved=None if one.moved is None else one.moved[of])
                 for one, of in zip(kept, good, strict=True) if np.count_nonzero(of) > LEAST]  # fmt: skip
         found, gone = solved(kept, found.values[:6], noise, scale), gone + out
     if not gone:
@@ -307,8 +391,8 @@ def _check_fit(arcs: Sequence[Arc], found: Solution, file: str) -> None:
         raise DataError(what, file, do=do, code="no_fit")
 
 
-def _stated(changes: Array, plan: Plan) -> Iterator[Component]:
-    """Yield the sources that standards state, as changes by each of their unknowns."""
+def _stated(changes: Array, plan: Plan, found: Collection[str]) -> Iterator[Component]:
+    """Yield the sources that standards state, but for what was found, as changes by each of their unknowns."""
     entry = {f"{a}{b}": changes[3 * i + j] for i, a in enumerate(AXES) for j, b in enumerate(AXES)}
     unknowns: dict[str, dict[str, Array]] = {
         "sensor.scale_factor": {axis: entry[axis * 2] for axis in AXES},
@@ -317,11 +401,11 @@ def _stated(changes: Array, plan: Plan) -> Iterator[Component]:
         "magnetometer.mounting": {
             "x": entry["yz"] - entry["zy"], "y": entry["zx"] - entry["xz"], "z": entry["xy"] - entry["yx"],
         },
-        "earth_field.uniform": dict(zip(AXES, changes[9:], strict=True)),
+        "earth_field.uniform": dict(zip(AXES, changes[9:12], strict=True)),
     }  # fmt: skip
     for name, rows in unknowns.items():
         one: Influence | None = plan.standards.get(name)
-        if one is not None and one.u > 0.0:
+        if one is not None and one.u > 0.0 and name not in found:
             each = np.array(list(rows.values())) * one.u
             yield Component(one.origin(SOURCES[name]), "B", each.T @ each, one.dof, one.distribution, one.stated, each,
                             tuple(rows))  # fmt: skip
@@ -329,7 +413,7 @@ def _stated(changes: Array, plan: Plan) -> Iterator[Component]:
 
 def _remarks(result: Result) -> Iterator[Remark]:
     plan, found = result.plan, result.solution
-    if missing := [name for name in INFLUENCES if name not in plan.standards]:
+    if missing := [name for name in INFLUENCES if name not in plan.standards and name not in result.taken_off]:
         effects = "; ".join(f"{name} ({INFLUENCES[name]})" for name in missing)
         what = f"standards without a stated uncertainty: {effects}: results are relative to these"
         yield Remark("relative_to_fixture", "warning", what, do="State them under [standards]")
@@ -390,13 +474,15 @@ def _clock(result: Result) -> Iterator[Remark]:
     pulls = [one.T @ (left - one @ fitted) for one, left in zip(designs, lefts, strict=True)]
     late = float(fitted[0]) / scale
     u = float(np.sqrt(sum((inverse @ one)[0] ** 2 for one in pulls))) / scale
-    step = max(one.interval for one in result.arcs)
+    late_by = [SURE_OF_ELEMENTS * one.orbit.late for one in result.readings.tracks if one.orbit is not None]
+    step = max([*(one.interval for one in result.arcs), *late_by])
     if abs(late) > SURE * u and abs(late) > step:
         what = (
             f"the magnitude of the field runs {number(abs(late), 3)} s {'ahead of' if late > 0.0 else 'behind'} that "
         )
         what += f"along the orbit (u {uncertainty(u)} s)"
         do = "Check the clock of the position against that of the magnetometer"
+        do += "; or take elements of that day" if late_by else ""
         yield Remark("clock_offset", "warning", what, do=do)
 
 

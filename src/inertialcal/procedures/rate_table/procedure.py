@@ -90,6 +90,7 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
     figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
     gives = ("scale_factor", "misalignment", "asymmetry", "bias")
+    corrects = "matrix"
     takes_corrections = changes = True
     chosen_by = "Choose by windows, or give rows.group"
     said_type = Columns
@@ -204,6 +205,14 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
         from .model.held_out import model_terms
 
         return model_terms(result, tests)
+
+    def correction(self, test: str, result: Result) -> Correction | None:
+        """Return the matrix; None where no scale factor could be estimated."""
+        from ..corrections import ACROSS, SCALE, MatrixCorrection
+
+        estimate = result.estimate
+        keys = () if estimate is None else tuple(key for key in estimate.keys if key.quantity in (SCALE, ACROSS))
+        return None if estimate is None or not keys else MatrixCorrection((test,), (estimate.select(keys),))
 
     def check_alike(self, tests: Sequence[Tested[Plan, Readings, Result]]) -> None:
         """Refuse tests some of which have their bias against a reading at rest."""

@@ -103,7 +103,8 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
     figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
     gives = ("bias", "hysteresis")
-    corrects = set_against = judged_alone = True
+    corrects = "bias"
+    set_against = judged_alone = True
     compensated = ("bias",)
     no_corrections = "it finds the bias itself, at all its temperatures: what was taken off would be found again"
     counts_dwells = False

@@ -20,14 +20,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...core.campaign_text import toml_text
-from ...core.constants import EARTH_ROTATION_RATE, WGS84_GM
 from ...core.estimate import Array
 from ...core.influence import Influence
 from ...core.key import AXES
 from ...core.recording import SECOND, Channel, Recording
 from ...core.units import factor
 from ...physics.geomagnetic import field_along
-from ...physics.orbit import MEAN_RADIUS
+from ...physics.orbit import circular_track
 from ..parts.campaign import campaign_head, channel_entries, drawn_error, drawn_errors, standard_tables
 from ..protocol import Rig, on_bench
 from ..twin import Fault, TrueValue, Twin
@@ -109,7 +108,7 @@ def _recording(
     time = np.arange(bench.seconds, dtype=float)
     inclination = float(np.arccos(of_orbit.uniform(-0.3, 0.7)))
     node, start = of_orbit.uniform(0.0, 2.0 * math.pi, 2).tolist()
-    position = _track(bench, time, inclination, node, start)
+    position = circular_track(bench.altitude, inclination, time, node, start)
     uniform = np.array([drawn[f"earth_field.uniform[{axis}]"] for axis in AXES])
     reference = field_along(time, position, BEGIN * SECOND) + uniform
     attitude, rates = _motion(time, of_orbit)
@@ -129,7 +128,7 @@ def _recording(
         field_read[acting] += rng.normal(0.0, bench.torquers, (int(acting.sum()), 3))
     if bench.exchanged:
         field_read = field_read[:, [1, 0, 2]]
-    told = _track(bench, time - bench.late, inclination, node, start)
+    told = circular_track(bench.altitude, inclination, time - bench.late, node, start)
     channels = [Channel(f"gyro_{axis} [deg/s]", np.round(read[:, i] * factor("rad/s", "deg/s"), 6), "deg/s", axis=axis,
                         quantity="gyro") for i, axis in enumerate(AXES)]  # fmt: skip
     channels += [Channel(f"mag_{axis} [nT]", np.round(field_read[:, i] * 1e9, 2), "nT", axis=axis,
@@ -137,17 +136,6 @@ def _recording(
     channels += [Channel(f"ecef_{axis} [km]", np.round(told[:, i] * 1e-3, 4), "km") for i, axis in enumerate(AXES)]
     stamps = BEGIN * SECOND + np.rint(time * SECOND).astype(np.int64)
     return Recording(tuple(channels), stamps, 1.0, None, "utc", "column", time_column="unix_s")
-
-
-def _track(bench: Bench, time: Array, inclination: float, node: float, start: float) -> Array:
-    """Return earth-fixed positions of a circular orbit, shape (n, 3) [m]."""
-    radius = MEAN_RADIUS + bench.altitude
-    along = start + math.sqrt(WGS84_GM.value / radius**3) * time
-    turned = node - EARTH_ROTATION_RATE.value * time
-    x, y, z = np.cos(along), np.sin(along) * math.cos(inclination), np.sin(along) * math.sin(inclination)
-    return np.asarray(
-        radius * np.column_stack([x * np.cos(turned) - y * np.sin(turned), x * np.sin(turned) + y * np.cos(turned), z])
-    )
 
 
 def _motion(time: Array, rng: np.random.Generator) -> tuple[Array, Array]:
