@@ -1376,6 +1376,18 @@ MUTANTS = (
         "test_flip_plan",
     ),
     Mutant(
+        "elements.py",
+        "y * np.cos(angle) - x * np.sin(angle)",
+        "y * np.cos(angle) + x * np.sin(angle)",
+        "test_elements test_orbit_by_elements",
+    ),
+    Mutant(
+        "reduction.py",
+        "Estimate(found.keys, turn @ found.values",
+        "Estimate(found.keys, 1.0 * found.values",
+        "test_after_other_tests",
+    ),
+    Mutant(
         "contrasts.py",
         "weights = 1.0 / len(places) + inverse @ (wanted - middle)",
         "weights = 1.0 / len(places) - inverse @ (wanted - middle)",

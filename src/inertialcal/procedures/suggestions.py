@@ -34,6 +34,7 @@ class Strength(IntEnum):
     LIKELY = 2  # its motion or temperature is made for it
     STEPPED = 3  # so is a channel that nobody moves otherwise
     SURE = 4  # its columns, or its format, say so
+    NAMED = 5  # so does another file beside it, which names it
 
 
 @dataclass(frozen=True)

@@ -130,7 +130,7 @@ def next_command(
     found = [(name, one) for name, one in every if home is None or one.in_campaign]
     path = " ".join([shlex.quote(recording.source.path), *said])
     raw = () if home is not None else _raw(recording, survey)
-    sure = [(name, one) for name, one in found if one.strength == Strength.SURE]
+    sure = [(name, one) for name, one in found if one.strength >= Strength.SURE]
     if (words := _first(sure, path, commands, raw)) is not None:
         return words
     hints = [hint for hint in survey.hints if not (hint.unit == "count" and _through_chain(found))]

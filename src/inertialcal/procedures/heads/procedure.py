@@ -24,11 +24,14 @@ from .plan import Plan, SaidBody
 if TYPE_CHECKING:
     from ...core.errors import Problem
     from ...core.judging import Asked, Verdict
+    from ...core.recording import Recording
     from ...core.remarks import Remark
     from ...core.results import Row, WrittenRow
     from ...core.show.rows import Sentence
+    from ...files.info.survey import Survey
     from ..entries import Entry, EntryKey, SaidTest
     from ..given import Described, GivenFile
+    from ..suggestions import Claim, Draft, FolderFile, Suggestion
     from .readings import Readings
     from .reduction import Result
 
@@ -121,6 +124,30 @@ class Heads(Procedure[Plan, "Readings", "Result"]):
         from ...core.show.rows import largest_of
 
         return largest_of(("bias", "relative_bias"), rows) or ("No bias could be estimated",)
+
+    def suggests(self, recording: Recording, survey: Survey) -> Suggestion | None:
+        """Return the command to type next."""
+        from .suggest import suggests
+
+        return suggests(recording, survey)
+
+    def claims(self, file: FolderFile) -> Claim | None:
+        """Return how much a file of a folder is made for this test."""
+        from .suggest import claims
+
+        return claims(file)
+
+    def belong_together(self, contents: Sequence[object]) -> bool:
+        """Return whether claimed files are the heads of one body."""
+        from .suggest import belong_together
+
+        return belong_together(list(contents))
+
+    def draft(self, contents: Mapping[str, object]) -> Draft:
+        """Return heads, recordings and the test of them all."""
+        from .suggest import draft
+
+        return draft(contents)
 
     def entry_keys(self) -> Sequence[EntryKey]:
         """Return the body of a head."""

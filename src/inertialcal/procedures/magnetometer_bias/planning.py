@@ -119,13 +119,13 @@ def _known(said: PlannedOrbits, words: Mapping[str, str]) -> Known:
         what = f"{words['date']} {said.date!r} is no date"
         raise UsageError(what, do='Write it like "2026-03-01"', code="wrong_value") from None
     start = int((when if when.tzinfo else when.replace(tzinfo=UTC)).timestamp()) * SECOND
-    stated = {SCALES: (said.u_scale, "1"), ACROSSES: (said.u_misalignment, "rad"),
-              "magnetometer.mounting": (said.u_mounting, "rad"),
-              "earth_field.uniform": (said.u_field, "T")}  # fmt: skip
-    standards = {
-        name: Influence(u, unit, standard=name.split(".")[0], quantity=name.split(".")[1])
-        for name, (u, unit) in stated.items() if u > 0.0
-    }  # fmt: skip
+    stated = {
+        SCALES: Influence(said.u_scale, "1"),
+        ACROSSES: Influence(said.u_misalignment, "rad"),
+        "magnetometer.mounting": Influence(said.u_mounting, "rad"),
+        "earth_field.uniform": Influence(said.u_field, "T"),
+    }
+    standards = {name: one for name, one in stated.items() if one.u > 0.0}
     period = 2.0 * math.pi / orbital_rate(said.altitude).value("orbital_rate")
     plan = Plan(arc=said.arc, magnetometer_model=said.magnetometer_model, standards=standards)
     return Known(said, Slow(white, instability, walk), start, period, plan)

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from functools import reduce
-from typing import Any
+from pathlib import Path
 
 import numpy as np
 
@@ -137,7 +137,7 @@ def after(
     return made, TakenOff(np.array(starts), joined(parts, [1] * len(parts)), own)
 
 
-def read_elements(path: Any) -> tuple[Elements, ...]:
+def read_elements(path: str | Path) -> tuple[Elements, ...]:
     """Return all sets of a file of two-line elements.
 
     Raises
