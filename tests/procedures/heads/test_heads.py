@@ -105,13 +105,6 @@ def test_off_a_line_the_nearest_place_is_told() -> None:
     assert found.off == pytest.approx([0.3, 0.0, -0.4])
 
 
-def test_a_mean_of_white_noise_has_the_root_of_n() -> None:
-    series = np.random.default_rng(3).normal(size=(4000, 30))
-    covariance, dof = long_run(series - series.mean(axis=0))
-    assert dof == 4
-    assert np.mean(np.diag(covariance)) * 4000 == pytest.approx(1.0, abs=0.3)
-
-
 @pytest.mark.parametrize(("memory", "low", "high"), [(0.0, 1.12, 1.21), (0.05, 0.94, 1.06)])
 def test_a_mean_is_known_as_well_as_noise_of_that_memory_makes_it(memory: float, low: float, high: float) -> None:
     """Over the variance of the mean: 1.17 in white noise, 1 where noise remembers for a twentieth of the record."""

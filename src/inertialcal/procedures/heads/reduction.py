@@ -228,7 +228,9 @@ def _calibrated(result: Result, at: int, weights: Weights, told: bool, gap: Arra
     square = weights.growth**2
     part = square / (1.0 + square)  # of the noise of the gap, that is the others'
     power = np.var(others, axis=0)
-    noise = np.var(gap, axis=0)
+    every = np.column_stack([np.ones(len(gap)), others])
+    left = gap - every @ np.linalg.lstsq(every, gap, rcond=None)[0]  # without slopes, however large
+    noise = np.var(left, axis=0) * len(gap) / max(len(gap) - every.shape[1], 1)
     carried = np.zeros(3, dtype=bool)
     line = flat
     if result.plan.scale_factor == "auto":
