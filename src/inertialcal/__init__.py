@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .archive import open_archive
     from .campaign.calls.call import Reduced
     from .campaign.calls.nouns import (
+        alignment,
         allan,
         flip,
         heads,
@@ -101,6 +102,7 @@ __all__ = [
     "Survey",
     "Table",
     "UsageError",
+    "alignment",
     "allan",
     "budget",
     "certificate",

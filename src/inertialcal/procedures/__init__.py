@@ -19,7 +19,7 @@ from .protocol import Procedure, Quantity
 
 BUILT_IN = ("rate_table", "flip", "thermal", "static_noise", "sine", "mass_attraction", "positions", "sensitivity",
             "vibration", "sine_survey", "vibration_effects", "turned_mass", "magnetometer_bias",
-            "microgravity", "shifted_model", "heads")  # fmt: skip
+            "microgravity", "shifted_model", "heads", "alignment")  # fmt: skip
 
 PROCEDURES: Registry[Procedure[Any, Any, Any]] = Registry(
     "procedure",

@@ -29,6 +29,7 @@ BUILT_IN = (
     "flights",
     "flights_recorded",
     "heads",
+    "alignment",
 )
 DEMONSTRATED = "npsat1"  # where none is named
 
