@@ -59,7 +59,7 @@ class Made:
     times: Array  # [s]
     acc: Array  # shape (n, 3) [m/s^2]
     gyro: Array  # shape (n, 3) [rad/s]
-    spans: list[tuple[int, int]]  # samples of each position
+    spans: list[tuple[int, int]]  # samples of each position, those beside a turn left out
     headings: list[float]  # [deg]
     attitudes: list[Array]  # takes body to north, east, down
 
@@ -132,4 +132,5 @@ def made(bench: Bench, rng: np.random.Generator) -> Made:
         drive[0] = rng.normal(0.0, bench.slow, 3)
         gyro += lfilter([1.0], [1.0, -keep], drive, axis=0) * HOUR
     headings = [float(np.degrees(turned[a]) + bench.heading) % 360.0 for a, _ in spans]
+    spans = [(a + 2 * (a > 0), b - 2 * (b < n)) for a, b in spans]
     return Made(bench, times, acc, gyro, spans, headings, [attitude[a].as_matrix() for a, _ in spans])

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import permutations, product
 from typing import TYPE_CHECKING
 
@@ -17,13 +18,13 @@ from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.key import AXES, Key
 from ...core.remarks import Remark
-from ...core.show.rounding import number, uncertainty
+from ...core.show.rounding import number
 from ...physics.earth import OMEGA
 from ...signals.screening.screen import screen
 from ...statistics.quantiles import t_upper
-from .keys import EXCESS, HEADING
+from .keys import EXCESS
 from .plan import INFLUENCES, Plan
-from .readings import BLOCKS, Position, Readings
+from .readings import Position, Readings
 from .solving import Inputs, Solution, solve
 from .turns import degrees, per_hour
 
@@ -31,15 +32,15 @@ if TYPE_CHECKING:
     from .reduction import Result
 
 FAR = 0.05  # of gravity, by which accelerometers may be off
-NOT_EARTH, EARTH = 0.3, 0.1  # of its rate: what is left where it is not that of the earth, and where it is
+NOT_EARTH, EARTH = 0.2, 0.05  # of its rate: what is left where it is not that of the earth, and where it is
 SENSE = 0.2  # of twice the rate of the earth about the vertical
 SURE = 1e-4  # probability of a drift or a step that is none
+PARTS, FEWEST, LOUD = 8, 60, 2.0  # of a rest, whose scatter is compared; samples of each; times the median
 FACTORS = (180.0 / math.pi, math.pi / 180.0, 3600.0, 1.0 / 3600.0, 60.0, 1.0 / 60.0, 1e3, 1e-3)  # of units of rates
-MANY = 240  # block means of a rest that steps are looked for in
 
 
-def checked(plan: Plan, readings: Readings, given: Inputs, found: Solution, measured: bool) -> list[Remark]:
-    """Return what there is to say of readings that can be used.
+def check(plan: Plan, readings: Readings, given: Inputs, found: Solution) -> None:
+    """Refuse readings that are not those of gravity and the earth.
 
     Raises
     ------
@@ -47,8 +48,7 @@ def checked(plan: Plan, readings: Readings, given: Inputs, found: Solution, meas
         ``wrong_unit``, ``wrong_sense``, ``axes_disagree``.
     """
     _check_gravity(readings, given)
-    _check_rates(readings, given, found)
-    return []
+    _check_rates(plan, readings, given, found)
 
 
 def _check_gravity(readings: Readings, given: Inputs) -> None:
@@ -60,38 +60,31 @@ def _check_gravity(readings: Readings, given: Inputs) -> None:
         g = float(STANDARD_GRAVITY.value)
         scales = {"g": g, "mg": 1e-3 * g, "m/s^2": 1.0 / g}
         like = next((unit for unit, one_of in scales.items() if abs(ratio * one_of - 1.0) <= FAR), "")
-        what = f"recordings.{one.name}: the accelerometers read {number(ratio, 4)} times gravity at rest"
+        what = f"the accelerometers read {number(ratio, 4)} times gravity at rest"
         do = f"With the unit {like} it fits: check it" if like else "Check unit, scale factors and axes"
         raise DataError(what, one.file, "at rest nothing else is felt", do, "wrong_unit")
 
 
-def _misfit(given: Inputs, found: Solution) -> float:
+def _misfit(found: Solution) -> float:
     """Return what the latitude does not explain of the rates, over the rate of the earth."""
     return found.scatter / OMEGA
 
 
-def _check_rates(readings: Readings, given: Inputs, found: Solution) -> None:
+def _check_rates(plan: Plan, readings: Readings, given: Inputs, found: Solution) -> None:
     """Refuse rates that are those of the earth in another unit, sign, or with other axes."""
-    fine = max(float(np.std(one.gyro, axis=0).max()) / math.sqrt(len(one.gyro)) for one in readings.positions)
-    if fine > EARTH * OMEGA:
+    noise = max(float(np.std(one.gyro, axis=0).max()) / math.sqrt(len(one.gyro)) for one in readings.positions)
+    if max(noise, plan.gyro_bias_u or 0.0) > EARTH * OMEGA:
         return
     file = readings.positions[0].file
-    if _misfit(given, found) > NOT_EARTH:
+    if _misfit(found) > NOT_EARTH:
         for factor in FACTORS:
-            other = _other(given, given.gyro * factor)
-            if _misfit(given, other) < EARTH and (len(readings) > 1 or _alike(other, given)):
+            other = solve(replace(given, gyro=given.gyro * factor))
+            if _misfit(other) < EARTH and (len(readings) > 1 or _alike(other, given)):
                 what = f"the gyros read the rate of the earth times {number(1.0 / factor, 4)}"
                 raise DataError(what, file, do="Check the unit of the rates", code="wrong_unit")
         _check_axes(given, file)
     elif len(readings) > 1:
         _check_sense(given, found, file)
-
-
-def _other(given: Inputs, gyro: Array, latitude: float | None = None, acc: Array | None = None) -> Solution:
-    from dataclasses import replace  # noqa: PLC0415 - short
-
-    return solve(replace(given, gyro=gyro, latitude=given.latitude if latitude is None else latitude,
-                         acc=given.acc if acc is None else acc))  # fmt: skip
 
 
 def _alike(found: Solution, given: Inputs) -> bool:
@@ -102,7 +95,7 @@ def _check_axes(given: Inputs, file: str) -> None:
     """Refuse rates whose size is that of the earth, but whose angle to gravity is not, and say what would fit."""
     if len(given.gyro) == 1 and abs(float(np.linalg.norm(given.gyro[0])) / OMEGA - 1.0) > EARTH:
         return
-    if _misfit(given, _other(given, given.gyro, latitude=-given.latitude)) < EARTH:
+    if _misfit(solve(replace(given, latitude=-given.latitude))) < EARTH:
         _wrong_sense(file)
     fits = []
     for order in permutations(range(3)):
@@ -110,14 +103,13 @@ def _check_axes(given: Inputs, file: str) -> None:
             if order == (0, 1, 2) and len(set(signs)) == 1:
                 continue
             moved = given.gyro[:, list(order)] * np.array(signs)
-            if _misfit(given, _other(given, moved)) < EARTH:
+            if _misfit(solve(replace(given, gyro=moved))) < EARTH:
                 named = zip(AXES, order, signs, strict=True)
                 fits.append(", ".join(f"{axis} is {'-' if sign < 0.0 else ''}{AXES[at]}" for axis, at, sign in named))
-    if len(given.gyro) == 1 or fits:
+    if fits:
         what = "the rates have the size of that of the earth, but not its angle to gravity"
-        do = "Check axes and signs of both triads, and the latitude"
-        if fits:
-            do += f"; with the columns of the gyros as {fits[0]} they fit"
+        do = "Check axes and signs of both triads, and the latitude; "
+        do += f"with the columns of the gyros as {fits[0]} they fit"
         raise DataError(what, file, "gravity and the axis of the earth meet at an angle that the latitude tells", do,
                         "axes_disagree")  # fmt: skip
 
@@ -148,8 +140,7 @@ def doubts(result: Result) -> list[Remark]:
     DataError
         ``base_moved``.
     """
-    found = [*_base(result), *_drifts(result), *_gravity(result), *_stated(result)]
-    return found
+    return [*_base(result), *_drifts(result), *_gravity(result), *_stated(result)]
 
 
 def _slopes(series: Array) -> tuple[Array, Array]:
@@ -245,12 +236,27 @@ def _sway(result: Result, one: Position, place: str) -> Iterator[Remark]:
     seen = []
     for name, values in zip(("accelerometer", "gyro"), one.raw, strict=True):
         for axis in range(3):
-            found = screen(np.ascontiguousarray(values[:, axis]), True)
-            seen += [f"{name} {AXES[axis]}: {code.replace('_', ' ')}" for code in found.codes
-                     if code in ("noise_change", "slow_wave")]  # fmt: skip
+            own = np.ascontiguousarray(values[:, axis])
+            kinds = [
+                code.replace("_", " ") for code in screen(own, True).codes if code in ("noise_change", "slow_wave")
+            ]
+            kinds += ["noise change"] if not kinds and _uneven(own) else []
+            seen += [f"{name} {AXES[axis]}: {one_of}" for one_of in kinds]
     if seen:
         what = f"the base is not quiet in {place} ({', '.join(seen[:3])}{', ...' if len(seen) > 3 else ''})"
-        yield Remark("base_sways", "warning", what, one.file, len(seen), "Keep people and machines away while it aligns")
+        yield Remark(
+            "base_sways", "warning", what, one.file, len(seen), "Keep people and machines away while it aligns"
+        )
+
+
+def _uneven(values: Array) -> bool:
+    """Return whether the scatter of neighbours is much larger in some part than it usually is."""
+    count = len(values) // PARTS
+    if count < FEWEST:
+        return False
+    steps = np.diff(values[: count * PARTS].reshape(PARTS, count), axis=1)
+    each = np.nan_to_num(np.nanmean(steps**2, axis=1)) if np.isfinite(steps).any(axis=1).all() else np.ones(PARTS)
+    return bool(each.max() > LOUD * np.median(each))
 
 
 def _gravity(result: Result) -> Iterator[Remark]:
@@ -262,7 +268,9 @@ def _gravity(result: Result) -> Iterator[Remark]:
     if abs(excess) > max(limit, 5e-5 * result.given.gravity):
         what = f"the specific force is {number(excess / float(STANDARD_GRAVITY.value) * 1e3, 3)} mg larger than gravity"
         what += f": accelerometers that are off by that tilt the level by {degrees(abs(excess) / result.given.gravity)}"
-        yield Remark("gravity_differs", "warning", what, do="Calibrate the accelerometers, and take their bias off first")
+        yield Remark(
+            "gravity_differs", "warning", what, do="Calibrate the accelerometers, and take their bias off first"
+        )
 
 
 def _stated(result: Result) -> Iterator[Remark]:
@@ -278,7 +286,6 @@ def _stated(result: Result) -> Iterator[Remark]:
         what = f"standards without a stated uncertainty: {'; '.join(effects)}: results are relative to these"
         yield Remark("relative_to_fixture", "warning", what, do="State them under [standards], and in the plan")
     if not result.told and not result.steep:
-        at = result.whole.index(next(key for key in result.whole.keys if key.quantity == HEADING))
-        u = degrees(float(result.whole.u[at]))
+        u = degrees(result.forecast)
         yield Remark("gyro_too_coarse", "warning", f"no heading is told: its standard uncertainty would be {u}",
                      do="Use a finer gyro, or two positions turned by 180 deg")  # fmt: skip

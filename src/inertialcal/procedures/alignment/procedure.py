@@ -36,7 +36,7 @@ QUANTITIES = {
 class Alignment(Procedure[Plan, "Readings", "Result"]):
     """Roll, pitch and heading of a unit at rest."""
 
-    name, kind_of_test = "alignment", "alignment at rest"
+    name, kind_of_test = "alignment", "static alignment"
     title = "Roll, pitch and heading of a unit at rest, from gravity and the rate of the earth."
     commands = (
         Command(
@@ -61,21 +61,9 @@ class Alignment(Procedure[Plan, "Readings", "Result"]):
 
         return described(given, self.inputs)
 
-    def plan(self, values: Mapping[str, Any], facts: Facts) -> Plan:
-        """Return the plan of a test.
-
-        Raises
-        ------
-        PlanError
-            ``missing_key`` without a latitude; ``wrong_value``.
-        """
-        from ...core.errors import PlanError
-
-        plan = super().plan(values, facts)
-        if plan.latitude is None:
-            do = 'Add --latitude "36.6 deg", or latitude under [site]; north is positive'
-            raise PlanError("no latitude", why="the rate of the earth depends on it", do=do, code="missing_key")
-        return plan
+    def plan_fields(self, facts: Facts) -> dict[str, Any]:
+        """Return the site, and the standards."""
+        return {**super().plan_fields(facts), "height": facts.height or 0.0}
 
     def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
         """Return what both triads read in each position.
@@ -146,8 +134,9 @@ class Alignment(Procedure[Plan, "Readings", "Result"]):
 
         if test.latitude is None:
             where = test.at("tests", test.number)
-            what = f"test {test.id!r}: an alignment needs site.latitude"
-            yield Problem(what, where, "the rate of the earth depends on it", "Add it; north is positive", "missing_key")
+            what = f"test {test.id!r}: an alignment needs the latitude of the site"
+            do = 'Add: --latitude "36.6 deg", north positive; in a campaign, latitude under [site]'
+            yield Problem(what, where, "the rate of the earth depends on it", do, "missing_key")
 
 
 PROCEDURE = Alignment()

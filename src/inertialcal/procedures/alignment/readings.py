@@ -1,9 +1,9 @@
 """Readings of an alignment: what accelerometers and gyros read in each position, and how the unit was turned between.
 
 A position is a rest of the gyros, or all of a recording in which nothing turns. Rests are found by means over half a
-second: a mean rate of 0.3 deg/s, or 8 times the scatter, off the middle is a turn; what is left of a turn at the ends
-is left out the same way. Two rests between which the unit turned by less than 2 deg are one position, with the knock
-left out.
+second: what is 0.3 deg/s off the median of all, or 0.1 deg/s off that of the minute around, and 8 times the scatter, is
+a turn; what is left of a turn at the ends of a rest is left out the same way. Two rests between which the unit turned
+by less than 2 deg are one position, with the knock left out.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import median_filter
 
 from ...core.errors import DataError
 from ...core.estimate import Array
@@ -30,7 +31,8 @@ from .plan import Plan
 
 KINDS: tuple[Kind, Kind] = ("accelerometer", "gyro")
 STEP = 0.5  # time over which rates are averaged to see a turn [s]
-TURNS = math.radians(0.3)  # mean rate that is a turn [rad/s]
+TURNS, NEAR = math.radians(0.3), math.radians(0.1)  # mean rate that is a turn, off the median of all and around [rad/s]
+AROUND = 60.0  # [s]
 CLEAR = 8.0  # standard deviations of such a mean
 KNOCK = math.radians(2.0)  # turn between two rests, below which they are one position
 BLOCKS, LEAST = 240, 32  # means that a position is cut into, and that are needed
@@ -199,7 +201,9 @@ def _rests(plan: Plan, pair: Pair) -> tuple[list[tuple[float, float, Flags]], li
     size = max(round(STEP / interval), 1)
     means = _block_means(rates, size)
     away, scale = _away(means)
-    moving = np.any(np.abs(away) > np.maximum(TURNS, CLEAR * scale), axis=1)
+    around = median_filter(away, (max(round(AROUND / (size * interval)), 1), 1), mode="nearest")
+    moving = np.any((np.abs(away) > np.maximum(TURNS, CLEAR * scale))
+                    | (np.abs(away - around) > np.maximum(NEAR, CLEAR * scale)), axis=1)  # fmt: skip
     runs = _runs(~moving)
     spans = [((first + (first > 0)) * size, (stop - (stop < len(means))) * size) for first, stop in runs]
     spans = [one for one in spans if one[1] > one[0]]
@@ -210,7 +214,8 @@ def _rests(plan: Plan, pair: Pair) -> tuple[list[tuple[float, float, Flags]], li
         what = f"the unit never rests for {number(plan.shortest, 3)} s; the longest rest lasts {number(longest, 3)} s"
         do = "Let it rest on a base that does not move; or check the unit of the rates"
         raise DataError(what, pair.file, "an alignment averages over a rest", do, "no_rest")
-    joined, remarks = [], []
+    joined: list[tuple[int, int]] = []
+    remarks: list[Remark] = []
     for one in enough:
         knock = joined and float(np.linalg.norm(_rotation(seconds, rates, joined[-1][1], one[0]))) < KNOCK
         joined = [*joined[:-1], (joined[-1][0], one[1])] if knock else [*joined, one]
@@ -283,7 +288,7 @@ def _cut(
     named = []
     kept = pair.seconds(1)[keep]
     for which in (0, 1):
-        one, at = pair.recordings[which], pair.seconds(which)  # type: ignore[arg-type]
+        one, at = pair.recordings[which], pair.seconds(which)
         inside = (at >= first) & (at <= stop)
         if which == 1:
             inside &= keep

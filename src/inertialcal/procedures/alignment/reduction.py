@@ -35,7 +35,7 @@ from ...core.show.tables import Block, html, text
 from ...physics.earth import OMEGA, normal_gravity
 from ...statistics.quantiles import t_upper
 from ..corrections import components
-from .doubts import checked, doubts
+from .doubts import check, doubts
 from .keys import BIAS, EXCESS, HEADING, LATITUDE, RATE, ROLL, VERTICAL, keys_of
 from .plan import Plan
 from .readings import Position, Readings
@@ -73,10 +73,19 @@ class Result:
     remarks: tuple[Remark, ...] = field(default=())
 
     @cached_property
-    def too_wide(self) -> float:
-        """By how much the widest interval of a heading is wider than may be; 1 or less: headings are told."""
-        each = [self.half_width(key) for key in self.whole.keys if key.quantity == HEADING]
-        return max(each) / math.sin(WIDEST)
+    def coarse(self) -> bool:
+        """Whether the interval of a heading would be too wide at the level rate that the latitude tells.
+
+        That, and not the rate that was read, decides: else headings were told where it was read too large by chance.
+        """
+        widest = max(self.half_width(key) for key in self.whole.keys if key.quantity == HEADING)
+        horizontal = OMEGA * math.cos(self.given.latitude)
+        return widest >= 1.0 or widest * self.solution.rate > horizontal * math.sin(WIDEST)
+
+    @property
+    def forecast(self) -> float:
+        """Standard uncertainty of the heading by what is not known of the level rate, over that of the earth [rad]."""
+        return self.bias_u / (OMEGA * math.cos(self.given.latitude))
 
     @cached_property
     def steep(self) -> bool:
@@ -86,7 +95,7 @@ class Result:
     @property
     def told(self) -> bool:
         """Whether headings are told."""
-        return self.too_wide <= 1.0 and not self.steep
+        return not self.coarse and not self.steep
 
     def half_width(self, key: Key) -> float:
         """Return the sine of half the interval of a heading; more than 1 is the whole circle."""
@@ -108,7 +117,7 @@ class Result:
         at = self.whole.index(Key(LATITUDE))
         circular = len(self.readings) == 1 and not self.stated
         u, dof = float(self.whole.u[at]), float(self.whole.dof[at])
-        return not circular and self.solution.rate < OMEGA and t_upper(0.025, dof) * u < math.radians(20.0)
+        return not circular and self.solution.rate < OMEGA and float(t_upper(0.025, dof)) * u < math.radians(20.0)
 
     @property
     def attitudes(self) -> tuple[Attitude, ...]:
@@ -158,7 +167,7 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     Raises
     ------
     DataError
-        ``no_latitude``; as ``turns.turns_of`` and ``doubts.checked``.
+        ``no_latitude``; as ``turns.turns_of`` and ``doubts.check``.
     """
     if plan.latitude is None:
         do = "State the latitude of the site, north positive"
@@ -172,9 +181,9 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     turns, measured, said = turns_of(plan, readings, flat)
     given = replace(flat, turns=turns)
     found = solve(given)
-    told = checked(plan, readings, given, found, measured)
+    check(plan, readings, given, found)
     result = _with_uncertainty(plan, readings, given, found, measured)
-    remarks = (*readings.remarks, *said, *told, *result.remarks, *doubts(result))
+    remarks = (*readings.remarks, *said, *result.remarks, *doubts(result))
     return replace(result, remarks=tuple(dict.fromkeys(remarks)))
 
 
@@ -192,9 +201,7 @@ def long_run(series: Array) -> tuple[Array, int]:
     return np.asarray(amplitudes.T @ amplitudes / COSINES / n), COSINES
 
 
-def _with_uncertainty(
-    plan: Plan, readings: Readings, given: Inputs, found: Solution, measured: bool
-) -> Result:
+def _with_uncertainty(plan: Plan, readings: Readings, given: Inputs, found: Solution, measured: bool) -> Result:
     gain = changes(given)
     keys, values = keys_of(len(readings)), figures(given)
     heading = [at for at, key in enumerate(keys) if key.quantity == HEADING]
@@ -254,9 +261,7 @@ def _even(covariance: Array) -> Array:
     return np.asarray(0.5 * (covariance + covariance.T))
 
 
-def _stated(
-    plan: Plan, readings: Readings, given: Inputs, gain: dict[str, Array], measured: bool
-) -> list[Component]:
+def _stated(plan: Plan, readings: Readings, given: Inputs, gain: dict[str, Array], measured: bool) -> list[Component]:
     """Return the sources that plan and standards state, as changes by each of their unknowns."""
     m = len(readings)
     acc, gyro = (gain[name].reshape(-1, m, 3) for name in ("acc", "gyro"))

@@ -61,15 +61,10 @@ def _why(result: Result, key: Key) -> Reason:
         return Reason("bias_unknown", "the latitude is what tells the bias") if circular else (
             Reason("gyro_too_coarse", "the rates tell it no better than to 20 deg"))  # fmt: skip
     horizontal = OMEGA * math.cos(result.given.latitude)
-    u = math.degrees(coarse_u(result))
+    u = math.degrees(result.forecast)
     text = f"u of the heading is {number(u, 3)} deg: {per_hour(result.bias_u)} of bias, drift and noise against "
     text += f"{per_hour(horizontal)} of the earth in level at {degrees(result.given.latitude)} of latitude"
     return Reason("gyro_too_coarse", text)
-
-
-def coarse_u(result: Result) -> float:
-    """Return what is not known of the level rate over the level rate of the earth [rad]."""
-    return result.bias_u / (OMEGA * math.cos(result.given.latitude))
 
 
 def curves(result: Result) -> list[Curve]:

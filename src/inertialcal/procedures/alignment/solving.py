@@ -167,17 +167,23 @@ def changes(given: Inputs) -> dict[str, Array]:
         deflection=np.zeros(2) if given.deflection is None else given.deflection,
     )
     found = {}
+
+    def at(name: str, value: Array) -> Array:
+        if name == "latitude":
+            return figures(replace(given, latitude=float(value[0])))
+        arrays: dict[str, Array] = {name: value}
+        return figures(replace(given, **arrays))  # type: ignore[arg-type]
+
     for name, step in STEPS.items():
         value = np.atleast_1d(np.asarray(getattr(given, name), dtype=float))
         columns = []
-        for at in range(value.size):
+        for number in range(value.size):
             ends = []
             for sign in (1.0, -1.0):
                 moved = value.copy()
-                moved.flat[at] += sign * step
-                ends.append(figures(replace(given, **{name: float(moved[0]) if name == "latitude" else moved})))
-            difference = ends[0] - ends[1]
-            columns.append(_wrapped(difference, len(given.acc)) / (2.0 * step))
+                moved.flat[number] += sign * step
+                ends.append(at(name, moved))
+            columns.append(_wrapped(ends[0] - ends[1], len(given.acc)) / (2.0 * step))
         found[name] = np.array(columns).T
     return found
 

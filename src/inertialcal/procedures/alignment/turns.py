@@ -151,5 +151,8 @@ def _check_stated(readings: Readings, at: int, said: float, seen: float) -> None
     elif any(abs(ratio / one - 1.0) < 0.1 for one in (180.0 / math.pi, math.pi / 180.0)):
         code, do = "wrong_unit", "Check the unit of the rates: deg/s or rad/s"
     elif abs(math.remainder(seen + said, 2.0 * math.pi)) < DIFFERS:
-        code, do = "wrong_sense", "The heading grows clockwise seen from above: check the sign of the turn, and of gyros"
+        code, do = (
+            "wrong_sense",
+            "The heading grows clockwise seen from above: check the sign of the turn, and of gyros",
+        )
     raise DataError(what, readings.positions[at].file, "one of them is wrong", do, code)
