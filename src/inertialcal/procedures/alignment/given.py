@@ -18,4 +18,8 @@ def described(given: GivenFile, spec: InputSpec) -> list[Described]:
     said = {given.said.sensor} - {None}
     wanted = [one for one in SENSORS if not said or said & {*one}]
     there = [one for one in wanted if kinds & {*one}] or wanted
-    return [described_channels(replace(given, said=replace(given.said, sensor=name)), spec) for name, _ in there]
+    found = []
+    for name, _ in there:
+        one = described_channels(replace(given, said=replace(given.said, sensor=name)), spec)
+        found.append(replace(one, columns={f"{name}_{what}": column for what, column in one.columns.items()}))
+    return found
