@@ -1388,6 +1388,18 @@ MUTANTS = (
         "test_after_other_tests",
     ),
     Mutant(
+        "solving.py",
+        "return np.array([[c, s], [-s, c]])",
+        "return np.array([[c, -s], [s, c]])",
+        "test_alignment",
+    ),
+    Mutant(
+        "reduction.py",
+        "return widest >= 1.0 or widest * self.solution.rate > horizontal * math.sin(WIDEST)",
+        "return widest >= 1.0",
+        "test_alignment",
+    ),
+    Mutant(
         "contrasts.py",
         "weights = 1.0 / len(places) + inverse @ (wanted - middle)",
         "weights = 1.0 / len(places) - inverse @ (wanted - middle)",

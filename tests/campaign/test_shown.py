@@ -27,6 +27,8 @@ from inertialcal.core.show.rows import case_name
 from inertialcal.core.show.tables import WIDTH, Table
 from inertialcal.procedures.mass_attraction.reduction import repeated
 from inertialcal.procedures.mass_attraction.schedule_csv import write_schedule
+from inertialcal.rigs.alignment.rig import Bench as AlignmentBench
+from inertialcal.rigs.alignment.rig import build as build_alignment
 from inertialcal.rigs.flights.rig import Bench as Flights
 from inertialcal.rigs.flights.rig import build as flights
 from inertialcal.rigs.heads.rig import Bench as HeadsBench
@@ -94,6 +96,14 @@ def heads(folder: Path) -> Reduced:
         ic.write(folder / Path(file).name, made)
     (folder / "body.toml").write_text(twin.extras["body.toml"].text, encoding="utf-8")
     return ic.heads([folder / f"tsh{n}.csv" for n in (1, 2, 3)], body=str(folder / "body.toml"))
+
+
+def aligned(folder: Path) -> Reduced:
+    """What two positions of a unit at rest give."""
+    bench = AlignmentBench(seconds=100.0)
+    for made in build_alignment(bench, 1).recordings.values():
+        ic.write(folder / "imu.csv", made)
+    return ic.alignment(folder / "imu.csv", latitude="36.6 deg", turns="180 deg")
 
 
 def turned(folder: Path) -> Reduced:
@@ -205,6 +215,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
         "microgravity": in_station(tmp_path_factory.mktemp("station")),
         "shifted_model": shifted(tmp_path_factory.mktemp("shifted")),
         "heads": heads(tmp_path_factory.mktemp("heads")),
+        "alignment": aligned(tmp_path_factory.mktemp("aligned")),
         "turned_mass": turned(tmp_path_factory.mktemp("turned")),
         "plan_turned_mass": ic.plan_turned_mass(hours="12 h", trials=0),
         "plan_rate_table": ic.plan_rate_table(noise="0.2 deg/sqrt(h)", fastest="100 deg/s", wanted=TO_BIAS, simulate=0),
@@ -249,7 +260,7 @@ TO_BIAS = {"bias": "0.01 deg/s"}
 NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "thermal", "sensitivity", "allan", "psd", "sine",
          "mass_attraction", "plan_mass_attraction", "positions", "positions_batch", "plan_positions",
          "vibration", "vibration_profile", "plan_vibration", "plan_vibration_survey", "vibration_survey",
-         "vibration_effects", "magnetometer_bias", "microgravity", "shifted_model", "turned_mass", "heads",
+         "vibration_effects", "magnetometer_bias", "microgravity", "shifted_model", "turned_mass", "heads", "alignment",
          "plan_turned_mass", "plan_magnetometer_bias",
          "plan_rate_table", "plan_thermal", "plan_flip", "plan_allan",
          "result", "estimate",

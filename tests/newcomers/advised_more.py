@@ -15,6 +15,12 @@ COMPENSATED = (
         "bias x 0.12",
     ),
     Case(
+        'Add: --latitude "36.6 deg", north positive; in a campaign, latitude under [site]',
+        'alignment aligned.csv --turns "180 deg"',
+        '+ --latitude "36.6 deg"',
+        "heading 40.",
+    ),
+    Case(
         "Add: --body body.toml",
         "heads body_a.csv body_b.csv body_c.csv",
         "+ --body body.toml",

@@ -20,6 +20,8 @@ from newcomer_boards import FACES, Board, G, board_at_rest, board_of, six_faces
 from newcomer_tables import rounded
 from newcomer_truths import BIASES, NOISE, at_rest, chamber
 
+from independent.orbit.aligned import Bench as Aligned
+from independent.orbit.aligned import made as aligned
 from independent.orbit.heads import made as on_one_body
 from independent.orbit.heads import on_line
 from independent.orbit.magnetometer import recorded as in_orbit
@@ -144,6 +146,7 @@ def write_records(folder: Path) -> None:
     _archived(folder)
     _flown(folder)
     _body(folder)
+    aligned(Aligned(seconds=120.0), np.random.default_rng(5)).write(folder / "aligned.csv")
     write_model(folder / "both.json", ModelSet(tuple(_model(one) for one in BIAS)))
     keys = tuple(Key("angle_random_walk", axis) for axis in "xyz")
     scatter = Component("scatter", "A", np.diag([1e-16] * 3), 7.0)

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from independent.aligned import EARTH, Bench, Made, made
+from independent.orbit.aligned import EARTH, Bench, Made, made
 from inertialcal.core.influence import Influence
 from inertialcal.procedures.alignment.plan import Plan
 from inertialcal.procedures.alignment.readings import BLOCKS, Position, Readings, _block_means

@@ -14,8 +14,8 @@ from aligned_units import Array, drawn, hits, plan, readings, reduced, standards
 from scipy.spatial.transform import Rotation
 
 import inertialcal as ic
-from independent.aligned import EARTH, HOUR, Bench, G, Made, made
 from independent.coverage import keeps
+from independent.orbit.aligned import EARTH, HOUR, Bench, G, Made, made
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.key import Key, Origin

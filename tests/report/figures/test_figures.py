@@ -17,6 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
+from test_figure_alignment import CURVES as ALIGNMENT_CURVES
 from test_figure_flip import dwells as flip_dwells
 from test_figure_flip import quiet as flip_quiet
 from test_figure_heads import CURVES as HEADS_CURVES
@@ -202,7 +203,7 @@ def results() -> dict[str, Any]:
                    *copy.deepcopy([*THERMAL_CURVES, *MASS_CURVES, *POSITIONS_CURVES, *SENSITIVITY_CURVES,
                                  *planned().results["curves"], *vibration_curves(), *TURNED_CURVES,
                                  *FIELD_CURVES, *SHIFTED_CURVES, *STATION_CURVES, *PLAN_CURVES,
-                                 *HEADS_CURVES, *ARCHIVE_CURVES]),
+                                 *HEADS_CURVES, *ARCHIVE_CURVES, *ALIGNMENT_CURVES]),
                    noise_allan("z"), noise_terms("z"), noise_spectrum("z"), *sine_curves("z")],
         "sequence": SEQUENCE + THERMAL_SEQUENCE, "verdicts": [*VERDICTS, *JUDGED],
         "results": [*ROWS, *BESIDE, *CHANGES, *THERMAL_ROWS, *MASS_ROWS, *SENSITIVITY_ROWS,
