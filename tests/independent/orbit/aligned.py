@@ -97,7 +97,7 @@ def made(bench: Bench, rng: np.random.Generator) -> Made:
         at += turning + count
     turned = np.radians(np.concatenate(angle))
     n = len(turned)
-    times = np.arange(n) * step
+    times: Array = np.asarray(np.arange(n) * step, dtype=np.float64)
     start = Rotation.from_euler("ZYX", np.radians([bench.heading, bench.pitch, bench.roll]))
     tilt = np.zeros(n)
     first, last = spans[-1]

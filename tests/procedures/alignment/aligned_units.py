@@ -87,4 +87,4 @@ def drawn(bench: Bench, rng: np.random.Generator, gyro: float = 0.0, acc: float 
     bias, off = rng.normal(0.0, 1.0, (2, 3))
     return replace(bench, heading=float(rng.uniform(0.0, 360.0)), pitch=float(rng.uniform(-2.0, 2.0)),
                    roll=float(rng.uniform(-2.0, 2.0)), gyro_bias=tuple(gyro * bias),
-                   acc_bias=tuple(acc * off))  # type: ignore[arg-type]  # fmt: skip
+                   acc_bias=tuple(acc * off))  # fmt: skip
