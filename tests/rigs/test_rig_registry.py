@@ -105,8 +105,9 @@ def test_a_rig_of_another_package_is_simulated_run_and_scored(tmp_path: Path) ->
         json.loads((tmp_path / "demo" / ".truth" / "truth.json").read_text("utf-8"))["seed"] == 1
     )  # of every demonstration
     assert json.loads((tmp_path / "twin_short" / ".truth" / "truth.json").read_text("utf-8"))["fault"] == "short"
-    assert "climate, shaker, turned_mass, satellite, station, flights, flights_recorded, heads, alignment, toy." in " ".join(
-        said[-2].split()
+    assert (
+        "climate, shaker, turned_mass, satellite, station, flights, flights_recorded, heads, alignment, toy."
+        in " ".join(said[-2].split())
     )
 
 
