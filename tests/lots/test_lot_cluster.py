@@ -1,0 +1,107 @@
+"""A lot on a dask cluster: the same bytes, workers that vanish, a scheduler that ends."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from small_lot import digests, folder_lot
+
+import inertialcal as ic
+from inertialcal.core.errors import InertialcalError
+
+UNITS = 16
+
+
+@contextmanager
+def cluster(folder: Path, count: int = 2) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
+    """Start a scheduler and workers as processes of their own; yield its address and all of them, it first."""
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path), "OMP_NUM_THREADS": "1"}
+    folder.mkdir(exist_ok=True)
+    said = folder / "scheduler.json"
+    words = ["scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(said)]
+    many = {"env": environment, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": folder}
+    dask = [sys.executable, "-m", "dask"]
+    every = [subprocess.Popen([*dask, *words], **many)]  # type: ignore[call-overload]
+    worker = ["worker", "--scheduler-file", str(said), "--nthreads", "1", "--no-dashboard", "--no-nanny"]
+    try:
+        end = time.monotonic() + 60.0
+        while not said.exists() and time.monotonic() < end:
+            time.sleep(0.1)
+        every += [subprocess.Popen([*dask, *worker], **many) for _ in range(count)]  # type: ignore[call-overload]
+        address = str(json.loads(said.read_text(encoding="utf-8"))["address"])
+        yield address, every
+    finally:
+        for one in every:
+            one.kill()
+            one.wait()
+
+
+def reduced(lot: Path, out: Path, address: str, tell: Callable[[int, int, str], None] | None = None) -> None:
+    """Reduce a lot as soon as there are workers."""
+    end = time.monotonic() + 60.0
+    while True:
+        try:
+            ic.lot(lot, out, resume=out.exists(), scheduler=address, progress=tell)
+        except InertialcalError as error:
+            if error.problems[0].code != "no_workers" or time.monotonic() > end or (out / "ledger.sqlite").exists():
+                raise
+            time.sleep(0.3)
+        else:
+            return
+
+
+def killing(process: subprocess.Popen[bytes]) -> Callable[[int, int, str], None]:
+    """Return what kills a process when the first units are done."""
+
+    def tell(done: int, total: int, what: str) -> None:
+        if 0 < done < total:
+            process.send_signal(signal.SIGKILL)
+
+    return tell
+
+
+@pytest.mark.slow
+def test_a_cluster_gives_the_same_bytes_though_a_worker_vanishes_and_the_scheduler_ends(tmp_path: Path) -> None:
+    lot = folder_lot(tmp_path / "lot", UNITS)
+    ic.lot(lot, tmp_path / "here", workers=0)
+    out = tmp_path / "out"
+    with cluster(tmp_path / "cluster", 3) as (address, every):
+        reduced(lot, out, address, killing(every[1]))
+    assert digests(out) == digests(tmp_path / "here")
+    ended = tmp_path / "ended"
+    with cluster(tmp_path / "second", 1) as (address, every):
+        with pytest.raises(InertialcalError) as error:
+            reduced(lot, ended, address, killing(every[0]))
+        assert error.value.problems[0].code == "no_scheduler"
+        assert error.value.exit_status == 3
+    again = ic.lot(lot, ended, resume=True, workers=0)
+    assert again.kept > 0
+    assert digests(ended) == digests(tmp_path / "here")
+
+
+def test_a_scheduler_that_is_not_there_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("inertialcal.lots.cluster.CONNECT", 0.5)
+    lot = folder_lot(tmp_path / "lot", 1)
+    with pytest.raises(InertialcalError) as error:
+        ic.lot(lot, tmp_path / "out", scheduler="tcp://127.0.0.1:9")
+    assert error.value.problems[0].code == "no_scheduler"
+    for words in ({"scheduler": "127.0.0.1:9"}, {"scheduler": "tcp://127.0.0.1:9", "workers": 2}):
+        with pytest.raises(InertialcalError) as error:
+            ic.lot(lot, tmp_path / "out", **words)  # type: ignore[arg-type]
+        assert error.value.problems[0].code == "wrong_value"
+
+
+def test_a_missing_extra_is_named_with_what_to_type(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(InertialcalError) as error:
+        ic.lot(folder_lot(tmp_path / "lot", 1), tmp_path / "out", scheduler="tcp://127.0.0.1:9")
+    assert error.value.problems[0].do == "Type: pip install 'inertialcal[fleet]'"
