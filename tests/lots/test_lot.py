@@ -109,6 +109,7 @@ def test_a_bad_unit_is_quarantined_with_its_reason_and_the_others_go_on(tmp_path
     assert outcome.exit_status == 3
     assert outcome.counts == {"units": 7, "done": 5, "quarantined": 2, "PASS": 4, "FAIL": 1, "INCONCLUSIVE": 0}
     assert "in quarantine" in str(outcome)
+    assert "<table" in outcome._repr_html_()
 
 
 def test_a_fault_of_the_program_ends_its_unit_alone_and_leaves_a_log(

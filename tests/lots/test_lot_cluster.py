@@ -96,7 +96,7 @@ def test_a_scheduler_that_is_not_there_is_named(tmp_path: Path, monkeypatch: pyt
     assert error.value.problems[0].code == "no_scheduler"
     for words in ({"scheduler": "127.0.0.1:9"}, {"scheduler": "tcp://127.0.0.1:9", "workers": 2}):
         with pytest.raises(InertialcalError) as error:
-            ic.lot(lot, tmp_path / "out", **words)  # type: ignore[arg-type]
+            ic.lot(lot, tmp_path / "out", **words)
         assert error.value.problems[0].code == "wrong_value"
 
 

@@ -12,7 +12,22 @@ from small_lot import CAMPAIGN, csv, folder_lot, rates, rows, shared_lot
 
 import inertialcal as ic
 from inertialcal.core.errors import InertialcalError
-from inertialcal.lots.lot_file import load_lot
+from inertialcal.lots.lot_file import LotFile, SharedFile, load_lot
+from inertialcal.lots.rows import OWN
+
+DOCS = Path(__file__).resolve().parents[2] / "docs" / "commands" / "lot.md"
+
+
+def test_every_key_stands_on_the_page() -> None:
+    page = DOCS.read_text(encoding="utf-8")
+    for model in (LotFile, SharedFile):
+        for name, field in model.model_fields.items():
+            assert f"| `{field.alias or name}` |" in page
+
+
+def test_every_column_stands_on_the_page() -> None:
+    page = DOCS.read_text(encoding="utf-8")
+    assert [name for name in OWN if f"`{name}`" not in page] == []
 
 
 def lot_of(root: Path, text: str, units: str = "serial,batch\n1,a\n2,b\n") -> Path:

@@ -17,13 +17,14 @@ N, RATE = 1_200, 100.0
 RNG = np.random.default_rng(1)
 VALUES = RNG.normal(0.0, 0.01, (N, 3))
 NOUNS = sorted(ic._nouns())
-OTHERS = ("budget", "certificate", "check", "compare", "compensate", "info", "load_model", "load_models", "plot",
+OTHERS = ("budget", "certificate", "check", "compare", "compensate", "info", "load_model", "load_models", "lot", "plot",
           "positions_batch", "programme_1969", "read", "read_certificate", "read_table", "run", "score",
           "write")  # fmt: skip
 NEEDED: dict[str, Callable[[Any], tuple[Any, ...]]] = {  # arguments of those that take more than a recording
     "certificate": lambda one: (one, "c.xml"),
     "compare": lambda one: (one, one),
     "compensate": lambda one: ("no_model.json", one),
+    "lot": lambda one: (one, "lot_made"),
     "positions_batch": lambda one: (one, 9.8),
     "write": lambda one: ("out.csv", one),
 }
