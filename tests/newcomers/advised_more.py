@@ -18,7 +18,7 @@ COMPENSATED = (
         'Add: --latitude "36.6 deg", north positive; in a campaign, latitude under [site]',
         'alignment aligned.csv --turns "180 deg"',
         '+ --latitude "36.6 deg"',
-        "heading 40.",
+        "value heading 40",
     ),
     Case(
         "Add: --body body.toml",
