@@ -267,6 +267,19 @@ CASES = (
         "bias x 0.3542",
     ),
     Case(
+        "--schedule DWELLS.csv",
+        "rate-table turned_bared.csv",
+        "+ --schedule dwells_at.csv --axis x",
+        "bias x 0.3542",
+        quick=True,
+    ),
+    Case(
+        ". If one of its columns says it: --applied COLUMN",
+        "rate-table turned_stage.csv --axis x",
+        "+ --applied stage",
+        "bias x 0.3542",
+    ),
+    Case(
         "--reading COLUMN",
         "rate-table dwells_named.csv --axis x --applied given --unit deg/s",
         "+ --reading out",

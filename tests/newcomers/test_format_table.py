@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from format_sheets import SHEETS, Sheet
 from newcomer_boards import Board, G
+from newcomer_files import START
 
 from independent.shaking.quadratic import Shaken, record
 from independent.shaking.shaker import Mode, recorded
@@ -145,10 +146,28 @@ def typed(kind: str, word: str, cell: str, folder: Path) -> list[str]:
             "--topic",
             "sensor_accel" if word in ("positions", "flip", "mass-attraction", "vibration") else "sensor_gyro",
         ]
+    if "--schedule" in cell:
+        words += ["--schedule", str(dwells(kind, folder))]
     if "--scale-factor" in cell:
         unit = sheet.columns[next(iter(noun.roles.values()))][1]
         words += ["--scale-factor", f"1e6 count/({unit})"]
     return words
+
+
+def dwells(kind: str, folder: Path) -> Path:
+    """Return a schedule of the dwells of the turned board, by the clock of a format."""
+    board, rates = content("turned").board, content("turned").columns["table_rate"][0]
+    edges = [0, *(i for i in range(1, len(rates)) if rates[i] != rates[i - 1]), len(rates)]
+    zero = {"ULog": 30.0, "DataFlash": 5.0}.get(kind.split(maxsplit=1)[0], float(START))
+    lines = ["start,stop,rate [deg/s]"]
+    for first, stop in pairwise(edges):
+        at = [zero + one / board.sample_rate for one in (first, stop)]
+        named = [np.datetime_as_string(np.datetime64(round(1e3 * one), "ms")) + "Z" if zero == START else f"{one:.3f}"
+                 for one in at]  # fmt: skip
+        lines.append(f"{named[0]},{named[1]},{rates[first]}")
+    path = folder / "dwells.csv"
+    path.write_text("\n".join(lines) + "\n")
+    return path
 
 
 def names_unit(text: str | None) -> bool:

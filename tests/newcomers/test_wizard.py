@@ -10,18 +10,23 @@ import math
 import os
 import select
 import signal
+import sqlite3
 import sys
 import time
 import tomllib
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
+from newcomer_boards import ACC_BIASES, GYRO_BIASES, board_at_rest, six_faces
+from newcomer_files import Writer, dataflash_raw, ulog_sensors
 from newcomer_tables import FILES
 from newcomer_texts import FORMS
 from newcomer_truths import BIASES, ERRORS, chamber
 
-from inertialcal.campaign.start.starter import ENDINGS
+from inertialcal.campaign.start.folder import ENDINGS
 from inertialcal.files.registry import READERS
 from typed_commands import call
 
@@ -29,6 +34,7 @@ if sys.platform == "win32":
     pytest.skip("no pseudo-terminals", allow_module_level=True)
 pty = pytest.importorskip("pty")
 
+Capsys = pytest.CaptureFixture[str]
 LONGEST = 120.0  # s: of a busy machine
 ENTER = ""
 CHAIN = ("--lsb", "5 V / 4095", "--reference", "2.5 V", "--scale-factor", "0.02 V/(deg/s)")
@@ -228,3 +234,60 @@ def test_a_recording_of_every_reader_is_looked_at() -> None:
     passed = {"", ".asc", ".prn", ".tab", ".npy", ".cards", ".json"}
     for reader in READERS.values():
         assert set(reader.endings) - passed <= set(ENDINGS), reader.name
+
+
+@pytest.mark.parametrize("write", [ulog_sensors, dataflash_raw])
+def test_topics_of_a_file_are_recordings_of_one_test(write: Writer, tmp_path: Path, capsys: Capsys) -> None:
+    """A logger writes gyro and accelerometer as topics: both are taken, and nothing is asked."""
+    folder = tmp_path / "board"
+    folder.mkdir()
+    write(six_faces(dwell=2.0), folder / "board.log")
+    shown, status = on_terminal(["init", str(folder)], [ENTER] * 4)
+    assert (status, "Which" in shown) == (0, False), shown
+    found: Any = campaign(folder)
+    assert [one["recordings"] for one in found["tests"]] == [["acc_hand1", "gyro_hand1"]]
+    assert call(capsys, "run", str(folder), "-q")[0] == 0
+    rows = json.loads((folder / "out/results.json").read_text())["results"]
+    for quantity, unit, true in (("bias", "m/s^2", ACC_BIASES[2]), ("bias", "rad/s", GYRO_BIASES[2])):
+        own = next(one for one in rows if (one["quantity"], one["axis"], one["unit"]) == (quantity, "z", unit))
+        assert own["value"] == pytest.approx(true, abs=5 * own["u"])
+
+
+def test_of_two_sensors_of_a_kind_one_is_asked_for(tmp_path: Path, capsys: Capsys) -> None:
+    folder = tmp_path / "two"
+    folder.mkdir()
+    board = board_at_rest(seconds=12.0)
+    with sqlite3.connect(folder / "imu.db") as connection:
+        for name, shift in (("front gyro", 0.0), ("back gyro", 0.25)):
+            connection.execute(f'CREATE TABLE "{name}" ("t_s" REAL, "x_dps" REAL, "y_dps" REAL, "z_dps" REAL)')
+            rows = [(float(t), *(float(one) + shift for one in row))
+                    for t, row in zip(board.time, np.degrees(board.gyro), strict=True)]  # fmt: skip
+            connection.executemany(f'INSERT INTO "{name}" VALUES (?, ?, ?, ?)', rows)
+        connection.execute("CREATE TABLE log (at REAL, battery REAL)")
+        connection.executemany("INSERT INTO log VALUES (?, ?)", [(float(t), 12.1) for t in board.time[::100]])
+    status, _, err = call(capsys, "init", str(folder))
+    assert status == 3
+    assert "front gyro; back gyro" in err
+    assert "--topic 'front gyro'" in err
+    assert "log" not in err
+    shown, status = on_terminal(["init", str(folder)], ["'no gyro'", "'back gyro'", ENTER, ENTER, ENTER])
+    assert status == 0, shown
+    assert "no topic 'no gyro'" in shown
+    (entry,) = campaign(folder)["recordings"].values()  # type: ignore[attr-defined]
+    assert (entry["file"], entry["topics"]) == ("imu.db", ["back gyro"])
+    (folder / "campaign.toml").unlink()
+    status, out, err = call(capsys, "init", str(folder), "--yes")
+    assert (status, "Taken: 'front gyro'" in " ".join(out.split())) == (0, True), out + err
+
+
+def test_accelerometers_that_move_as_in_no_test_are_told_as_they_are(tmp_path: Path, capsys: Capsys) -> None:
+    rng, time = np.random.default_rng(4), np.arange(8_000) / 500.0
+    acc = 0.02 * rng.standard_normal((len(time), 3)) + [0.0, 0.0, 1.0]
+    acc[:, 0] += np.exp(-(((time - 8.0) / 2.0) ** 2)) * np.sin(2.0 * np.pi * 31.0 * time)
+    rows = [",".join(f"{one:.5f}" for one in row) for row in np.column_stack([time, acc])]
+    (tmp_path / "burst.csv").write_text("\n".join(["t [s],acc_x [g],acc_y [g],acc_z [g]", *rows]) + "\n")
+    _, out, _ = call(capsys, "info", str(tmp_path / "burst.csv"))
+    assert "next:" not in out
+    status, _, err = call(capsys, "init", str(tmp_path))
+    assert status == 3
+    assert "burst.csv: accelerometers that move (acc_x [g], acc_y [g], acc_z [g])" in " ".join(err.split())

@@ -32,7 +32,7 @@ class Column:
     values: NDArray[Any]  # shape (n,): numbers in the type of the file, ``datetime64[ns]``, or objects of type str
     unit: str | None = None  # As a units row or the metadata of the format say it
     named: bool = True  # Whether the file has a name for it
-    matrix: str = ""  # Name of the matrix that it is a column of; what it says holds for the column too
+    matrix: str = ""  # Name of the matrix, or the topic, that it is a column of; what it says holds for the column too
     axis: str = ""  # Of a matrix of three columns: which of x, y, z it is, if they are those of a sensor
     # Index of each cell that was empty, and of each that spelled out NaN, NA or infinity. Both hold NaN.
     empty: Rows = field(default_factory=no_rows)

@@ -54,6 +54,7 @@ class FolderFile:
 
     table: Table  # as read
     recording: Recording | None = None  # with time; None while it is looked at as a table only
+    beside: tuple[Recording, ...] = ()  # other topics of the same file, recorded together with it
 
     @cached_property
     def columns(self) -> Guess:

@@ -46,6 +46,7 @@ def rate_table(
     applied_tolerance: str | None = None,
     attitude: Mapping[str, Any] | str | None = None,
     applied: str | None = None,
+    schedule: str | None = None,
     reading: Mapping[str, str] | Sequence[str] | str | None = None,
     scatter: str | None = None,
     run: str | None = None,

@@ -16,6 +16,7 @@ from ...core.remarks import Remark
 from ...core.settings import settings_of
 from ...core.units import kind
 from ...files.info.channel_survey import Hint
+from ...files.info.motion import accelerometers, gyros
 from ...files.info.survey import Survey, survey_recording
 from ...files.info.table_columns import guess_channels
 from ...procedures import procedure_names, procedure_of
@@ -142,7 +143,8 @@ def next_command(
     if home is None and not found and any(remark.code == "nameless_columns" for remark in survey.remarks):
         return None  # the remark says what to type
     words = None if options else _first(found, path, commands, raw)  # a campaign says its units itself
-    return folder if words is None else words
+    unclear = home is None and not every and accelerometers(recording) and not gyros(recording)
+    return words or (None if unclear else folder)  # they move as in no test that shows by itself: nor for `init`
 
 
 def suggestions(recording: Recording, survey: Survey) -> list[tuple[str, Suggestion]]:

@@ -6,6 +6,7 @@ suggested: Enter leaves them to be filled in.
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -19,6 +20,7 @@ from ...files.time.dates import ORDERS
 from ...procedures import procedure_of
 from ...procedures.given import RAW, Said, bare
 from ...procedures.suggestions import Question, one_of, quantity
+from .folder import FolderContents
 
 ITEM = {"maker": "Who made the sensor", "part": "Its part number", "serial": "Its serial number"}
 UNITS = {"gyro": "deg/s, rad/s, count, V", "acc": "g, m/s2, count, V"}
@@ -29,29 +31,27 @@ Answers = Mapping[str, str]
 Contents = Mapping[str, Mapping[str, object]]  # what procedures make of files, by procedure and file
 
 
-def questions(
-    found: Contents, ambiguous: Sequence[str], said: Said, axis: str | None, item: Answers
-) -> Iterator[Question]:
+def questions(contents: FolderContents, said: Said, axis: str | None, item: Answers) -> Iterator[Question]:
     """Yield what is to be asked, as far as answers and options leave it open.
 
     Parameters
     ----------
-    found : mapping
+    contents : FolderContents
         What a folder holds.
-    ambiguous : sequence of str
-        Files whose dates can be read in two ways.
     said : Said
         Options and answers so far.
     axis, item
         Axis that was turned, and what the sensor is, as far as they were said.
     """
-    if ambiguous and said.dates is None:
-        what = f"{', '.join(ambiguous)}: dates like 3/4/2024"
+    if contents.ambiguous and said.dates is None:
+        what = f"{', '.join(contents.ambiguous)}: dates like 3/4/2024"
         yield Question("dates", what, f"Day or month first? ({' or '.join(ORDERS)})", wrong=one_of(ORDERS))
+    yield from _of_topics(contents, said)
+    found = contents.found
     for group in ("gyro", "acc"):
         yield from _of_readings(found, group, said)
-    for procedure, contents in found.items():
-        for question in procedure_of(procedure).asks(contents) if contents else ():
+    for procedure, own in found.items():
+        for question in procedure_of(procedure).asks(own) if own else ():
             known: Any = axis if question.name == "axis" else getattr(said, question.name, None)
             if question.group:
                 known = known.get(question.group, bare(known))
@@ -60,6 +60,16 @@ def questions(
     for name, ask in ITEM.items():
         if name not in item:
             yield Question(name, "", f"{ask}? (Enter: leave it out)")
+
+
+def _of_topics(contents: FolderContents, said: Said) -> Iterator[Question]:
+    """Yield the question which of several sensors of a kind is meant, of each file."""
+    for file, sets in contents.choices.items():
+        names = tuple(name for one in sets for name in one)
+        if not set(names) & set(said.topics):
+            what = f"{file}: sensors of a kind, recorded at the same time: {'; '.join(map(shlex.join, sets))}"
+            ask = "Which? (in quotes, where a name has blanks)"
+            yield Question("topics", what, ask, shlex.join(sets[0]), wrong=_topics(names))
 
 
 def _of_readings(found: Contents, group: str, said: Said) -> Iterator[Question]:
@@ -102,8 +112,24 @@ def _of_readings(found: Contents, group: str, said: Said) -> Iterator[Question]:
 
 def answered(said: Said, question: Question, text: str) -> Said:
     """Return what was said with one more answer; an empty one counts as said."""
+    if question.name == "topics":
+        return replace(said, topics=[*said.topics, *shlex.split(text)])
     answer: Any = {**getattr(said, question.name), **_by_axis(text, question.group)} if question.group else text
     return replace(said, **{question.name: answer})
+
+
+def _topics(known: Sequence[str]) -> Callable[[str], str]:
+    """Return what is wrong with text that names other topics than these."""
+
+    def wrong(text: str) -> str:
+        try:
+            named = shlex.split(text)
+        except ValueError as error:
+            return str(error)
+        other = [one for one in named if one not in known]
+        return f"no topic {other[0]!r}: {shlex.join(known)}" if other else ""
+
+    return wrong
 
 
 def _by_axis(text: str, group: str) -> dict[str, str]:

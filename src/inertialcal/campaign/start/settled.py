@@ -11,13 +11,16 @@ from ...core.units import kind, normalise
 from ...procedures.given import GROUP, RAW, GivenFile, Said, bare, chain_of_units, chain_said, raw_units, spoken_unit
 from ...procedures.suggestions import fill_in
 from ..calls.given import text_said
+from .folder import Part
 
 OPEN = {"", "?"}  # texts that say nothing
 Parts = dict[str, dict[str, object]]
 
 
-def settle(parts: Parts, tests: Sequence[object], said: Said, axis: str) -> None:
+def settle(parts: Parts, tests: Sequence[object], said: Said, axis: str, of_files: Mapping[str, Part]) -> None:
     """Put what was said into sensors, recordings, tests and site of a draft; what is then complete is not marked.
+
+    ``of_files``: topics of files, by the label that the draft has in place of the file.
 
     Raises
     ------
@@ -44,7 +47,7 @@ def settle(parts: Parts, tests: Sequence[object], said: Said, axis: str) -> None
         chain_of_units(given, chain_said(given), every)
     reading = _reading(said)
     for key, entry in recordings.items():
-        recordings[key] = _read_as(entry, reading)
+        recordings[key] = _read_as(_of_file(entry, of_files), reading)
     if axis:
         _turn(recordings, tests, axis)
     site = {"latitude": said.latitude, "gravity": said.gravity, "height": said.height}
@@ -137,9 +140,20 @@ def _reading(said: Said) -> dict[str, Any]:
         "sample_rate": None if said.sample_rate is None else f"{said.sample_rate!r} Hz",
         "start": said.start, "stop": said.stop, "mission_start": said.mission_start,
     }  # fmt: skip
-    found: dict[str, Any] = {"text": text_said(said), "frame": said.frame, "topics": list(said.topics)}
+    found: dict[str, Any] = {"text": text_said(said), "frame": said.frame}
     found["clock"] = {name: value for name, value in clock.items() if value is not None}
     return {name: table for name, table in found.items() if table}
+
+
+def _of_file(entry: object, of_files: Mapping[str, Part]) -> object:
+    """Return an entry with its file and topics where it has the label of a part."""
+    if isinstance(entry, Noted):
+        return Noted(_of_file(entry.value, of_files), entry.note, entry.above, entry.example)
+    table = _plain_table(entry)
+    part = of_files.get(str(table.get("file")))
+    own = {} if part is None else {"file": part.file, "topics": list(part.topics)}
+    return {key: value for name, old in table.items() for key, value in
+            (own.items() if own and name == "file" else [(name, old)])}  # fmt: skip
 
 
 def _read_as(entry: object, reading: Mapping[str, Any]) -> object:
@@ -148,7 +162,7 @@ def _read_as(entry: object, reading: Mapping[str, Any]) -> object:
         return Noted(_read_as(entry.value, reading), entry.note, entry.above, entry.example)
     table = _plain_table(entry)
     for name, own in reading.items():
-        if name in ("text", "topics") or "channels" in table:
+        if name == "text" or "channels" in table:
             table[name] = _plain_table(table.get(name, {})) | own if isinstance(own, dict) else own
     return table
 

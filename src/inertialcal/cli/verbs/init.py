@@ -33,7 +33,7 @@ def _init(**given: Any) -> int:
     axis = given.pop("axis")
     told = Told(said_of(given, INIT), axis, item)
     if yes or (not as_json and not quiet and sys.stdin.isatty() and sys.stdout.isatty()):
-        told = _asked(folder, told, yes)
+        told = _asked(folder, told, yes, silent=as_json or quiet)
     path, marked, remarks = start(folder, sensor, told)
     if as_json:
         content = {"results": [], "written": str(path), "to_fill": marked, "remarks": [r.to_dict() for r in remarks]}
@@ -52,13 +52,15 @@ def _init(**given: Any) -> int:
     return 0
 
 
-def _asked(folder: Path, told: Told, yes: bool) -> Told:
+def _asked(folder: Path, told: Told, yes: bool, silent: bool) -> Told:
     """Ask what the files leave open, one question after the other; Enter takes the suggestion, and so does ``yes``."""
     from ...campaign.start.starter import first_question
 
     shown = ""
     while (question := first_question(folder, told)) is not None:
         answer = question.suggestion
+        if yes and not silent and question.name == "topics":
+            print(wrapped(clean(f"{question.seen}. Taken: {answer}"), "    "))
         if not yes:
             if question.seen not in ("", shown):
                 print(wrapped(clean(question.seen), "    "))

@@ -15,7 +15,7 @@ from ...core.remarks import Remark
 from ...core.unit.atoms import REFUSED
 from ...signals.time.time_axis import AGAIN, TimeAxis, backward_steps
 from ..columns import Column
-from ..text.headers import KINDS, Heading, bare_name, counted_axis, heading, is_applied, normal_unit
+from ..text.headers import KINDS, Heading, bare_name, counted_axis, heading_within, is_applied, normal_unit
 
 GROUPS = {
     "gyro": "gyro",
@@ -109,7 +109,7 @@ def find_column(described: Sequence[Described], key: str, path: str) -> int:
 def _from_header(column: Column, path: str, remarks: list[Remark]) -> Described:
     """Return what name and metadata say."""
     title = column.name if column.named else column.matrix
-    said = heading(title, column.unit) if title or column.unit else Heading()
+    said = heading_within(title, column.unit, column.matrix) if title or column.unit else Heading()
     if said.unknown:
         cause, do = REFUSED.get(said.unknown, ("", ""))
         what = f"{said.unknown!r} in the header of {column.name!r} is not a suitable unit: ignored"

@@ -58,10 +58,17 @@ def triad(recording: Recording) -> list[Channel]:
 
 
 def on_ground(recording: Recording) -> bool:
-    """Whether a triad of accelerometers whose unit is known feels gravity, or more."""
+    """Whether accelerometers whose unit is known feel gravity, or more: a single axis may not show it."""
     channels = triad(recording)
     in_g = [factor(one.unit or "", "g") for one in channels]
-    return len(channels) == len(AXES) and max(in_g) * median_norm(channels) >= FREE_FALL
+    return bool(channels) and max(in_g) * median_norm(channels) >= FREE_FALL
+
+
+def may_float(recording: Recording) -> bool:
+    """Whether accelerometers alone do not feel gravity, all of a known unit: nobody can tell of another."""
+    own = accelerometers(recording).values()
+    known = all(one.unit is not None and kind(one.unit) == "acceleration" for one in own)
+    return bool(own) and known and not gyros(recording) and not on_ground(recording)
 
 
 def is_still(recording: Recording) -> bool:

@@ -24,7 +24,7 @@ from ..reader import Reader
 from ..source import Loaded
 from ..text.layout import Decimal, kind
 from ..text.pieces import read_text
-from .topics import NO_NUMBERS, Topic, choose, library, other_topics, rank_of
+from .topics import NO_NUMBERS, Topic, choose, in_topic, library, other_topics, rank_of
 
 OLD = b"\xd0\xcf\x11\xe0"
 CELL = 100  # bytes of a cell in Python
@@ -67,7 +67,7 @@ def read_excel(loaded: Loaded, variables: Sequence[str] | None = None) -> Conten
         numbers = 0 if first is None else sum(_is_data(row, as_text) for row in rows)
         used = _used(rows[first:]) if first is not None else []
         names = [_cell(rows[_header(rows, first, used)][i]) for i in used] if first is not None else []
-        rank = NO_NUMBERS if numbers < HEADER_ROWS else rank_of((one, None) for one in names)
+        rank = NO_NUMBERS if numbers < HEADER_ROWS else rank_of(((one, None) for one in names), about.name)
         topics.append(Topic(about.name, hidden, numbers, rank))
         sheets[about.name] = rows, as_text
     chosen = choose(topics, variables, loaded.path)
@@ -79,7 +79,8 @@ def read_excel(loaded: Loaded, variables: Sequence[str] | None = None) -> Conten
     content = read_text(replace(loaded, data=text.encode(), packed=False), None, None if as_text else ".")
     what = "OpenDocument" if b"content.xml" in parts else "Excel"
     remarks = (*content.remarks, *_not_computed(loaded), *other_topics(topics, chosen, loaded.path))
-    return replace(content, format=f"{what}, sheet {topic.name!r}", remarks=remarks)
+    columns = in_topic(content.columns, topic.name)
+    return replace(content, columns=columns, format=f"{what}, sheet {topic.name!r}", remarks=remarks)
 
 
 def _is_data(row: Sequence[Cell], as_text: bool = False) -> bool:

@@ -23,7 +23,7 @@ from ..reader import Reader
 from ..source import Loaded, as_data_errors
 from ..text.headers import heading
 from ..text.layout import BLANKS, judge
-from .topics import INERTIAL, NO_NUMBERS, OTHER, Topic, choose, left_out, other_topics, torn
+from .topics import INERTIAL, NO_NUMBERS, OTHER, Topic, choose, in_topic, left_out, other_topics, torn
 
 PIECE = 2**20  # bytes that are looked at together
 BATCH = 2**12  # rows
@@ -96,7 +96,7 @@ def read_json_lines(loaded: Loaded, variables: Sequence[str] | None = None) -> C
         columns, rows = _columns(loaded, survey, chosen[0].name)
         gone = [name for name in survey.tables[chosen[0].name].left_out if name not in {one.name for one in columns}]
         remarks = (*survey.remarks, *left_out(gone, path), *other_topics(topics, chosen, path))
-        return Content(columns, "JSON lines", rows, None, remarks)
+        return Content(in_topic(columns, chosen[0].name), "JSON lines", rows, None, remarks)
 
 
 def _topic(name: str, table: _Table) -> Topic:

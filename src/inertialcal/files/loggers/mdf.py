@@ -22,7 +22,7 @@ from ..budget import PARTS, VALUE, check_count, claim_room
 from ..columns import Column, Content, LongColumns
 from ..reader import Reader
 from ..source import FileBytes, Loaded
-from .topics import NO_NUMBERS, Topic, choose, joined, left_out, library, other_topics, rank_of, torn, unique
+from .topics import NO_NUMBERS, Topic, choose, in_topic, joined, left_out, library, other_topics, rank_of, torn, unique
 
 MAGIC, UNFINISHED = b"MDF     ", b"UnFinMF "
 BATCH = 2**18  # rows
@@ -150,7 +150,7 @@ def _master(file: Any, number: int) -> int | None:
 def _topic(file: Any, number: int, name: str) -> Topic:
     group = file.groups[number]
     channels = [one for i, one in enumerate(group.channels) if i != _master(file, number)]
-    rank = rank_of((one.name, str(one.unit).strip() or None) for one in channels)
+    rank = rank_of(((one.name, str(one.unit).strip() or None) for one in channels), name)
     rows = int(group.channel_group.cycles_nr)
     return Topic(name, " ".join(one.name for one in channels[:6]), rows, rank if channels and rows > 1 else NO_NUMBERS)
 
@@ -181,7 +181,7 @@ def _columns(file: Any, number: int, topic: Topic, loaded: Loaded) -> Content:
         if any(len(one.values) != min(BATCH, rows - first) for one in columns):
             raise DataError(f"records of group {topic.name} are missing", where=loaded.path, code="damaged_file")
         long.add(columns)
-    return Content(long.columns(), "MDF", remarks=left_out(list(others), loaded.path))
+    return Content(in_topic(long.columns(), topic.name), "MDF", remarks=left_out(list(others), loaded.path))
 
 
 READER = Reader(

@@ -19,7 +19,7 @@ from ..reader import Reader
 from ..source import Loaded
 from ..text.layout import BLANKS, judge
 from .database import SQLITE, is_bag_2, missing_bytes, opened, whole_pages
-from .topics import NO_NUMBERS, Topic, choose, left_out, on_disk, other_topics, rank_of
+from .topics import NO_NUMBERS, Topic, choose, in_topic, left_out, on_disk, other_topics, rank_of
 
 if TYPE_CHECKING:
     from sqlite3 import Connection
@@ -56,7 +56,7 @@ def _content(connection: Connection, loaded: Loaded, variables: Sequence[str] | 
         query = f"SELECT * FROM {_quoted(name)} LIMIT 1"  # noqa: S608 - quoted
         first = connection.execute(query).fetchone() if rows else ()
         numbers = rows > 1 and any(isinstance(cell, int | float) for cell in first)
-        rank = rank_of((one, None) for one in columns) if numbers else NO_NUMBERS
+        rank = rank_of(((one, None) for one in columns), name) if numbers else NO_NUMBERS
         topics.append(Topic(name, " ".join(columns[:6]), rows, rank))
         columns_of[name] = columns
     beside = _not_taken_over(loaded.path)
@@ -66,7 +66,7 @@ def _content(connection: Connection, loaded: Loaded, variables: Sequence[str] | 
     if len(chosen) > 1:
         raise DataError("several tables", where=loaded.path, do="Read one at a time", code="several_clocks")
     (topic,) = chosen
-    taken = _columns(connection, topic, columns_of[topic.name], loaded)
+    taken = in_topic(_columns(connection, topic, columns_of[topic.name], loaded), topic.name)
     made = {one.name for one in taken}
     remarks = left_out([name for name in columns_of[topic.name] if name not in made], loaded.path)
     missing = missing_bytes(loaded.data)

@@ -6,6 +6,7 @@ The time of a channel is that of its waveform: start and increment. A start that
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -76,12 +77,13 @@ def read_tdms(loaded: Loaded, variables: Sequence[str] | None = None) -> Content
             *_torn(file, loaded),
             *other_topics(topics, chosen, loaded.path),
         )
-        return Content((*clock, *long.columns()), "TDMS", None, rate, remarks)
+        columns = [replace(column, matrix=one.group_name) for column, one in zip(long.columns(), taken, strict=True)]
+        return Content((*clock, *columns), "TDMS", None, rate, remarks)
 
 
 def _topic(name: str, channels: Sequence[Any]) -> Topic:
     rows = min(map(len, channels))
-    rank = rank_of((one.name, _unit(one.properties)) for one in channels)
+    rank = rank_of(((one.name, _unit(one.properties)) for one in channels), name)
     return Topic(name, " ".join(one.name for one in channels[:6]), rows, rank if rows > 1 else NO_NUMBERS)
 
 

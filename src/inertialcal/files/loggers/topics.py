@@ -12,7 +12,7 @@ import shlex
 import tempfile
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
 
@@ -24,7 +24,7 @@ from ...core.remarks import Remark
 from ..budget import PARTS, check_count
 from ..columns import Column, Content
 from ..source import FileBytes, Loaded
-from ..text.headers import SENSOR_WORDS, heading
+from ..text.headers import SENSOR_WORDS, heading_within
 
 INERTIAL, OTHER, NO_NUMBERS = 2, 1, 0  # ranks
 LISTED, NAMED = 12, 5  # topics that a refusal lists, and a remark names
@@ -46,10 +46,18 @@ class Topic:
         return f"{self.name} ({known})" if known else self.name
 
 
-def rank_of(columns: Iterable[tuple[str, str | None]]) -> int:
-    """Return the rank of columns by name and unit: `INERTIAL`, if one is an axis of a gyro or an accelerometer."""
-    said = [heading(name, unit) for name, unit in columns]
+def rank_of(columns: Iterable[tuple[str, str | None]], topic: str = "") -> int:
+    """Return the rank of columns by name and unit: `INERTIAL`, if one is an axis of a gyro or an accelerometer.
+
+    An axis that does not say of which sensor it is, is of the one that its topic is called after, as in `in_topic`.
+    """
+    said = [heading_within(name, unit, topic) for name, unit in columns]
     return INERTIAL if any(one.axis and one.quantity in SENSOR_WORDS for one in said) else OTHER
+
+
+def in_topic(columns: Iterable[Column], topic: str) -> tuple[Column, ...]:
+    """Return the columns of a topic whose name says what theirs do not: ``x`` of a table ``gyroscope``."""
+    return tuple(replace(one, matrix=topic) if one.named else one for one in columns)
 
 
 def choose(topics: Sequence[Topic], wanted: Sequence[str] | None, path: str) -> list[Topic]:

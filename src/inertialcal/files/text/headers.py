@@ -221,6 +221,15 @@ def heading(name: str, unit: str | None = None) -> Heading:
     return Heading(known, axis, quantity, unknown)
 
 
+def heading_within(name: str, unit: str | None, group: str) -> Heading:
+    """Return what the name of a column says; of an axis alone, of which sensor it is, by the group it is in."""
+    said = heading(name, unit)
+    if not said.axis or said.quantity or not group:
+        return said
+    within = heading(f"{group} {name}", unit)
+    return Heading(within.unit, said.axis, within.quantity, within.unknown) if within.quantity in SENSOR_WORDS else said
+
+
 def _plain(name: str) -> str:
     """Return a name without the marks of its letters: ``Température`` as ``Temperature``."""
     return name if name.isascii() else "".join(c for c in unicodedata.normalize("NFD", name) if not combining(c))

@@ -14,7 +14,7 @@ from ...core.recording import Recording
 from ...core.remarks import Remark
 from ...core.units import kind
 from ...files import read
-from ...files.info.motion import accelerometers, gyros, on_ground
+from ...files.info.motion import accelerometers, gyros, may_float, on_ground
 from ...files.info.survey import Survey
 from ...files.text.table import Table
 from ..archived import Entry, Made, in_orbit, is_turned
@@ -50,7 +50,8 @@ def claims(file: FolderFile) -> Claim | None:
         means = means_of_table(file.table)
         return None if means is None else Claim(Strength.SURE, lambda: (means, ()))
     alone = accelerometers(recording) and not gyros(recording) and not on_ground(recording)
-    return Claim(Strength.POSSIBLE, lambda: head_entry(recording)) if alone else None
+    may = may_float(recording) or (alone and is_turned(recording))
+    return Claim(Strength.POSSIBLE, lambda: head_entry(recording)) if may else None
 
 
 def means_of_table(table: Table) -> Entry | None:

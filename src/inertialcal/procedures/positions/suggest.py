@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from ...core.batches import extremes
 from ...core.campaign_text import Noted
 from ...core.key import AXES
-from ...core.recording import Recording
+from ...core.recording import Channel, Recording
 from ...core.units import factor, kind
 from ...files.info.motion import accelerometers, gyros, is_laid, triad
 from ...files.info.survey import Survey
@@ -44,11 +44,12 @@ def suggests(recording: Recording, survey: Survey) -> Suggestion | None:
 
 
 def claims(file: FolderFile) -> Claim | None:
-    """Claim a recording in many orientations that says no rate that was applied."""
+    """Claim a recording in many orientations that says no rate that was applied, and gyros recorded beside it."""
     recording = file.recording
-    if recording is None or file.columns.applied or not is_laid(recording):
+    if recording is None or file.columns.applied:
         return None
-    return Claim(Strength.LIKELY, lambda: (recording, ()))
+    laid = is_laid(recording) or (bool(gyros(recording)) and any(map(is_laid, file.beside)))
+    return Claim(Strength.LIKELY, lambda: (recording, ())) if laid else None
 
 
 def asks(contents: Mapping[str, object]) -> list[Question]:
@@ -60,23 +61,28 @@ def asks(contents: Mapping[str, object]) -> list[Question]:
 def draft(contents: Mapping[str, object]) -> Draft:
     """Return sensors, recordings and tests of a unit that was laid by hand, by file."""
     recordings = {file: one for file, one in contents.items() if isinstance(one, Recording)}
-    channels = {
-        sensor: {file: accelerometers(one) if sensor == "acc" else gyros(one) for file, one in recordings.items()}
-        for sensor in SENSORS
-    }
-    have = [sensor for sensor, by_file in channels.items() if all(len(own) == 3 for own in by_file.values())]
+    channels: dict[str, dict[str, dict[str, Channel]]] = {sensor: {} for sensor in SENSORS}
+    together: dict[str, list[str]] = {}  # of one file: gyros and accelerometers may be apart in it
+    for file, one in recordings.items():
+        together.setdefault(one.source.path or file, []).append(file)
+        for sensor, own in (("acc", accelerometers(one)), ("gyro", gyros(one))):
+            channels[sensor] |= {file: own} if len(own) == len(AXES) else {}
+    have = [sensor for sensor, own in channels.items() if all(any(file in own for file in one)
+                                                              for one in together.values())]  # fmt: skip
     sensors = {}
     for sensor in have:
         word, quantity = SENSORS[sensor]
-        own = [c.unit for by_axis in channels[sensor].values() for c in by_axis.values()]
-        units = [unit for unit in own if unit and kind(unit) == quantity]
+        said = [c.unit for by_axis in channels[sensor].values() for c in by_axis.values()]
+        units = [unit for unit in said if unit and kind(unit) == quantity]
         chain = {"kind": "adc", "lsb": "...", "counts": [0, 65535], "scale_factor": "..."}
         sensors[sensor] = sensor_table(word, units) | {"chain": Noted(chain, example=True)}
-    numbered = dict(enumerate(recordings.items(), 1))
+    numbered = dict(enumerate(together.values(), 1))
     entries = {
-        f"{sensor}_hand{number}": recording_table(sensor, file, one, channel_tables(channels[sensor][file]))
-        for number, (file, one) in numbered.items()
+        f"{sensor}_hand{number}": recording_table(sensor, file, recordings[file], channel_tables(own))
+        for number, files in numbered.items()
         for sensor in have
+        for file, own in channels[sensor].items()
+        if file in files
     }
     numbers = list(numbered)
     held = numbers[-1:] if len(numbers) > 1 else []  # of several recordings the last is held out

@@ -19,6 +19,7 @@ from ...core.key import AXES
 from ...core.recording import Recording
 from ...core.remarks import Remark
 from ...core.units import convert, kind, normalise
+from ...files import read_table
 from ...files.info.describe import overridden
 from ...files.info.table_columns import Guess, guess, guess_channels
 from ...files.text.headers import bare_name, full_name
@@ -41,6 +42,7 @@ from ..given import (
 from .recordings import APPLIED
 
 SAMPLES_A_STEP = 3.0  # fewer samples between changes of the table's rate: not a recording of steps
+SHORTEST_DWELL, MOST_DWELLS = 2.0, 500  # [s]; rows: what is sampled faster, and is longer, is no table of dwells
 FOLLOWS = 0.9  # correlation with the table above which an axis is named as the one that follows
 
 
@@ -57,8 +59,12 @@ def described(given: GivenFile) -> Described:
     given = _with_columns(given)
     applied = _full(given, given.own.get("applied")) or names.applied
     of_rows = any(given.own.get(name) for name in ("scatter", "run", "group"))
-    if not given.has_rows or (not of_rows and applied is not None and _is_stepped(given.recording, applied)):
-        return _recorded(given, applied or APPLIED)
+    if given.own.get("schedule"):
+        return _recorded(given, None)
+    if not given.has_rows or (not of_rows and _is_recording(given.recording, applied)):
+        if applied not in given.recording.names:
+            raise _no_rate(given)
+        return _recorded(given, applied)
     return _table(given, names)
 
 
@@ -77,9 +83,16 @@ def _full(given: GivenFile, name: str | None) -> str | None:
     return None if name is None else full_name(names, name) or name
 
 
-def _is_stepped(recording: Recording, applied: str) -> bool:
-    """Tell whether a file is a recording on a clock whose table rate goes in steps, not a row a dwell."""
-    if recording.sample_interval is None or applied not in recording.names:
+def _is_recording(recording: Recording, applied: str | None) -> bool:
+    """Tell whether a file is a recording on a clock whose table rate goes in steps, not a row a dwell.
+
+    Where no column says the rate of the table, by how often it was sampled.
+    """
+    if recording.sample_interval is None:
+        return False
+    if applied is None:
+        return recording.sample_interval < SHORTEST_DWELL and len(recording) > MOST_DWELLS
+    if applied not in recording.names:
         return False
     return goes_in_steps(np.asarray(recording.channel(applied).data, dtype=float))
 
@@ -209,40 +222,79 @@ def _reading(said: Mapping[str, str] | None, names: Guess) -> str | dict[str, st
     return names.readings[0] if len(names.readings) == 1 or (names.by_axis and names.readings) else None
 
 
-def _recorded(given: GivenFile, applied: str) -> Described:
-    """Return a recording of a stepped table."""
+def _no_rate(given: GivenFile) -> UsageError:
+    """Return the error of a recording of which no column says the rate of the table."""
+    others = [one for one in given.recording.channels if one.quantity in ("", "gyro") and not one.axis]
+    may_be = any(kind(one.unit or "deg/s") == "angular_rate" for one in others)
+    what = f"{given.name}: no column says the rate of the table; it has {', '.join(given.recording.names)}"
+    axis = [] if given.plan.get("axis") else [given.add("axis", "AXIS")]
+    dwells = " ".join([given.add("schedule", "DWELLS.csv"), *axis])
+    do = f"Add: {dwells} (a row a dwell: start, stop, rate [UNIT], on its clock)"
+    do += f". If one of its columns says it: {given.add('applied', 'COLUMN')}" if may_be else ""
+    return UsageError(what, "", "each dwell has a rate that is known", do, "no_column")
+
+
+def _scheduled(given: GivenFile) -> dict[str, Any]:
+    """Return the columns of the schedule that was given.
+
+    Raises
+    ------
+    UsageError
+        ``no_column`` or ``no_unit`` where it does not say start, stop, rate and the unit of the rate.
+    """
+    file = str(given.own["schedule"])
+    table = read_table(file)
+    named = {what: next((one for one in table.names if bare_name(one).lower() == what), None)
+             for what in ("start", "stop", "rate", "recording")}  # fmt: skip
+    rate = named["rate"]
+    if missing := [what for what in ("start", "stop", "rate") if named[what] is None]:
+        what = f"{file}: no column {', '.join(missing)}; it has {', '.join(table.names)}"
+        raise UsageError(what, do="A row a dwell: start, stop, rate [deg/s]", code="no_column")
+    unit = table.unit(rate or "")
+    if unit is None or kind(unit) != "angular_rate":
+        do = "Write the unit into its header: rate [deg/s]"
+        raise UsageError(f"{file}: column {rate!r} without a unit of angular rate", do=do, code="no_unit")
+    several = named["recording"] is not None and len(set(table.text(named["recording"]))) > 1
+    found = {what: name for what, name in named.items() if name is not None and (what != "recording" or several)}
+    return {"file": file, **found, "unit": unit}
+
+
+def _recorded(given: GivenFile, applied: str | None) -> Described:
+    """Return a recording of a stepped table, whose rate is a column of it, or stands in a schedule."""
     recording, axis = given.recording, given.plan.get("axis")
-    if applied not in recording.names:
-        what = f"cannot tell which column is the applied rate; it has {', '.join(recording.names)}"
-        raise _missing(given, [(what, given.add("applied", "COLUMN"), "no_column")])
+    schedule = {} if applied is not None else {"schedule": _scheduled(given)}
     by_axis = _channels(given, applied)
     if not by_axis:
         what = f"{given.name}: cannot tell which column is which axis of the gyro; it has {', '.join(recording.names)}"
         raise UsageError(what, do=f"Add: {given.add('reading', 'x=COLUMN')}", code="no_column")
     unit = bare(given.said.units)
-    own = {name: recording.channel(name).unit for name in (applied, *by_axis.values())}
+    rates = {} if applied is None else {APPLIED: applied}
+    own = {name: recording.channel(name).unit for name in (*rates.values(), *by_axis.values())}
     own = {name: unit if one is None else one for name, one in own.items()}
     chain = chain_of_units(given, chain_said(given, "gyro"), [own[name] for name in by_axis.values()])
     raw = raw_units(chain)
     own |= {name: "count" for name in by_axis.values() if own[name] is None and "count" in raw}
-    wanted = {applied: ("angular_rate",)} | dict.fromkeys(by_axis.values(), raw or ("angular_rate",))
+    wanted = dict.fromkeys(rates.values(), ("angular_rate",)) | dict.fromkeys(
+        by_axis.values(), raw or ("angular_rate",)
+    )
     if bad := [name for name, one in own.items() if one is None or kind(one) not in wanted[name]]:
         raise _without_rate(given, own, bad)
     turned = axis or (next(iter(by_axis)) if len(by_axis) == 1 else None)
     if turned is None:
-        found = following_axis(recording, applied, by_axis)
+        found = "" if applied is None else following_axis(recording, applied, by_axis)
         hint = f"; {applied!r} is followed by {found}" if found else ""
         do = f"Add: {given.add('axis', found or 'AXIS')}"
         raise UsageError(f"{given.name}: axis not given{hint}", do=do, code="no_axis")
     units = {name: str(one) for name, one in own.items()}
     references = reference_columns(given, chain, [*by_axis], named_columns(recording, given.said.columns))
     units |= {name: recording.channel(name).unit or "count" for name in references.values()}
-    columns = {APPLIED: applied, **by_axis, **references}
+    columns = {**rates, **by_axis, **references}
     channels = {what: {"column": name, "unit": normalise(units[name])} for what, name in columns.items()}
     spoken = spoken_unit("gyro", chain) if raw else units[next(iter(by_axis.values()))]
     sensor = sensor_said(given, "gyro", [*by_axis], normalise(spoken), chain)
     remarks = chain_remarks(given, chain, [units[name] for name in by_axis.values()])
-    return Described({"channels": channels, "axis": turned}, sensor, columns | {"axis": turned}, remarks=remarks)
+    entry = {"channels": channels, "axis": turned} | schedule
+    return Described(entry, sensor, columns | {"axis": turned}, remarks=remarks)
 
 
 def _without_rate(given: GivenFile, units: Mapping[str, str | None], bad: Sequence[str]) -> UsageError:
@@ -259,7 +311,7 @@ def _without_rate(given: GivenFile, units: Mapping[str, str | None], bad: Sequen
     return UsageError(what, "", why, ". ".join(do), "no_unit")
 
 
-def _channels(given: GivenFile, applied: str) -> dict[str, str]:
+def _channels(given: GivenFile, applied: str | None) -> dict[str, str]:
     """Return the gyro's channels by axis, as said or by their names."""
     said: Mapping[str, str] = given.own.get("reading") or {
         axis: one for axis, one in given.said.columns.items() if axis in AXES

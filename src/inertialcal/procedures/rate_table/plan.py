@@ -83,6 +83,10 @@ class Columns:
     """Which column of a file is what, where its name does not say it."""
 
     applied: str | None = setting("Column with the rate of the table.", None, example="rate_dps")
+    schedule: str | None = setting(
+        "Table of the dwells of a recording without that column: a row each, start, stop and rate [UNIT].", None,
+        example="dwells.csv",
+    )  # fmt: skip
     reading: Mapping[str, str] = setting("Column with the reading, or AXIS=COLUMN.", dict[str, str], example="x=x_dps")
     scatter: str | None = setting("Column with the scatter within the dwell.", None, example="std_dps")
     run: str | None = setting("Column with the power-up run.", None, example="run_id")

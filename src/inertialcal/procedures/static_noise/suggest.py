@@ -10,7 +10,7 @@ from ...core.campaign_text import Noted
 from ...core.recording import Channel, Recording
 from ...core.units import kind
 from ...files.info.channel_survey import unit_hints
-from ...files.info.motion import SHORT, accelerometers, any_accelerometers, gyros, on_ground
+from ...files.info.motion import SHORT, any_accelerometers, gyros, may_float
 from ...files.info.survey import Survey
 from ..suggestions import Claim, Draft, FolderFile, Strength, Suggestion, channel_tables, recording_table, sensor_table
 
@@ -38,7 +38,7 @@ def claims(file: FolderFile) -> Claim | None:
     recording = file.recording
     if recording is None:
         return None
-    own = not file.columns.applied if gyros(recording) else on_ground(recording) or not accelerometers(recording)
+    own = not file.columns.applied if gyros(recording) else not may_float(recording)
     return Claim(Strength.POSSIBLE, lambda: (recording, ())) if own and file.at_rest else None
 
 
