@@ -667,6 +667,12 @@ MASSES = (
         "scale_factor x 101.97",
     ),
     Case(
+        'A model holds the error of a nominal scale factor: --scale-factor "NUMBER UNIT"',
+        "mass-attraction moved_volts.csv --schedule moved_schedule.csv --stamp end --averaging '10 s' -o moved.json",
+        "+ --scale-factor '1000 V/g'",
+        "scale_factor x 101.97",
+    ),
+    Case(
         'Add: --gate "GATE s"',
         "mass-attraction rig_mesa/recordings/run1.csv rig_mesa/recordings/run2.csv --column x=pulses --schedule rig_mesa/schedule.csv",
         "+ --gate '100 s'",

@@ -834,6 +834,10 @@ class Procedure(Generic[P, R, S]):
         """Return the terms of the model that a (joint) result of tests gives; None where there are none."""
         return None
 
+    def without_model(self, plan: P) -> str:
+        """Return what a test lacks whose figures are none of a model's; empty where each says why it is not there."""
+        return ""
+
     def check_alike(self, tests: Sequence[Tested[P, R, S]]) -> None:
         """Refuse tests of one model, fitted or held out, whose terms mean different things.
 

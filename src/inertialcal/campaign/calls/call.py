@@ -253,7 +253,8 @@ class Reduced:
             why = "no model is made of recordings that disagree"
             raise DataError([replace(one.problem, why=why) for one in self.errors])
         if not models:
-            do = "Look at the result alone: it says why each figure was not estimated"
+            do = procedure_of(self.procedure).without_model(self.plan)
+            do = do or "Look at the result alone: it says why each figure was not estimated"
             raise DataError("no figure that a model takes was estimated", target, do=do, code="no_model")
         return models
 

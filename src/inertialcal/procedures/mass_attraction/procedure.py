@@ -138,6 +138,10 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
 
         return model_terms(result, tests)
 
+    def without_model(self, plan: Plan) -> str:
+        """Return how to say the scale factor whose error a model holds."""
+        return "" if plan.nominal else 'A model holds the error of a nominal scale factor: --scale-factor "NUMBER UNIT"'
+
     def finding(self, rows: Sequence[WrittenRow]) -> Sentence:
         """Return the scale factor, its difference from that at high g, and the largest null response as a sentence."""
         from ...core.results import case_of

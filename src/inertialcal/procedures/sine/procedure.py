@@ -118,6 +118,10 @@ class Sine(Procedure[Plan, "Readings", "Result"]):
 
         return model_terms(result, tests)
 
+    def without_model(self, plan: Plan) -> str:
+        """Return what a scale factor takes."""
+        return "" if plan.period is None else "A model needs what was applied: a schedule that says it in each dwell"
+
     def truths(self, result: Result) -> Sequence[Row]:
         """Return the rows: there is no joint estimate."""
         return result.rows()
