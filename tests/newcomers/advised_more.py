@@ -111,6 +111,12 @@ COMPENSATED = (
         "angle_random_walk x 243.1",
     ),
     Case(
+        "--topic {}",
+        "init two_gyros",
+        "+ --topic 'back gyro'",
+        "done",
+    ),
+    Case(
         "To read another: --topic NAME",
         "info drive.db3",
         "+ --topic /temperature",

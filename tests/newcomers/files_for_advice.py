@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sqlite3
 from functools import partial
 from pathlib import Path
 
@@ -243,8 +244,15 @@ def _waves() -> dict[str, str]:
 
 
 def _binary(folder: Path, log: Log) -> None:
-    """Write a MAT file with two clocks."""
+    """Write a MAT file with two clocks, and a database of two gyros at a time."""
     from scipy.io import savemat
 
     t = log.time
+    (folder / "two_gyros").mkdir()
+    with sqlite3.connect(folder / "two_gyros" / "imu.db") as connection:
+        for name in ("front gyro", "back gyro"):
+            connection.execute(f'CREATE TABLE "{name}" ("t_s" REAL, "x_dps" REAL)')
+            rows = zip(map(float, t[:2000]), map(float, log.readings["x"][:2000]), strict=True)
+            connection.executemany(f'INSERT INTO "{name}" VALUES (?, ?)', rows)
+    connection.close()
     savemat(folder / "other_clock.mat", {"time": t, "gyro": log.readings["x"], "slow": t[:100]})

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
-from ..core.errors import UsageError
+from ..core.errors import DataError, UsageError
 from ..core.key import AXES, Kind
 from ..core.settings import setting
 from ..core.units import divide, kind, normalise, parse_quantity, same_dimension
@@ -356,11 +356,20 @@ def chain_said(given: GivenFile, sensor: Kind | None = None) -> dict[str, Any]:
         "reference": _of_sensor(said.reference, sensor), "gain": _of_sensor(said.gain, sensor),
     }  # fmt: skip
     own = {name: value for name, value in own.items() if value not in (None, "")}
-    if isinstance(own.get("reference"), Mapping):  # of each axis its own
+    reference = own.get("reference")
+    if isinstance(reference, Mapping) or _in_counts(reference):  # of each axis its own, or of a sensor without volts
         own["zero"] = own.pop("reference")
     if not chain and not own:
         return {}
     return {"kind": "adc" if "lsb" in chain | own else "output"} | chain | own
+
+
+def _in_counts(text: object) -> bool:
+    """Whether a quantity is in counts."""
+    try:
+        return kind(parse_quantity(str(text)).unit) == "count"
+    except DataError:  # said where it is read
+        return False
 
 
 def chain_of_units(

@@ -50,3 +50,16 @@ def test_a_unit_that_cannot_be_is_named_with_one_that_can(capsys: pytest.Capture
     status, _, error = reduced(capsys, counts, "4.15 V/(m/s^2)")
     assert status == 2
     assert "Give a unit like count/(m/s^2)" in error
+
+
+def test_its_model_takes_the_counts_that_it_was_made_of(
+    capsys: pytest.CaptureFixture[str], counts: str, tmp_path: Path
+) -> None:
+    model, out = str(tmp_path / "model.json"), tmp_path / "out.csv"
+    assert reduced(capsys, counts, "415 count/(m/s^2)", "--acc-zero", "32768", "-o", model)[0] == 0
+    with pytest.raises(SystemExit) as left:
+        main(["compensate", model, counts, "--unit", "acc=count", "-o", str(out), "-q"])
+    assert left.value.code == 0
+    still = np.genfromtxt(out, delimiter=",", names=True)
+    first = np.array([still[name][:300].mean() for name in (still.dtype.names or ())[1:4]])
+    assert np.linalg.norm(first) == pytest.approx(9.81, abs=0.01)

@@ -45,7 +45,7 @@ def build_chain(sensor: Sensor, axes: tuple[str, ...] | None = None) -> Chain:
         input_unit="count" if given.kind == "adc" else output,
         scale_factor=scale_factors(sensor, axes),
         reference=given.reference if given.reference is not None else 0.0,
-        zero=_zeros(given, axes),
+        zero=_zeros(given, axes, output),
         gain=gains(given.gain, axes),
         zero_at=_zeros_by_gain(given, axes),
         thermometer=None
@@ -182,17 +182,17 @@ def _quantity(text: str, unit: str) -> float:
     return float(parse_quantity(str(text)).to(unit))
 
 
-def _zeros(given: Chain_, axes: tuple[str, ...]) -> Array:
-    """Return the zero of each axis at its gain [V]: that of its gain, else that of the chain."""
-    found = np.array(np.broadcast_to(_own_zeros(given, axes), len(axes)))
+def _zeros(given: Chain_, axes: tuple[str, ...], unit: str) -> Array:
+    """Return the zero of each axis at its gain [unit of the output]: that of its gain, else that of the chain."""
+    found = np.array(np.broadcast_to(_own_zeros(given, axes, unit), len(axes)))
     stated = np.broadcast_to(gains(given.gain, axes), len(axes))
     for gain, zeros in (_zeros_by_gain(given, axes) or {}).items():
         found = np.where(stated == gain, zeros, found)
     return found
 
 
-def _own_zeros(given: Chain_, axes: tuple[str, ...]) -> Array | float:
-    return 0.0 if given.zero is None else per_axis(given.zero, "V", axes)
+def _own_zeros(given: Chain_, axes: tuple[str, ...], unit: str = "V") -> Array | float:
+    return 0.0 if given.zero is None else per_axis(given.zero, unit, axes)
 
 
 def _zeros_by_gain(given: Chain_, axes: tuple[str, ...]) -> dict[float, Array] | None:

@@ -18,6 +18,7 @@ from ...core.errors import InertialcalError, PlanError
 from ...core.estimate import Estimate
 from ...core.influence import Occasion, influence_of
 from ...core.remarks import Remark
+from ...core.units import kind
 from ...files.models.model_json import dump_models
 from ...procedures import procedure_names, procedure_of
 from ...procedures.model_terms import HeldOut, ModelTerms, TermKind, joined_terms, kind_of
@@ -283,7 +284,7 @@ def _model(campaign: Campaign, sensor: Sensor, condition: str, parts: Sequence[P
                    if any(kind_of(key) == "scale_factor" for key in part.terms.parameters))  # fmt: skip
     axes = tuple(axis for axis in sensor.axes if axis in (scaled or terms.axes)) or terms.axes
     keys = tuple(key for key in terms.parameters if key.quantity == "g_sensitivity" or set(key.axis) <= {*axes})
-    counted = output_unit(sensor) != "V"
+    counted = output_unit(sensor) != "V" or kind(sensor.unit) == "count"  # of a chain, or readings that stay so
     volts = None if counted or sensor.mounting is not None else body_scale_factors(sensor)
     item, own = campaign.file.item, campaign.file.conditions.get(condition, Condition())
     estimate = terms.estimate.select(keys)

@@ -299,7 +299,7 @@ def _not_taken(parts: Sequence[_Read]) -> Remark:
     if first.timed and first.recording is not None and (moving := accelerometers(first.recording)):
         names = ", ".join(one.name for one in moving.values())
         what = f"accelerometers that move ({names}), as in no test that shows by itself"
-        do = "Cut out the part that is a test, or give the file to its command: positions, sine, vibration"
+        do = "Cut out the part that is a test, or give the file to the command of that test"
         return Remark("not_taken", "info", what, first.part.file, do=do)
     names = ", ".join(first.table.names[:LISTED]) + (", ..." if len(first.table.names) > LISTED else "")
     what = f"No rate and reading columns, and no gyro or accelerometer channels with time (columns: {names})"

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...core.batches.summaries import median_made, moments
 from ...core.estimate import Array
+from ...core.key import AXES
 from ...core.recording import Channel, Recording, Times
 from ...core.remarks import Remark, Severity
 from ...core.results import finite
@@ -212,6 +213,11 @@ def unit_hints(recording: Recording, surveys: Sequence[ChannelSurvey] | None = N
         if members:
             hints.append(_group_hint(group, [recording.channels[i] for i in members], [survey(i) for i in members]))
     hints += _in_g(recording.channels)
+    for group, unit in (("gyro", "rad/s"), ("acc", "m/s^2")):  # raw codes under the unit of a message
+        stated = [i for i, one in enumerate(recording.channels)
+                  if (one.quantity, one.unit, one.unit_from) == (group, unit, "header") and one.axis]  # fmt: skip
+        if len(stated) == len(AXES) and (codes := _counts(group, [survey(i) for i in stated])) is not None:
+            hints.append(codes)
     for i in unsaid:
         channel = recording.channels[i]
         if channel.quantity == "" and (channel.axis or UNNAMED.fullmatch(channel.name)):
