@@ -164,12 +164,12 @@ def _turned(log: Log, texts: dict[str, str]) -> dict[str, str]:
     measured = [f"{raw},v_ref", *(f"{row},{2047 + i % 2}" for i, row in enumerate(rows))]  # 2.5 V, to a half count
     head = next(one for one in plain.splitlines()[0].split(",") if one.startswith("table_rate"))
     at = plain.splitlines()[0].split(",").index(head)
-    steps = [0, 20, 40, 60, 80, 0, -20, -40, -60, -80, 0]  # deg/s, 20 s each
+    steps = [0, 20, 40, 60, 80, 0, -20, -40, -60, -80, 0]  # deg/s, 5 s each
     return {
         "turned_bared.csv": "\n".join(",".join(cell for i, cell in enumerate(row.split(",")) if i != at)
                                       for row in plain.splitlines()) + "\n",
         "turned_stage.csv": _head(plain, (head, "stage [deg/s]")),
-        "dwells_at.csv": "\n".join(["start,stop,rate [deg/s]", *(f"{20 * k},{20 * k + 20},{rate}"
+        "dwells_at.csv": "\n".join(["start,stop,rate [deg/s]", *(f"{5 * k},{5 * k + 5},{rate}"
                                                                  for k, rate in enumerate(steps))]) + "\n",
         "turned_ref.csv": "\n".join(measured) + "\n",
         "turned_bare.csv": _head(plain, *bare),
