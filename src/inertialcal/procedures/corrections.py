@@ -242,9 +242,13 @@ class MatrixCorrection:
         for test, estimate in zip(self.tests, self.estimates, strict=True):
             stop = start + len(estimate.keys)
             for one in found_by(estimate, test).components:
-                assert one.changes is not None  # noqa: S101 - as made by found_by
-                law, dof = np.zeros((len(one.changes), m)), np.full(3, np.inf)
-                law[:, start:stop] = one.changes
+                if not np.any(one.u):
+                    continue
+                own, covariance = one.changes, one.covariance
+                if own is None or one.term:  # changes by a term are those of a unit of it
+                    own = factor(covariance)
+                law, dof = np.zeros((len(own), m)), np.full(3, np.inf)
+                law[:, start:stop] = own
                 for key, free in zip(estimate.keys, np.broadcast_to(one.dof, len(estimate.keys)), strict=True):
                     i = AXES.index(key.axis[0])
                     dof[i] = min(dof[i], float(free))

@@ -151,3 +151,17 @@ def test_tests_of_one_axis_each_are_one_matrix() -> None:
     assert other.estimate.u == pytest.approx(one.estimate.u, rel=1e-6)
     with pytest.raises(DataError, match="both found scale_factor_error_x"):
         matrix_of([parts[0], parts[0]])
+
+
+def test_a_curvature_that_a_rate_table_leaves_open_counts_by_its_size() -> None:
+    """Its changes are for one unit of the curvature, of which it may have none."""
+    change = np.array([[3.0] + [0.0] * 8])
+    parts = tuple(
+        Component(f"curvature of {size}", "B", size**2 * change.T @ change, stated=(size, "s/rad"), changes=change,
+                  term="second_order_x")
+        for size in (0.0, 1e-3)
+    )  # fmt: skip
+    correction = MatrixCorrection(("table",), (Estimate(SCALES + PAIRS, np.zeros(9), ("1",) * 9, parts),))
+    _, (unknowns,) = correction.apply([("one", recording(recorded(np.random.default_rng(1), 400.0, 2.0)))])
+    (law,) = [one.law for one in unknowns.values()]
+    assert np.abs(law) == pytest.approx(1e-3 * change)
