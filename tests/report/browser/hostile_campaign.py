@@ -34,6 +34,8 @@ NOT_FREE = {"Requirement.where"}
 # Texts that stand in place of others: a model in a file, instead of `ground`; stated conditions, instead of those that
 # tests name freely.
 INSTEAD = {"Chain.model", "Condition.text"}
+# And positions of a head by a table, instead of a list.
+INSTEAD |= {f"Dwells.{name}" for name in ("file", "start", "stop", "angle", "dwell", "flip")}
 FILES = {
     "RecordingEntry.file": ".parquet",
     "RecordingEntry.sections": ".json",
@@ -122,6 +124,7 @@ def document() -> dict[str, Any]:
                 "sensor": "head",
                 "channels": {axis: {"unit": "count"} for axis in AXES},
                 "clock": {},
+                "dwells": {},
                 "positions": [
                     {"start": i * STOOD, "stop": (i + 1) * STOOD, "angle": angle} for i, angle in enumerate(ANGLES)
                 ],
@@ -283,7 +286,7 @@ def filled(give: Give) -> dict[str, Any]:
     made["tests"][0]["groups"] = [one.strip(" \t") for one in made["tests"][0]["groups"]]  # as cells are
     made["requirements"][0]["condition"] = made["tests"][0]["condition"]
     del made["requirements"][2]["condition"]  # R1 is about the first test, R2 about none, R3 about all
-    del made["conditions"]
+    del made["conditions"], made["recordings"]["turned"]["dwells"]
     stepped = give("RecordingEntry.conditions field").strip()
     made["recordings"]["stepped"]["conditions"] = {stepped: made["recordings"]["stepped"]["conditions"]["field"]}
     made["tests"][4]["plan"]["to"] = [stepped]
