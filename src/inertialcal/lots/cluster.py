@@ -46,14 +46,14 @@ class Cluster:
         try:
             self._client: Any = package.Client(scheduler, timeout=CONNECT, set_as_default=False)
         except (OSError, ValueError, ImportError, RuntimeError) as error:
-            do = "Start it with: dask scheduler; and workers with: dask worker ADDRESS --nthreads 1"
+            do = "Start it, and workers of one thread each"
             said = " ".join(str(error).split())[:160]
             raise StoreError(f"no scheduler answers: {said}", scheduler, do=do, code="no_scheduler") from None
         self._away = 0.0
         threads = self._threads()
         if not threads:
             self._client.close()
-            do = f"Start one: dask worker {scheduler} --nthreads 1"
+            do = "Start one, of one thread, for this scheduler"
             raise StoreError("the scheduler has no workers", scheduler, do=do, code="no_workers")
         self.size = AHEAD * threads
         self._executor: Any = self._client.get_executor(pure=False, retries=AHEAD)
@@ -97,7 +97,7 @@ class Cluster:
             raise self._gone("the scheduler does not answer any more", "no_scheduler")
 
     def _gone(self, what: str, code: str) -> StoreError:
-        do = "Start it again, then type the same with --resume: what is done stays done"
+        do = "Start it again, then resume: what is done stays done"
         return StoreError(what, self.address, do=do, code=code)
 
     def close(self) -> None:

@@ -191,10 +191,10 @@ def _begin(folder: Path, resume: bool) -> None:
     try:
         there = any(folder.iterdir()) if folder.exists() else False
         if there and not resume:
-            do = "Name a new folder, or add --resume to go on with the lot there"
+            do = "Name a new folder, or resume the lot there"
             raise UsageError(f"{folder} is not empty", do=do, code="not_empty")
         if there and not (folder / "ledger.sqlite").is_file():
-            do = "Name its folder, or a new one without --resume"
+            do = "Name the folder of the lot, or begin a new one"
             raise UsageError(f"{folder} holds no lot that could go on", do=do, code="not_empty")
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -306,7 +306,7 @@ class _Lot:
             from .cluster import Cluster  # noqa: PLC0415 - of an extra
 
             if workers is not None:
-                what, do = "--workers and --scheduler", "A cluster has its own workers: leave --workers out"
+                what, do = "workers and a scheduler", "A cluster has its own workers: leave their number out"
                 raise UsageError(f"{what}: one of them", do=do, code="wrong_value")
             return Cluster(scheduler)
         count = cores() if workers is None else workers

@@ -62,7 +62,7 @@ def publish_lot(
         new.mkdir()
         parts = [_part(new, lot, ledger, noted, first) for first in range(0, len(noted), PART)]
         content: dict[str, object] = {
-            "format": "inertialcal lot", "schema": 1, "id": lot.file.id, "title": lot.file.title,
+            "format": "inertialcal-lot", "schema": 1, "id": lot.file.id, "title": lot.file.title,
             "version": version_of_package(), "code": version,
             "template": {"id": lot.template.file.campaign.id, "sha256": lot.template.sha256},
             "units": {"columns": lot.units.names, "sha256": lot.units.sha256},
@@ -133,7 +133,9 @@ def read_units_of(folder: Path, content: Mapping[str, object]) -> dict[str, list
     for part in parts:
         path = folder / part["file"]
         if not path.is_file():
-            raise DataError("no such file", str(path), do="Type the same with --resume", code="missing_file")
+            raise DataError(
+                "no such file", str(path), do="Resume the lot: its files are written again", code="missing_file"
+            )
         names = [name for name in pq.read_schema(path).names if name in SHOWN or name not in OWN]
         found.append(pq.read_table(path, columns=names))
     return {str(name): column for name, column in pa.concat_tables(found).to_pydict().items()}

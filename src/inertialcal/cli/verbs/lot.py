@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -48,9 +47,7 @@ def lot(
     from ..shown.summary import remarks_part
 
     if output is None:
-        raise UsageError(
-            "lot needs a folder", do=f"Say: inertialcal lot {shlex.quote(str(lot))} -o OUT", code="missing_option"
-        )
+        raise UsageError("lot needs a folder", do="Name the folder after -o", code="missing_option")
     with progress(quiet or as_json) as tell:
         outcome = reduce_lot(lot, output, resume, workers, scheduler, archive, tell)
     found(outcome.exit_status)
