@@ -1,0 +1,1 @@
+"""Figures of many units: what the population scatters, stations, outliers, gauges, yields."""
