@@ -35,6 +35,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import special
 
 from ...core.errors import DataError
 from ...core.estimate import Array
@@ -76,6 +77,8 @@ class Gauge:
         Own uncertainty that the tests state, root mean square.
     ratio : Interval
         Repeatability over that, 95 %.
+    excess : float
+        Probability of so large a repeatability if what the tests state were right.
     """
 
     units: int
@@ -89,6 +92,7 @@ class Gauge:
     apart: bool
     stated: float
     ratio: Interval
+    excess: float
 
     @property
     def distinct(self) -> int:
@@ -101,13 +105,13 @@ class Gauge:
         return self.gauge.value / whole if whole else math.nan
 
 
-def gauge(values: Array, own: Array, units: NDArray[np.intp], stations: NDArray[np.intp]) -> Gauge:
+def gauge(values: Array, own: Array, dof: Array, units: NDArray[np.intp], stations: NDArray[np.intp]) -> Gauge:
     """Return what a test scatters, from units that were tested several times.
 
     Parameters
     ----------
-    values, own : ndarray, shape (n,)
-        Figures of tests, and the standard uncertainty of each that its repeat draws anew.
+    values, own, dof : ndarray, shape (n,)
+        Figures of tests, the standard uncertainty of each that its repeat draws anew, its degrees of freedom.
     units, stations : ndarray of int, shape (n,)
         Of each test; units that were tested once are left out.
 
@@ -184,3 +188,13 @@ def _ratio(size: Size, stated: float) -> Interval:
     if low is None or high is None or not stated:
         return Interval(None, None, P)
     return Interval(low / stated, high / stated, P)
+
+
+def _excess(square: float, free: int, own: Array, dof: Array) -> float:
+    """Return the probability of so large a variance of repeats, the stated ones known by their degrees of freedom."""
+    stated = float(np.mean(own**2))
+    if not stated:
+        return 0.0
+    spread = float(np.sum(own**4 / dof)) / own.size**2
+    known = min(stated**2 / spread, 1e9) if spread else 1e9
+    return float(special.fdtrc(free, known, square / stated))

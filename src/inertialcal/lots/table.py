@@ -1,0 +1,269 @@
+"""Figures of a lot as arrays: a row a test of a unit, a column a figure; read from ``units/part-*.parquet``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from ..core.errors import DataError
+from ..core.estimate import Array
+from ..core.key import Method
+from ..core.show.rows import quantity_name
+
+IDENTITY = ("test", "quantity", "axis", "sensor", "power", "at_what", "at", "at_unit", "condition", "unit")
+LIMIT = ("requirement", "test", "quantity", "axis", "sensor", "at", "unit")
+ASSEMBLED = "model"  # test of figures that stand in another test already
+JUDGED = ("PASS", "FAIL", "INCONCLUSIVE")
+
+
+@dataclass(frozen=True)
+class Figure:
+    """Which figure a column is."""
+
+    test: str
+    quantity: str
+    axis: str
+    sensor: str
+    power: int
+    at_what: str
+    at: float | None
+    at_unit: str
+    condition: str
+    unit: str
+
+    @property
+    def name(self) -> str:
+        """In words."""
+        row = {"quantity": self.quantity, "axis": self.axis, "sensor": self.sensor, "power": self.power}
+        place = "" if self.at is None else f" at {self.at:g} {self.at_unit}"
+        return " ".join(part for part in (quantity_name(row), self.axis, self.sensor, self.condition) if part) + place
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a requirement asks of a figure, and what became of it: verdict of each row, -1 where there is none."""
+
+    requirement: str
+    lower: float | None
+    upper: float | None
+    verdicts: NDArray[np.int8]  # index into ``JUDGED``
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Figures of a lot.
+
+    Parameters
+    ----------
+    serials, statuses, verdicts, reasons : tuple of str, length n
+        Of each row.
+    figures : tuple of Figure, length k
+        Columns.
+    values, u, dof : ndarray, shape (n, k)
+        NaN where a row has no such figure; degrees of freedom may be infinite.
+    common : ndarray, shape (n, k)
+        Part of u that all units of a station share by its standards.
+    limits : mapping of int to tuple of Limits
+        Of columns that requirements judge.
+    columns : pyarrow.Table
+        What the table of units says beside the serial.
+    """
+
+    serials: tuple[str, ...]
+    statuses: tuple[str, ...]
+    verdicts: tuple[str, ...]
+    reasons: tuple[str, ...]
+    figures: tuple[Figure, ...]
+    values: Array
+    u: Array
+    dof: Array
+    common: Array
+    limits: Mapping[int, tuple[Limits, ...]]
+    columns: pa.Table
+
+    def __len__(self) -> int:
+        return len(self.serials)
+
+    @property
+    def own(self) -> Array:
+        """Part of u that is drawn anew for each unit, shape (n, k)."""
+        return np.asarray(np.sqrt(np.maximum(self.u**2 - self.common**2, 0.0)))
+
+    @property
+    def own_dof(self) -> Array:
+        """Degrees of freedom of that, shape (n, k): the standards have theirs without end."""
+        with np.errstate(invalid="ignore", divide="ignore"):
+            share = np.where(self.u > 0.0, self.own / self.u, 1.0)
+        return np.maximum(self.dof * share**4, 1.0)
+
+    @cached_property
+    def units(self) -> NDArray[np.intp]:
+        """Which unit each row is of, from 0 on in the order of the table."""
+        known: dict[str, int] = {}
+        return np.array([known.setdefault(one, len(known)) for one in self.serials], dtype=np.intp)
+
+    @cached_property
+    def first(self) -> NDArray[np.bool_]:
+        """Which rows are the first done test of their unit: the others count in the gauge alone."""
+        seen: set[str] = set()
+        return np.array([one not in seen and state == "done" and not seen.add(one)  # type: ignore[func-returns-value]
+                         for one, state in zip(self.serials, self.statuses, strict=True)])  # fmt: skip
+
+    def levels(self, name: str) -> tuple[NDArray[np.intp], tuple[str, ...]]:
+        """Return the level of each row and the names of levels, of a column of the table of units."""
+        cells = ["" if one is None else str(one) for one in self.columns[name].to_pylist()]
+        names = tuple(dict.fromkeys(cells))
+        return np.array([names.index(one) for one in cells], dtype=np.intp), names
+
+    def place(self, name: str) -> tuple[Array, str]:
+        """Return where each row stands along the lot, and the unit of that: days of instants, or a number as it is."""
+        column = self.columns[name]
+        kind = column.type
+        if pa.types.is_timestamp(kind) or pa.types.is_date(kind):
+            seconds = pc.cast(pc.cast(column, pa.timestamp("ns", getattr(kind, "tz", None))), pa.int64())
+            return _floats(seconds) / 86_400e9, "day"
+        if pa.types.is_integer(kind) or pa.types.is_floating(kind):
+            return _floats(column), name
+        stamps = np.array([np.nan] * len(self))
+        for row, one in enumerate(column.to_pylist()):
+            try:
+                stamps[row] = np.datetime64(str(one).rstrip("Z"), "ns").astype(np.int64) / 86_400e9
+            except ValueError:
+                continue
+        return stamps, "day"
+
+
+def _floats(column: pa.ChunkedArray) -> Array:
+    return np.asarray(pc.cast(column, pa.float64(), safe=False).to_numpy(), dtype=np.float64)
+
+
+def read_table(parts: Sequence[Path], names: Sequence[str]) -> Table:
+    """Return the figures of the parts of a lot, in their order.
+
+    Parameters
+    ----------
+    parts : sequence of Path
+        ``units/part-*.parquet``.
+    names : sequence of str
+        Columns of theirs that the table of units gave.
+
+    Raises
+    ------
+    DataError
+        ``no_units``.
+    """
+    made = _Made()
+    for path in parts:
+        made.add(pq.read_table(path, columns=["serial", "status", "verdict", "reason_code", "results", "verdicts",
+                                              *names]))  # fmt: skip
+    if not made.heads:
+        raise DataError("a lot without a unit", code="no_units")
+    return made.table()
+
+
+class _Made:
+    """Figures as they come, part by part."""
+
+    def __init__(self) -> None:
+        self.numbers: dict[tuple[Any, ...], int] = {}
+        self.asked: dict[tuple[Any, ...], int] = {}
+        self.limits: list[tuple[float | None, float | None]] = []
+        self.cells: list[tuple[Any, ...]] = []  # row, column, value, u, dof, common: arrays
+        self.judged: list[tuple[Any, ...]] = []  # row, number of the limit, verdict: arrays
+        self.heads: list[pa.Table] = []
+        self.count = 0
+
+    def add(self, part: pa.Table) -> None:
+        first, self.count = self.count, self.count + part.num_rows
+        self.heads.append(part.drop_columns(["results", "verdicts"]))
+        rows, found = _flattened(part["results"], first)
+        keep = pc.and_(pc.equal(found["method"], Method.RESULT.value), pc.is_null(found["member_kind"]))
+        keep = pc.and_(pc.and_(keep, pc.equal(found["status"], "estimated")), pc.not_equal(found["test"], ASSEMBLED))
+        kept = np.asarray(pc.fill_null(keep, False).to_numpy(zero_copy_only=False), dtype=bool)
+        found, rows = found.filter(pa.array(kept)), rows[kept]
+        at = self._numbered(found, IDENTITY, self.numbers)
+        self.cells.append((rows, at, *(_column(found, name) for name in ("value", "u", "dof", "common"))))
+        rows, found = _flattened(part["verdicts"], first)
+        known = len(self.asked)
+        at = self._numbered(found, LIMIT, self.asked)
+        lower, upper = _column(found, "lower"), _column(found, "upper")
+        for number in range(known, len(self.asked)):
+            one = int(np.flatnonzero(at == number)[0])
+            self.limits.append(tuple(None if np.isnan(end[one]) else float(end[one]) for end in (lower, upper)))  # type: ignore[arg-type]
+        words = found["verdict"].to_pylist()
+        self.judged.append((rows, at, np.array([JUDGED.index(w) if w in JUDGED else -1 for w in words], dtype=np.int8)))
+
+    @staticmethod
+    def _numbered(found: pa.Table, names: Sequence[str], known: dict[tuple[Any, ...], int]) -> NDArray[np.intp]:
+        """Return the number of each row's figure; new ones get the next."""
+        if not found.num_rows:
+            return np.zeros(0, dtype=np.intp)
+        codes = [found[name].combine_chunks().dictionary_encode(null_encoding="encode") for name in names]
+        index = np.column_stack([one.indices.to_numpy() for one in codes])
+        different, where = np.unique(index, axis=0, return_inverse=True)
+        first = np.full(len(different), len(index))
+        np.minimum.at(first, where.reshape(-1), np.arange(len(index)))
+        numbers = np.zeros(len(different), dtype=np.intp)
+        words = [one.dictionary.to_pylist() for one in codes]
+        for k in np.argsort(first):
+            key = tuple(word[at] for word, at in zip(words, different[k], strict=True))
+            numbers[k] = known.setdefault(key, len(known))
+        return np.asarray(numbers[where.reshape(-1)])
+
+    def table(self) -> Table:
+        n, k = self.count, len(self.numbers)
+        values, u, common = (np.full((n, k), np.nan) for _ in range(3))
+        dof = np.full((n, k), np.inf)
+        for rows, at, value, uncertainty, free, shared in self.cells:
+            values[rows, at], u[rows, at] = value, np.nan_to_num(uncertainty, nan=0.0)
+            dof[rows, at] = np.where(np.isnan(free), np.inf, free)
+            common[rows, at] = np.nan_to_num(shared, nan=0.0)
+        figures = tuple(_figure(key) for key in self.numbers)
+        head = pa.concat_tables(self.heads, promote_options="permissive")
+        texts = {name: tuple(str(one or "") for one in head[name].to_pylist())
+                 for name in ("serial", "status", "verdict", "reason_code")}  # fmt: skip
+        rest = head.drop_columns(list(texts))
+        return Table(texts["serial"], texts["status"], texts["verdict"], texts["reason_code"], figures, values, u, dof,
+                     common, self._limits(figures), rest)  # fmt: skip
+
+    def _limits(self, figures: Sequence[Figure]) -> dict[int, tuple[Limits, ...]]:
+        verdicts = np.full((self.count, len(self.asked)), -1, dtype=np.int8)
+        for rows, at, words in self.judged:
+            verdicts[rows, at] = words
+        made: dict[int, list[Limits]] = {}
+        places = {(one.test, one.quantity, one.axis, one.sensor, one.at, one.unit): i for i, one in enumerate(figures)}
+        for key, number in self.asked.items():
+            requirement, *of = key
+            column = places.get(tuple("" if cell is None and at != 4 else cell for at, cell in enumerate(of)))  # type: ignore[arg-type]
+            if column is not None:
+                made.setdefault(column, []).append(Limits(str(requirement), *self.limits[number], verdicts[:, number]))
+        return {column: tuple(found) for column, found in made.items()}
+
+
+def _figure(key: Sequence[Any]) -> Figure:
+    test, quantity, axis, sensor, power, what, at, *rest = key
+    words = (str(one or "") for one in (test, quantity, axis, sensor))
+    ends = (str(one or "") for one in rest)
+    return Figure(*words, int(power or 0), str(what or ""), at, *ends)
+
+
+def _flattened(column: pa.ChunkedArray, first: int) -> tuple[NDArray[np.intp], pa.Table]:
+    """Return the row of each entry of lists, and the entries as a table."""
+    whole = column.combine_chunks()
+    rows = pc.list_parent_indices(whole).to_numpy().astype(np.intp) + first
+    return rows, pa.Table.from_struct_array(whole.flatten())
+
+
+def _column(found: pa.Table, name: str) -> Array:
+    if name not in found.column_names:
+        return np.full(found.num_rows, np.nan)
+    return np.asarray(found[name].combine_chunks().to_numpy(zero_copy_only=False), dtype=np.float64)
