@@ -29,7 +29,7 @@ from ..core.show.result_tables import remarks_line
 from ..core.show.rounding import number, uncertainty, with_uncertainty
 from ..core.show.tables import Block
 from ..core.show.tables import Table as Shown
-from ..statistics.population.factors import Along, Level, along, levels
+from ..statistics.population.factors import ROUNDING, Along, Level, along, levels
 from ..statistics.population.gauge import Gauge, gauge
 from ..statistics.population.outliers import Outliers, outliers
 from ..statistics.population.risks import Risks, Share, risks, share
@@ -191,7 +191,7 @@ def study(table: Table, columns: Columns) -> Study:
     place, _ = table.place(columns.place) if columns.place else (np.arange(len(table), dtype=float), "")
     first, far = table.first, _outliers(table)
     odd_rows = _odd_rows(far, first)
-    usable = [k for k in range(len(table.figures)) if np.count_nonzero(np.isfinite(table.values[:, k]) & first) > 1]
+    usable = [k for k in range(len(table.figures)) if _varies(table.values[first, k])]
     factors = {name: table.levels(name) for name in columns.factors}
     factors = {name: one for name, one in factors.items() if 1 < len(one[1]) <= MOST_LEVELS}
     made, off = [], []
@@ -219,9 +219,15 @@ def study(table: Table, columns: Columns) -> Study:
         table, tuple(made), share(words.count("PASS"), everyone),
         {name: words.count(name) for name in (*JUDGED, "") if name in words},
         {code: quarantined.count(code) for code in sorted(set(quarantined))},
-        tuple(_odd(table, far, int(row)) for row in np.flatnonzero(odd_rows)), far, tuple(off), drifting, columns, names,
+        tuple(_odd(table, far, int(row)) for row in np.flatnonzero(odd_rows)), far, tuple(off), drifting, columns,
+        names,
         tuple(_remarks(table, made, far, everyone)),
     )  # fmt: skip
+
+
+def _varies(values: NDArray[np.float64]) -> bool:
+    known = values[np.isfinite(values)]
+    return known.size > 1 and float(np.ptp(known)) > ROUNDING * float(np.abs(known).max())
 
 
 def _figure_study(

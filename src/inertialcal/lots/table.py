@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from ..core.errors import DataError
 from ..core.estimate import Array
-from ..core.key import Method
-from ..core.show.rows import quantity_name
+from ..core.key import At, Key, Method
 
 IDENTITY = ("test", "quantity", "axis", "sensor", "power", "at_what", "at", "at_unit", "condition", "unit")
 LIMIT = ("requirement", "test", "quantity", "axis", "sensor", "at", "unit")
@@ -43,9 +42,10 @@ class Figure:
     @property
     def name(self) -> str:
         """In words."""
-        row = {"quantity": self.quantity, "axis": self.axis, "sensor": self.sensor, "power": self.power}
-        place = "" if self.at is None else f" at {self.at:g} {self.at_unit}"
-        return " ".join(part for part in (quantity_name(row), self.axis, self.sensor, self.condition) if part) + place
+        place = None if self.at is None else At(self.at_what, self.at, self.at_unit)
+        quantity = Key(self.quantity, self.axis, self.sensor, self.power, place).name.replace("_", " ")
+        words = " ".join(part for part in (quantity, self.axis, self.sensor, self.condition) if part)
+        return words if place is None else f"{words} at {place}"
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ class Table:
         """Degrees of freedom of that, shape (n, k): the standards have theirs without end."""
         with np.errstate(invalid="ignore", divide="ignore"):
             share = np.where(self.u > 0.0, self.own / self.u, 1.0)
-        return np.maximum(self.dof * share**4, 1.0)
+        return np.asarray(np.maximum(self.dof * share**4, 1.0))
 
     @cached_property
     def units(self) -> NDArray[np.intp]:
@@ -250,10 +250,9 @@ class _Made:
 
 
 def _figure(key: Sequence[Any]) -> Figure:
-    test, quantity, axis, sensor, power, what, at, *rest = key
-    words = (str(one or "") for one in (test, quantity, axis, sensor))
-    ends = (str(one or "") for one in rest)
-    return Figure(*words, int(power or 0), str(what or ""), at, *ends)
+    test, quantity, axis, sensor, power, what, at, at_unit, condition, unit = key
+    return Figure(test or "", quantity or "", axis or "", sensor or "", int(power or 0), what or "", at, at_unit or "",
+                  condition or "", unit or "")  # fmt: skip
 
 
 def _flattened(column: pa.ChunkedArray, first: int) -> tuple[NDArray[np.intp], pa.Table]:

@@ -5,7 +5,7 @@ by what units scatter, ``S^2 / n_g``, and by what the standards of each are stat
 what is beyond is a level that is off. The one farthest off is named, taken out, and the rest judged again (a
 generalized extreme studentized deviate test [1]_), each step at a probability of 5 % over all levels and over all
 figures that are judged together (Bonferroni), so that a lot in which nothing is off names any level in at most 5 %.
-Of two levels none can be told to be the wrong one: both are named.
+Of two levels none can be told to be the wrong one: both are named. Without a stated size the normal scores of ranks are judged (van der Waerden), so that heavy tails make no finding.
 
 *Along the lot*: the slope against time, or against the number of the unit. Units are taken in ``BLOCKS`` blocks,
 whose means a line is fitted to: a mean that wanders from block to block widens the uncertainty of the slope, so that
@@ -30,6 +30,7 @@ from ...core.estimate import Array
 P = 0.05  # of a false alarm in a lot, for each kind of finding
 BLOCKS = 40  # along a lot, at most
 LEAST = 5  # units in a block, and blocks of a line
+ROUNDING = 1e-12  # of a figure: one that scatters less is the same for all units
 HALF = 0.5  # of the levels that may be off, at most
 
 
@@ -85,19 +86,18 @@ def levels(values: Array, at: NDArray[np.intp], common: float, figures: int = 1)
     n = sizes[known].astype(np.float64)
     means = np.bincount(at, values)[known] / n
     free = values.size - known.size
-    if known.size < 2 or free < 1:
+    rest = values - (np.bincount(at, values) / np.maximum(sizes, 1))[at]
+    square = float(rest @ rest) / max(free, 1)
+    if known.size < 2 or free < 1 or not square > (ROUNDING * float(np.abs(values).max())) ** 2:
         return [Level(int(k), int(m), float(v), 0.0, math.nan, math.nan, 1.0, False)
                 for k, m, v in zip(known, n, means, strict=True)]  # fmt: skip
-    rest = values - (np.bincount(at, values) / np.maximum(sizes, 1))[at]
-    square = float(rest @ rest) / free
     fixed = square / n + common**2
+    told, spread = (means, fixed) if common else _scored(values, at, known, n)
     kept = np.ones(known.size, dtype=bool)
     p_of = np.ones(known.size)
     while kept.sum() >= max(2, math.ceil(known.size * HALF)):
         own = np.flatnonzero(kept)
-        z = np.array([_distance(means, fixed, own, int(k)) for k in own])
-        if not np.isfinite(z).all():  # nothing scatters
-            break
+        z = np.array([_distance(told, spread, own, int(k)) for k in own])
         worst = int(np.argmax(z))
         chance = 2.0 * (special.ndtr(-z[worst]) if common else special.stdtr(free, -z[worst]))
         p = min(1.0, float(chance) * own.size * figures)
@@ -118,6 +118,21 @@ def levels(values: Array, at: NDArray[np.intp], common: float, figures: int = 1)
                   not bool(kept[i]))
         )  # fmt: skip
     return found
+
+
+def _scored(values: Array, at: NDArray[np.intp], known: NDArray[np.intp], n: Array) -> tuple[Array, Array]:
+    """Return means of normal scores and their variances: they are right for any population."""
+    scores = normal_scores(values)
+    means = np.bincount(at, scores)[known] / n
+    rest = scores - (np.bincount(at, scores) / np.maximum(np.bincount(at), 1))[at]
+    return means, float(rest @ rest) / (values.size - known.size) / n
+
+
+def normal_scores(values: Array) -> Array:
+    """Return the normal deviates of ranks."""
+    ranks = np.empty(values.size)
+    ranks[np.argsort(values, kind="stable")] = np.arange(values.size)
+    return np.asarray(special.ndtri((ranks + 0.5) / values.size))
 
 
 def _distance(means: Array, fixed: Array, own: NDArray[np.intp], k: int) -> float:

@@ -77,8 +77,10 @@ class Gauge:
         Own uncertainty that the tests state, root mean square.
     ratio : Interval
         Repeatability over that, 95 %.
-    excess : float
-        Probability of so large a repeatability if what the tests state were right.
+    excess, lack : float
+        Probability of so large, and of so small, a repeatability if what the tests state were right.
+    dof : int
+        Degrees of freedom of the repeatability.
     """
 
     units: int
@@ -93,6 +95,8 @@ class Gauge:
     stated: float
     ratio: Interval
     excess: float
+    lack: float
+    dof: int
 
     @property
     def distinct(self) -> int:
@@ -149,6 +153,7 @@ def gauge(values: Array, own: Array, dof: Array, units: NDArray[np.intp], statio
     table, often = means[crossed], counts[crossed]
     p, s = table.shape
     stated = math.sqrt(float(np.mean(own[repeated] ** 2)))
+    wide, narrow = _excess(square, free, own[repeated], dof[repeated])
     apart = free > 0
     middle = np.nanmean(means, axis=1)
     if s < 2 or p < 2:
@@ -158,7 +163,7 @@ def gauge(values: Array, own: Array, dof: Array, units: NDArray[np.intp], statio
         repeat = _size(square, square / chi_squares(free)[0])
         ratio, parts = _ratio(repeat, stated), float(np.var(middle, ddof=1)) - square / float(counts[counts > 0].mean())
         return Gauge(every.size, y.size, s, p if s > 1 else 0, repeat, None, repeat, math.sqrt(max(parts, 0.0)), apart,
-                     stated, ratio)  # fmt: skip
+                     stated, ratio, wide, narrow, free)  # fmt: skip
     harmonic = often.size / float(np.sum(1.0 / often))
     left = table - table.mean(axis=1, keepdims=True) - table.mean(axis=0) + table.mean()
     ms_left = float(np.sum(left**2)) / ((p - 1) * (s - 1))
@@ -174,7 +179,8 @@ def gauge(values: Array, own: Array, dof: Array, units: NDArray[np.intp], statio
     best = max(ms_left + (ms_station - ms_left) / p - square / inner, 0.0)
     repeat = _size(square, repeats)
     return Gauge(every.size, y.size, s, p, repeat, _size(best, between), _size(square + best, repeats + between),
-                 part_found, apart, stated, _ratio(repeat, stated))  # fmt: skip
+                 part_found, apart, stated, _ratio(repeat, stated), wide, narrow,
+                 free if apart else (p - 1) * (s - 1))  # fmt: skip
 
 
 def _size(square: float, drawn: Array) -> Size:
@@ -190,11 +196,11 @@ def _ratio(size: Size, stated: float) -> Interval:
     return Interval(low / stated, high / stated, P)
 
 
-def _excess(square: float, free: int, own: Array, dof: Array) -> float:
-    """Return the probability of so large a variance of repeats, the stated ones known by their degrees of freedom."""
+def _excess(square: float, free: int, own: Array, dof: Array) -> tuple[float, float]:
+    """Return the probability of so large, and of so small, a variance of repeats, for the dof of what is stated."""
     stated = float(np.mean(own**2))
-    if not stated:
-        return 0.0
+    if not stated or not free:
+        return 1.0, 1.0
     spread = float(np.sum(own**4 / dof)) / own.size**2
     known = min(stated**2 / spread, 1e9) if spread else 1e9
-    return float(special.fdtrc(free, known, square / stated))
+    return float(special.fdtrc(free, known, square / stated)), float(special.fdtr(free, known, square / stated))

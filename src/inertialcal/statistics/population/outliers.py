@@ -6,7 +6,7 @@ these is as far off as a new observation would be, whose squared distance follow
 p)`` [2]_. A unit is an outlier beyond the quantile by which a lot of normal units has any in 5 %.
 
 A unit may lack parameters: it is judged on those that it has. Parameters that are positive and skewed are taken as
-logarithms. What breaks this: a population of heavy tails, of which more than the stated 5 % of lots have such units
+logarithms, and one of heavy tails is left out. What breaks this: heavy tails of several together, of which more than the stated 5 % of lots have such units
 (``heavy``); two populations of about the same size, of which neither is an outlier; fewer than ``PER_PARAMETER``
 units a parameter, where the later parameters are left out and counted.
 
@@ -34,6 +34,7 @@ MAD = 1.482602218505602  # standard deviations of a normal population in its med
 LEAST = 1e-7  # eigenvalue of the correlation below which a direction is no information
 HEAVY = 1.3  # times as far out as normal units, from which tails are heavy
 ROUNDS = 10  # of the covariance
+TAILS = 100  # units from which tails of one parameter are looked at
 KNOWN = 0.5  # share of the units that must have a parameter
 
 
@@ -89,6 +90,8 @@ def outliers(values: Array) -> Outliers:
         middle = float(np.median(x))
         scale = MAD * float(np.median(np.abs(x - middle)))
         if not scale > 0.0:
+            continue
+        if own.size >= TAILS and np.quantile(np.abs(x - middle), 0.98) > HEAVY * -special.ndtri(0.01) * scale:
             continue
         scaled[known[:, j], j] = (x - middle) / scale
         good.append(j)
