@@ -5,7 +5,8 @@ first test counts; the others serve the gauge. Quarantined units have no figures
 
 What a station shares is taken from `[standards]`: errors of standards that are not drawn anew for each unit (rate,
 temperature), one draw a station. Where the uncertainty of a figure has other parts that units share, they count as the
-unit's own, and ``overstated`` tells when that is more than the figures can scatter. Stations that are off and units of
+unit's own. Where repeated tests scatter by more or less than the tests state (``understated``, ``overstated``), what is
+seen counts in place of what is stated. Stations that are off and units of
 another kind are left out of mean, scatter and capability, and counted; of yields nothing is left out.
 
 Findings are judged so that a lot in which nothing is wrong has a finding of each kind in at most 5 %: stations, levels
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
 
 FEW = 20  # units below which a population is a guess
 FALSE = 0.05  # that a sound lot has a remark on its uncertainties, for each of both senses
+LEAST_PPM = 0.01  # that a share is told by
 ODD_NAMED = 3  # parameters that an outlier is told by
 SHOWN = 12  # lines of a list on a terminal
 NOT_NORMAL = 1e-4  # probability of skewness and kurtosis from which a capability by a normal population is doubtful
@@ -209,7 +211,7 @@ def study(table: Table, columns: Columns) -> Study:
             off += [Off(name, called[one.number], table.figures[k], one) for one in found if one.off]
         known = np.isfinite(place[rows])
         change = along(y[known], place[rows][known], stations[rows][known], len(usable)) if known.sum() > 1 else None
-        made.append(_figure_study(table, k, rows, stations, at_station, change, odd_rows))
+        made.append(_figure_study(table, k, rows, stations, at_station, change, odd_rows, len(usable)))
     drifting = tuple(one for one in made if one.along is not None and one.along.drifts and not one.along.wanders)
     done = np.array([one == "done" for one in table.statuses]) & first
     words = [table.verdicts[row] for row in np.flatnonzero(done)]
@@ -232,15 +234,11 @@ def _varies(values: NDArray[np.float64]) -> bool:
 
 def _figure_study(
     table: Table, k: int, rows: NDArray[np.intp], stations: NDArray[np.intp], at_station: Sequence[Level],
-    change: Along | None, odd: NDArray[np.bool_],
+    change: Along | None, odd: NDArray[np.bool_], figures: int,
 ) -> FigureStudy:  # fmt: skip
     bad = {one.number for one in at_station if one.off}
     kept = rows[[stations[row] not in bad for row in rows]] if bad and len(bad) < len(at_station) else rows
     common = float(np.median(table.common[rows, k]))
-    try:
-        found = population(table.values[kept, k], table.own[kept, k], table.own_dof[kept, k], common, stations[kept])
-    except DataError:
-        found = None
     repeats = np.flatnonzero(np.isfinite(table.values[:, k]))
     try:
         tested = gauge(
@@ -252,6 +250,14 @@ def _figure_study(
         )
     except DataError:
         tested = None
+    own, dof = table.own[kept, k], table.own_dof[kept, k]
+    if tested is not None and min(tested.excess, tested.lack) * figures < FALSE and tested.stated:
+        own = own * (tested.repeatability.value / tested.stated)  # as it is seen
+        dof = np.full(kept.size, tested.dof / kept.size)  # one figure for all: known as well as its repeats
+    try:
+        found = population(table.values[kept, k], own, dof, common, stations[kept])
+    except DataError:
+        found = None
     limits = tuple(_judged(table, k, one, found) for one in table.limits.get(k, ()))
     return FigureStudy(
         table.figures[k], rows.size + int(np.count_nonzero(odd & np.isfinite(table.values[:, k]))),
@@ -274,8 +280,9 @@ def _judged(table: Table, k: int, limits: Limits, found: Population | None) -> J
 
 
 def _outliers(table: Table) -> Outliers | None:
-    """Return how far units lie from the rest: parameters with limits first, then as the tests give them."""
-    order = sorted(range(len(table.figures)), key=lambda k: k not in table.limits)
+    """Return how far units lie from the rest: parameters with limits first, then those of the model."""
+    parameters = [k for k, one in enumerate(table.figures) if k in table.limits or one.parameter in table.parameters]
+    order = sorted(parameters, key=lambda k: k not in table.limits)
     if not order:
         return None
     values = np.where(table.first[:, np.newaxis], table.values, np.nan)[:, order]
@@ -301,9 +308,9 @@ def _remarks(table: Table, made: Sequence[FigureStudy], far: Outliers | None, ev
     if everyone < FEW:
         what = f"{everyone} units: what the population scatters is hardly known"
         found.append(Remark("few_units", "warning", what, do=f"{FEW} or more tell"))
-    over = [one for one in made if one.found is not None and one.found.excess * len(made) < FALSE]
+    over = [one for one in made if _overstated(one) * len(made) < FALSE]
     if over:
-        what = f"{_names(over)}: units scatter less than their uncertainties allow: these are stated too large"
+        what = f"{_names(over)}: figures scatter less than their uncertainties allow: these are stated too large"
         do = "Look for parts of the uncertainty that all units share, or for copied recordings"
         found.append(Remark("overstated", "warning", what, count=len(over), do=do))
     under = [one for one in made if one.gauge is not None and one.gauge.excess * len(made) < FALSE]
@@ -327,6 +334,13 @@ def _remarks(table: Table, made: Sequence[FigureStudy], far: Outliers | None, ev
         what = "no unit was tested twice: what the tests scatter is as they state, not as seen"
         found.append(Remark("no_repeats", "info", what, do=do))
     return found
+
+
+def _overstated(one: FigureStudy) -> float:
+    """Return the probability that so little scatter would be seen if the tests stated theirs rightly."""
+    if one.gauge is not None:
+        return one.gauge.lack
+    return 1.0 if one.found is None else one.found.excess
 
 
 def _names(studies: Sequence[FigureStudy]) -> str:
@@ -365,11 +379,12 @@ def scatter_text(one: Population | None) -> str:
 
 
 def conforming_text(one: Capability | None) -> str:
-    """Return the conforming share with its interval, in percent."""
+    """Return the share of the population outside, 95 %, in parts per million."""
     if one is None:
         return "-"
-    low, high = (100.0 * float(end or 0.0) for end in (one.conforming_interval.lo, one.conforming_interval.hi))
-    return f"{low:.3g} to {high:.5g} %"
+    ends = (1e6 * (1.0 - float(end or 0.0)) for end in (one.conforming_interval.hi, one.conforming_interval.lo))
+    low, high = (number(end, 2) if end >= LEAST_PPM else "0" for end in ends)
+    return f"{low} to {high} ppm" if high != "0" else f"below {LEAST_PPM:g} ppm"
 
 
 def mean_text(one: Population | None) -> str:

@@ -40,6 +40,11 @@ class Figure:
     unit: str
 
     @property
+    def parameter(self) -> tuple[str, str, str, int]:
+        """What of the model it is."""
+        return self.quantity, self.axis, self.sensor, self.power
+
+    @property
     def name(self) -> str:
         """In words."""
         place = None if self.at is None else At(self.at_what, self.at, self.at_unit)
@@ -74,6 +79,8 @@ class Table:
         Part of u that all units of a station share by its standards.
     limits : mapping of int to tuple of Limits
         Of columns that requirements judge.
+    parameters : frozenset
+        Of the models, as ``Figure.parameter`` names them.
     columns : pyarrow.Table
         What the table of units says beside the serial.
     """
@@ -88,6 +95,7 @@ class Table:
     dof: Array
     common: Array
     limits: Mapping[int, tuple[Limits, ...]]
+    parameters: frozenset[tuple[str, str, str, int]]
     columns: pa.Table
 
     def __len__(self) -> int:
@@ -181,13 +189,20 @@ class _Made:
         self.judged: list[tuple[Any, ...]] = []  # row, number of the limit, verdict: arrays
         self.heads: list[pa.Table] = []
         self.count = 0
+        self.parameters: set[tuple[str, str, str, int]] = set()
 
     def add(self, part: pa.Table) -> None:
         first, self.count = self.count, self.count + part.num_rows
         self.heads.append(part.drop_columns(["results", "verdicts"]))
         rows, found = _flattened(part["results"], first)
         keep = pc.and_(pc.equal(found["method"], Method.RESULT.value), pc.is_null(found["member_kind"]))
-        keep = pc.and_(pc.and_(keep, pc.equal(found["status"], "estimated")), pc.not_equal(found["test"], ASSEMBLED))
+        keep = pc.and_(keep, pc.equal(found["status"], "estimated"))
+        assembled = pc.equal(found["test"], ASSEMBLED)
+        of_models = found.filter(assembled).select(["quantity", "axis", "sensor", "power"]).group_by(
+            ["quantity", "axis", "sensor", "power"]).aggregate([])  # fmt: skip
+        for row in of_models.to_pylist():
+            self.parameters.add((row["quantity"], row["axis"] or "", row["sensor"] or "", int(row["power"] or 0)))
+        keep = pc.and_(keep, pc.invert(assembled))
         kept = np.asarray(pc.fill_null(keep, False).to_numpy(zero_copy_only=False), dtype=bool)
         found, rows = found.filter(pa.array(kept)), rows[kept]
         at = self._numbered(found, IDENTITY, self.numbers)
@@ -233,7 +248,7 @@ class _Made:
                  for name in ("serial", "status", "verdict", "reason_code")}  # fmt: skip
         rest = head.drop_columns(list(texts))
         return Table(texts["serial"], texts["status"], texts["verdict"], texts["reason_code"], figures, values, u, dof,
-                     common, self._limits(figures), rest)  # fmt: skip
+                     common, self._limits(figures), frozenset(self.parameters), rest)  # fmt: skip
 
     def _limits(self, figures: Sequence[Figure]) -> dict[int, tuple[Limits, ...]]:
         verdicts = np.full((self.count, len(self.asked)), -1, dtype=np.int8)

@@ -5,7 +5,7 @@ station has its own errors of rate and of temperature, one draw each of what `[s
 anew. A unit is tested as the reduced suite of a line: the chamber up and down, a rate table in five power-ups, a record
 at rest. Some units are tested again at every station, for the gauge.
 
-What is written: LOT.toml, the campaign that is its template, units.csv, four Parquet files that hold all units, and
+What is written: LOT.toml, the campaign that is its template, units.csv, three Parquet files that hold all units, and
 ``.truth/``, which `lot` does not read.
 """
 
@@ -44,7 +44,7 @@ DAY = 86_400 * 10**9
 START = 1_790_000_000 * 10**9  # 2026-09-21
 EACH = 180 * 10**9  # from unit to unit at a station [ns]
 Content = dict[str, object]  # of a table of TOML
-TESTS = ("up", "down", "rates", "still")
+TESTS = ("chamber", "rates", "still")
 
 
 @dataclass(frozen=True)
@@ -327,16 +327,13 @@ def recordings_of(drawn: Drawn, line: Line, k: int, seed: int) -> dict[str, pa.T
     earth = level_to_table(STAND[0] * DEG, STAND[1] * DEG) @ earth_rate(LATITUDE * DEG) / DEG
     felt = matrix @ earth
     made = {}
-    for name, ends in (("up", (COLDEST, WARMEST)), ("down", (WARMEST, COLDEST))):
-        true = np.linspace(*ends, RAMP)
-        off = true - REFERENCE
-        law = drawn.bias[unit] + off[:, np.newaxis] * drawn.slope[unit] + off[:, np.newaxis] ** 2 * drawn.square[unit]
-        power_up = 2e-4 * rng.standard_normal(3)
-        slow = drawn.noise[unit] / 60.0 / math.sqrt(RAMP_STEP)
-        reading = law + felt + power_up + slow * rng.standard_normal((RAMP, 3))
-        shown = true + drawn.station_temperature[place] + 0.01 * rng.standard_normal(RAMP)
-        columns = {"time_s": RAMP_STEP * np.arange(RAMP), "temperature_degC": shown.astype(np.float32)}
-        made[name] = columns | _axes(reading)
+    true = np.concatenate([np.linspace(COLDEST, WARMEST, RAMP), np.linspace(WARMEST, COLDEST, RAMP)])
+    off = (true - REFERENCE)[:, np.newaxis]
+    law = drawn.bias[unit] + off * drawn.slope[unit] + off**2 * drawn.square[unit]
+    slow = drawn.noise[unit] / 60.0 / math.sqrt(RAMP_STEP)
+    shown = true + drawn.station_temperature[place] + 0.01 * rng.standard_normal(true.size)
+    columns = {"time_s": RAMP_STEP * np.arange(true.size), "temperature_degC": shown.astype(np.float32)}
+    made["chamber"] = columns | _axes(law + felt + slow * rng.standard_normal((true.size, 3)))
     applied, axis, run, readings = [], [], [], []
     for number in range(RUNS):
         off_run = drawn.bias[unit] + 2e-4 * rng.standard_normal(3)
@@ -434,8 +431,7 @@ def campaign_text(seed: int, seal: str) -> str:
         ),
         "sensors": {"gyro": {"kind": "gyro", "axes": list(AXES), "unit": "deg/s"}},
         "recordings": {
-            "up": recorded("up", warm, run="1"),
-            "down": recorded("down", warm, run="2"),
+            "chamber": recorded("chamber", warm),
             "still": recorded("still"),
             "rates": {
                 "sensor": "gyro", "file": "rates.parquet",
@@ -444,7 +440,7 @@ def campaign_text(seed: int, seal: str) -> str:
             },
         },
         "tests": [
-            {"id": "thermal", "procedure": "thermal", "use": "fit", "recordings": ["up", "down"],
+            {"id": "thermal", "procedure": "thermal", "use": "fit", "recordings": ["chamber"],
              "plan": {"at": ["0 degC", "20 degC", "40 degC"], "reference_temperature": "20 degC", "attitude": stand}},
             {"id": "rate", "procedure": "rate_table", "use": "fit", "recordings": ["rates"],
              "plan": {"zero_reference": True}},

@@ -5,7 +5,9 @@ by what units scatter, ``S^2 / n_g``, and by what the standards of each are stat
 what is beyond is a level that is off. The one farthest off is named, taken out, and the rest judged again (a
 generalized extreme studentized deviate test [1]_), each step at a probability of 5 % over all levels and over all
 figures that are judged together (Bonferroni), so that a lot in which nothing is off names any level in at most 5 %.
-Of two levels none can be told to be the wrong one: both are named. Without a stated size the normal scores of ranks are judged (van der Waerden), so that heavy tails make no finding.
+Of two levels none can be told to be the
+wrong one: both are named. Without a stated size the normal scores of ranks are judged (van der Waerden), so that heavy
+tails make no finding.
 
 *Along the lot*: the slope against time, or against the number of the unit. Units are taken in ``BLOCKS`` blocks,
 whose means a line is fitted to: a mean that wanders from block to block widens the uncertainty of the slope, so that

@@ -6,9 +6,9 @@ these is as far off as a new observation would be, whose squared distance follow
 p)`` [2]_. A unit is an outlier beyond the quantile by which a lot of normal units has any in 5 %.
 
 A unit may lack parameters: it is judged on those that it has. Parameters that are positive and skewed are taken as
-logarithms, and one of heavy tails is left out. What breaks this: heavy tails of several together, of which more than the stated 5 % of lots have such units
-(``heavy``); two populations of about the same size, of which neither is an outlier; fewer than ``PER_PARAMETER``
-units a parameter, where the later parameters are left out and counted.
+logarithms; one of heavy tails is left out. What breaks this: heavy tails of several together, of which more than the
+stated 5 % of lots have such units (``heavy``); two populations of about the same size, of which neither is an outlier;
+fewer than ``PER_PARAMETER`` units a parameter, where the later parameters are left out.
 
 References
 ----------
