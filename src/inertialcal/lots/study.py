@@ -43,6 +43,7 @@ if TYPE_CHECKING:
 FEW = 20  # units below which a population is a guess
 FALSE = 0.05  # that a sound lot has a remark on its uncertainties, for each of both senses
 LEAST_PPM = 0.01  # that a share is told by
+MATTERS = 1.25  # times that an uncertainty is off from which it is remarked on
 ODD_NAMED = 3  # parameters that an outlier is told by
 SHOWN = 12  # lines of a list on a terminal
 NOT_NORMAL = 1e-4  # probability of skewness and kurtosis from which a capability by a normal population is doubtful
@@ -212,7 +213,7 @@ def study(table: Table, columns: Columns) -> Study:
         known = np.isfinite(place[rows])
         change = along(y[known], place[rows][known], stations[rows][known], len(usable)) if known.sum() > 1 else None
         made.append(_figure_study(table, k, rows, stations, at_station, change, odd_rows, len(usable)))
-    drifting = tuple(one for one in made if one.along is not None and one.along.drifts and not one.along.wanders)
+    drifting = tuple(one for one in made if one.along is not None and one.along.drifts)
     done = np.array([one == "done" for one in table.statuses]) & first
     words = [table.verdicts[row] for row in np.flatnonzero(done)]
     quarantined = [table.reasons[row] for row, state in enumerate(table.statuses) if state != "done"]
@@ -281,7 +282,11 @@ def _judged(table: Table, k: int, limits: Limits, found: Population | None) -> J
 
 def _outliers(table: Table) -> Outliers | None:
     """Return how far units lie from the rest: parameters with limits first, then those of the model."""
-    parameters = [k for k, one in enumerate(table.figures) if k in table.limits or one.parameter in table.parameters]
+    parameters = [
+        k
+        for k, one in enumerate(table.figures)
+        if k in table.limits or (one.at is None and one.parameter in table.parameters)
+    ]
     order = sorted(parameters, key=lambda k: k not in table.limits)
     if not order:
         return None
@@ -308,12 +313,20 @@ def _remarks(table: Table, made: Sequence[FigureStudy], far: Outliers | None, ev
     if everyone < FEW:
         what = f"{everyone} units: what the population scatters is hardly known"
         found.append(Remark("few_units", "warning", what, do=f"{FEW} or more tell"))
-    over = [one for one in made if _overstated(one) * len(made) < FALSE]
+    over = [
+        one
+        for one in made
+        if _overstated(one) * len(made) < FALSE and (one.gauge is None or (one.gauge.ratio.hi or 0.0) < 1.0 / MATTERS)
+    ]
     if over:
         what = f"{_names(over)}: figures scatter less than their uncertainties allow: these are stated too large"
         do = "Look for parts of the uncertainty that all units share, or for copied recordings"
         found.append(Remark("overstated", "warning", what, count=len(over), do=do))
-    under = [one for one in made if one.gauge is not None and one.gauge.excess * len(made) < FALSE]
+    under = [
+        one
+        for one in made
+        if one.gauge is not None and one.gauge.excess * len(made) < FALSE and (one.gauge.ratio.lo or 0.0) > MATTERS
+    ]
     if under:
         what = f"{_names(under)}: repeated tests scatter more than their uncertainties state"
         do = "Find what is not in the uncertainty: mounting, power-up, the operator"
@@ -383,8 +396,15 @@ def conforming_text(one: Capability | None) -> str:
     if one is None:
         return "-"
     ends = (1e6 * (1.0 - float(end or 0.0)) for end in (one.conforming_interval.hi, one.conforming_interval.lo))
-    low, high = (number(end, 2) if end >= LEAST_PPM else "0" for end in ends)
+    low, high = (_plain_number(end) for end in ends)
     return f"{low} to {high} ppm" if high != "0" else f"below {LEAST_PPM:g} ppm"
+
+
+def _plain_number(value: float) -> str:
+    """Return a number with two digits and no power of ten; 0 for one that is too small to tell."""
+    if value < LEAST_PPM:
+        return "0"
+    return number(value, 2) if value < 99.5 else f"{float(f'{value:.1e}'):,.0f}"
 
 
 def mean_text(one: Population | None) -> str:

@@ -31,6 +31,7 @@ from .findings import highlights
 from .numbers import Text
 from .page_file import about_text, sealed_page
 
+COPY = "copy.js"  # the script of every page
 FOLDER = Path(__file__).parent / "templates"
 LARGEST = 590_000  # bytes of the page
 MOST_FIGURES = 21  # drawn on a page: each takes time
@@ -257,6 +258,21 @@ def _size(text: str) -> int:
     return len(text.encode("utf-8", "surrogatepass"))
 
 
+def script(name: str) -> Markup:
+    """Return one of our own scripts as it stands in a page."""
+    return Markup((FOLDER / name).read_text(encoding="utf-8"))  # noqa: S704 - our own file
+
+
+def policy(*names: str) -> str:
+    """Return the policy in the head of a page: it allows these scripts by their hashes and nothing else."""
+    digests = (base64.b64encode(hashlib.sha256(script(name).encode()).digest()).decode() for name in names)
+    allowed = " ".join(f"'sha256-{digest}'" for digest in digests)
+    return (
+        f"default-src 'none'; style-src 'unsafe-inline'; img-src data:; script-src {allowed}; "
+        "base-uri 'none'; form-action 'none'"
+    )
+
+
 @cache
 def environment() -> Environment:
     """Return the templates' environment: everything is escaped, and no bare number can be printed."""
@@ -265,18 +281,15 @@ def environment() -> Environment:
         trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
     made.filters |= FILTERS
-    script = (FOLDER / "copy.js").read_text(encoding="utf-8")
-    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
     made.globals |= {
         "count": wording.count,
         "counted": wording.counted,
         "most": sections.FEW,
-        "script": Markup(script),  # noqa: S704 - our own file
+        "script": script(COPY),
         "style": Markup((FOLDER / "style.css").read_text(encoding="utf-8")),  # noqa: S704 - our own file
         "light": variables(),
         "dark": variables(dark=True),
-        "policy": f"default-src 'none'; style-src 'unsafe-inline'; img-src data:; script-src 'sha256-{digest}'; "
-        "base-uri 'none'; form-action 'none'",
+        "policy": policy(COPY),
     }
     return made
 

@@ -172,8 +172,8 @@ class Along:
 
     @property
     def drifts(self) -> bool:
-        """Whether the lot drifts."""
-        return self.p < P
+        """Whether the lot drifts; a mean that wanders is told as that."""
+        return self.p < P and not self.wanders
 
 
 def along(values: Array, place: Array, at: NDArray[np.intp] | None = None, figures: int = 1) -> Along | None:

@@ -31,7 +31,8 @@ P = 0.05  # that a lot of normal units has any outlier
 PER_PARAMETER = 10  # units that a parameter needs
 INSIDE = 0.975  # of normal units that the covariance is taken of
 MAD = 1.482602218505602  # standard deviations of a normal population in its median absolute deviation
-LEAST = 1e-7  # eigenvalue of the correlation below which a direction is no information
+LEAST = 1e-5  # eigenvalue of the correlation below which a direction is no information
+BULK = 0.85  # of the units: a lot may hold as many as 15 % of another kind
 HEAVY = 1.3  # times as far out as normal units, from which tails are heavy
 ROUNDS = 10  # of the covariance
 TAILS = 100  # units from which tails of one parameter are looked at
@@ -91,7 +92,10 @@ def outliers(values: Array) -> Outliers:
         scale = MAD * float(np.median(np.abs(x - middle)))
         if not scale > 0.0:
             continue
-        if own.size >= TAILS and np.quantile(np.abs(x - middle), 0.98) > HEAVY * -special.ndtri(0.01) * scale:
+        if (
+            own.size >= TAILS
+            and np.quantile(np.abs(x - middle), BULK) > HEAVY * -special.ndtri((1.0 - BULK) / 2.0) * scale
+        ):
             continue
         scaled[known[:, j], j] = (x - middle) / scale
         good.append(j)
@@ -183,6 +187,6 @@ def _deviates(rest: Array, covariance: Array, n: int) -> Array:
 
 
 def _heavy(distance: Array) -> bool:
-    """Tell whether the rest lies farther out than normal units: its 98th percentile, which few outliers do not move."""
+    """Tell whether the rest lies farther out than normal units: the bulk of it, which outliers do not move."""
     known = distance[np.isfinite(distance)]
-    return known.size >= 500 and float(np.quantile(known, 0.98)) > HEAVY * -special.ndtri(0.01)
+    return known.size >= 500 and float(np.quantile(known, BULK)) > HEAVY * -special.ndtri((1.0 - BULK) / 2.0)
