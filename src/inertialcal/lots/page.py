@@ -18,6 +18,7 @@ from ..core.show.rounding import number, settled, uncertainty
 from ..core.show.tables import Table as Shown
 from ..report import drawings
 from ..report.page import COPY, MOST_FIGURES, ZOOM, environment, policy, script
+from ..statistics.population.risks import Wrong
 from .drawn import content_of_lot
 from .study import (
     FigureStudy,
@@ -36,6 +37,7 @@ from .study import (
 FIND = "find.js"
 MOST_ROWS, MOST_FINDINGS = 500, 40  # of tables of units, of findings
 MOST_CELLS = 400_000  # of units that the page holds
+LEAST = 0.01  # of an expected number of units that is told
 DIGITS = 6  # of a value there
 JUDGED = ("requirement", "test", "figure", "PASS", "mean", "scatter of units", "u of one", "unit", "Cpk", "outside")
 RISKS = ("requirement", "test", "figure", "PASS", "FAIL", "accepted though outside", "not accepted though inside")
@@ -109,13 +111,15 @@ def _judged(one: FigureStudy, each: Judged) -> list[str]:
 
 
 def _risk(one: FigureStudy, each: Judged) -> list[str]:
-    wrong = ("-", "-")
-    if each.risks is not None:
-        wrong = tuple(  # type: ignore[assignment]
-            f"{number(side.expected, 2)} ({number(side.interval.lo or 0.0, 3)} to {number(side.interval.hi or 0.0, 3)})"
-            for side in (each.risks.consumer, each.risks.producer)
-        )
+    sides = () if each.risks is None else (each.risks.consumer, each.risks.producer)
+    wrong = [_wrong(one) for one in sides] or ["-", "-"]
     return [each.limits.requirement, one.figure.test, one.figure.name, str(each.yields.count), str(each.failed), *wrong]
+
+
+def _wrong(one: Wrong) -> str:
+    low, high = (number(end or 0.0, 4) for end in (one.interval.lo, one.interval.hi))
+    expected = number(one.expected, 2) if one.expected >= LEAST else f"below {LEAST:g}" if one.expected else "0"
+    return f"{expected} ({low} to {high})"
 
 
 def _parameter(one: FigureStudy) -> list[str]:

@@ -170,7 +170,7 @@ class Study:
                 "u of one",
                 "unit",
                 "Cpk",
-                "conforming",
+                "outside",
             )
             rows = [_judged_row(one, each) for one, each in judged]
             parts.append(Shown(heads, rows, "figures with limits", (2, 3, 4, 5, 7, 8)))
@@ -387,7 +387,7 @@ def scatter_text(one: Population | None) -> str:
         return "-"
     low, high = (float(end or 0.0) for end in (one.scatter_interval.lo, one.scatter_interval.hi))
     if not one.seen:
-        return f"below {uncertainty(high)}"
+        return f"below {uncertainty(high)}" if high else "not seen"
     return f"{number(one.scatter, 3)} ({number(low, 3)} to {number(high, 3)})"
 
 
