@@ -19,6 +19,7 @@ from ..shown.screen import folded, say
 if TYPE_CHECKING:
     from ...campaign.twins.score import Coverage, FaultScore, Score
 
+LOT = "lot"  # in place of a rig: many units
 FAULT_HEADS = ["fault", "size", "what it does", "expected"]
 
 
@@ -26,7 +27,7 @@ def simulate(
     rig: Annotated[
         str,
         typer.Argument(
-            help=f"Of a rig: {', '.join(RIGS)}.",
+            help=f"Of a rig: {', '.join(RIGS)}; or lot: many units of a line.",
             autocompletion=rigs_beginning,
             show_default=False,
         ),
@@ -50,6 +51,9 @@ def simulate(
             "--lab", help="In place of the recordings: a LAB.toml, with which `sequence` makes them on the rig."
         ),
     ] = False,
+    n: Annotated[
+        int | None, typer.Option("--n", help="Units of a lot: 100, where it is not said.", show_default=False)
+    ] = None,
     faults: Annotated[bool, typer.Option("--faults", help="List the mistakes that the rig can simulate.")] = False,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -59,10 +63,14 @@ def simulate(
 
     if faults:
         return _faults(rig, as_json, quiet)
+    if n is not None and rig != LOT:
+        raise UsageError(f"--n: {rig} is one unit", do="Leave it out, or simulate a lot", code="wrong_value")
     if output is None:
         raise UsageError("simulate needs a new folder", do=f"Say: inertialcal simulate {rig} -o DIR")
     if lab:
         return _rehearsal(rig, output, seed, fault, as_json, quiet)
+    if rig == LOT:
+        return _lot(output, 100 if n is None else n, seed, fault, as_json, quiet)
     from ...campaign.twins.twin import simulate as write
 
     written = write(rig, output, seed, fault)
@@ -95,8 +103,43 @@ def _rehearsal(rig: str, output: Path, seed: int, fault: str, as_json: bool, qui
     return 0
 
 
+def _lot(output: Path, n: int, seed: int, fault: str, as_json: bool, quiet: bool) -> int:
+    """Write a lot."""
+    from ...lots.twin import line_of, write_lot
+
+    with progress(quiet or as_json) as tell:
+        written = write_lot(output, line_of(n, fault), seed, lambda done, every: tell(done, every, "tests of units"))
+    if as_json:
+        content = {"written": str(written.folder), "units": written.units, "tests": written.tests}
+        json_out(
+            "simulate", content | {"truth_sha256": written.seal, "rig": LOT, "seed": seed, "faults": [*written.faults]}
+        )
+    elif not quiet:
+        print(wrapped(f"written: {written.folder} ({items(written.units, 'unit')}, {items(written.tests, 'test')})"))
+        for one in written.faults:
+            print(wrapped(f"mistake put in: {one}"))
+        print(wrapped(f"the true values are in .truth there, SHA-256 {written.seal}"))
+        lot, out = shlex.quote(str(written.folder / "LOT.toml")), shlex.quote(f"{written.folder}-out")
+        print(clean(f"Next: inertialcal lot {lot} -o {out}"))
+    return 0
+
+
+def _faults_of_lots(as_json: bool, quiet: bool) -> int:
+    """List the mistakes of a lot."""
+    from ...lots.twin import FAULTS
+
+    if as_json:
+        rows = [{"fault": name, "size": one.size, "unit": one.unit, "what": one.what} for name, one in FAULTS.items()]
+        json_out("simulate", {"rig": LOT, "faults": rows})
+    elif not quiet:
+        print(table([[name, f"{one.size:g} {one.unit}", one.what] for name, one in FAULTS.items()], FAULT_HEADS[:3]))
+    return 0
+
+
 def _faults(rig: str, as_json: bool, quiet: bool) -> int:
     """List the mistakes of a rig."""
+    if rig == LOT:
+        return _faults_of_lots(as_json, quiet)
     known = RIGS.named(rig).every_fault
     if as_json:
         rows = [
