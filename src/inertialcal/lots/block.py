@@ -29,6 +29,7 @@ from ..campaign.models.build import model_files
 from ..campaign.outcome.publish import json_text
 from ..campaign.outcome.results_file import sealed
 from ..core.errors import DataError, InertialcalError, Problem
+from ..core.influence import DIES, OF_UNIT
 from ..core.remarks import condensed
 from ..files.binary.curves import curves_bytes
 from ..files.binary.parquet import clock_in
@@ -279,7 +280,18 @@ def _finished(job: Job, unit: _Unit) -> tuple[UnitRow, Ended]:
             closed = condensed(remark for one in whole.modelled.every for remark in one.remarks)
             remarks += [("closed loop", remark) for remark in closed]
         row = UnitRow(
-            given.number, given.serial, "done", verdict, figures.rows, figures.verdicts, remarks, models, inputs
+            given.number,
+            given.serial,
+            "done",
+            verdict,
+            figures.rows,
+            figures.verdicts,
+            remarks,
+            models,
+            inputs,
+            shares=frozenset(
+                name for name, one in unit.campaign.standards.items() if one.redrawn_by not in (*OF_UNIT, *DIES)
+            ),
         )
         kept = _for_archive(whole) if job.archived else b""
     except Exception as error:

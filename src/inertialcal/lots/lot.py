@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
     from .archiving import LotArchive
+    from .study import Study
 
 MOST, SHARES = 25, 8  # units that are worked on together; blocks that a small lot is parted in
 NEVER_KEPT = frozenset({"unreachable", "worker_killed"})  # reasons that say nothing of the recordings: tried again
@@ -66,6 +67,7 @@ class LotOutcome:
     redone: int = 0
     kept: int = 0
     archived: int = 0  # Units that an archive did not have
+    statistics: Study | None = None  # Over the units
 
     @property
     def counts(self) -> Mapping[str, int]:
@@ -105,7 +107,7 @@ class LotOutcome:
             first = [(str(serial), str(code), str(reason)) for serial, code, reason in every if code][:FEW]
             caption = "in quarantine: " + ", ".join(f"{n} {code}" for code, n in reasons.items())
             shown.append(Table(("serial", "code", "reason"), first, caption, (0, 1, 2)))
-        return tuple(shown)
+        return (*shown, *(self.statistics.parts() if self.statistics is not None else ()))
 
     def __str__(self) -> str:
         """Return what is shown as text."""
@@ -126,6 +128,7 @@ def lot(
     scheduler: str = "",
     archive: str = "",
     progress: Tell | None = None,
+    report: bool = True,
 ) -> LotOutcome:
     """Reduce every unit of a lot.
 
@@ -145,6 +148,8 @@ def lot(
         Address of an archive that each unit is added to.
     progress : callable, optional
         Called with (units done, units in all, what there is to say).
+    report : bool
+        Write ``report.html``, which takes a few seconds.
 
     Returns
     -------
@@ -166,7 +171,7 @@ def lot(
     folder = Path(output)
     _begin(folder, resume)
     kept = _archive_of(archive, folder) if archive else None
-    return _Lot(read, folder, kept, progress or (lambda done, total, what: None)).reduced(workers, scheduler)
+    return _Lot(read, folder, kept, progress or (lambda done, total, what: None), report).reduced(workers, scheduler)
 
 
 def _archive_of(where: str, folder: Path) -> LotArchive:
@@ -209,6 +214,7 @@ class _Lot:
     folder: Path
     archive: LotArchive | None
     tell: Tell
+    report: bool = True
     started: float = field(default_factory=time.monotonic)
     told: float = 0.0
     done: int = 0
@@ -287,19 +293,22 @@ class _Lot:
             ledger.sweep()
             noted = ledger.units()
             with interruption.held():
-                content = publish_lot(
+                content, statistics = publish_lot(
                     self.folder,
                     self.lot,
                     self.job.version,
                     [noted[key] for key in keys],
                     ledger,
                     {"workers": who.size, "scheduler": scheduler, "archive": self.archive.name if self.archive else ""},
+                    self.report,
                 )
             interruption.note(self.folder)
         finally:
             who.close()
             ledger.close()
-        return LotOutcome(self.folder, content, self.lot.remarks, self.redone, len(keys) - self.redone, self.added)
+        return LotOutcome(
+            self.folder, content, self.lot.remarks, self.redone, len(keys) - self.redone, self.added, statistics
+        )
 
     def _workers(self, workers: int | None, scheduler: str) -> Workers:
         if scheduler:

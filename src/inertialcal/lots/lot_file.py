@@ -54,6 +54,14 @@ class SharedFile(Strict):
     match: dict[Text, Text] = Field(default={})  # more columns of the file -> columns of the table of units
 
 
+class LineTable(Strict):
+    """[line]: columns of the table of units that say where and when a unit was tested."""
+
+    station: Text = ""
+    place: Text = ""
+    factors: list[Text] = Field(default=[])
+
+
 class LotFile(Strict):
     """The whole LOT.toml."""
 
@@ -68,6 +76,7 @@ class LotFile(Strict):
     folder: Text = ""
     files: dict[Name, Annotated[Text, Field(min_length=1)] | SharedFile] = Field(default={})
     options: dict[Annotated[Text, Field(min_length=1)], Text] = Field(default={})
+    line: LineTable | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +136,7 @@ class Lot:
 
     def digest(self) -> str:
         """Return the SHA-256 of what a reduction depends on: the campaign and what the lot says, not the table."""
-        said = self.file.model_dump(mode="json", exclude={"title", "endpoint", "region", "units"})
+        said = self.file.model_dump(mode="json", exclude={"title", "endpoint", "region", "units", "line"})
         text = json.dumps([self.template.sha256, said, str(Path(self.store).resolve())], sort_keys=True)
         return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()
 
@@ -221,6 +230,13 @@ def _names(lot: Lot, at: At) -> Iterator[Problem]:
         found = COLUMN.findall(given) if isinstance(given, str) else [*given.match.values()]
         used += [(("files", name), one) for one in found]
     used += [(("options", key), column) for key, column in file.options.items()]
+    if file.line is not None:
+        named = [
+            ("station", file.line.station),
+            ("place", file.line.place),
+            *(("factors", one) for one in file.line.factors),
+        ]
+        used += [(("line", key), column) for key, column in named if column]
     for key, column in used:
         if column not in known:
             what, do = f"{'.'.join(key)}: the table of units has no column {column!r}", f"It has: {', '.join(known)}"

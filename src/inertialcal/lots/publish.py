@@ -23,18 +23,28 @@ from ..core.errors import DataError, StoreError
 from .ledger import Ledger, Noted
 from .lot_file import Lot
 from .rows import OWN
+from .study import Columns, Study, study
+from .table import read_table
 
 LOT, UNITS, PROVENANCE = "lot.json", "units", "provenance.json"
 NEW = "units.new"
+REPORT = "report.html"
+PLACES, FACTORS = ("tested", "time"), ("position", "operator")  # columns, where LOT.toml does not say
 PART = 250  # units in a file
 VERDICTS = ("PASS", "FAIL", "INCONCLUSIVE")
 SHOWN = ("number", "serial", "status", "reason_code", "reason", "verdict")
 
 
 def publish_lot(
-    folder: Path, lot: Lot, version: str, noted: Sequence[Noted], ledger: Ledger, how: Mapping[str, object]
-) -> dict[str, object]:
-    """Write the parts and ``lot.json``, in place of what stands there; return the content of the latter.
+    folder: Path,
+    lot: Lot,
+    version: str,
+    noted: Sequence[Noted],
+    ledger: Ledger,
+    how: Mapping[str, object],
+    report: bool = True,
+) -> tuple[dict[str, object], Study]:
+    """Write the parts, the report and ``lot.json``, in place of what stands there; return the content of the latter.
 
     Parameters
     ----------
@@ -50,6 +60,8 @@ def publish_lot(
         That has their rows.
     how : mapping
         Of the run, for ``provenance.json``.
+    report : bool
+        Write ``report.html`` too.
 
     Raises
     ------
@@ -61,6 +73,9 @@ def publish_lot(
         shutil.rmtree(new, ignore_errors=True)
         new.mkdir()
         parts = [_part(new, lot, ledger, noted, first) for first in range(0, len(noted), PART)]
+        columns = line_of(lot)
+        names = [one for one in (columns.station, columns.place, *columns.factors) if one]
+        found = study(read_table([new / Path(str(one["file"])).name for one in parts], names), columns)
         content: dict[str, object] = {
             "format": "inertialcal-lot", "schema": 1, "id": lot.file.id, "title": lot.file.title,
             "version": version_of_package(), "code": version,
@@ -69,6 +84,7 @@ def publish_lot(
             "counts": counts(noted),
             "quarantined": dict(sorted(Counter(one.reason_code for one in noted if one.reason_code).items())),
             "parts": parts,
+            "statistics": found.content(),
             "remarks": [one.to_dict() for one in lot.remarks],
         }  # fmt: skip
         (folder / LOT).unlink(missing_ok=True)
@@ -78,10 +94,24 @@ def publish_lot(
                 "machine": {"system": platform.system(), "machine": platform.machine()},
                 "lot": str(lot.path), **how}  # fmt: skip
         _write(folder / PROVENANCE, json_text(said))
+        (folder / REPORT).unlink(missing_ok=True)
+        if report:
+            from .page import lot_page  # noqa: PLC0415 - draws, which starts slowly
+
+            _write(folder / REPORT, lot_page(found, lot.file.id, lot.file.title))
         _write(folder / LOT, json_text(content))
     except OSError as error:
         raise StoreError(f"cannot write into {folder}: {error.strerror}", code="not_writable") from None
-    return content
+    return content, found
+
+
+def line_of(lot: Lot) -> Columns:
+    """Return the columns that say where and when units were tested: as LOT.toml has them, else those of usual names."""
+    said, names = lot.file.line, lot.units.names
+    if said is not None:
+        return Columns(said.station, said.place, tuple(said.factors))
+    place = next((one for one in PLACES if one in names), "")
+    return Columns("station" if "station" in names else "", place, tuple(one for one in FACTORS if one in names))
 
 
 def _write(path: Path, text: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -10,10 +11,13 @@ import pyarrow as pa
 
 from ..campaign.engine.whole import VERDICT_COLUMNS
 from ..core.errors import Problem
+from ..core.influence import influence_of
 from ..core.remarks import Remark
 from ..core.results import COLUMNS, Row, finite
 
-NUMBERS = frozenset({"at", "value", "u", "dof", "lo", "hi", "p", "lower", "upper", "margin"})
+RESULT = (*COLUMNS, "common")  # the last: the part of u that all units of a station share by its standards
+VERDICT = (*VERDICT_COLUMNS, "quantity")
+NUMBERS = frozenset({"at", "value", "u", "common", "dof", "lo", "hi", "p", "lower", "upper", "margin"})
 REMARK = ("code", "severity", "test", "where", "count", "what", "do")
 PROBLEM = ("code", "what", "where", "why", "do")
 OWN = ("number", "serial", "status", "reason_code", "reason", "verdict", "results", "verdicts", "remarks", "model",
@@ -26,8 +30,8 @@ def _struct(names: Sequence[str], whole: frozenset[str] = frozenset()) -> pa.Dat
 
 
 LISTS = {
-    "results": _struct(COLUMNS, frozenset({"power"})),
-    "verdicts": _struct(VERDICT_COLUMNS),
+    "results": _struct(RESULT, frozenset({"power"})),
+    "verdicts": _struct(VERDICT),
     "remarks": _struct(REMARK, frozenset({"count"})),
     "model": _struct(("name", "json")),
     "inputs": _struct(("path", "sha256")),
@@ -52,6 +56,7 @@ class UnitRow:
     models: Sequence[tuple[str, str]] = ()  # Name and text of each file
     inputs: Sequence[tuple[str, str]] = ()  # Path, SHA-256
     problems: Sequence[Problem] = field(default=())
+    shares: frozenset[str] = frozenset()  # Influences whose errors units of one station share
 
     @property
     def reason_code(self) -> str:
@@ -69,8 +74,8 @@ def quarantined(number: int, serial: str, problems: Sequence[Problem]) -> UnitRo
     return UnitRow(number, serial, "quarantined", problems=tuple(problems))
 
 
-def result_cells(row: Row) -> Cells:
-    """Return a row of ``results.json`` in the order of ``core.results.COLUMNS``."""
+def result_cells(row: Row, shares: frozenset[str]) -> Cells:
+    """Return a row of ``results.json`` in the order of `RESULT`, with the influences that units of a station share."""
     key, at, member, ends = row.key, row.key.at, row.member, row.interval
     what, value, unit = (None, None, None) if at is None else at
     kind, label = (None, None) if member is None else member
@@ -79,12 +84,13 @@ def result_cells(row: Row) -> Cells:
     return (
         key.quantity, key.axis, key.sensor, key.power, what, value, unit, row.test, row.condition, row.method.value,
         kind, label, finite(row.value), finite(row.u), row.unit, finite(row.dof), low, high, p, row.status, code, text,
+        math.sqrt(sum(change**2 for name, change in row.shared.items() if influence_of(name) in shares)),
     )  # fmt: skip
 
 
 def _verdict_cells(one: dict[str, Any]) -> Cells:
     cells = one | (one["interval"] or {})
-    return tuple(None if (cell := cells.get(name)) is None else cell for name in VERDICT_COLUMNS)
+    return tuple(None if (cell := cells.get(name)) is None else cell for name in VERDICT)
 
 
 def _remark_cells(given: tuple[str, Remark]) -> Cells:
@@ -100,7 +106,7 @@ def table_of(rows: Sequence[UnitRow]) -> pa.Table:
     """Return units as a table of the columns of `SCHEMA`."""
     made: list[pa.Array] = []
     sources: dict[str, tuple[Callable[[UnitRow], Sequence[Any]], Callable[[Any], Cells]]] = {
-        "results": (lambda one: one.results, result_cells),
+        "results": (lambda one: [result_cells(each, one.shares) for each in one.results], tuple),
         "verdicts": (lambda one: one.verdicts, _verdict_cells),
         "remarks": (lambda one: one.remarks, _remark_cells),
         "model": (lambda one: one.models, tuple),

@@ -36,6 +36,9 @@ def lot(
     archive: Annotated[
         str, typer.Option("--archive", metavar="URL", help="Add each unit to this archive: lab.db.", show_default=False)
     ] = "",
+    report: Annotated[
+        bool, typer.Option("--report/--no-report", help="Write report.html, the page of the lot.")
+    ] = True,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -49,7 +52,7 @@ def lot(
     if output is None:
         raise UsageError("lot needs a folder", do="Name the folder after -o", code="missing_option")
     with progress(quiet or as_json) as tell:
-        outcome = reduce_lot(lot, output, resume, workers, scheduler, archive, tell)
+        outcome = reduce_lot(lot, output, resume, workers, scheduler, archive, tell, report)
     found(outcome.exit_status)
     remarks = [one.to_dict() for one in outcome.remarks]
     if as_json:
