@@ -130,13 +130,13 @@ def _distances(found: Study) -> list[Mapping[str, Any]]:
     far = found.outliers
     if far is None or not far.used.size:
         return []
-    known = np.flatnonzero(np.isfinite(far.distance) & found.table.first)
+    known = np.flatnonzero(np.isfinite(far.distance))
     if not known.size:
         return []
     keep = known[:: max(1, known.size // THIN)]
     keep = np.union1d(keep, known[far.outlier[known]])
     n = len(found.odd)
-    finding = f"{n} of {known.size} units are of another kind, by {far.used.size} parameters together" if n else \
+    finding = f"{n} of {known.size} tests are of units of another kind, by {far.used.size} parameters together" if n else \
               f"no unit is of another kind, by {far.used.size} parameters together"  # fmt: skip
     columns = {"number": Column(keep.astype(float) + 1.0), "distance": Column(far.distance[keep]),
                "limit": Column(np.full(keep.size, far.limit)), "odd": Column(far.outlier[keep])}  # fmt: skip

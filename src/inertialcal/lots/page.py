@@ -155,7 +155,7 @@ def _units(found: Study) -> Shown:
     rows = []
     for row, (serial, state, verdict) in enumerate(zip(table.serials, table.statuses, table.verdicts, strict=True)):
         why = [table.reasons[row].replace("_", " ")] if state != "done" else []
-        why += ["of another kind"] * (serial in odd and bool(table.first[row]))
+        why += ["of another kind"] * (serial in odd)
         why += [
             f"{each.requirement} {one.figure.name} {settled(table.values[row, k], table.u[row, k])} {one.figure.unit}"
             for one in found.figures for each in (judged.limits for judged in one.limits)

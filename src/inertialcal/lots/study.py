@@ -193,7 +193,7 @@ def study(table: Table, columns: Columns) -> Study:
     stations, names = table.levels(columns.station) if columns.station else (np.zeros(len(table), np.intp), ("",))
     place, _ = table.place(columns.place) if columns.place else (np.arange(len(table), dtype=float), "")
     first, far = table.first, _outliers(table)
-    odd_rows = _odd_rows(far, first)
+    odd_rows = _odd_rows(far, len(table))
     usable = [k for k in range(len(table.figures)) if _varies(table.values[first, k])]
     factors = {name: table.levels(name) for name in columns.factors}
     factors = {name: one for name, one in factors.items() if 1 < len(one[1]) <= MOST_LEVELS}
@@ -240,7 +240,7 @@ def _figure_study(
     bad = {one.number for one in at_station if one.off}
     kept = rows[[stations[row] not in bad for row in rows]] if bad and len(bad) < len(at_station) else rows
     common = float(np.median(table.common[rows, k]))
-    repeats = np.flatnonzero(np.isfinite(table.values[:, k]))
+    repeats = np.flatnonzero(np.isfinite(table.values[:, k]) & ~odd)
     try:
         tested = gauge(
             table.values[repeats, k],
@@ -261,7 +261,7 @@ def _figure_study(
         found = None
     limits = tuple(_judged(table, k, one, found) for one in table.limits.get(k, ()))
     return FigureStudy(
-        table.figures[k], rows.size + int(np.count_nonzero(odd & np.isfinite(table.values[:, k]))),
+        table.figures[k], rows.size + int(np.count_nonzero(odd & table.first & np.isfinite(table.values[:, k]))),
         float(np.median(table.u[rows, k])), common, found, tuple(at_station), change, tested, limits,
     )  # fmt: skip
 
@@ -290,14 +290,13 @@ def _outliers(table: Table) -> Outliers | None:
     order = sorted(parameters, key=lambda k: k not in table.limits)
     if not order:
         return None
-    values = np.where(table.first[:, np.newaxis], table.values, np.nan)[:, order]
-    found = outliers(values)
+    found = outliers(table.values[:, order])
     return Outliers(np.array(order, dtype=np.intp)[found.used], found.logarithm, found.distance, found.limit,
                     found.outlier, found.deviation, found.heavy)  # fmt: skip
 
 
-def _odd_rows(far: Outliers | None, first: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    return np.zeros(first.size, dtype=bool) if far is None else np.asarray(far.outlier & first)
+def _odd_rows(far: Outliers | None, n: int) -> NDArray[np.bool_]:
+    return np.zeros(n, dtype=bool) if far is None else far.outlier
 
 
 def _odd(table: Table, far: Outliers | None, row: int) -> Odd:
@@ -377,7 +376,7 @@ def capability_text(one: Capability | None) -> str:
         return "-"
     low, high = one.cpk_interval.lo, one.cpk_interval.hi
     if high is None or not math.isfinite(one.cpk):
-        return f"above {low:.2f}"
+        return f"above {low:.2f}" if low is not None and math.isfinite(low) else "no scatter seen"
     return f"{one.cpk:.2f} ({low:.2f} to {high:.2f})"
 
 

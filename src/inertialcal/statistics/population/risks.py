@@ -105,10 +105,12 @@ def risks(
 
 def _outside(values: Array, u: Array, mean: float, s: float, low: float, high: float) -> Array:
     """Return the probability of each unit to lie outside limits."""
+    both = s**2 + u**2
+    some = np.where(both > 0.0, both, 1.0)
+    variance = s**2 * u**2 / some
+    middle = np.where(both > 0.0, (mean * u**2 + values * s**2) / some, values)
+    root = np.sqrt(variance)
     with np.errstate(divide="ignore", invalid="ignore"):
-        variance = np.where((u > 0.0) & (s > 0.0), 1.0 / (1.0 / s**2 + 1.0 / u**2), 0.0)
-        middle = np.where(u > 0.0, (mean * u**2 + values * s**2) / (s**2 + u**2), values)
-        root = np.sqrt(variance)
         above = np.where(root > 0.0, special.ndtr((middle - high) / root), (middle > high).astype(float))
         below = np.where(root > 0.0, special.ndtr((low - middle) / root), (middle < low).astype(float))
     return np.asarray(above + below)
