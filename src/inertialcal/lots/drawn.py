@@ -136,8 +136,9 @@ def _distances(found: Study) -> list[Mapping[str, Any]]:
     keep = known[:: max(1, known.size // THIN)]
     keep = np.union1d(keep, known[far.outlier[known]])
     n = len(found.odd)
-    finding = f"{n} of {known.size} tests are of units of another kind, by {far.used.size} parameters together" if n else \
-              f"no unit is of another kind, by {far.used.size} parameters together"  # fmt: skip
+    by = f"by {far.used.size} parameters together"
+    finding = f"{n} of {known.size} tests are of units of another kind, {by}" if n else \
+              f"no unit is of another kind, {by}"  # fmt: skip
     columns = {"number": Column(keep.astype(float) + 1.0), "distance": Column(far.distance[keep]),
                "limit": Column(np.full(keep.size, far.limit)), "odd": Column(far.outlier[keep])}  # fmt: skip
     return [Curve("lot_distance", "", columns).to_dict() | {"finding": finding}]

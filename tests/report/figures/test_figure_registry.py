@@ -76,6 +76,10 @@ def test_every_procedure_of_ours_declares_its_figures_and_no_name_twice() -> Non
         "plan_time",
         "archive_history",
         "archive_trend",
+        "lot_distribution",
+        "lot_stations",
+        "lot_along",
+        "lot_distance",
     }
     assert next(iter(figures())) == "compensated"
     assert list(figures())[-2:] == ["matrix", "budget"]

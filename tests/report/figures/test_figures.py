@@ -13,6 +13,7 @@ import pytest
 from archive_curves import CURVES as ARCHIVE_CURVES
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from lot_curves import CURVES as LOT_CURVES
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
@@ -203,7 +204,7 @@ def results() -> dict[str, Any]:
                    *copy.deepcopy([*THERMAL_CURVES, *MASS_CURVES, *POSITIONS_CURVES, *SENSITIVITY_CURVES,
                                  *planned().results["curves"], *vibration_curves(), *TURNED_CURVES,
                                  *FIELD_CURVES, *SHIFTED_CURVES, *STATION_CURVES, *PLAN_CURVES,
-                                 *HEADS_CURVES, *ARCHIVE_CURVES, *ALIGNMENT_CURVES]),
+                                 *HEADS_CURVES, *ARCHIVE_CURVES, *ALIGNMENT_CURVES, *LOT_CURVES]),
                    noise_allan("z"), noise_terms("z"), noise_spectrum("z"), *sine_curves("z")],
         "sequence": SEQUENCE + THERMAL_SEQUENCE, "verdicts": [*VERDICTS, *JUDGED],
         "results": [*ROWS, *BESIDE, *CHANGES, *THERMAL_ROWS, *MASS_ROWS, *SENSITIVITY_ROWS,
