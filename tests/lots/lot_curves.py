@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 
-def _curve(name: str, finding: str, units: dict[str, str], **columns: list[Any]) -> dict[str, Any]:
-    found = {key: {"unit": units.get(key, ""), "values": values} for key, values in columns.items()}
+def _curve(name: str, finding: str, unit_of: dict[str, str], **columns: list[Any]) -> dict[str, Any]:
+    found = {key: {"unit": unit_of.get(key, ""), "values": values} for key, values in columns.items()}
     return {"name": name, "test": "rate", "axis": "x", "of": "scale factor error x", "condition": "",
             "finding": finding, "columns": found}  # fmt: skip
 

@@ -8,8 +8,9 @@ from typing import Any
 from matplotlib.axes import Axes
 
 from ..drawing.data import Curve, curves, finite, numbers, unit
+from ..drawing.metrics import shortened
 from ..drawing.picture import Picture
-from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, with_unit
+from ..drawing.style import COLOURS, TEXT, plain, set_labels, set_legend, set_title, with_unit
 
 NAME = "lot_along"
 SHOWS = "Means of units that follow each other, and the middle 90 % of these units, along the lot"
@@ -47,6 +48,6 @@ def draw(ax: Axes, curve: Curve, title: str = "") -> None:
         place, mean, yerr=1.96 * u, fmt=".", ms=4.0, lw=0.9, color=COLOURS["blue"], label="mean, 95 %", zorder=3
     )
     set_title(ax, title)
-    set_labels(ax, with_unit("along the lot", unit(curve, "place")),
-               with_unit(plain(curve.get("of", "")), unit(curve, "mean")))  # fmt: skip
+    what = shortened(with_unit(plain(curve.get("of", "")), unit(curve, "mean")), TEXT, 72.0 * HEIGHT - 6.0)
+    set_labels(ax, with_unit("along the lot", unit(curve, "place")), what)
     set_legend(ax)
