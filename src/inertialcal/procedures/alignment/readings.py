@@ -243,11 +243,19 @@ def _block_means(values: Array, size: int) -> Array:
     return np.asarray(np.divide(total, there.sum(axis=1), out=np.full(total.shape, np.nan), where=there.any(axis=1)))
 
 
+def _middle(values: Array) -> Array:
+    """Return the median of each column without what is missing, 0 where all is, shape (3,)."""
+    there = np.isfinite(values).any(axis=0)
+    found = np.zeros(values.shape[1])
+    found[there] = np.nanmedian(values[:, there], axis=0)
+    return found
+
+
 def _away(means: Array) -> tuple[Array, Array]:
     """Return how far means lie from the middle, shape (n, 3), and the scatter from one to the next, shape (3,)."""
     steps = np.diff(means, axis=0)
-    scale = np.nanmedian(np.abs(steps), axis=0) * 1.4826 / math.sqrt(2.0) if len(steps) else np.zeros(3)
-    return np.nan_to_num(means - np.nanmedian(means, axis=0)), np.nan_to_num(scale)
+    scale = _middle(np.abs(steps)) * 1.4826 / math.sqrt(2.0) if len(steps) else np.zeros(3)
+    return np.nan_to_num(means - _middle(means)), np.nan_to_num(scale)
 
 
 def _runs(flags: Flags) -> list[tuple[int, int]]:
@@ -276,7 +284,7 @@ def _rotation(seconds: Array, rates: Array, first: int, stop: int) -> Array:
     """Return the angles about each axis between two rests, less what is read at rest, shape (3,) [rad]."""
     if stop <= first:
         return np.zeros(3)
-    part = np.nan_to_num(rates[first:stop] - np.nanmedian(rates, axis=0))
+    part = np.nan_to_num(rates[first:stop] - _middle(rates))
     steps = np.gradient(seconds[first:stop]) if stop - first > 1 else np.array([0.0])
     return np.asarray(steps @ part)
 
@@ -331,8 +339,8 @@ def _turn(
     seconds = pair.seconds(1)
     inside = (seconds >= left) & (seconds <= first)
     rates = np.asarray(pair.recordings[1].array(AXES), dtype=float)
-    at_rest = 0.5 * (np.nanmedian(rates[(seconds >= before) & (seconds <= left)], axis=0)
-                     + np.nanmedian(rates[(seconds >= first) & (seconds <= stop)], axis=0))  # fmt: skip
+    at_rest = 0.5 * (_middle(rates[(seconds >= before) & (seconds <= left)])
+                     + _middle(rates[(seconds >= first) & (seconds <= stop)]))  # fmt: skip
     part, times = rates[inside] - at_rest, seconds[inside]
     good = np.isfinite(part).all(axis=1)
     part, times = part[good], times[good]
