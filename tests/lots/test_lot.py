@@ -46,9 +46,10 @@ def test_a_unit_has_the_figures_verdicts_and_model_of_its_campaign(made: tuple[P
     found = ic.run(alone)
     row = rows(out)[4]
     assert (row["serial"], row["status"], row["verdict"]) == ("u004", "done", found.verdict) == ("u004", "done", "FAIL")
-    own = [{name: cell for name, cell in one.items() if name != "common"} for one in row["results"]]
+    results: Any = row["results"]
+    own = [{name: cell for name, cell in one.items() if name != "common"} for one in results]
     assert own == [flat(one) for one in found.results["results"]]
-    assert [tuple(one) for one in row["results"][:1]] == [(*COLUMNS, "common")]
+    assert [tuple(one) for one in results[:1]] == [(*COLUMNS, "common")]
     verdicts: Any = row["verdicts"]
     expected = [one | (one["interval"] or {}) for one in found.results["verdicts"]]
     assert verdicts == [{name: one[name] for name in verdicts[0]} for one in expected]

@@ -970,6 +970,18 @@ LAB = (
         "has lab_steps",
     ),
     Case(
+        "Next: inertialcal sequence {} -o {} --yes",
+        'text plan allan --noise "0.2 deg/sqrt(h)" --available "1 h" --lab planned',
+        "sequence planned/LAB.toml -o planned/made --yes",
+        "has planned",
+    ),
+    Case(
+        "Next: inertialcal lot {} -o {}",
+        "text simulate lot --n 2 -o line",
+        "lot line/LOT.toml -o line-out",
+        "has line",
+    ),
+    Case(
         "Next: inertialcal sequence {} -o {}",
         "text simulate still_gyro --lab -o bench",
         "sequence bench/LAB.toml -o bench/made",

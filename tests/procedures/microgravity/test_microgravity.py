@@ -171,8 +171,8 @@ def _orbiting(seed: int, amplitudes: Sequence[float], noise: float, u_bias: floa
     waves = [a * np.sin(2.0 * np.pi * t / 5556.0 + rng.uniform(0.0, 2.0 * np.pi)) for a in amplitudes]
     part = np.array([0.4, -0.3, 0.8]) + np.column_stack(waves)
     read = part + rng.normal(0.0, u_bias, 3) + rng.normal(0.0, noise, part.shape)
-    said = dict.fromkeys(("bias_x", "bias_y", "bias_z"), 0.0) | {"bias_u": u_bias * UG, "orbit": 5556.0}
-    return reduce(Plan(**said), Readings((track(read * UG, 2.0, cut_off=0.8),))), part
+    plan = Plan(bias_x=0.0, bias_y=0.0, bias_z=0.0, bias_u=u_bias * UG, orbit=5556.0)
+    return reduce(plan, Readings((track(read * UG, 2.0, cut_off=0.8),))), part
 
 
 @pytest.mark.parametrize("n", [25, pytest.param(150, marks=pytest.mark.slow)])

@@ -40,7 +40,7 @@ def ground_of(one: FlownHead) -> SensorModel:
     pairs = [a + b for a in AXES for b in AXES if a != b]
     keys = [Key("bias", a) for a in AXES] + [Key("bias_temperature", a, power=1) for a in AXES]
     keys += [Key("scale_factor_error", a) for a in AXES] + [Key("misalignment", pair) for pair in pairs]
-    of_matrix = [*np.diag(one.matrix) - 1.0, *(one.matrix[AXES.index(a), AXES.index(b)] for a, b in pairs)]
+    of_matrix = [*np.diag(one.matrix) - 1.0, *(one.matrix[AXES.index(pair[0]), AXES.index(pair[1])] for pair in pairs)]
     values = np.array([*one.bias * g, *one.slope * g, *of_matrix])
     units = ("m/s^2",) * 3 + ("m/s^2/degC",) * 3 + ("1",) * 3 + ("rad",) * 6
     part = Component("ground test", "A", np.diag(np.square([10.0 * g] * 3 + [0.2 * g] * 3 + [1e-4] * 9)), 30.0, "t")

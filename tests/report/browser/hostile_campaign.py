@@ -125,6 +125,7 @@ def document() -> dict[str, Any]:
                 "channels": {axis: {"unit": "count"} for axis in AXES},
                 "clock": {},
                 "dwells": {},
+                "tle": {},
                 "positions": [
                     {"start": i * STOOD, "stop": (i + 1) * STOOD, "angle": angle} for i, angle in enumerate(ANGLES)
                 ],

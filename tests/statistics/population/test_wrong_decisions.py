@@ -21,7 +21,7 @@ def test_share_has_the_exact_interval() -> None:
 @pytest.mark.parametrize("n", [20, pytest.param(300, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(("units", "u", "band"), [(500, 0.1, 0.0), (500, 0.1, 0.16), (2000, 0.05, 0.0)])
 def test_counts_of_wrong_decisions(units: int, u: float, band: float, n: int) -> None:
-    hits = [0, 0]
+    hits = np.zeros(2, dtype=int)
     for seed in range(1, n + 1):
         rng = np.random.default_rng(seed)
         true = 0.1 + 0.45 * rng.standard_normal(units)
@@ -32,7 +32,7 @@ def test_counts_of_wrong_decisions(units: int, u: float, band: float, n: int) ->
         counts = np.sum(np.abs(true[accepted]) > 1.0), np.sum(np.abs(true[~accepted]) <= 1.0)
         for i, (one, count) in enumerate(zip((wrong.consumer, wrong.producer), counts, strict=True)):
             hits[i] += (one.interval.lo or 0.0) <= count <= (one.interval.hi or np.inf)
-    assert all(covers(count, n) for count in hits), hits
+    assert all(covers(int(count), n) for count in hits), hits
 
 
 def test_without_uncertainty_nothing_is_wrong() -> None:

@@ -47,7 +47,9 @@ def planner_of(procedure: Procedure[Any, Any, Any], declared: Command) -> Callab
         output, lab, seed, figure, as_json, quiet = (given.pop(name, None) for name in OUTPUT)
         figures.check_figure(output, {"--figure": figure})
         if seed is not None and lab is None:
-            raise UsageError("--seed: no simulated unit is wanted", do="Add --lab DIR", code="contradiction")
+            raise UsageError(
+                "--seed: no simulated unit is wanted", do="Leave it out, or name a folder for one", code="contradiction"
+            )
         said = pairs_of(settings, given)
         found = procedure.planned(said) if lab is None else _rehearsed(procedure, declared, said, lab, seed)
         written = "" if output is None else figures.write(output, found, [], {"figure": figure})

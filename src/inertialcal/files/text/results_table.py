@@ -59,7 +59,7 @@ def results_columns(
         made = [_row(content, row, flips[row["test"]], rows, loaded.path) for row in biases]
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         what = "this is no whole results file"
-        do = "Give out/results.json of a run, or what `inertialcal flip ... --json` prints"
+        do = "Give out/results.json of a run, or the JSON that a flip printed"
         raise DataError(what, loaded.path, type(error).__name__, do, "damaged_file") from None
     if not made and content.get("errors"):
         raise DataError("it holds no figures, but why there are none", loaded.path, str(content["errors"][0]["what"]),

@@ -95,7 +95,7 @@ def write_planned(word: str, procedure: Procedure[Any, Any, Any], settings: Mapp
         texts = {name: (work / name).read_bytes() for name in (SCHEDULE, PLAN)}
         title = f"rehearsal of plan {word}"
         named = word.replace("-", "_")
-        about = f"what `inertialcal plan {word}` planned, on a simulated unit"
+        about = f"the plan of {word}, on a simulated unit"
         campaign = toml_text({**campaign_head(f"plan_{named}", "simulated unit", title, about), **made.content})
         lab = toml_text(_planned_lab(title, made, seed))
     write_folder(folder, {**texts, "LAB.toml": lab.encode()})

@@ -47,13 +47,13 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
         found = described_channels(replace(given, said=replace(given.said, columns=columns)), spec)
         return replace(found, entry={**found.entry, "tle": _elements(given, str(tle))})
     if given.own.get("satellite"):
-        raise UsageError("a satellite, and no elements of it", do=f"Add: {given.add('tle', 'ELEMENTS.tle')}",
+        raise UsageError("a satellite, and no elements of it", do="Name the file with its two-line elements, too",
                          code="missing")  # fmt: skip
     fixed = all(f"position_{axis}" in columns for axis in AXES)
     if not fixed and not all(name in columns for name in GEODETIC):
         what = f"{given.name}: cannot tell where the spacecraft was; it has {have}"
         do = f"Add: {given.add('column', 'latitude=COLUMN')}, longitude and height alike; or earth-fixed position_x, "
-        do += f"position_y, position_z; or two-line elements: {given.add('tle', 'ELEMENTS.tle')}"
+        do += "position_y, position_z; or the two-line elements of the satellite"
         raise UsageError(what, why="the field of the earth is taken along the orbit", do=do, code="no_column")
     unused = GEODETIC if fixed else [f"position_{axis}" for axis in AXES]
     columns = {role: name for role, name in columns.items() if role not in unused}

@@ -223,7 +223,7 @@ def _by_elements(
 def _instant(epoch: str | None, name: str, file: str, clock: bool = False) -> int:
     if epoch is not None and clock and len(epoch.strip()) <= len("2026-03-01"):
         what = f"recordings.{name}: {epoch} is a date without the time of day"
-        do = 'Give the instant of the first sample: --epoch "2026-03-01T12:34:56Z"'
+        do = "Give the instant of the first sample, with its time of day"
         raise DataError(what, file, "a satellite moves by 7.6 km a second", do, "no_date")
     if epoch is None:
         what = f"recordings.{name}: times count from no known date"

@@ -41,7 +41,7 @@ def rehearsal_of(path: Path, seed: int) -> Rehearsal:
     except DataError as error:
         raise PlanError(list(error.problems)) from None
     except (KeyError, TypeError, ValueError) as error:
-        do = "Write it by: inertialcal plan TEST ... --lab DIR"
+        do = "Have the planner of the test write it"
         raise PlanError(f"not a plan: {error}", path.name, do=do, code="wrong_value") from None
     return procedure.rehearsed(settings, table, seed)
 
