@@ -124,11 +124,11 @@ def model_chain(
 def scale_factors(sensor: Sensor, axes: tuple[str, ...]) -> Array | None:
     """Return the ideal scale factor of each axis, shape (k,); None where there is none.
 
-    Of a chain [its output unit/SI unit]; of readings that stay in counts or volts [unit of the readings/SI unit].
+    Of a chain [its output unit/SI unit]; of readings that stay in counts or volts [count or V/SI unit].
     """
     given, si, output = sensor.chain.scale_factor, si_unit(sensor.unit), "V"
     if sensor.chain.kind == "none" and kind(sensor.unit) in RAW and sensor.kind in INPUT:
-        si, output = INPUT[sensor.kind], sensor.unit
+        si, output = INPUT[sensor.kind], si  # as the readings are given to a test
     if sensor.chain.kind != "none":
         output = output_unit(sensor)
     return None if given is None else per_axis(given, f"{output}/({si})", axes)

@@ -115,8 +115,8 @@ def _found(folder: str | Path, told: Told, *, asking: bool = False) -> FolderCon
         known = {group: unit for group, unit in told.said.units.items() if unit}  # a question passed over gives none
         answers = {group: unit for group, unit in known.items() if group in told.asked}
         stated = {group: unit for group, unit in known.items() if group not in told.asked}
-        contents = contents_of(root, replace(told.said, units=stated), answers)
-    open_files = [*contents.ambiguous, *(contents.choices if asking else ())]
+        contents = contents_of(root, replace(told.said, units=stated, dates=told.said.dates or None), answers)
+    open_files = [*contents.ambiguous, *contents.choices] if asking else []
     if not any(contents.found.values()) and not open_files:
         do = "Add recordings with gyro or accelerometer channels, tables with columns of rate and reading (a row per "
         do += "dwell), or tables of means (a row per axis and orientation)"

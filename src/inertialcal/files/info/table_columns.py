@@ -19,7 +19,8 @@ from ..text.table import Table
 PATTERNS = {
     "applied": (
         r"(^|_)(rate|applied|input|table_rate|commanded|omega"
-        r"|drehtisch|soll|sollwert|solldrehrate|vitesse|consigne)(_|$)"
+        r"|(dreh)?tisch(dreh)?(rate|zahl|geschwindigkeit)?|soll(wert|(dreh)?(rate|zahl|geschwindigkeit))?"
+        r"|vitesse|consigne)(_|$)"
     ),
     "scatter": r"(^|_)(std|stdev|sd|sigma|scatter|standardabweichung|stabw|streuung|ecart_type)(_|$)",
     "samples": r"^(n|samples|n_samples|count|anzahl|nombre)$",
@@ -31,7 +32,7 @@ RATE = r"(^|_)(drehrate|winkelgeschwindigkeit)(_|$)"  # of the table, where it n
 OTHER = r"(^|_)(error|percent|temp|temperature|time|warm)(_|$)"
 RAW = ("voltage", "count")  # kinds of unit
 READING = (
-    r"(^|_)(reading|output|measured|mean|sensor|gyro|gyr|ist|istwert|messwert|mittelwert|ausgang"
+    r"(^|_)(reading|output|measured|mean|sensor|gyro|gyr|ist((dreh)?rate|wert)?|messwert|mittelwert|ausgang"
     r"|mesure|moyenne|sortie)(_|$)"
 )
 AXIS = re.compile(r"(^|_)[gw]?([xyz])(_|$)", re.IGNORECASE)  # x, gx, wx

@@ -392,9 +392,10 @@ def _titles(table: Table, decimal: Decimal, width: int) -> int:
         last = max((k + 1 for k, cell in enumerate(cells) if cell.strip()), default=0)
         of_units = all(_is_unit(_unbracketed(cell)) for cell in cells if cell.strip())
         filled.append(-last if of_units or _has_number(kinds) else last)
-    if len(filled) == len(table):
-        return 0
     header = filled.index(max(filled)) if filled else 0
+    if len(filled) == len(table):  # every row begins with a word, or a date: titles are hardly filled
+        below = filled[header + 1 : header + 2]
+        header = header if below and below[0] < 0 and all(2 * abs(one) <= width for one in filled[:header]) else 0
     return header if header and all(abs(one) < filled[header] for one in filled[:header]) else 0
 
 

@@ -56,6 +56,7 @@ class Table:
     units: tuple[str | None, ...] = ()  # As the header or a units row say them, as ``core.units`` prints them
     decimal: Decimal = "."  # Decimal sign
     remarks: tuple[Remark, ...] = ()  # What reading it brought up
+    sampled: bool = False  # Whether the file states a sample rate, or stamps beside its columns
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -215,6 +216,7 @@ def read_table(
         units=units,
         decimal=layout.decimal,
         remarks=remarks + layout.remarks,
+        sampled=layout.sample_rate is not None,
     )
 
 
@@ -234,4 +236,5 @@ def _from_content(content: Content, loaded: Loaded, reader: str) -> Table:
         source=Source(loaded.path, loaded.sha256, content.format, reader),
         units=tuple(heading(column.name, column.unit).unit for column in content.columns),
         remarks=content.remarks,
+        sampled=content.sample_rate is not None or content.time_ns is not None,
     )

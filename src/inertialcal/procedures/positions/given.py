@@ -92,31 +92,36 @@ def described(given: GivenFile) -> list[Described]:
     found = []
     for sensor, by_axis in sensors.items():
         columns = {f"{sensor}_{axis}": channel.name for axis, channel in by_axis.items()}
+        chain = _chain(given, sensor, units[sensor])
+        through = kind(units[sensor]) in raw_units(chain)
+        unit = spoken_unit(KINDS[sensor], chain) if through else units[sensor]
+        said_sensor = sensor_said(given, KINDS[sensor], AXES, unit, chain)
         if is_table:
             if entry:
                 what = f"{given.name} is a table, a row a position: {', '.join(entry)} is for recordings"
                 do = "Say how each row lay in a column: position, or x, y and z (up)"
                 raise UsageError(what, do=do, code="wrong_value")
             rests = _rests(given, sensor, by_axis, units[sensor])
-            found.append(Described({"rests": rests}, sensor_said(given, KINDS[sensor], AXES, units[sensor]), columns))
+            found.append(Described({"rests": rests}, said_sensor, columns))
             continue
         channels = {axis: {"column": one.name, "unit": units[sensor]} for axis, one in by_axis.items()}
         warm = [c for c in recording.channels if c.quantity == TEMPERATURE and c.unit is not None]
         if len(warm) == 1:
             channels[TEMPERATURE] = {"column": warm[0].name, "unit": str(warm[0].unit)}
-        chain = chain_said(given, KINDS[sensor])
-        chain = chain if kind(units[sensor]) in RAW else chain_of_units(given, chain, [units[sensor]])
-        alone = not chain.keys() - {"kind", "scale_factor"} and chain.get("kind") == "output"
-        chain = chain | ({"kind": "none"} if alone else {})  # readings stay in counts or volts: their scale is found
-        through = kind(units[sensor]) in raw_units(chain)
         voltages = reference_columns(given, chain, AXES, named) if through else {}
         channels |= {what: {"column": name, "unit": recording.channel(name).unit or "count"}
                      for what, name in voltages.items()}  # fmt: skip
-        unit = spoken_unit(KINDS[sensor], chain) if through else units[sensor]
-        said_sensor = sensor_said(given, KINDS[sensor], AXES, unit, chain)
         own = entry | own_clock(given, KINDS[sensor])
         found.append(Described({"channels": channels, **own}, said_sensor, columns, remarks=tuple(remarks)))
     return found
+
+
+def _chain(given: GivenFile, sensor: str, unit: str) -> dict[str, Any]:
+    """Return the chain of a sensor with readings in a unit; with a scale factor alone they stay in counts or volts."""
+    chain = chain_said(given, KINDS[sensor])
+    chain = chain if kind(unit) in RAW else chain_of_units(given, chain, [unit])
+    alone = not chain.keys() - {"kind", "scale_factor"} and chain.get("kind") == "output"
+    return chain | ({"kind": "none"} if alone else {})
 
 
 def _with_sensor(given: GivenFile) -> GivenFile:

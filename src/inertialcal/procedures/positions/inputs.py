@@ -21,7 +21,7 @@ from ...core.labelled import LabelledPart
 from ...core.recording import SECOND, Channel, Recording, Times
 from ...core.remarks import Remark
 from ...core.show.rounding import number
-from ...core.units import factor, kind
+from ...core.units import convert, factor, kind
 from ...core.unknowns import Unknowns
 from ...core.unknowns import joined as unknowns_joined
 from ...files.budget import ANALYSIS, claim_recording
@@ -397,8 +397,8 @@ def _triad(source: Source) -> Triad:
         if missing.any():
             what = f"column {reading[axis]!r}: the reading of this position is missing"
             raise DataError(what, table.where(int(np.argmax(missing))), do="Leave the row out", code="nan_in_required")
-        mean[:, k] = own if raw else source.in_si(own, rests.unit, axis)
-        scale = 1.0 if raw else source.factor(rests.unit, axis)
+        mean[:, k] = convert(own, rests.unit, source.facts.si) if raw else source.in_si(own, rests.unit, axis)
+        scale = factor(rests.unit, source.facts.si) if raw else source.factor(rests.unit, axis)
         scatter[:, k] = column(scatters.get(axis), 0.0, 0.0) * scale
     count = column(rests.samples, 1.0, 1.0)
     return Triad(mean, scatter, np.repeat(count[:, None], len(AXES), axis=1), source.facts.si, count)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ...core.influence import Influence, Standards
+from ...core.key import Kind
 from ...core.settings import fact, setting
 
 HIGHEST_ORDER = 3  # in temperature
@@ -55,11 +56,11 @@ class Plan:
         0.01, above=0.0, example="0.01",
     )  # fmt: skip
     acc_scale_factor: Mapping[str, float] | None = fact(
-        "Ideal scale factor of each accelerometer, by axis [unit of the readings/(m/s^2)]; None: 1 for readings in SI, "
-        "else the estimated ones, rounded, which then are a definition.", "sensor", None,
+        "Ideal scale factor of each accelerometer, by axis [count or V/(m/s^2)]; None: 1 for readings in SI, else "
+        "errors of the model refer to the estimated ones, rounded, and the result has none.", "sensor", None,
     )  # fmt: skip
     gyro_scale_factor: Mapping[str, float] | None = fact(
-        "Ideal scale factor of each gyro, by axis [unit of the readings/(rad/s)]; None: as of accelerometers.",
+        "Ideal scale factor of each gyro, by axis [count or V/(rad/s)]; None: as of accelerometers.",
         "sensor", None,
     )  # fmt: skip
     acc_zero: Mapping[str, float] | None = setting(
@@ -90,6 +91,10 @@ class Plan:
         "Powers are those of the temperature less this.", 20.0, unit="degC", example="20 degC"
     )
     standards: Standards = fact("Uncertainties of the standards.", "standards", dict[str, Influence])
+
+    def states_scale(self, kind: Kind) -> bool:
+        """Whether a nominal scale factor of such sensors was stated."""
+        return (self.acc_scale_factor if kind == "accelerometer" else self.gyro_scale_factor) is not None
 
     @property
     def priors(self) -> Mapping[str, float]:

@@ -33,14 +33,12 @@ from .readings import local_gravity
 if TYPE_CHECKING:
     from .reduction import Result
 
-if TYPE_CHECKING:
-    from .reduction import Result
-
 NO_LEVEL = Reason("not_repeated", "nothing was repeated")
 NOT_SEEN = Reason("hardly_seen", "hardly larger than the known noise: less than one degree of freedom")
 STATED = Reason("stated", "stated before any reading")
 LEFT_OUT = Reason("left_out", "root mean square over the positions, each left out of the fit in turn")
 SCALE = tuple(Key("scale_factor", a) for a in AXES)
+ERROR = "scale_factor_error"
 NEGLIGIBLE = 0.01  # of the largest part of a variance, below which a part's degrees of freedom do not matter
 ROUNDING = 1e-12  # of the terms that make up a variance
 UNIT: dict[str, str] = {"accelerometer": "m/s^2", "gyro": "rad/s"}
@@ -103,12 +101,16 @@ def _sensor_rows(result: Result, kind: Kind, sensor: LinearSensor, unit: str, es
         wanted += list(zip(sensor.temperature.keys, sensor.temperature.units, strict=True))
     if unit != UNIT[kind]:
         wanted = [(name, f"{unit}/({UNIT[kind]})") for name in SCALE] + wanted
-    why = reasons(sensor)
+    why = {**reasons(sensor)}
+    if unit != UNIT[kind] and not result.plan.states_scale(kind):
+        for axis, size in zip(AXES, sensor.ideal, strict=True):
+            what = f"no nominal scale factor was stated to differ from; errors of the model refer to {size:.4g} "
+            why.setdefault(Key(ERROR, axis), Reason("no_nominal", f"{what}{unit}/({UNIT[kind]})"))
     limits = Reason("relative", "relative to the fixture") if missing(result) else Reason()
     found = []
     for name, own in wanted:
         key = name._replace(sensor=kind)
-        if estimate is None or name not in estimate.keys:
+        if (name.quantity == ERROR and name in why) or estimate is None or name not in estimate.keys:
             found.append(not_estimated(key, own, why.get(name, NO_LEVEL)))
             continue
         k = estimate.index(name)
@@ -176,7 +178,7 @@ def used_angles(result: Result) -> Array:
 def units_of(kind: Kind, count: int) -> tuple[str, ...]:
     """Return the units of so many numbers, 12 or 21, in the order of ``linear_sensor``."""
     unit = UNIT[kind]
-    matrix = tuple("1" if key.quantity == "scale_factor_error" else "rad" for key in MATRIX)
+    matrix = tuple("1" if key.quantity == ERROR else "rad" for key in MATRIX)
     return (*matrix, *(unit,) * 3, *(normalise(f"({unit})/(m/s^2)"),) * 9)[:count]
 
 
@@ -258,7 +260,7 @@ def reasons(sensor: LinearSensor) -> Mapping[Key, Reason]:
         keys = sensor.temperature.keys
         found |= {key: sensor.reasons[i % 12] for i, key in enumerate(keys) if i % 12 in sensor.reasons}
     for axis in AXES:
-        reason = found.get(Key("scale_factor_error", axis))
+        reason = found.get(Key(ERROR, axis))
         if reason:
             found[Key("scale_factor", axis)] = reason
             for other in AXES:

@@ -84,7 +84,7 @@ def _is_table(table: Table, rates: Guess) -> bool:
     columns = zip(table.names, table.cells, strict=True)
     timed = any(heading(name).quantity == "time" or looks_iso(cells) or looks_dated(cells) for name, cells in columns)
     try:
-        if timed and goes_in_steps(table.numbers(rates.applied)):
+        if (timed or table.sampled) and goes_in_steps(table.numbers(rates.applied)):
             return False  # a recording
         return all(np.isfinite(table.numbers(name)).any() for name in (rates.applied, *rates.readings))
     except InertialcalError:  # text
