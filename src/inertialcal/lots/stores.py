@@ -16,11 +16,13 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.csv as pa_csv
 import pyarrow.dataset as ds
 import pyarrow.fs as pa_fs
 import pyarrow.parquet as pq
+from numpy.typing import NDArray
 
 from ..campaign.inputs.sources import ReadOnce
 from ..core.errors import DataError, PlanError
@@ -212,14 +214,11 @@ class Delivery:
             except DataError as error:
                 refused |= dict.fromkeys(units, error)
                 continue
-            by_key: dict[tuple[str, ...], list[int]] = {}
-            columns = [table[name].cast(pa.string()).to_pylist() for name in (one.serial, *(m for m, _ in one.match))]
-            for at, key in enumerate(zip(*columns, strict=True)):
-                by_key.setdefault(tuple("" if part is None else part for part in key), []).append(at)
+            by_key = _rows_by_key(table, (one.serial, *(name for name, _ in one.match)))
             for number, cells in units.items():
                 key = (cells["serial"], *(cells.get(column, "") for _, column in one.match))
                 rows = by_key.get(key)
-                if not rows:
+                if rows is None:
                     said = " and ".join(f"{name} {part!r}" for name, part in zip(
                         (one.serial, *(m for m, _ in one.match)), key, strict=True))  # fmt: skip
                     do = f"Check column {one.serial}, or take the unit out of the table"
@@ -227,11 +226,13 @@ class Delivery:
                     continue
                 path = self.root(number) / one.file
                 path.parent.mkdir(parents=True, exist_ok=True)
-                own = table.take(pa.array(rows)).drop_columns([one.serial])
+                together = rows[-1] - rows[0] == len(rows) - 1
+                own = table.slice(rows[0], len(rows)) if together else table.take(pa.array(rows))
+                own = own.drop_columns([one.serial])
                 if path.suffix.lower() in CSV:
                     pa_csv.write_csv(own, path)
                 else:
-                    pq.write_table(own, path)
+                    pq.write_table(own, path, compression="none", use_dictionary=False, write_statistics=False)
         return refused
 
     def _rows(self, shared: Shared, serials: Sequence[str]) -> pa.Table:
@@ -292,3 +293,24 @@ class Delivery:
         """Forget the files of a unit."""
         if self.temporary is not None:
             shutil.rmtree(self.root(number), ignore_errors=True)
+
+
+def _rows_by_key(table: pa.Table, names: Sequence[str]) -> dict[tuple[str, ...], NDArray[np.intp]]:
+    """Return the rows of each combination of the cells of some columns as text, in their order."""
+    words: list[list[str]] = []
+    number = np.zeros(table.num_rows, dtype=np.int64)
+    for name in names:
+        column = table[name].combine_chunks().dictionary_encode(null_encoding="encode")
+        texts = ["" if one is None else str(one) for one in column.dictionary.cast(pa.string()).to_pylist()]
+        words.append(texts)
+        number = number * len(texts) + column.indices.to_numpy()
+    order = np.argsort(number, kind="stable")
+    first = np.flatnonzero(np.diff(number[order], prepend=-1))
+    found: dict[tuple[str, ...], NDArray[np.intp]] = {}
+    for rows in np.split(order, first[1:]) if len(order) else []:
+        left, key = int(number[rows[0]]), []
+        for texts in reversed(words):
+            left, at = divmod(left, len(texts))
+            key.append(texts[at])
+        found[tuple(reversed(key))] = rows
+    return found
