@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import multiprocessing
+import os
 import shutil
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +20,7 @@ from inertialcal.cli.__main__ import main
 from inertialcal.core.errors import DataError, StoreError, UsageError
 from inertialcal.core.results import COLUMNS, flat
 from inertialcal.lots import block as block_module
-from inertialcal.lots import publish
+from inertialcal.lots import publish, workers
 from inertialcal.lots.ledger import Ledger
 from inertialcal.procedures import procedure_of
 from inertialcal.procedures.protocol import Procedure
@@ -257,3 +260,14 @@ def test_the_command(made: tuple[Path, Path], tmp_path: Path, capsys: pytest.Cap
     assert "after -o" in capsys.readouterr().err
     assert ended("lot", lot, "-o", out) == 2
     assert "resume the lot" in capsys.readouterr().err
+
+
+def test_new_processes_do_what_doubles_do(
+    made: tuple[Path, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where doubling is not safe they are started one by one, as blocks come: all of them have to be ended."""
+    monkeypatch.setattr(workers, "can_fork", lambda: False)
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(sys.path))
+    ic.lot(made[0], tmp_path / "out", workers=2)
+    assert digests(tmp_path / "out") == digests(made[1])
+    assert not multiprocessing.active_children()

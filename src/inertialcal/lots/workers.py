@@ -167,7 +167,7 @@ class Processes:
 
     def __init__(self, count: int) -> None:
         self.size = count
-        self._own: set[BaseProcess] = set()
+        self._others: set[BaseProcess] = set()  # that were there before the pool
         self._pool: ProcessPoolExecutor | None = None
 
     def begin(self, job: Job, units: Sequence[Given]) -> Future[Block]:
@@ -182,12 +182,11 @@ class Processes:
         """Start a pool; its processes are doubles of this one where that is safe, so that nothing is loaded again."""
         loaded_procedures()
         context = get_context("fork" if can_fork() else "spawn")
-        before = set(active_children())
+        self._others = set(active_children())
         pool = ProcessPoolExecutor(self.size, context, _work_for, (os.getpid(),))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # of threads: those of libraries, which know of forks
-            pool.submit(os.getpid)  # starts them
-        self._own = set(active_children()) - before
+            pool.submit(os.getpid)  # starts them; where they are no doubles, the first of them
         self._pool = pool
         return pool
 
@@ -203,12 +202,13 @@ class Processes:
         self._end()
 
     def _end(self) -> None:
-        for one in self._own:
+        if self._pool is None:
+            return
+        for one in set(active_children()) - self._others:  # all: one that is left would wait for the lock of a dead one
             with suppress(ValueError, OSError):
                 one.kill()
-        if self._pool is not None:
-            self._pool.shutdown(wait=True, cancel_futures=True)
-        self._own, self._pool = set(), None
+        self._pool.shutdown(wait=True, cancel_futures=True)
+        self._pool = None
 
 
 def _work_for(parent: int) -> None:
