@@ -161,3 +161,19 @@ def test_info_asks_whether_codes_stand_under_the_unit_of_a_message(
     status, out, err = call(capsys, "info", str(file))
     assert status == 0, err
     assert (f"whole numbers up to 257: --unit {group}=count?" in out) == told
+
+
+def test_a_hobo_says_by_its_label_which_sensor_gave_volts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    seconds, start = np.arange(0, 14400, 4), datetime(2024, 3, 13, 9, 15)
+    warm = 20.0 + 30.0 * np.sin(2.0 * np.pi * seconds / 14400.0)
+    volts = 2.5 + 0.02 * (0.1 + 0.004 * (warm - 20.0) + 0.01 * np.random.default_rng(5).standard_normal(len(warm)))
+    serial = "LGR S/N: 20412345, SEN S/N: 20412345"
+    rows = [f"{k + 1},{start + timedelta(seconds=int(s)):%m/%d/%y %I:%M:%S %p},{w:.3f},{v:.6f},"
+            for k, (s, w, v) in enumerate(zip(seconds, warm, volts, strict=True))]  # fmt: skip
+    head = f'"#","Date Time, GMT+01:00","Temp, °C ({serial}, LBL: Box)","Volt, V ({serial}, LBL: Gyro Z)","Host Connected"'
+    text = "\r\n".join(['"Plot Title: Soak"', head, *rows]) + "\r\n"
+    (tmp_path / "soak.csv").write_text(text, encoding="utf-8-sig", newline="")
+    out = init_and_run(capsys, tmp_path)
+    for quantity, truth in (("bias", 0.1), ("bias_temperature", 0.004)):
+        one = figures(out, quantity)["z"]
+        assert one["value"] == pytest.approx(truth, abs=5.0 * one["u"])

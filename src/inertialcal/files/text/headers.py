@@ -156,6 +156,7 @@ SENSOR_WORDS = {"gyro": GYRO, "acc": ACC}
 SETTLED = {("temperature", "C"): "degC", ("temperature", "F"): "degF", ("acc", "G"): "g", ("acc", "mG"): "mg"}
 WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+")
 COUNTED = re.compile(r"(.*\S)\[([012])\]")
+OF_SENSOR = re.compile(r"\bLBL: ([^,)]+)")  # of a HOBO, what its owner calls a sensor
 OF_GRAPH = re.compile(r"[XY]\[[0-9]+\]", re.IGNORECASE)  # as LabVIEW counts the curves of a graph: no axes
 AFTER = re.compile(
     r"(?:, *| in | / )([^\s,]+)$"
@@ -218,6 +219,9 @@ def heading(name: str, unit: str | None = None) -> Heading:
     axis = "" if OF_GRAPH.fullmatch(name.strip()) else _axis(words)
     if not quantity and not (axis and kind in RAW):  # ``x [V]`` is an axis of a sensor, like ``x [count]``
         quantity = BY_KIND.get(kind, "")
+    if kind in RAW and not axis and (label := OF_SENSOR.search(name)):  # ``Volt, V (SEN S/N: 123, LBL: Gyro Z)``
+        said = heading(label[1])
+        quantity, axis = (said.quantity, said.axis) if said.quantity in ("gyro", "acc") else (quantity, axis)
     return Heading(known, axis, quantity, unknown)
 
 
