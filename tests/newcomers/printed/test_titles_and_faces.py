@@ -170,10 +170,35 @@ def test_a_hobo_says_by_its_label_which_sensor_gave_volts(tmp_path: Path, capsys
     serial = "LGR S/N: 20412345, SEN S/N: 20412345"
     rows = [f"{k + 1},{start + timedelta(seconds=int(s)):%m/%d/%y %I:%M:%S %p},{w:.3f},{v:.6f},"
             for k, (s, w, v) in enumerate(zip(seconds, warm, volts, strict=True))]  # fmt: skip
-    head = f'"#","Date Time, GMT+01:00","Temp, °C ({serial}, LBL: Box)","Volt, V ({serial}, LBL: Gyro Z)","Host Connected"'
+    head = (
+        f'"#","Date Time, GMT+01:00","Temp, °C ({serial}, LBL: Box)","Volt, V ({serial}, LBL: Gyro Z)","Host Connected"'
+    )
     text = "\r\n".join(['"Plot Title: Soak"', head, *rows]) + "\r\n"
     (tmp_path / "soak.csv").write_text(text, encoding="utf-8-sig", newline="")
     out = init_and_run(capsys, tmp_path)
     for quantity, truth in (("bias", 0.1), ("bias_temperature", 0.004)):
         one = figures(out, quantity)["z"]
         assert one["value"] == pytest.approx(truth, abs=5.0 * one["u"])
+
+
+@pytest.mark.parametrize(("unit", "more"), [("mV", ("--reference", "1.65 V", "--scale-factor", "0.3 V/g")),
+                                            ("", ("--unit", "acc=g"))])  # fmt: skip
+def test_init_takes_a_table_of_faces(
+    unit: str, more: tuple[str, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    head, *rows = faces("V").splitlines()
+    cells = [row.split(",") for row in rows]
+    zero, per = (0.0, 1e3) if unit else (1.65, 1.0 / 0.3)  # in g, where no unit is said
+    lines = [",".join([name, *(f"{per * (float(one) - zero):.6f}" for one in values)]) for name, *values in cells]
+    (tmp_path / "faces.csv").write_text("\n".join([head.replace(" [V]", f" [{unit}]" if unit else ""), *lines]) + "\n")
+    status, out, err = call(capsys, "info", str(tmp_path / "faces.csv"))
+    assert status == 0, err
+    following = next(line for line in out.splitlines() if line.startswith("next: "))
+    assert following.split()[2:3] == ["positions"]
+    assert call(capsys, *following.split()[2:])[0] == 0
+    status, out, err = call(capsys, "init", str(tmp_path), "--yes", *more)
+    assert (status, "complete" in out) == (0, True), err
+    status, out, err = call(capsys, "run", str(tmp_path), "--json")
+    assert status == 0, err
+    for axis, one in figures(out, "scale_factor_error").items():
+        assert one["value"] == pytest.approx(100.0 * FACE_ERRORS["xyz".index(axis)], abs=5.0 * one["u"])

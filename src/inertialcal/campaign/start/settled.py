@@ -13,6 +13,7 @@ from ...procedures.suggestions import fill_in
 from ..calls.given import text_said
 from .folder import Part
 
+OF_TABLE = ("rows", "rests")  # columns of a table of means, with one unit
 OPEN = {"", "?"}  # texts that say nothing
 Parts = dict[str, dict[str, object]]
 
@@ -108,9 +109,7 @@ def _with_unit(entry: object, unit: str | None) -> object:
             what: _closed(one, unit) if what in AXES else one for what, one in _plain_table(table["channels"]).items()
         }
         return table | {"channels": channels}
-    if "rows" in table:
-        return table | {"rows": _closed(table["rows"], unit)}
-    return table
+    return table | {name: _closed(table[name], unit) for name in OF_TABLE if name in table}
 
 
 def _closed(entry: object, unit: str) -> object:
@@ -129,8 +128,8 @@ def _units(entry: object) -> Iterator[str]:
         for what, one in _plain_table(table["channels"]).items():
             if what in AXES:
                 yield str(_plain_table(one).get("unit", "?"))
-    elif "rows" in table:
-        yield str(_plain_table(table["rows"]).get("unit", "?"))
+    else:
+        yield from (str(_plain_table(table[name]).get("unit", "?")) for name in OF_TABLE if name in table)
 
 
 def _reading(said: Said) -> dict[str, Any]:

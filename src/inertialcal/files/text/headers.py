@@ -219,10 +219,15 @@ def heading(name: str, unit: str | None = None) -> Heading:
     axis = "" if OF_GRAPH.fullmatch(name.strip()) else _axis(words)
     if not quantity and not (axis and kind in RAW):  # ``x [V]`` is an axis of a sensor, like ``x [count]``
         quantity = BY_KIND.get(kind, "")
-    if kind in RAW and not axis and (label := OF_SENSOR.search(name)):  # ``Volt, V (SEN S/N: 123, LBL: Gyro Z)``
-        said = heading(label[1])
-        quantity, axis = (said.quantity, said.axis) if said.quantity in ("gyro", "acc") else (quantity, axis)
+    quantity, axis = (quantity, axis) if axis or kind not in RAW else _labelled(name, quantity)
     return Heading(known, axis, quantity, unknown)
+
+
+def _labelled(name: str, quantity: str) -> tuple[str, str]:
+    """Return quantity and axis of a column in volts by its label: ``Volt, V (SEN S/N: 123, LBL: Gyro Z)``."""
+    label = OF_SENSOR.search(name)
+    said = heading(label[1]) if label else None
+    return (quantity, "") if said is None or said.quantity not in SENSOR_WORDS else (said.quantity, said.axis)
 
 
 def heading_within(name: str, unit: str | None, group: str) -> Heading:

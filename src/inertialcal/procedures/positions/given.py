@@ -269,6 +269,24 @@ def _units(given: GivenFile, sensors: Mapping[str, Mapping[str, Channel]]) -> di
     return found
 
 
+def rests_of_table(given: GivenFile) -> dict[str, dict[str, Any]]:
+    """Return the columns of a table, sensor by sensor, the unit ``?`` where it has none; nothing of any other file.
+
+    It has accelerometers along three axes, and says how each row lay.
+    """
+    if not is_table_of_positions(given.recording):
+        return {}
+    try:
+        sensors = _channels(given, is_table=True)[0]
+    except UsageError:
+        return {}
+    found = dict[str, dict[str, Any]]()
+    for sensor, by_axis in sensors.items():
+        units = {one.unit for one in by_axis.values()}
+        found[sensor] = _rests(given, sensor, by_axis, (units.pop() if len(units) == 1 else None) or "?")
+    return found if {"direction", "orientation"} & found.get("acc", {}).keys() else {}
+
+
 def _length(by_axis: Mapping[str, Channel]) -> tuple[float, str]:
     """Return how long the acceleration is, and which unit that may be."""
     x, y, z = (np.asarray(by_axis[axis].data, dtype=np.float64) for axis in AXES)

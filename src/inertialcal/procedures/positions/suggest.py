@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 from ...core.batches import extremes
 from ...core.campaign_text import Noted
+from ...core.errors import InertialcalError
 from ...core.key import AXES
 from ...core.recording import Channel, Recording
 from ...core.units import factor, kind
+from ...files import read
 from ...files.info.motion import accelerometers, gyros, is_laid, triad
 from ...files.info.survey import Survey
+from ...files.text.headers import heading
+from ...files.text.table import Table
+from ..given import GivenFile, Said
 from ..suggestions import (
     Claim,
     Draft,
@@ -24,18 +30,21 @@ from ..suggestions import (
     recording_table,
     sensor_table,
 )
-from .given import applied_columns, is_table_of_positions
+from .given import LONGEST as LONGEST_TABLE
+from .given import applied_columns, is_table_of_positions, rests_of_table
 
 SENSORS = {"acc": ("accelerometer", "acceleration"), "gyro": ("gyro", "angular_rate")}
 REQUIREMENT = {"quantity": "transition_error", "upper": "0.5 deg"}
 LONGEST = 4_000_000  # samples of a record whose dwells are looked for before it is asked for
+POSITION = ("position", "orientation")  # names of the column that says how a row of a table lay
 GRAVITY = 0.5  # least that an axis feels of it, in any position of a triad [g]
 
 
 def suggests(recording: Recording, survey: Survey) -> Suggestion | None:
     """Return ``positions`` where a triad of accelerometers was laid into many positions, and feels gravity."""
-    if is_table_of_positions(recording) and applied_columns(recording.channels):
-        return Suggestion(("positions",), Strength.SURE)
+    if is_table_of_positions(recording) and (applied_columns(recording.channels) or _is_labelled(recording, survey)):
+        units = [f"--unit {one.target}={one.unit}" for one in survey.hints if one.unit]
+        return Suggestion(("positions",), Strength.SURE, options=" ".join(units))
     if not any(remark.code == "not_at_rest" for remark in survey.remarks):
         return None
     sizes = [max(map(abs, extremes(one.data))) * factor(one.unit or "", "g") for one in triad(recording)]
@@ -43,13 +52,36 @@ def suggests(recording: Recording, survey: Survey) -> Suggestion | None:
     return Suggestion(("positions",), Strength.POSSIBLE) if laid else None
 
 
+def _is_labelled(recording: Recording, survey: Survey) -> bool:
+    """Whether a file looks like means of positions, by its columns: a triad of accelerometers, and how it lay."""
+    names = {one.subject.lower() for one in survey.remarks if one.code == "text_column"}
+    return len(accelerometers(recording)) == len(AXES) and bool(names & set(POSITION))
+
+
 def claims(file: FolderFile) -> Claim | None:
-    """Claim a recording in many orientations that says no rate that was applied, and gyros recorded beside it."""
-    recording = file.recording
-    if recording is None or file.columns.applied:
+    """Claim a recording in many orientations that says no rate that was applied, and gyros recorded beside it.
+
+    So it does a table that says how each row lay.
+    """
+    recording, rates = file.recording, file.columns.applied
+    if recording is None:
+        rests = {} if rates else _rests(file.table)
+        return Claim(Strength.SURE, lambda: (rests, ())) if rests else None
+    if rates:
         return None
     laid = is_laid(recording) or (bool(gyros(recording)) and any(map(is_laid, file.beside)))
     return Claim(Strength.LIKELY, lambda: (recording, ())) if laid else None
+
+
+def _rests(table: Table) -> dict[str, dict[str, Any]]:
+    """Return the columns of a table of positions; nothing of any other file."""
+    if table.sampled or len(table) > LONGEST_TABLE or sum(heading(one).axis != "" for one in table.names) < len(AXES):
+        return {}
+    path = table.source.path
+    try:
+        return rests_of_table(GivenFile(path, Said(), {}, {}, lambda: read(path), lambda: table))
+    except InertialcalError:
+        return {}
 
 
 def asks(contents: Mapping[str, object]) -> list[Question]:
@@ -67,7 +99,7 @@ def draft(contents: Mapping[str, object]) -> Draft:
         together.setdefault(one.source.path or file, []).append(file)
         for sensor, own in (("acc", accelerometers(one)), ("gyro", gyros(one))):
             channels[sensor] |= {file: own} if len(own) == len(AXES) else {}
-    have = [sensor for sensor, own in channels.items() if all(any(file in own for file in one)
+    have = [sensor for sensor, own in channels.items() if together and all(any(file in own for file in one)
                                                               for one in together.values())]  # fmt: skip
     sensors = {}
     for sensor in have:
@@ -96,6 +128,17 @@ def draft(contents: Mapping[str, object]) -> Draft:
         for name, use, own in (("imu", "fit", numbers[: len(numbers) - len(held)]), ("imu_held_out", "hold_out", held))
         if own and have
     ]
+    tables = [(file, one) for file, one in contents.items() if isinstance(one, Mapping)]
+    for number, (file, table) in enumerate(tables, 1):
+        for sensor, rests in table.items():
+            word, quantity = SENSORS[sensor]
+            unit = str(rests["unit"])
+            known = [unit] if unit != "?" and kind(unit) == quantity else []
+            sensors.setdefault(sensor, sensor_table(word, known))
+            columns = fill_in(rests) if unit == "?" else rests
+            entries[f"{sensor}_faces{number}"] = {"sensor": sensor, "file": file, "rests": columns}
+        names = [f"{sensor}_faces{number}" for sensor in table]
+        tests.append({"id": f"faces{number}", "procedure": "positions", "recordings": names, "use": "fit"})
     site = {
         "latitude": Noted("48 deg", example=True),
         "height": Noted("300 m", example=True),
