@@ -676,7 +676,7 @@ MASSES = (
         'A model holds the error of a nominal scale factor: --scale-factor "NUMBER UNIT"',
         "mass-attraction moved_volts.csv --schedule moved_schedule.csv --stamp end --averaging '10 s' -o moved.json",
         "+ --scale-factor '1000 V/g'",
-        "scale_factor x 101.97",
+        "scale_factor x 1000",
     ),
     Case(
         'Add: --gate "GATE s"',
