@@ -44,6 +44,7 @@ from inertialcal.files.binary.curves import read_curves
 from inertialcal.procedures import procedure_names, procedure_of
 from inertialcal.procedures.flip import entry as flip
 from inertialcal.procedures.heads import entry as heads
+from inertialcal.procedures.magnetometer_bias import entry as magnetometer_bias
 from inertialcal.procedures.mass_attraction import entry as mass_attraction
 from inertialcal.procedures.mass_attraction.planning.settings import Settings
 from inertialcal.procedures.positions import entry as positions
@@ -90,6 +91,7 @@ CAMPAIGN_TABLES: dict[str, type[schema_words.Strict]] = {
     "`mass`, of": mass_attraction.MovedMass,
     "`turned`, of": turned_mass.Turned,
     "`flips`, of": shifted_model.Flips,
+    "`tle`, of": magnetometer_bias.Tle,
     "`head`, of": heads.Head,
     "`drive`, of": sine.KnownDrive,
     "`[[tests]]`": schema.Test,

@@ -15,7 +15,7 @@ COMPENSATED = (
         "bias x 0.12",
     ),
     Case(
-        'Add: --latitude "36.6 deg", north positive; in a campaign, latitude under [site]',
+        "Write it like 36.6 deg, north positive: --latitude; in a campaign, latitude under [site]",
         'alignment aligned.csv --turns "180 deg"',
         '+ --latitude "36.6 deg"',
         "value heading 40",

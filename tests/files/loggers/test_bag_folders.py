@@ -60,7 +60,7 @@ def test_an_orientation_is_read_where_there_is_one(tmp_path: Path) -> None:
 
 def test_a_table_in_a_bag(tmp_path: Path) -> None:
     folder = bag(tmp_path / "bag", (0.0, 0.0, 0.0, 0.0))
-    with pytest.raises(UsageError, match="cannot tell which column is the applied rate"):
+    with pytest.raises(UsageError, match="no column says the rate of the table"):
         ic.rate_table(folder, axis="z", topics=["/imu"])
     reading, applied = "angular_velocity.z", "/table.angular_velocity.z"
     found = ic.rate_table(folder, topics=["/imu", "/table"], applied=applied, reading={"z": reading}, axis="z")

@@ -36,6 +36,8 @@ NOT_FREE = {"Requirement.where"}
 INSTEAD = {"Chain.model", "Condition.text"}
 # And positions of a head by a table, instead of a list.
 INSTEAD |= {f"Dwells.{name}" for name in ("file", "start", "stop", "angle", "dwell", "flip")}
+# And the elements of an orbit, instead of recorded positions.
+INSTEAD |= {"Tle.file", "Tle.satellite"}
 FILES = {
     "RecordingEntry.file": ".parquet",
     "RecordingEntry.sections": ".json",
@@ -287,7 +289,7 @@ def filled(give: Give) -> dict[str, Any]:
     made["tests"][0]["groups"] = [one.strip(" \t") for one in made["tests"][0]["groups"]]  # as cells are
     made["requirements"][0]["condition"] = made["tests"][0]["condition"]
     del made["requirements"][2]["condition"]  # R1 is about the first test, R2 about none, R3 about all
-    del made["conditions"], made["recordings"]["turned"]["dwells"]
+    del made["conditions"], made["recordings"]["turned"]["dwells"], made["recordings"]["turned"]["tle"]
     stepped = give("RecordingEntry.conditions field").strip()
     made["recordings"]["stepped"]["conditions"] = {stepped: made["recordings"]["stepped"]["conditions"]["field"]}
     made["tests"][4]["plan"]["to"] = [stepped]

@@ -538,7 +538,8 @@ class Acquisition:
         now = self.clock.now()
         apart = now.utc_ns - now.monotonic_ns
         step, self._apart = (apart - self._apart) / SECOND, apart
-        if abs(step) > STEP * self.clock.speed:  # of the machine, whose readings are a moment apart
+        least = STEP * self.clock.speed  # of the machine, whose readings are a moment apart
+        if abs(step) > least:
             word = "back" if step < 0 else "forward"
             what = f"the clock of this computer was set {word} by {abs(step):.1f} s: times go on as if it had not been"
             self.say(Remark("clock_set", "warning", what, do="Compare times with those of others by its first setting"))

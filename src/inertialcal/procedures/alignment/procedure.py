@@ -135,7 +135,7 @@ class Alignment(Procedure[Plan, "Readings", "Result"]):
         if test.latitude is None:
             where = test.at("tests", test.number)
             what = f"test {test.id!r}: an alignment needs the latitude of the site"
-            do = 'Add: --latitude "36.6 deg", north positive; in a campaign, latitude under [site]'
+            do = "Write it like 36.6 deg, north positive: --latitude; in a campaign, latitude under [site]"
             yield Problem(what, where, "the rate of the earth depends on it", do, "missing_key")
 
 

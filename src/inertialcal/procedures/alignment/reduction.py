@@ -241,7 +241,7 @@ def _far(whole: Estimate, given: Inputs, found: Solution) -> Remark | None:
         return None
     off = [f"{per_hour(found.vertical)} about the vertical", f"{per_hour(found.rate - horizontal)} in level"]
     what = f"the gyros read {off[0]} and {off[1]} beyond the rate of the earth: more than the bias that is stated"
-    do = "Calibrate the bias anew, or turn the unit by 180 deg for a second position: the figures take what is read"
+    do = "Calibrate the bias anew, or turn the unit half round for a second position: the figures take what is read"
     return Remark("bias_larger", "warning", what, do=do)
 
 

@@ -95,7 +95,7 @@ def turns_of(plan: Plan, readings: Readings, flat: Inputs) -> tuple[Array, bool,
     apart = np.abs(np.remainder(turns[:, None] - turns + math.pi, 2.0 * math.pi) - math.pi)
     if float(apart.max()) < LEAST:
         what = f"the headings of {m} positions differ by {degrees(float(apart.max()))} at most"
-        do = "Turn the unit by 180 deg about the vertical; or give one position, with the uncertainty of the bias"
+        do = "Turn the unit half round about the vertical; or give one position, with the uncertainty of the bias"
         where = positions[-1].file
         raise DataError(what, where, "a turn tells the bias from the rate of the earth", do, "not_turned")
     return turns, said is None, []

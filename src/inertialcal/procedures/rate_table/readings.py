@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,11 @@ from ...core.remarks import Remark
 from ...core.unknowns import Unknowns
 from ...signals.segmentation.dwells import Dwell, Tally
 from ...signals.time.samples import min_max
-from .turned import Labels, Turned, turned
+
+if TYPE_CHECKING:
+    from .turned import Turned
+
+Labels = NDArray[Any]
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +84,8 @@ class Readings:
     @cached_property
     def turned(self) -> Turned:
         """What its rates decide, the same for all units that were turned alike."""
+        from .turned import turned  # noqa: PLC0415 - solves, which starts slowly
+
         return turned(self.applied, self.axis, self.run, self.recording)
 
     @cached_property

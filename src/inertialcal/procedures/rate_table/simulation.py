@@ -10,8 +10,7 @@ from ...core.estimate import Array
 from ...core.key import AXES
 from .fit.earth_input import with_earth
 from .plan import Plan
-from .readings import Readings
-from .turned import Labels
+from .readings import Labels, Readings
 
 
 @dataclass(frozen=True, eq=False)

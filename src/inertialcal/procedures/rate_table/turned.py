@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +20,7 @@ from ...signals.remembered import remembered
 from ...statistics.least_squares import Decomposed, decompose
 from ...statistics.own_offsets import OffsetDesign, offset_design
 from ...statistics.random_offsets import whitened
-
-Labels = NDArray[Any]
+from .readings import Labels
 
 POWERS = {"K2": 2, "K3": 3}
 WORDS = {"K2": "second-order term", "K3": "third-order term"}

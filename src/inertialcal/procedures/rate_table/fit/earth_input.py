@@ -27,8 +27,7 @@ from ....core.key import AXES
 from ....physics.earth import axis_earth_rate
 from ....signals.remembered import remembered
 from ..plan import Attitude, Plan
-from ..readings import Readings
-from ..turned import Labels
+from ..readings import Labels, Readings
 
 ROOT_HALF = float(np.sqrt(0.5))
 ROOT_THIRD = float(np.sqrt(1.0 / 3.0))

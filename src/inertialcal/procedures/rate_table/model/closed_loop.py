@@ -29,8 +29,8 @@ from ....core.key import AXES
 from ....statistics.closed_loop import AxisLoop
 from ..fit.quantities import matrix_entry
 from ..fit.regression import Line
-from ..readings import Readings
-from ..turned import Labels, columns_of
+from ..readings import Labels, Readings
+from ..turned import columns_of
 
 Find = Callable[[Readings], Mapping[str, Array]]
 
