@@ -20,7 +20,6 @@ from ...signals.remembered import remembered
 from ...statistics.least_squares import Decomposed, decompose
 from ...statistics.own_offsets import OffsetDesign, offset_design
 from ...statistics.random_offsets import whitened
-from .readings import Labels
 
 POWERS = {"K2": 2, "K3": 3}
 WORDS = {"K2": "second-order term", "K3": "third-order term"}
@@ -127,7 +126,9 @@ class Turned:
         As `Readings` has them.
     """
 
-    def __init__(self, applied: Array, axis: Labels, run: Labels | None, recording: Labels | None) -> None:
+    def __init__(
+        self, applied: Array, axis: NDArray[Any], run: NDArray[Any] | None, recording: NDArray[Any] | None
+    ) -> None:
         self.applied, self.axis = applied.copy(), axis.copy()
         self.axes = tuple(str(one) for one in np.unique(axis))
         runs, self.of_run = (
@@ -314,7 +315,7 @@ class Turned:
 
 
 @remembered
-def turned(applied: Array, axis: Labels, run: Labels | None, recording: Labels | None) -> Turned:
+def turned(applied: Array, axis: NDArray[Any], run: NDArray[Any] | None, recording: NDArray[Any] | None) -> Turned:
     """Return what the rates of dwells decide: once for the same rates, axes, runs and recordings."""
     return Turned(applied, axis, run, recording)
 
