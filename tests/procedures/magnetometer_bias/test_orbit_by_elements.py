@@ -24,6 +24,7 @@ pytest.importorskip("ppigrf")
 pytest.importorskip("sgp4")
 from independent.orbit.elements import positions, two_lines
 from independent.orbit.magnetometer import Orbit, recorded
+from sized import sized
 
 Array = NDArray[np.float64]
 START = 1_772_323_200_000_000_000  # 2026-03-01 [ns]
@@ -75,8 +76,9 @@ def test_intervals_hold() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("age", [0.0, 5.0])
 def test_intervals_hold_in_200(age: float) -> None:
-    hits = held(range(1, 201), age)
-    assert all(keeps("holds", one, 200) for one in hits.values()), hits
+    n = sized(200, 40)
+    hits = held(range(1, n + 1), age)
+    assert all(keeps("holds", one, n) for one in hits.values()), hits
 
 
 def test_the_field_is_that_of_the_true_position() -> None:
