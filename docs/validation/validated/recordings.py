@@ -42,8 +42,8 @@ def _row(found: ic.Reduced, sensor: str, quantity: str, axis: str) -> ic.Row:
 
 def _at_no_input(found: ic.Reduced, sensor: str, axis: str) -> tuple[float, float]:
     """Return the reading at no input and its standard uncertainty: the bias times the ideal scale factor."""
-    bias, scale, error = (_row(found, sensor, one, axis) for one in ("bias", "scale_factor", "scale_factor_error"))
-    ideal = scale.value / (1.0 + factor_of(error.unit, "1") * error.value)
+    bias, scale = (_row(found, sensor, one, axis) for one in ("bias", "scale_factor"))
+    ideal = float(f"{scale.value:.2g}")  # without a stated one the bias refers to that which is found, to two digits
     return bias.value * ideal, bias.u * ideal
 
 
