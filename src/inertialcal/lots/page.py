@@ -75,7 +75,7 @@ def lot_page(found: Study, lot: str, title: str = "") -> str:
         "lot": lot, "title": title,
         "about": f"{len(set(found.table.serials))} units, {len(found.table)} tests",
         "share": f"{100.0 * found.passed.value:.1f} %" if found.passed.of else "-",
-        "passed": f"{share_text(found.passed)} of all units PASS; the interval is that of the next lots, 95 %.",
+        "passed": f"{share_text(found.passed)} of all units PASS; the 95 % interval is for lots like this one.",
         "findings": findings[:MOST_FINDINGS],
         "more_findings": f"{more} more: see lot.json" if more > 0 else "",
         "drawn": drawn, "blocks": blocks,

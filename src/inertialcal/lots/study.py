@@ -421,10 +421,10 @@ def _judged_row(one: FigureStudy, each: Judged) -> list[str]:
 
 def off_text(one: Off) -> str:
     """Say which level is off."""
-    times = abs(one.found.offset) / one.found.allowed
+    times, sense = abs(one.found.offset) / one.found.allowed, "more" if one.found.offset > 0.0 else "less"
     return (
         f"{one.column} {one.level}: {one.figure.test} {one.figure.name} reads "
-        f"{with_uncertainty(one.found.offset, one.found.u)} {one.figure.unit} beside the others, "
+        f"{with_uncertainty(abs(one.found.offset), one.found.u)} {one.figure.unit} {sense} than the others, "
         f"{number(times, 2)} times what its standards and units allow"
     )
 
