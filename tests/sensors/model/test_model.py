@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -98,7 +99,7 @@ def test_a_warm_up_dies_away_by_e_in_its_time() -> None:
         bias_warm_up=np.array([[2.0]]), warm_up_time=np.array([100.0]),
     )  # fmt: skip
     found = predict(model, np.zeros((3, 1)), time=np.array([0.0, 100.0, 1e5]))
-    assert found[:, 0] == pytest.approx([2.5, 0.5 + 2.0 / np.e, 0.5])
+    assert found[:, 0] == pytest.approx([2.5, 0.5 + 2.0 / math.e, 0.5])
 
 
 def test_a_bias_in_temperature_is_its_polynomial_about_the_reference() -> None:
