@@ -16,13 +16,11 @@ from typing import TYPE_CHECKING, get_args
 import numpy as np
 from scipy import special
 
-from ...core.errors import DataError
 from ...core.estimate import Component, Estimate
 from ...core.influence import Standards
 from ...core.key import At, Key, Kind, Member, Reason
 from ...core.results import Interval, Row, not_estimated
 from ...core.units import FILE_UNIT, normalise
-from ...sensors.noise.fitting.estimator import fit
 from ...sensors.noise.fitting.noise_fit import NoiseFit, TermEstimate, duration
 from ...sensors.noise.terms import (
     POWERS_OF_TIME,
@@ -168,15 +166,7 @@ def interval_at(result: Result, row: Row, p: float) -> Interval | None:
     one = next((axis for axis in result.axes if axis.axis == row.axis), None)
     if one is None or one.fit is None:
         return None
-    names = "auto" if result.plan.terms is None else tuple(result.plan.terms)
-    curves, bands = [record.curve for record in one.records], [record.band or record.unseen for record in one.records]
-    try:
-        again = fit(
-            curves, result.plan.kind, terms=names, lines=one.lines, bands=bands, axis=0, unit=result.plan.unit, p=p
-        )  # fmt: skip
-    except DataError:
-        return None
-    found = next((other for other in again.rows(row.axis) if other.quantity == row.quantity), None)
+    found = next((other for other in one.fit.at(p).rows(row.axis) if other.quantity == row.quantity), None)
     return None if found is None else widened(found, result.plan.standards).interval
 
 

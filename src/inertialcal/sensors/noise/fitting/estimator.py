@@ -24,6 +24,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -145,6 +146,7 @@ def _result(plain: Problem, solution: Solution, wanted: Sequence[str]) -> NoiseF
         tuple(run.tau for run in runs),
         tuple(run.variance for run in runs),
         tuple(np.split(mean_of(problem, fitted), np.cumsum([len(run.m) for run in runs])[:-1])),
+        partial(estimated_at, solution),
         remarks_of(solution, residual, agreement),
         rivals_of(solution),
     )
@@ -351,6 +353,11 @@ def estimated(solution: Solution) -> tuple[TermEstimate, ...]:
         else:
             found.append(_found(solution, problem.names[at], first))
     return tuple(found)
+
+
+def estimated_at(solution: Solution, p: float) -> tuple[TermEstimate, ...]:
+    """Return the same with intervals of another probability."""
+    return estimated(replace(solution, p=p))
 
 
 def _interval(solution: Solution, at: int, column: int) -> Interval:

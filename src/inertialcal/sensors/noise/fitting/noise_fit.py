@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 from ....core.estimate import Array, Estimate
@@ -99,8 +100,13 @@ class NoiseFit:
     tau: tuple[Array, ...]  # A run each: averaging times [s]
     variance: tuple[Array, ...]  # A run each: Allan variances found [unit^2]
     expected: tuple[Array, ...]  # A run each: Allan variances expected [unit^2]
+    estimated_at: Callable[[float], tuple[TermEstimate, ...]]  # Terms estimated, with intervals of a probability
     remarks: tuple[Remark, ...] = ()  # What to know about it
     rivals: tuple[Rival, ...] = ()  # Other terms of long averaging times that the record does not exclude, best first
+
+    def at(self, p: float) -> NoiseFit:
+        """Return the same fit with intervals of another probability; upper limits keep theirs."""
+        return replace(self, found=self.estimated_at(p) + tuple(one for one in self.found if one.status != "estimated"))
 
     def term(self, name: str) -> TermEstimate | None:
         """Return what was found of a term; None if it was no candidate."""
