@@ -49,6 +49,7 @@ class Registry(MutableMapping[str, T]):
 
     def __init__(self, kind: str, made: type[T], group: str, built_in: Mapping[str, str]):
         self.kind, self.made, self.group, self.built_in = kind, made, group, built_in
+        self._names = tuple(built_in)
         self._loaded: dict[str, T] = {}
         self._added: dict[str, T] = {}
 
@@ -63,11 +64,17 @@ class Registry(MutableMapping[str, T]):
                 found[one.name] = (*found.get(one.name, ()), one)
         return found
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All names, the built-in ones first."""
+        more = self.installed or self._added
+        return tuple(dict.fromkeys([*self._names, *self.installed, *self._added])) if more else self._names
+
     def __iter__(self) -> Iterator[str]:
-        yield from dict.fromkeys([*self.built_in, *self.installed, *self._added])
+        return iter(self.names)
 
     def __len__(self) -> int:
-        return sum(1 for _ in self)
+        return len(self.names)
 
     def __contains__(self, name: object) -> bool:
         return name in self.built_in or name in self._added or name in self.installed

@@ -66,10 +66,13 @@ SIGNS: dict[str, Sign] = {"comma": ",", "point": "."}
 KINDS = "iufMO"  # of the values of a column: numbers, instants, text
 
 
-Parsed = dict[tuple[str, tuple[str, ...] | None, str | None, int | None], tuple[Content, Source]]
+Columns = tuple[Content, Source]
+Parsed = dict[tuple[str, tuple[str, ...] | None, str | None, int | None], Columns]
 
 
-def read_recording(path: str | Path, request: Request, parsed: Parsed | None = None) -> Recording:
+def read_recording(
+    path: str | Path, request: Request, parsed: Parsed | None = None, handed: Columns | None = None
+) -> Recording:
     """Return the recording in a file, or in a record of several files; Raises as ``files.read``.
 
     Parameters
@@ -78,8 +81,10 @@ def read_recording(path: str | Path, request: Request, parsed: Parsed | None = N
         As ``files.read`` takes them.
     parsed : dict, optional
         Columns of files that were read before, by path and what was asked of the reader; those of a new one are added.
+    handed : (Content, Source), optional
+        What the file holds, where it was read already by others: it need not be there.
     """
-    for archive in ARCHIVES:
+    for archive in ARCHIVES if handed is None else ():
         recording = archive.read(path, request)
         if recording is not None:
             return recording
@@ -87,8 +92,10 @@ def read_recording(path: str | Path, request: Request, parsed: Parsed | None = N
         raise wrong_frame(path)
     variables = tuple(request.topics or ()) or None
     key = (str(path), variables, request.decimal, request.skip)
-    known = None if parsed is None else parsed.get(key)
+    known = handed if handed is not None or parsed is None else parsed.get(key)
     loaded = None
+    if handed is not None and (request.decimal is not None or request.skip is not None):
+        raise _no_text(str(path), READERS[handed[1].reader], request)
     if known is None:
         content, source, loaded = _columns(path, request)
     else:
@@ -127,13 +134,17 @@ def _columns(path: str | Path, request: Request) -> tuple[Content, Source, Loade
 
 def _text_as_said(loaded: Loaded, reader: Reader, request: Request) -> Content:
     """Return the columns of a text whose decimal sign, or lines before the table, were stated."""
-    option, what = ("skip", "lines before the table") if request.decimal is None else ("decimal", "decimal sign")
     if reader.name != TEXT:
-        problem, why = f"{loaded.path}: --{option} given", f"{reader.title} has no {what}"
-        raise UsageError(problem, why=why, do=f"Leave --{option} out", code="wrong_value")
+        raise _no_text(loaded.path, reader, request)
     from .text.pieces import read_text  # noqa: PLC0415 - loaded where it is needed
 
     return read_text(loaded, None, sign_of(request.decimal), lines_of(request.skip))
+
+
+def _no_text(path: str, reader: Reader, request: Request) -> UsageError:
+    option, what = ("skip", "lines before the table") if request.decimal is None else ("decimal", "decimal sign")
+    problem, why = f"{path}: --{option} given", f"{reader.title} has no {what}"
+    return UsageError(problem, why=why, do=f"Leave --{option} out", code="wrong_value")
 
 
 def sign_of(decimal: str | None) -> Sign | None:

@@ -33,10 +33,11 @@ from ..core.influence import DIES, OF_UNIT
 from ..core.remarks import condensed
 from ..files.binary.curves import curves_bytes
 from ..files.binary.parquet import clock_in
+from ..files.registry import Columns
 from ..files.source import changed_input
 from ..signals.blas import one_blas_thread
 from .rows import UnitRow, quarantined, table_of
-from .stores import Delivery, Place, Shared, UnitStore, file_of, store_of
+from .stores import Delivery, Place, Shared, UnitStore, file_of
 
 FRAMES = 12  # of a fault that its log holds
 Cell = str | int | float | bool
@@ -162,7 +163,9 @@ def files_of(job: Job, given: Given) -> dict[str, str]:
     return {name: one.file if isinstance(one, Shared) else file_of(one, given.texts, root) for name, one in job.files}
 
 
-def campaign_for(job: Job, given: Given, files: Mapping[str, str], root: Path) -> Campaign:
+def campaign_for(
+    job: Job, given: Given, files: Mapping[str, str], root: Path, handed: Mapping[str, Columns] | None = None
+) -> Campaign:
     """Return the campaign of a unit: the template with its serial number, its files and what the table changes.
 
     Raises
@@ -180,8 +183,9 @@ def campaign_for(job: Job, given: Given, files: Mapping[str, str], root: Path) -
     item = own.file.item.model_copy(update={"serial": given.serial})
     entries = {name: one.model_copy(update={"file": files[name]}) for name, one in own.file.recordings.items()}
     file = own.file.model_copy(update={"item": item, "recordings": entries})
-    recordings = (root / entry.file for entry in entries.values() if entry.channels)
-    timed = with_clock(file, (clock_in(path) for path in recordings))
+    recordings = (entry.file for entry in entries.values() if entry.channels)
+    known = handed or {}
+    timed = with_clock(file, (known[one][0].clock if one in known else clock_in(root / one) for one in recordings))
     standards = own.standards if timed is file else standards_of(timed, lambda *key: "")[0]
     return replace(own, folder=root, file=timed, standards=standards)
 
@@ -224,8 +228,9 @@ def _begun(job: Job, given: Given, delivery: Delivery) -> _Unit:
     stamps = job.place.stamps(list(dict.fromkeys(files.values())))
     delivery.lay_out(given.number, own)
     root = delivery.root(given.number)
-    campaign = campaign_for(job, given, files, root)
-    store = store_of(Path(job.folder), root, waiting_for(campaign))
+    handed = delivery.handed.get(given.number, {})
+    campaign = campaign_for(job, given, files, root, handed)
+    store = UnitStore(Path(job.folder), waiting_for(campaign), root=root, handed=handed)
     return _Unit(given, campaign, store, tuple(dict.fromkeys(files.values())), stamps)
 
 

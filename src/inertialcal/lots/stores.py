@@ -6,29 +6,38 @@ out of a file of many units, is laid into a folder for the time of a block.
 
 from __future__ import annotations
 
+import hashlib
 import os
 import re
 import shutil
-from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.csv as pa_csv
 import pyarrow.dataset as ds
 import pyarrow.fs as pa_fs
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from ..campaign.inputs.sources import ReadOnce
+from ..campaign.file.recordings import RecordingEntry
+from ..campaign.inputs.sources import HELD, ReadOnce, request_of
 from ..core.errors import DataError, PlanError
+from ..core.recording import Recording, Source
+from ..files.binary.parquet import content_of
+from ..files.registry import Columns, read_recording
+from ..files.text.table import Table, table_of_content
 
 COLUMN = re.compile(r"\{([^{}]*)\}")
 CSV = (".csv", ".txt", ".tsv")
+Key = tuple[str, ...]  # what tells a unit apart in a file of many: its serial number, and more cells as text
 
 
 @dataclass(frozen=True)
@@ -38,6 +47,16 @@ class Shared:
     file: str
     serial: str
     match: tuple[tuple[str, str], ...] = ()  # Column of the file, column of the table of units
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Those of the file that tell units apart."""
+        return self.serial, *(name for name, _ in self.match)
+
+    @property
+    def is_text(self) -> bool:
+        """Whether it is CSV."""
+        return PurePosixPath(self.file).suffix.lower() in CSV
 
 
 @dataclass(frozen=True)
@@ -168,27 +187,51 @@ class UnitStore(ReadOnce):
         As `ReadOnce` has it.
     root : Path
         In which the recordings lie as the campaign of the unit names them.
+    handed : mapping of (Content, Source)
+        Columns of recordings that came out of a file of many units, and lie nowhere, by file.
     """
 
     root: Path = field(default_factory=Path)
+    handed: Mapping[str, Columns] = field(default_factory=dict[str, Columns])
 
     def path(self, file: str) -> Path:
         """Return where a file lies: one that is no recording of the unit, beside the template."""
         own = self.root / file
         return own if file in self.waiting or own.exists() else self.folder / file
 
+    def recording(self, entry: RecordingEntry, required: Sequence[str]) -> Recording:
+        """Return a recording as its file has it."""
+        known = self.handed.get(entry.file)
+        if known is None:
+            return super().recording(entry, required)
+        return read_recording(self.root / entry.file, request_of(entry, required), handed=known)
 
-def store_of(template: Path, root: Path, waiting: Counter[str]) -> UnitStore:
-    """Return the files of a unit."""
-    return UnitStore(template, waiting, root=root)
+    def table(self, file: str, text: Mapping[str, Any] | None = None) -> Table:
+        """Return a reduced table."""
+        if file in self.handed and file not in self._tables:
+            self._tables[file] = table_of_content(*self.handed[file])
+        return super().table(file, text)
+
+    def has(self, file: str) -> bool:
+        """Return whether there is such a file."""
+        return file in self.handed or super().has(file)
 
 
 class Delivery:
-    """Files of a block of units, laid out as folders where they do not lie in a local store already."""
+    """Recordings of a block of units where they do not lie in a local store already: in folders, or in memory.
+
+    Parameters
+    ----------
+    place : Place
+        Where recordings lie.
+    shared : mapping of str to Shared
+        Files of many units, by recording.
+    """
 
     def __init__(self, place: Place, shared: Mapping[str, Shared]) -> None:
         self.place, self.shared = place, shared
         self.temporary = None if place.is_local and not shared else TemporaryDirectory(prefix="inertialcal-lot-")
+        self.handed: dict[int, dict[str, Columns]] = {}  # of each unit, by file
 
     def __enter__(self) -> Delivery:
         """Return it."""
@@ -200,7 +243,7 @@ class Delivery:
             self.temporary.cleanup()
 
     def load_shared(self, units: Mapping[int, Mapping[str, str]]) -> dict[int, DataError]:
-        """Lay out the rows of each unit of each file of many; return why those of a unit cannot be.
+        """Deliver the rows of each unit of each file of many; return why those of a unit cannot be.
 
         Parameters
         ----------
@@ -209,55 +252,67 @@ class Delivery:
         """
         refused: dict[int, DataError] = {}
         for one in dict.fromkeys(self.shared.values()):
+            keys = {number: (cells["serial"], *(cells.get(column, "") for _, column in one.match))
+                    for number, cells in units.items()}  # fmt: skip
             try:
-                table = self._rows(one, sorted({cells["serial"] for cells in units.values()}))
+                found = self._rows(one, frozenset(keys.values()))
             except DataError as error:
                 refused |= dict.fromkeys(units, error)
                 continue
-            by_key = _rows_by_key(table, (one.serial, *(name for name, _ in one.match)))
-            for number, cells in units.items():
-                key = (cells["serial"], *(cells.get(column, "") for _, column in one.match))
-                rows = by_key.get(key)
-                if rows is None:
-                    said = " and ".join(f"{name} {part!r}" for name, part in zip(
-                        (one.serial, *(m for m, _ in one.match)), key, strict=True))  # fmt: skip
-                    do = f"Check column {one.serial}, or take the unit out of the table"
-                    refused.setdefault(number, DataError(f"no row of {said}", one.file, do=do, code="no_rows"))
+            held = sum(table.nbytes for tables in found.values() for table in tables)
+            for number, key in keys.items():
+                if key in found:
+                    self._deliver(number, one, pa.concat_tables(found[key]), in_memory=held <= HELD)
                     continue
-                path = self.root(number) / one.file
-                path.parent.mkdir(parents=True, exist_ok=True)
-                together = rows[-1] - rows[0] == len(rows) - 1
-                own = table.slice(rows[0], len(rows)) if together else table.take(pa.array(rows))
-                own = own.drop_columns([one.serial])
-                if path.suffix.lower() in CSV:
-                    pa_csv.write_csv(own, path)
-                else:
-                    pq.write_table(own, path, compression="none", use_dictionary=False, write_statistics=False)
+                said = " and ".join(f"{name} {part!r}" for name, part in zip(one.columns, key, strict=True))
+                do = f"Check column {one.serial}, or take the unit out of the table"
+                refused.setdefault(number, DataError(f"no row of {said}", one.file, do=do, code="no_rows"))
         return refused
 
-    def _rows(self, shared: Shared, serials: Sequence[str]) -> pa.Table:
-        """Return the rows of some units of a file of many."""
+    def _deliver(self, number: int, shared: Shared, rows: pa.Table, in_memory: bool) -> None:
+        """Deliver the rows of a unit: text goes through a file, as it is read by the rules of text."""
+        own, path = rows.drop_columns([shared.serial]).combine_chunks(), self.root(number) / shared.file
+        if in_memory and not shared.is_text:
+            content = content_of(own, str(path))
+            source = Source(str(path), digest_of(own), content.format, "parquet")
+            self.handed.setdefault(number, {})[shared.file] = content, source
+            return
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if shared.is_text:
+            pa_csv.write_csv(own, path)
+        else:
+            pq.write_table(own, path, compression="none", use_dictionary=False, write_statistics=False)
+
+    def _rows(self, shared: Shared, wanted: Set[Key]) -> dict[Key, list[pa.Table]]:
+        """Return the rows of some units of a file of many, piece by piece."""
         system, root = self.place.opened()
-        kind = "csv" if PurePosixPath(shared.file).suffix.lower() in CSV else "parquet"
         known = system.get_file_info(f"{root}/{shared.file}")
         if known.type == pa_fs.FileType.NotFound:
             do = "Check files in LOT.toml"
             raise DataError("no such file", shared.file, do=do, code="missing_file")
+        found: dict[Key, list[pa.Table]] = {}
         with reading(shared.file):
-            if kind == "csv":
+            if shared.is_text:
                 options = pa_csv.ConvertOptions(column_types={shared.serial: pa.string()})
                 made: ds.FileFormat = ds.CsvFileFormat(convert_options=options)
             else:
                 made = ds.ParquetFileFormat()
             data = ds.dataset(f"{root}/{shared.file}", filesystem=system, format=made)
-            for name in (shared.serial, *(one for one, _ in shared.match)):
+            for name in shared.columns:
                 if name not in data.schema.names:
                     do = f"It has: {', '.join(data.schema.names)}"
                     raise DataError(f"no column {name!r}", shared.file, do=do, code="unknown_column")
             column = ds.field(shared.serial)
             if not pa.types.is_string(data.schema.field(shared.serial).type):
                 column = column.cast(pa.string())
-            found: pa.Table = data.to_table(filter=column.isin(list(serials)), use_threads=False)
+            serials = sorted({key[0] for key in wanted})
+            here = column.isin(serials) & (column >= serials[0]) & (column <= serials[-1])
+            for table in _text_tables(data, here) if shared.is_text else _groups(data, here, system):
+                for key, rows in _rows_by_key(table, shared.columns).items():
+                    if key in wanted:
+                        found.setdefault(key, []).append(
+                            table.slice(rows.start, len(rows)) if isinstance(rows, range) else table.take(rows)
+                        )
         return found
 
     def root(self, number: int) -> Path:
@@ -295,22 +350,53 @@ class Delivery:
             shutil.rmtree(self.root(number), ignore_errors=True)
 
 
-def _rows_by_key(table: pa.Table, names: Sequence[str]) -> dict[tuple[str, ...], NDArray[np.intp]]:
+def digest_of(table: pa.Table) -> str:
+    """Return the SHA-256 of rows, as they stand in an Arrow stream without codes for texts."""
+    fields = [one.with_type(one.type.value_type) if pa.types.is_dictionary(one.type) else one for one in table.schema]
+    plain = table.cast(pa.schema(fields, table.schema.metadata))
+    sink = pa.BufferOutputStream()
+    with pa.ipc.new_stream(sink, plain.schema) as stream:
+        stream.write_table(plain)
+    return hashlib.sha256(sink.getvalue()).hexdigest()
+
+
+def _text_tables(data: ds.Dataset, here: pc.Expression) -> Iterator[pa.Table]:
+    yield data.to_table(filter=here, use_threads=False)
+
+
+def _groups(data: ds.Dataset, here: pc.Expression, system: pa_fs.FileSystem) -> Iterator[pa.Table]:
+    """Yield the groups of rows of Parquet files that may hold what is looked for, by their statistics."""
+    texts = [one.name for one in data.schema if pa.types.is_string(one.type)]
+    for fragment in data.get_fragments():
+        groups = [group.id for part in fragment.split_by_row_group(here) for group in part.row_groups]
+        if groups:
+            remote = not isinstance(system, pa_fs.LocalFileSystem)
+            with pq.ParquetFile(fragment.path, filesystem=system, read_dictionary=texts, pre_buffer=remote) as file:
+                for group in groups:
+                    yield file.read_row_group(group, use_threads=False)
+
+
+def _rows_by_key(table: pa.Table, names: Sequence[str]) -> dict[Key, range | NDArray[np.intp]]:
     """Return the rows of each combination of the cells of some columns as text, in their order."""
     words: list[list[str]] = []
     number = np.zeros(table.num_rows, dtype=np.int64)
     for name in names:
-        column = table[name].combine_chunks().dictionary_encode(null_encoding="encode")
-        texts = ["" if one is None else str(one) for one in column.dictionary.cast(pa.string()).to_pylist()]
-        words.append(texts)
-        number = number * len(texts) + column.indices.to_numpy()
-    order = np.argsort(number, kind="stable")
-    first = np.flatnonzero(np.diff(number[order], prepend=-1))
-    found: dict[tuple[str, ...], NDArray[np.intp]] = {}
-    for rows in np.split(order, first[1:]) if len(order) else []:
-        left, key = int(number[rows[0]]), []
-        for texts in reversed(words):
-            left, at = divmod(left, len(texts))
-            key.append(texts[at])
-        found[tuple(reversed(key))] = rows
+        column = table[name].combine_chunks().dictionary_encode()
+        texts = ["" if one is None else str(one) for one in column.dictionary.cast(pa.string()).to_pylist()] + [""]
+        known: dict[str, int] = {}
+        code = np.array([known.setdefault(one, len(known)) for one in texts])
+        number = number * len(known) + code[column.indices.cast(pa.int64()).fill_null(len(texts) - 1).to_numpy()]
+        words.append(list(known))
+    first = np.flatnonzero(np.diff(number, prepend=-1))  # of each run of equal cells
+    runs: dict[int, list[tuple[int, int]]] = {}
+    for start, stop in pairwise([*first.tolist(), len(number)]):
+        runs.setdefault(int(number[start]), []).append((start, stop))
+    found: dict[Key, range | NDArray[np.intp]] = {}
+    sizes = tuple(map(len, words))
+    for combined, own in runs.items():
+        key = tuple(texts[int(at)] for texts, at in zip(words, np.unravel_index(combined, sizes), strict=True))
+        starts, stops = np.array(own, dtype=np.intp).T
+        length = stops - starts
+        before = np.cumsum(length) - length
+        found[key] = range(*own[0]) if len(own) == 1 else np.arange(length.sum()) + np.repeat(starts - before, length)
     return found

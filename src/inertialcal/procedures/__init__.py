@@ -31,7 +31,7 @@ PROCEDURES: Registry[Procedure[Any, Any, Any]] = Registry(
 
 def procedure_names() -> tuple[str, ...]:
     """Return the names of all procedures, the built-in ones first."""
-    return tuple(PROCEDURES)
+    return PROCEDURES.names
 
 
 def procedure_of(name: str) -> Procedure[Any, Any, Any]:
@@ -75,7 +75,7 @@ def compared_in(rows: Iterable[WrittenRow]) -> Compared | None:
 
 def all_quantities() -> Mapping[str, Quantity]:
     """Return what there is to say of a figure, whichever procedure gives it, or every recording: the first says it."""
-    return _quantities(tuple(PROCEDURES))
+    return _quantities(PROCEDURES.names)
 
 
 @lru_cache(4)

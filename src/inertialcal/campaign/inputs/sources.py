@@ -92,6 +92,14 @@ def reading_of(entry: RecordingEntry) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def request_of(entry: RecordingEntry, required: Sequence[str]) -> Request:
+    """Return what an entry says of how its file is read, as readers take it."""
+    clock = entry.clock or Clock()
+    return Request(sample_rate=clock.sample_rate, time_column=clock.column, required=required,
+                   window=Window(clock.start, clock.stop, clock.mission_start), frame=entry.frame,
+                   topics=entry.topics, **text_of(entry))  # fmt: skip
+
+
 def text_of(entry: RecordingEntry) -> dict[str, Any]:
     """Return what an entry says of its text, as `files.read` takes it; nothing where it says nothing."""
     return {} if entry.text is None else entry.text.model_dump(exclude_none=True)
@@ -154,16 +162,11 @@ class ReadOnce(Folder):
 
     def recording(self, entry: RecordingEntry, required: Sequence[str]) -> Recording:
         """Return a recording as its file has it."""
-        reading = reading_of(entry)
-        which = (entry.file, repr(sorted(reading.items(), key=str)))
+        which = (entry.file, repr(sorted(reading_of(entry).items(), key=str)))
         if which in self._archived:
             return self._archived[which]
-        window = Window(reading["start"], reading["stop"], reading["mission_start"])
-        request = Request(sample_rate=reading["sample_rate"], time_column=reading["time_column"], required=required,
-                          window=window, frame=reading["frame"], topics=reading["topics"],
-                          **text_of(entry))  # fmt: skip
         parsed = self._parsed.setdefault(entry.file, {})
-        found = read_recording(self.path(entry.file), request, parsed)
+        found = read_recording(self.path(entry.file), request_of(entry, required), parsed)
         if not parsed:
             self._archived[which] = found
         return found

@@ -38,7 +38,7 @@ from ..text.delimited import arrow_numbers, sum_is_finite, text_in_numbers
 from ..text.layout import BLANKS, judge
 
 if TYPE_CHECKING:
-    from pyarrow import ChunkedArray, Field
+    from pyarrow import ChunkedArray, Field, Table
 
 MAGIC = b"PAR1"
 HEADER, LONGEST = 2**9, 2**24  # bytes in which the header of a page ends: usually, and at most
@@ -93,10 +93,7 @@ def read_parquet(loaded: Loaded, variables: Sequence[str] | None = None) -> Cont
         claim_room(loaded.path, loaded.on_disk, VALUE * about.num_rows * len(large), f"{about.num_rows:,} rows")
         _check_pages(loaded, about, groups, large)
         schema = file.schema_arrow
-        names = Counter(schema.names)
-        twice = [name for name, count in names.items() if count > 1]
-        if twice:
-            raise DataError(f"column name {min(twice)!r} appears twice", where=loaded.path, code="duplicate_column")
+        _refuse_twice(schema.names, loaded.path)
         quick = [leaves[i].path for i in read if i not in slow and i not in large]
         texts = [leaf.path for leaf in leaves if leaf.physical_type == "BYTE_ARRAY" and leaf.path in quick]
         if texts or large:
@@ -107,9 +104,7 @@ def read_parquet(loaded: Loaded, variables: Sequence[str] | None = None) -> Cont
                 buffer_size=BUFFER if large else 0,
                 pre_buffer=not large,
             )
-        table = file.read(columns=quick)
-        while any(pa.types.is_struct(kind) for kind in table.schema.types):
-            table = table.flatten()
+        table = _flat(file.read(columns=quick))
         columns: list[Column | str] = []
         for field in table.schema:
             columns.append(arrow_column(table.column(0), field, loaded.path))
@@ -118,14 +113,50 @@ def read_parquet(loaded: Loaded, variables: Sequence[str] | None = None) -> Cont
         columns += _batch_by_batch(file, [leaves[i].path for i in large], loaded.path)
         order = {leaf.path: i for i, leaf in enumerate(leaves)}
         columns.sort(key=lambda one: order.get(one.name if isinstance(one, Column) else one, 0))
-        rate, clock = sample_rate_of(schema.metadata or {}), clock_of((schema.metadata or {}).get(CLOCK_KEY, b""))
     unread = (leaf.path for i, leaf in enumerate(leaves) if i not in read)
     columns += dict.fromkeys(path.split(".list.")[0].split(".key_value.")[0] for path in unread)
+    return _content(columns, schema.metadata or {}, loaded.path)
+
+
+def content_of(table: Table, path: str) -> Content:
+    """Return a table in memory as `read_parquet` returns one of a file.
+
+    Raises
+    ------
+    DataError
+        If a name appears twice, or text stands among numbers.
+    """
+    with as_data_errors(path, "a Parquet file"):
+        check_count(table.num_columns, COLUMNS, "columns", path)
+        _refuse_twice(table.schema.names, path)
+        flat = _flat(table)
+        columns = [arrow_column(flat.column(i), field, path) for i, field in enumerate(flat.schema)]
+    return _content(columns, table.schema.metadata or {}, path)
+
+
+def _content(columns: Sequence[Column | str], metadata: dict[bytes, bytes], path: str) -> Content:
+    """Return the content of a file by its columns, and the names of what is no column."""
     kept = tuple(column for column in columns if isinstance(column, Column))
     left_out = [name for name in columns if isinstance(name, str)]
     what = f"neither numbers, dates nor text, left out: {', '.join(left_out)[:120]}"
-    remark = Remark("variables_left_out", "info", what, where=loaded.path, count=len(left_out))
+    remark = Remark("variables_left_out", "info", what, where=path, count=len(left_out))
+    rate, clock = sample_rate_of(metadata), clock_of(metadata.get(CLOCK_KEY, b""))
     return Content(kept, "Parquet", None, rate, (remark,) if left_out else (), clock=clock)
+
+
+def _refuse_twice(names: Sequence[str], path: str) -> None:
+    twice = [name for name, count in Counter(names).items() if count > 1]
+    if twice:
+        raise DataError(f"column name {min(twice)!r} appears twice", where=path, code="duplicate_column")
+
+
+def _flat(table: Table) -> Table:
+    """Return a table without structures: a column for each of their fields."""
+    from pyarrow import types  # noqa: PLC0415 - heavy import
+
+    while any(types.is_struct(kind) for kind in table.schema.types):
+        table = table.flatten()
+    return table
 
 
 def _batch_by_batch(file: Any, paths: Sequence[str], path: str) -> list[Column | str]:
@@ -137,9 +168,7 @@ def _batch_by_batch(file: Any, paths: Sequence[str], path: str) -> list[Column |
     long = LongColumns(file.metadata.num_rows)
     left_out: dict[str, None] = {}
     for batch in ahead(file.iter_batches(batch_size=BATCH, columns=list(paths), use_threads=True)):
-        table = pa.Table.from_batches([batch])
-        while any(pa.types.is_struct(kind) for kind in table.schema.types):
-            table = table.flatten()
+        table = _flat(pa.Table.from_batches([batch]))
         made = [arrow_column(table.column(i), table.schema.field(i), path) for i in range(table.num_columns)]
         left_out |= dict.fromkeys(one for one in made if isinstance(one, str))
         long.add([one for one in made if isinstance(one, Column)])

@@ -22,7 +22,7 @@ from ...core.unit.magnitudes import check_readings
 from ..budget import claim
 from ..columns import Content, Rows, missing_remarks, nan_in_required
 from ..registry import TEXT, find_reader, lines_of, sign_of
-from ..source import Loaded, checked_path, load
+from ..source import checked_path, load
 from .delimited import cell_columns, column_names, header_again, header_repeated, text_in_numbers
 from .grouped import commas, problem, without_groups
 from .headers import bare_name, heading
@@ -196,7 +196,8 @@ def read_table(
         return Table(called, given, np.arange(1, len(given[0]) + 1), source, units)
     reader = find_reader(loaded)
     if reader.name != TEXT:
-        return _from_content(reader.read(loaded, topics or None), loaded, reader.name)
+        content = reader.read(loaded, topics or None)
+        return table_of_content(content, Source(loaded.path, loaded.sha256, content.format, reader.name))
     text, remarks = text_of(loaded)
     text = without_first(text, lines_of(skip))
     layout = sniff(text, loaded.path, sign_of(decimal))
@@ -220,7 +221,7 @@ def read_table(
     )
 
 
-def _from_content(content: Content, loaded: Loaded, reader: str) -> Table:
+def table_of_content(content: Content, source: Source) -> Table:
     """Return a binary format's columns as text, with full digits."""
     cells: list[tuple[str, ...]] = []
     for column in content.columns:
@@ -233,7 +234,7 @@ def _from_content(content: Content, loaded: Loaded, reader: str) -> Table:
         names=tuple(column.name for column in content.columns),
         cells=tuple(cells),
         rows=np.arange(1, len(content) + 1),
-        source=Source(loaded.path, loaded.sha256, content.format, reader),
+        source=source,
         units=tuple(heading(column.name, column.unit).unit for column in content.columns),
         remarks=content.remarks,
         sampled=content.sample_rate is not None or content.time_ns is not None,
