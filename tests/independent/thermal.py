@@ -12,7 +12,7 @@ behind, so that warming less cooling is ``h - 2 lag P'(T) |r|``.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.signal import lfilter
@@ -53,6 +53,13 @@ class Chamber:
     points: tuple[float, ...] = (20.0, -20.0, 60.0, -20.0, 60.0, 20.0)  # turned at
     speeds: tuple[float, ...] = (0.02, 0.02, 0.02, 0.01, 0.01)  # of the ramps between them [degC/s]
     scatter: float = 0.01  # of the thermometer [degC]
+    # Points of each power-up, in turn, where they are not alike; ramped at the first speeds
+    in_turn: tuple[tuple[float, ...], ...] = ()
+
+    def of_run(self, run: int) -> Chamber:
+        """Return what is done in one power-up."""
+        points = self.in_turn[(run - 1) % len(self.in_turn)] if self.in_turn else self.points
+        return replace(self, points=points, speeds=self.speeds[: len(points) - 1])
 
 
 def path(chamber: Chamber) -> tuple[Array, Array]:
@@ -84,13 +91,13 @@ def ramped(
     """
     unit, chamber = unit or Unit(), chamber or Chamber()
     rng = np.random.default_rng([3, seed])
-    time, true_temperature = path(chamber)
     tables: dict[str, Table] = {}
     signals = tuple(f"gyro_{axis} [deg/s]" for axis in axes)
     wrong = unit.thermometer * rng.standard_normal()
     rng = np.random.default_rng([3, seed, 1, again]) if again else rng
     earth = 0.0 if unit.attitude else EARTH * rng.uniform(-1.0, 1.0)  # along x: a direction drawn at random
     for run in range(1, chamber.runs + 1):
+        time, true_temperature = path(chamber.of_run(run))
         size, period = unit.wave
         t = true_temperature + size * np.sin(2.0 * np.pi * time / period + rng.uniform(0.0, 2.0 * np.pi))
         element = lagged(t, unit.lag, chamber.interval)

@@ -9,8 +9,12 @@ import pytest
 from numpy.polynomial import polynomial
 from thermal_sweeps import path, plan, sweep, way
 
+from independent.thermal import Chamber, Unit, ramped
 from inertialcal.core.estimate import Array
-from inertialcal.procedures.thermal.reduction import OfSensor, Readings, reduce
+from inertialcal.core.key import Method
+from inertialcal.procedures.thermal.reduction import Attitude, OfSensor, Readings, Result, reduce
+from inertialcal.statistics.intervals import contains, covers
+from sized import sized
 
 CUBIC = (0.03, -3e-3, 1.6e-5, -2e-7)
 LOOP = (23.0, -30.0, 67.0, 23.0)
@@ -142,3 +146,80 @@ def test_two_runs_of_one_loop_at_one_rate_are_unclear_whatever_the_order() -> No
     paths = reduced(readings((0.02, 0.02), lag=60.0), order=5).paths
     assert paths.hysteresis.value is None
     assert "two rates" in paths.hysteresis.reason
+
+
+UP, DOWN, BOTH = (-20.0, 60.0), (60.0, -20.0), (-20.0, 60.0, -20.0)
+UNITS = {
+    "neither": Unit(turn_on=0.0),
+    "hysteresis": Unit(turn_on=0.0, hysteresis=0.002),
+    "turn-on shifts": Unit(turn_on=0.001, slope_scatter=2e-6),
+    "both": Unit(turn_on=0.001, slope_scatter=2e-6, hysteresis=0.002),
+    "drift": Unit(turn_on=0.0, hysteresis=0.0005, walk=5e-6),
+}
+PROGRAMMES = {
+    "one ramp each": (UP, DOWN),
+    "two of one, one of the other": (UP, UP, DOWN),
+    "one ramp, and a loop": (UP, BOTH),
+}
+
+
+def chambered(seed: int, unit: Unit, programme: tuple[tuple[float, ...], ...]) -> tuple[Result, dict[str, float]]:
+    """Return what is made of power-ups of a simulator that shares no code with the package, and its truth."""
+    chamber = Chamber(runs=len(programme), hold=0.0, in_turn=programme, interval=20.0)
+    case = ramped(seed, unit, chamber)
+    sweeps = []
+    for name, table in case.tables.items():
+        c = table.columns
+        time = np.asarray(c["unix_s"], dtype=float)
+        sweeps.append(sweep(name, time - time[0], c["temperature [degC]"], np.radians(c["gyro_x [deg/s]"])))
+    pole = plan(at=[0.0, 40.0], latitude=0.5 * np.pi, attitude=Attitude(0.0, 0.0, 0.0, 0.0))  # x reads nothing of earth
+    return reduce(pole, Readings(tuple(sweeps))), case.truth
+
+
+def held(n: int, unit: Unit, programme: tuple[tuple[float, ...], ...]) -> dict[str, list[bool]]:
+    """Return of each seed whether the interval of each figure holds the truth."""
+    hits: dict[str, list[bool]] = {}
+    for seed in range(1, n + 1):
+        result, truth = chambered(seed, unit, programme)
+        for row in result.rows():
+            name = f"{row.quantity} {row.axis}" + (f" {row.key.at.value:g} degC" if row.key.at is not None else "")
+            if row.interval is not None and row.method is Method.RESULT and name in truth:
+                hits.setdefault(name, []).append(contains(row.interval, np.radians(truth[name])))
+    return hits
+
+
+@pytest.mark.parametrize("programme", PROGRAMMES)
+def test_where_one_run_alone_saw_a_path_its_difference_is_in_the_uncertainty(programme: str) -> None:
+    result, _ = chambered(1, UNITS["hysteresis"], PROGRAMMES[programme])
+    assert "paths_or_runs" in {remark.code for remark in result.remarks}
+    one, rows = result.sensors["x"], {str(row.key): row for row in result.rows() if row.method is Method.RESULT}
+    assert one.law.level == "run"
+    assert rows["path_difference_x"].status == rows["hysteresis_x"].status == "not_estimated"
+    difference = rows["path_difference_x"].value
+    assert difference is not None
+    assert rows["bias_x"].u is not None
+    assert 0.0 < rows["bias_x"].u < abs(difference)  # of the size of what was seen
+    if programme == "one ramp each":
+        assert rows["bias_x"].u == pytest.approx(0.5 * abs(difference), rel=0.1)
+
+
+def test_two_runs_of_each_path_tell_what_the_paths_differ_by() -> None:
+    result, truth = chambered(1, UNITS["both"], (UP, UP, DOWN, DOWN))
+    assert "paths_or_runs" not in {remark.code for remark in result.remarks}
+    difference = result.sensors["x"].paths.difference
+    assert difference.u is not None
+    assert difference.value == pytest.approx(np.radians(truth["path_difference x"]), abs=4.0 * difference.u)
+
+
+def test_intervals_of_one_ramp_each_hold_the_truth() -> None:
+    hits = held(40, UNITS["both"], PROGRAMMES["one ramp each"])
+    assert {"bias x", "bias x 0 degC", "bias_temperature_1 x"} <= set(hits)
+    assert all(covers(sum(one), len(one)) for one in hits.values()), hits
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("unit", UNITS)
+@pytest.mark.parametrize("programme", PROGRAMMES)
+def test_intervals_of_paths_in_runs_of_their_own_hold_the_truth(unit: str, programme: str) -> None:
+    hits = held(sized(300, 60), UNITS[unit], PROGRAMMES[programme])
+    assert all(covers(sum(one), len(one)) for one in hits.values()), hits

@@ -38,6 +38,8 @@ ONE_RUN = Reason("one_run", "needs two runs or more: one run does not show the s
 GRAVITY = Reason("gravity", "the reading at rest includes gravity along the axis")
 BLOCKS = "from one run: excludes scatter between power-ups and drift slower than a sixth of a ramp"
 SAME = Reason("no_scatter", "all runs have the same offset")
+NOT_REPEATED = Reason("one_run", "one run: not repeated")
+PATHS = Reason("paths_or_runs", "one run alone shows warming, or cooling: what the paths differ by looks the same")
 LONG = Reason("warm_up_long", "the start-up takes longer than the stay at the first temperature: stay longer")
 QUIET = "no transient after power-up above the noise"
 RAMPS = "from one run: excludes scatter between power-ups"
@@ -160,8 +162,8 @@ def _scatter_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
     yield _scatter_row("scatter_sample", axis, unit, std, dof, Reason("few_samples", "no cell has three samples"))
     name = "scatter_recording" if result.plan.run_level == "recording" else "scatter_run"
     offsets = one.run_offsets
-    if len(offsets) < 2:
-        yield not_estimated(Key(name, axis), unit, Reason("one_run", "one run: not repeated"))
+    if len(offsets) < 2 or not (cells.paths_repeated or one.paths.loops):
+        yield not_estimated(Key(name, axis), unit, NOT_REPEATED if len(offsets) < 2 else PATHS)
         return
     yield _scatter_row(name, axis, unit, float(np.std(offsets, ddof=1)), len(offsets) - 1.0, SAME)
 

@@ -248,6 +248,15 @@ class Cells:
         return self.once("shared_bins", found)
 
     @property
+    def paths_repeated(self) -> bool:
+        """Whether each path was seen by two runs or more, or all by the only one."""
+
+        def found() -> bool:
+            return self.runs < 2 or all(len(np.unique(self.run[self.path == way])) >= 2 for way in self.ways)
+
+        return self.once("paths_repeated", found)
+
+    @property
     def ways(self) -> tuple[int, ...]:
         """Paths that there are."""
         return self.once("ways", lambda: tuple(int(one) for one in np.unique(self.path)))

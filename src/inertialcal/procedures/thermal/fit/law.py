@@ -8,6 +8,10 @@ P is the polynomial that is wanted, D the difference of the paths: quadratic, or
 Both are Chebyshev series over the range of the cells. What a cell with a finite spread of temperature sees of them is
 their mean over it, to second order. With one path only there is no D, and P holds on that path.
 
+Where one run alone saw a path, no other tells D from the offset of that run. P is fitted without D then: it lies
+between the paths, and all that the runs differ by counts as scatter between them. Whatever part of it D is, the
+interval holds at least as often as it says: a difference of the paths makes the scatter larger, never smaller.
+
 Scatter, and what the covariance is made of, from the highest level that was repeated:
 
 run
@@ -112,8 +116,9 @@ class Law:
     order: int  # Of P
     path_order: int  # Of D; -1 where there is none
     domain: tuple[float, float]  # Temperatures where P holds [degC]
-    fit: Fit  # Coefficients of P, then of D [unit of the readings], then the lag where it is in; of whitened cells
-    path_fit: Fit  # The same without the lag: its D is what the paths differ by, whatever the cause
+    # Coefficients of P, then of D [unit of the readings] and the lag where they are in; of whitened cells
+    fit: Fit
+    path_fit: Fit  # The same with D, without the lag: its D is what the paths differ by, whatever the cause
     scatter: Scatter  # What P and D are judged by
     higher: Law | None = None  # With a P of an order that was not chosen, to see what the choice changes
 
@@ -199,8 +204,13 @@ def unjudged_law_of(cells: Cells, order: int, alone: Fit | None = None) -> Law:
     if alone is None:
         names = [f"T_{k}" for k in range(order + 1)] + [f"D_{k}" for k in range(path_order + 1)]
         alone = _fitted(cells, design(cells, order, path_order, domain), names)
-    behind = alone if path_order < 0 else _with_lag(cells, alone, order, max(path_order, order - 1), domain)
-    return Law(cells, order, path_order, domain, behind, alone, Scatter(cells, order, behind, alone))
+    if path_order < 0:
+        of_p = alone
+    elif cells.paths_repeated:
+        of_p = _with_lag(cells, alone, order, max(path_order, order - 1), domain)
+    else:
+        of_p = _fitted(cells, design(cells, order, -1, domain))
+    return Law(cells, order, path_order, domain, of_p, alone, Scatter(cells, order, of_p, alone))
 
 
 def _fitted(cells: Cells, columns: Array, names: Sequence[str] | None = None) -> Fit:

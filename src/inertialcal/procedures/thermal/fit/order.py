@@ -75,7 +75,7 @@ def _groups(cells: Cells) -> tuple[HeldOut, Indices, Indices, int]:
     """Return what is held out, the group of each cell, whose offset is its own, and the order of D in the fits."""
     path_order = path_order_of(cells)
     if cells.runs >= RUNS:
-        return "runs", cells.run, cells.run, path_order
+        return "runs", cells.run, cells.run, path_order if cells.paths_repeated else -1
     if len(np.unique(cells.ramp)) >= RAMPS:
         return "ramps", cells.ramp, cells.ramp, -1
     lo, hi = cells.range

@@ -101,7 +101,7 @@ def shared_grid(law: Law) -> Array:
 def _difference(law: Law) -> PathEffect:
     values, covariance, dof = law.path_contrasts(law.path_basis(shared_grid(law)).mean(axis=0, keepdims=True))
     if not dof[0] > 0.0:
-        return PathEffect(float(values[0]), reason="needs two runs or more")
+        return PathEffect(float(values[0]), reason="needs two runs or more on each path")
     return PathEffect(float(values[0]), float(np.sqrt(covariance[0, 0])), float(dof[0]))
 
 
@@ -127,7 +127,9 @@ def _rates(cells: Cells) -> tuple[float, ...]:
 def _separated(law: Law, loops: int) -> tuple[PathEffect, PathEffect]:
     cells = law.cells
     reason = ""
-    if loops < 2:
+    if not loops:
+        reason = "no run shows warming and cooling: hysteresis, thermal lag and drift look the same; make loops"
+    elif loops < 2:
         reason = "one loop: hysteresis, thermal lag and drift look the same; make a second one, at another rate"
     elif not np.isfinite(cells.rate).all() or not np.isfinite(cells.time).all():
         reason = "no time column: thermal lag and drift look like hysteresis"

@@ -140,6 +140,11 @@ def _remarks(plan: Plan, readings: Readings, axis: str, law: Law, start_up: Star
         what = f"{axis} sensor: both paths were seen from {low:.4g} to {high:.4g} degC; the rest is left out"
         found.append(Remark("one_path_beyond", "warning", what, readings.where, cells.left_out["one_path"],
                             "Ramp both ways over the whole range"))  # fmt: skip
+    if law.midway and not cells.paths_repeated:
+        what = f"{axis} sensor: one run alone shows warming, or cooling: what the paths differ by cannot be told from"
+        what += " what the runs differ by: both are in the uncertainty of the bias"
+        do = "Ramp both ways in each power-up; give recordings of one power-up one run"
+        found.append(Remark("paths_or_runs", "warning", what, readings.where, do=do))
     counts = [f"{n} {WORDS[rule]}" for rule, n in cells.left_out.items() if n]
     what = f"{axis} sensor: {int(cells.samples.sum())} samples used in {len(cells)} cells; left out: " + (
         ", ".join(counts) or "none"

@@ -68,7 +68,7 @@ def finding(cells: Curve, law: Curve, gap: Mapping[str, Any] | None) -> str:
     said = f"{plain(cells.get('axis', ''))}: {span}, {runs} run{'s' * (runs != 1)}"
     if len(width):
         said += f", bias within ±{number(float(width.max()), 2)} {plain(unit(law, 'bias'))}"
-    if gap is not None and gap["value"] is not None:
+    if gap is not None and gap["value"] is not None and gap["u"] is not None:
         said += f"; warming minus cooling {with_uncertainty(gap['value'], gap['u'])} {plain(gap['unit'])}"
     return said
 
