@@ -81,6 +81,8 @@ def joined_dof(variances: Sequence[Array], dofs: Sequence[Array | float], total:
     z_square = float(special.ndtri(p)) ** 2
     excess, largest, fewest = np.zeros(whole.shape), np.zeros(whole.shape), np.full(whole.shape, np.inf)
     for variance, given in zip(variances, dofs, strict=True):
+        if isinstance(given, float) and given == np.inf:
+            continue
         dof = np.broadcast_to(np.asarray(given, dtype=float), whole.shape)
         acts = (np.asarray(variance) > 0.0) & (whole > 0.0) & np.isfinite(dof)
         if not acts.any():

@@ -104,18 +104,19 @@ def _log_chance(y: Array, u: Array, m: int, scatter: float, dof: float) -> tuple
     if freedom <= 0.0:
         return np.zeros(len(y)), order[:, :m]
     # The n - m values that lie closest together stand side by side in order of size
-    ordered, known_u = np.take_along_axis(y, order, axis=1), np.take_along_axis(u, order, axis=1)
+    rows = np.arange(len(y))[:, None]
+    ordered, known_u = y[rows, order], u[rows, order]
     first = np.argmin(np.var(np.lib.stride_tricks.sliding_window_view(ordered, n - m, axis=1), axis=2), axis=1)
     places = np.arange(n - m) + first[:, None]
     outside = np.arange(m) + np.where(np.arange(m) < first[:, None], 0, n - m)
-    kept, apart = np.take_along_axis(ordered, places, axis=1), np.take_along_axis(ordered, outside, axis=1)
-    known = np.mean(np.take_along_axis(known_u, places, axis=1) ** 2, axis=1)
+    kept, apart = ordered[rows, places], ordered[rows, outside]
+    known = np.mean(known_u[rows, places] ** 2, axis=1)
     middle = np.mean(kept, axis=1)
     square = (np.sum((kept - middle[:, None]) ** 2, axis=1) + dof * scatter**2) / freedom
     variance = np.maximum(square, known)
     away, varies = apart - middle[:, None], variance > 0.0
     size = np.where(varies, variance, 1.0)
-    beyond = np.maximum(np.take_along_axis(known_u, outside, axis=1) ** 2 - known[:, None], 0.0)
+    beyond = np.maximum(known_u[rows, outside] ** 2 - known[:, None], 0.0)
     weight = 1.0 / (1.0 + beyond / size[:, None])
     whole = np.sum(weight, axis=1)
     shift = np.sum(weight * away**2, axis=1) - np.sum(weight * away, axis=1) ** 2 / (n - m + whole)
@@ -124,7 +125,7 @@ def _log_chance(y: Array, u: Array, m: int, scatter: float, dof: float) -> tuple
     )
     sets = special.gammaln(n + 1.0) - special.gammaln(m + 1.0) - special.gammaln(n - m + 1.0)
     with np.errstate(divide="ignore"):
-        return np.asarray(np.log(chance) + sets), np.take_along_axis(order, outside, axis=1)
+        return np.asarray(np.log(chance) + sets), order[rows, outside]
 
 
 def repeated_median_line(x: ArrayLike, y: ArrayLike) -> tuple[float, float]:
@@ -169,8 +170,11 @@ def medians(values: Array) -> Array:
     """
     if not values.shape[-1]:
         return np.full(values.shape[:-1], np.nan)
-    count = np.count_nonzero(~np.isnan(values), axis=-1)[..., None]
-    ordered = np.sort(values, axis=-1)  # NaN last
+    ordered, n = np.sort(values, axis=-1), values.shape[-1]  # NaN last
+    if not np.isnan(ordered[..., -1]).any():
+        middle: Array = 0.5 * (ordered[..., (n - 1) // 2] + ordered[..., n // 2])
+        return middle
+    count = np.count_nonzero(~np.isnan(ordered), axis=-1)[..., None]
     halves = [np.take_along_axis(ordered, np.maximum(at, 0), axis=-1)[..., 0] for at in ((count - 1) // 2, count // 2)]
     found: Array = 0.5 * (halves[0] + halves[1])
     return np.where(count[..., 0] > 0, found, np.nan)

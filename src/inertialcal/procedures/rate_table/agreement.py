@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from statistics import median
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,7 +39,7 @@ from ...statistics.agreement import (
     robust_scales,
 )
 from ...statistics.intervals import t_quantile
-from ..agreement import Cause, likely_cause
+from ..agreement import CLEAR, Cause, likely_cause
 from .exclusions import exclusions
 from .plan import Plan
 from .readings import Readings
@@ -216,17 +217,17 @@ class _Judged:
     def _lent(self, key: tuple[int, str], alone: Mapping[tuple[int, str], tuple[float, float]]) -> tuple[float, float]:
         """Return a scale with its degrees of freedom; one that rests on little is not below what is usual."""
         scale, dof = alone[key]
+        if dof >= SURE:
+            return scale, dof
         own = self.runs[self.sets[key[0]][0]].axis == key[1]
         like = [one for (k, s), one in alone.items() if (self.runs[self.sets[k][0]].axis == s) == own and one[1] > 0.0]
-        if dof >= SURE or not like:
-            return scale, dof
-        return max(scale, float(np.median([one for one, _ in like]))), sum(one for _, one in like)
+        return (max(scale, median(one for one, _ in like)), sum(one for _, one in like)) if like else (scale, dof)
 
     def against_nominal(self) -> Iterator[Remark]:
         """Yield what reads something else than the rate of the table."""
         for axis in dict.fromkeys(run.axis for run in self.runs):
             mine = [i for i, run in enumerate(self.runs) if run.axis == axis and not self.named[i]]
-            causes = {i: self._cause(i) for i in mine}
+            causes = {i: self._cause(i) for i in mine if not self._is_nominal(i)}
             bad = {i: cause for i, cause in causes.items() if cause is not None}
             self.named[list(bad)] = True
             if len(mine) > 1 and len(bad) == len(mine) and len({one.code for one in bad.values()}) == 1:
@@ -235,6 +236,14 @@ class _Judged:
                 continue
             for i, cause in bad.items():
                 yield cause.remark(self.runs[i].name, self.runs[i].place, axis)
+
+    def _is_nominal(self, i: int) -> bool:
+        """Whether nothing of a response would be named, whatever its scatter leaves open."""
+        away = {
+            s: abs(one - (s == self.runs[i].axis)) for s, one in zip(self.sensors, self.slope[i].tolist(), strict=True)
+        }
+        own = away.pop(self.runs[i].axis, np.nan)
+        return own <= self.plan.agreement and all(one <= CLEAR for one in away.values())
 
     def _cause(self, i: int) -> Cause | None:
         axis = self.runs[i].axis
@@ -330,8 +339,10 @@ class _Judged:
         y, off = self.outputs[axis], self.off[axis]
         ends, least, step, others, bend = [], np.inf, 0.0, 0.0, 0.0
         for way, rates in zip((-1.0, 1.0), highest.ways, strict=True):
-            (rate, rows), (next_rate, next_rows) = rates
-            top, top_off, lower, lower_off = (float(medians(of[some])) for some in (rows, next_rows) for of in (y, off))
+            (rate, rows), (next_rate, next_rows) = rates  # all of them read
+            top, top_off, lower, lower_off = (
+                median(of[some].tolist()) for some in (rows, next_rows) for of in (y, off)
+            )
             ends.append(top)
             least = min(least, -way * top_off)
             others, bend = max(others, abs(lower_off)), max(bend, (next_rate / rate) ** 3)

@@ -85,9 +85,13 @@ class Result:
         """What limits every figure: standards that are not stated."""
         return limits(self.plan, self.readings)
 
+    @cached_property
+    def _rows(self) -> tuple[Row, ...]:
+        return tuple(rows(self))
+
     def rows(self) -> tuple[Row, ...]:
         """Rows of ``results.json``, SI."""
-        return tuple(rows(self))
+        return self._rows
 
     def curves(self) -> list[Curve]:
         """Curves of ``results.json``, SI."""

@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...core.estimate import Array, Estimate
+from ...core.estimate import Estimate
 from ...core.key import Key, Method, Reason
 from ...core.results import Interval, Row, not_estimated
-from ...signals.remembered import remembered
 from ...statistics.intervals import chi_square_interval, t_interval
-from ...statistics.least_squares import Decomposed, decompose, times
+from ...statistics.least_squares import times
 from .fit.linearity import linearity_row
 from .fit.quantities import CURVATURES, UNITS
 from .fit.regression import Level, Line
@@ -186,12 +185,6 @@ def _dof(dof: float) -> float | None:
 __all__ = ["LEVELS", "Interval", "rows"]
 
 
-@remembered
-def _straight(x: Array) -> Decomposed:
-    """Return a line through all dwells alike."""
-    return decompose(np.column_stack([x, np.ones_like(x)]), ("scale_factor", "intercept"))
-
-
 def published_rows(plan: Plan, readings: Readings, sensor: str) -> list[Row]:
     """Return slope and intercept of the published fit of a sensor turned about its own axis.
 
@@ -209,7 +202,7 @@ def published_rows(plan: Plan, readings: Readings, sensor: str) -> list[Row]:
             for name, unit in zip(names, units, strict=True)
         ]
     y = readings.outputs[sensor][own] * (1.0 if volts is None else volts)
-    line, dof = _straight(x), len(x) - 2.0
+    line, dof = readings.turned.straight(own), len(x) - 2.0
     found = line.coefficients(y)
     us = np.sqrt(np.sum((y - times(line.design, found)) ** 2) / dof * np.sum(line.transform**2, axis=1))
     told = f"unweighted line through all {len(y)} dwells; the uncertainty assumes they are independent"

@@ -58,6 +58,7 @@ def readings_of_table(plan: Plan, given: Source) -> Readings:
     applied_unit = rows.applied_unit or (given.facts.unit if kind(rows.unit) in {"count", "voltage"} else rows.unit)
     applied = convert(table.numbers(rows.applied), applied_unit, si_unit(applied_unit))
     remarks = [*table.remarks, *table.missing(rows.applied)]
+    file = given.file
     readings = Readings(
         applied=applied,
         axis=_axis(source),
@@ -67,7 +68,7 @@ def readings_of_table(plan: Plan, given: Source) -> Readings:
         group=None if rows.group is None else np.array(table.text(rows.group), dtype=str),
         run=None if rows.run is None else np.array(table.text(rows.run), dtype=str),
         recording=np.full(len(table), given.name),
-        where=tuple(f"{given.file}:{row}" for row in table.rows),
+        where=tuple(f"{file}:{row}" for row in table.rows.tolist()),
         sensors=tuple(given.facts.axes),
         remarks=tuple(remarks),
     )

@@ -148,6 +148,7 @@ class Turned:
         self._lines: dict[tuple[str, bool, tuple[str, ...]], LineDesign] = {}
         self._highest: dict[bytes, Highest | None] = {}
         self._at_rates: dict[bytes, list[NDArray[np.intp]]] = {}
+        self._straight: dict[bytes, Decomposed] = {}
         self._neighbours: dict[tuple[str, int], NDArray[np.intp]] = {}
         self._allowed: dict[tuple[str, bool, bool, float], tuple[str, ...]] = {}
 
@@ -256,13 +257,28 @@ class Turned:
             found[axis] = bool(2 * np.min(np.bincount(pairs[:, 0])) >= len(recordings))
         return found
 
+    @cached_property
+    def _about_means(self) -> tuple[Array, Array]:
+        """Rates about the mean of their recording, shape (n,), and the sum of their squares in each, 1 for 0."""
+        x = about_means(self.applied, self.numbers)
+        square = np.bincount(self.numbers, x**2)
+        return x, np.where(square > 0.0, square, 1.0)
+
     def beside(self, values: Array) -> Array:
         """Return values, shape (n,), less a line in the rate of its own in each recording."""
-        groups = self.numbers
-        x = about_means(self.applied, groups)
-        square = np.bincount(groups, x**2)
-        slope = np.bincount(groups, values * x) / np.where(square > 0.0, square, 1.0)
-        return np.asarray(about_means(values, groups) - slope[groups] * x)
+        x, square = self._about_means
+        slope = np.bincount(self.numbers, values * x) / square
+        return np.asarray(about_means(values, self.numbers) - slope[self.numbers] * x)
+
+    def straight(self, rows: NDArray[np.bool_]) -> Decomposed:
+        """Return a line through the readings at some rates, all alike."""
+        key = rows.tobytes()
+        if key not in self._straight:
+            if len(self._straight) > MOST:
+                self._straight.clear()
+            x = self.applied[rows]
+            self._straight[key] = decompose(np.column_stack([x, np.ones_like(x)]), ("scale_factor", "intercept"))
+        return self._straight[key]
 
     def neighbours(self, axis: str, count: int) -> NDArray[np.intp]:
         """Return the nearest others of each dwell about an axis in size of rate, shape (dwells about it, count).
