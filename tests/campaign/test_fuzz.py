@@ -11,8 +11,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from inertialcal.campaign.engine.run import run
-from inertialcal.campaign.outcome.publish import json_text
 from inertialcal.core.errors import InertialcalError
+from inertialcal.core.schema.json_text import json_text
 
 Write = Callable[..., Path]
 CHECKS = [HealthCheck.function_scoped_fixture]

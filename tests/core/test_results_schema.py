@@ -10,8 +10,8 @@ import pytest
 from pydantic import ValidationError
 
 from inertialcal.campaign.engine.run import run
-from inertialcal.campaign.outcome.publish import json_text
 from inertialcal.campaign.twins.twin import simulate
+from inertialcal.core.schema.json_text import json_text
 from inertialcal.core.schema.results import DRAFT, FILE, Results, schema_text
 from inertialcal.rigs import RIGS
 

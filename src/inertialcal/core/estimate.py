@@ -93,10 +93,11 @@ def joined_dof(variances: Sequence[Array], dofs: Sequence[Array | float], total:
         excess += share ** np.maximum(1.0, 2.0 - FEW / dof) * own
         largest = np.where(acts, np.maximum(largest, own), largest)
         fewest = np.where(acts, np.minimum(fewest, dof), fewest)
-    between = special.stdtridf(p, np.sqrt(z_square + np.maximum(excess, NO_EXCESS)))
     alone = excess >= largest * (1.0 - SYMMETRY)  # to the last digit that of the part
-    joined = np.where(excess > NO_EXCESS, np.maximum(between, fewest), np.inf)
-    return np.asarray(np.where(alone, fewest, joined))
+    between = ~alone & (excess > NO_EXCESS)
+    joined = np.where(alone, fewest, np.inf)
+    joined[between] = np.maximum(special.stdtridf(p, np.sqrt(z_square + excess[between])), fewest[between])
+    return joined
 
 
 def fewer_joined(variances: Array, dof: Array) -> Callable[[Array], NDArray[np.bool_]]:
@@ -214,8 +215,9 @@ class Estimate:
             if component.covariance.shape != (k, k):
                 shape = component.covariance.shape
                 raise DataError(f"{component.source}: covariance of shape {shape}, need ({k}, {k})")
-            dof = np.asarray(component.dof, dtype=float)
-            if dof.shape not in {(), (k,)} or not (dof > 0.0).all():
+            dof = component.dof
+            alike = isinstance(dof, float) or np.shape(dof) in {(), (k,)}
+            if not (alike and (dof > 0.0 if isinstance(dof, float) else (np.asarray(dof, dtype=float) > 0.0).all())):
                 raise DataError(
                     f"{component.source}: degrees of freedom {component.dof}, need {k} positive ones or one for all"
                 )
@@ -225,6 +227,9 @@ class Estimate:
     def _check_covariances(self) -> None:
         c: Array = np.array([component.covariance for component in self.components])
         variance = np.diagonal(c, axis1=1, axis2=2)
+        plain = np.isfinite(c).all() and (variance >= 0.0).all() and (c == c.swapaxes(1, 2)).all()
+        if plain and not any(one.stated is not None and not one.stated[0] > 0.0 for one in self.components):
+            return
         deviations = np.sqrt(np.abs(variance))
         with np.errstate(invalid="ignore"):
             allowed = SYMMETRY * deviations[:, :, np.newaxis] * deviations[:, np.newaxis] + TINY
@@ -275,8 +280,22 @@ class Estimate:
         return joined_dof(variances, [component.dof for component in self.components], np.diag(self.covariance))
 
     @cached_property
-    def _named_changes(self) -> tuple[dict[str, Array], ...]:
-        return tuple(one.named_changes for one in self.components)
+    def _shared(self) -> tuple[tuple[str, ...], list[list[float]]]:
+        """Unknowns of standards by name, and the changes of each value by them."""
+        found: dict[str, Array] = {}
+        for one in self.components:
+            for unknown, changes in one.named_changes.items():
+                found[unknown] = found[unknown] + changes if unknown in found else np.asarray(changes, dtype=float)
+        return tuple(found), np.array([*found.values()]).reshape(len(found), len(self.names)).T.tolist()
+
+    @cached_property
+    def _curved(self) -> list[tuple[str, list[float], float]]:
+        """Curvatures of the unit: the changes of all values by one unit of each, and how large it may be."""
+        return [
+            (one.term, one.changes[0].tolist(), float(one.stated[0]))
+            for one in self.components
+            if one.term and one.stated is not None and one.changes is not None
+        ]
 
     def shared(self, name: Key | str, times: float = 1.0) -> dict[str, float]:
         """Return the change of a value for one standard uncertainty of each unknown of a standard, with its sign.
@@ -284,21 +303,17 @@ class Estimate:
         Unknowns go by the name of their influence: ``"rate_table.rate"``; of several, ``"rate_table.mounting[xz]"``.
         """
         at: int = self.index(name)
-        found: dict[str, float] = {}
-        for named in self._named_changes:
-            for unknown, changes in named.items():
-                found[unknown] = found.get(unknown, 0.0) + float(changes[at]) * times
-        return found
+        unknowns, changes = self._shared
+        return {unknown: 0.0 + change * times for unknown, change in zip(unknowns, changes[at], strict=True)}
 
     def curvature(self, name: Key | str, times: float = 1.0) -> dict[str, Curvature]:
         """Return what one unit of each curvature of the unit would change of a value whose line does not have it."""
         at: int = self.index(name)
         found: dict[str, Curvature] = {}
-        for one in self.components:
-            if one.term and one.stated is not None and one.changes is not None:
-                change = float(one.changes[0, at]) * times
-                if change or one.term[-1:] == self.keys[at].axis[:1]:
-                    found[one.term] = Curvature(change, float(one.stated[0]))
+        for term, changes, size in self._curved:
+            change = changes[at] * times
+            if change or term[-1:] == self.keys[at].axis[:1]:
+                found[term] = Curvature(change, size)
         return found
 
     def index(self, name: Key | str) -> int:
@@ -310,9 +325,14 @@ class Estimate:
             If there is none of that name; the message lists those there are.
         """
         try:
-            return self.names.index(str(name))
-        except ValueError:
+            return self._places[name if name in self._places else str(name)]
+        except KeyError:
             raise DataError(f"no value {str(name)!r}", do=f"There are: {', '.join(self.names)}") from None
+
+    @cached_property
+    def _places(self) -> dict[Key | str, int]:
+        """Position of each value by its name and by its key."""
+        return {name: at for names in (self.names, self.given) for at, name in enumerate(names)}
 
     def value(self, name: Key | str) -> float:
         """One value, in its unit."""
@@ -321,6 +341,8 @@ class Estimate:
     def select(self, names: Sequence[Key | str]) -> Estimate:
         """Return the estimate of some of the values, in the order given."""
         at = [self.index(name) for name in names]
+        if at == [*range(len(self.values))]:
+            return self
         grid = np.ix_(at, at)
         components = tuple(
             replace(

@@ -191,6 +191,8 @@ def lasting(changes: Mapping[str, float], u: float | None, standards: Standards)
     standards : mapping of Influence
         That are stated, by name.
     """
+    if not changes:
+        return {}
     names = {name for name, one in standards.items() if one.redrawn_by not in DIES}
     least = ROUNDING * (u or 0.0)
     return {name: one for name, one in changes.items() if influence_of(name) in names and abs(one) > least}

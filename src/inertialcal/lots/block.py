@@ -26,11 +26,11 @@ from ..campaign.engine.whole import Whole, tests_of, whole_of
 from ..campaign.file.load import Campaign, campaign_of, standards_of, with_clock
 from ..campaign.inputs.gate import Gate
 from ..campaign.models.build import model_files
-from ..campaign.outcome.publish import json_text
 from ..campaign.outcome.results_file import sealed
 from ..core.errors import DataError, InertialcalError, Problem
 from ..core.influence import DIES, OF_UNIT
 from ..core.remarks import condensed
+from ..core.schema.json_text import json_text
 from ..files.binary.curves import curves_bytes
 from ..files.binary.parquet import clock_in
 from ..files.registry import Columns

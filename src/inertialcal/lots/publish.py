@@ -18,8 +18,9 @@ from pathlib import Path
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from ..campaign.outcome.publish import json_text, version_of_package, versions
+from ..campaign.outcome.publish import version_of_package, versions
 from ..core.errors import DataError, StoreError
+from ..core.schema.json_text import json_text
 from .ledger import Ledger, Noted
 from .lot_file import Lot
 from .rows import OWN

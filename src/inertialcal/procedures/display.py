@@ -92,22 +92,40 @@ def stated_unit(unit: str, sensor_unit: str) -> str:
     return sensor_unit if unit == si_unit(sensor_unit) else unit
 
 
-def displayed(row: Row, sensor_unit: str) -> Row:
-    """Return the row in the units of the campaign; those of a sensor of no known kind stay in that of the file."""
-    if kind_of_unit(sensor_unit) is None:
-        return row
-    unit = display_unit(row.quantity, row.unit, sensor_unit)
+def displayed(row: Row, sensor_unit: str, **fields: Any) -> Row:
+    """Return the row in the units of the campaign; those of a sensor of no known kind stay in that of the file.
+
+    Parameters
+    ----------
+    row : Row
+        SI.
+    sensor_unit : str
+        As the campaign has it: ``"deg/s"``.
+    **fields
+        Fields of the row that change as well, in its unit.
+    """
+    unit, scale = _shown(row.quantity, row.unit, sensor_unit, procedure_names())
     if unit == row.unit:
-        return row
-    scale = factor(row.unit, unit)
+        return row.changed(**fields) if fields else row
+    shared, curvature = fields.pop("shared", row.shared), fields.pop("curvature", row.curvature)
     return row.changed(
         value=scaled(row.value, scale),
         u=scaled(row.u, scale),
         interval=scaled_interval(row.interval, scale),
         unit=unit,
-        shared={name: change * scale for name, change in row.shared.items()},
-        curvature={name: one.times(scale) for name, one in row.curvature.items()},
+        shared={name: change * scale for name, change in shared.items()},
+        curvature={name: one.times(scale) for name, one in curvature.items()},
+        **fields,
     )
+
+
+@lru_cache(4096)
+def _shown(quantity: str, unit: str, sensor_unit: str, names: tuple[str, ...]) -> tuple[str, float]:
+    """Return the unit that a row is shown in, and the factor to it."""
+    if kind_of_unit(sensor_unit) is None:
+        return unit, 1.0
+    shown = _display_unit(quantity, unit, sensor_unit, names)
+    return shown, factor(unit, shown) if shown != unit else 1.0
 
 
 def scaled(number: float | None, scale: float) -> float | None:

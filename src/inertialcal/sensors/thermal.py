@@ -16,6 +16,7 @@ References
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -96,7 +97,13 @@ def in_unit(polynomial: Polynomial, factor: float) -> Polynomial:
     return replace(polynomial, coefficients=polynomial.coefficients * factor, covariance=covariance)
 
 
+@lru_cache(maxsize=64)
 def powers_of(order: int, domain: tuple[float, float], reference: float) -> Array:
-    """Return the matrix that takes a Chebyshev series to powers of ``x - reference``, shape (order + 1, order + 1)."""
+    """Return the matrix that takes a Chebyshev series to powers of ``x - reference``, read-only.
+
+    Shape (order + 1, order + 1).
+    """
     unit = np.eye(order + 1)
-    return np.column_stack([Polynomial(one, None, 0.0, domain).monomials(reference)[0] for one in unit])
+    found = np.column_stack([Polynomial(one, None, 0.0, domain).monomials(reference)[0] for one in unit])
+    found.flags.writeable = False
+    return found

@@ -98,7 +98,13 @@ class Fit:
         )
 
 
-def fit(design: Array, readings: Array, weights: Array | None = None, names: Sequence[str] | None = None) -> Fit:
+def fit(
+    design: Array,
+    readings: Array,
+    weights: Array | None = None,
+    names: Sequence[str] | None = None,
+    decomposed: Decomposed | None = None,
+) -> Fit:
     """Return the least-squares fit of readings.
 
     Parameters
@@ -111,6 +117,8 @@ def fit(design: Array, readings: Array, weights: Array | None = None, names: Seq
         Relative: 1/variance up to a common factor, which the residuals decide. Equal by default.
     names : sequence of str, optional
         Of the columns, for messages.
+    decomposed : Decomposed, optional
+        The design, whitened, as `decompose` gives it, where it is known from other readings.
 
     Raises
     ------
@@ -128,7 +136,7 @@ def fit(design: Array, readings: Array, weights: Array | None = None, names: Seq
     design, readings, labels = _checked(design, readings, names)
     root = np.sqrt(_checked_weights(weights, readings.size)) if weights is not None else None
     white = design if root is None else design * root[:, None]
-    decomposed = decompose(white, labels)
+    decomposed = decompose(white, labels) if decomposed is None else decomposed
     basis, transform, condition = decomposed.basis, decomposed.transform, decomposed.condition
     coefficients = decomposed.coefficients(readings if root is None else readings * root)
     residuals = readings - design @ coefficients

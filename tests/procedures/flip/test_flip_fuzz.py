@@ -17,9 +17,9 @@ import pytest
 from inertialcal import flip
 from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.file.example import copy_example
-from inertialcal.campaign.outcome.publish import json_text
 from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.core.errors import InertialcalError
+from inertialcal.core.schema.json_text import json_text
 from inertialcal.rigs.sams_tsh.campaign import FILE
 from inertialcal.rigs.sams_tsh.rig import Bench, build
 from inertialcal.rigs.twin import SEED

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from ...core.errors import DataError, InertialcalError, Problem
 from ...core.remarks import Remark, gather
 from ...core.results import COLUMNS, flat
+from ...core.schema.json_text import json_text
 from ...core.show.result_tables import remarks_line
 from ...core.show.tables import Block, Table, html, text
 from ...files.binary.curves import FILE as CURVES
@@ -26,7 +27,7 @@ from ..inputs.sources import ReadOnce, Store
 from ..models.build import build_models, model_files
 from ..models.judged import NOT_RUN, Modelled, Residual, hold_out_residuals
 from ..outcome.contents import Figures, figures_and_verdicts, results_content
-from ..outcome.publish import changes, check_writable, csv_text, json_text, provenance, publish, restore
+from ..outcome.publish import changes, check_writable, csv_text, provenance, publish, restore
 from ..outcome.requirements import worst
 from ..outcome.results_file import previous, sealed
 from .cache import Cache

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ...core.errors import InertialcalError, PlanError
-from ...core.estimate import Estimate
+from ...core.estimate import Component, Estimate
 from ...core.influence import Occasion, influence_of
 from ...core.remarks import Remark
 from ...core.units import kind
@@ -127,7 +127,8 @@ def _with_verdict(made: Made, share: float, name: str) -> JudgedModel:
     residuals = tuple(replace(one, loop=loop) for one, loop in zip(made.residuals, rest, strict=True))
     verdict = overall(words) if words else NOT_RUN
     one = made.judged
-    model = None if one.model is None else replace(one.model, judged=verdict == "PASS")
+    passed = verdict == "PASS"
+    model = one.model if one.model is None or one.model.judged == passed else replace(one.model, judged=passed)
     remarks = tuple(replace(remark, where=remark.where or (name if one.condition else "")) for remark in one.remarks)
     if verdict == "FAIL" and one.condition:
         what = f"the model in {one.condition} does worse on readings held out: it is left out of the model file"
@@ -351,7 +352,7 @@ def _told_apart(campaign: Campaign, parts: Sequence[Part], reduced: Reduced) -> 
         if estimate is None or len(parts) == 1:
             found.append(part.terms)
             continue
-        components = []
+        components: list[Component] = []
         for one in estimate.components:
             origin = one.origin
             known = campaign.standards.get(f"{origin.standard}.{origin.quantity}")
@@ -362,7 +363,10 @@ def _told_apart(campaign: Campaign, parts: Sequence[Part], reduced: Reduced) -> 
                 if not label or any(label != each.drew(known.redrawn_by) for each in others):
                     origin = origin._replace(test=", ".join(part.terms.tests))
             components.append(replace(one, given=origin) if origin != one.origin else one)
-        found.append(replace(part.terms, estimate=replace(estimate, components=tuple(components))))
+        same = all(mine is its for mine, its in zip(components, estimate.components, strict=True))
+        found.append(
+            part.terms if same else replace(part.terms, estimate=replace(estimate, components=tuple(components)))
+        )
     return found
 
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ...core.estimate import Component, Estimate
@@ -127,8 +126,8 @@ def figures_and_verdicts(campaign: Campaign, tested: Sequence[ReducedTest], mode
                 else lasting(estimate.shared(row.key), row.u, campaign.standards)
             )
             curvature = {} if estimate is None or row.u is None else estimate.curvature(row.key)
-            whole = replace(row, test=name, condition=one.condition, shared=shared, curvature=curvature)
-            rows.append(displayed(whole, unit))
+            named = {"test": name, "condition": one.condition}
+            rows.append(displayed(row, unit, **named, shared=shared, curvature=curvature))
     judged: list[tuple[Verdict, str]] = []
     tests = {one.test.id: one.test for one in tested}
     unit = campaign.file.sensors[next(iter(campaign.file.sensors))].unit
@@ -137,8 +136,8 @@ def figures_and_verdicts(campaign: Campaign, tested: Sequence[ReducedTest], mode
     for requirement in campaign.file.requirements:
         found, more = judge(requirement, tested, general, compensation)
         judged += [(verdict, requirement.quantity) for verdict in found]
-        known = {(row.test, row.key, row.case) for row in rows}
-        stated = [replace(row, condition=tests[row.test].condition) if row.test in tests else row for row in more]
+        known = {(row.test, row.key, row.case) for row in rows} if more else set()
+        stated = [row.changed(condition=tests[row.test].condition) if row.test in tests else row for row in more]
         new = [row for row in stated if (row.test, row.key, row.case) not in known]
         rows += [displayed(row, unit) for row in new]
     verdicts = [
@@ -154,26 +153,33 @@ def figures_and_verdicts(campaign: Campaign, tested: Sequence[ReducedTest], mode
 
 def displayed_rows(campaign: Campaign, tested: Sequence[ReducedTest]) -> list[Row]:
     """Return the rows of tests in the units of their sensors, each with its condition and what it shares."""
-    return [
-        displayed(row, sensor_of(campaign, one.test, row.key.sensor).unit)
-        for one in tested
-        for row in with_shared(campaign, one)
-    ]
+    found = []
+    for one in tested:
+        units: dict[str, str] = {}
+        for row, fields in _with_shared(campaign, one):
+            kind = row.key.sensor
+            if kind not in units:
+                units[kind] = sensor_of(campaign, one.test, kind).unit
+            found.append(displayed(row, units[kind], **fields))
+    return found
 
 
 def with_shared(campaign: Campaign, one: ReducedTest) -> list[Row]:
     """Return the rows of a test, SI, each with its condition and what it shares."""
-    found = []
+    return [row.changed(**fields) for row, fields in _with_shared(campaign, one)]
+
+
+def _with_shared(campaign: Campaign, one: ReducedTest) -> Iterator[tuple[Row, dict[str, Any]]]:
+    """Yield the rows of a test, and the fields in which each with its condition and what it shares differs."""
     known = {kind: _known(one, kind) for kind in one.parts}
     for row in one.rows:
         estimate, keys = known.get(row.key.sensor, (None, {}))
-        shared, curvature = dict(row.shared), dict(row.curvature)
+        shared, curvature = row.shared, row.curvature
         if estimate is not None and row.u is not None and row.method is Method.RESULT and row.member is None:
             shared = shared or (estimate.shared(keys[row.key]) if row.key in keys else {})
             curvature = curvature or (estimate.curvature(keys[row.key]) if row.key in keys else {})
         lasts = lasting(shared, row.u, campaign.standards)
-        found.append(row.changed(condition=one.test.condition, shared=lasts, curvature=curvature))
-    return found
+        yield row, {"condition": one.test.condition, "shared": lasts, "curvature": curvature}
 
 
 def _known(one: ReducedTest, kind: str) -> tuple[Estimate | None, dict[Key, Key]]:

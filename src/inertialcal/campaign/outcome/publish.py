@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 import math
 import os
 import platform
@@ -38,11 +37,6 @@ RESERVED = re.compile(
 )
 FEW = 5  # names in a remark
 ROUNDING = 1e-9  # relative difference that is no change
-
-
-def json_text(content: object) -> str:
-    """Return canonical JSON: full digits, no NaN, one trailing newline."""
-    return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def csv_text(rows: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> str:

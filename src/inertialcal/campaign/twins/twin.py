@@ -18,13 +18,13 @@ from ...core.campaign_text import FILE
 from ...core.errors import DataError, PlanError, UsageError
 from ...core.key import At, Key
 from ...core.recording import SECOND, Recording
+from ...core.schema.json_text import json_text
 from ...core.show.tables import Block, Table, html, text
 from ...files.source import load as read_file
 from ...files.write.atomic import write_folder
 from ...rigs import RIGS
 from ...rigs.twin import SEAL, SEED, DrawnError, TrueValue, Twin
 from ..file.load import load
-from ..outcome.publish import json_text
 
 TRUTH = ".truth/truth.json"
 Of = tuple[Key, str]  # which figure, of which test

@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..errors import DataError
+from .json_text import json_texts
 
 CHECKSUM = "checksum"
 EDITED = "edited by hand after it was written: its figures cannot be traced"
@@ -21,6 +22,12 @@ def checksum(content: Mapping[str, object]) -> str:
     """SHA-256 over the canonical form of a content, as ``sha256:...``."""
     canonical = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
     return text_checksum(canonical)
+
+
+def sealed_text(content: Mapping[str, object]) -> str:
+    """Return a content that is not empty as `json_text`, its checksum the last key."""
+    text, canonical = json_texts(content)
+    return f'{text[:-2]},\n "{CHECKSUM}": "{text_checksum(canonical)}"\n}}\n'
 
 
 def text_checksum(text: str) -> str:

@@ -7,7 +7,7 @@ import os
 from typing import NoReturn
 
 from ...core.errors import DataError, InertialcalError
-from ...core.schema.checksum import CHECKSUM, check_unchanged, checksum
+from ...core.schema.checksum import check_unchanged, sealed_text
 from ...sensors.model.model_set import ModelSet
 from ...sensors.model.sensor_model import SensorModel
 from ...sensors.model.serial import FIRST, SCHEMA_VERSION, from_dict, to_dict
@@ -35,8 +35,7 @@ def dump_model(model: SensorModel) -> str:
 
 def dump_models(models: SensorModel | ModelSet) -> str:
     """Return the text of ``model.json``: the same models give the same bytes."""
-    content = to_dict(models)
-    return json.dumps({**content, CHECKSUM: checksum(content)}, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    return sealed_text(to_dict(models))
 
 
 def read_models(path: str | os.PathLike[str]) -> ModelSet:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -53,7 +52,7 @@ def _of_sensor(result: Result, sensor: str, estimate: Estimate | None, method: M
         if key.quantity == "bias" and result.plan.zero_reference:
             found.append(not_estimated(key, unit, REFERENCED, method))
         elif key.quantity == RESIDUAL and estimate is not None and Key("bias", key.axis) in estimate.keys:
-            found.append(replace(_row(result, estimate, Key("bias", key.axis), method), key=key))
+            found.append(_row(result, estimate, Key("bias", key.axis), method).changed(key=key))
         elif key.quantity == "scale_factor":
             found.append(_scale_factor_row(result, sensor, estimate, method))
         elif estimate is not None and key in estimate.keys:

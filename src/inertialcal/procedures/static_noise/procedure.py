@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from ...core.key import AXES
@@ -47,6 +48,22 @@ NO_READINGS = {
 
 
 PLANNED = '--noise "0.2 deg/sqrt(h)" --instability "5 deg/h" --walk "5 deg/h/sqrt(h)"'
+
+
+@cache
+def _quantities() -> Mapping[str, Quantity]:
+    from .rows import SENSORS, data_sheet_units
+
+    units = {kind: data_sheet_units(kind) for kind in SENSORS}
+    names = dict.fromkeys(name for own in units.values() for name in own)
+    return {
+        name: Quantity(
+            size=True,
+            shown_by_kind={kind: own[name] for kind, own in units.items() if name in own},
+            redrawn_by=LASTS,
+        )
+        for name in names
+    } | {"level_at_rest": Quantity(READING)}
 
 
 class StaticNoise(Procedure[Plan, "Readings", "Result"]):
@@ -183,18 +200,7 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
 
     def quantities(self) -> Mapping[str, Quantity]:
         """Return what there is to say of the noise terms: sizes, in the units of data sheets."""
-        from .rows import SENSORS, data_sheet_units
-
-        units = {kind: data_sheet_units(kind) for kind in SENSORS}
-        names = dict.fromkeys(name for own in units.values() for name in own)
-        return {
-            name: Quantity(
-                size=True,
-                shown_by_kind={kind: own[name] for kind, own in units.items() if name in own},
-                redrawn_by=LASTS,
-            )
-            for name in names
-        } | {"level_at_rest": Quantity(READING)}
+        return _quantities()
 
     def levels(self, result: Result) -> Levels:
         """Return the level of each axis, over the power-ups."""

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -71,7 +72,7 @@ class Result:
     axes: tuple[AxisNoise, ...]  # One an axis
     remarks: tuple[Remark, ...]  # Findings
 
-    @property
+    @cached_property
     def estimate(self) -> Estimate | None:
         """Terms of all axes, SI or in the unit of the file; None where there are none."""
         found = [_of_axis(one) for one in self.axes if one.fit is not None]
@@ -150,12 +151,9 @@ def _relative(plan: Plan) -> list[Remark]:
 
 def _of_axis(one: AxisNoise) -> Estimate | None:
     assert one.fit is not None  # noqa: S101 - checked before
-    estimate = one.fit.estimate
+    estimate, faulty = one.fit.estimate, bool(one.slow_fault)
     slow = {
-        parameter.name
-        for term in one.fit.found
-        if one.slow_fault and term.name not in FAST
-        for parameter in term.parameters
+        parameter.name for term in one.fit.found if faulty and term.name not in FAST for parameter in term.parameters
     }
     keys = [key for key in estimate.keys if key.quantity not in {*OF_LINES, *slow}]
     if not keys:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ...core.results import Row, finite
+from ...core.schema.json_text import json_text
 from ...core.show.result_tables import figure, interval, not_estimated
 from ...core.show.rounding import freedom, near, number, settled_ends, with_uncertainty
 from ...core.show.tables import aligned, csv_cell, ending, short, wrapped
@@ -250,4 +250,4 @@ def _terms_text(found: Reduced) -> str:
         "sensors": sensors,
         "results": [row.to_dict() for row in found.rows],
     }
-    return json.dumps(whole, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    return json_text(whole)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,7 +23,7 @@ from ...core.results import Row, not_estimated
 from ...core.units import factor, normalise
 from ...sensors.thermal import in_unit, over_voltage
 from ...statistics.intervals import chi_square_interval, t_interval
-from ...statistics.least_squares import fit
+from ...statistics.least_squares import Decomposed, decompose, fit
 from ...statistics.polynomial import Polynomial
 from .fit.cells import Series
 from .fit.paths import PathEffect
@@ -241,7 +242,8 @@ def published_fit(plan: Plan, series: Series, cut: float) -> Published | None:
     if series.complete:
         textbook = series.once(("textbook", cut), lambda: _textbook(series, cut))
         if textbook is not None:
-            return _published(plan, axis, *textbook.held(series.reading), textbook.domain)
+            held, outputs = textbook.held(series.reading)
+            return _published(plan, axis, held, outputs, textbook.domain, textbook.design)
 
     def parts() -> Iterator[tuple[Array, Array]]:
         for first, stop in batches(series.temperature, series.reading, series.time, size=near()):
@@ -274,6 +276,11 @@ class _Textbook:
     basis: Array  # shape (k, ORDER + 1): orthonormal columns
     rest: Array  # shape (ORDER + 1, ORDER + 1): what the columns of the cubic are of these
 
+    @cached_property
+    def design(self) -> Decomposed:
+        """What an orthogonal transformation leaves of the cubic."""
+        return decompose(np.vstack([self.rest, np.zeros(ORDER + 1)]), [f"column {i}" for i in range(ORDER + 1)])
+
     def held(self, reading: Array) -> tuple[Array, Moments]:
         """Return what an orthogonal transformation leaves of cubic and reading, and the moments of the reading."""
         y = reading[self.used]
@@ -294,9 +301,16 @@ def _textbook(series: Series, cut: float) -> _Textbook | None:
     return _Textbook(used, domain, *np.linalg.qr(_rows(T, domain)))
 
 
-def _published(plan: Plan, axis: str, held: Array, outputs: Moments, domain: tuple[float, float]) -> Published:
+def _published(
+    plan: Plan,
+    axis: str,
+    held: Array,
+    outputs: Moments,
+    domain: tuple[float, float],
+    design: Decomposed | None = None,
+) -> Published:
     """Return the cubic by what an orthogonal transformation leaves of it and the readings of a sensor."""
-    found, n = fit(held[:, :-1], held[:, -1]), outputs.count
+    found, n = fit(held[:, :-1], held[:, -1], decomposed=design), outputs.count
     rss, total, dof = float(found.residuals @ found.residuals), outputs.squares, n - ORDER - 1
     adjusted = 1.0 - (rss / dof) / (total / (n - 1)) if total > 0.0 else np.nan
     covariance = None if found.covariance is None else found.covariance * (found.dof / dof)

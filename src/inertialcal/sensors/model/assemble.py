@@ -71,15 +71,17 @@ def model_from(
     changes = {known[name]: float(value) for name, value in zip(held.names, held.values, strict=True)}
     changes |= {known[name]: value for name, value in without.items() if name in known and name not in held.names}
     missing = {name: reasons.get(name, NOT_ESTIMATED) for name in known if name not in held.names}
-    return replace(with_parameters(blank, changes), estimate=held, not_estimated=missing)
+    return with_parameters(blank, changes, estimate=held, not_estimated=missing)
 
 
-def with_parameters(model: SensorModel, changes: Mapping[Parameter, float]) -> SensorModel:
-    """Return a model with some parameters set and without their estimate; the others keep their values."""
+def with_parameters(
+    model: SensorModel, changes: Mapping[Parameter, float], estimate: Estimate | None = None, **rest: Any
+) -> SensorModel:
+    """Return a model with some parameters set, their estimate and other fields; other parameters keep their values."""
     arrays = with_values(model.terms, changes)
     terms: dict[str, Any] = {name: array for name, array in arrays.items() if name in SHAPES}
     sensitivities = tuple(one.with_terms(arrays) for one in model.sensitivities)
-    return replace(model, estimate=None, sensitivities=sensitivities, **terms)
+    return replace(model, estimate=estimate, sensitivities=sensitivities, **terms, **rest)
 
 
 def in_units(estimate: Estimate, units: tuple[str, ...]) -> Estimate:

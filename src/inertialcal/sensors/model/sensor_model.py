@@ -31,6 +31,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -202,7 +203,7 @@ class SensorModel:
         own = {name: getattr(self, name) for name in SHAPES if getattr(self, name) is not None}
         return own | {name: array for one in self.sensitivities for name, array in one.terms.items()}
 
-    @property
+    @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
         """Every number of the equation that a test can give, with name and unit."""
         return parameters(self.axes, self.unit, self.terms, self.sensitivities)

@@ -274,7 +274,7 @@ def _estimate_to_dict(estimate: Estimate) -> dict[str, Any]:
             {
                 "source": one.source,
                 "kind": one.kind,
-                "covariance": one.covariance.tolist(),
+                "covariance": _rows(one.covariance),
                 "dof": [finite(dof) for dof in one.dof] if isinstance(one.dof, np.ndarray) else finite(one.dof),
                 "distribution": one.distribution,
                 "stated": None if one.stated is None else {"u": float(one.stated[0]), "unit": one.stated[1]},
@@ -286,6 +286,13 @@ def _estimate_to_dict(estimate: Estimate) -> dict[str, Any]:
             for one in estimate.components
         ],
     }
+
+
+def _rows(covariance: Array) -> list[list[float]]:
+    """Return a covariance as lists; rows that hold zeros alone are one list, which is written once."""
+    zeros = [0.0] * len(covariance)
+    acts = (covariance.view(np.int64) != 0).any(axis=1)  # -0.0 is told from 0.0
+    return [row if some else zeros for row, some in zip(covariance.tolist(), acts.tolist(), strict=True)]
 
 
 def _estimate(content: Mapping[str, Any], axes: Sequence[str], channels: Sequence[str] = ()) -> Estimate:

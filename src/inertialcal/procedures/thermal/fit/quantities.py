@@ -22,10 +22,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
+from types import MappingProxyType
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from scipy import linalg
 
 from ....core.estimate import Array, Component, Estimate
 from ....core.influence import Influence
@@ -173,7 +174,10 @@ def estimate(plan: Plan, laws: Mapping[str, Law], asked: Mapping[str, list[Asked
         return None
     keys = tuple(key for part in parts for key in part.keys)
     components = [_type_a(plan, parts, len(keys)), *_type_b(plan, parts, unit)]
-    choice = linalg.block_diag(*(part.choice for part in parts))  # a row a sensor
+    choice, start = np.zeros((len(parts), len(keys))), 0  # a row a sensor
+    for row, part in zip(choice, parts, strict=True):
+        row[start : start + len(part.keys)] = part.choice
+        start += len(part.keys)
     if choice.any():
         components.insert(1, Component(ORDER, "A", choice.T @ choice))
     values = np.concatenate([part.values for part in parts])
@@ -286,13 +290,25 @@ class Unknown:
 
 
 def earth_along(plan: Plan) -> tuple[Array, Mapping[str, Unknown]]:
-    """Return earth rate along the body axes, shape (3,) [rad/s], and what is not known of it, by source."""
-    attitude, latitude = plan.attitude, plan.latitude
+    """Return earth rate along the body axes, shape (3,) [rad/s], and what is not known of it, by source; read-only."""
+    return _kept(plan.attitude, plan.latitude, plan.standards.get("site.latitude", Influence(0.0, "rad")))
+
+
+@lru_cache(maxsize=16)
+def _kept(attitude: Attitude | None, latitude: float | None, known: Influence) -> tuple[Array, Mapping[str, Unknown]]:
+    earth, found = _earth_along(attitude, latitude, known)
+    for array in (earth, *(one.patterns for one in found.values())):
+        array.flags.writeable = False
+    return earth, MappingProxyType(found)
+
+
+def _earth_along(
+    attitude: Attitude | None, latitude: float | None, known: Influence
+) -> tuple[Array, dict[str, Unknown]]:
     if attitude is None or latitude is None:
         size = OMEGA / np.sqrt(3.0)
         unknown = Unknown(size * np.eye(3), Influence(size, "rad/s", distribution="rectangular"))
         return np.zeros(3), {"attitude unknown": unknown}
-    known = plan.standards.get("site.latitude", Influence(0.0, "rad"))
     found = {}
     for name, at, influence in (
         ("latitude", 0, known),

@@ -1,0 +1,70 @@
+"""JSON as files hold it, and in canonical form: byte for byte that of the standard library."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from inertialcal.core.key import Method
+from inertialcal.core.schema.checksum import CHECKSUM, checksum, sealed_text
+from inertialcal.core.schema.json_text import json_text, json_texts
+
+PLAIN = st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text()
+NUMBERS = st.lists(st.floats(allow_nan=False, allow_infinity=False), max_size=4)
+CONTENT = st.recursive(
+    PLAIN | NUMBERS,
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(), inner, max_size=4) | st.tuples(inner, inner),
+    max_leaves=20,
+)
+
+
+def by_standard_library(content: Any) -> tuple[str, str]:
+    canonical = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+    return json_text(content).removesuffix("\n"), canonical
+
+
+@given(CONTENT)
+def test_every_content_is_as_json_writes_it(content: Any) -> None:
+    assert json_texts(content) == by_standard_library(content)
+
+
+@given(st.dictionaries(st.text(), CONTENT, min_size=1, max_size=4))
+def test_a_sealed_content_carries_the_checksum_of_its_canonical_form(content: dict[str, Any]) -> None:
+    content.pop(CHECKSUM, None)
+    assume(content)
+    assert sealed_text(content) == json_text({**content, CHECKSUM: checksum(content)})
+
+
+def test_a_list_that_stands_in_two_places_is_written_as_deep_as_each() -> None:
+    row = [0.0, -0.0]
+    content = {"a": row, "b": {"c": row, "d": [row, row]}, "e": [0.0, 0.0]}
+    assert json_texts(content) == by_standard_library(content)
+
+
+def test_kinds_that_are_more_than_plain_ones() -> None:
+    content = {
+        "numpy": np.float64(0.1),
+        "row": [np.float64(1e-7), -0.0, 1e22],
+        "way": Method.MEDIAN,
+        "one": [True, 1.0],
+    }
+    assert json_texts(content) == by_standard_library(content)
+
+
+@pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize("made", [lambda one: one, lambda one: [1.0, one], lambda one: {"a": [one, "n"]}])
+def test_a_number_that_json_has_not_is_refused(made: Any, number: float) -> None:
+    with pytest.raises(ValueError, match="NaN"):
+        json_texts(made(number))
+
+
+@pytest.mark.parametrize("content", [{1: 2}, {"a": {2}}, [1j], {"a": np.int64(3)}, b"raw"])
+def test_what_json_has_not_is_refused(content: Any) -> None:
+    with pytest.raises(TypeError):
+        json_texts(content)
