@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from inertialcal.signals import _kernels
 from inertialcal.signals import remembered as module
 from inertialcal.signals.remembered import forget, remembered
 from inertialcal.signals.screening.screen import screen
@@ -161,3 +162,20 @@ def test_changes_are_those_of_the_samples_now() -> None:
     assert changes(list(x), "xyz", "angular_rate", 0.01) == ()
     x[:, 1_000:] *= 180.0 / np.pi
     assert [one.code for one in changes(list(x), "xyz", "angular_rate", 0.01)] == ["unit_changed"]
+
+
+@pytest.mark.parametrize("samples", [512, 777, 20_000])
+def test_any_changed_bit_is_another_array(samples: int) -> None:
+    rng = np.random.default_rng(5)
+    words = rng.integers(0, 2**63, samples, dtype=np.uint64)
+    lanes = np.zeros((200, 8), dtype=np.uint64)
+    for own in lanes:
+        assert _kernels.fill_mixed(words, own)
+        for at in rng.integers(samples, size=2).tolist():  # signs of two numbers, then another bit
+            words[at] ^= np.uint64(1) << np.uint64(63)
+        words[rng.integers(samples)] ^= np.uint64(1) << np.uint64(rng.integers(64))
+    assert len({own.tobytes() for own in lanes}) == len(lanes)
+    again = np.zeros(8, dtype=np.uint64)
+    _kernels.fill_mixed(words.copy(), again)
+    _kernels.fill_mixed(words, lanes[0])
+    assert (again == lanes[0]).all()

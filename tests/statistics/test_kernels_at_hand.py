@@ -56,7 +56,7 @@ def test_short_records_take_what_is_at_hand_to_the_last_bit(seed: int, kind: typ
         x[rng.integers(640, size=3)] = np.nan
     first, found = np.arange(0, 640, 64), np.empty((2, 10, 64))
     _kernels.fill_pieces(x, first, found[0])  # now it is at hand
-    loops._at_hand().fill_pieces(x, first, found[1])
+    loops.loops_for.at_hand.fill_pieces(x, first, found[1])
     expected = np.empty((10, 64))
     loops.Loops.fill_pieces(x, first, expected)
     np.testing.assert_array_equal(found, [expected, expected])
@@ -70,7 +70,7 @@ def test_moments_of_stretches_are_those_of_the_definition(seed: int) -> None:
     x[rng.integers(300, size=seed % 4)] = np.nan
     edges = np.unique(np.concatenate(([0, 300], rng.integers(300, size=9))))
     x[edges[0] : edges[1]] = np.nan if seed % 5 == 0 else x[edges[0] : edges[1]]
-    for own in (loops_of_levels, _kernels_levels, loops_of_levels._at_hand()):
+    for own in (loops_of_levels, _kernels_levels, loops_of_levels.loops_for.at_hand):
         found = np.empty((4, len(edges) - 1))
         count = np.empty(len(edges) - 1, dtype=np.int64)
         own.fill_moments(x, edges[:-1], edges[1:], *found, count)

@@ -75,6 +75,23 @@ def fill_set(words: NDArray[np.uint64], room: int, table: NDArray[np.uint64], fi
 
 
 @compiled
+def fill_mixed(words: NDArray[np.uint64], lanes: NDArray[np.uint64]) -> bool:
+    """Mix all words into eight, every eighth into the same one; any change of a word changes its lane."""
+    for i in range(8):
+        lanes[i] = np.uint64(i + 1) * np.uint64(0x9E3779B97F4A7C15)
+    for first in range(0, len(words) // 8 * 8, 8):
+        part = words[first : first + 8]
+        for i in range(8):
+            mixed = (lanes[i] ^ part[i]) * np.uint64(0xBF58476D1CE4E5B9)
+            lanes[i] = mixed ^ (mixed >> np.uint64(32))
+    rest = words[len(words) // 8 * 8 :]
+    for i in range(len(rest)):
+        mixed = (lanes[i] ^ rest[i]) * np.uint64(0xBF58476D1CE4E5B9)
+        lanes[i] = mixed ^ (mixed >> np.uint64(32))
+    return True
+
+
+@compiled
 def _whole_sums(x: NDArray[Any]) -> tuple[float, int, float, float]:
     """Return sum, number, least and largest of samples, four at a time; the sum is not finite where one of them is."""
     a, b, c, d = 0.0, 0.0, 0.0, 0.0

@@ -22,7 +22,7 @@ from functools import lru_cache
 import numpy as np
 from scipy import special
 
-from ..core.batches import batches
+from ..core.batches import SIZE, batches
 from ..core.estimate import Array
 from ..core.remarks import Remark
 from ..core.show.rounding import number
@@ -92,17 +92,19 @@ def drift_of(x: Array, axis: int, interval: float) -> tuple[Drift, ...]:
     if size < 1:
         return ()
     count, total = np.zeros((2, BLOCKS))
-    for b in range(BLOCKS):
-        block = x[b * size : (b + 1) * size]
-        for first, stop in batches(block):
-            part, there = block[first:stop], stop - first
+    many = max(SIZE // size, 1)  # blocks that are summed together
+    for b in range(0, BLOCKS, many):
+        own = slice(b, min(b + many, BLOCKS))
+        rows = x[own.start * size : own.stop * size].reshape(-1, size)
+        for first, stop in batches(rows.T):
+            part = rows[:, first:stop]
             with np.errstate(over="ignore", invalid="ignore"):
-                sum_of = float(np.sum(part))
-            if not np.isfinite(sum_of):
+                sums, there = np.sum(part, axis=1), np.full(len(part), stop - first)
+            if not np.isfinite(sums).all():
                 good = np.isfinite(part)
-                there, sum_of = int(np.count_nonzero(good)), float(np.sum(np.where(good, part, 0.0)))
-            count[b] += there
-            total[b] += sum_of
+                sums, there = np.sum(np.where(good, part, 0.0), axis=1), np.count_nonzero(good, axis=1)
+            count[own] += there
+            total[own] += sums
     kept = count >= FILLED * size
     means = total[kept] / count[kept]
     if len(means) - SMOOTH - 1 < LEAST:
@@ -112,9 +114,8 @@ def drift_of(x: Array, axis: int, interval: float) -> tuple[Drift, ...]:
     if not np.sum(level**2) > (ROUNDING * len(means)) ** 2 * np.sum(means**2):
         return ()
     curve, third = blocks.curve, blocks.third
-    weights = curve[-1] - curve[0]
-    rise = float(weights @ means)
-    found = [_explained(rise, weights, means, one) for one in _slow_noise(kept.tobytes())]
+    rise = float(blocks.weights @ means)
+    found = [_explained(rise, means, one) for one in _slow_noise(kept.tobytes())]
     u, chance = min(found)[1], max(one[2] for one in found)
     early = float((curve[third] - curve[0]) @ means) / rise if rise else 0.0
     return (Drift(axis, rise, u, chance, early),)
@@ -129,6 +130,11 @@ class _Blocks:
     curve: Array  # means to the curve through them
     third: int
 
+    @property
+    def weights(self) -> Array:
+        """Weights of the means in the rise of the curve."""
+        return np.asarray(self.curve[-1] - self.curve[0])
+
 
 @lru_cache(8)
 def _blocks(kept: bytes) -> _Blocks:
@@ -142,11 +148,16 @@ def _blocks(kept: bytes) -> _Blocks:
 
 @dataclass(frozen=True, eq=False)
 class _Slow:
-    """Slow noise of block means: their covariance, and what a smooth curve leaves of it as independent modes."""
+    """White noise with shares of slow noise, in block means: what a smooth curve leaves of it as independent modes.
 
-    covariance: Array
-    sizes: Array
+    ``shape``, (shares, modes): variance of each mode over that of white noise, the sum of its logarithms (shares,), and
+    the variance of the rise (shares,) over the same.
+    """
+
     modes: Array
+    shape: Array
+    logs: Array
+    rise: Array
 
 
 @lru_cache(8)
@@ -157,11 +168,15 @@ def _slow_noise(kept: bytes) -> tuple[_Slow, ...]:
     found = []
     for covariance in (flicker_covariance(place, 1.0 / BLOCKS), walk_covariance(place, 1.0 / BLOCKS)):
         sizes, axes = np.linalg.eigh(rest.T @ covariance @ rest)
-        found.append(_Slow(covariance, sizes, axes.T @ rest.T))
+        share = np.concatenate([[0.0], SHARES]) / sizes.max()
+        shape = 1.0 + share[:, None] * np.maximum(sizes, 0.0)
+        weights = blocks.weights
+        slow = share * max(float(weights @ covariance @ weights), 0.0)
+        found.append(_Slow(axes.T @ rest.T, shape, np.sum(np.log(shape), axis=1), weights @ weights + slow))
     return tuple(found)
 
 
-def _explained(rise: float, weights: Array, means: Array, slow: _Slow) -> tuple[float, float, float]:
+def _explained(rise: float, means: Array, slow: _Slow) -> tuple[float, float, float]:
     """Return how well white noise with slow noise explains the means, and the rise.
 
     Returns
@@ -173,12 +188,10 @@ def _explained(rise: float, weights: Array, means: Array, slow: _Slow) -> tuple[
     chance : float
         Largest of such a rise, over all shares that explain them.
     """
-    share = np.concatenate([[0.0], SHARES]) / slow.sizes.max()
-    shape = 1.0 + share[:, None] * np.maximum(slow.sizes, 0.0)
     squares = (slow.modes @ means) ** 2
-    level = np.mean(squares / shape, axis=1)
-    cost = 0.5 * (np.sum(np.log(shape), axis=1) + len(squares) * np.log(level))
-    u = np.sqrt(level * (weights @ weights + share * max(float(weights @ slow.covariance @ weights), 0.0)))
+    level = np.mean(squares / slow.shape, axis=1)
+    cost = 0.5 * (slow.logs + len(squares) * np.log(level))
+    u = np.sqrt(level * slow.rise)
     best = int(np.argmin(cost))
     there = u[cost <= cost[best] + POSSIBLE]
     return float(cost[best]), float(u[best]), 2.0 * float(special.stdtr(len(squares), -abs(rise) / there.max()))

@@ -12,16 +12,19 @@ from dataclasses import is_dataclass
 from functools import wraps
 from hashlib import sha1
 from threading import Lock
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..core.batches import is_stored
+from .at_hand import Choice
 
 P = ParamSpec("P")
 R = TypeVar("R")
 
 LONGEST = 2**22  # bytes of the arrays of a call: a digest of more takes longer than it may save
+SHORT, FEW = 512, 1_000  # numbers, and calls, beyond which a compiled loop pays
 MOST = 128  # results that are kept of a function, those of the last calls
 _kept: list[dict[bytes, object]] = []  # of each function
 
@@ -84,6 +87,32 @@ def forget() -> None:
         known.clear()
 
 
+class Loops:
+    """The loop of ``_kernels`` where that takes too long to load."""
+
+    @staticmethod
+    def fill_mixed(words: NDArray[np.uint64], lanes: NDArray[np.uint64]) -> bool:
+        """Return that nothing is filled: the words themselves are digested."""
+        return False
+
+
+def _compiled() -> object:
+    from . import _kernels  # noqa: PLC0415 - starts slowly
+
+    return _kernels
+
+
+loops_for = Choice(Loops, _compiled, LONGEST, FEW)
+
+
+def _content(x: NDArray[Any]) -> NDArray[Any]:
+    """Return an array, shape (n,), or eight words that all of it is mixed into."""
+    lanes = np.zeros(8, dtype=np.uint64)
+    if x.dtype.itemsize != lanes.itemsize or not x.flags.aligned or len(x) < SHORT:
+        return x
+    return lanes if loops_for(len(x)).fill_mixed(x.view(np.uint64), lanes) else x
+
+
 def _parts(given: object) -> list[object]:
     """Return what sequences, dictionaries and dataclasses hold, one after the other, with a mark where each ends."""
     kind = type(given)
@@ -119,7 +148,7 @@ def _digest(given: object) -> bytes:
     for one in _parts(given):
         if isinstance(one, np.ndarray):
             digest.update(f"{one.dtype.str}{one.shape}".encode())
-            digest.update(np.ascontiguousarray(one).reshape(-1).view(np.uint8).data)
+            digest.update(_content(np.ascontiguousarray(one).reshape(-1)).view(np.uint8).data)
         else:
             digest.update(f"{one!r};".encode())
     return digest.digest()

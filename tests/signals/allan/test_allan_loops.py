@@ -71,6 +71,18 @@ def test_sums_of_complete_records_agree(
         assert np.max(np.abs(np.diff(once) - np.diff(again))) <= (scale > 0.0)
 
 
+@settings(max_examples=60, deadline=None)
+@given(records(), st.integers(1, 40), st.integers(1, 4))
+def test_autocorrelations_of_averages_agree(
+    record: tuple[NDArray[Any], NDArray[np.bool_], NDArray[np.int64]], m: int, many: int
+) -> None:
+    x, _, _ = record
+    phase = both_phases(np.concatenate((x, x[::-1]) * 40)[:3000])[0][0]
+    size, apart = (len(phase) - 1) // m // many - 1, max(m // many, 1)
+    one, two = (module.lag_one(phase, m, many, size, apart, 0.01, 0.2, 2) for module in (_kernels, loops))
+    assert two == pytest.approx(one, rel=1e-9, abs=1e-9)
+
+
 @pytest.mark.parametrize("order", [2, 3])
 @pytest.mark.parametrize("longest", [[7], [2**16, 2**17], [40_000, 90_001]])
 def test_all_cores_sum_a_long_record(monkeypatch: pytest.MonkeyPatch, order: int, longest: list[int]) -> None:

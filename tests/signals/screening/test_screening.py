@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from inertialcal.core.errors import DataError
 from inertialcal.signals.remembered import forget
 from inertialcal.signals.screening import _kernels
-from inertialcal.signals.screening.blocks import blocks_of
+from inertialcal.signals.screening.blocks import blocks_of, pieces
 from inertialcal.signals.screening.levels import level_steps, noise_changes, slow_wave
-from inertialcal.signals.screening.loops import Loops
+from inertialcal.signals.screening.loops import Loops, loops_for
 from inertialcal.signals.screening.remarks import remarks_of
 from inertialcal.signals.screening.resolution import Resolution, resolution_of
 from inertialcal.signals.screening.screen import Screening, screen
@@ -132,7 +132,7 @@ def test_loops_say_the_same_without_the_compiler(other: str) -> None:
         return [*found, *parts, at, far, starts, stops, off, apart, bent, prints, place]
 
     for one, same in zip(filled("compiler"), filled(other), strict=True):
-        np.testing.assert_allclose(one, same, rtol=1e-12)
+        np.testing.assert_array_equal(one, same)
 
 
 @pytest.mark.parametrize("kind", ["f8", "f4", "i4"])
@@ -147,18 +147,70 @@ def test_short_records_show_what_long_ones_do(kind: str, monkeypatch: pytest.Mon
             x[3_000 : 3_000 + 5 * seed] = np.nan
         with monkeypatch.context() as patched:
             own = screen(x)
-            patched.setattr("inertialcal.signals.screening.loops.SHORT", 0)
+            patched.setattr(loops_for, "_short", 0)
             forget()
             compiled = screen(x)
         assert own.codes == compiled.codes
         assert own.codes
         for one, other in zip(own.findings, compiled.findings, strict=True):
             np.testing.assert_array_equal(one.places, other.places)
-            np.testing.assert_allclose(one.size, other.size, rtol=1e-9)
+            np.testing.assert_array_equal(one.size, other.size)
+
+
+@pytest.mark.parametrize("kind", ["white", "walk", "codes", "glitches", "drift", "heavy", "swings", "zeros"])
+def test_ranks_of_distances_from_the_median_are_exact(kind: str) -> None:
+    taken = 0
+    for seed in range(1, 9):
+        draw = rng(seed)
+        n = int(draw.integers(64, 9_000))
+        x, at = draw.standard_normal(n), np.arange(n)
+        x[draw.integers(0, n, 5)] *= 1e4 if kind == "glitches" else 1.0
+        x = {
+            "walk": np.cumsum(x), "codes": np.rint(x * draw.choice([0.3, 3.0, 30.0])), "drift": x + 1e-3 * at,
+            "heavy": draw.standard_t(2.0, n), "swings": 100.0 * np.sin(0.01 * at) + x,
+            "zeros": np.where(draw.random(n) < 0.5, 0.0, x),
+        }.get(kind, x).astype(draw.choice(["f8", "f4"]))  # fmt: skip
+        first, rows = pieces(x)
+        off = np.empty_like(rows)
+        _kernels.fill_pieces(x, first, off)
+        ranks = np.unique((np.array([0.6827, 0.95, 0.99, 0.999]) * rows.size).astype(np.int64))
+        found = np.empty(len(ranks))
+        if _kernels.fill_ranked(x, rows.size, ranks, found):
+            taken += 1
+            np.testing.assert_array_equal(found, np.sort(np.abs(off), axis=None)[ranks])
+    x[n // 2] = np.nan
+    assert not _kernels.fill_ranked(x, rows.size, ranks, found)
+    assert taken >= 4
+
+
+@pytest.mark.parametrize("seed", range(1, 5))
+def test_what_is_not_looked_for_is_not_there(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Against the search itself: of noise, walks, codes, steps, waves, louder halves and nothing."""
+    draw, n = rng(seed), 6_000
+    white = draw.standard_normal(n)
+    half = np.arange(n) >= n // 2
+    kinds = {
+        "white": white, "walk": np.cumsum(white), "codes": np.rint(white), "constant": np.zeros(n),
+        "step": white + 0.6 * half, "louder": white * (1.0 + 0.25 * half),
+        "wave": white + 0.25 * np.sin(np.arange(n) / 60.0), "drift": white + 1e-3 * np.arange(n),
+    }  # fmt: skip
+    skipped = 0
+    for x in kinds.values():
+        blocks = blocks_of(x)
+        found = []
+        for own in (Loops, _kernels):
+            monkeypatch.setattr("inertialcal.signals.screening.levels.loops_for", lambda _, own=own: own)
+            none = np.empty(0, dtype=np.int64)
+            found.append(
+                (noise_changes(blocks.rough, 0.0), level_steps(blocks.mean, none, 0.0), slow_wave(blocks.mean, 0.0))
+            )
+        assert found[0] == found[1]
+        skipped += sum(not one for one in found[1])
+    assert 8 < skipped < 24
 
 
 @pytest.mark.parametrize("kind", ["f8", "f4", "i4"])
-def test_loops_that_take_no_sum_are_equal_to_the_last_bit(kind: str) -> None:
+def test_loops_are_equal_to_the_last_bit(kind: str) -> None:
     draw = rng(4)
     for _ in range(4):
         x = np.rint(30.0 * draw.standard_normal(3_001)).astype(kind)

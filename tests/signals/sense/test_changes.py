@@ -7,6 +7,7 @@ import pytest
 
 from inertialcal.rigs.rate_table.rig import build
 from inertialcal.rigs.rate_table.setup import Bench
+from inertialcal.signals.sense import _kernels, jumps
 from inertialcal.signals.sense.change import Change
 from inertialcal.signals.sense.changes import changes
 from inertialcal.signals.sense.response import exchanged_response
@@ -260,3 +261,28 @@ def test_dwells_that_scatter_are_no_exchange_of_axes(seed: int) -> None:
     for name, recording in build(Bench(), seed).recordings.items():
         codes = np.column_stack([recording.channel(axis).data for axis in "xyz"])
         assert exchanged_response(codes, recording.channel("rate_dps").data, "xyz") is None, name
+
+
+@pytest.mark.parametrize("kind", ["white", "steps", "codes", "walk", "level", "glitches"])
+def test_no_jump_is_passed_over_unseen(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Against the search itself, in records of any length."""
+    seen = passed = 0
+    for seed in range(1, 41):
+        rng = np.random.default_rng(seed)
+        n = int(rng.integers(48, 2000))
+        x = rng.standard_normal((n, int(rng.integers(1, 4)))) * 10.0 ** rng.integers(-6, 6)
+        sigma = float(x.std())
+        if kind == "steps":
+            x[n // 2 :] += rng.choice([1.0, 3.0, 30.0]) * sigma
+        x = np.rint(x / sigma) if kind == "codes" else np.cumsum(x, axis=0) if kind == "walk" else x
+        x += 1e6 * sigma * (kind == "level")
+        if kind == "glitches":
+            x[rng.integers(0, n, 3)] *= rng.choice([5.0, 10.0, 1e3])
+        found = []
+        for own in (jumps.Loops, _kernels):
+            monkeypatch.setattr(jumps, "loops_for", lambda _, own=own: own)
+            found.append(jumps.candidates(x))
+        assert found[0] == found[1]
+        seen += len(found[0]) > 0
+        passed += not _kernels.may_stand_out(np.ascontiguousarray(x.T), 1, 1, 4, 2, jumps.ABRUPT, jumps.LEAST)
+    assert seen or passed > 20

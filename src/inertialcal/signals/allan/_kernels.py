@@ -111,6 +111,51 @@ def sum_again(p: NDArray[Any], scale: float, sums: Whole) -> None:
         sums[i + 1] = total
 
 
+@compiled
+def lag_one(
+    p: NDArray[Any], m: int, many: int, size: int, apart: int, lost: float, small: float, most: int
+) -> tuple[float, int]:
+    """Return the lag-1 autocorrelation of averages of m samples, and how often they were differenced to make it small.
+
+    ``many`` stretches of ``size`` averages side by side, that begin ``apart`` points apart; a line is taken off, and
+    what it took from the autocorrelation, ``lost``, given back.
+    """
+    y, level, middle = np.empty((many, size)), 0.0, 0.0
+    for k in range(many):
+        own = p[k * apart :]
+        for i in range(size):
+            y[k, i] = np.float64(own[(i + 1) * m] - own[i * m])
+            level += y[k, i]
+            middle += k * apart + i * m
+    level, middle = level / (many * size), middle / (many * size)
+    along, square = 0.0, 0.0
+    for k in range(many):
+        for i in range(size):
+            time = k * apart + i * m - middle
+            y[k, i] -= level
+            along += time * y[k, i]
+            square += time * time
+    for k in range(many):
+        for i in range(size):
+            y[k, i] -= along / square * (k * apart + i * m - middle)
+    times = 0
+    while True:
+        squares, products = 0.0, 0.0
+        for k in range(many):
+            own = y[k, : size - times]
+            for i in range(len(own) - 1):
+                squares += own[i] * own[i]
+                products += own[i] * own[i + 1]
+            squares += own[len(own) - 1] ** 2
+        r = products / squares + (lost if times == 0 else 0.0) if squares > 0.0 else np.nan
+        if not r >= small or times >= most:
+            return r, times
+        times += 1
+        for k in range(many):
+            for i in range(size - times):
+                y[k, i] = y[k, i + 1] - y[k, i]
+
+
 # Sums of squares
 
 

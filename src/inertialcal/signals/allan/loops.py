@@ -14,9 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
+from ..at_hand import Choice
 from .gaps import COMPLETE, FILL
 
 SHORT = 2**16  # points
+FEW = 500  # calls after which compiled loops pay, of those that give the same
 PASCAL = {2: (1, -2, 1), 3: (-1, 3, -3, 1)}
 
 
@@ -27,6 +29,15 @@ def loops_for(points: int) -> ModuleType:
     from . import _kernels  # noqa: PLC0415 - starts slowly
 
     return _kernels
+
+
+def _compiled() -> object:
+    from . import _kernels  # noqa: PLC0415 - starts slowly
+
+    return _kernels
+
+
+alike = Choice(sys.modules[__name__], _compiled, SHORT, FEW)  # loops that give the same but for rounding nobody sees
 
 
 def loops_with_gaps(points: int) -> ModuleType:
@@ -78,8 +89,9 @@ def _beside_line(p: NDArray[Any]) -> Array:
 
 def sum_overlapping(p: NDArray[Any], factors: NDArray[np.int64], order: int, out: Array) -> None:
     """Fill ``out`` with the sums of squared differences of an order, 2 or 3, over all starting points."""
+    room = np.empty_like(p)
     for k, m in enumerate(factors.tolist()):
-        out[k] = _squares(p, m, len(p) - order * m, 1, order)
+        out[k] = _squares(p, m, len(p) - order * m, 1, order, room)
 
 
 def sum_strides(p: NDArray[Any], factors: NDArray[np.int64], order: int, out: Array) -> None:
@@ -88,15 +100,41 @@ def sum_strides(p: NDArray[Any], factors: NDArray[np.int64], order: int, out: Ar
         out[k] = _squares(p, m, len(p) - order * m, m, order)
 
 
-def _squares(p: NDArray[Any], m: int, terms: int, stride: int, order: int) -> float:
+def _squares(p: NDArray[Any], m: int, terms: int, stride: int, order: int, room: NDArray[Any] | None = None) -> float:
     """Return the sum of squared differences that start every ``stride`` points."""
-    d = _differences(p, m, terms, stride, order)
+    d = _differences(p, m, terms, stride, order, room)
     return float(d @ d)
 
 
-def _differences(p: NDArray[Any], m: int, terms: int, stride: int, order: int) -> Array:
-    d = sum(weight * p[i * m : i * m + terms : stride] for i, weight in enumerate(PASCAL[order]))
+def _differences(
+    p: NDArray[Any], m: int, terms: int, stride: int, order: int, room: NDArray[Any] | None = None
+) -> Array:
+    """Return differences of an order, in ``room`` where it is given."""
+    first, second, *others = (p[i * m : i * m + terms : stride] for i in range(order + 1))
+    d = np.multiply(second, PASCAL[order][1], out=None if room is None else room[: len(second)])
+    d += first if order == 2 else -first
+    for weight, one in zip(PASCAL[order][2:], others, strict=True):
+        d += one if weight == 1 else weight * one
     return np.asarray(d).astype(np.float64, copy=False)
+
+
+def lag_one(
+    p: NDArray[Any], m: int, many: int, size: int, apart: int, lost: float, small: float, most: int
+) -> tuple[float, int]:
+    """Return the lag-1 autocorrelation of averages of m samples, and how often they were differenced to make it small.
+
+    ``many`` stretches of ``size`` averages side by side, that begin ``apart`` points apart; a line is taken off, and
+    what it took from the autocorrelation, ``lost``, given back.
+    """
+    at = np.arange(many)[:, None] * apart + np.arange(size + 1) * m
+    y, time = 1.0 * np.diff(p[at], axis=1), at[:, :-1] - at[:, :-1].mean()
+    y, times = y - y.mean() - (np.vdot(time, y) / np.vdot(time, time)) * time, 0
+    while True:
+        squares = np.vdot(y, y)
+        r = float(np.vdot(y[:, 1:], y[:, :-1]) / squares) + (lost if times == 0 else 0.0) if squares > 0.0 else np.nan
+        if not r >= small or times >= most:
+            return r, times
+        y, times = np.diff(y, axis=1), times + 1
 
 
 def sum_present(

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ...core.estimate import Array, Numbers
 from .autocovariance import covariance_of_terms, weights_of
 from .gaps import FILL
+from .loops import alike
 from .prefix import Phase
 
 Whole = NDArray[np.int64]
@@ -26,14 +27,18 @@ def places(points: int, m: int) -> Whole:
 
     Of few averages the same again from other starting points, one average less each.
     """
+    many, size, apart = _stretches(points, m)
+    return np.arange(many)[:, None] * apart + np.arange(size + 1) * m
+
+
+def _stretches(points: int, m: int) -> tuple[int, int, int]:
+    """Return the number of stretches, averages in each, and points from the first of one to that of the next."""
     averages = (points - 1) // m
     if averages > LOOKED_AT:
         many, size = LOOKED_AT // STRETCH, STRETCH
-        apart = (averages - STRETCH) // (many - 1) * m
-    else:
-        many = min(STARTS, m, LOOKED_AT // max(1, averages))
-        many, size, apart = (many, averages - 1, m // many) if many > 1 else (1, averages, 0)
-    return np.arange(many)[:, None] * apart + np.arange(max(size, 0) + 1) * m
+        return many, size, (averages - STRETCH) // (many - 1) * m
+    many = min(STARTS, m, LOOKED_AT // max(1, averages))
+    return (many, max(averages - 1, 0), m // many) if many > 1 else (1, averages, 0)
 
 
 def identified(phase: Phase, m: int, most: int) -> float:
@@ -42,10 +47,16 @@ def identified(phase: Phase, m: int, most: int) -> float:
     ``most`` is how often averages are differenced at most.
     """
     p, count = phase.values, phase.count
+    if phase.complete:
+        many, size, apart = _stretches(len(p), m)
+        shared = many if many > 1 and apart < m else 1
+        if many * size + shared <= FEWEST * shared:
+            return np.nan
+        lost = LINE / ((len(p) - 1) // m)
+        r, times = alike(len(p)).lag_one(p, m, many, size, apart, lost, SMALL_ENOUGH, most)
+        return _exponent(r, times, m)
     at = places(len(p), m)
     y = 1.0 * np.diff(p[at], axis=1)
-    if phase.complete:
-        return exponent_of(y, np.ones(y.shape), at, m, len(p), most)
     if phase.pointwise:
         there = count[at + 1] > count[at]
         kept = there[:, :-1] & there[:, 1:]
@@ -79,6 +90,11 @@ def exponent_of(y: Array, kept: Array, at: Whole, m: int, points: int, most: int
             break
         kept = kept[:, 1:] * kept[:, :-1]
         y, times = kept * np.diff(y, axis=1), times + 1
+    return _exponent(float(r), times, m)
+
+
+def _exponent(r: float, times: int, m: int) -> float:
+    """Return the exponent of noise whose averages of m samples, differenced so often, have a lag-1 autocorrelation."""
     steps = _autocorrelations(m, times)
     for i, here in enumerate(steps):
         if r < here or np.isnan(r):

@@ -1,8 +1,9 @@
 """Compiled loops of the screening: arrays in, preallocated arrays out, no checks.
 
-``bits`` are the samples as integers of the same width; ``flip`` turns bits of a float into an integer that sorts as the
-float does (all bits but the sign), and is 0 for integers. Numbers that are not finite lie outside ``inf`` there, so no
-loop assumes finite values, and each is short enough to run on many samples at once.
+Each adds up in one order, which the loop in numpy keeps to. ``bits`` are the samples as integers of the same width;
+``flip`` turns bits of a float into an integer that sorts as the float does (all bits but the sign), and is 0 for
+integers. Numbers that are not finite lie outside ``inf`` there, so no loop assumes finite values, and each is short
+enough to run on many samples at once.
 """
 
 from __future__ import annotations
@@ -14,7 +15,6 @@ from numpy.typing import NDArray
 
 from ...core.estimate import Array
 from ...statistics._kernels import compiled
-from ...statistics._kernels import reordered as summing
 
 Samples = NDArray[Any]
 Flags = NDArray[np.bool_]
@@ -26,9 +26,56 @@ WINDOW = 2 * SIDE + 1
 PRINT = 24  # samples of a fingerprint
 CHANGES = 6  # of value that a fingerprint needs, to be one
 CUT = 5.0  # times the level, to which single large values are cut
+MAD = 0.6745  # median of |x| of normal noise
+CODES = 32_000.0  # of distances, so that they fit into 16 bits
+REACH = 3  # codes within which the distance of a sample is known
+COARSE = 8  # one sample in so many may lie near a rank
+LANES = 32  # runs of samples that medians are taken of at a time
+BINS = 512  # in which values are counted
+ROUNDED = 1.0 + 1e-9  # more than results may differ by rounding
 
 
-@summing
+@compiled
+def _sum_about(x: Samples, level: float) -> float:
+    """Return the sum of samples less a level, every fourth with the others of its place."""
+    a, b, c, d = 0.0, 0.0, 0.0, 0.0
+    fours = len(x) // 4
+    for i in range(fours):
+        a, b = a + (np.float64(x[4 * i]) - level), b + (np.float64(x[4 * i + 1]) - level)
+        c, d = c + (np.float64(x[4 * i + 2]) - level), d + (np.float64(x[4 * i + 3]) - level)
+    rest = x[4 * fours :]
+    if len(rest) > 0:
+        a += np.float64(rest[0]) - level
+    if len(rest) > 1:
+        b += np.float64(rest[1]) - level
+    if len(rest) > 2:
+        c += np.float64(rest[2]) - level
+    return (a + b) + (c + d)
+
+
+@compiled
+def _squared_steps(x: Samples) -> float:
+    """Return the sum of the squared steps from sample to sample, every fourth with the others of its place."""
+    a, b, c, d = 0.0, 0.0, 0.0, 0.0
+    fours = (len(x) - 1) // 4
+    for i in range(fours):
+        e, f, g = np.float64(x[4 * i + 1]), np.float64(x[4 * i + 2]), np.float64(x[4 * i + 3])
+        one, two, three, four = e - np.float64(x[4 * i]), f - e, g - f, np.float64(x[4 * i + 4]) - g
+        a, b, c, d = a + one * one, b + two * two, c + three * three, d + four * four
+    rest = x[4 * fours :]
+    if len(rest) > 1:
+        one = np.float64(rest[1]) - np.float64(rest[0])
+        a += one * one
+    if len(rest) > 2:
+        two = np.float64(rest[2]) - np.float64(rest[1])
+        b += two * two
+    if len(rest) > 3:
+        three = np.float64(rest[3]) - np.float64(rest[2])
+        c += three * three
+    return (a + b) + (c + d)
+
+
+@compiled
 def fill_blocks(
     x: Samples,
     bits: Samples,
@@ -65,16 +112,10 @@ def fill_blocks(
         for i in range(n - 1):
             equal += np.int64(w1[i] == w[i])
         y = x[k * size : (k + 1) * size]
-        level, total = np.float64(y[0]), 0.0
-        for i in range(n):
-            total += np.float64(y[i]) - level
-        y1, squares = y[1:], 0.0
-        for i in range(n - 1):
-            step = np.float64(y1[i]) - np.float64(y[i])
-            squares += step * step
+        level = np.float64(y[0])
         same[k], count[k] = equal, n
-        mean[k] = level + total / n
-        rough[k] = 0.5 * squares / max(n - 1, 1)
+        mean[k] = level + _sum_about(y, level) / n
+        rough[k] = 0.5 * _squared_steps(y) / max(n - 1, 1)
     return odd
 
 
@@ -96,8 +137,9 @@ def fill_patched(
     """Fill the blocks ``which`` anew, of their finite samples but those of ``skip`` (ascending)."""
     last = 8 * bits.itemsize - 1
     s = 0
+    total, squares = np.empty(4), np.empty(4)  # of every fourth sample and step
     for k in which:
-        level, total, squares = 0.0, 0.0, 0.0
+        level, total[:], squares[:] = 0.0, 0.0, 0.0
         n, pairs, equal, before = 0, 0, 0, -2
         for i in range(k * size, min((k + 1) * size, len(x))):
             while s < len(skip) and skip[s] < i:
@@ -110,17 +152,18 @@ def fill_patched(
                 level = value
                 lo[k], hi[k] = key, key
             lo[k], hi[k] = min(lo[k], key), max(hi[k], key)
-            total += value - level
+            total[(i - k * size) % 4] += value - level
             n += 1
             if before == i - 1:
                 step = value - np.float64(x[before])
-                squares += step * step
+                squares[(i - k * size - 1) % 4] += step * step
                 pairs += 1
                 equal += step == 0.0
             before = i
         count[k], same[k] = n, equal
-        mean[k] = level + total / n if n else np.nan
-        rough[k] = 0.5 * squares / pairs if pairs else np.nan
+        mean[k] = level + ((total[0] + total[1]) + (total[2] + total[3])) / n if n else np.nan
+        steps = (squares[0] + squares[1]) + (squares[2] + squares[3])
+        rough[k] = 0.5 * steps / pairs if pairs else np.nan
 
 
 @compiled
@@ -162,6 +205,119 @@ def from_median(x: Samples, first: int, stop: int, out: Array) -> None:
 
 
 @compiled
+def fill_ranked(x: Samples, m: int, ranks: Indices, out: Array) -> bool:
+    """Fill some ranks, ascending, of the distances of the first m samples from the running median of 31.
+
+    Medians are taken of codes, whole numbers of 16 bits in the order of the samples, many runs of samples at a time:
+    they tell each distance to a code, and those near a rank are then taken exactly. Returns False, where samples are
+    missing, or codes are too coarse for that.
+    """
+    n = len(x)
+    codes, edges = np.empty(n, dtype=np.int16), _ends(x)
+    low, scale = edges[0], CODES / (edges[1] - edges[0])
+    if not (0.0 < scale < np.inf):
+        return False
+    clipped = 0
+    for i in range(n):
+        code = (np.float64(x[i]) - low) * scale
+        clipped += not 0.0 <= code <= CODES
+        codes[i] = np.int16(min(max(code, 0.0), CODES))
+    first, last = SIDE, min(m, n - SIDE)
+    if clipped > n // COARSE or last <= first:
+        return False
+    medians = np.empty(last - first, dtype=np.int16)
+    _fill_medians(codes, first, medians)
+    apart, exact = np.empty(m, dtype=np.int64), np.empty(1)
+    for i in range(m):
+        inside = first <= i < last
+        middle = medians[i - first] if inside else np.int16(1)
+        if not 0 < middle < CODES:
+            return False
+        if inside and 0 < codes[i] < CODES:
+            apart[i] = abs(np.int64(codes[i]) - np.int64(middle))
+        else:
+            from_median(x, i, i + 1, exact)
+            apart[i] = np.int64(min(abs(exact[0]) * scale, CODES))
+    counts = np.zeros(int(CODES) + 2, dtype=np.int64)
+    for i in range(m):
+        counts[apart[i] + 1] += 1
+    for i in range(len(counts) - 1):
+        counts[i + 1] += counts[i]  # now: of the distances below a code
+    near = np.empty(len(ranks), dtype=np.int64)
+    wanted, many = np.zeros(len(counts), dtype=np.bool_), 0
+    for k in range(len(ranks)):
+        near[k] = np.searchsorted(counts, ranks[k], side="right") - 1
+        if near[k] + REACH >= CODES:
+            return False
+        least, most = max(near[k] - REACH, 0), near[k] + REACH + 1
+        wanted[least:most] = True
+        many += counts[most] - counts[least]
+    if many > m // COARSE + len(ranks) * REACH:
+        return False
+    size, code, found = np.empty(many), np.empty(many, dtype=np.int64), 0
+    for i in range(m):
+        if wanted[apart[i]]:
+            from_median(x, i, i + 1, exact)
+            size[found], code[found] = abs(exact[0]), apart[i]
+            found += 1
+    for k in range(len(ranks)):
+        least = max(near[k] - REACH, 0)
+        some = size[:found][(code[:found] >= least) & (code[:found] <= near[k] + REACH)]
+        out[k] = np.sort(some)[ranks[k] - counts[least]]
+    return True
+
+
+@compiled
+def _ends(x: Samples) -> tuple[float, float]:
+    """Return ends that nearly all samples lie between, a few of them far off at most; NaN where some are missing."""
+    least, largest = np.inf, -np.inf
+    for i in range(len(x)):
+        value = np.float64(x[i])
+        if not np.isfinite(value):
+            return np.nan, np.nan
+        least, largest = min(least, value), max(largest, value)
+    some = np.sort(x[:: max(len(x) // BINS, 1)].astype(np.float64))
+    low, high = some[len(some) // 50], some[len(some) - 1 - len(some) // 50]
+    return max(least, low - 2.0 * (high - low)), min(largest, high + 2.0 * (high - low))
+
+
+@compiled
+def _fill_medians(codes: NDArray[np.int16], first: int, medians: NDArray[np.int16]) -> None:
+    """Fill the running median of 31 codes around each from ``first`` on, as `from_median` finds it.
+
+    The samples are cut into runs of one length; step by step all runs move on by a sample.
+    """
+    many, lanes = len(medians), LANES
+    length = -(-many // lanes)
+    window = np.full((WINDOW + 3, lanes), 32767, dtype=np.int16)
+    other = window.copy()
+    window[0], other[0] = -1, -1
+    gone, coming = np.empty(lanes, dtype=np.int16), np.empty(lanes, dtype=np.int16)
+    for lane in range(lanes):
+        begin = first + min(lane * length, many - 1)
+        window[1 : WINDOW + 1, lane] = np.sort(codes[begin - SIDE : begin + SIDE + 1])
+    for step in range(length):
+        if step > 0:
+            for lane in range(lanes):
+                i = first + min(lane * length + step, many - 1)
+                still = lane * length + step >= many
+                gone[lane], coming[lane] = codes[i - SIDE - (not still)], codes[i - SIDE if still else i + SIDE]
+            for j in range(1, WINDOW + 2):
+                low, here, high, to = window[j - 1], window[j], window[j + 1], other[j]
+                for lane in range(lanes):
+                    old = gone[lane]
+                    below = low[lane] if low[lane] < old else here[lane]
+                    own = here[lane] if here[lane] < old else high[lane]
+                    least = own if own < coming[lane] else coming[lane]
+                    to[lane] = below if below > least else least
+            window, other = other, window
+        middle = window[SIDE + 1]
+        for lane in range(lanes):
+            if lane * length + step < many:
+                medians[lane * length + step] = middle[lane]
+
+
+@compiled
 def fill_pieces(x: Samples, first: Indices, out: Array) -> None:
     """Fill rows of ``out`` with samples from ``first`` on, less the running median of 31 around each."""
     n, flat = out.shape[1], out.reshape(-1)
@@ -174,21 +330,96 @@ def fill_pieces(x: Samples, first: Indices, out: Array) -> None:
         k = last
 
 
-@summing
+@compiled
 def fill_apart(sums: Array, w: int, out: Array) -> None:
     """Fill the mean of w values less that of the w before them; ``sums`` (b + 1): of the values before each."""
     first, second, third, share = sums[: len(out)], sums[w : w + len(out)], sums[2 * w : 2 * w + len(out)], 1.0 / w
     for i in range(len(out)):
-        out[i] = share * (third[i] - second[i] - second[i] + first[i])
+        out[i] = share * (third[i] - 2.0 * second[i] + first[i])
 
 
-@summing
+@compiled
 def fill_bent(sums: Array, w: int, out: Array) -> None:
     """Fill the contrast of four windows of w values: third less second, less a third of fourth less first."""
     n, share = len(out), 1.0 / (3.0 * w)
     a, b, c, d, e = sums[:n], sums[w : w + n], sums[2 * w : 2 * w + n], sums[3 * w : 3 * w + n], sums[4 * w : 4 * w + n]
     for i in range(n):  # 3 (d - 2 c + b) - (e - d - b + a)
         out[i] = share * (4.0 * (d[i] + b[i]) - 6.0 * c[i] - e[i] - a[i])
+
+
+@compiled
+def _largest(x: Array) -> float:
+    """Return the largest size of values."""
+    a, b, c, d = 0.0, 0.0, 0.0, 0.0
+    fours = len(x) // 4
+    for i in range(fours):
+        a, b = max(a, abs(x[4 * i])), max(b, abs(x[4 * i + 1]))
+        c, d = max(c, abs(x[4 * i + 2])), max(d, abs(x[4 * i + 3]))
+    for i in range(4 * fours, len(x)):
+        a = max(a, abs(x[i]))
+    return max(a, b, c, d)
+
+
+@compiled
+def may_change(sums: Array, widths: Indices, limit: float) -> bool:
+    """Return whether means of w values differ from those of the w before by more than a limit over the root of w."""
+    room = np.empty(len(sums))
+    for w in widths:
+        out = room[: max(len(sums) - 2 * w, 0)]
+        fill_apart(sums, w, out)
+        if _largest(out) * np.sqrt(w) * ROUNDED > limit:
+            return True
+    return False
+
+
+@compiled
+def may_step(sums: Array, widths: Indices, limits: Array, sampled: int) -> bool:
+    """Return whether the largest contrast of four windows may exceed so many scatters, for any width.
+
+    The scatter is the median distance from the median, over that of normal noise, of every so manieth value: it is no
+    smaller than a limit if less than half of the values lie in any stretch twice as long, counted in bins a half of it.
+    """
+    room, bins = np.empty(len(sums)), np.empty(BINS + 5, dtype=np.int64)
+    for k in range(len(widths)):
+        w = widths[k]
+        out = room[: max(len(sums) - 4 * w, 0)]
+        if len(out) < 8:
+            continue
+        fill_bent(sums, w, out)
+        most = _largest(out)
+        width = 0.5 * MAD * most / limits[k] * ROUNDED
+        if not width > 0.0:
+            continue
+        some = out[:: max(len(out) // sampled, 1)]
+        least, scale = -most, 1.0 / width
+        if 2.0 * most * scale >= BINS:
+            return True
+        bins[:] = 0
+        for value in some:
+            bins[int((value - least) * scale)] += 1
+        within = bins[0] + bins[1] + bins[2] + bins[3]
+        for i in range(4, len(bins)):
+            within += bins[i]
+            if within > len(some) // 2:
+                return True
+            within -= bins[i - 4]
+    return False
+
+
+@compiled
+def may_wave(power: Array, first: int, lobe: int, beside: int, stands: float) -> bool:
+    """Return whether any power from ``first`` on stands out of the mean of those on either side, where there are."""
+    n = len(power)
+    for k in range(first, n):
+        high = True
+        for side in (power[max(k - lobe - beside, 0) : max(k - lobe, 0)], power[k + lobe + 1 : k + lobe + 1 + beside]):
+            total = 0.0
+            for value in side:
+                total += value
+            high &= len(side) == 0 or power[k] * ROUNDED >= stands * total / len(side)
+        if high:
+            return True
+    return False
 
 
 @compiled
@@ -310,17 +541,35 @@ def fit_powers(part: Array, values: Array, rounds: int, weight: Array) -> None:
     Each round multiplies them by the root of what the values ask for over what the mean gives.
     """
     k, n = part.shape
-    above, below = np.empty(k), np.empty(k)
+    level, kept, inverse = np.empty(n), np.empty(n), np.empty(n)
     for _ in range(rounds):
-        for i in range(k):
-            above[i] = below[i] = 0.0
+        first = weight[0]
+        own = part[0]
         for t in range(n):
-            level = weight[0] * part[0, t]
-            for i in range(1, k):
-                level += weight[i] * part[i, t]
-            kept, inverse = min(values[t], CUT * level) / (level * level), 1.0 / level
-            for i in range(k):
-                above[i] += part[i, t] * kept
-                below[i] += part[i, t] * inverse
+            level[t] = first * own[t]
+        for i in range(1, k):
+            other, own = weight[i], part[i]
+            for t in range(n):
+                level[t] += other * own[t]
+        for t in range(n):
+            kept[t], inverse[t] = min(values[t], CUT * level[t]) / (level[t] * level[t]), 1.0 / level[t]
         for i in range(k):
-            weight[i] *= np.sqrt(above[i] / below[i])
+            weight[i] *= np.sqrt(_sum_of_products(part[i], kept) / _sum_of_products(part[i], inverse))
+
+
+@compiled
+def _sum_of_products(x: Array, y: Array) -> float:
+    """Return the sum of the products of values, every fourth with the others of its place."""
+    a, b, c, d = 0.0, 0.0, 0.0, 0.0
+    fours = len(x) // 4
+    for i in range(fours):
+        a, b = a + x[4 * i] * y[4 * i], b + x[4 * i + 1] * y[4 * i + 1]
+        c, d = c + x[4 * i + 2] * y[4 * i + 2], d + x[4 * i + 3] * y[4 * i + 3]
+    u, v = x[4 * fours :], y[4 * fours :]
+    if len(u) > 0:
+        a += u[0] * v[0]
+    if len(u) > 1:
+        b += u[1] * v[1]
+    if len(u) > 2:
+        c += u[2] * v[2]
+    return (a + b) + (c + d)

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.batches import batches, release
+from ...core.batches import batches, is_stored, known_finite, release
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ..time.samples import Indices
-from .loops import loops
+from .loops import loops_for
 
 SMALLEST = 16  # samples of a block
 FREE = 2**14  # blocks that any record may have
@@ -61,7 +61,7 @@ class Blocks:
             if len(some):
                 outs: tuple[Any, ...] = tuple(one[own] for one in (lo, hi, mean, rough, same, count))
                 part = slice(first, stop)
-                loops(len(self.x)).fill_patched(self.x[part], self.bits[part], self.size, flip, some, left, *outs)
+                loops_for(len(self.x)).fill_patched(self.x[part], self.bits[part], self.size, flip, some, left, *outs)
         lowest, highest = self.lo.copy(), self.hi.copy()
         for every, part in ((lowest, lo), (highest, hi)):
             every[which] = np.where(count[which] == 0, np.nan, _values(part[which], self.x.dtype))
@@ -115,10 +115,10 @@ def blocks_of(x: NDArray[Any]) -> Blocks:
         own = slice(first // size, -(-stop // size))
         part = slice(first, stop)
         outs: tuple[Any, ...] = tuple(one[own] for one in (lo, hi, mean, rough, same, count))
-        if loops(len(x)).fill_blocks(x[part], bits[part], size, flip, inf, *outs):
+        if loops_for(len(x)).fill_blocks(x[part], bits[part], size, flip, inf, *outs):
             odd = np.flatnonzero(count[own] == 0)
             none = np.empty(0, dtype=np.int64)
-            loops(len(x)).fill_patched(x[part], bits[part], size, flip, odd, none, *outs)
+            loops_for(len(x)).fill_patched(x[part], bits[part], size, flip, odd, none, *outs)
     lowest, highest = _values(lo, x.dtype), _values(hi, x.dtype)
     empty = count == 0
     if empty.any():
@@ -133,20 +133,24 @@ def pieces(x: NDArray[Any]) -> tuple[Indices, Array]:
     """
     length = min(PIECE, len(x))
     most = min(SUBSAMPLE // PIECE, len(x) // max(length, 1))
-    first = np.linspace(0.0, len(x) - length, most).astype(np.int64)
     if len(x) <= SUBSAMPLE:
         first = np.arange(most, dtype=np.int64) * length
-    rows = np.empty((most, length))
-    for own in together(most):
-        rows[own] = x[first[own, None] + np.arange(length)]
-        release(x)
-    rows[~np.isfinite(rows)] = np.nan
+        rows = x[: most * length].astype(np.float64).reshape(most, length)
+    else:
+        first = np.linspace(0.0, len(x) - length, most).astype(np.int64)
+        rows = np.empty((most, length))
+        for own in together(x, most):
+            rows[own] = x[first[own, None] + np.arange(length)]
+            release(x)
+    if not known_finite(x):
+        rows[~np.isfinite(rows)] = np.nan
     return first, rows
 
 
-def together(n: int) -> list[slice]:
-    """Return groups of so many pieces, after each of which what they touch of a stored record is let go."""
-    return [slice(k, k + TOGETHER) for k in range(0, n, TOGETHER)]
+def together(x: NDArray[Any], n: int) -> list[slice]:
+    """Return groups of n pieces, after each of which what they touch of a stored record is let go."""
+    size = TOGETHER if is_stored(x) else max(n, 1)
+    return [slice(k, k + size) for k in range(0, n, size)]
 
 
 def _flip(kind: np.dtype[Any], bits: np.dtype[Any]) -> Any:

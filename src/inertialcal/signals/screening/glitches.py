@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from ...core.batches import release
 from ...core.estimate import Array
 from ..time.samples import Flags, Indices
-from .blocks import Blocks, together
-from .loops import exact_loops
+from .blocks import SUBSAMPLE, Blocks, together
+from .loops import loops_for
 
 FEWEST = 64  # samples that a scale needs
 FAR = 7.0  # scales
@@ -60,22 +60,17 @@ class Stretches:
 
 def scale_of(x: NDArray[Any], first: Indices, rows: Array) -> Scale:
     """Return the scale of a record with 64 samples or more, from its pieces, spread evenly over it."""
-    off = np.empty_like(rows)
-    for own in together(len(first)):
-        exact_loops(len(x)).fill_pieces(x, first[own], off[own])
-        release(x)
     apart = np.abs(np.diff(rows, axis=1))
     apart = apart[np.isfinite(apart) & (apart > 0.0)]
     step = float(apart.min()) if len(apart) else 0.0
-    size = np.abs(off[np.isfinite(off)])
-    if len(size) < FEWEST:
+    many = int(np.count_nonzero(np.isfinite(rows)))
+    if many < FEWEST:
         return Scale(0.0, step, np.inf)
-    top = min(TOP, 1.0 - ABOVE / len(size))
+    top = min(TOP, 1.0 - ABOVE / many)
     low = 1.0 - 10.0 * (1.0 - top)
     levels = (*(p for p, _ in NORMAL), BODY, low, top)
-    at = [min(int(p * len(size)), len(size) - 1) for p in levels]
-    size.partition(sorted(set(at)))
-    *body, middle, lower, upper = (float(size[i]) for i in at)
+    at = [min(int(p * many), many - 1) for p in levels]
+    *body, middle, lower, upper = _ranked(x, first, rows, at)
     scales = [quantile / normal for quantile, (_, normal) in zip(body, NORMAL, strict=True)]
     if body[0] > 2.0 * step:  # not of codes
         middle = min(middle, HEAVY * body[0] * float(EXPONENTIAL / -np.log(1.0 - NORMAL[0][0])))
@@ -89,6 +84,23 @@ def scale_of(x: NDArray[Any], first: Indices, rows: Array) -> Scale:
     return Scale(max(scales[0], 0.5 * step), step, limit)
 
 
+def _ranked(x: NDArray[Any], first: Indices, rows: Array, at: list[int]) -> list[float]:
+    """Return some ranks of the distances from the median around, of the samples of the pieces."""
+    ranks = sorted(set(at))
+    found = np.empty(len(ranks))
+    beside = len(x) <= SUBSAMPLE  # pieces lie side by side
+    if not (beside and loops_for(len(x)).fill_ranked(x, rows.size, np.array(ranks), found)):
+        off = np.empty_like(rows)
+        for own in together(x, len(first)):
+            loops_for(len(x)).fill_pieces(x, first[own], off[own])
+            release(x)
+        size = np.abs(off[np.isfinite(off)])
+        size.partition(ranks)
+        found = size[ranks]
+    known = dict(zip(ranks, found.tolist(), strict=True))
+    return [known[rank] for rank in at]
+
+
 def far_samples(blocks: Blocks, scale: Scale, at_rest: bool) -> tuple[Stretches, Stretches]:
     """Return glitches (up to 10 samples), and longer disturbances of a sensor at rest."""
     none = Stretches(np.empty((0, 2), dtype=np.int64), np.empty(0))
@@ -99,7 +111,7 @@ def far_samples(blocks: Blocks, scale: Scale, at_rest: bool) -> tuple[Stretches,
     room = ROOM
     while True:
         at, off = np.empty(room, dtype=np.int64), np.empty(room)
-        found = exact_loops(len(blocks.x)).fill_far(
+        found = loops_for(len(blocks.x)).fill_far(
             blocks.x, blocks.size, which, scale.limit, SKIRT * scale.limit, at, off
         )
         release(blocks.x)

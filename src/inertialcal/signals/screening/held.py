@@ -18,7 +18,7 @@ from ...core.batches import batches
 from ...core.estimate import Array
 from ..time.samples import Indices
 from .blocks import Blocks, pieces
-from .loops import PRINT, exact_loops
+from .loops import PRINT, loops_for
 
 CHANCE = 1e-5  # of stuck stretches and copies each, a record
 PILED = 4e-4  # of a pile at an end: four samples of noise lie on its last code by chance at times
@@ -87,13 +87,17 @@ class Habits:
     samples: Array  # those of the pieces that are there, shape (n,)
     rows: Array  # the pieces, shape (k, m)
     equal: float  # chance that a neighbour is equal, where it is most likely
-    again: float  # chance that distant samples are equal, where those before them are
     pairs: bool  # whether any neighbours are equal
 
     @cached_property
     def counts(self) -> NDArray[np.int64]:
         """How often each different value occurs, in order of the values."""
         return _counted(self.samples)[1]
+
+    @cached_property
+    def again(self) -> float:
+        """Chance that distant samples are equal, where those before them are."""
+        return _again(self.rows)
 
     @cached_property
     def ends(self) -> tuple[float, float]:
@@ -114,7 +118,7 @@ def habits_of(blocks: Blocks, rows: Array | None = None) -> Habits:
     _, rows = pieces(blocks.x) if rows is None else (None, rows)
     same = rows[:, 1:] == rows[:, :-1]
     if not same.any() and not blocks.same.any():
-        return Habits(rows[np.isfinite(rows)], rows, 0.0 if len(blocks) else 1.0, _again(rows), False)
+        return Habits(rows[np.isfinite(rows)], rows, 0.0 if len(blocks) else 1.0, False)
     lively = same[same.mean(axis=1) < FULL]
     equal = [_group_share(blocks)]
     if lively.shape[1] > HELD and lively.any():
@@ -125,7 +129,7 @@ def habits_of(blocks: Blocks, rows: Array | None = None) -> Habits:
         ]  # what is held is no habit
         if each[usual].sum() >= ALIKE:
             equal.append(float(goes_on[usual].sum() / each[usual].sum()))
-    return Habits(rows[np.isfinite(rows)], rows, max(equal), _again(rows), bool(same.any()))
+    return Habits(rows[np.isfinite(rows)], rows, max(equal), bool(same.any()))
 
 
 def _counted(samples: Array) -> tuple[Array, NDArray[np.int64]]:
@@ -206,7 +210,7 @@ def _rail(blocks: Blocks, habits: Habits, skip: Indices, step: float, sign: floa
     if len(levels) < 2:
         return None
     starts, stops = np.empty((2, ROOM), dtype=np.int64)
-    runs = int(exact_loops(len(blocks.x)).fill_runs(blocks.x, blocks.size, whole, sign * end, starts, stops))
+    runs = int(loops_for(len(blocks.x)).fill_runs(blocks.x, blocks.size, whole, sign * end, starts, stops))
     starts, stops = starts[: min(runs, ROOM)], stops[: min(runs, ROOM)]
     kept = ~np.isin(starts, skip)
     starts, stops = starts[kept], stops[kept]
@@ -341,14 +345,14 @@ def stuck(blocks: Blocks, habits: Habits, ends: tuple[float, ...]) -> tuple[Held
     runs = set()
     for i in order.tolist():
         a, b = int(likely[first[i]]) * size, min((int(likely[last[i]]) + 1) * size, n)
-        runs.add(exact_loops(n).longest_equal(blocks.bits, a, b))
+        runs.add(loops_for(n).longest_equal(blocks.bits, a, b))
     found = [
         Held(np.array([[a, b - 1]]), float(blocks.x[a]), b - a)
         for a, b in runs
         if b - a >= least and np.isfinite(float(blocks.x[a])) and float(blocks.x[a]) not in ends
     ]
     found.sort(key=lambda one: (-one.count, int(one.places[0, 0])))
-    others, squares = float(n), float(exact_loops(n).squared_runs(blocks.x)) if found else 0.0
+    others, squares = float(n), float(loops_for(n).squared_runs(blocks.x)) if found else 0.0
     for i, one in enumerate(found):
         others, squares = others - one.count, squares - float(one.count) ** 2
         if one.count < LONGER * squares / max(others, 1.0):
@@ -368,7 +372,7 @@ def copies(blocks: Blocks, habits: Habits) -> tuple[Copy, ...]:
     prints, place = np.empty(-(-n // size), dtype=np.uint64), np.empty(-(-n // size), dtype=np.int32)
     for first, stop in batches(bits, whole=size):
         own = slice(first // size, -(-stop // size))
-        exact_loops(n).fill_prints(bits[first : stop + PRINT], size, prints[own], place[own])
+        loops_for(n).fill_prints(bits[first : stop + PRINT], size, prints[own], place[own])
     ordered = np.sort(prints)
     twice = ordered[1:][(ordered[1:] == ordered[:-1]) & (ordered[1:] != 0)]
     if not len(twice):

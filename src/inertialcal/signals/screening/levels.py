@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -27,7 +28,7 @@ from ...core.estimate import Array
 from ...statistics.quantiles import t_upper
 from ..time.samples import Flags, Indices
 from .blocks import SMALLEST
-from .loops import exact_loops, loops
+from .loops import loops_for
 
 FALSE_ALARM = 5e-4  # of changes of the noise, and of waves, a record
 STEP_ALARM = 1e-3  # of steps
@@ -96,6 +97,8 @@ def noise_changes(rough: Array, step: float) -> tuple[Change, ...]:
     widths = _doubling(narrow, b // 4)
     tests = sum(2.0 * b / w for w in widths)
     limit = float(t_upper(0.5 * FALSE_ALARM / tests, _dof(b / narrow)))
+    if not loops_for(SMALLEST * b).may_change(sums, np.array(widths), limit * scale):
+        return ()
     found: list[Change] = []
     cuts = [0, b]
     while len(found) < MOST:
@@ -135,6 +138,8 @@ def level_steps(mean: Array, cuts: Indices, smallest: float) -> tuple[Change, ..
     sums = _sums(mean)
     windows = b / np.array(widths, dtype=np.float64)
     limits = t_upper(0.5 * STEP_ALARM / (len(widths) * 2.0 * windows), _dof(windows))
+    if not len(cuts) and not loops_for(SMALLEST * b).may_step(sums, np.array(widths), limits, SAMPLED):
+        return ()
     every = {w: _bent(sums, w) for w in widths}
     scores = {w: _judged(every[w], w, b, cuts, limit) for w, limit in zip(widths, limits.tolist(), strict=True)}
     found: list[Change] = []
@@ -194,14 +199,14 @@ def _sums(x: Array) -> Array:
 def _apart(sums: Array, w: int) -> Array:
     """Return the mean of w blocks less that of the w before, for blocks w .. b - w."""
     out = np.empty(max(len(sums) - 2 * w, 0))
-    loops(SMALLEST * len(sums)).fill_apart(sums, w, out)
+    loops_for(SMALLEST * len(sums)).fill_apart(sums, w, out)
     return out
 
 
 def _bent(sums: Array, w: int) -> Array:
     """Return the contrast of four windows, for blocks 2 w .. b - 2 w."""
     out = np.empty(max(len(sums) - 4 * w, 0))
-    loops(SMALLEST * len(sums)).fill_bent(sums, w, out)
+    loops_for(SMALLEST * len(sums)).fill_bent(sums, w, out)
     return out
 
 
@@ -237,13 +242,12 @@ def slow_wave(mean: Array, smallest: float) -> Wave | None:
         return None
     at = np.arange(m) - 0.5 * (m - 1)
     y = y - y.mean() - at * float(at @ y) / float(at @ at)
-    power = np.abs(np.fft.rfft(y * np.hanning(m)))[: last + 1] ** 2
+    p = np.abs(np.fft.rfft(y * _hann(m)))[1 : last + 1] ** 2
     k = np.arange(1.0, last + 1.0)
-    p = power[1:]
-    if not np.all(p > 0.0):
+    if not np.all(p > 0.0) or not loops_for(SMALLEST * m).may_wave(p, CYCLES - 1, LOBE, BESIDE, STANDS):
         return None
     tested = k >= CYCLES
-    level = _continuum(k, p, np.ones(len(k), dtype=bool))
+    level = _continuum(p, np.ones(last, dtype=bool))
     ratio = np.where(tested, p / level, 0.0)
     peak = int(np.argmax(ratio))
     left = p[max(peak - LOBE - BESIDE, 0) : peak - LOBE]
@@ -252,7 +256,7 @@ def slow_wave(mean: Array, smallest: float) -> Wave | None:
         return None
     order = k[peak]
     clear = np.min(np.abs(k[:, None] - order * np.arange(1, last // order + 2)), axis=1) > LOBE
-    level = _continuum(k, p, clear)
+    level = _continuum(p, clear)
     limit = float(-np.log(FALSE_ALARM / np.count_nonzero(tested)))
     # the level is known from few frequencies: an F distribution in place of an exponential one
     dof = 0.5 * np.count_nonzero(clear)
@@ -266,16 +270,28 @@ def slow_wave(mean: Array, smallest: float) -> Wave | None:
     return Wave(period, amplitude, score) if amplitude > smallest else None
 
 
-def _continuum(k: Array, p: Array, used: Flags) -> Array:
+@lru_cache(8)
+def _hann(m: int) -> Array:
+    """Return a Hann window, not to be changed."""
+    return np.hanning(m)
+
+
+@lru_cache(8)
+def _basis(n: int) -> Array:
+    """Return the powers of the first n frequencies, of mean 1, shape (powers, n), not to be changed."""
+    basis = np.arange(1.0, n + 1.0) ** np.array(POWERS)[:, None]
+    return np.asarray(basis / basis.mean(axis=1, keepdims=True))
+
+
+def _continuum(p: Array, used: Flags) -> Array:
     """Return the continuum: a sum of powers of frequency, none negative, of the highest likelihood.
 
     Each value is exponential about it; multiplicative updates [1]_, single large values cut at first.
 
     .. [1] C. Fevotte and J. Idier, Neural Computation 23 (2011) 2421 (Itakura-Saito divergence).
     """
-    basis = np.array([(k / k[0]) ** power for power in POWERS])
-    basis /= basis.mean(axis=1, keepdims=True)
+    basis = _basis(len(p))
     part, values = basis[:, used], p[used]
     weight = np.full(len(POWERS), values.mean() / len(POWERS))
-    exact_loops(SMALLEST * GRID).fit_powers(np.ascontiguousarray(part), values, ROUNDS, weight)
+    loops_for(SMALLEST * GRID).fit_powers(np.ascontiguousarray(part), values, ROUNDS, weight)
     return np.asarray(weight @ basis)

@@ -1,27 +1,24 @@
 """The loops of ``_kernels`` for short records, in numpy: a compiler takes longer to load than they take to run.
 
-The functions take and fill what those of their names in ``_kernels`` do: all but sums of samples, to the last bit.
+The functions take and fill what those of their names in ``_kernels`` do, to the last bit.
 """
 
 from __future__ import annotations
 
-import itertools
-from functools import cache
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
-from ...core.show.compiling import compiling
+from ..at_hand import Choice
 from ..time.samples import Flags, Indices
 
 Whole = np.integer[Any]
 
 SHORT = 2**17  # samples
 FEW = 1_500  # calls, some 100 records: after so many compiled loops pay, however short the records
-_calls = itertools.count()
 SUB, SIDE = 16, 15  # samples in which a glitch is looked for at once, and of a running median on each side
 WINDOW = 2 * SIDE + 1
 PRINT, CHANGES = 24, 6  # samples of a fingerprint, and changes of value that it needs
@@ -30,31 +27,40 @@ ODD = 0x9E3779B97F4A7C15
 WORD = 0xFFFFFFFFFFFFFFFF
 
 
-def _extremes(bits: NDArray[Any], size: int, flip: Whole, good: Flags) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Return the least and largest good sample of each block, as sorted bits."""
-    starts, info = np.arange(0, len(bits), size), np.iinfo(bits.dtype)
+def _rows(values: NDArray[Any], size: int) -> NDArray[Any]:
+    """Return blocks of samples as rows, shape (b, size); zeros after the end."""
+    many = -(-len(values) // size)
+    out = np.zeros(many * size, dtype=values.dtype)
+    out[: len(values)] = values
+    return out.reshape(many, size)
+
+
+def _extremes(bits: NDArray[Any], flip: Whole, good: Flags) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Return the least and largest good sample of each row, as sorted bits."""
+    info = np.iinfo(bits.dtype)
     key = bits ^ ((bits >> (8 * bits.itemsize - 1)) & flip)
-    lo = np.minimum.reduceat(np.where(good, key, info.max), starts)
-    return lo, np.maximum.reduceat(np.where(good, key, info.min), starts)
+    return np.where(good, key, info.max).min(axis=1), np.where(good, key, info.min).max(axis=1)
 
 
-def _moments(x: NDArray[Any], size: int, good: Flags) -> tuple[Array, Array, NDArray[Any], NDArray[Any]]:
-    """Return mean, half the mean squared step, equal steps and number of the good samples of each block."""
-    starts = np.arange(0, len(x), size)
-    count = np.add.reduceat(good.astype(np.int64), starts)
-    first = np.minimum.reduceat(np.where(good, np.arange(len(x)), len(x)), starts)
+def _moments(x: NDArray[Any], good: Flags) -> tuple[Array, Array, NDArray[Any], NDArray[Any]]:
+    """Return mean, half the mean squared step, equal steps and number of the good samples of each row."""
+    count = np.count_nonzero(good, axis=1)
     values = np.where(good, x, 0.0).astype(np.float64)
-    level = values[np.minimum(first, len(x) - 1)]
-    off = np.where(good, values - np.repeat(level, np.diff(np.append(starts, len(x)))), 0.0)
-    pair = good.copy()
-    pair[1:] &= good[:-1]
-    pair[starts] = False
-    step = np.diff(values, prepend=0.0)
-    pairs = np.add.reduceat(pair.astype(np.int64), starts)
-    mean = np.where(count > 0, level + np.add.reduceat(off, starts) / np.maximum(count, 1), np.nan)
-    rough = 0.5 * np.add.reduceat(np.where(pair, step, 0.0) ** 2, starts) / np.maximum(pairs, 1)
-    same = np.add.reduceat((pair & (step == 0.0)).astype(np.int64), starts)
-    return mean, np.where(pairs > 0, rough, np.nan), same, count
+    level = np.take_along_axis(values, np.argmax(good, axis=1)[:, None], axis=1)
+    pair = good[:, 1:] & good[:, :-1]
+    step = np.where(pair, np.diff(values, axis=1), 0.0)
+    pairs = np.count_nonzero(pair, axis=1)
+    mean = np.where(count > 0, level[:, 0] + _sums(np.where(good, values - level, 0.0)) / np.maximum(count, 1), np.nan)
+    rough = np.where(pairs > 0, 0.5 * _sums(step * step) / np.maximum(pairs, 1), np.nan)
+    return mean, rough, np.count_nonzero(pair & (step == 0.0), axis=1), count
+
+
+def _sums(rows: Array) -> Array:
+    """Return the sum of each row, every fourth value with the others of its place: as the compiled loop adds them."""
+    padded = np.zeros((len(rows), -(-rows.shape[1] // 4), 4))
+    padded.reshape(len(rows), -1)[:, : rows.shape[1]] = rows
+    a, b, c, d = np.cumsum(padded, axis=1)[:, -1].T  # one after the other, as a loop adds them up
+    return np.asarray((a + b) + (c + d))
 
 
 def _around(x: NDArray[Any], first: Indices, count: int) -> Array:
@@ -91,12 +97,13 @@ class Loops:
         mean: Array, rough: Array, same: NDArray[np.int32], count: NDArray[np.int32],
     ) -> int:  # fmt: skip
         """Fill what each block holds; 0 samples where some are not finite. Return how many blocks these are."""
-        good = np.isfinite(x)
-        lo[:], hi[:] = _extremes(bits, size, flip, np.ones(len(x), dtype=bool))
-        whole = np.logical_and.reduceat(good, np.arange(0, len(x), size))
+        there, good = _rows(np.ones(len(x), dtype=bool), size), _rows(np.isfinite(x), size)
+        lo[:], hi[:] = _extremes(_rows(bits, size), flip, there)
+        whole = np.all(good | ~there, axis=1)
+        found = _moments(_rows(x, size), good)
         outs: tuple[NDArray[Any], ...] = (mean, rough, same, count)
-        for out, found in zip(outs, _moments(x, size, good), strict=True):
-            out[whole] = found[whole]
+        for out, own in zip(outs, found, strict=True):
+            out[whole] = own[whole]
         count[~whole] = 0
         rough[np.isnan(rough) & whole] = 0.0
         return int(np.count_nonzero(~whole))
@@ -109,14 +116,21 @@ class Loops:
         """Fill the blocks ``which`` anew, of their finite samples but those of ``skip``."""
         good = np.isfinite(x)
         good[skip] = False
+        rows = [_rows(one, size)[which] for one in (x, bits, good)]
         outs: tuple[NDArray[Any], ...] = (lo, hi, mean, rough, same, count)
-        for out, found in zip(outs, (*_extremes(bits, size, flip, good), *_moments(x, size, good)), strict=True):
-            out[which] = found[which]
+        found = (*_extremes(rows[1], flip, rows[2]), *_moments(rows[0], rows[2]))
+        for out, own in zip(outs, found, strict=True):
+            out[which] = own
 
     @staticmethod
     def fill_pieces(x: NDArray[Any], first: Indices, out: Array) -> None:
         """Fill rows of ``out`` with samples from ``first`` on, less the running median around each."""
         out[:] = _off_median(_around(x, first, out.shape[1]))
+
+    @staticmethod
+    def fill_ranked(x: NDArray[Any], m: int, ranks: Indices, out: Array) -> bool:
+        """Return False: nothing is filled."""
+        return False
 
     @staticmethod
     def fill_far(x: NDArray[Any], size: int, which: Indices, limit: float, low: float, at: Indices, off: Array) -> int:
@@ -195,44 +209,40 @@ class Loops:
             for own, row in zip(weight[1:], part[1:], strict=True):
                 level += own * row
             kept = np.minimum(values, CUT * level) / (level * level)
-            above = np.cumsum(part * kept, axis=1)[:, -1]  # one after the other, as a loop adds them up
-            weight *= np.sqrt(above / np.cumsum(part * (1.0 / level), axis=1)[:, -1])
+            weight *= np.sqrt(_sums(part * kept) / _sums(part * (1.0 / level)))
 
     @staticmethod
     def fill_apart(sums: Array, w: int, out: Array) -> None:
         """Fill the mean of w values less that of the w before them."""
         n = len(out)
-        out[:] = (sums[2 * w : 2 * w + n] - 2.0 * sums[w : w + n] + sums[:n]) / w
+        out[:] = (1.0 / w) * (sums[2 * w : 2 * w + n] - 2.0 * sums[w : w + n] + sums[:n])
 
     @staticmethod
     def fill_bent(sums: Array, w: int, out: Array) -> None:
         """Fill the contrast of four windows of w values."""
         a, b, c, d, e = (sums[k * w : k * w + len(out)] for k in range(5))
-        out[:] = (4.0 * (d + b) - 6.0 * c - e - a) / (3.0 * w)
+        out[:] = (1.0 / (3.0 * w)) * (4.0 * (d + b) - 6.0 * c - e - a)
+
+    @staticmethod
+    def may_change(sums: Array, widths: Indices, limit: float) -> bool:
+        """Return True: the search itself takes no longer here."""
+        return True
+
+    @staticmethod
+    def may_step(sums: Array, widths: Indices, limits: Array, sampled: int) -> bool:
+        """Return True, as above."""
+        return True
+
+    @staticmethod
+    def may_wave(power: Array, first: int, lobe: int, beside: int, stands: float) -> bool:
+        """Return True, as above."""
+        return True
 
 
-def loops(samples: int) -> type[Loops]:
-    """Return the loops for a record: those of this module for a short one, else the compiled ones."""
-    if samples <= SHORT:
-        return Loops
+def _compiled() -> object:
     from . import _kernels  # noqa: PLC0415 - loads the compiler
 
-    return cast("type[Loops]", _kernels)
+    return _kernels
 
 
-def exact_loops(samples: int) -> type[Loops]:
-    """Return the loops for a record of which no sum is taken, which are equal to the last bit.
-
-    They are those in numpy, and compiled ones where these are at hand, or after many calls.
-    """
-    if next(_calls) < FEW:
-        return _at_hand() if samples <= SHORT and compiling.started else loops(samples)
-    return loops(SHORT + 1)
-
-
-@cache
-def _at_hand() -> type[Loops]:
-    from ...statistics._kernels import AtHand  # noqa: PLC0415 - as above
-    from . import _kernels  # noqa: PLC0415
-
-    return cast("type[Loops]", AtHand(_kernels, Loops))
+loops_for = Choice(Loops, _compiled, SHORT, FEW)

@@ -116,10 +116,14 @@ def level_changes(
         Changes that are known beforehand: 0, gaps, n.
     """
     scales = tuple(w for w in scales if len(y) >= 2 * w)
-    widening, limits = np.ones(y.shape[1]), [_limit(noise, w, quantile) for w in scales]
+    limits = [_limit(noise, w, quantile) for w in scales]
+
+    def widening() -> Array:
+        return np.ones(y.shape[1])
+
     for w, some in zip(scales, _any_above(y, scales, limits), strict=True):
         cuts, widening = _changes_at_scale(Jumps(y, w), noise, w, quantile, cuts, widening, some)
-    return cuts, widening
+    return cuts, widening()
 
 
 def _limit(noise: Noise, w: int, quantile: Array, wide: Array | float = 1.0) -> Array:
@@ -190,26 +194,37 @@ class Jumps:
 
 
 def _changes_at_scale(
-    jumps: Jumps, noise: Noise, w: int, quantile: Array, cuts: Indices, widening: Array, some: bool
-) -> tuple[Indices, Array]:
+    jumps: Jumps, noise: Noise, w: int, quantile: Array, cuts: Indices, widening: Callable[[], Array], some: bool
+) -> tuple[Indices, Callable[[], Array]]:
     """Add the changes seen at one scale; carry the widening on where the scale cannot measure its own.
 
-    ``some``: whether any jump exceeds the limit of white noise.
+    ``some``: whether any jump exceeds the limit of white noise. The widening is measured where it is asked for.
     """
     white = noise.scale * np.sqrt(2.0 / w)
     found, wide = cuts, np.ones(len(white))
-    at = jumps.above(_limit(noise, w, quantile)) if some else np.arange(0)  # limits only grow
+    if not some:  # limits only grow
+
+        def own() -> Array:
+            measured = _measured_widening(jumps, white, w, cuts)
+            if measured is None:
+                return widening()
+            measured = np.minimum(measured, BLUE) if w == 1 else measured
+            return wide if np.all(measured <= WIDEN) else np.maximum(wide, measured)
+
+        return cuts, own
+    at = jumps.above(_limit(noise, w, quantile))
     for _ in range(ROUNDS):
         found = _exceedances(jumps, at, _limit(noise, w, quantile, wide), w, cuts)
         measured = _measured_widening(jumps, white, w, found)
         if measured is None:
-            return _exceedances(jumps, at, _limit(noise, w, quantile, np.maximum(wide, widening)), w, cuts), widening
+            limit = _limit(noise, w, quantile, np.maximum(wide, widening()))
+            return _exceedances(jumps, at, limit, w, cuts), widening
         if w == 1:
             measured = np.minimum(measured, BLUE)
         if np.all(measured <= WIDEN * wide):
             break
         wide = np.maximum(wide, measured)
-    return found, wide
+    return found, lambda: wide
 
 
 def _exceedances(jumps: Jumps, at: Indices, limit: Array, w: int, cuts: Indices) -> Indices:
@@ -301,20 +316,23 @@ def loud(y: Array, noise: Noise, w: int, tail: float, start: Indices, stop: Indi
     found, fill_loud = [], loops_for(len(y)).fill_loud
     for k in range(y.shape[1]):
         x = y[:, k] if inside is None else kept(y[:, k], inside)
-        usual, dof = (0.0, w - 1.0)
-        if not noise.stated:
+
+        def above(limit: float, x: Array = x) -> Indices:
+            def hot(share: tuple[int, int, int]) -> Indices:
+                _, first, stop = share
+                last = stop + w - 1
+                part = x[first:last]
+                at = _filled(lambda room: fill_loud(part, np.clip(cuts, first, last) - first, w, limit, room))
+                release(part)
+                return at + first
+
+            return _of_shares(hot, n - w + 1, 1)
+
+        at = above(float(f_upper(tail, w - 1.0, noise.dof[k])) * float(noise.scale[k]) ** 2)
+        if len(at) and not noise.stated:  # of noise that is not white the limit is higher
             usual, dof = _usual_variance(_windows(x, probes, w).var(axis=1, ddof=1), w)
-        limit = float(f_upper(tail, dof, noise.dof[k])) * max(float(noise.scale[k]) ** 2, usual)
-
-        def hot(share: tuple[int, int, int], x: Array = x, limit: float = limit) -> Indices:
-            _, first, stop = share
-            last = stop + w - 1
-            part = x[first:last]
-            at = _filled(lambda room: fill_loud(part, np.clip(cuts, first, last) - first, w, limit, room))
-            release(part)
-            return at + first
-
-        found.append(_of_shares(hot, n - w + 1, 1))
+            at = above(float(f_upper(tail, dof, noise.dof[k])) * max(float(noise.scale[k]) ** 2, usual))
+        found.append(at)
     at = np.unique(np.concatenate(found)) if len(found) > 1 else found[0]
     own = np.searchsorted(cuts, at, side="right") - 1
     at, own = at[at + w <= cuts[own + 1]], own[at + w <= cuts[own + 1]]
@@ -350,6 +368,8 @@ def settled_ends(y: Array, noise: Noise, start: Indices, stop: Indices, walls: I
     A sample at an end that does not fit the level just inside is given up; one before the end that does fit is taken
     in, if no other stretch holds it. No end moves across a wall (0, long gaps and n), and an end there stays.
     """
+    if np.isin(start, walls).all() and np.isin(stop, walls).all():
+        return start, stop
     first, last = (_means(y, at, at + LEVEL_SAMPLES) for at in (start + RAMP, stop - RAMP - LEVEL_SAMPLES))
     limit = EDGE * noise.scale * np.sqrt(1.0 + 1.0 / LEVEL_SAMPLES)
     start = _settled(start, 1, y, first, limit, walls, np.concatenate(([0], stop[:-1])))
@@ -388,6 +408,8 @@ def joined_where_equal(
     across a wall; ``quantile`` (channels,) is the threshold in standard deviations of the difference.
     """
     at = np.flatnonzero((start[1:] == stop[:-1]) & ~np.isin(start[1:], walls))
+    if not len(at):
+        return start, stop
     edge = stop[at]
     left = np.minimum(stop[at] - start[at], longest)
     right = np.minimum(stop[at + 1] - start[at + 1], longest)

@@ -6,39 +6,26 @@ of it for a long one.
 
 from __future__ import annotations
 
-import itertools
 import sys
-from functools import cache
-from types import ModuleType
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
-from ...core.show.compiling import compiling
+from ..at_hand import Choice
 from ..time.samples import Flags, Indices
 
 SHORT = 100_000  # samples
 FEW = 2_000  # calls: after so many the kernels pay, however short the records
-_calls = itertools.count()
 
 
-def loops_for(samples: int) -> ModuleType:
-    """Return the module whose loops take less time for so many samples: this one, or the kernels where at hand."""
-    if samples <= SHORT and next(_calls) < FEW:
-        return _at_hand() if compiling.started else sys.modules[__name__]
+def _compiled() -> object:
     from . import _kernels_levels  # noqa: PLC0415 - starts slowly
 
     return _kernels_levels
 
 
-@cache
-def _at_hand() -> ModuleType:
-    from ...statistics._kernels import AtHand  # noqa: PLC0415 - as above
-    from . import _kernels_levels  # noqa: PLC0415
-
-    return cast("ModuleType", AtHand(_kernels_levels, sys.modules[__name__]))
+loops_for = Choice(sys.modules[__name__], _compiled, SHORT, FEW)
 
 
 def fill_far(x: Array, away: float, at: Indices) -> int:

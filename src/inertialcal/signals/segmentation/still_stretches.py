@@ -112,9 +112,10 @@ def still_stretches(x: Array, ticks: Array | None, plan: Detection) -> Found:
     quantile = quantile * np.maximum(widening, 1.0)
     start, stop = joined_where_equal(y, noise, quantile, start, stop, walls, plan.longest_window)
     short = stop - start < 2 * plan.longest_window  # a longer one would have shown its slope to the windows
-    slope = np.zeros(len(start), dtype=bool)
-    slope[short] = sloping(y, noise, quantile, start[short], stop[short])
-    start, stop = start[~slope], stop[~slope]
+    if short.any():
+        slope = np.zeros(len(start), dtype=bool)
+        slope[short] = sloping(y, noise, quantile, start[short], stop[short])
+        start, stop = start[~slope], stop[~slope]
     noisy = loud(y, noise, plan.shortest, variance_tail, start, stop)
     if len(noisy):
         marked = covered(noisy, noisy + plan.shortest, len(y))

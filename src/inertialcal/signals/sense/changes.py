@@ -93,11 +93,14 @@ def changes(
     """
     n = len(channels[0]) if len(channels) else 0
     size = max(1, -(-n // MOST))
-    x = np.column_stack([averaged(one, size) for one in channels]) if n >= FEWEST else np.zeros((0, 1))
-    rows = np.flatnonzero(np.all(np.isfinite(x), axis=1))
+    if n < FEWEST:
+        return ()
+    columns = np.array([averaged(one, size) for one in channels])
+    rows = np.flatnonzero(np.isfinite(columns).all(axis=0))
     if len(rows) < FEWEST:
         return ()
-    x = x[rows]
+    whole = len(rows) == columns.shape[1]
+    x = (columns if whole else columns[:, rows]).T  # each channel in one piece
     cut = np.diff(rows, prepend=rows[0]) > 3
     if breaks is not None and len(breaks):
         cut |= np.diff(np.searchsorted(breaks, rows * size, side="right"), prepend=0) > 0
@@ -112,7 +115,8 @@ def changes(
     factors = FACTORS.get(kind, ANY)
     found = _found(record, names, factors, given, motion)
     if not found and len(stored) == x.shape[1]:
-        y = np.column_stack([averaged(one, size) for one in stored])[rows]
+        y = np.array([averaged(one, size) for one in stored])
+        y = (y if whole else y[:, rows]).T
         ratio = _scale(x, y)
         if ratio is not None and np.isfinite(y).all():
             found = _found(_as_stored(record, y), names, factors, given, motion / ratio)
@@ -216,7 +220,8 @@ def _by_noise(x: Array, noise: Noise, names: Sequence[str], factors: Factors) ->
     logs = noise.log[:, columns]
     if len(logs) < 8 or not len(columns):
         return []
-    ranks = np.argsort(np.argsort(np.where(np.isfinite(logs), logs, -np.inf), axis=0), axis=0)
+    order, ranks = np.argsort(np.where(np.isfinite(logs), logs, -np.inf), axis=0), np.empty(logs.shape)
+    np.put_along_axis(ranks, order, np.arange(float(len(logs)))[:, None], axis=0)
     walk = np.cumsum(ranks - 0.5 * (len(logs) - 1), axis=0).sum(axis=1)
     at = int(np.argmax(np.abs(walk[3:-4]))) + 4
     only = Noise(noise.size, logs, noise.informative[columns])

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ...core.batches.summaries import medians
 from ...core.estimate import Array
+from ..at_hand import Choice
 from ..time.samples import Indices
 
 FEWEST = 48  # samples of a record that is judged
@@ -26,7 +27,27 @@ NEIGHBOURS = 4
 AROUND, BEFORE = np.arange(NEIGHBOURS), NEIGHBOURS // 2  # steps on a side; beside the ends are none
 LEAST = 3.0  # times the typical step, that a jump stands out of the largest beside it
 CANDIDATES = 12
+LONGER = 8  # times as many samples of the next longer means
+LONG, FEW = 100_000, 160  # samples, and calls, beyond which compiled loops pay
 FEWEST_BLOCKS = 8  # on each side, that tell the level of all that lies there
+
+
+class Loops:
+    """The loop of ``_kernels`` where that takes too long to load."""
+
+    @staticmethod
+    def may_stand_out(columns: Array, size: int, gap: int, around: int, few: int, abrupt: float, least: float) -> bool:
+        """Return True: the search itself takes no longer."""
+        return True
+
+
+def _compiled() -> object:
+    from . import _kernels  # noqa: PLC0415 - starts slowly
+
+    return _kernels
+
+
+loops_for = Choice(Loops, _compiled, LONG, FEW)
 
 
 class Line(NamedTuple):
@@ -78,7 +99,7 @@ def jumps(x: Array, cut: NDArray[np.bool_], size: int) -> list[Jump]:
     """
     columns = np.ascontiguousarray(x.T)
     found = _jumps_at(columns, [place for place in candidates(x) if not cut[place]], cut)
-    means = _block_means(columns, size)
+    means = _block_means(columns, size) if found else columns
     found += [_whole(one, columns, size, means) for one in found]
     return [one for one in found if np.any(np.abs(one.step) > CLEAR * one.u)]
 
@@ -177,8 +198,11 @@ def candidates(x: Array) -> list[int]:
     columns = np.ascontiguousarray(x.T)
     size = 1
     while len(x) // size >= FEWEST:
-        means = _block_means(columns, size) if size > 1 else columns
         gap = 1 if size == 1 else 2  # the block of the jump itself is a mixture
+        if not loops_for(len(x)).may_stand_out(columns, size, gap, NEIGHBOURS, BEFORE, ABRUPT, LEAST):
+            size *= LONGER
+            continue
+        means = _block_means(columns, size) if size > 1 else columns
         step = np.abs(means[:, gap:] - means[:, :-gap])
         typical = np.maximum(medians(step), 1e-9 * np.abs(means).max(axis=1))[:, None]
         some = np.flatnonzero((step > LEAST * typical).any(axis=0))
@@ -196,7 +220,7 @@ def candidates(x: Array) -> list[int]:
                 near = [one for one in found if abs(place - one) <= SIDE[0]]  # shorter means tell the sample better
                 place = min(near, key=lambda one: abs(place - one)) if near else place
                 found[place] = max(found.get(place, 0.0), float(excess[best]))
-        size *= 8
+        size *= LONGER
     return sorted(found, key=lambda one: -found[one])[: 2 * CANDIDATES]
 
 

@@ -29,12 +29,15 @@ def by_levels(
     motion: float,
 ) -> list[Change]:
     """Return the change that explains a jump of the levels; the largest jump first."""
-    for one in sorted(jumps, key=lambda one: -float(np.linalg.norm(one.step))):
+    ordered = sorted(jumps, key=lambda one: -float(np.linalg.norm(one.step)))
+    alone: list[bool] = []
+    for number, one in enumerate(ordered):
         if applied is not None and _is_driven(one, applied):
             continue
         change = _scaled(one, noise, names, factors)
-        if change is None and float(np.linalg.norm(one.step)) > motion and _is_alone(one, x):
-            change = _mirrored(one, names) or _exchanged(one, names)
+        if change is None and float(np.linalg.norm(one.step)) > motion:
+            alone = alone or _are_alone(ordered, x)
+            change = (_mirrored(one, names) or _exchanged(one, names)) if alone[number] else None
         if change is None and np.isfinite(motion):
             change = _exchanged_biases(one, names)
         if change is not None:
@@ -42,22 +45,31 @@ def by_levels(
     return []
 
 
-def _is_alone(jump: Jump, x: Array) -> bool:
-    """Whether the record is smooth elsewhere, so that this jump is no motion."""
-    total = np.concatenate([np.zeros((1, x.shape[1])), np.cumsum(x - x[0], axis=0)])
-    whole = float(np.linalg.norm(jump.step))
+def _are_alone(jumps: Sequence[Jump], x: Array) -> list[bool]:
+    """Whether the record is smooth but for each jump, so that this is no motion: in a few looks for all of them."""
+    total = np.zeros((x.shape[1], len(x) + 1))
+    np.cumsum(x.T - x[0][:, None], axis=1, out=total[:, 1:])
+    found = [False] * len(jumps)
     for size in ALONE:  # short means where it moves, long ones where it is noisy
-        if size > ALONE[0] and 2 * size > min(jump.before.size, jump.after.size):
+        left = [
+            i
+            for i, one in enumerate(jumps)
+            if not found[i] and (size == ALONE[0] or 2 * size <= min(one.before.size, one.after.size))
+        ]
+        if not left:
             break
-        means = (total[size:] - total[:-size]) / size
-        step = means[size:] - means[:-size]  # of the samples from ``size`` on
-        bend = step[size:] - step[:-size]  # a steady turn has none
+        means = (total[:, size:] - total[:, :-size]) / size
+        step = means[:, size:] - means[:, :-size]  # of the samples from ``size`` on
+        bend = step[:, size:] - step[:, :-size]  # a steady turn has none
         for change, width in ((step, 2), (bend, 3)):
-            length = np.linalg.norm(change, axis=1)
-            length[max(0, jump.at - width * size) : jump.at] = 0.0
-            if length.max(initial=0.0) < SMOOTH * whole:
-                return True
-    return False
+            length = np.sqrt(np.sum(change * change, axis=0))
+            before = np.concatenate(([0.0], np.maximum.accumulate(length)))  # the largest of those before each
+            after = np.append(np.maximum.accumulate(length[::-1])[::-1], 0.0)
+            for i in left:
+                first, stop = (min(max(at, 0), len(length)) for at in (jumps[i].at - width * size, jumps[i].at))
+                limit = SMOOTH * float(np.linalg.norm(jumps[i].step))
+                found[i] |= bool(max(before[first], after[stop]) < limit)
+    return found
 
 
 def _is_driven(jump: Jump, applied: Array) -> bool:

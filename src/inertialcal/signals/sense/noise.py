@@ -29,10 +29,9 @@ class Noise:
         """Return the noise of a record, shape (n, channels)."""
         size = max(BLOCK, len(x) // BLOCKS)
         n = (len(x) - 2) // size
-        second = np.abs(np.diff(x, 2, axis=0))[: n * size].reshape(n, size, -1)
-        mean = second.mean(axis=1) * np.sqrt(np.pi / 2.0 / 6.0)
+        second = np.abs(np.diff(np.ascontiguousarray(x.T), 2, axis=1))[:, : n * size].reshape(-1, n, size)
         with np.errstate(divide="ignore"):
-            logs = np.log(mean)
+            logs = np.log(second.mean(axis=2).T * np.sqrt(np.pi / 2.0 / 6.0))
         return cls(size, logs, np.mean(np.isfinite(logs), axis=0) > 0.9)
 
     def mapped(self, gain: Array) -> Noise:
