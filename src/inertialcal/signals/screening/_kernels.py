@@ -254,15 +254,15 @@ def fill_ranked(x: Samples, m: int, ranks: Indices, out: Array) -> bool:
         many += counts[most] - counts[least]
     if many > m // COARSE + len(ranks) * REACH:
         return False
-    size, code, found = np.empty(many), np.empty(many, dtype=np.int64), 0
+    size, place, found = np.empty(many), np.empty(many, dtype=np.int64), 0
     for i in range(m):
         if wanted[apart[i]]:
             from_median(x, i, i + 1, exact)
-            size[found], code[found] = abs(exact[0]), apart[i]
+            size[found], place[found] = abs(exact[0]), apart[i]
             found += 1
     for k in range(len(ranks)):
         least = max(near[k] - REACH, 0)
-        some = size[:found][(code[:found] >= least) & (code[:found] <= near[k] + REACH)]
+        some = size[:found][(place[:found] >= least) & (place[:found] <= near[k] + REACH)]
         out[k] = np.sort(some)[ranks[k] - counts[least]]
     return True
 
