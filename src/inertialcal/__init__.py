@@ -48,7 +48,6 @@ if TYPE_CHECKING:
     from .campaign.models.find import load_model, load_models
     from .campaign.outcome.budget import budget
     from .campaign.start.info import info
-    from .campaign.twins.score import score
     from .campaign.twins.twin import simulate
     from .core.errors import DataError, InertialcalError, PlanError, Problem, StoreError, UsageError
     from .core.estimate import Component, Estimate
@@ -63,6 +62,7 @@ if TYPE_CHECKING:
     from .files.write.recording import write
     from .lab.guide.engine import Guide
     from .lots.lot import lot
+    from .lots.score import score
     from .procedures.flip.planning import plan_flip
     from .procedures.magnetometer_bias.planning import plan_magnetometer_bias
     from .procedures.mass_attraction.planning.planner import plan_mass_attraction
@@ -168,7 +168,6 @@ _HOMES = {  # nouns of procedures apart, which are found by their commands
         "campaign.models.find": "load_model load_models",
         "campaign.outcome.budget": "budget",
         "campaign.start.info": "info",
-        "campaign.twins.score": "score",
         "campaign.twins.twin": "simulate",
         "core.errors": "DataError InertialcalError PlanError Problem StoreError UsageError",
         "core.estimate": "Component Estimate",
@@ -183,6 +182,7 @@ _HOMES = {  # nouns of procedures apart, which are found by their commands
         "files.write.recording": "write",
         "lab.guide.engine": "Guide",
         "lots.lot": "lot",
+        "lots.score": "score",
         "procedures.mass_attraction.planning.planner": "plan_mass_attraction",
         "procedures.mass_attraction.recorded_series": "programme_1969",
         "procedures.positions.batch": "positions_batch",

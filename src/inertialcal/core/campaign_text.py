@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 FILE = "campaign.toml"
+LOT = "LOT.toml"  # one campaign for many units
 SCHEMA = 2  # of campaign.toml
 FILL_IN = "FILL IN"  # comment behind a value that `init` does not know
 MARK = f"# {FILL_IN}"

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import shlex
 import zipfile
+from pathlib import Path
 
 from ..core.errors import DataError
+from .own import own
 from .source import opened
 
 ZIP, ZIP_MEMBER = b"PK\x03\x04", b"PK\x01\x02"
@@ -39,6 +41,8 @@ def refusal(data: bytes, path: str, readable: str) -> DataError | None:
     readable : str
         Formats that are read.
     """
+    if (known := own(Path(path))) is not None:
+        return DataError(f"this is {known.what}, no recording", path, do=known.do, code="unsupported_format")
     packed = next((one for one in PACKED if data.startswith(one[0])), None)
     if packed is not None:
         do = f"Unpack it: {packed[2]} {shlex.quote(path)}"

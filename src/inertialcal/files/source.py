@@ -9,7 +9,6 @@ from __future__ import annotations
 import hashlib
 import io
 import os
-import shlex
 import stat
 import warnings
 import zlib
@@ -24,6 +23,7 @@ from ..core.errors import DataError, InertialcalError, Problem, UsageError
 from ..core.recording import Digest
 from ..core.remarks import Remark
 from .budget import DOCUMENT, check_count, claim
+from .own import own
 
 AT_ONCE = 2**17  # bytes that are hashed at once; more of them by a thread
 CACHED = 2**29  # bytes of a file in place that a system still holds when it was read: hashed then, else meanwhile
@@ -35,7 +35,6 @@ PIECE = 2**12  # bytes of a file in place that are read for one
 MEMBERS = 200_000  # of a gzip file; bgzip makes one of each 64 KiB
 HAS_PREAD = hasattr(os, "pread")
 NO_WAIT = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0) | getattr(os, "O_NOCTTY", 0)
-CAMPAIGN = "campaign.toml"
 FEW = 3  # names of files told
 GZIP = b"\x1f\x8b"
 SOUGHT = b"PAR1"  # format whose library reads what it needs, where it lies
@@ -317,8 +316,8 @@ def _special(mode: int, name: str) -> DataError:
 def _folder(path: Path, name: str) -> DataError:
     """Return the error for a folder where a file is needed, with what may be meant."""
     inside = sorted(one.name for one in path.iterdir() if not one.name.startswith("."))
-    if CAMPAIGN in inside:
-        do = f"It holds a campaign: inertialcal run {shlex.quote(name)}; or name one of its files"
+    if (known := own(path)) is not None:
+        do = f"It holds {known.what}: {known.do}; or name one of its files"
     elif inside:
         more = f", ... ({len(inside)} in all)" if len(inside) > FEW else ""
         do = f"Name one of its files: {', '.join(inside[:FEW])}{more}"

@@ -135,9 +135,9 @@ def _distances(found: Study) -> list[Mapping[str, Any]]:
         return []
     keep = known[:: max(1, known.size // THIN)]
     keep = np.union1d(keep, known[far.outlier[known]])
-    n = len(found.odd)
+    n, units = len(found.odd), np.unique(found.table.units[known]).size
     by = f"by {far.used.size} parameters together"
-    finding = f"{n} of {known.size} tests are of units of another kind, {by}" if n else \
+    finding = f"{n} of {units} units {'is' if n == 1 else 'are'} of another kind, {by}" if n else \
               f"no unit is of another kind, {by}"  # fmt: skip
     columns = {"number": Column(keep.astype(float) + 1.0), "distance": Column(far.distance[keep]),
                "limit": Column(np.full(keep.size, far.limit)), "odd": Column(far.outlier[keep])}  # fmt: skip

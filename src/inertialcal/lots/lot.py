@@ -135,7 +135,7 @@ def lot(
     Parameters
     ----------
     path : path
-        LOT.toml, or a folder with campaign.toml and a folder a unit.
+        LOT.toml or its folder, or a folder with campaign.toml and a folder a unit.
     output : path
         Folder for what is made.
     resume : bool

@@ -14,8 +14,9 @@
     [options]
     "sensors.gyro.chain.scale_factor" = "scale_factor"
 
-``{serial}`` is replaced by the cell of that column, plainly. A folder in place of LOT.toml is a lot without a table:
-its campaign.toml is the template, and each of its folders that holds files of the campaign is a unit.
+``{serial}`` is replaced by the cell of that column, plainly. A folder that holds LOT.toml means that. Any other is a
+lot without a table: its campaign.toml is the template, and each of its folders that holds files of the campaign is a
+unit.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError
 
 from ..campaign.file.load import Campaign, load
-from ..core.campaign_text import FILE
+from ..core.campaign_text import FILE, LOT
 from ..core.errors import PlanError, Problem
 from ..core.remarks import Remark
 from ..core.schema.problems import model_problems
@@ -142,7 +143,7 @@ class Lot:
 
 
 def load_lot(path: str | Path) -> Lot:
-    """Read a lot: LOT.toml, or a folder of units.
+    """Read a lot: LOT.toml, the folder that holds it, or a folder of units.
 
     Raises
     ------
@@ -152,7 +153,9 @@ def load_lot(path: str | Path) -> Lot:
         If the table of units cannot be read.
     """
     given = Path(checked_path(path, "lot"))
-    return _of_folder(given) if given.is_dir() else _of_file(given)
+    if given.is_dir() and not (given / LOT).is_file():
+        return _of_folder(given)
+    return _of_file(given / LOT if given.is_dir() else given)
 
 
 def _of_folder(root: Path) -> Lot:

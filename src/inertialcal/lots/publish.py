@@ -93,7 +93,7 @@ def publish_lot(
         os.replace(new, folder / UNITS)
         said = {"made": datetime.now(UTC).isoformat(timespec="seconds"), "versions": versions(),
                 "machine": {"system": platform.system(), "machine": platform.machine()},
-                "lot": str(lot.path), **how}  # fmt: skip
+                "lot": str(lot.path.resolve()), **how}  # fmt: skip
         _write(folder / PROVENANCE, json_text(said))
         (folder / REPORT).unlink(missing_ok=True)
         if report:

@@ -16,7 +16,7 @@ of other columns, drift, outliers, each over all figures.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -92,6 +92,8 @@ class Odd:
     serial: str
     distance: float  # In standard deviations
     parameters: tuple[tuple[str, float], ...]  # That stand out most: name, standard deviations
+    odd_tests: int = 1  # Tests of it that say so
+    tests: int = 1
 
 
 @dataclass(frozen=True)
@@ -128,7 +130,7 @@ class Study:
             "passed": _share(self.passed), "verdicts": dict(self.verdicts), "quarantined": dict(self.quarantined),
             "figures": [_figure(one) for one in self.figures],
             "odd_units": [
-                {"serial": one.serial, "distance": one.distance,
+                {"serial": one.serial, "distance": one.distance, "odd_tests": one.odd_tests, "tests": one.tests,
                  "parameters": [{"name": name, "deviation": far} for name, far in one.parameters]}
                 for one in self.odd
             ],
@@ -222,7 +224,7 @@ def study(table: Table, columns: Columns) -> Study:
         table, tuple(made), share(words.count("PASS"), everyone),
         {name: words.count(name) for name in (*JUDGED, "") if name in words},
         {code: quarantined.count(code) for code in sorted(set(quarantined))},
-        tuple(_odd(table, far, int(row)) for row in np.flatnonzero(odd_rows)), far, tuple(off), drifting, columns,
+        tuple(_odd(table, far)), far, tuple(off), drifting, columns,
         names,
         tuple(_remarks(table, made, far, everyone)),
     )  # fmt: skip
@@ -290,7 +292,7 @@ def _outliers(table: Table) -> Outliers | None:
     order = sorted(parameters, key=lambda k: k not in table.limits)
     if not order:
         return None
-    found = outliers(table.values[:, order])
+    found = outliers(table.values[:, order], table.first)
     return Outliers(np.array(order, dtype=np.intp)[found.used], found.logarithm, found.distance, found.limit,
                     found.outlier, found.deviation, found.heavy)  # fmt: skip
 
@@ -299,12 +301,19 @@ def _odd_rows(far: Outliers | None, n: int) -> NDArray[np.bool_]:
     return np.zeros(n, dtype=bool) if far is None else far.outlier
 
 
-def _odd(table: Table, far: Outliers | None, row: int) -> Odd:
-    assert far is not None  # noqa: S101 - it named the row
-    own = far.deviation[row]
-    order = np.argsort(-np.abs(np.nan_to_num(own)))[:ODD_NAMED]
-    told = tuple((table.figures[far.used[j]].name, float(own[j])) for j in order if np.isfinite(own[j]))
-    return Odd(table.serials[row], float(far.distance[row]), told)
+def _odd(table: Table, far: Outliers | None) -> Iterator[Odd]:
+    """Yield each unit of another kind, by the test of it that lies farthest off."""
+    rows: dict[int, list[int]] = {}
+    for row in np.flatnonzero(_odd_rows(far, len(table))).tolist():
+        rows.setdefault(int(table.units[row]), []).append(row)
+    for unit, every in rows.items():
+        assert far is not None  # noqa: S101 - it named the rows
+        row = max(every, key=lambda one: far.distance[one])
+        own = far.deviation[row]
+        order = np.argsort(-np.abs(np.nan_to_num(own)))[:ODD_NAMED]
+        told = tuple((table.figures[far.used[j]].name, float(own[j])) for j in order if np.isfinite(own[j]))
+        of = int(np.count_nonzero(table.units == unit))
+        yield Odd(table.serials[row], float(far.distance[row]), told, len(every), of)
 
 
 def _remarks(table: Table, made: Sequence[FigureStudy], far: Outliers | None, everyone: int) -> list[Remark]:
@@ -440,8 +449,10 @@ def drift_text(one: FigureStudy) -> str:
 
 def odd_text(one: Odd) -> str:
     """Say which unit is odd."""
-    told = ", ".join(f"{name} {far:+.1f}" for name, far in one.parameters)
-    return f"unit {one.serial} is of another kind, {number(one.distance, 2)} standard deviations off: {told}"
+    told = ", ".join(f"{name} {deviation:+.1f}" for name, deviation in one.parameters)
+    some = f" in {one.odd_tests} of its {one.tests} tests" if one.odd_tests < one.tests else ""
+    far = f"{number(one.distance, 2)} standard deviations off"
+    return f"unit {one.serial} is of another kind{some}, {far}: {told}"
 
 
 # ---- as JSON --------------------------------------------------------------------------------------------------------
@@ -460,11 +471,11 @@ def _figure(one: FigureStudy) -> dict[str, Any]:
     named = {name: getattr(figure, name) for name in ("test", "quantity", "axis", "sensor", "power", "at", "at_unit",
                                                       "condition", "unit")}  # fmt: skip
     of_population: dict[str, Any] = dict.fromkeys(
-        ("mean", "mean_u", "observed", "scatter", "scatter_interval", "between_stations", "normal_p")
+        ("mean", "mean_u", "mean_dof", "observed", "scatter", "scatter_interval", "between_stations", "normal_p")
     )
     if found is not None:
         of_population |= {
-            "mean": found.mean, "mean_u": found.mean_u, "observed": found.observed,
+            "mean": found.mean, "mean_u": found.mean_u, "mean_dof": finite(found.mean_dof), "observed": found.observed,
             "scatter": found.scatter if found.seen else None, "scatter_interval": _interval(found.scatter_interval),
             "between_stations": found.between, "normal_p": finite(found.normal_p),
         }  # fmt: skip

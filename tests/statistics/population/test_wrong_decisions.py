@@ -41,3 +41,16 @@ def test_without_uncertainty_nothing_is_wrong() -> None:
     wrong = risks(y, np.zeros(200), np.abs(y) <= 1.0, found, -1.0, 1.0)
     assert wrong.consumer.expected == 0.0
     assert wrong.producer.expected == 0.0
+
+
+def test_units_that_are_hardly_ever_outside_are_no_fault_of_the_program() -> None:
+    """Of chances of 1e-170 the squares are zero."""
+    y, u = 0.001 * np.random.default_rng(1).standard_normal(50), np.full(50, 0.0005)
+    found = population(y, u, np.full(50, np.inf))
+    chances = set()
+    for far in np.arange(10.0, 60.0, 2.0):
+        wrong = risks(y, u, np.ones(50, dtype=bool), found, -0.001 * far, 0.001 * far)
+        chances.add(wrong.consumer.expected)
+        assert wrong.consumer.interval.lo == 0.0
+        assert (wrong.consumer.interval.hi or 0.0) <= 1.0
+    assert any(0.0 < one < 1e-160 for one in chances)

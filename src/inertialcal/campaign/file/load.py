@@ -23,6 +23,7 @@ from ...core.schema.standards import STANDARDS, WRITTEN, StandardEntry
 from ...core.schema.toml import At, key_lines, nearest_line, parse_toml
 from ...core.schema.toml import Path as KeyPath
 from ...files.binary.parquet import clock_in
+from ...files.own import lot_in, own
 from ...files.source import read_bytes
 from .cross_checks import cross_checks
 from .schema import CampaignFile
@@ -74,6 +75,8 @@ def load(folder: str | Path, elsewhere: bool = False) -> Campaign:
     """
     root = Path(folder)
     path = root / FILE
+    if not path.is_file() and (known := own(root)) is not None:
+        raise PlanError(f"{root} is {known.what}, no folder of a campaign", do=f"Try: {known.do}", code="no_campaign")
     if not root.is_dir() or not path.is_file():
         what = f"No campaign here: {path} does not exist"
         files = any(one.is_file() for one in root.glob("[!.]*"))
@@ -140,12 +143,24 @@ def campaign_of(
     _, problems = standards_of(file, lambda *key: place(lines, key))
     problems += cross_checks(root, file, lambda *key: place(lines, key), elsewhere)
     if problems:
-        raise PlanError(problems)
+        raise PlanError(_of_template(root, file, problems))
     if not elsewhere:
         recordings = (root / one.file for one in file.recordings.values() if one.channels)
         file = with_clock(file, (clock_in(one) for one in recordings))
     standards, _ = standards_of(file, lambda *key: place(lines, key))
     return Campaign(root, file, standards, lines, hashlib.sha256(raw).hexdigest())
+
+
+def _of_template(root: Path, file: CampaignFile, problems: list[Problem]) -> list[Problem]:
+    """Return what is wrong: of the template of a lot not each of its files, which lie elsewhere."""
+    files = {one.file for one in file.recordings.values()}
+    if any(one.code != "missing_file" for one in problems) or any((root / one).exists() for one in files):
+        return problems
+    lot = lot_in(root, files)
+    if lot is None:
+        return problems
+    what, why = "no recording of this campaign lies here", f"it is the template of {lot.what}"
+    return [Problem(what, FILE, why, f"Try: {lot.do}", "missing_file")]
 
 
 def clock_standard(clocks: Iterable[ClockRate | None]) -> dict[str, dict[str, Any]]:

@@ -11,6 +11,7 @@ import numpy as np
 from ...core.campaign_text import FILE, MARK, SCHEMA, Noted, toml_text
 from ...core.errors import PlanError, UsageError
 from ...core.remarks import Remark
+from ...files.own import own
 from ...files.write.atomic import atomic_write
 from ...procedures import procedure_of
 from ...procedures.given import Said
@@ -106,6 +107,8 @@ def start(folder: str | Path, sensor: str = "", told: Told | None = None) -> tup
 def _found(folder: str | Path, told: Told, *, asking: bool = False) -> FolderContents:
     """Return what a folder holds, and what was left out; refuse one with a campaign, or with nothing."""
     root = Path(folder)
+    if (known := own(root)) is not None and known.file != FILE:
+        raise PlanError(f"{root} is {known.what}", do=f"Try: {known.do}", code="exists")
     if not root.is_dir():
         raise UsageError(f"No such folder: {root}")
     path = root / FILE

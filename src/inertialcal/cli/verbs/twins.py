@@ -14,7 +14,7 @@ from ...rigs import RIGS
 from ..options import Json, Quiet, faults_beginning, rigs_beginning
 from ..shown.output import clean, json_out, table, terminal_width, wrapped
 from ..shown.progress import progress
-from ..shown.screen import folded, say
+from ..shown.screen import folded, say, screen
 
 if TYPE_CHECKING:
     from ...campaign.twins.score import Coverage, FaultScore, Score
@@ -27,7 +27,7 @@ def simulate(
     rig: Annotated[
         str,
         typer.Argument(
-            help=f"Of a rig: {', '.join(RIGS)}.",
+            help=f"Of a rig: {', '.join(RIGS)}; or lot: many units.",
             autocompletion=rigs_beginning,
             show_default=False,
         ),
@@ -120,7 +120,7 @@ def _lot(output: Path, n: int, seed: int, fault: str, as_json: bool, quiet: bool
             print(wrapped(f"mistake put in: {one}"))
         print(wrapped(f"the true values are in .truth there, SHA-256 {written.seal}"))
         lot, out = shlex.quote(str(written.folder / "LOT.toml")), shlex.quote(f"{written.folder}-out")
-        print(clean(f"Next: inertialcal lot {lot} -o {out}"))
+        print(clean(f"Next: inertialcal lot {lot} -o {out}\nthen inertialcal score {out}"))
     return 0
 
 
@@ -154,7 +154,9 @@ def _faults(rig: str, as_json: bool, quiet: bool) -> int:
 
 
 def score(
-    folder: Annotated[Path | None, typer.Argument(help="Folder of a simulated campaign.", show_default=False)] = None,
+    folder: Annotated[
+        Path | None, typer.Argument(help="Folder of a simulated campaign, or of what `lot` wrote.", show_default=False)
+    ] = None,
     rig: Annotated[
         str | None,
         typer.Option(
@@ -180,7 +182,7 @@ def score(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
-    """Compare the estimates of a simulated campaign with its truth, or count how often a rig's intervals hold it."""
+    """Compare estimates of a simulated campaign or lot with the truth, or count how often a rig's intervals hold it."""
     from ...core.errors import UsageError
 
     if (folder is None) == (rig is None):
@@ -195,10 +197,18 @@ def score(
 
 
 def _campaign(folder: Path, as_json: bool, quiet: bool) -> int:
-    from ...campaign.twins.score import score as score_campaign
+    from ...campaign.twins.score import Score as OfCampaign
+    from ...core.show.tables import text
+    from ...lots.score import score as score_folder
 
-    found = score_campaign(folder)
+    found = score_folder(folder)
     status = 1 if found.verdict == "FAIL" else 0
+    if not isinstance(found, OfCampaign):
+        if as_json:
+            json_out("score", found.to_dict(), status)
+        elif not quiet:
+            say(screen([text(found.parts())]))
+        return status
     if as_json:
         of = found.truth
         truth = {"rig": of.rig, "seed": of.seed, "fault": of.fault, "size": of.size, "truth_sha256": of.seal}

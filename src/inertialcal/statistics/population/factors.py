@@ -4,7 +4,8 @@
 by what units scatter, ``S^2 / n_g``, and by what the standards of each are stated to be uncertain by (``common``);
 what is beyond is a level that is off. The one farthest off is named, taken out, and the rest judged again (a
 generalized extreme studentized deviate test [1]_), each step at a probability of 5 % over all levels and over all
-figures that are judged together (Bonferroni), so that a lot in which nothing is off names any level in at most 5 %.
+figures that are judged together (Bonferroni), so that a lot in which nothing is off names any level in at most 5 %, by
+Student's t: of a few units at each level S is hardly known.
 Of two levels none can be told to be the
 wrong one: both are named. Without a stated size the normal scores of ranks are judged (van der Waerden), so that heavy
 tails make no finding.
@@ -95,13 +96,15 @@ def levels(values: Array, at: NDArray[np.intp], common: float, figures: int = 1)
                 for k, m, v in zip(known, n, means, strict=True)]  # fmt: skip
     fixed = square / n + common**2
     told, spread = (means, fixed) if common else _scored(values, at, known, n)
+    most = square * free / float(special.chdtri(free, 1.0 - P / figures)) / n  # that may be behind what is seen
+    seen = most / (most + common**2) if common else np.ones(known.size)
     kept = np.ones(known.size, dtype=bool)
     p_of = np.ones(known.size)
     while kept.sum() >= max(2, math.ceil(known.size * HALF)):
         own = np.flatnonzero(kept)
-        z = np.array([_distance(told, spread, own, int(k)) for k in own])
+        z, share = np.array([_distance(told, spread, seen, own, int(k)) for k in own]).T
         worst = int(np.argmax(z))
-        chance = 2.0 * (special.ndtr(-z[worst]) if common else special.stdtr(free, -z[worst]))
+        chance = 2.0 * special.stdtr(free / share[worst] ** 2, -z[worst])
         p = min(1.0, float(chance) * own.size * figures)
         named = own if own.size == 2 else own[[worst]]
         p_of[named] = p
@@ -137,12 +140,18 @@ def normal_scores(values: Array) -> Array:
     return np.asarray(special.ndtri((ranks + 0.5) / values.size))
 
 
-def _distance(means: Array, fixed: Array, own: NDArray[np.intp], k: int) -> float:
-    """Return how far a level lies from the others, in standard deviations of that."""
+def _distance(means: Array, fixed: Array, seen: Array, own: NDArray[np.intp], k: int) -> tuple[float, float]:
+    """Return how far a level lies from the others, in standard deviations of that; what part of its variance is seen.
+
+    The rest is what standards state, which is known: the degrees of freedom are those of what is seen, over the square
+    of its part (Welch and Satterthwaite). Of few units that part is taken as large as it may be.
+    """
     others = own[own != k]
     weights = 1.0 / fixed[others]
-    middle = float(weights @ means[others]) / float(weights.sum())
-    return abs(float(means[k]) - middle) / math.sqrt(float(fixed[k]) + 1.0 / float(weights.sum()))
+    weights = weights / float(weights.sum())
+    parts = np.array([fixed[k], weights**2 @ fixed[others]])
+    far = abs(float(means[k] - weights @ means[others])) / math.sqrt(float(parts.sum()))
+    return far, float(parts @ [seen[k], weights @ seen[others]] / parts.sum())
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,8 @@ p)`` [2]_. A unit is an outlier beyond the quantile by which a lot of normal uni
 A unit may lack parameters: it is judged on those that it has. Parameters that are positive and skewed are taken as
 logarithms; one of heavy tails is left out. What breaks this: heavy tails of several together, of which more than the
 stated 5 % of lots have such units (``heavy``); two populations of about the same size, of which neither is an outlier;
-fewer than ``PER_PARAMETER`` units a parameter, where the later parameters are left out.
+fewer than ``PER_PARAMETER`` units a parameter, where the later parameters are left out. Of a unit that was tested
+several times one test makes centre and covariance: all of them would make a cluster.
 
 References
 ----------
@@ -70,20 +71,23 @@ class Outliers:
     heavy: bool
 
 
-def outliers(values: Array) -> Outliers:
+def outliers(values: Array, first: NDArray[np.bool_] | None = None) -> Outliers:
     """Return how far units lie from the rest.
 
     Parameters
     ----------
     values : ndarray, shape (n, p)
         Parameters of units, the most important first; NaN where a unit has none.
+    first : ndarray of bool, shape (n,), optional
+        Which rows are the one of their unit that the rest is known from; all if not given. Every row is judged.
     """
-    n = len(values)
+    first = np.ones(len(values), dtype=bool) if first is None else first
+    n = int(first.sum())
     known = np.isfinite(values)
     scaled, logarithm = np.full(values.shape, np.nan), np.zeros(values.shape[1], dtype=bool)
     good: list[int] = []
     for j in range(values.shape[1]):
-        own = values[known[:, j], j]
+        own = values[known[:, j] & first, j]
         if own.size < max(KNOWN * n, 2 * PER_PARAMETER) or len(good) >= n // PER_PARAMETER:
             continue
         logarithm[j] = _skewed(own)
@@ -97,14 +101,18 @@ def outliers(values: Array) -> Outliers:
             and np.quantile(np.abs(x - middle), BULK) > HEAVY * -special.ndtri((1.0 - BULK) / 2.0) * scale
         ):
             continue
-        scaled[known[:, j], j] = (x - middle) / scale
+        every = values[known[:, j], j]
+        if logarithm[j]:
+            with np.errstate(invalid="ignore", divide="ignore"):
+                every = np.log(every)
+        scaled[known[:, j], j] = (every - middle) / scale
         good.append(j)
     used = np.array(good, dtype=np.intp)
     z = scaled[:, used]
-    distance, heavy = np.full(n, np.nan), False
-    limit = float(-special.ndtri(P / max(n, 1) / 2.0))
+    distance, heavy = np.full(len(values), np.nan), False
+    limit = float(-special.ndtri(P / max(len(values), 1) / 2.0))
     if used.size:
-        whole = np.isfinite(z).all(axis=1)
+        whole = np.isfinite(z).all(axis=1) & first
         centre, covariance, inside = _robust(z[whole])
         has, which = np.unique(np.isfinite(z), axis=0, return_inverse=True)
         for k, columns in enumerate(has):

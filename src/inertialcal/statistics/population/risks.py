@@ -33,6 +33,7 @@ from ..intervals import binomial_interval
 from .scatter import DRAWS, P, Population
 
 SOME = 64  # draws of the population that risks are worked out for
+LEAST = 1e-100  # shape of a gamma, below which a count is none: squares of chances end at 1e-308
 
 
 @dataclass(frozen=True)
@@ -122,12 +123,12 @@ def _wrong(chances: list[Array]) -> Wrong:
     own = float((chances[0] * (1.0 - chances[0])).sum())
     spread = float(np.var(expected[1:]))
     whole = own + spread
-    if not expected[0]:
-        return Wrong(0.0, Interval(0.0, float(max(expected)), P))
     # a count with this mean and variance: a gamma, which holds rare ones as well as many
-    shape = expected[0] ** 2 / whole if whole else math.inf
+    shape = expected[0] * (expected[0] / whole) if whole else math.inf if expected[0] else 0.0
+    if shape < LEAST:
+        return Wrong(expected[0], Interval(0.0, float(max(expected)), P))
     if math.isinf(shape):
         return Wrong(expected[0], Interval(expected[0], expected[0], P))
-    low, high = (float(special.gammaincinv(shape, q)) * expected[0] / shape for q in ((1 - P) / 2, (1 + P) / 2))
+    low, high = (float(special.gammaincinv(shape, q)) * whole / expected[0] for q in ((1 - P) / 2, (1 + P) / 2))
     low, high = math.floor(low), math.ceil(high)
     return Wrong(expected[0], Interval(float(low), float(high), P))
