@@ -82,7 +82,9 @@ def test_what_cannot_be_scored_is_said(small: tuple[Path, LotScore]) -> None:
 
 @pytest.mark.slow
 def test_a_lot_of_every_mistake_and_a_sound_one(tmp_path: Path) -> None:
-    found = made(tmp_path / "all", 100, "bad_station=20 odd_units=0.03 stuck_axis=0.02 lost_file=0.02 drift understated")
+    found = made(
+        tmp_path / "all", 100, "bad_station=20 odd_units=0.03 stuck_axis=0.02 lost_file=0.02 drift understated"
+    )
     assert found.verdict == "PASS", str(found)
     assert [one.mistake for one in found.found if one.beside] == []
     sound = made(tmp_path / "sound", 60, "", 3)

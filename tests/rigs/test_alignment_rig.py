@@ -8,6 +8,7 @@ import pytest
 
 import inertialcal as ic
 from independent.coverage import keeps
+from inertialcal.campaign.twins.score import score
 from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import InertialcalError
 from inertialcal.rigs.alignment import rig
@@ -49,7 +50,7 @@ def test_campaigns_hold_their_truth(tmp_path: Path) -> None:
         folder = tmp_path / str(seed)
         simulate("alignment", folder, seed)
         ic.run(folder)
-        for row in ic.score(folder).rows:
+        for row in score(folder).rows:
             name = f"{row['quantity']}_{row['axis']}"
             if row["inside"] is not None:
                 count[name] = count.get(name, 0) + 1

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import inertialcal as ic
+from inertialcal.campaign.twins.score import score
 from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import InertialcalError
 from inertialcal.rigs.station import rig
@@ -34,4 +35,4 @@ def test_a_sound_record_brings_no_remark_and_holds_the_truth(tmp_path: Path) -> 
     wrong = {one.shows for one in rig.FAULTS.values()}
     assert not found(tmp_path / "sound", 1) & wrong
     ic.run(tmp_path / "sound")
-    assert all(one["inside"] for one in ic.score(tmp_path / "sound").rows)
+    assert all(one["inside"] for one in score(tmp_path / "sound").rows)

@@ -9,13 +9,13 @@ import numpy as np
 
 from ..core.curve import Column, Curve
 from ..core.estimate import Array
+from ..core.show.rounding import number
 from .study import (
     FigureStudy,
     Study,
     capability_text,
     drift_text,
-    mean_text,
-    off_text,
+    level_text,
     scatter_text,
 )
 
@@ -24,6 +24,7 @@ POINTS = 121  # of a population's curve
 WIDE = 4.0  # standard deviations that it is drawn over
 BLOCKS = 40  # along a lot
 THIN = 2_000  # units of a figure of distances, and all that are of another kind
+OFF_NAMED = 2  # levels that a title names
 MIDDLE = (0.05, 0.95)
 
 
@@ -62,9 +63,8 @@ def _distribution(found: Study, one: FigureStudy) -> list[Mapping[str, Any]]:
                 column[0] = end
     beyond = y.size - inside.size
     said = f"; {beyond} beyond" if beyond else ""
-    capable = [f", Cpk {capability_text(each.capability)}" for each in one.limits if each.capability is not None]
-    finding = f"{one.figure.test}, {one.figure.name}: mean {mean_text(one.found)} {unit}, units scatter " \
-              f"{scatter_text(one.found)} {unit}{''.join(capable)}{said}"  # fmt: skip
+    capable = [f"Cpk {capability_text(each.capability)}, " for each in one.limits if each.capability is not None]
+    finding = f"{one.figure.test}, {one.figure.name}: {''.join(capable[:1])}units scatter {_scatter(one)} {unit}{said}"
     columns = {"from": Column(edges[:-1], unit), "to": Column(edges[1:], unit), "units": Column(count.astype(float)),
                "lower": Column(lower, unit), "upper": Column(upper, unit)}  # fmt: skip
     made = [_curve("lot_distribution", one, columns, finding)]
@@ -80,13 +80,22 @@ def _distribution(found: Study, one: FigureStudy) -> list[Mapping[str, Any]]:
     return made
 
 
+def _scatter(one: FigureStudy) -> str:
+    """Return what the units scatter: without its interval where a capability has one already."""
+    if one.found is None or not one.found.seen or not one.limits:
+        return scatter_text(one.found)
+    return number(one.found.scatter, 3)
+
+
 def _stations(found: Study, one: FigureStudy) -> list[Mapping[str, Any]]:
     if len(one.stations) < 2:
         return []
     off = [each for each in found.off if each.figure == one.figure and each.column == found.columns.station]
     unit = one.figure.unit
     what = f"{one.figure.test}, {one.figure.name}"
-    finding = "; ".join(off_text(each) for each in off) or f"{what}: no {found.columns.station} is off"
+    named = [f"{found.columns.station} {each.level} reads {level_text(each)}" for each in off[:OFF_NAMED]]
+    more = f", {len(off) - OFF_NAMED} more" if len(off) > OFF_NAMED else ""
+    finding = f"{what}: {', '.join(named)}{more}" if off else f"{what}: no {found.columns.station} is off"
     columns = {
         "level": Column([found.stations[each.number] for each in one.stations]),
         "units": Column(np.array([float(each.n) for each in one.stations])),

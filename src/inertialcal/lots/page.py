@@ -96,7 +96,7 @@ def lot_page(found: Study, lot: str, title: str = "") -> str:
             "units": [_units(found)],
         },
         "embedded": embedded, "data": data, "find": script(FIND), "policy": policy(COPY, FIND),
-        "remarks": [{"severity": one.severity, "what": one.what, "do": one.do,
+        "remarks": [{"severity": one.severity, "what": one.what, "do": one.do, "where": one.where,
                      "count": f" ({one.count} ×)" if one.count > 1 else ""} for one in found.remarks],
     }  # fmt: skip
     return environment().get_template("lot.html").render(shown)

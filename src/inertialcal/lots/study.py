@@ -428,14 +428,17 @@ def _judged_row(one: FigureStudy, each: Judged) -> list[str]:
     ]  # fmt: skip
 
 
+def level_text(one: Off) -> str:
+    """Say by how much a level reads differently."""
+    sense = "more" if one.found.offset > 0.0 else "less"
+    return f"{with_uncertainty(abs(one.found.offset), one.found.u)} {one.figure.unit} {sense} than the others"
+
+
 def off_text(one: Off) -> str:
     """Say which level is off."""
-    times, sense = abs(one.found.offset) / one.found.allowed, "more" if one.found.offset > 0.0 else "less"
-    return (
-        f"{one.column} {one.level}: {one.figure.test} {one.figure.name} reads "
-        f"{with_uncertainty(abs(one.found.offset), one.found.u)} {one.figure.unit} {sense} than the others, "
-        f"{number(times, 2)} times what its standards and units allow"
-    )
+    times = number(abs(one.found.offset) / one.found.allowed, 2)
+    what = f"{one.column} {one.level}: {one.figure.test} {one.figure.name} reads {level_text(one)}"
+    return f"{what}, {times} times what its standards and units allow"
 
 
 def drift_text(one: FigureStudy) -> str:

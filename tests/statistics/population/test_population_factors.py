@@ -37,7 +37,7 @@ def test_sound_lots_have_few_findings(units: int, stations: int, common: float, 
 @pytest.mark.parametrize("n", [40, pytest.param(400, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(("units", "common"), [(5, 0.15), (6, 0.15), (12, 0.15), (8, 1.0), (20, 0.15)])
 def test_sound_lots_of_few_units_have_few_findings(units: int, common: float, n: int) -> None:
-    """Of one or two units a station what these scatter is hardly known: by a normal deviate nearly all had a finding."""
+    """Of one or two units a station the scatter is hardly known: by a normal deviate nearly all had a finding."""
     off = 0
     for seed in range(1, n + 1):
         rng = np.random.default_rng(seed)

@@ -107,8 +107,8 @@ def start(folder: str | Path, sensor: str = "", told: Told | None = None) -> tup
 def _found(folder: str | Path, told: Told, *, asking: bool = False) -> FolderContents:
     """Return what a folder holds, and what was left out; refuse one with a campaign, or with nothing."""
     root = Path(folder)
-    if (known := own(root)) is not None and known.file != FILE:
-        raise PlanError(f"{root} is {known.what}", do=f"Try: {known.do}", code="exists")
+    if (ours := own(root)) is not None and ours.file != FILE:
+        raise PlanError(f"{root} is {ours.what}", do=f"Try: {ours.do}", code="exists")
     if not root.is_dir():
         raise UsageError(f"No such folder: {root}")
     path = root / FILE

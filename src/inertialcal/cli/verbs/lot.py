@@ -16,7 +16,9 @@ def lot(
     lot: Annotated[
         Path,
         typer.Argument(
-            metavar="LOT", help="LOT.toml or its folder, or a folder with campaign.toml and a folder a unit.", show_default=False
+            metavar="LOT",
+            help="LOT.toml or its folder, or a folder with campaign.toml and a folder a unit.",
+            show_default=False,
         ),
     ],
     output: Annotated[
