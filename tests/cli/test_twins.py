@@ -57,7 +57,7 @@ def test_simulate_run_score(capsys: pytest.CaptureFixture[str], tmp_path: Path) 
 def test_help_and_manual_name_every_rig_and_its_mistakes() -> None:
     own = {name: rig for name, rig in RIGS.items() if name not in ("small", "liar")}
     said = get_type_hints(simulate, include_extras=True)["rig"].__metadata__[0].help
-    assert sorted(said.removeprefix("Of a rig: ").removesuffix(".").split(", ")) == sorted(RIGS)
+    assert sorted(said.removeprefix("lot (many units), or a rig: ").removesuffix(".").split(", ")) == sorted(RIGS)
     page = (Path(__file__).parents[2] / "docs" / "commands" / "simulate.md").read_text(encoding="utf-8")
     named = [*own, *(fault for rig in own.values() for fault in rig.faults)]
     assert not [name for name in named if f"`{name}`" not in page]

@@ -27,7 +27,7 @@ def simulate(
     rig: Annotated[
         str,
         typer.Argument(
-            help=f"Of a rig: {', '.join(RIGS)}; or lot: many units.",
+            help=f"lot (many units), or a rig: {', '.join(RIGS)}.",
             autocompletion=rigs_beginning,
             show_default=False,
         ),

@@ -126,7 +126,7 @@ def _wrong(chances: list[Array]) -> Wrong:
     # a count with this mean and variance: a gamma, which holds rare ones as well as many
     shape = expected[0] * (expected[0] / whole) if whole else math.inf if expected[0] else 0.0
     if shape < LEAST:
-        return Wrong(expected[0], Interval(0.0, float(max(expected)), P))
+        return Wrong(expected[0], Interval(0.0, float(round(max(expected), 2)), P))
     if math.isinf(shape):
         return Wrong(expected[0], Interval(expected[0], expected[0], P))
     low, high = (float(special.gammaincinv(shape, q)) * whole / expected[0] for q in ((1 - P) / 2, (1 + P) / 2))
