@@ -28,12 +28,19 @@ def plan(order: int = 1, known: bool = True) -> Plan:
     return Plan(gravity=G, temperature_order=order, reference_temperature=REFERENCE, standards=standards)
 
 
-def result(bench: Bench, seed: int, order: int = 1, known: bool = True) -> tuple[Result, dict[str, float]]:
+def laid_readings(bench: Bench, seed: int, counts: float = 0.0) -> tuple[Readings, dict[str, float]]:
+    """Return the readings of a bench, in m/s^2 or as so many counts per m/s^2, and the truth."""
     made = laid(bench, seed)
     scatter = np.full(made.mean.shape, bench.noise)
-    acc = Triad(made.mean, scatter, np.ones(made.mean.shape), "m/s^2")
+    size, unit = (counts, "count") if counts else (1.0, "m/s^2")
+    acc = Triad(size * made.mean, size * scatter, np.ones(made.mean.shape), unit)
     readings = Readings(acc, direction=made.direction, temperature=made.temperature, recordings=made.recording)
-    return reduce(plan(order, known), readings), made.truth
+    return readings, made.truth
+
+
+def result(bench: Bench, seed: int, order: int = 1, known: bool = True) -> tuple[Result, dict[str, float]]:
+    readings, truth = laid_readings(bench, seed)
+    return reduce(plan(order, known), readings), truth
 
 
 def hits(bench: Bench, seeds: range, known: bool = True) -> dict[str, int]:
@@ -80,6 +87,23 @@ def test_a_thermometer_that_nobody_states_is_named() -> None:
     reduced, _ = result(SMALL, 2, known=False)
     row = next(row for row in reduced.rows() if row.quantity == "bias_temperature_1")
     assert row.reason.code == "relative"
+
+
+@pytest.mark.parametrize("stated", [True, False])
+def test_scale_factors_in_counts_change_against_a_stated_one_or_none(stated: bool) -> None:
+    """Counts of 1,670.7 per m/s^2: the two digits that the fit refers to, 1,700, would make each slope 1.7 % small."""
+    readings, truth = laid_readings(SMALL, 1, counts=1670.7)
+    own = replace(plan(), acc_scale_factor=dict.fromkeys("xyz", 1670.7)) if stated else plan()
+    names = {"scale_factor_error", "scale_factor_error_temperature_1", "cross_axis_sensitivity_temperature_1"}
+    rows = [one for one in reduce(own, readings).rows() if one.quantity in names]
+    assert {one.quantity for one in rows} == names
+    for row in rows:
+        if stated:
+            true = truth[str(row.key._replace(sensor=""))]
+            assert row.value is not None
+            assert abs(row.value - true) < FAR * float(row.u or 0.0), row
+        else:
+            assert (row.value, row.reason.code) == (None, "no_nominal")
 
 
 def test_a_unit_that_has_not_settled_is_remarked() -> None:

@@ -62,6 +62,8 @@ class FolderContents:
         Topics of files by their label; a label that is not there is the name of a file.
     choices : dict of str to tuple of str
         Files whose topics hold several sensors of a kind: the topics to be taken, those that are one set first.
+    tables : dict of str to Table
+        Those that are no recordings, by label.
     ambiguous : list of str
         Files whose dates can be read in two ways.
     remarks : list of Remark
@@ -71,6 +73,7 @@ class FolderContents:
     found: Found = field(default_factory=dict[str, dict[str, object]])
     parts: dict[str, Part] = field(default_factory=dict[str, Part])
     choices: dict[str, list[Topics]] = field(default_factory=dict[str, list[Topics]])
+    tables: dict[str, Table] = field(default_factory=dict[str, Table])
     ambiguous: list[str] = field(default_factory=list[str])
     remarks: list[Remark] = field(default_factory=list[Remark])
 
@@ -236,6 +239,8 @@ def _take(contents: FolderContents, taken: dict[str, _Taken], parts: Sequence[_R
         if one.recording is not None:
             reserve = own[1] if len(own) > 1 else ("", claim)
             taken[label] = _Taken(procedure, *reserve)
+        else:
+            contents.tables[label] = one.table
         contents.found[procedure][label], remarks = claim.take()
         overruled = () if one.recording is None else one.recording.remarks
         contents.remarks += [found.at(label) for found in remarks]

@@ -12,19 +12,21 @@ from dataclasses import replace
 from typing import Any
 
 from ...core.errors import InertialcalError
-from ...core.key import AXES
+from ...core.key import AXES, Kind
 from ...core.recording import Channel, Recording
 from ...core.units import kind, normalise
 from ...files.info.channel_survey import unit_hints
 from ...files.time.dates import ORDERS
 from ...procedures import procedure_of
-from ...procedures.given import RAW, Said, bare
+from ...procedures.given import GROUP, RAW, Said, bare
 from ...procedures.suggestions import Question, one_of, quantity
 from .folder import FolderContents
+from .settled import OF_TABLE, plain_table
 
 ITEM = {"maker": "Who made the sensor", "part": "Its part number", "serial": "Its serial number"}
 UNITS = {"gyro": "deg/s, rad/s, count, V", "acc": "g, m/s2, count, V"}
-PER = {"gyro": "deg/s", "acc": "g"}
+PER = {"gyro": "(deg/s)", "acc": "g"}
+NOMINAL = {"gyro": {"V": "0.02", "count": "131"}, "acc": {"V": "0.5", "count": "16384"}}  # examples
 
 
 Answers = Mapping[str, str]
@@ -47,10 +49,9 @@ def questions(contents: FolderContents, said: Said, axis: str | None, item: Answ
         what = f"{', '.join(contents.ambiguous)}: dates like 3/4/2024"
         yield Question("dates", what, f"Day or month first? ({' or '.join(ORDERS)})", wrong=one_of(ORDERS))
     yield from _of_topics(contents, said)
-    found = contents.found
     for group in ("gyro", "acc"):
-        yield from _of_readings(found, group, said)
-    for procedure, own in found.items():
+        yield from _of_readings(contents, group, said)
+    for procedure, own in contents.found.items():
         for question in procedure_of(procedure).asks(own) if own else ():
             known: Any = axis if question.name == "axis" else getattr(said, question.name, None)
             if question.group:
@@ -72,9 +73,9 @@ def _of_topics(contents: FolderContents, said: Said) -> Iterator[Question]:
             yield Question("topics", what, ask, shlex.join(sets[0]), wrong=_topics(names))
 
 
-def _of_readings(found: Contents, group: str, said: Said) -> Iterator[Question]:
+def _of_readings(contents: FolderContents, group: str, said: Said) -> Iterator[Question]:
     """Yield the questions on the unit of a kind of sensors, and on the chain of those in counts or volts."""
-    own = list(_channels(found, group))
+    own = [*_channels(contents.found, group), *_columns(contents, group)]
     if not own:
         return
     unsaid = [(file, one) for file, one in own if one.unit is None]
@@ -92,7 +93,7 @@ def _of_readings(found: Contents, group: str, said: Said) -> Iterator[Question]:
         return  # what follows depends on it
     units = {answer if one.unit is None else one.unit for _, one in own}
     raw = [normalise(unit) for unit in units if unit and kind(unit) in RAW]
-    if not raw or said.chain is not None or not _needs_chain(found, group):
+    if not raw or said.chain is not None:
         return
     counted, per = any(kind(unit) == "count" for unit in raw), PER[group]
     seen = f"{', '.join(dict.fromkeys(file for file, _ in own))}: readings in {' and '.join(sorted(raw))}"
@@ -105,8 +106,9 @@ def _of_readings(found: Contents, group: str, said: Said) -> Iterator[Question]:
         wrong = _of_each(quantity("V", optional=True, words=("channel",)))
         yield Question("reference", seen, ask, group=group, wrong=wrong)
     if not _answered(said.scale_factor, group):
-        unit = f"{'V' if volts else 'count'}/({per})"
-        ask = f"Scale factor of the data sheet, like {'0.02' if volts else '131'} {unit}, or x=..., y=..., z=...?"
+        output = "V" if volts else "count"
+        unit = f"{output}/{per}"
+        ask = f"Scale factor of the data sheet, like {NOMINAL[group][output]} {unit}, or x=..., y=..., z=...?"
         yield Question("scale_factor", seen, ask, group=group, wrong=_of_each(quantity(unit, optional=True)))
 
 
@@ -156,11 +158,32 @@ def _channels(found: Contents, group: str) -> Iterator[tuple[str, Channel]]:
                 yield from ((file, channel) for channel in one.channels if channel.quantity == group and channel.axis)
 
 
-def _needs_chain(found: Contents, group: str) -> bool:
-    """Whether a procedure that has such readings takes them through a chain only."""
-    has = (name for name, files in found.items() for one in files.values() if isinstance(one, Recording)
-           if any(channel.quantity == group and channel.axis for channel in one.channels))  # fmt: skip
-    return any(not (procedure_of(name).inputs.raw or procedure_of(name).inputs.bare) for name in has)
+def _columns(contents: FolderContents, group: str) -> Iterator[tuple[str, Channel]]:
+    """Yield the readings of a kind of sensors in tables of means, with their file."""
+    for procedure, files in contents.found.items():
+        tables = {file: one for file, one in files.items() if file in contents.tables}
+        for entry, sensor, columns in _entries(procedure, tables):
+            unit = str(columns["unit"])
+            reading = columns["reading"]
+            names = reading.items() if isinstance(reading, Mapping) else [("", str(reading))]
+            for axis, name in names if GROUP[sensor] == group else ():
+                data = contents.tables[entry].numbers(name, required=False)
+                yield entry, Channel(name, data, None if unit == "?" else unit, "", axis, group)
+
+
+def _entries(procedure: str, tables: Mapping[str, object]) -> Iterator[tuple[str, Kind, dict[str, Any]]]:
+    """Yield what a draft says of tables: file, kind of sensor, columns; but those that the procedure asks for itself."""
+    if not tables:
+        return
+    own = procedure_of(procedure)
+    if any(one.name == "units" for one in own.asks(tables)):
+        return
+    draft = own.draft(tables)
+    for entry in map(plain_table, draft.recordings.values()):
+        word = plain_table(draft.sensors[entry["sensor"]])["kind"]
+        for name in OF_TABLE:
+            if name in entry:
+                yield str(entry["file"]), getattr(word, "value", word), plain_table(entry[name])
 
 
 def _hints(channels: Sequence[Channel]) -> list[tuple[str, str]]:

@@ -31,10 +31,10 @@ def settle(parts: Parts, tests: Sequence[object], said: Said, axis: str, of_file
     recordings = parts["recordings"]
     every: list[str] = []
     for name, table in parts["sensors"].items():
-        sensor = _plain_table(table)
+        sensor = plain_table(table)
         word = sensor["kind"]
         sensor_kind: Kind = getattr(word, "value", word)
-        own = {key: entry for key, entry in recordings.items() if _plain_table(entry)["sensor"] == name}
+        own = {key: entry for key, entry in recordings.items() if plain_table(entry)["sensor"] == name}
         stated = said.units.get(GROUP[sensor_kind]) or bare(said.units)
         settled = {key: _with_unit(entry, None if stated is None else normalise(stated)) for key, entry in own.items()}
         recordings |= settled
@@ -43,7 +43,7 @@ def settle(parts: Parts, tests: Sequence[object], said: Said, axis: str, of_file
         found = _with_chain(sensor, sensor_kind, units, said)
         parts["sensors"][name] = Noted(found, table.note, table.above) if isinstance(table, Noted) else found
     if every and not any(unit in OPEN or kind(unit) in RAW for unit in every):
-        files = ", ".join(str(_plain_table(entry)["file"]) for entry in recordings.values())
+        files = ", ".join(str(plain_table(entry)["file"]) for entry in recordings.values())
         given = GivenFile(files, said, {}, {}, _never, _never)
         chain_of_units(given, chain_said(given), every)
     reading = _reading(said)
@@ -101,12 +101,12 @@ def _with_unit(entry: object, unit: str | None) -> object:
     """Return the entry of a recording with the unit that was said in place of those that are open."""
     if isinstance(entry, Noted):
         return Noted(_with_unit(entry.value, unit), entry.note, "" if unit else entry.above, entry.example)
-    table = _plain_table(entry)
+    table = plain_table(entry)
     if unit is None:
         return table
     if "channels" in table:
         channels = {
-            what: _closed(one, unit) if what in AXES else one for what, one in _plain_table(table["channels"]).items()
+            what: _closed(one, unit) if what in AXES else one for what, one in plain_table(table["channels"]).items()
         }
         return table | {"channels": channels}
     return table | {name: _closed(table[name], unit) for name in OF_TABLE if name in table}
@@ -114,7 +114,7 @@ def _with_unit(entry: object, unit: str | None) -> object:
 
 def _closed(entry: object, unit: str) -> object:
     """Return the entry of a column with a unit where it has none; no longer marked where nothing else is open."""
-    table = _plain_table(entry)
+    table = plain_table(entry)
     if table.get("unit") not in OPEN:
         return entry
     closed = table | {"unit": unit}
@@ -123,13 +123,13 @@ def _closed(entry: object, unit: str) -> object:
 
 def _units(entry: object) -> Iterator[str]:
     """Yield the units of readings of an entry."""
-    table = _plain_table(entry)
+    table = plain_table(entry)
     if "channels" in table:
-        for what, one in _plain_table(table["channels"]).items():
+        for what, one in plain_table(table["channels"]).items():
             if what in AXES:
-                yield str(_plain_table(one).get("unit", "?"))
+                yield str(plain_table(one).get("unit", "?"))
     else:
-        yield from (str(_plain_table(table[name]).get("unit", "?")) for name in OF_TABLE if name in table)
+        yield from (str(plain_table(table[name]).get("unit", "?")) for name in OF_TABLE if name in table)
 
 
 def _reading(said: Said) -> dict[str, Any]:
@@ -148,7 +148,7 @@ def _of_file(entry: object, of_files: Mapping[str, Part]) -> object:
     """Return an entry with its file and topics where it has the label of a part."""
     if isinstance(entry, Noted):
         return Noted(_of_file(entry.value, of_files), entry.note, entry.above, entry.example)
-    table = _plain_table(entry)
+    table = plain_table(entry)
     part = of_files.get(str(table.get("file")))
     own = {} if part is None else {"file": part.file, "topics": list(part.topics)}
     return {key: value for name, old in table.items() for key, value in
@@ -159,28 +159,29 @@ def _read_as(entry: object, reading: Mapping[str, Any]) -> object:
     """Return an entry with how its file is read; a table of dwells has no clock."""
     if isinstance(entry, Noted):
         return Noted(_read_as(entry.value, reading), entry.note, entry.above, entry.example)
-    table = _plain_table(entry)
+    table = plain_table(entry)
     for name, own in reading.items():
         if name == "text" or "channels" in table:
-            table[name] = _plain_table(table.get(name, {})) | own if isinstance(own, dict) else own
+            table[name] = plain_table(table.get(name, {})) | own if isinstance(own, dict) else own
     return table
 
 
 def _turn(recordings: dict[str, object], tests: Sequence[object], axis: str) -> None:
     """Put the axis that was turned where a recording or a test leaves it open."""
     for key, entry in recordings.items():
-        table = _plain_table(entry)
+        table = plain_table(entry)
         if _is_marked(table.get("axis")):
             recordings[key] = table | {"axis": axis}
     for test in tests:
-        if isinstance(test, dict) and _is_marked(test.get("plan")) and "axis" in _plain_table(test["plan"]):
-            test["plan"] = _plain_table(test["plan"]) | {"axis": axis}
+        if isinstance(test, dict) and _is_marked(test.get("plan")) and "axis" in plain_table(test["plan"]):
+            test["plan"] = plain_table(test["plan"]) | {"axis": axis}
 
 
 def _is_marked(value: object) -> bool:
     return isinstance(value, Noted) and value.note == FILL_IN
 
 
-def _plain_table(value: object) -> dict[str, Any]:
+def plain_table(value: object) -> dict[str, Any]:
+    """Return a table of a draft without its marks."""
     plain = value.value if isinstance(value, Noted) else value
     return dict(plain) if isinstance(plain, Mapping) else {}

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...core.batches.summaries import median, moments
 from ...core.errors import InertialcalError
+from ...core.estimate import Array
 from ...core.key import AXES
 from ...core.recording import SECOND, Channel, Recording
 from ...core.remarks import Remark
@@ -24,6 +25,7 @@ FEWEST = 6  # static intervals
 SHORTEST = 1.0  # [s]
 LARGEST = 1e100  # squares of larger numbers are none
 FREE_FALL = 0.1  # [g]: on the ground a triad reads 1 g in all
+ROUND = 0.2  # of its radius, by which distances from the centre of a sphere may differ
 TURNED = 0.3  # of the largest reading at rest, by which the second widest direction of the readings spreads
 
 
@@ -76,9 +78,8 @@ def is_still(recording: Recording) -> bool:
     if (recording.time_ns is None and recording.sample_interval is None) or len(recording) < SHORT:
         return False
     channels = gyros(recording) or any_accelerometers(recording)
-    judged = [judge_in_pieces(one.data) for one in channels.values()]
-    found = [one.at_rest for one in judged if one is not None]
-    return bool(found) and all(found)
+    judged = [one for channel in channels.values() if (one := judge_in_pieces(channel.data)) is not None]
+    return bool(judged) and all(one.at_rest for one in judged) and len(_disturbed(judged)) <= MOST
 
 
 def of_one_level(recordings: Collection[Recording]) -> bool:
@@ -110,7 +111,20 @@ def is_laid(recording: Recording) -> bool:
         return False
     mean = np.array([one.mean for one in placed])
     spread = np.linalg.svd(mean - mean.mean(axis=0), compute_uv=False) / np.sqrt(len(mean))
-    return bool(spread[1] > TURNED * np.linalg.norm(mean, axis=1).max())
+    largest = np.linalg.norm(mean, axis=1).max()
+    if any(one.unit is None or kind(one.unit) == "voltage" for one in acc.values()):  # an output may have a zero
+        largest = min(largest, _radius(mean))
+    return bool(spread[1] > TURNED * largest)
+
+
+def _radius(mean: Array) -> float:
+    """Return the radius of the sphere that readings of gravity lie on; infinite where they do not lie on one."""
+    size = np.abs(mean).max()
+    design = np.column_stack([2.0 * mean / size, np.ones(len(mean))])
+    found, _, rank, _ = np.linalg.lstsq(design, np.sum((mean / size) ** 2, axis=1), rcond=None)
+    distance = np.linalg.norm(mean / size - found[:3], axis=1)
+    round_one = rank == design.shape[1] and np.ptp(distance) < ROUND * distance.mean()
+    return float(size * distance.mean()) if round_one else np.inf
 
 
 SENSED = ("gyro", "acc")
@@ -154,7 +168,7 @@ def motion_remarks(recording: Recording, surveys: Sequence[ChannelSurvey]) -> tu
     if any(_is_shaken(channel, recording) for channel in recording.channels):
         what = "the sensor is vibrated, at random or by a swept sine: not a recording at rest"
         return (Remark("not_at_rest", "info", what, where=recording.source.path),)
-    stretches = _merged([(d.first, d.last) for s in found.values() for d in s.disturbances])
+    stretches = _disturbed(found.values())
     path = recording.source.path
     if not all(s.at_rest for s in found.values()) or len(stretches) > MOST:
         what = "the sensor moves, or its level steps: not a recording at rest"
@@ -169,10 +183,10 @@ def motion_remarks(recording: Recording, surveys: Sequence[ChannelSurvey]) -> tu
     return (Remark("disturbance", "warning", what, where=path, count=len(stretches), do=do),)
 
 
-def _merged(stretches: list[tuple[int, int]]) -> list[tuple[int, int]]:
-    """Stretches that overlap or touch, as one."""
+def _disturbed(judged: Collection[Stillness]) -> list[tuple[int, int]]:
+    """Return the stretches in which any channel was disturbed; those that overlap or touch are one."""
     merged: list[tuple[int, int]] = []
-    for first, last in sorted(stretches):
+    for first, last in sorted((d.first, d.last) for s in judged for d in s.disturbances):
         if merged and first <= merged[-1][1] + 1:
             merged[-1] = (merged[-1][0], max(last, merged[-1][1]))
         else:

@@ -39,6 +39,7 @@ STATED = Reason("stated", "stated before any reading")
 LEFT_OUT = Reason("left_out", "root mean square over the positions, each left out of the fit in turn")
 SCALE = tuple(Key("scale_factor", a) for a in AXES)
 ERROR = "scale_factor_error"
+RELATIVE = {ERROR, "scale_factor_error_temperature", "cross_axis_sensitivity_temperature"}  # to a nominal scale factor
 NEGLIGIBLE = 0.01  # of the largest part of a variance, below which a part's degrees of freedom do not matter
 ROUNDING = 1e-12  # of the terms that make up a variance
 UNIT: dict[str, str] = {"accelerometer": "m/s^2", "gyro": "rad/s"}
@@ -105,12 +106,15 @@ def _sensor_rows(result: Result, kind: Kind, sensor: LinearSensor, unit: str, es
     if unit != UNIT[kind] and not result.plan.states_scale(kind):
         for axis, size in zip(AXES, sensor.ideal, strict=True):
             what = f"no nominal scale factor was stated to differ from; errors of the model refer to {size:.4g} "
-            why.setdefault(Key(ERROR, axis), Reason("no_nominal", f"{what}{unit}/({UNIT[kind]})"))
+            reason = Reason("no_nominal", f"{what}{unit}/({UNIT[kind]})")
+            for key, _ in wanted:
+                if key.quantity in RELATIVE and key.axis[0] == axis:
+                    why.setdefault(key, reason)
     limits = Reason("relative", "relative to the fixture") if missing(result) else Reason()
     found = []
     for name, own in wanted:
         key = name._replace(sensor=kind)
-        if (name.quantity == ERROR and name in why) or estimate is None or name not in estimate.keys:
+        if (name.quantity in RELATIVE and name in why) or estimate is None or name not in estimate.keys:
             found.append(not_estimated(key, own, why.get(name, NO_LEVEL)))
             continue
         k = estimate.index(name)

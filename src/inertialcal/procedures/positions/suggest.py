@@ -47,8 +47,12 @@ def suggests(recording: Recording, survey: Survey) -> Suggestion | None:
         return Suggestion(("positions",), Strength.SURE, options=" ".join(units))
     if not any(remark.code == "not_at_rest" for remark in survey.remarks):
         return None
+    own = accelerometers(recording)
+    if len(own) != len(AXES):
+        return None
     sizes = [max(map(abs, extremes(one.data))) * factor(one.unit or "", "g") for one in triad(recording)]
-    laid = len(sizes) == len(AXES) and max(sizes) > GRAVITY and (len(recording) > LONGEST or is_laid(recording))
+    felt = max(sizes) > GRAVITY if len(sizes) == len(own) else all(one.unit for one in own.values())  # counts, volts
+    laid = felt and (len(recording) > LONGEST or is_laid(recording))
     return Suggestion(("positions",), Strength.POSSIBLE) if laid else None
 
 
