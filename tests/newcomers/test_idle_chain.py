@@ -143,7 +143,7 @@ def test_init_goes_by_the_same_rule(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert "scale_factor is given, and the readings are in deg/s already" in err
     status, out, _ = call(capsys, "init", str(tmp_path), "--yes", "--unit", "rad/s", "--json")
     assert status == 0
-    assert [one["code"] for one in json.loads(out)["remarks"]] == ["unit_overridden"] * 3
+    assert [one["code"] for one in json.loads(out)["remarks"]] == ["unit_overridden"]  # once for the three
 
 
 def test_init_says_why_a_file_in_volts_is_not_read_as_rates(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -226,7 +226,31 @@ def test_an_answer_holds_only_where_a_header_says_no_unit(tmp_path: Path, capsys
     assert units == {"bare.csv": ["deg/s"] * 3, "said.csv": ["rad/s", "rad/s", "deg/s"]}
     status, out, _ = call(capsys, "init", str(tmp_path / "options"), "--unit", "gyro=deg/s", "--json")
     assert status == 0
-    assert [one["code"] for one in json.loads(out)["remarks"]] == ["unit_overridden"] * 2
+    assert [one["code"] for one in json.loads(out)["remarks"]] == ["unit_overridden"]  # once for both
+
+
+@pytest.mark.parametrize(("unit", "answers"), [("V", ()), pytest.param("count", ("5 V / 65535",), marks=pytest.mark.slow)])
+def test_a_table_of_faces_is_asked_for_its_chain(
+    unit: str, answers: tuple[str, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Six faces, thrice, of an analogue accelerometer: bias -0.03 m/s^2 along y, with 2 mm/s^2 of scatter."""
+    faces = {"x up": 0, "y up": 1, "z up": 2, "x down": 3, "y down": 4, "z down": 5}
+    rng = np.random.default_rng(5)
+    rows = [f"position,acc_x [{unit}],acc_y [{unit}],acc_z [{unit}]"]
+    for face, k in (*faces.items(),) * 3:
+        force = 9.80665 * (1.0 - 2.0 * (k > 2)) * np.eye(3)[k % 3]
+        volts = 2.5 + 0.2 * (1.003 * force + [0.05, -0.03, 0.02] + rng.normal(0.0, 0.002, 3))
+        cells = volts if unit == "V" else np.rint(volts * 65535 / 5.0)
+        rows.append(",".join([face, *(f"{one:.6f}" for one in cells)]))
+    folder = tmp_path / "faces"
+    folder.mkdir()
+    (folder / "faces.csv").write_text("\n".join(rows) + "\n")
+    shown, status = on_terminal(["init", str(folder)], [*answers, "2.5 V", "0.2 V/(m/s2)", *[ENTER] * 4])
+    assert status == 0, shown
+    assert f"faces.csv: readings in {unit}" in shown
+    assert "complete. Next: inertialcal run" in shown
+    value, u = bias(capsys, folder, "y")
+    assert value == pytest.approx(-0.03, abs=5 * u)
 
 
 def test_a_recording_of_every_reader_is_looked_at() -> None:

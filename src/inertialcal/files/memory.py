@@ -147,6 +147,6 @@ def with_named_units(recording: Recording, units: Mapping[str, str]) -> Recordin
     stated = [None if unit is None else normalise(unit) for unit in said]
     channels = [one if unit is None else replace(one, unit=unit, unit_from="flag")
                 for one, unit in zip(recording.channels, stated, strict=True)]  # fmt: skip
-    remarks = tuple(remark for one, unit in zip(recording.channels, stated, strict=True) if unit is not None
-                    for remark in overridden(one.name, one.unit, unit, recording.source.path))  # fmt: skip
+    overruled = [(one.name, one.unit, unit) for one, unit in zip(recording.channels, stated, strict=True)]
+    remarks = overridden(overruled, recording.source.path)
     return replace(recording, channels=tuple(channels), remarks=(*recording.remarks, *remarks))

@@ -273,7 +273,7 @@ def _with_unit(recording: Recording, unit: str | None, columns: Mapping[str, str
     named, unit = {one.name for one in own}, normalise(unit)
     channels = [replace(one, unit=unit, unit_from="flag", quantity=group or one.quantity)
                 if one.name in named else one for one in recording.channels]  # fmt: skip
-    said = tuple(one for channel in own for one in overridden(channel.name, channel.unit, unit, recording.source.path))
+    said = overridden([(one.name, one.unit, unit) for one in own], recording.source.path)
     return replace(recording, channels=tuple(channels), remarks=(*recording.remarks, *said))
 
 

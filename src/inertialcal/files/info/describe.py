@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -33,6 +33,7 @@ GROUPS = {
 OF_AXES = ("gyro", "acc", "magnetometer")  # quantities of which a matrix of three columns is x, y, z
 READINGS = {"gyro": "angular_rate", "acc": "acceleration"}  # kind of unit of the readings of a sensor
 TESTED = ("voltage", "count")  # kinds of unit that a built-in test may be recorded in
+Said = tuple[str, str | None, str | None]  # name of a column, unit of its header, unit that the caller says
 COUNTED_FROM = 3  # rows from which 0, 1, 2, ... is a count of rows
 
 
@@ -76,6 +77,7 @@ def describe(
     """
     remarks: list[Remark] = []
     described = _readings_alone(_counted_axes([_from_header(column, path, remarks) for column in columns]))
+    said: list[Said] = []
     by_group = {key: unit for key, unit in flags.items() if not _named(described, key)}
     by_column = {key: unit for key, unit in flags.items() if key not in by_group}
     for key, unit in (*by_group.items(), *by_column.items()):  # a column goes before its group
@@ -83,8 +85,9 @@ def describe(
         if key in by_group:  # the rate of a table, which has no axis, keeps the unit of its header
             chosen = [i for i in chosen if described[i].unit is None or described[i].axis] or chosen
         for i in chosen:
-            described[i] = _with_flag(described[i], unit, path, remarks)
-    return tuple(described), tuple(remarks)
+            before, described[i] = described[i], _with_flag(described[i], unit)
+            said.append((before.name, before.unit, described[i].unit))
+    return tuple(described), (*remarks, *overridden(said, path))
 
 
 def find_column(described: Sequence[Described], key: str, path: str) -> int:
@@ -196,7 +199,7 @@ def _runs_like_time(column: Column) -> bool:
     return not every(column.values, lambda part: np.all(part == np.rint(part)))
 
 
-def _with_flag(described: Described, text: str, path: str, remarks: list[Remark]) -> Described:
+def _with_flag(described: Described, text: str) -> Described:
     """Return the column with the unit of a flag."""
     unit, quantity = normal_unit(text, described.quantity), described.quantity
     kind = units.kind(unit)
@@ -206,32 +209,45 @@ def _with_flag(described: Described, text: str, path: str, remarks: list[Remark]
             do="Name the column itself, or another unit",
             code="unit_mismatch",
         )
-    remarks += overridden(described.name, described.unit, unit, path)
     return replace(described, unit=unit, unit_from="flag")
 
 
-def overridden(name: str, header: str | None, unit: str, path: str) -> tuple[Remark, ...]:
-    """Return the remark on a column whose header states another unit than the caller, whose word holds.
+def overridden(said: Iterable[Said], path: str) -> tuple[Remark, ...]:
+    """Return remarks on columns whose header states another unit than the caller, whose word holds.
+
+    Parameters
+    ----------
+    said : iterable of Said
+        Name, unit of the header, unit that the caller says.
+    path : str
+        File, for messages.
 
     Raises
     ------
     UsageError
         ``unit_mismatch`` for volts and counts that are said to be a rate or an acceleration.
     """
-    if is_raw(header, unit):
-        raise UsageError(
-            f"{name!r} is in {header} by its header: another unit makes no {unit} of it",
-            where=path,
-            why="counts and volts become readings by the scale factor of the sensor",
-            do="Leave the unit out; a test takes --scale-factor, of the data sheet, and --reference, what it gives "
-            "without input",
-            code="unit_mismatch",
-        )
-    if header in (None, unit):
-        return ()
-    what = f"{name!r} is {header} by its header, {unit} by the option: the option wins"
-    do = f"If the header is right, leave {unit} out"
-    return (Remark("unit_overridden", "warning", what, where=path, subject=name, do=do),)
+    alike: dict[tuple[str, str], list[str]] = {}
+    for name, header, unit in said:
+        if unit is None or header in (None, unit):
+            continue
+        if is_raw(header, unit):
+            raise UsageError(
+                f"{name!r} is in {header} by its header: another unit makes no {unit} of it",
+                where=path,
+                why="counts and volts become readings by the scale factor of the sensor",
+                do="Leave the unit out; a test takes --scale-factor, of the data sheet, and --reference, what it gives "
+                "without input",
+                code="unit_mismatch",
+            )
+        alike.setdefault((str(header), unit), []).append(name)
+    found = []
+    for (header, unit), names in alike.items():
+        are, their = ("is", "its") if len(names) == 1 else ("are", "their")
+        what = f"{', '.join(map(repr, names))} {are} {header} by {their} header, {unit} by the option: the option wins"
+        do = f"If the header is right, leave {unit} out"
+        found.append(Remark("unit_overridden", "warning", what, where=path, do=do))
+    return tuple(found)
 
 
 def is_raw(header: str | None, unit: str) -> bool:

@@ -116,7 +116,7 @@ def _described_means(given: GivenFile) -> Described:
             raw_advice(given, [unit], "g") if counted else "Correct the unit: g, ug, m/s2; V and count with their chain"
         )
         raise UsageError(what, given.name, why, do, "no_unit" if counted else "unit_mismatch")
-    overruled = overridden(means["mean"], header and normalise(header), unit, given.name)
+    overruled = overridden([(means["mean"], header and normalise(header), unit)], given.name)
     remarks = (*overruled, *chain_remarks(given, chain, [unit]))
     axes = [axis for axis in AXES if axis in {one.lower() for one in given.table.text(means["axis"])}] or [*AXES]
     levels = [] if raw else [given.table.numbers(means["mean"]) * factor(unit, "g")]

@@ -207,8 +207,8 @@ def _units(
         raise UsageError(what, "", "counts and volts need the chain of the sensor", do, "unit_mismatch")
     of_table = table.unit(applied) if applied in table.names else None
     stated = {one: unit for one in columns if unit} | {one: own[one] for one in (applied,) if one and own[one]}
-    remarks = tuple(remark for one, said_unit in stated.items() if one in table.names and said_unit
-                    for remark in overridden(one, table.unit(one), normalise(said_unit), given.name))  # fmt: skip
+    overruled = [(one, table.unit(one), normalise(text)) for one, text in stated.items() if one in table.names and text]
+    remarks = overridden(overruled, given.name)
     return unit or names.unit or header, own.get(applied or "") or of_table, remarks
 
 
