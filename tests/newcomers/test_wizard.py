@@ -229,7 +229,9 @@ def test_an_answer_holds_only_where_a_header_says_no_unit(tmp_path: Path, capsys
     assert [one["code"] for one in json.loads(out)["remarks"]] == ["unit_overridden"]  # once for both
 
 
-@pytest.mark.parametrize(("unit", "answers"), [("V", ()), pytest.param("count", ("5 V / 65535",), marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    ("unit", "answers"), [("V", ()), pytest.param("count", ("5 V / 65535",), marks=pytest.mark.slow)]
+)
 def test_a_table_of_faces_is_asked_for_its_chain(
     unit: str, answers: tuple[str, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
