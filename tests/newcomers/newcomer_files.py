@@ -50,8 +50,27 @@ def _imu(types: Any, board: Board, ros_1: bool, rows: range) -> list[Any]:
     return found
 
 
-def ros_1(topic: str, packed: str = "") -> Writer:
-    """Return a writer of a bag of ROS 1 with a topic of words beside."""
+SLOW = 7  # samples to a message of a thermometer, which comes a third of a sample late
+
+
+def _warm(types: Any, board: Board, old: bool) -> list[tuple[int, Any]]:
+    """Return stamps and messages of a thermometer with a clock of its own."""
+    kind = types["sensor_msgs/msg/Temperature"]
+    stamp = types["builtin_interfaces/msg/Time"]
+    head = types["std_msgs/msg/Header"]
+    found = []
+    late = round(1e9 / board.sample_rate / 3)
+    for k in range(0, len(board.time), SLOW):
+        ns = int(stamps(board)[k]) + late
+        said = {"stamp": stamp(sec=ns // 10**9, nanosec=ns % 10**9), "frame_id": "housing"} | (
+            {"seq": k} if old else {}
+        )
+        found.append((ns, kind(header=head(**said), temperature=float(board.temperature[k]), variance=0.0)))
+    return found
+
+
+def ros_1(topic: str, packed: str = "", warm: bool = False) -> Writer:
+    """Return a writer of a bag of ROS 1 with a topic of words beside, and a thermometer."""
 
     def write(board: Board, path: Path) -> None:
         from rosbags.rosbag1 import Writer as Bag
@@ -70,11 +89,14 @@ def ros_1(topic: str, packed: str = "") -> Writer:
                 stamps(board), _imu(store.types, board, True, range(len(board.time))), strict=True
             ):
                 bag.write(one, int(stamp) + 2_000_000, store.serialize_ros1(message, "sensor_msgs/msg/Imu"))
+            slow = bag.add_connection("/housing", "sensor_msgs/msg/Temperature", typestore=store) if warm else one
+            for stamp, message in _warm(store.types, board, True) if warm else ():
+                bag.write(slow, stamp, store.serialize_ros1(message, "sensor_msgs/msg/Temperature"))
 
     return write
 
 
-def ros_2(topic: str, plugin: str, packed: str = "", store_name: str = "ROS2_IRON") -> Writer:
+def ros_2(topic: str, plugin: str, packed: str = "", store_name: str = "ROS2_IRON", warm: bool = False) -> Writer:
     """Return a writer of a folder of ROS 2; a path with an ending gets its only file."""
 
     def write(board: Board, path: Path) -> None:
@@ -96,6 +118,9 @@ def ros_2(topic: str, plugin: str, packed: str = "", store_name: str = "ROS2_IRO
                 stamps(board), _imu(store.types, board, False, range(len(board.time))), strict=True
             ):
                 bag.write(one, int(stamp) + 3_000_000, store.serialize_cdr(message, "sensor_msgs/msg/Imu"))
+            slow = bag.add_connection("/housing", "sensor_msgs/msg/Temperature", typestore=store) if warm else one
+            for stamp, message in _warm(store.types, board, False) if warm else ():
+                bag.write(slow, stamp, store.serialize_cdr(message, "sensor_msgs/msg/Temperature"))
         if folder != path:
             (made,) = [one for one in folder.iterdir() if one.suffix in (".db3", ".mcap")]
             path.write_bytes(made.read_bytes())

@@ -262,7 +262,10 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
             found = _of_role(recording, role, spec.roles, set(taken.values()))
             if role.required and not found:
                 what = f"{given.name}: cannot tell which column is the {role.name}; it has {have}"
-                raise UsageError(what, do=f"Add: {given.add('column', f'{role.name}=COLUMN')}", code="no_column")
+                apart = any(one.code == "other_topics" for one in recording.remarks)
+                do = f"Add: {given.add('column', f'{role.name}=COLUMN')}"
+                do += "; where another topic of the file holds it, name the topics of both" if apart else ""
+                raise UsageError(what, do=do, code="no_column")
             taken |= found
     chain = chain_of_units(given, chain, [recording.channel(name).unit for name in axes.values()])
     first = recording.channel(next(iter(axes.values()))).unit

@@ -113,7 +113,7 @@ def ros_2(path: Path, plugin: str = "SQLITE3") -> Written:
             writer.write(one, int(stamp) + 700, store.serialize_cdr(message, "sensor_msgs/msg/Imu"))
     (made,) = [one for one in folder.iterdir() if one.suffix in (".db3", ".mcap")]
     path.write_bytes(made.read_bytes())
-    return Written(IMU.columns, IMU.units, STAMPS, remarks=(*IMU.remarks, "other_topics"))
+    return Written(IMU.columns, IMU.units, STAMPS, remarks=(*IMU.remarks, "joined_by_time"))
 
 
 def mcap(path: Path, packed: str = "ZSTD", chunked: bool = True, first: int = 0, stop: int = N) -> Written:

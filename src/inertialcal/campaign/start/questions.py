@@ -172,7 +172,7 @@ def _columns(contents: FolderContents, group: str) -> Iterator[tuple[str, Channe
 
 
 def _entries(procedure: str, tables: Mapping[str, object]) -> Iterator[tuple[str, Kind, dict[str, Any]]]:
-    """Yield what a draft says of tables, but those that the procedure asks for itself: file, kind of sensor, columns."""
+    """Yield what a draft says of tables: file, kind of sensor, columns; none where the procedure asks for itself."""
     if not tables:
         return
     own = procedure_of(procedure)

@@ -40,7 +40,20 @@ from .json_lines import STAMP, read_json_lines
 from .ros_messages import ENCODINGS, MESSAGES, Decoded, decode, message_type, stated
 from .rows import ENCODING, layout_in, rows_content
 from .rows import LIBRARY as OURS
-from .topics import INERTIAL, NAMED, NO_NUMBERS, Topic, choose, joined, library, on_disk, other_topics, stamps, torn
+from .topics import (
+    INERTIAL,
+    NAMED,
+    NO_NUMBERS,
+    Topic,
+    choose,
+    joined,
+    library,
+    on_disk,
+    other_topics,
+    stamps,
+    torn,
+    with_thermometer,
+)
 
 ROS_1, MCAP = b"#ROSBAG V2.0\n", b"\x89MCAP0\r\n"
 CUT = "it ends in the middle of a chunk, which is read as far as it is whole"
@@ -169,14 +182,14 @@ def content_of(bag: Bag, variables: Sequence[str] | None) -> Content:
         what = f"its messages are in {', '.join(unread)}, which is not read: {', '.join(map(str, topics[:NAMED]))}"
         do = "Record ROS, Protobuf or JSON messages, or export the topic as CSV or JSON lines"
         raise DataError(what, bag.path, do=do, code="no_channel")
-    chosen = choose(topics, variables, bag.path)
+    chosen = with_thermometer(topics, choose(topics, variables, bag.path), variables)
     for topic in chosen:
         if topic.rank == NO_NUMBERS:
             what = f"topic {topic.name} holds {topic.what or 'messages of no type'}"
             do = f"Read are {', '.join(f'sensor_msgs/{name}' for name in MESSAGES)}"
             raise DataError(what, where=bag.path, do=do, code="no_channel")
     parts = [(one, _content(bag, one, by_topic[one.name][0])) for one in chosen]
-    content = joined(parts, bag.path)
+    content = joined(parts, bag.path, named=bool(variables))
     remarks = (*content.remarks, *other_topics(topics, chosen, bag.path), *bag.remarks)
     return Content(content.columns, bag.title, remarks=remarks)
 
@@ -189,7 +202,7 @@ def _topic(name: str, own: Sequence[Connection], rows: int) -> Topic:
     kind = message_type(own[0].kind) if known else ""
     others = dict.fromkeys(one.encoding for one in own if one.encoding not in ENCODINGS)
     what = ", ".join(kinds) + (f" in {', '.join(others)}, which is not read" if others and any(others) else "")
-    return Topic(name, what, rows, MESSAGES[kind][0] if kind else NO_NUMBERS)
+    return Topic(name, what, rows, MESSAGES[kind][0] if kind else NO_NUMBERS, kind == "Temperature")
 
 
 def _of_objects(bag: Bag, variables: Sequence[str] | None) -> Content:

@@ -20,7 +20,21 @@ from ..budget import VALUE, claim_room
 from ..columns import Column, Content, LongColumns
 from ..reader import Reader
 from ..source import Loaded
-from .topics import INERTIAL, NO_NUMBERS, OTHER, Topic, choose, joined, library, on_disk, other_topics, torn, unique
+from .topics import (
+    INERTIAL,
+    NO_NUMBERS,
+    OTHER,
+    Topic,
+    choose,
+    has_temperature,
+    joined,
+    library,
+    on_disk,
+    other_topics,
+    torn,
+    unique,
+    with_thermometer,
+)
 
 MAGIC = b"\x1a\x45\xdf\xa3"
 BATCH = 2**16  # rows
@@ -46,9 +60,9 @@ def read_ide(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
         recorded = [one for one in data.channels.values() if one.sessions]  # the library adds those of a Slam Stick
         lists = {one.name: one.getSession() for one in recorded}
         topics = [_topic(one, len(lists[one.name])) for one in recorded]
-        chosen = choose(topics, variables, loaded.path)
+        chosen = with_thermometer(topics, choose(topics, variables, loaded.path), variables)
         parts = [(one, _columns(lists[one.name], one, loaded)) for one in chosen]
-        content = joined(parts, loaded.path)
+        content = joined(parts, loaded.path, named=bool(variables))
         start = data.sessions[0].utcStartTime if data.sessions else None
         remarks = (*content.remarks, *_start(start, loaded.path))
         if whole < len(loaded.data):
@@ -62,7 +76,8 @@ def _topic(channel: Any, rows: int) -> Topic:
         dict.fromkeys(f"{one.units[0]} [{unit}]" for one, unit in zip(channel.subchannels, units, strict=True))
     )
     rank = INERTIAL if any(unit in INERTIAL_UNITS for unit in units) else OTHER
-    return Topic(channel.name, what, rows, rank if rows > 1 else NO_NUMBERS)
+    warm = has_temperature(zip(map(_name, channel.subchannels), units, strict=True))
+    return Topic(channel.name, what, rows, rank if rows > 1 else NO_NUMBERS, warm)
 
 
 def _unit(subchannel: Any) -> str:

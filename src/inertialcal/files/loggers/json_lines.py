@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from ...core.errors import DataError
 from ...core.key import AXES
 from ...core.recording import SECOND
 from ...core.remarks import Remark
@@ -23,7 +22,21 @@ from ..reader import Reader
 from ..source import Loaded, as_data_errors
 from ..text.headers import heading
 from ..text.layout import BLANKS, judge
-from .topics import INERTIAL, NO_NUMBERS, OTHER, Topic, choose, in_topic, left_out, other_topics, torn
+from .topics import (
+    INERTIAL,
+    NO_NUMBERS,
+    OTHER,
+    Topic,
+    choose,
+    has_temperature,
+    in_topic,
+    joined,
+    left_out,
+    other_topics,
+    time_first,
+    torn,
+    with_thermometer,
+)
 
 PIECE = 2**20  # bytes that are looked at together
 BATCH = 2**12  # rows
@@ -90,19 +103,22 @@ def read_json_lines(loaded: Loaded, variables: Sequence[str] | None = None) -> C
     with as_data_errors(path, "JSON lines"):
         survey = _survey(loaded)
         topics = [_topic(name, one) for name, one in survey.tables.items()]
-        chosen = choose(topics, variables, path)
-        if len(chosen) > 1:
-            raise DataError("several sensors", where=path, do="Read one at a time", code="several_clocks")
-        columns, rows = _columns(loaded, survey, chosen[0].name)
-        gone = [name for name in survey.tables[chosen[0].name].left_out if name not in {one.name for one in columns}]
-        remarks = (*survey.remarks, *left_out(gone, path), *other_topics(topics, chosen, path))
-        return Content(in_topic(columns, chosen[0].name), "JSON lines", rows, None, remarks)
+        chosen = with_thermometer(topics, choose(topics, variables, path), variables)
+        parts = []
+        for one in chosen:
+            columns, rows = _columns(loaded, survey, one.name)
+            columns = time_first(columns) if len(chosen) > 1 else columns
+            gone = [name for name in survey.tables[one.name].left_out if name not in {own.name for own in columns}]
+            parts.append((one, Content(in_topic(columns, one.name), "JSON lines", rows, None, left_out(gone, path))))
+        found = joined(parts, path, named=bool(variables))
+        return replace(found, remarks=(*survey.remarks, *found.remarks, *other_topics(topics, chosen, path)))
 
 
 def _topic(name: str, table: _Table) -> Topic:
     numbers = [column for column, kind in table.kinds.items() if kind == NUMBER]
     rank = INERTIAL if any(word in name.lower() for word in READINGS) else OTHER
-    return Topic(name, " ".join(list(table.kinds)[:6]), table.rows, rank if numbers else NO_NUMBERS)
+    warm = has_temperature(((one, None) for one in numbers), name)
+    return Topic(name, " ".join(list(table.kinds)[:6]), table.rows, rank if numbers else NO_NUMBERS, warm)
 
 
 def _survey(loaded: Loaded) -> _Survey:

@@ -22,7 +22,21 @@ from ..budget import PARTS, VALUE, check_count, claim_room
 from ..columns import Column, Content, LongColumns
 from ..reader import Reader
 from ..source import FileBytes, Loaded
-from .topics import NO_NUMBERS, Topic, choose, in_topic, joined, left_out, library, other_topics, rank_of, torn, unique
+from .topics import (
+    NO_NUMBERS,
+    Topic,
+    choose,
+    has_temperature,
+    in_topic,
+    joined,
+    left_out,
+    library,
+    other_topics,
+    rank_of,
+    torn,
+    unique,
+    with_thermometer,
+)
 
 MAGIC, UNFINISHED = b"MDF     ", b"UnFinMF "
 BATCH = 2**18  # rows
@@ -46,9 +60,9 @@ def read_mdf(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
         check_count(sum(len(group.channels) for group in file.groups), PARTS, "channels", loaded.path)
         names = unique([_name(group, i) for i, group in enumerate(file.groups)])
         topics = [_topic(file, i, name) for i, name in enumerate(names)]
-        chosen = choose(topics, variables, loaded.path)
+        chosen = with_thermometer(topics, choose(topics, variables, loaded.path), variables)
         parts = [(one, _columns(file, names.index(one.name), one, loaded)) for one in chosen]
-        content = joined(parts, loaded.path)
+        content = joined(parts, loaded.path, named=bool(variables))
         start = file.header.start_time
         said = f"its time zero is {start.isoformat(sep=' ')} by the logger"
         remarks = (*content.remarks, Remark("start_stated", "info", said, where=loaded.path))
@@ -150,9 +164,10 @@ def _master(file: Any, number: int) -> int | None:
 def _topic(file: Any, number: int, name: str) -> Topic:
     group = file.groups[number]
     channels = [one for i, one in enumerate(group.channels) if i != _master(file, number)]
-    rank = rank_of(((one.name, str(one.unit).strip() or None) for one in channels), name)
+    said = [(one.name, str(one.unit).strip() or None) for one in channels]
     rows = int(group.channel_group.cycles_nr)
-    return Topic(name, " ".join(one.name for one in channels[:6]), rows, rank if channels and rows > 1 else NO_NUMBERS)
+    rank = rank_of(said, name) if channels and rows > 1 else NO_NUMBERS
+    return Topic(name, " ".join(one.name for one in channels[:6]), rows, rank, has_temperature(said, name))
 
 
 def _columns(file: Any, number: int, topic: Topic, loaded: Loaded) -> Content:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shlex
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +20,20 @@ from ..reader import Reader
 from ..source import Loaded
 from ..text.layout import BLANKS, judge
 from .database import SQLITE, is_bag_2, missing_bytes, opened, whole_pages
-from .topics import NO_NUMBERS, Topic, choose, in_topic, left_out, on_disk, other_topics, rank_of
+from .topics import (
+    NO_NUMBERS,
+    Topic,
+    choose,
+    has_temperature,
+    in_topic,
+    joined,
+    left_out,
+    on_disk,
+    other_topics,
+    rank_of,
+    time_first,
+    with_thermometer,
+)
 
 if TYPE_CHECKING:
     from sqlite3 import Connection
@@ -46,10 +60,10 @@ def read_sqlite(loaded: Loaded, variables: Sequence[str] | None = None) -> Conte
 
 
 def _content(connection: Connection, loaded: Loaded, variables: Sequence[str] | None) -> Content:
-    found = connection.execute("SELECT name FROM sqlite_schema WHERE type = 'table' AND name NOT LIKE 'sqlite_%'")
+    tables = connection.execute("SELECT name FROM sqlite_schema WHERE type = 'table' AND name NOT LIKE 'sqlite_%'")
     topics, columns_of = [], {}
     broken: dict[str, str] = {}
-    for name in [str(row[0]) for row in found]:
+    for name in [str(row[0]) for row in tables]:
         columns = [str(row[1]) for row in connection.execute(f"PRAGMA table_info({_quoted(name)})")]
         check_count(len(columns), COLUMNS, "columns", loaded.path)
         rows, broken[name] = _rows(connection, name)
@@ -57,26 +71,29 @@ def _content(connection: Connection, loaded: Loaded, variables: Sequence[str] | 
         first = connection.execute(query).fetchone() if rows else ()
         numbers = rows > 1 and any(isinstance(cell, int | float) for cell in first)
         rank = rank_of(((one, None) for one in columns), name) if numbers else NO_NUMBERS
-        topics.append(Topic(name, " ".join(columns[:6]), rows, rank))
+        topics.append(
+            Topic(name, " ".join(columns[:6]), rows, rank, has_temperature(((one, None) for one in columns), name))
+        )
         columns_of[name] = columns
     beside = _not_taken_over(loaded.path)
     if beside and not any(one.rank > NO_NUMBERS for one in topics):
         raise DataError(beside[0].what, where=loaded.path, do=beside[0].do, code="no_channel")
-    chosen = choose(topics, variables, loaded.path)
-    if len(chosen) > 1:
-        raise DataError("several tables", where=loaded.path, do="Read one at a time", code="several_clocks")
-    (topic,) = chosen
-    taken = in_topic(_columns(connection, topic, columns_of[topic.name], loaded), topic.name)
-    made = {one.name for one in taken}
-    remarks = left_out([name for name in columns_of[topic.name] if name not in made], loaded.path)
-    missing = missing_bytes(loaded.data)
-    if (why := broken[topic.name]) or missing:
-        what = f"the database is damaged ({f'{missing:,} bytes at its end are gone' if missing else why})"
-        do = "Rows behind that place are not read"
-        remarks += (Remark("torn_file", "warning", what, where=loaded.path, count=max(missing, 1), do=do),)
-    remarks += (*beside, *other_topics(topics, chosen, loaded.path))
-    rows = topic.rows or 0
-    return Content(taken, f"SQLite, table {topic.name!r}", range(1, rows + 1), None, remarks)
+    chosen = with_thermometer(topics, choose(topics, variables, loaded.path), variables)
+    parts = []
+    for topic in chosen:
+        taken = in_topic(_columns(connection, topic, columns_of[topic.name], loaded), topic.name)
+        taken = time_first(taken) if len(chosen) > 1 else taken
+        made = {one.name for one in taken}
+        remarks = left_out([name for name in columns_of[topic.name] if name not in made], loaded.path)
+        missing = missing_bytes(loaded.data)
+        if (why := broken[topic.name]) or missing:
+            what = f"the database is damaged ({f'{missing:,} bytes at its end are gone' if missing else why})"
+            do = "Rows behind that place are not read"
+            remarks += (Remark("torn_file", "warning", what, where=loaded.path, count=max(missing, 1), do=do),)
+        rows = range(1, (topic.rows or 0) + 1)
+        parts.append((topic, Content(taken, f"SQLite, table {topic.name!r}", rows, None, remarks)))
+    found = joined(parts, loaded.path, named=bool(variables))
+    return replace(found, remarks=(*found.remarks, *beside, *other_topics(topics, chosen, loaded.path)))
 
 
 def _not_taken_over(path: str) -> tuple[Remark, ...]:

@@ -19,14 +19,17 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.batches import SIZE
 from ...core.errors import DataError, Problem
 from ...core.remarks import Remark
 from ..budget import PARTS, check_count
-from ..columns import Column, Content
+from ..columns import Column, Content, LongColumns
 from ..source import FileBytes, Loaded
-from ..text.headers import SENSOR_WORDS, heading_within
+from ..text.headers import SENSOR_WORDS, heading, heading_within
 
 INERTIAL, OTHER, NO_NUMBERS = 2, 1, 0  # ranks
+CONDITIONS = ("temperature", "pressure", "voltage")  # quantities that change slowly: interpolated to another clock
+BEYOND = 3.0  # median steps of such a topic: further from its messages nothing is known
 LISTED, NAMED = 12, 5  # topics that a refusal lists, and a remark names
 
 
@@ -38,6 +41,7 @@ class Topic:
     what: str = ""  # Its type or its columns, in words
     rows: int | None = None  # Where they are known beforehand
     rank: int = OTHER  # `INERTIAL`, `OTHER`, or `NO_NUMBERS`: nothing in it can be read
+    has_temperature: bool = False
 
     def __str__(self) -> str:
         """Return the name, with what is known of it."""
@@ -53,6 +57,18 @@ def rank_of(columns: Iterable[tuple[str, str | None]], topic: str = "") -> int:
     """
     said = [heading_within(name, unit, topic) for name, unit in columns]
     return INERTIAL if any(one.axis and one.quantity in SENSOR_WORDS for one in said) else OTHER
+
+
+def has_temperature(columns: Iterable[tuple[str, str | None]], topic: str = "") -> bool:
+    """Whether one of the columns, by name and unit, is a temperature."""
+    return any(heading_within(name, unit, topic).quantity == "temperature" for name, unit in columns)
+
+
+def with_thermometer(topics: Sequence[Topic], chosen: Sequence[Topic], wanted: Sequence[str] | None) -> list[Topic]:
+    """Return what is read, with the only thermometer of the file where nobody named topics and a sensor has none."""
+    found = [one for one in topics if one.has_temperature and one.rank == OTHER and one.rows != 0]
+    bare = not wanted and len(chosen) == 1 and chosen[0].rank == INERTIAL and not chosen[0].has_temperature
+    return [*chosen, *found] if bare and len(found) == 1 else [*chosen]
 
 
 def in_topic(columns: Iterable[Column], topic: str) -> tuple[Column, ...]:
@@ -84,8 +100,9 @@ def choose(topics: Sequence[Topic], wanted: Sequence[str] | None, path: str) -> 
         by_name = {one.name: one for one in topics}
         missing = [name for name in wanted if name not in by_name]
         if missing:
-            what = f"no topic {missing[0]!r}"
-            raise DataError(what, where=path, do=f"The file has: {_listed(readable or topics)}", code="wrong_column")
+            what, do = f"no topic {missing[0]!r}", f"The file has: {_listed(readable or topics)}"
+            choices = tuple(one.name for one in readable[:LISTED])
+            raise DataError(Problem(what, where=path, do=do, code="wrong_column", choices=choices))
         return [by_name[name] for name in dict.fromkeys(wanted)]
     if not readable:
         holds = f"It holds: {_listed(topics)}" if topics else "It holds nothing"
@@ -141,32 +158,85 @@ def frame_remark(frame: str, path: str) -> tuple[Remark, ...]:
     return (Remark("frame_stated", "info", f"axes: {frame}", where=path),) if frame else ()
 
 
-def joined(parts: Sequence[tuple[Topic, Content]], path: str) -> Content:
-    """Return the columns of several topics whose stamps are the same, the first column of each being its time.
+def time_first(columns: Iterable[Column]) -> tuple[Column, ...]:
+    """Return the columns of a table with its time in front, where one is clearly that."""
+    return tuple(sorted(columns, key=lambda one: heading_within(one.name, one.unit, one.matrix).quantity != "time"))
+
+
+def joined(parts: Sequence[tuple[Topic, Content]], path: str, *, named: bool = True) -> Content:
+    """Return the columns of several topics, the first column of each being its time.
+
+    Stamps of readings must be the same; temperatures, pressures and voltages of another clock are interpolated.
+
+    Parameters
+    ----------
+    parts : sequence of (Topic, Content)
+        What is to be joined.
+    path : str
+        File, for messages.
+    named : bool
+        Whether somebody named them; else what cannot be joined is left out.
 
     Raises
     ------
     DataError
-        ``several_clocks``, if they are not.
+        ``several_clocks``, if the stamps of readings differ, or no message of another clock is near them.
     """
-    (first, content), *others = parts
+    (first, content), *others = sorted(parts, key=lambda part: -part[0].rank)
     columns, remarks = list(content.columns), content.remarks
     for topic, other in others:
-        if not np.array_equal(other.columns[0].values, columns[0].values):
-            raise DataError(
-                f"topics {first.name} and {topic.name} have different stamps",
-                where=path,
-                why="they cannot share a clock",
-                do="Read one at a time",
-                code="several_clocks",
-            )
+        own = other.columns
+        if not np.array_equal(own[0].values, columns[0].values):
+            try:
+                own, said = _interpolated(columns[0], first, topic, other, path)
+            except DataError as error:
+                if named:
+                    raise
+                what = f"topic {topic.name} is not joined: {error.problems[0].what}"
+                own, said = (), (Remark("not_joined", "info", what, where=path),)
+            remarks += said
         taken = {one.name for one in columns}
-        for one in other.columns[1:]:
-            name = one.name if one.name not in taken else f"{topic.name}.{one.name}"
-            columns.append(Column(name, one.values, one.unit, one.named, one.matrix, one.axis, one.empty,
-                                  one.not_a_number))  # fmt: skip
+        columns += [replace(one, name=f"{topic.name}.{one.name}") if one.name in taken else one for one in own[1:]]
         remarks += other.remarks
-    return Content(tuple(columns), content.format, content.rows, content.sample_rate, remarks, content.time_ns)
+    return replace(content, columns=tuple(columns), remarks=remarks)
+
+
+def _interpolated(
+    clock: Column, first: Topic, topic: Topic, other: Content, path: str
+) -> tuple[tuple[Column, ...], tuple[Remark, ...]]:
+    """Return slow quantities of a topic at the stamps of another, behind a first column, and a remark on it.
+
+    Between two messages they are taken as straight; where none is near, they are missing.
+    """
+    time = other.columns[0]
+    slow = [one for one in other.columns[1:]
+            if one.is_number and heading_within(one.name, one.unit, one.matrix).quantity in CONDITIONS]  # fmt: skip
+    kinds = {(heading(one.name, one.unit).unit, one.values.dtype.kind) for one in (time, clock)}
+    apart = f"topics {first.name} and {topic.name} have different stamps"
+    why = "they cannot share a clock"
+    if not slow or len(kinds) > 1 or clock.values.dtype.kind not in "iufM" or len(time.values) < 2:
+        raise DataError(apart, path, why, "Read one at a time", "several_clocks")
+    zero = time.values[0]
+    order = np.argsort(time.values, kind="stable")
+    known = (time.values[order] - zero).astype(np.float64)
+    reach = BEYOND * float(np.median(np.diff(known)))
+    long = LongColumns(len(clock.values))
+    empty = 0
+    for at in range(0, len(clock.values), SIZE):
+        wanted = (clock.values[at : at + SIZE] - zero).astype(np.float64)
+        after = np.clip(np.searchsorted(known, wanted), 1, len(known) - 1)
+        far = np.minimum(np.abs(wanted - known[after - 1]), np.abs(wanted - known[after])) > reach
+        values = [np.where(far, np.nan, np.interp(wanted, known, one.values[order].astype(np.float64))) for one in slow]
+        long.add([replace(one, values=part) for one, part in zip(slow, values, strict=True)])
+        empty += int(np.sum(far))
+    if empty == len(clock.values):
+        raise DataError(f"{apart}, none near those of the other", path, why, "Read one at a time", "several_clocks")
+    names = ", ".join(one.name for one in slow)
+    what = f"{names} of topic {topic.name} ({len(known):,} messages) interpolated to the stamps of {first.name}"
+    what += f"; {empty:,} of them have no message near: missing there" if empty else ""
+    do = f"To leave it out: --topic {shlex.quote(first.name)}"
+    said = Remark("joined_by_time", "warning" if empty else "info", what, where=path, do=do)
+    return (clock, *long.columns()), (said,)
 
 
 def stamps(time_ns: NDArray[np.int64], utc: bool) -> Column:

@@ -266,7 +266,8 @@ def exact(text: str, layout: Layout, names: tuple[str, ...], where: str) -> Cont
     for i, name in enumerate(names):
         judged = judge(cells[i], layout.decimal)
         if len(judged.text) or judged.values.dtype.kind == "O":
-            plain = without_groups(cells[i], layout.decimal, CELL[layout.decimal].fullmatch, sure)
+            whole = sure or heading(name, layout.units[i] or None).unit == "count"
+            plain = without_groups(cells[i], layout.decimal, CELL[layout.decimal].fullmatch, whole)
             judged = judged if plain is cells[i] else judge(plain, layout.decimal)
         if len(judged.text):
             problems.append(text_in_numbers(name, cells[i], judged.text, rows, where))

@@ -93,8 +93,8 @@ def without_groups(
     """Return the cells of a column without the signs that group their digits, where they can be nothing else.
 
     So it is where both signs stand in a cell (``1.234,5``), or an apostrophe or a space that does not break, and all
-    others are numbers without groups, or empty. ``sure``: where another column of the file has such a cell, whole
-    numbers are grouped as well (``1.000``).
+    others are numbers without groups, or empty. ``sure``: where another column of the file has such a cell, or where
+    the column is in counts, whole numbers are grouped as well (``1.000``).
     """
     certain, found, made = (WHOLES if sure else CERTAIN)[decimal], False, list[str]()
     sign = "." if decimal == "," else ","

@@ -53,6 +53,7 @@ CANDIDATES: tuple[tuple[str | None, Decimal], ...] = (
 QUOTED: tuple[str | None, Decimal] = (",", ",")  # only in quotes can a comma be both
 # A quoted number whose comma can group no digits.
 QUOTED_DECIMAL = re.compile(r'"[-+]?(?:0|[0-9]{4,}|[0-9]+(?=,(?:[0-9]{1,2}|[0-9]{4,})"))(?:,[0-9]+)"')
+GROUPED_WHOLE = re.compile(r"[-+]?[1-9][0-9]{0,2}(?:\.[0-9]{3})+")  # by points, where the decimal sign is a comma
 PERFECT = (1.0, True, 1.0)  # score of a separator: lines of one width in several columns, all of them numbers
 WORDS = {",": "comma-separated", "\t": "tab-separated", ";": "semicolon-separated", None: "blank-separated"}
 PLAIN = "0123456789.-+eE"  # characters of plain numbers
@@ -303,6 +304,8 @@ def _score(table: Table, decimal: Decimal) -> tuple[float, bool, float]:
         kinds = Counter(kind(cell, decimal) for cell in cells)
         filled += kinds.total() - kinds["e"]
         text += kinds["t"]
+        if decimal == "," and kinds["t"]:  # 32.804 beside 0,25 is a whole number
+            text -= sum(GROUPED_WHOLE.fullmatch(cell) is not None for cell in cells)
     numbers = (filled - text) / filled if filled else 0.0
     if width == 1 and decimal == "," and ("," in table[0][0] or numbers < 1.0 or share < 1.0):
         numbers = 0.0  # 1,5 are two columns, unless a name stands above them that has no comma

@@ -221,6 +221,26 @@ def read_table(
     )
 
 
+def topics_of(path: str | Path) -> tuple[str, ...]:
+    """Return the names of the sheets, groups or tables of a file that can be read; none of a text.
+
+    Raises
+    ------
+    DataError
+        As `read_table`.
+    """
+    loaded = load(checked_path(path, "table"))
+    reader = find_reader(loaded)
+    try:
+        if reader.name != TEXT:
+            reader.read(loaded, ("",))
+    except DataError as error:
+        if not error.problems[0].choices:
+            raise
+        return error.problems[0].choices
+    return ()
+
+
 def table_of_content(content: Content, source: Source) -> Table:
     """Return a binary format's columns as text, with full digits."""
     cells: list[tuple[str, ...]] = []

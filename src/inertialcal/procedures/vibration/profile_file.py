@@ -18,6 +18,7 @@ import math
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
@@ -32,7 +33,7 @@ from ...core.units import Quantity, parse_quantity, same_dimension
 from ...files.source import load
 from ...files.text.headers import bare_name, in_brackets
 from ...files.text.layout import decode
-from ...files.text.table import Table, read_table
+from ...files.text.table import Table, read_table, topics_of
 from ...signals.vibration.profile import Profile, decibels, octaves
 from .density import EXPECTED, DensityUnit, density_unit, level_of, plain
 
@@ -117,7 +118,7 @@ def read_profile(path: str | Path) -> StatedProfile:
     if str(path).lower().endswith(".toml"):
         nodes, slopes, unit, overall = _of_toml(decode(load(path).data, str(path))[0], str(path))
     else:
-        nodes, slopes, unit, overall = _of_table(read_table(path))
+        nodes, slopes, unit, overall = _of_tables(path)
     try:
         found = completed(nodes, slopes, unit.unit if unit else "g^2/Hz", overall, str(path))
     except DataError as error:
@@ -305,6 +306,25 @@ def _level(text: str, where: str) -> tuple[float, DensityUnit]:
     except DataError as error:
         first = error.problems[0]
         raise DataError(f"level = {text!r}: {first.what}", where, first.why, first.do, first.code) from None
+
+
+def _of_tables(path: str | Path) -> Parsed:
+    """Return what the only table of a file that can be a profile states: a workbook may hold recordings beside it."""
+    try:
+        return _of_table(read_table(path))
+    except DataError as error:
+        if error.problems[0].code not in ("no_column", "several_topics"):
+            raise
+        found = dict[str, Parsed]()
+        for name in topics_of(path):
+            with suppress(DataError):
+                found[name] = _of_table(read_table(path, topics=[name]))
+        if not found:
+            raise
+    if len(found) > 1:
+        what = f"holds {len(found)} profiles: {', '.join(found)}"
+        raise DataError(what, str(path), do="Give a file with one of them", code="profile")
+    return next(iter(found.values()))
 
 
 def _of_table(table: Table) -> Parsed:
