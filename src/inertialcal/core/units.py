@@ -45,6 +45,7 @@ _KINDS = {
     "angular_rate": "rad/s",
     "acceleration": "m/s^2",
     "angle": "rad",
+    "velocity": "m/s",
     "voltage": "V",
     "temperature": "K",
     "time": "s",

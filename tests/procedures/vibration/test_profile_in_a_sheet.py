@@ -12,11 +12,12 @@ from inertialcal.core.errors import DataError
 from inertialcal.procedures.vibration.profile_file import read_profile
 
 openpyxl = pytest.importorskip("openpyxl")
-RUN = [("Time (s)", "Acc X (g)"), *((n / 100, 0.1 * (n % 7)) for n in range(50))]
-SPEC = [("Random vibration, acceptance",), (), ("Frequency (Hz)", "PSD (g²/Hz)"), (20, 0.01), (500, 0.01)]
+Rows = Sequence[tuple[object, ...]]
+RUN: Rows = [("Time (s)", "Acc X (g)"), *((n / 100, 0.1 * (n % 7)) for n in range(50))]
+SPEC: Rows = [("Random vibration, acceptance",), (), ("Frequency (Hz)", "PSD (g²/Hz)"), (20, 0.01), (500, 0.01)]
 
 
-def book(path: Path, sheets: Sequence[tuple[str, list[tuple[object, ...]]]]) -> Path:
+def book(path: Path, sheets: Sequence[tuple[str, Rows]]) -> Path:
     """Write a workbook."""
     made = openpyxl.Workbook()
     made.remove(made.active)

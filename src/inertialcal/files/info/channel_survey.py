@@ -121,7 +121,8 @@ def screened(
     """
     found = screen(data, at_rest)
     if survey.quantity in NO_CODES:
-        found = replace(found, findings=tuple(one for one in found.findings if one.code in ANY_CHANNEL))
+        kept_codes = ANY_CHANNEL[1:] if survey.quantity == "index" else ANY_CHANNEL  # a counter of packets begins anew
+        found = replace(found, findings=tuple(one for one in found.findings if one.code in kept_codes))
     if survey.quantity in SLOW and not survey.is_constant:
         kept = [one for one in found.findings if one.code != "stuck"]
         held = stuck_slow(data, readings, time_ns)
@@ -295,11 +296,12 @@ def _sensor(step: float, table: Sequence[tuple[float, str]]) -> str:
 
 
 def _temperature(surveys: Sequence[ChannelSurvey]) -> Hint | None:
-    """Usual range on one of the two scales."""
+    """Usual range on one of the two scales; whole numbers beyond that of degC are codes as well."""
     low = min((s.minimum for s in surveys if s.minimum is not None), default=np.nan)
     high = max((s.maximum for s in surveys if s.maximum is not None), default=np.nan)
+    whole = all("int" in one.dtype for one in surveys)
     for unit, (first, last) in (("degC", CELSIUS), ("K", KELVIN)):
-        if first <= low and high <= last:
+        if first <= low and high <= last and not (unit == "K" and whole):
             return Hint("temperature", unit, f"temperature from {low:.4g} to {high:.4g}")
     return None
 

@@ -137,7 +137,7 @@ PAIRS = {("deg", "s"): "deg/s", ("rad", "s"): "rad/s", ("deg", "h"): "deg/h", ("
 # Kinds of unit that a quantity can come in, raw ones included; others may come in any.
 KINDS = {
     "gyro": {"angular_rate", "angle", "voltage", "count", "frequency", "other"},
-    "acc": {"acceleration", "voltage", "count", "frequency", "other"},
+    "acc": {"acceleration", "velocity", "voltage", "count", "frequency", "other"},
     "temperature": {"temperature", "voltage", "count", "other"},
     "time": {"time"},
     "pressure": {"pressure", "voltage", "count"},

@@ -353,6 +353,8 @@ def _turned(plan: Plan, source: Source) -> RateTableRecording:
             raise DataError(f"recordings.{source.name}: rate of the table not given", do=do, code="no_applied")
         return RateTableRecording(recording, str(axis), source.run, name=source.name, file=source.file)
     windows, rates = _scheduled(source, entry.schedule, recording)
+    windows, remarks = _since_start(windows, recording, entry.schedule.file)
+    recording = replace(recording, remarks=(*recording.remarks, *remarks))
     if source.windows:
         inside = [any(a <= start and stop <= b for a, b in source.windows) for start, stop in windows]
         windows, rates = tuple(w for w, use in zip(windows, inside, strict=True) if use), rates[np.array(inside)]
@@ -379,6 +381,23 @@ def _scheduled(
         for column in (schedule.start, schedule.stop)
     )
     return tuple(zip(starts, stops, strict=True)), rates
+
+
+Windows = tuple[tuple[int, int], ...]
+
+
+def _since_start(windows: Windows, recording: Recording, file: str) -> tuple[Windows, tuple[Remark, ...]]:
+    """Return the dwells of a schedule [ns]; those that can only be counted from the first sample of a UTC clock, in UTC."""
+    stamps = recording.stamps
+    if recording.epoch != "utc" or stamps is None or not len(stamps) or not windows:
+        return windows, ()
+    first, lasts = int(stamps[0]), int(stamps[-1]) - int(stamps[0])
+    ends = [end for window in windows for end in window]
+    if min(ends) < 0 or max(ends) > min(lasts + SECOND, first - 1):
+        return windows, ()
+    what = f"its dwells, to {max(ends) / SECOND:.6g} s, are counted from the first sample of {recording.source.path}"
+    shifted = tuple((first + start, first + stop) for start, stop in windows)
+    return shifted, (Remark("since_start", "info", what, file, do="Else write instants: 2026-03-25T08:00:00Z"),)
 
 
 def _rows_of(table: Table, column: str, name: str) -> Table:

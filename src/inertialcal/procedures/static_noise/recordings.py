@@ -48,6 +48,7 @@ from .readings import AtRest, Readings, Run
 LARGEST = 1e60  # reading: beyond it fourth powers overflow
 FLAG = "flag"  # where the sample interval comes from, when the user said it
 NOT_TIME = "not_time"  # remark of reading on a column that was taken for no time
+UNIT_OF_TIME = "time_unit_unknown"
 AGREES = 0.01  # relative difference of intervals that is passed over
 NO_GAP = 1.4  # sample intervals: a longer step is a gap
 FEWEST = 2  # samples of a record
@@ -206,6 +207,9 @@ def grid_of(one: AtRest) -> Grid:
         what = "sample interval not known" + (f": {hint}" if hint else "")
         do = "Sort the rows, or add" if hint else "Add"
         do += " the sample rate (--sample-rate HZ) or the time column (--time-column)"
+        unsure = [remark for remark in recording.remarks if remark.code == UNIT_OF_TIME]
+        if unsure and not hint:
+            what, do = f"{what}: {unsure[0].what}", unsure[0].do
         raise DataError(what, one.place, "averaging times are counted in samples", do, "no_time")
     if stamps is None or len(stamps) < FEWEST:
         return Grid(given)
