@@ -87,6 +87,48 @@ def test_a_thermometer_in_a_table_of_its_own(tmp_path: Path, capsys: Capsys) -> 
     assert "temp_degC of topic env (360 messages)" in said["what"]
 
 
+def test_an_only_output_beside_the_speed_of_a_table(tmp_path: Path, capsys: Capsys) -> None:
+    """In mV and rpm, no axis named; `info` led to `allan`, `rate-table` to a schedule of dwells."""
+    rows = [f"{t:.2f},{a / 6:.6f},{2500.0 + 20.0 * x:.3f}" for t, a, x in zip(*turned(), strict=True)]
+    path = tmp_path / "rpm.csv"
+    path.write_text("\n".join(["Elapsed Time (s),Table Speed (rpm),Rate Output (mV)", *rows]) + "\n")
+    said = call_json(capsys, "info", str(path))["results"][0]["next"]
+    assert "rate-table" in said
+    assert "--axis AXIS" in said
+    content = call_json(capsys, "rate-table", str(path))
+    assert content["errors"][0]["do"] == "Add: --axis AXIS"
+    chain = ("--reference", "2.5 V", "--scale-factor", "20 mV/(deg/s)")
+    content = call_json(capsys, "rate-table", str(path), "--axis", "z", *chain)
+    holds(content, "scale_factor_error", "z", 100.0 * ERROR)
+    holds(content, "bias", "z", BIAS)
+
+
+def test_a_column_called_lage_says_how_each_row_lay(tmp_path: Path, capsys: Capsys) -> None:
+    """Of a table of means; before, the misalignments were not determined, and `info` asked for a sample rate."""
+    rng = np.random.default_rng(7)
+    rows = ["Lage;ax [g];ay [g];az [g]"]
+    for k in (*range(6),) * 3:
+        up = np.eye(3)[k // 2] * (1.0 - 2.0 * (k % 2))
+        cells = (german(one, 6) for one in 1.003 * up + [0.006, -0.004, 0.009] + rng.normal(0.0, 3e-4, 3))
+        rows.append(f"{'+-'[k % 2]}{'XYZ'[k // 2]};{';'.join(cells)}")
+    path = tmp_path / "lagen.csv"
+    path.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    assert call_json(capsys, "info", str(path))["results"][0]["next"].split()[1] == "positions"
+    content = call_json(capsys, "positions", str(path), "--gravity", "9.80665 m/s2")
+    holds(content, "bias", "z", 0.009)
+    holds(content, "scale_factor_error", "x", 0.3)
+    holds(content, "misalignment", "xy", 0.0)
+
+
+def test_a_second_record_in_a_file_is_to_be_cut_off(tmp_path: Path, capsys: Capsys) -> None:
+    """Sorting, as was advised, would mix the two."""
+    rows = [f"{k / 100},{0.01 * (k % 7)}" for k in range(2_000)] * 2
+    path = tmp_path / "twice.csv"
+    path.write_text("\n".join(["time [s],gyro_z [deg/s]", *rows]) + "\n")
+    (error,) = call_json(capsys, "allan", str(path))["errors"]
+    assert error["do"].startswith("If a second record begins there, cut the file there")
+
+
 def test_a_schedule_of_seconds_beside_a_clock_in_utc(tmp_path: Path, capsys: Capsys) -> None:
     """Its first dwell was looked for at the first second of 1970."""
     time, _, z = turned()

@@ -20,6 +20,7 @@ PATTERNS = {
     "applied": (
         r"(^|_)(rate|applied|input|table_rate|commanded|omega"
         r"|(dreh)?tisch(dreh)?(rate|zahl|geschwindigkeit)?|soll(wert|(dreh)?(rate|zahl|geschwindigkeit))?"
+        r"|(turn)?table_(speed|velocity)|stage_(speed|velocity)|set_?point|command"
         r"|vitesse|consigne)(_|$)"
     ),
     "scatter": r"(^|_)(std|stdev|sd|sigma|scatter|standardabweichung|stabw|streuung|ecart_type)(_|$)",

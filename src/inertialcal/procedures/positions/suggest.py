@@ -32,11 +32,11 @@ from ..suggestions import (
 )
 from .given import LONGEST as LONGEST_TABLE
 from .given import applied_columns, is_table_of_positions, rests_of_table
+from .orientations import HOW_IT_LAY
 
 SENSORS = {"acc": ("accelerometer", "acceleration"), "gyro": ("gyro", "angular_rate")}
 REQUIREMENT = {"quantity": "transition_error", "upper": "0.5 deg"}
 LONGEST = 4_000_000  # samples of a record whose dwells are looked for before it is asked for
-POSITION = ("position", "orientation")  # names of the column that says how a row of a table lay
 GRAVITY = 0.5  # least that an axis feels of it, in any position of a triad [g]
 
 
@@ -59,7 +59,7 @@ def suggests(recording: Recording, survey: Survey) -> Suggestion | None:
 def _is_labelled(recording: Recording, survey: Survey) -> bool:
     """Whether a file looks like means of positions, by its columns: a triad of accelerometers, and how it lay."""
     names = {one.subject.lower() for one in survey.remarks if one.code == "text_column"}
-    return len(accelerometers(recording)) == len(AXES) and bool(names & set(POSITION))
+    return len(accelerometers(recording)) == len(AXES) and bool(names & set(HOW_IT_LAY))
 
 
 def claims(file: FolderFile) -> Claim | None:

@@ -266,7 +266,9 @@ def _recorded(given: GivenFile, applied: str | None) -> Described:
     by_axis = _channels(given, applied)
     if not by_axis:
         what = f"{given.name}: cannot tell which column is which axis of the gyro; it has {', '.join(recording.names)}"
-        raise UsageError(what, do=f"Add: {given.add('reading', 'x=COLUMN')}", code="no_column")
+        only = len(guess_channels(recording.channels).readings) == 1 and not axis
+        add = given.add("axis", "AXIS") if only else given.add("reading", "x=COLUMN")
+        raise UsageError(what, do=f"Add: {add}", code="no_column")
     unit = bare(given.said.units)
     rates = {} if applied is None else {APPLIED: applied}
     own = {name: recording.channel(name).unit for name in (*rates.values(), *by_axis.values())}
@@ -326,6 +328,9 @@ def _channels(given: GivenFile, applied: str | None) -> dict[str, str]:
         found = {c.axis: c.name for c in rates}
         if len(found) != len(rates):
             return {}
+        only, axis = guess_channels(recording.channels).readings, given.plan.get("axis")
+        if not found and len(only) == 1 and axis:  # the only other column is that of the axis that was turned
+            found = {axis: only[0]}
     return {one: found[one] for one in AXES if one in found}
 
 

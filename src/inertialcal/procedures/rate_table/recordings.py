@@ -387,7 +387,7 @@ Windows = tuple[tuple[int, int], ...]
 
 
 def _since_start(windows: Windows, recording: Recording, file: str) -> tuple[Windows, tuple[Remark, ...]]:
-    """Return the dwells of a schedule [ns]; those that can only be counted from the first sample of a UTC clock, in UTC."""
+    """Return the dwells of a schedule [ns]; in UTC those that can only be counted from the first sample."""
     stamps = recording.stamps
     if recording.epoch != "utc" or stamps is None or not len(stamps) or not windows:
         return windows, ()

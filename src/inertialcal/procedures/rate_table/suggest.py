@@ -8,6 +8,7 @@ import numpy as np
 
 from ...core.campaign_text import Noted
 from ...core.errors import InertialcalError
+from ...core.estimate import Array
 from ...core.key import AXES
 from ...core.recording import Recording
 from ...core.units import kind
@@ -45,17 +46,25 @@ def suggests(recording: Recording, survey: Survey) -> Suggestion | None:
     """Return ``rate-table`` of reduced readings, a row a dwell, and of gyros that turn beside an applied rate."""
     channels = [one for one in recording.channels
                 if one.quantity != "index" and (one.unit is None or kind(one.unit) != "acceleration")]  # fmt: skip
-    applied = guess_channels(channels).applied
+    found = guess_channels(channels)
+    applied = found.applied
     named = applied is not None or names_rates(channel.name for channel in channels)
     if named and recording.sample_interval is None and len(recording) <= REDUCED_ROWS:
         return Suggestion(("rate-table",), Strength.SURE, complete=True)
     moving = any(remark.code == "not_at_rest" for remark in survey.remarks)
-    turned = gyros(recording)
-    if moving and named and turned:
-        axis = turned_axis(recording)
-        options = f"--axis {axis}" if axis and len(turned) > 1 else ""
+    turned = {axis: one for axis, one in gyros(recording).items() if one.name != applied}
+    moving = moving or (applied is not None and _turns(np.asarray(recording.channel(applied).data, dtype=float)))
+    if moving and named and (turned or len(found.readings) == 1):
+        axis = turned_axis(recording) if turned else "AXIS"
+        options = f"--axis {axis}" if axis and len(turned) != 1 else ""
         return Suggestion(("rate-table",), Strength.POSSIBLE, in_campaign=True, options=options)
     return None
+
+
+def _turns(rate: Array) -> bool:
+    """Whether the rate of a table, shape (n,), goes in steps."""
+    known = rate[np.isfinite(rate)]
+    return len(known) > 0 and bool(known.max() > known.min()) and goes_in_steps(rate)
 
 
 def turned_axis(recording: Recording) -> str:

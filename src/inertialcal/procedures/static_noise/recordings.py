@@ -246,7 +246,8 @@ def _refuse_disorder(axis: TimeAxis, one: AtRest, regular: bool) -> None:
         return
     row = one.recording.first_row
     place = f"{one.recording.source.path}:{row + int(at[0])}" if row else f"{one.place}: sample {int(at[0]) + 1}"
-    do = "Sort the record, remove duplicates, or give the sample rate (--sample-rate HZ) to ignore the stamps"
+    do = "If a second record begins there, cut the file there; else sort the rows, remove duplicates, or give the sample "
+    do += "rate (--sample-rate HZ) to ignore the stamps"
     raise DataError(what, place, why, do, code)
 
 
