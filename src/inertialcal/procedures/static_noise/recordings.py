@@ -246,7 +246,7 @@ def _refuse_disorder(axis: TimeAxis, one: AtRest, regular: bool) -> None:
         return
     row = one.recording.first_row
     place = f"{one.recording.source.path}:{row + int(at[0])}" if row else f"{one.place}: sample {int(at[0]) + 1}"
-    do = "If a second record begins there, cut the file there; else sort the rows, remove duplicates, or give the sample "
+    do = "If a second record begins there, cut the file there; else sort it, remove duplicates, or give the sample "
     do += "rate (--sample-rate HZ) to ignore the stamps"
     raise DataError(what, place, why, do, code)
 
