@@ -90,8 +90,8 @@ def _content(connection: Connection, loaded: Loaded, variables: Sequence[str] | 
             what = f"the database is damaged ({f'{missing:,} bytes at its end are gone' if missing else why})"
             do = "Rows behind that place are not read"
             remarks += (Remark("torn_file", "warning", what, where=loaded.path, count=max(missing, 1), do=do),)
-        rows = range(1, (topic.rows or 0) + 1)
-        parts.append((topic, Content(taken, f"SQLite, table {topic.name!r}", rows, None, remarks)))
+        lines = range(1, (topic.rows or 0) + 1)
+        parts.append((topic, Content(taken, f"SQLite, table {topic.name!r}", lines, None, remarks)))
     found = joined(parts, loaded.path, named=bool(variables))
     return replace(found, remarks=(*found.remarks, *beside, *other_topics(topics, chosen, loaded.path)))
 
