@@ -95,12 +95,6 @@ CASES = (
         "rate 50",
     ),
     Case(
-        "Sort the record, remove duplicates, or give the sample rate (--sample-rate HZ) to ignore the stamps",
-        "allan clock_set.csv",
-        "+ --sample-rate 50",
-        "white x 0.02",
-    ),
-    Case(
         " the sample rate (--sample-rate HZ) or the time column (--time-column)",
         "allan no_time.csv",
         "+ --sample-rate 50",

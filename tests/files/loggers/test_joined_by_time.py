@@ -42,7 +42,7 @@ def test_a_temperature_follows_the_clock_of_the_readings(tmp_path: Path) -> None
     np.testing.assert_allclose(found.channel("T_housing").data[inside], true[inside], atol=1e-3)
     (said,) = [one for one in found.remarks if one.code == "joined_by_time"]
     assert said.severity == "info"
-    assert said.do == "To leave it out: --topic imu"
+    assert said.do == "To leave it out, name topic imu alone"
     assert "T_housing" not in ic.read(tmp_path / "a.mf4", topics=["imu"]).names
     named = ic.read(tmp_path / "a.mf4", topics=["housing", "imu"])  # in any order
     np.testing.assert_array_equal(named.channel("T_housing").data, found.channel("T_housing").data)

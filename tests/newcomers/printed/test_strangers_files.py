@@ -126,7 +126,7 @@ def test_a_second_record_in_a_file_is_to_be_cut_off(tmp_path: Path, capsys: Caps
     path = tmp_path / "twice.csv"
     path.write_text("\n".join(["time [s],gyro_z [deg/s]", *rows]) + "\n")
     (error,) = call_json(capsys, "allan", str(path))["errors"]
-    assert error["do"].startswith("If a second record begins there, cut the file there")
+    assert error["do"].startswith("Cut the record there")
 
 
 def test_a_schedule_of_seconds_beside_a_clock_in_utc(tmp_path: Path, capsys: Capsys) -> None:

@@ -234,7 +234,7 @@ def _interpolated(
     names = ", ".join(one.name for one in slow)
     what = f"{names} of topic {topic.name} ({len(known):,} messages) interpolated to the stamps of {first.name}"
     what += f"; {empty:,} of them have no message near: missing there" if empty else ""
-    do = f"To leave it out: --topic {shlex.quote(first.name)}"
+    do = f"To leave it out, name topic {first.name} alone"
     said = Remark("joined_by_time", "warning" if empty else "info", what, where=path, do=do)
     return (clock, *long.columns()), (said,)
 

@@ -267,8 +267,9 @@ def _recorded(given: GivenFile, applied: str | None) -> Described:
     if not by_axis:
         what = f"{given.name}: cannot tell which column is which axis of the gyro; it has {', '.join(recording.names)}"
         only = len(guess_channels(recording.channels).readings) == 1 and not axis
-        add = given.add("axis", "AXIS") if only else given.add("reading", "x=COLUMN")
-        raise UsageError(what, do=f"Add: {add}", code="no_column")
+        turned = given.add("axis", "AXIS")
+        do = f"Add: {turned}" if only else f"Add: {given.add('reading', 'x=COLUMN')}"
+        raise UsageError(what, do=do, code="no_column")
     unit = bare(given.said.units)
     rates = {} if applied is None else {APPLIED: applied}
     own = {name: recording.channel(name).unit for name in (*rates.values(), *by_axis.values())}

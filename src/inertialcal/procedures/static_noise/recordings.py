@@ -40,7 +40,7 @@ from ...signals.screening.remarks import remarks_of
 from ...signals.screening.resolution import Resolution, resolution_of
 from ...signals.screening.screen import NO_READINGS, Screening, screen
 from ...signals.threads import pays
-from ...signals.time.time_axis import TimeAxis, analyse
+from ...signals.time.time_axis import AGAIN, TimeAxis, analyse
 from .axis_noise import Early
 from .plan import Plan
 from .readings import AtRest, Readings, Run
@@ -246,9 +246,7 @@ def _refuse_disorder(axis: TimeAxis, one: AtRest, regular: bool) -> None:
         return
     row = one.recording.first_row
     place = f"{one.recording.source.path}:{row + int(at[0])}" if row else f"{one.place}: sample {int(at[0]) + 1}"
-    do = "If a second record begins there, cut the file there; else sort it, remove duplicates, or give the sample "
-    do += "rate (--sample-rate HZ) to ignore the stamps"
-    raise DataError(what, place, why, do, code)
+    raise DataError(what, place, why, AGAIN, code)
 
 
 def averaging_of(one: AtRest, interval: float) -> float | None:

@@ -65,7 +65,7 @@ def on_grid(x: Numbers, time_ns: Times, interval: float) -> tuple[Numbers, NDArr
             f"{repeated} repeated timestamp(s), {np.count_nonzero(steps < 0)} out of order{back}",
             where=f"sample {first}",
             why="averaging times are counted in samples, which must be in order",
-            do="If a second record begins there, cut the file there; else sort it, and correct or remove repeated rows",
+            do="Cut the record there, or sort it; and remove or correct repeated rows",
             code="time_backwards" if repeated < np.count_nonzero(steps <= 0) else "time_repeated",
         )
     # From step to step: an interval that is known to 1e-5 would drift off the grid over a long record.
