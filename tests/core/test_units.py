@@ -20,6 +20,7 @@ from inertialcal.core.units import (
     convert,
     divide,
     factor,
+    is_unit,
     kind,
     known_units,
     multiply,
@@ -662,3 +663,15 @@ def test_repeated_reading_is_cheap() -> None:
     before = normalise.cache_info().hits
     normalise("deg/s/sqrt(Hz)")
     assert normalise.cache_info().hits == before + 1
+
+
+@pytest.mark.parametrize(
+    "text", ["", "-", "deg/s", "m s-2", "1/s", "x+", "x_rot", "furlong", "5 V", "m/s/s", "deg/", "ms-1", "5", "a" * 90]
+)
+def test_a_unit_is_what_can_be_normalised(text: str) -> None:
+    try:
+        normalise(text)
+    except DataError:
+        assert not is_unit(text)
+    else:
+        assert is_unit(text)

@@ -28,7 +28,7 @@ from .errors import DataError
 from .key import Kind
 from .unit.atoms import NONE, PREFIXES, Factor, Powers, by_symbol, kind_of, merged, product, quotient, raised
 from .unit.magnitudes import CODE, LARGEST, SMALLEST, is_possible
-from .unit.parse import read_quantity, read_unit
+from .unit.parse import can_read_unit, read_quantity, read_unit
 from .unit.spelling import spell
 
 if TYPE_CHECKING:
@@ -111,6 +111,11 @@ def normalise(text: str) -> str:
         known spellings, or the two readings.
     """
     return spell(read_unit(text))
+
+
+def is_unit(text: str) -> bool:
+    """Return whether `normalise` takes a text, without what it would advise."""
+    return can_read_unit(text)
 
 
 def known_units() -> tuple[str, ...]:

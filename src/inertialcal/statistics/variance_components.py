@@ -20,7 +20,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import linalg, optimize
+from scipy import optimize
+from scipy.linalg import lapack
 
 from ..core.errors import DataError
 from ..core.estimate import Array
@@ -148,16 +149,15 @@ def _restricted(y: Array, fixed: Array, patterns: list[Array], start: Array | No
     floor = LEAST * total * np.eye(q)  # keeps V regular where theta falls to zero
 
     def likelihood(at: Array) -> tuple[float, Array]:
-        V = fixed + floor + sum((t * one for t, one in zip(at, scaled, strict=True)), np.zeros((q, q)))
-        root = linalg.cholesky(V, lower=True)
-        white = linalg.solve_triangular(root, y, lower=True)
+        root = _root(fixed + floor + sum((t * one for t, one in zip(at, scaled, strict=True)), np.zeros((q, q))))
+        white = _solved(root, y)
         return -float(np.sum(np.log(np.diag(root)))) - 0.5 * float(white @ white), root
 
     best, root = likelihood(theta)
     for _ in range(ITERATIONS):
         score, information = _score(root, y, scaled)
-        lower = linalg.cholesky(information + LEAST * np.trace(information) * np.eye(k), lower=True)
-        target = optimize.nnls(lower.T, linalg.solve_triangular(lower, information @ theta + score, lower=True))[0]
+        lower = _root(information + LEAST * np.trace(information) * np.eye(k))
+        target = optimize.nnls(lower.T, _solved(lower, information @ theta + score))[0]
         step, share = target - theta, 1.0
         while share > 1e-4:
             new, tried = likelihood(theta + share * step)
@@ -179,12 +179,30 @@ def _restricted(y: Array, fixed: Array, patterns: list[Array], start: Array | No
 
 
 def _score(root: Array, y: Array, patterns: list[Array]) -> tuple[Array, Array]:
-    white = [linalg.solve_triangular(root, one, lower=True) for one in patterns]
-    white = [linalg.solve_triangular(root, one.T, lower=True) for one in white]
-    pull = linalg.solve_triangular(root, y, lower=True)
+    white = [_solved(root, _solved(root, one).T) for one in patterns]
+    pull = _solved(root, y)
     score = np.array([0.5 * float(pull @ one @ pull - np.trace(one)) for one in white])
     information = np.array([[0.5 * float(np.sum(a * b)) for b in white] for a in white])
     return score, information
+
+
+def _root(V: Array) -> Array:
+    """Return the lower root of a covariance; scipy's own way takes three times as long for so few rows.
+
+    Raises
+    ------
+    LinAlgError
+        Where it has none.
+    """
+    root, failed = lapack.dpotrf(V, lower=1, clean=1)
+    if failed:
+        raise np.linalg.LinAlgError(f"the leading minor of order {failed} is not positive")
+    return np.asarray(root)
+
+
+def _solved(root: Array, columns: Array) -> Array:
+    """Return what a lower root takes to columns."""
+    return np.asarray(lapack.dtrtrs(root, columns, lower=1)[0])
 
 
 def _covariance(information: Array) -> Array:

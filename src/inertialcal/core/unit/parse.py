@@ -83,6 +83,7 @@ class Cursor:
     code: Code
     tokens: list[Token]
     at: int = 0
+    suggests: bool = True  # Whether a refusal names the nearest known spellings, which takes a hundred times longer
 
     @property
     def with_number(self) -> bool:
@@ -117,7 +118,7 @@ class Cursor:
         raise DataError(what, do=do or EXAMPLES[self.code], code=self.code)
 
 
-def cursor(text: str, code: Code) -> Cursor:
+def cursor(text: str, code: Code, suggests: bool = True) -> Cursor:
     """Return a cursor before the first token of a text.
 
     Raises
@@ -125,7 +126,7 @@ def cursor(text: str, code: Code) -> Cursor:
     DataError
         If the text is longer than 80 characters or has a character that no unit has.
     """
-    at = Cursor(text, code, [])
+    at = Cursor(text, code, [], suggests=suggests)
     if len(text) > LONGEST:
         at.refuse(f"it has {len(text)} characters, more than {LONGEST}")
     touches = False
@@ -177,6 +178,15 @@ def read_unit(text: str) -> Powers:
     if text.strip() in {"", "-"}:
         return NONE
     return _read(cursor(text, "unknown_unit")).unit
+
+
+@lru_cache(_REMEMBERED)
+def can_read_unit(text: str) -> bool:
+    """Return whether `read_unit` can read a text."""
+    try:
+        return text.strip() in {"", "-"} or bool(_read(cursor(text, "unknown_unit", suggests=False)))
+    except DataError:
+        return False
 
 
 def read_quantity(text: str) -> tuple[float, Powers]:
@@ -305,6 +315,8 @@ def _name(at: Cursor, token: Token) -> _Factor:
     if unit is None:
         if text in REFUSED:
             at.refuse(*REFUSED[text])
+        if not at.suggests:
+            at.refuse(f"{text!r} is not known")
         near = [known for known in spellings() if known.lower() == text.lower()]
         near += [known for known in difflib.get_close_matches(text, spellings(), n=5) if known not in near]
         hint = f"Nearest known: {', '.join(near)}. " if near else ""

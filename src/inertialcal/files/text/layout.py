@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core import units
-from ...core.errors import DataError, InertialcalError
+from ...core.errors import DataError
 from ...core.remarks import Remark
 from ..budget import COLUMNS, LINE, check_count, claim
 from ..columns import Rows
@@ -315,7 +315,7 @@ def _score(table: Table, decimal: Decimal) -> tuple[float, bool, float]:
 def _holds_units(cells: list[str]) -> bool:
     """Whether some cells are filled, all of them with units."""
     filled = [cell for cell in cells if cell.strip()]
-    return bool(filled) and all(_is_unit(_unbracketed(cell)) for cell in filled)
+    return bool(filled) and all(units.is_unit(_unbracketed(cell)) for cell in filled)
 
 
 def _are_numbers(cells: list[str], decimal: Decimal) -> bool:
@@ -393,7 +393,7 @@ def _titles(table: Table, decimal: Decimal, width: int) -> int:
         if len(cells) != width or width == 1 or kinds[0] in NUMBER:
             break
         last = max((k + 1 for k, cell in enumerate(cells) if cell.strip()), default=0)
-        of_units = all(_is_unit(_unbracketed(cell)) for cell in cells if cell.strip())
+        of_units = all(units.is_unit(_unbracketed(cell)) for cell in cells if cell.strip())
         filled.append(-last if of_units or _has_number(kinds) else last)
     header = filled.index(max(filled)) if filled else 0
     if len(filled) == len(table):  # every row begins with a word, or a date: titles are hardly filled
@@ -429,7 +429,7 @@ def _is_title(table: Table, decimal: Decimal, width: int) -> bool:
         if len(cells) == width and kinds[0] in NUMBER:
             return False
         full = len(cells) == width and set(kinds) == {"t"}
-        if full and not all(_is_unit(_unbracketed(cell)) for cell in cells):
+        if full and not all(units.is_unit(_unbracketed(cell)) for cell in cells):
             return True
     return False
 
@@ -490,7 +490,7 @@ def _comment_units(comment: str, separator: str | None, width: int) -> tuple[str
     """Cells of a comment, if all that are filled are units."""
     for cells in _comment_cells(comment, separator, width):
         given = tuple(_unbracketed(cell) for cell in cells)
-        if any(given) and all(_is_unit(unit) for unit in given if unit):
+        if any(given) and all(units.is_unit(unit) for unit in given if unit):
             return given
     return ()
 
@@ -525,7 +525,7 @@ def _are_units(cells: list[str], kinds: list[str]) -> bool:
     """Whether at least half of the words of a line are units, and nothing else stands there but ``1`` and ``n/a``."""
     words = [cell for cell, one in zip(cells, kinds, strict=True) if one == "t"]
     others = [cell for cell, one in zip(cells, kinds, strict=True) if one in "if"]
-    return 2 * sum(map(_is_unit, words)) >= len(words) > 0 and set(others) <= {RATIO}
+    return 2 * sum(map(units.is_unit, words)) >= len(words) > 0 and set(others) <= {RATIO}
 
 
 def _is_of_words(kinds: list[str], numbers: list[str]) -> bool:
@@ -538,14 +538,6 @@ def _unbracketed(cell: str) -> str:
     """Return a cell without brackets around all of it."""
     text = cell.strip()
     return text[1:-1].strip() if text[:1] + text[-1:] in ("[]", "()") else text
-
-
-def _is_unit(text: str) -> bool:
-    try:
-        units.normalise(text)
-    except InertialcalError:
-        return False
-    return True
 
 
 def _decimal(text: str, start: Line, separator: str | None, decimal: Decimal) -> Decimal:

@@ -32,12 +32,12 @@ from .fit.gyro import FittedGyro, problem_of
 from .fit.linear_sensor import LinearSensor
 from .fit.over_temperature import at_reference
 from .fit.prior import PRIORS
-from .fit.rotations import errors
+from .fit.rotations import ends_missed
 from .readings import local_gravity
 
 MOUNTING = "fixture.mounting"
 OF_THE_FIT = {NOT_DETERMINED, *PRIORS.values()}  # Type B, but readings held out do not share them
-Errors = Callable[[Array], Array]  # of the numbers of the model: one row a position or rotation
+Errors = Callable[[Array], Array]  # of the numbers of k models, (k, 12) or (k, 21): (k, n, c), n positions or rotations
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +46,7 @@ class Judge:
 
     name: str  # For the table of the closed loop
     unit: str  # Of the errors
-    errors: Errors  # From the numbers of a model to the errors of each position or rotation, shape (n, c)
+    errors: Errors  # From the numbers of models to the errors of each position or rotation
     free: int  # Numbers of the model that a fit takes from such errors
     # Whether the matrix shows in them; at rest next to nothing turns, and only bias and g-sensitivity do
     by_matrix: bool = True
@@ -83,7 +83,7 @@ def loops_of(
         by_name.setdefault(one.name, []).append(one)
 
     def over_all_records(parts: Sequence[Judge]) -> Errors:
-        return lambda values: np.concatenate([part.errors(values) for part in parts])
+        return lambda values: np.concatenate([part.errors(values) for part in parts], axis=1)
 
     pooled = [replace(parts[0], errors=over_all_records(parts)) for parts in by_name.values()]
     return before_and_after(fit.sensor, fit.sensor.values, pooled, own, len(held), remounted)
@@ -150,26 +150,29 @@ def _loop(
     runs: int,
 ) -> AxisLoop | None:
     """Return what one judge says; None of a single reading."""
-    error = judge.errors(values)
-    n = len(error)
+    named = {name: rival for name, rival in rivals.items() if judge.tells(values, rival)}
+    models = np.vstack([values, raw, *(values + one for one in steps), *named.values()])
+    errors = judge.errors(models)
+    error, n = errors[0], errors.shape[1]
     if n < 2:
         return None
-    moved, laid = ([judge.errors(values + step) - error for step in each] for each in steps)
-    residuals = np.empty((0, 1)) if own is None else own.errors(sensor.values)
+    changes = errors[1:] - error
+    sizes = [len(one) for one in steps]
+    by_raw, moved, by_rival = changes[0], changes[1 : 1 + sum(sizes)], changes[1 + sum(sizes) :]
+    residuals = np.empty((0, 1)) if own is None else own.errors(sensor.values[None])[0]
     rows = int(np.sum(np.any(residuals != 0.0, axis=0))) * len(residuals)
     dof = float(max(rows - judge.free, 0))
     variance = float(np.sum(residuals**2)) / dof if dof else np.inf
 
-    def p_rival(rival: Array) -> float:
-        change = judge.errors(rival) - error
+    def p_rival(change: Array) -> float:
         gain = float(np.mean(_squares(error + change) - _squares(error)))
-        shift = [2.0 * float(np.mean(np.sum(change * one, axis=1))) for one in (*moved, *laid)]
+        shift = 2.0 * np.mean(np.sum(change * moved, axis=2), axis=1)
         whole = 4.0 * variance * float(np.sum(change**2)) / n**2 + float(np.sum(np.square(shift)))
         return float(special.stdtr(dof, gain / np.sqrt(whole))) if np.isfinite(whole) and whole > 0.0 else 1.0
 
-    before, after = _squares(judge.errors(raw)), _squares(error)
+    before, after = _squares(errors[1]), _squares(error)
     gain = before - after
-    by_laying = [2.0 * float(np.mean(np.sum((judge.errors(raw) - error) * one, axis=1))) for one in laid]
+    by_laying = 2.0 * np.mean(np.sum(by_raw * moved[sizes[0] :], axis=2), axis=1)
     return AxisLoop(
         judge.name,
         n,
@@ -179,9 +182,9 @@ def _loop(
         float(np.mean(gain)),
         float(np.hypot(np.std(gain, ddof=1) / np.sqrt(n), np.linalg.norm(by_laying))),
         float(n - 1),
-        float(sum(np.mean(_squares(one)) for one in (*moved, *laid))),
+        float(sum(np.mean(_squares(one)) for one in moved)),
         judge.unit,
-        {name: p_rival(rival) for name, rival in rivals.items() if judge.tells(values, rival)},
+        {name: p_rival(change) for name, change in zip(named, by_rival, strict=True)},
     )
 
 
@@ -195,7 +198,7 @@ def accelerometer_judges(fitted: positions.Result, held: positions.Readings) -> 
     reading = sensor.normalised(held.acc.mean)
 
     def length(values: Array) -> Array:
-        return np.asarray(np.linalg.norm(_inputs(values, reading), axis=1) - g)[:, None]
+        return np.asarray(np.linalg.norm(_inputs(values, reading), axis=2) - g)[:, :, None]
 
     found = [Judge("accelerometer", "m/s^2", length, 9)]
     if held.direction is None or fitted.readings.direction is None:
@@ -221,16 +224,23 @@ def gyro_judges(fitted: positions.Result, gyro: FittedGyro, held: positions.Read
         for k, axis in enumerate(AXES)
     ]
 
+    plain = replace(gyro.rest, bias=np.zeros(3))
+    if plain.g_sensitivity is not None:
+        plain = replace(plain, g_sensitivity=np.zeros((3, 3)))
+
     def missed(values: Array) -> Array:
-        """Return the errors of each rotation: two of a transition, three of a turn by a known angle, shape (n, 3)."""
-        A, G = values[:9].reshape(3, 3), values[12:].reshape(3, 3)
-        at_rest = None if gyro.rest.g_sensitivity is None else G + earth_in_g(fitted.plan, A)[0]
-        rest = replace(gyro.rest, bias=values[9:12], g_sensitivity=at_rest)
-        problem = problem_of(fitted.plan, held, fitted.acc, rest, gyro.sensor.ideal, gyro.sensor.zero)
-        rows = errors(problem, np.asarray(np.linalg.inv(A))).e
+        """Return the errors of each rotation: two of a transition, three of a turn by a known angle."""
+        problem = problem_of(fitted.plan, held, fitted.acc, plain, gyro.sensor.ideal, gyro.sensor.zero)
+        found = []
+        for one in values:
+            A = one[:9].reshape(3, 3)
+            G = None if plain.g_sensitivity is None else one[12:].reshape(3, 3) + earth_in_g(fitted.plan, A)[0]
+            found.append(ends_missed(problem, np.asarray(np.linalg.inv(A)), one[9:12], G))
         moves, turns = problem.sizes
-        of_moves = np.column_stack([rows[: 2 * moves].reshape(-1, 2), np.zeros(moves)])
-        return np.vstack([of_moves, rows[2 * moves :].reshape(turns, 3)])
+        rows = np.array(found)
+        of_moves = np.zeros((len(rows), moves, 3))
+        of_moves[:, :, :2] = rows[:, : 2 * moves].reshape(len(rows), moves, 2)
+        return np.concatenate([of_moves, rows[:, 2 * moves :].reshape(len(rows), turns, 3)], axis=1)
 
     if gyro.rotated is not None and held.rotations:
         found.append(Judge("gyro, rotations", "rad", missed, 9))
@@ -238,15 +248,15 @@ def gyro_judges(fitted: positions.Result, gyro: FittedGyro, held: positions.Read
 
 
 def _inputs(values: Array, reading: Array, force: Array | None = None) -> Array:
-    """Return what a model finds from readings, shape (n, 3)."""
-    without = reading - values[9:12]
-    if force is not None and len(values) > 12:
-        without = without - force @ values[12:].reshape(3, 3).T
-    return np.asarray(without @ np.linalg.inv(values[:9].reshape(3, 3)).T)
+    """Return what models find from readings, shape (k, n, 3)."""
+    without = reading - values[:, None, 9:12]
+    if force is not None and values.shape[1] > 12:
+        without = without - force @ np.swapaxes(values[:, 12:].reshape(-1, 3, 3), 1, 2)
+    return np.asarray(without @ np.swapaxes(np.linalg.inv(values[:, :9].reshape(-1, 3, 3)), 1, 2))
 
 
 def _along(reading: Array, expected: Array, k: int, values: Array, force: Array | None = None) -> Array:
-    return (_inputs(values, reading, force) - expected)[:, [k]]
+    return (_inputs(values, reading, force) - expected)[:, :, [k]]
 
 
 def as_read(sensor: LinearSensor) -> Array:

@@ -345,7 +345,8 @@ def _read_tables(sources: Sequence[Source]) -> Readings:
     if not np.any(triads["accelerometer"].scatter):
         what = "no column of scatters: the noise inside positions is unknown, and taken as zero"
         remarks.append(Remark("no_scatter", "info", what, source.file, do="Name one acc_x_std, and samples"))
-    where = tuple(table.where(k) for k in range(len(table)))
+    # As the campaign names the file: results must not depend on where a folder lies
+    where = tuple(f"{source.file}:{row}" for row in table.rows)
     remarks_of_all = (*table.remarks, *remarks)
     return Readings(triads["accelerometer"], triads.get("gyro"), (), direction, where=where, remarks=remarks_of_all)
 

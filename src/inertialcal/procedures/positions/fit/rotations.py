@@ -22,7 +22,7 @@ for each axis of the rate and each component of the signal.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -256,6 +256,28 @@ def errors(problem: Problem, W: Array) -> Errors:
         np.concatenate([by_W.reshape(-1, 9), by_W_turn.reshape(-1, 9)]),
         (ends.across @ C).reshape(-1, 3),
     )
+
+
+def ends_missed(problem: Problem, W: Array, bias: Array, g_sensitivity: Array | None) -> Array:
+    """Return the errors of all rows for a W and more bias and g-sensitivity than were taken off, shape (rows,).
+
+    Parameters
+    ----------
+    problem : Problem
+        Rotations.
+    W : ndarray, shape (3, 3)
+        Inverse of the matrix.
+    bias : ndarray, shape (3,)
+        Of the gyros [rad/s].
+    g_sensitivity : ndarray, shape (3, 3), or None
+        What they read of specific force [(rad/s)/(m/s^2)].
+    """
+    moves, (total, force, time) = problem.moves, problem.turns.sums
+    G = np.zeros((3, 3)) if g_sensitivity is None else g_sensitivity
+    C = carried(replace(moves, z=moves.z - bias - moves.f @ G.T), W)[0]
+    e = np.einsum("kai,ki->ka", problem.ends.across, np.einsum("kij,kj->ki", C, problem.ends.start))
+    turned = (total - time[:, None] * bias - force @ G.T) @ W.T
+    return np.concatenate([e.ravel(), (turned - problem.turned).ravel()])
 
 
 def _lever(ends: Ends, end: Array) -> Array:
