@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy import optimize, special
@@ -42,13 +42,12 @@ class TwoLevels:
     covariance: Array  # sum of the parts, (p, p)
     parts: Mapping[str, Array]  # what each known covariance contributes, by its name, (p, p)
     between_part: Array  # what the scatter between readings contributes, (p, p)
-    # holds tau with a probability of 95 %, from zero where none is seen; the given tau twice where it was given
-    between_interval: tuple[float, float]
+    # squares of the contrasts behind tau with their known variances, and the largest variance; None where tau was given
+    contrasts: tuple[Array, Array, float] | None
     # of tau^2, twice Fisher's: its variance is 2 over this [1/unit of the readings^4]; infinite where tau was given
     information: float
     between: float  # tau, standard deviation between readings [unit of the readings]
     chi_square: float  # weighted by V; near ``free`` expected
-    chi_square_known: float  # weighted by the known covariances alone; NaN where these do not reach every reading
     free: int  # n - p
     deletion: Array  # residual of each reading from the fit without it, (n,) [unit of the readings]
     deletion_u: Array  # standard uncertainty of that, (n,)
@@ -59,6 +58,18 @@ class TwoLevels:
     readings: Array  # as given, (n,)
     known: Mapping[str, Array]  # the known covariances, by name, (n, n)
     by_scatter: Array  # square root of what tau^2 does to the coefficients: the gain, if it counts in all, (p, k)
+
+    @cached_property
+    def between_interval(self) -> tuple[float, float]:
+        """Interval that holds tau with 95 %, from zero where none is seen; the given tau twice where it was given."""
+        return (self.between, self.between) if self.contrasts is None else _interval(*self.contrasts)
+
+    @cached_property
+    def chi_square_known(self) -> float:
+        """Weighted by the known covariances alone; NaN where these do not reach every reading."""
+        return _known_chi_square(
+            self.design, self.readings, sum(self.known.values(), np.zeros((len(self.design),) * 2))
+        )
 
     @property
     def hidden(self) -> float:
@@ -114,18 +125,14 @@ def fit_two_levels(
             code="no_dof",
         )
     sources = {name: np.diag(part) if part.ndim == 1 else part for name, part in known.items()}
-    fixed = np.zeros((n, n))
-    for part in sources.values():
-        fixed = fixed + part
-    if between is not None:
-        square, limits = between**2, (between, between)
-    else:
-        square, limits = _restricted(design, readings, fixed)
-    size = np.linalg.eigvalsh(fixed + square * np.eye(n))
+    fixed = sum(sources.values(), np.zeros((n, n)))
+    square, contrasts = (between**2, None) if between is not None else _restricted(design, readings, fixed)
+    is_diagonal = all(part.ndim == 1 for part in known.values())
+    size = np.sort(np.diag(fixed)) + square if is_diagonal else np.linalg.eigvalsh(fixed + square * np.eye(n))
     if not size[0] > n * np.finfo(float).eps * size[-1]:
         what = f"some of the {n} readings have no scatter of their own, and they do not scatter about the fit"
         raise DataError(what, do="Check for copied or rounded readings", code="no_scatter")
-    return _solved(design, readings, sources, fixed, square, limits, found=between is None)
+    return _solved(design, readings, sources, fixed, square, contrasts)
 
 
 def fit_with_prior(
@@ -219,8 +226,8 @@ def with_gain(fit: TwoLevels, gain: Array, by_scatter: Array) -> TwoLevels:
     )  # fmt: skip
 
 
-def _restricted(design: Array, readings: Array, fixed: Array) -> tuple[float, tuple[float, float]]:
-    """Variance between readings by restricted maximum likelihood, never below zero, and the interval of its root."""
+def _restricted(design: Array, readings: Array, fixed: Array) -> tuple[float, tuple[Array, Array, float]]:
+    """Variance between readings by restricted maximum likelihood, never below zero, and the contrasts behind it."""
     n, p = design.shape
     residuals = readings - design @ np.linalg.lstsq(design, readings, rcond=None)[0]
     total = float(residuals @ residuals) / (n - p)
@@ -243,7 +250,7 @@ def _restricted(design: Array, readings: Array, fixed: Array) -> tuple[float, tu
         square = new
         if done:
             break
-    return (square if square > 2.0 * floor else 0.0), _interval(np.maximum(known, 0.0), pull, largest)
+    return (square if square > 2.0 * floor else 0.0), (np.maximum(known, 0.0), pull, largest)
 
 
 def _interval(known: Array, pull: Array, largest: float) -> tuple[float, float]:
@@ -285,8 +292,7 @@ def _solved(
     sources: Mapping[str, Array],
     fixed: Array,
     square: float,
-    limits: tuple[float, float],
-    found: bool,
+    contrasts: tuple[Array, Array, float] | None,
 ) -> TwoLevels:
     n, p = design.shape
     inverse = _inverse(fixed, square)
@@ -299,17 +305,16 @@ def _solved(
     pull = projector @ readings
     diagonal = np.diag(projector).copy()
     diagonal[diagonal <= n * np.finfo(float).eps * np.diag(inverse)] = np.nan  # a reading that alone decides
-    information = float(np.sum(projector * projector)) if found else np.inf
+    information = float(np.sum(projector * projector)) if contrasts is not None else np.inf
     return TwoLevels(
         coefficients,
         0.5 * (bare + bare.T),
         {name: _part(gain, part) for name, part in sources.items()},
         square * gain @ gain.T,
-        limits,
+        contrasts,
         information,
         float(np.sqrt(square)),
         float(residuals @ inverse @ residuals),
-        _known_chi_square(design, readings, fixed),
         n - p,
         pull / diagonal,
         1.0 / np.sqrt(diagonal),

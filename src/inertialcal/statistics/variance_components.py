@@ -16,8 +16,9 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy import optimize
@@ -37,18 +38,48 @@ class Components:
 
     coefficients: Array  # in unit of reading over unit of column, (p,)
     covariance: Array  # (p, p)
-    known: Mapping[str, Array]  # what each known covariance contributes to that, by its name
-    unknown: Mapping[str, Array]  # what each variance that was found contributes
+    covariances: Mapping[str, Array]  # that were known, by name, (n, n)
     variances: Mapping[str, float]  # theta, by name
     patterns: Mapping[str, Array]  # Q, by name, (n, n)
     variances_covariance: Array  # of theta, in order, (k, k)
     residuals: Array  # reading less fitted value, (n,)
-    deletion: Array  # residual of each from the fit without it, NaN where it alone decides, (n,)
     gain: Array  # coefficients per reading, (p, n)
     projector: Array  # P: ``P y`` are the residuals weighted by the inverse of V, (n, n)
     chi_square: float  # weighted by V; near ``free`` expected
-    likelihood: float  # logarithm of the restricted one, up to a constant of the design
     free: int  # n - p
+    design: Array  # as given, (n, p)
+    readings: Array  # as given, (n,)
+
+    @cached_property
+    def known(self) -> Mapping[str, Array]:
+        """What each known covariance contributes to that of the coefficients, by its name, (p, p)."""
+        return {name: self._part(one) for name, one in self.covariances.items()}
+
+    @cached_property
+    def unknown(self) -> Mapping[str, Array]:
+        """What each variance that was found contributes to it, (p, p)."""
+        return {name: self.variances[name] * self._part(one) for name, one in self.patterns.items()}
+
+    def _part(self, covariance: Array) -> Array:
+        whole = self.gain @ covariance @ self.gain.T
+        return np.asarray(0.5 * (whole + whole.T))
+
+    @cached_property
+    def deletion(self) -> Array:
+        """Residual of each reading from the fit without it, NaN where it alone decides, (n,)."""
+        n, diagonal = len(self.readings), np.diag(self.projector).copy()
+        by_weight = np.diag(np.linalg.inv(self._covariance()))
+        diagonal[diagonal <= n * np.finfo(float).eps * by_weight] = np.nan
+        return np.asarray(self.projector @ self.readings / diagonal)
+
+    @cached_property
+    def likelihood(self) -> float:
+        """Logarithm of the restricted likelihood, up to a constant of the design."""
+        free = _contrasts(self.design)
+        return -0.5 * float(np.linalg.slogdet(free.T @ self._covariance() @ free)[1] + self.chi_square)
+
+    def _covariance(self) -> Array:
+        return _whole(self.covariances, self.patterns, self.variances.values())
 
     def variance_dof(self, name: str) -> float:
         """Return the degrees of freedom of one theta; 0 where it is zero."""
@@ -88,9 +119,9 @@ def fit_components(
     if n <= p:
         what = f"{n} readings for {p} unknowns leave no scatter to judge them by"
         raise DataError(what, do="Take more readings", code="no_dof")
-    fixed = sum(known.values(), np.zeros((n, n)))
+    fixed = _whole(known, {}, ())
     patterns = list(unknown.values())
-    free = np.linalg.qr(design, mode="complete")[0][:, p:]
+    free = _contrasts(design)
     if not fixed.any() and np.linalg.norm(free.T @ readings) <= n * np.finfo(float).eps * np.linalg.norm(readings):
         what = "the readings do not scatter at all"
         raise DataError(what, do="Check for copied or rounded readings", code="no_scatter")
@@ -100,7 +131,7 @@ def fit_components(
         [free.T @ one @ free for one in patterns],
         np.array([start[name] for name in unknown]) if start else None,
     )
-    V = fixed + sum((t * one for t, one in zip(theta, patterns, strict=True)), np.zeros((n, n)))
+    V = _whole(known, unknown, theta)
     size = np.linalg.eigvalsh(V)
     if not size[0] > n * np.finfo(float).eps * size[-1]:
         what = f"some of the {n} readings have no scatter of their own, and they do not scatter about the fit"
@@ -111,30 +142,33 @@ def fit_components(
     gain = bare @ weighted.T
     projector = inverse - weighted @ gain
     coefficients = gain @ readings
-
-    diagonal = np.diag(projector).copy()
-    diagonal[diagonal <= n * np.finfo(float).eps * np.diag(inverse)] = np.nan  # a reading that alone decides
-
-    def part(covariance: Array) -> Array:
-        whole = gain @ covariance @ gain.T
-        return np.asarray(0.5 * (whole + whole.T))
-
     return Components(
         coefficients,
         0.5 * (bare + bare.T),
-        {name: part(one) for name, one in known.items()},
-        {name: t * part(one) for t, (name, one) in zip(theta, unknown.items(), strict=True)},
+        dict(known),
         dict(zip(unknown, theta.tolist(), strict=True)),
         dict(unknown),
         _covariance(information),
         readings - design @ coefficients,
-        projector @ readings / diagonal,
         gain,
         np.asarray(0.5 * (projector + projector.T)),
         float(readings @ projector @ readings),
-        -0.5 * float(np.linalg.slogdet(free.T @ V @ free)[1] + readings @ projector @ readings),
         n - p,
+        design,
+        readings,
     )
+
+
+def _contrasts(design: Array) -> Array:
+    """Return the combinations of readings that no coefficient moves, (n, n - p)."""
+    return np.asarray(np.linalg.qr(design, mode="complete")[0][:, design.shape[1] :])
+
+
+def _whole(known: Mapping[str, Array], patterns: Mapping[str, Array], theta: Iterable[float]) -> Array:
+    """Return the covariance of readings."""
+    none = np.zeros_like(next(iter((*known.values(), *patterns.values()))))
+    fixed = sum(known.values(), none)
+    return np.asarray(fixed + sum((t * one for t, one in zip(theta, patterns.values(), strict=True)), none))
 
 
 def _restricted(y: Array, fixed: Array, patterns: list[Array], start: Array | None) -> tuple[Array, Array]:

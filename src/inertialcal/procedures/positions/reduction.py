@@ -167,7 +167,7 @@ def reduce(plan: Plan, readings: Readings) -> Result:
         x = np.concatenate([np.zeros((1, 3)), *(fit.sensor.applied(one) for one in outputs)])
         input_range = np.column_stack([x.min(axis=0), x.max(axis=0)])
         found_estimate = estimate(fit.sensor, kind, triad.unit)
-        found_model = model(fit.sensor, kind, triad.unit, input_range)
+        found_model = model(fit.sensor, kind, triad.unit, input_range, found_estimate)
         if found_estimate is not None and found_model is not None:
             estimates[kind], models[kind] = found_estimate, found_model
     if prior is not None:

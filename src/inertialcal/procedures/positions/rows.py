@@ -273,7 +273,9 @@ def reasons(sensor: LinearSensor) -> Mapping[Key, Reason]:
     return found
 
 
-def model(sensor: LinearSensor, kind: Kind, output_unit: str, input_range: Array) -> SensorModel | None:
+def model(
+    sensor: LinearSensor, kind: Kind, output_unit: str, input_range: Array, of_zero: Estimate | None
+) -> SensorModel | None:
     """Return the model for readings as they were recorded, their zero in the bias; None where nothing is determined.
 
     Parameters
@@ -282,9 +284,11 @@ def model(sensor: LinearSensor, kind: Kind, output_unit: str, input_range: Array
         As `estimate` takes them.
     input_range : ndarray, shape (3, 2)
         Least and largest input that was seen [input unit].
+    of_zero : Estimate or None
+        What `estimate` gives: that of the model, too, where the readings for no input are taken as zero.
     """
-    raw = with_ideal(sensor, sensor.ideal, np.zeros(3))
-    found = estimate(raw, kind, output_unit)
+    raw = with_ideal(sensor, sensor.ideal, np.zeros(3)) if np.any(sensor.zero) else sensor
+    found = of_zero if raw is sensor else estimate(raw, kind, output_unit)
     if found is None:
         return None
     kept = [key for key in found.keys if key not in SCALE]
