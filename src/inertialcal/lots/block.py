@@ -63,6 +63,8 @@ class Job:
         Whether each unit gives what an archive keeps.
     version : str
         Of the code; a worker with another one refuses.
+    own : str
+        Folder of a unit in the store, as a pattern: what a recording names there, such as its sections, is the unit's.
     """
 
     folder: str
@@ -72,6 +74,7 @@ class Job:
     options: tuple[tuple[tuple[str | int, ...], str], ...] = ()
     archived: bool = False
     version: str = ""
+    own: str = ""
 
 
 @dataclass(frozen=True)
@@ -163,8 +166,32 @@ def files_of(job: Job, given: Given) -> dict[str, str]:
     return {name: one.file if isinstance(one, Shared) else file_of(one, given.texts, root) for name, one in job.files}
 
 
+def own_files(job: Job, given: Given) -> dict[str, dict[str, str]]:
+    """Return what else recordings name that lies in the folder of a unit, such as sections, by recording and key."""
+    entries = _template(job.folder, job.raw).file.recordings if job.own else {}
+    if not entries:
+        return {}
+    folder = file_of(job.own, given.texts, job.place.store if job.place.is_local else "").rstrip("/")
+    set_by_table = {key for key, _ in job.options}
+    named = {
+        name: {
+            key: f"{folder}/{value}"
+            for key, value in entry
+            if key != "file" and isinstance(value, str) and value and ("recordings", name, key) not in set_by_table
+        }
+        for name, entry in entries.items()
+    }
+    there = job.place.files({path for paths in named.values() for path in paths.values()})
+    return {name: {key: path for key, path in paths.items() if path in there} for name, paths in named.items()}
+
+
 def campaign_for(
-    job: Job, given: Given, files: Mapping[str, str], root: Path, handed: Mapping[str, Columns] | None = None
+    job: Job,
+    given: Given,
+    files: Mapping[str, str],
+    root: Path,
+    handed: Mapping[str, Columns] | None = None,
+    beside: Mapping[str, Mapping[str, str]] | None = None,
 ) -> Campaign:
     """Return the campaign of a unit: the template with its serial number, its files and what the table changes.
 
@@ -181,7 +208,11 @@ def campaign_for(
     }
     own = campaign_of(Path(job.folder), job.raw, True, changes) if changes else _template(job.folder, job.raw)
     item = own.file.item.model_copy(update={"serial": given.serial})
-    entries = {name: one.model_copy(update={"file": files[name]}) for name, one in own.file.recordings.items()}
+    more = beside or {}
+    entries = {
+        name: one.model_copy(update={**more.get(name, {}), "file": files[name]})
+        for name, one in own.file.recordings.items()
+    }
     file = own.file.model_copy(update={"item": item, "recordings": entries})
     recordings = (entry.file for entry in entries.values() if entry.channels)
     known = handed or {}
@@ -224,14 +255,17 @@ def reduce_block(job: Job, units: Sequence[Given]) -> Block:
 
 def _begun(job: Job, given: Given, delivery: Delivery) -> _Unit:
     files = files_of(job, given)
-    own = [one for name, one in files.items() if not isinstance(dict(job.files)[name], Shared)]
-    stamps = job.place.stamps(list(dict.fromkeys(files.values())))
+    beside = own_files(job, given)
+    every = tuple(dict.fromkeys((*files.values(), *(path for paths in beside.values() for path in paths.values()))))
+    shared = {file for name, file in files.items() if isinstance(dict(job.files)[name], Shared)}
+    own = [one for one in every if one not in shared]
+    stamps = job.place.stamps(every)
     delivery.lay_out(given.number, own)
     root = delivery.root(given.number)
     handed = delivery.handed.get(given.number, {})
-    campaign = campaign_for(job, given, files, root, handed)
+    campaign = campaign_for(job, given, files, root, handed, beside)
     store = UnitStore(Path(job.folder), waiting_for(campaign), root=root, handed=handed)
-    return _Unit(given, campaign, store, tuple(dict.fromkeys(files.values())), stamps)
+    return _Unit(given, campaign, store, every, stamps)
 
 
 def _reduce(working: Sequence[_Unit], ended: dict[int, tuple[UnitRow, Ended]]) -> None:

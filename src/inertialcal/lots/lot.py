@@ -235,7 +235,8 @@ class _Lot:
         if place.is_local:
             place = Place(str(Path(place.store).resolve()))
         template = str(self.lot.template.folder.resolve())
-        return Job(template, self.lot.raw, place, tuple(files.items()), options, bool(self.archive), code_digest())
+        named = tuple(files.items())
+        return Job(template, self.lot.raw, place, named, options, bool(self.archive), code_digest(), file.folder)
 
     @cached_property
     def given(self) -> list[Given]:
@@ -354,7 +355,7 @@ class _Lot:
             files = list(dict.fromkeys(files_of(self.job, given).values()))
         except Exception:
             return False
-        return self.job.place.stamps(files).keys() != known.stamps.keys()
+        return bool(self.job.place.stamps(files).keys() - known.stamps.keys())
 
     def _blocks(self, missing: Sequence[int]) -> Iterator[tuple[Given, ...]]:
         """Yield what is missing block by block; a unit is always in the same block."""

@@ -103,6 +103,12 @@ class Place:
             raise PlanError(f"store {self.store!r}: {_said(error)}", do=do, code="wrong_value") from None
         return system, path.rstrip("/")
 
+    def files(self, names: Set[str]) -> set[str]:
+        """Return which of some names are those of files."""
+        if self.is_local:
+            return {name for name in names if os.path.isfile(os.path.join(self.store, name))}
+        return set(self.stamps(sorted(names)))
+
     def stamps(self, files: Sequence[str]) -> dict[str, list[int]]:
         """Return size and time of the last change of each file, by its name; nothing of those that are not there."""
         if self.is_local:

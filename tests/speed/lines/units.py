@@ -13,6 +13,7 @@ import numpy as np
 import pyarrow as pa
 from pyarrow import parquet
 
+from independent.positions import by_hand, tumbled
 from inertialcal.campaign.engine.engine import prepare, reduce_alike
 from inertialcal.campaign.file.load import load
 from inertialcal.campaign.inputs.sources import ReadOnce
@@ -48,7 +49,49 @@ TESTS = {
     "thermal": '[[tests]]\nid = "test"\nprocedure = "thermal"\nuse = "report_only"\nrecordings = ["up", "down"]\n'
     'plan = { at = ["0 degC", "20 degC"], reference_temperature = "20 degC" }\n',
 }
-COMMANDS = {"static_noise": ["allan"], "thermal": ["thermal"]}
+COMMANDS = {
+    "static_noise": ["allan"],
+    "thermal": ["thermal"],
+    "positions": ["positions", "--gravity", "9.81 m/s2", "--latitude", "48 deg"],
+    "triad": ["positions", "--unit", "acc=m/s2", "--gravity", "9.81 m/s2"],
+}
+POSITIONS = """schema = 2
+[campaign]
+id = "unit"
+[item]
+serial = "{serial}"
+[site]
+gravity = "9.81 m/s2"
+latitude = "48 deg"
+[sensors.acc]
+kind = "accelerometer"
+axes = ["x", "y", "z"]
+unit = "m/s2"
+[sensors.gyro]
+kind = "gyro"
+axes = ["x", "y", "z"]
+unit = "rad/s"
+[[tests]]
+id = "test"
+procedure = "positions"
+recordings = [{recordings}]
+use = "report_only"
+"""
+BY_HAND = """[recordings.{name}]
+sensor = "{name}"
+file = "hand.parquet"
+clock = {{ column = "unix_s" }}
+channels = {{ {channels} }}
+"""
+RESTS = """[recordings.acc]
+sensor = "acc"
+file = "rests.parquet"
+[recordings.acc.rests]
+unit = "m/s2"
+reading = { x = "acc_x", y = "acc_y", z = "acc_z" }
+scatter = { x = "acc_x_std", y = "acc_y_std", z = "acc_z_std" }
+samples = "samples"
+"""
 
 
 def columns_of(rng: np.random.Generator, test: str, down: bool) -> dict[str, object]:
@@ -78,11 +121,30 @@ def unit(folder: Path, seed: int, test: str) -> list[Path]:
     return files
 
 
+def of_positions(folder: Path, seed: int, test: str) -> list[Path]:
+    """Write the campaign of a unit: 24 positions, as a recording by hand or as a row each; return its file."""
+    if test == "triad":
+        case, name, text = tumbled(seed, positions=24, condition=(0.0, 40.0), cone=180.0), "rests", RESTS
+    else:
+        case, name, text = by_hand(seed), "hand", ""
+        for sensor, unit in (("acc", "m/s2"), ("gyro", "rad/s")):
+            channels = [f'{axis} = {{ column = "{sensor}_{axis}", unit = "{unit}" }}' for axis in AXES]
+            text += BY_HAND.format(name=sensor, channels=", ".join(channels))
+    folder.mkdir(parents=True)
+    parquet.write_table(pa.table(dict(case.tables[f"{name}.csv"].columns)), folder / f"{name}.parquet")
+    names = '"acc"' if test == "triad" else '"acc", "gyro"'
+    text = POSITIONS.format(serial=seed, recordings=names) + text
+    (folder / "campaign.toml").write_text(text, encoding="utf-8", newline="\n")
+    return [folder / f"{name}.parquet"]
+
+
 def of_unit(test: str) -> Work:
     """Return a unit of many, each read, prepared, reduced and written as rows; the command stands beside it."""
     root = Path(mkdtemp(prefix="units"))
-    files = [unit(root / str(seed), seed, test) for seed in range(UNITS)]
-    campaigns, procedure = cycle([load(root / str(seed)) for seed in range(UNITS)]), procedure_of(test)
+    is_positions = test in ("positions", "triad")
+    files = [(of_positions if is_positions else unit)(root / str(seed), seed, test) for seed in range(UNITS)]
+    campaigns = cycle([load(root / str(seed)) for seed in range(UNITS)])
+    procedure = procedure_of("positions" if is_positions else test)
 
     def own() -> int:
         forget()
@@ -103,3 +165,7 @@ line("static_noise of a unit, 3 axes x 20,000 samples", peer="inertialcal allan"
 line("thermal of a unit, 3 axes x 2 x 2,000 samples", peer="inertialcal thermal", goal=30.0)(
     partial(of_unit, "thermal")
 )
+line("positions of a unit, by hand, 24 positions x 6 s", peer="inertialcal positions", goal=30.0)(
+    partial(of_unit, "positions")
+)
+line("positions of a unit, a table of 24", peer="inertialcal positions", goal=30.0)(partial(of_unit, "triad"))
