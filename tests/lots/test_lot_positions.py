@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
-from small_lot import rows
+from small_lot import rows as rows_of
 
 import inertialcal as ic
 from independent.case import START
@@ -54,14 +55,16 @@ z = { column = "z", unit = "m/s2" }
 """
 
 
-def figures(row: dict[str, object]) -> dict[tuple[str, str], tuple[float, float]]:
+def rows(out: Path) -> list[dict[str, Any]]:
+    return rows_of(out)
+
+
+def figures(row: dict[str, Any]) -> dict[tuple[str, str], tuple[float, float]]:
     """Return value and standard uncertainty by quantity and axis, scale factor errors in %, angles in rad."""
-    found = row["results"]
-    assert isinstance(found, list)
     scale = {"deg": np.pi / 180.0}
     return {
         (one["quantity"], one["axis"]): tuple(one[name] * scale.get(one["unit"], 1.0) for name in ("value", "u"))
-        for one in found
+        for one in row["results"]
         if one["value"] is not None and one["u"] is not None and one["test"] == "triad"
     }
 

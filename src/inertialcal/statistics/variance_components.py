@@ -79,7 +79,7 @@ class Components:
         return -0.5 * float(np.linalg.slogdet(free.T @ self._covariance() @ free)[1] + self.chi_square)
 
     def _covariance(self) -> Array:
-        return _whole(self.covariances, self.patterns, self.variances.values())
+        return _whole(len(self.readings), self.covariances, self.patterns, self.variances.values())
 
     def variance_dof(self, name: str) -> float:
         """Return the degrees of freedom of one theta; 0 where it is zero."""
@@ -119,7 +119,7 @@ def fit_components(
     if n <= p:
         what = f"{n} readings for {p} unknowns leave no scatter to judge them by"
         raise DataError(what, do="Take more readings", code="no_dof")
-    fixed = _whole(known, {}, ())
+    fixed = _whole(n, known, {}, ())
     patterns = list(unknown.values())
     free = _contrasts(design)
     if not fixed.any() and np.linalg.norm(free.T @ readings) <= n * np.finfo(float).eps * np.linalg.norm(readings):
@@ -131,7 +131,7 @@ def fit_components(
         [free.T @ one @ free for one in patterns],
         np.array([start[name] for name in unknown]) if start else None,
     )
-    V = _whole(known, unknown, theta)
+    V = _whole(n, known, unknown, theta)
     size = np.linalg.eigvalsh(V)
     if not size[0] > n * np.finfo(float).eps * size[-1]:
         what = f"some of the {n} readings have no scatter of their own, and they do not scatter about the fit"
@@ -164,9 +164,9 @@ def _contrasts(design: Array) -> Array:
     return np.asarray(np.linalg.qr(design, mode="complete")[0][:, design.shape[1] :])
 
 
-def _whole(known: Mapping[str, Array], patterns: Mapping[str, Array], theta: Iterable[float]) -> Array:
-    """Return the covariance of readings."""
-    none = np.zeros_like(next(iter((*known.values(), *patterns.values()))))
+def _whole(n: int, known: Mapping[str, Array], patterns: Mapping[str, Array], theta: Iterable[float]) -> Array:
+    """Return the covariance of n readings."""
+    none = np.zeros((n, n))
     fixed = sum(known.values(), none)
     return np.asarray(fixed + sum((t * one for t, one in zip(theta, patterns.values(), strict=True)), none))
 
