@@ -38,12 +38,17 @@ class Choice(Generic[Loops]):
     def __call__(self, samples: int) -> Loops:
         """Return the loops for a record of so many samples."""
         if samples > self._short or next(self._calls) >= self._few:
-            return cast("Loops", self._kernels())
+            return self.compiled
         return self.at_hand if compiling.started else self._others
+
+    @cached_property
+    def compiled(self) -> Loops:
+        """The compiled ones."""
+        return cast("Loops", self._kernels())
 
     @cached_property
     def at_hand(self) -> Loops:
         """Those that nothing need be compiled for."""
         from ..statistics._kernels import AtHand  # noqa: PLC0415 - starts slowly
 
-        return cast("Loops", AtHand(self._kernels(), self._others))
+        return cast("Loops", AtHand(self.compiled, self._others))

@@ -63,10 +63,11 @@ def remembered(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def again(*args: P.args, **kwargs: P.kwargs) -> R:
-        arrays = [one for one in _parts((args, kwargs)) if isinstance(one, np.ndarray)]
+        parts = _parts((args, kwargs))
+        arrays = [one for one in parts if isinstance(one, np.ndarray)]
         if sum(one.nbytes for one in arrays) > LONGEST or any(is_stored(one) or one.dtype.hasobject for one in arrays):
             return _read_only(function(*args, **kwargs))
-        key = _digest((args, kwargs))
+        key = _digest(parts)
         with lock:
             if key in known:
                 known[key] = known.pop(key)  # the last in order
@@ -143,9 +144,9 @@ def _read_only(found: R) -> R:
     return found
 
 
-def _digest(given: object) -> bytes:
+def _digest(parts: list[object]) -> bytes:
     digest = sha1(usedforsecurity=False)  # takes half the time of sha256
-    for one in _parts(given):
+    for one in parts:
         if isinstance(one, np.ndarray):
             digest.update(f"{one.dtype.str}{one.shape}".encode())
             digest.update(_content(np.ascontiguousarray(one).reshape(-1)).view(np.uint8).data)

@@ -101,8 +101,10 @@ def _of_shares(places: Callable[[tuple[int, int, int]], Indices], n: int, channe
 
 def level_changes(
     y: Array, noise: Noise, scales: tuple[int, ...], quantile: Array, cuts: Indices
-) -> tuple[Indices, Array]:
+) -> tuple[Indices, Callable[[], Array]]:
     """Return where the level changes, with 0 and n, and by how much more than white noise the widest means scatter.
+
+    That is measured where it is asked for.
 
     Parameters
     ----------
@@ -123,7 +125,7 @@ def level_changes(
 
     for w, some in zip(scales, _any_above(y, scales, limits), strict=True):
         cuts, widening = _changes_at_scale(Jumps(y, w), noise, w, quantile, cuts, widening, some)
-    return cuts, widening()
+    return cuts, widening
 
 
 def _limit(noise: Noise, w: int, quantile: Array, wide: Array | float = 1.0) -> Array:
@@ -362,13 +364,18 @@ def _spread_of_variance() -> tuple[Array, Array]:
     return chi_square_quantile(LOW, dof) / chi_square_quantile(0.5, dof), dof
 
 
+def _among(at: Indices, walls: Indices) -> Flags:
+    """Return which places are walls; these are ascending, not none."""
+    return np.asarray(walls[np.minimum(np.searchsorted(walls, at), len(walls) - 1)] == at)
+
+
 def settled_ends(y: Array, noise: Noise, start: Indices, stop: Indices, walls: Indices) -> tuple[Indices, Indices]:
     """Return stretches whose ends lie where the samples settle at the level inside, three samples off at most.
 
     A sample at an end that does not fit the level just inside is given up; one before the end that does fit is taken
     in, if no other stretch holds it. No end moves across a wall (0, long gaps and n), and an end there stays.
     """
-    if np.isin(start, walls).all() and np.isin(stop, walls).all():
+    if _among(start, walls).all() and _among(stop, walls).all():
         return start, stop
     first, last = (_means(y, at, at + LEVEL_SAMPLES) for at in (start + RAMP, stop - RAMP - LEVEL_SAMPLES))
     limit = EDGE * noise.scale * np.sqrt(1.0 + 1.0 / LEVEL_SAMPLES)
@@ -387,14 +394,14 @@ def _settled(
         off = np.abs(rows_taken(y, np.clip(at, 0, len(y) - 1)) - level)
         return np.asarray((off <= limit).all(axis=1))
 
-    free = ~np.isin(edge, walls)
+    free = ~_among(edge, walls)
     giving, moved = free.copy(), edge
     for _ in range(RAMP):
         giving &= ~fits(moved + inner)
         moved = moved + inward * giving
     taking = free & (moved == edge)
     for _ in range(RAMP):
-        taking &= ((moved - neighbour) * inward > 0) & ~np.isin(moved, walls) & fits(moved + outer)
+        taking &= ((moved - neighbour) * inward > 0) & ~_among(moved, walls) & fits(moved + outer)
         moved = moved - inward * taking
     return moved
 
@@ -407,7 +414,7 @@ def joined_where_equal(
     A disturbance of a few samples makes a change on a fine scale that a wide one does not see. Stretches are not joined
     across a wall; ``quantile`` (channels,) is the threshold in standard deviations of the difference.
     """
-    at = np.flatnonzero((start[1:] == stop[:-1]) & ~np.isin(start[1:], walls))
+    at = np.flatnonzero((start[1:] == stop[:-1]) & ~_among(start[1:], walls))
     if not len(at):
         return start, stop
     edge = stop[at]

@@ -133,7 +133,7 @@ def _level_pieces(
     size = np.diff(first)
     enough = size >= plan.shortest
     if not enough.any():
-        return first[:0], first[:0], widening
+        return first[:0], first[:0], widening()
     begun = first[:-1][enough]
     first = np.concatenate(([0], np.cumsum(size[enough])))  # the cuts, counted in the samples kept
     skipped = begun - first[:-1]  # samples that are not kept before each of them
@@ -143,7 +143,7 @@ def _level_pieces(
         first, widening = level_changes(rest, noise, plan.scales[1:], quantile, first)
     own = skipped[np.searchsorted(cuts, first[:-1], side="right") - 1]
     start, stop = _long(first[:-1] + own, first[1:] + own, plan.shortest)
-    return start, stop, widening
+    return start, stop, widening()
 
 
 def _rows(y: Array, flags: Flags) -> Array:
