@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import json
 import os
+import random
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from small_lot import digests, folder_lot
+from small_lot import digests, folder_lot, rows
 
 import inertialcal as ic
 from inertialcal.core.errors import InertialcalError
+from sized import sized
 
 UNITS = 16
 
@@ -52,7 +55,7 @@ def reduced(lot: Path, out: Path, address: str, tell: Callable[[int, int, str], 
         try:
             ic.lot(lot, out, resume=out.exists(), scheduler=address, progress=tell)
         except InertialcalError as error:
-            if error.problems[0].code != "no_workers" or time.monotonic() > end or (out / "ledger.sqlite").exists():
+            if error.problems[0].code != "no_workers" or time.monotonic() > end:
                 raise
             time.sleep(0.3)
         else:
@@ -86,6 +89,52 @@ def test_a_cluster_gives_the_same_bytes_though_a_worker_vanishes_and_the_schedul
     again = ic.lot(lot, ended, resume=True, workers=0)
     assert again.kept > 0
     assert digests(ended) == digests(tmp_path / "here")
+
+
+def starting(timer: threading.Timer) -> Callable[[int, int, str], None]:
+    """Return what starts a timer when work begins."""
+
+    def tell(done: int, total: int, what: str) -> None:
+        if timer.ident is None:
+            timer.start()
+
+    return tell
+
+
+def scheduler_kills(lot: Path, folder: Path, count: int, expected: dict[str, str]) -> int:
+    """Kill schedulers at random while a lot is worked on, resuming it on new ones; return how many kills ended it."""
+    chance, hits, made = random.Random(count), 0, 0
+    codes = set[tuple[str, int]]()
+    while hits < count:
+        made += 1
+        out = folder / f"out{made}"
+        while True:
+            with cluster(folder / f"cluster{hits}-{made}", 1) as (address, every):
+                wait = 3.0 * chance.random()
+                timer = threading.Timer(wait, every[0].kill)
+                try:
+                    reduced(lot, out, address, starting(timer))
+                    break
+                except InertialcalError as error:
+                    codes.add((error.problems[0].code, error.exit_status))
+                    hits += 1
+                finally:
+                    timer.cancel()
+            if hits == count:
+                ic.lot(lot, out, resume=True, workers=0)
+                break
+        assert [one["number"] for one in rows(out)] == list(range(UNITS))
+        assert digests(out) == expected
+    assert codes == {("no_scheduler", 3)}
+    return hits
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="kills")
+def test_many_kills_of_the_scheduler(tmp_path: Path) -> None:
+    lot = folder_lot(tmp_path / "lot", UNITS)
+    ic.lot(lot, tmp_path / "here", workers=0)
+    assert scheduler_kills(lot, tmp_path, sized(20, 4), digests(tmp_path / "here")) == sized(20, 4)
 
 
 def test_a_scheduler_that_is_not_there_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -101,12 +101,12 @@ class Table:
     def __len__(self) -> int:
         return len(self.serials)
 
-    @property
+    @cached_property
     def own(self) -> Array:
         """Part of u that is drawn anew for each unit, shape (n, k)."""
         return np.asarray(np.sqrt(np.maximum(self.u**2 - self.common**2, 0.0)))
 
-    @property
+    @cached_property
     def own_dof(self) -> Array:
         """Degrees of freedom of that, shape (n, k): the standards have theirs without end."""
         with np.errstate(invalid="ignore", divide="ignore"):
