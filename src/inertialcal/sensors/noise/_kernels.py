@@ -17,6 +17,10 @@ CONVERGED = 1e-6  # gain of the cost below which it ends
 NO_SLOPE, SINGULAR = 1e-12, 1e-13  # relative, what is taken for zero
 BRIEF = 0.05  # lag in correlation times below which an exponential less its first terms is summed as a series
 GONE = 40.0  # the same from which nothing is left of it beside the other terms, to the last bit
+MOST_GROWN = 690.0  # the same up to which exponentials of a sum are products
+NEAR = 2  # distances from a kink that are summed one by one
+GROWTH = 8.0  # lengths of neighbouring panels beyond
+KINKS = 6  # of each pair, both ends among them
 ONE_SIDED = 0.95  # of an upper limit
 SURE = 2.5758293035489004  # a term of a size that is named in 99.5 % of records is not missed
 FURTHEST = 1e6  # standard uncertainties: beyond, there is no limit
@@ -144,6 +148,20 @@ def scored(D: Array, s: Array, w: Array, held: int, value: float, v: Array, warm
 
 
 @compiled
+def score_each(D: Array, s: Array, w: Array, wanted: NDArray[np.bool_], powers: Array, costs: Array) -> None:
+    """Fill the powers of least cost of choices of columns, a row each, and those costs."""
+    for i in range(len(wanted)):
+        at = np.flatnonzero(wanted[i])
+        own, v = np.empty((len(D), len(at))), np.zeros(len(at))
+        for j in range(len(at)):
+            for t in range(len(D)):
+                own[t, j] = D[t, at[j]]
+        costs[i] = scored(own, s, w, -1, 0.0, v, False)
+        for j in range(len(at)):
+            powers[i, at[j]] = v[j]
+
+
+@compiled
 def searched(
     D: Array, table: Array, lo: float, hi: float, spacings: Array, s: Array, w: Array, held: int, value: float, v: Array
 ) -> tuple[float, float]:
@@ -187,43 +205,158 @@ def searched(
 
 
 @compiled
-def fill_covariance(
-    pair: Indices, windows: Array, size: Array, distance: Array, m1: Array, m2: Array, powers: tuple[Array, ...],
-    sizes: tuple[float, ...], exponentials: Array, ramp: float, out: Array,
-) -> None:  # fmt: skip
-    """Add up what every pair of averaging times has in common, see ``fitting.allan_covariance``.
+def lags_of(m1: Array, m2: Array, last: Array) -> tuple[Indices, Array, Array]:
+    """Return pair, distance and weight of all that is summed, see ``fitting.allan_covariance``, each of shape (t,)."""
+    levels = NEAR + 2 + int(np.log(max(last.max(), 1.0)) / np.log(GROWTH))
+    room = len(m1) * (1 + (KINKS - 1) * (1 + 6 * levels))
+    pair, distance, weight, n = np.empty(room, np.int64), np.empty(room), np.empty(room), 0
+    kinks = np.zeros(KINKS)
+    for i in range(len(m1)):
+        kinks[1], kinks[2] = min(m1[i], m2[i] - m1[i]), max(m1[i], m2[i] - m1[i])
+        kinks[3], kinks[4], kinks[5] = m2[i], m2[i] + m1[i], last[i]
+        first = n
+        distance[n], weight[n], n = 0.0, 0.5, n + 1
+        for part in range(KINKS - 1):
+            start, end = min(kinks[part], last[i]), min(kinks[part + 1], last[i])
+            if not end > start:
+                continue
+            distance[n], weight[n], n = end, 1.0, n + 1
+            both, lo, hi, done = part < KINKS - 2, start + 1.0, end - 1.0, 0  # a kink at either end; what is left
+            while lo <= hi:
+                length = 1.0 if done < NEAR else NEAR * GROWTH ** (done - NEAR)
+                size = min(length, max(np.ceil((hi - lo + 1.0) / 2.0), 1.0) if both else hi - lo + 1.0)
+                n = _panel(lo, size, distance, weight, n)
+                lo += size
+                if both and lo <= hi:
+                    size = min(size, hi - lo + 1.0)
+                    n = _panel(hi - size + 1.0, size, distance, weight, n)
+                    hi -= size
+                done += 1
+        pair[first:n] = i
+    return pair[:n].copy(), distance[:n].copy(), weight[:n].copy()
 
-    ``powers`` are second differences of the powers of a lag, of which those of size 0 are empty.
+
+@compiled
+def _panel(lo: float, size: float, distance: Array, weight: Array, n: int) -> int:
+    """Put the nodes of a panel behind the first n: those exact for polynomials of degree five, of a long one."""
+    if size <= NEAR:
+        for i in range(int(size)):
+            distance[n + i], weight[n + i] = lo + i, 1.0
+        return n + int(size)
+    middle, outer = lo + 0.5 * (size - 1.0), (3.0 * size * size - 7.0) / 20.0
+    ends, by = size * (size * size - 1.0) / (24.0 * outer), np.sqrt(outer)
+    distance[n], distance[n + 1], distance[n + 2] = middle, middle - by, middle + by
+    weight[n], weight[n + 1], weight[n + 2] = size - 2.0 * ends, ends, ends
+    return n + 3
+
+
+@compiled
+def add_differences(
+    distance: Array, m1: Array, m2: Array, more: Array, linear: float, none: float, exponentials: Array, out: Array
+) -> None:  # fmt: skip
+    """Add weighted second differences at each lag, see ``fitting.allan_covariance``, shape (t,).
+
+    Of the lag, times ``more``; of 1 where it is zero; of exponentials, rows of which are size, u and both of
+    ``terms.exponential_gain``. Lags of a pair follow each other.
     """
-    (linear, point, cubic, flicker), squared = sizes, ramp * ramp
-    for t in range(len(pair)):
-        s = linear * powers[0][t] if linear != 0.0 else 0.0
-        if point != 0.0:
-            s += point * powers[1][t]
-        if cubic != 0.0:
-            s += cubic * powers[2][t]
-        if flicker != 0.0:
-            s += flicker * powers[3][t]
-        total = 0.0
+    start, ahead = 0, np.empty(len(distance))
+    while start < len(distance):
+        stop, longest = start, 0.0
+        while stop < len(distance) and m1[stop] == m1[start] and m2[stop] == m2[start]:
+            longest, stop = max(longest, distance[stop]), stop + 1
+        d, own, raised = distance[start:stop], out[start:stop], more[start:stop] if len(more) > 1 else more
         for a in range(-1, 2):
             for b in range(-1, 2):
-                j, found = abs(distance[t] + b * m2[t] - a * m1[t]), 0.0
-                for e in range(len(exponentials)):
-                    x = exponentials[e, 1] * j
-                    if x < BRIEF:
-                        decay = (
-                            -x * x * x * (1.0 - x * 0.25 * (1.0 - x * 0.2 * (1.0 - x / 6.0 * (1.0 - x / 7.0)))) / 6.0
-                        )
+                shift, factor = b * m2[start] - a * m1[start], (2.0 - 3.0 * abs(a)) * (2.0 - 3.0 * abs(b))
+                for t in range(len(d)):
+                    own[t] += factor * linear * raised[t if len(more) > 1 else 0] * abs(d[t] + shift)
+                    own[t] += factor * none if d[t] + shift == 0.0 else 0.0
+        for e in range(len(exponentials)):
+            u = exponentials[e, 1]
+            few = u * (longest + m1[start] + m2[start]) < MOST_GROWN
+            for t in range(len(d) if few else 0):
+                ahead[t] = np.exp(-u * d[t])
+            for a in range(-1, 2):
+                for b in range(-1, 2):
+                    shift, factor = b * m2[start] - a * m1[start], (2.0 - 3.0 * abs(a)) * (2.0 - 3.0 * abs(b))
+                    _add_exponential(d, shift, u, -factor * exponentials[e, 0], exponentials[e, 2:], own)
+                    if few:
+                        _add_products(d, shift, u, -factor * exponentials[e, 0] * exponentials[e, 2], ahead, own)
                     else:
-                        decay = (np.exp(-x) if x < GONE else 0.0) - 1.0 + x - 0.5 * x * x
-                    found -= exponentials[e, 0] * (exponentials[e, 2] * decay + exponentials[e, 3] * j)
-                total += (2.0 - 3.0 * abs(a)) * (2.0 - 3.0 * abs(b)) * found
-        s += total
-        s /= size[t]
-        square = 0.5 * s * s
-        if ramp != 0.0:
-            square += squared * size[t] * s
-        out[pair[t]] += square * windows[t]
+                        _add_far(d, shift, u, -factor * exponentials[e, 0] * exponentials[e, 2], own)
+        start = stop
+
+
+@compiled
+def _add_exponential(d: Array, shift: float, u: float, size: float, gain: Array, out: Array) -> None:
+    """Add what is left of an exponential but itself, and of the lag; of brief lags all."""
+    first, excess = gain[0], gain[1]
+    for t in range(len(d)):
+        j = abs(d[t] + shift)
+        x = u * j
+        brief = -x * x * x * (1.0 - x * 0.25 * (1.0 - x * 0.2 * (1.0 - x / 6.0 * (1.0 - x / 7.0)))) / 6.0
+        rest = x - 1.0 - 0.5 * x * x
+        out[t] += size * (first * (brief if x < BRIEF else rest) + excess * j)
+
+
+@compiled
+def _add_products(d: Array, shift: float, u: float, size: float, ahead: Array, out: Array) -> None:
+    """Add an exponential of a sum as a product, where it is not brief."""
+    one, other = np.exp(-u * shift), np.exp(u * shift)
+    for t in range(len(d)):
+        lag = d[t] + shift
+        left = ahead[t] * one if lag > 0.0 else other / ahead[t]
+        out[t] += size * left if u * abs(lag) >= BRIEF else 0.0
+
+
+@compiled
+def _add_far(d: Array, shift: float, u: float, size: float, out: Array) -> None:
+    """Add the same where products would grow too large; beyond some correlation times nothing is left."""
+    reach = GONE / u
+    for t in range(len(d)):
+        j = abs(d[t] + shift)
+        if j < reach and u * j >= BRIEF:
+            out[t] += size * np.exp(-u * j)
+
+
+@compiled
+def fill_spread(
+    powers: Array, squares: Array, row: Indices, column: Indices, run: Indices, found: NDArray[np.bool_],
+    lost: Array, by: Array, doubt: Array, hidden: float, shape: float, sigma: Array,
+) -> None:  # fmt: skip
+    """Fill the covariance of the Allan variances of runs that powers of terms give, see ``fitting.spread``."""
+    k, pairs, q = len(run), len(row), len(powers)
+    total, taken, more = np.zeros(pairs), np.zeros(k), np.ones(k)
+    at = 0
+    for i in range(q):
+        for j in range(i + 1):
+            both = powers[i] * powers[j]
+            if both != 0.0:
+                for t in range(pairs):
+                    total[t] += both * squares[at, t]
+            at += 1
+    sigma[:] = 0.0
+    for t in range(pairs):
+        sigma[row[t], column[t]] = sigma[column[t], row[t]] = total[t]
+    for t in range(k):
+        deviation, of = np.sqrt(sigma[t, t]), run[t]
+        level = slope = 0.0
+        for i in range(q):
+            taken[t] += powers[i] * lost[i, t]
+            level += powers[i] * by[i, t, 0]
+            slope += powers[i] * by[i, t, 1]
+        if not found[of]:
+            taken[t] = min(taken[t], hidden * deviation)
+            continue
+        taken[t] *= shape
+        square = level * level * doubt[of, 0, 0] + slope * slope * doubt[of, 1, 1]
+        square += level * slope * (doubt[of, 0, 1] + doubt[of, 1, 0])
+        if deviation > 0.0:  # none, where a ramp is all there is
+            more[t] += np.sqrt(max(square, 0.0)) / deviation  # of the same noise
+    for t in range(k):
+        for r in range(k):
+            if run[t] == run[r]:
+                sigma[t, r] = sigma[t, r] * more[t] * more[r] + taken[t] * taken[r]
 
 
 @compiled
@@ -314,6 +447,31 @@ def limit_root(
             break
         state[4] = beyond(state[1])
     return float(state[1])
+
+
+@compiled
+def limited(
+    D: Array, table: Array, lo: float, hi: float, spacings: Array, s: Array, w: Array, held: int,
+    u: float, named: float, stretch: float, missed: bool, tolerance: float, v: Array,
+) -> tuple[float, float, float, float, float]:  # fmt: skip
+    """Fill v of least cost where one power is ruled out, see ``limit_root``.
+
+    Returns are the distance from the best power in u (NaN for nowhere), the best, the least cost, what the best lacks
+    of being named [u], and the position in the table where it is ruled out.
+    """
+    if len(spacings) == 0:
+        least = scored(D, s, w, -1, 0.0, v, False)
+    else:
+        least = searched(D, table, lo, hi, spacings, s, w, -1, 0.0, v)[1]
+    best, position = v[held], 0.0
+    short = max(named - best, 0.0) / u if missed else 0.0
+    x = limit_root(D, table, lo, hi, spacings, s, w, held, best, u, least, stretch, short, missed, tolerance)
+    v[:] = 0.0
+    if len(spacings) == 0:
+        scored(D, s, w, held, best + x * u, v, False)
+    elif x >= 0.0:
+        position = searched(D, table, lo, hi, spacings, s, w, held, best + x * u, v)[0]
+    return x, best, least, short, position
 
 
 @compiled
@@ -440,22 +598,47 @@ def fill_sandwich(D: Array, w: Array, sigma: Array, least: float, covariance: Ar
 
 
 @compiled
-def first_known(columns: Array, weight: Array, column: int, most: float, least: float) -> int:
-    """Return the first row of roots of weights with which a size has no larger variance; their number where none has.
+def fill_known(
+    columns: Array, powers: Array, timed: Array, w: Array, sigma: Array, least: float, covariance: Array, naive: Array
+) -> None:  # fmt: skip
+    """Fill the same of the unknowns of powers that are there, and of one more with slopes ``timed``, if it has any."""
+    k, q = len(w), len(covariance)
+    D, weights, mean, i = np.empty((k, q)), np.empty(k), np.zeros(k), 0
+    for j in range(len(powers)):
+        if powers[j] > 0.0:
+            for t in range(k):
+                D[t, i] = columns[t, j]
+                mean[t] += powers[j] * columns[t, j]
+            i += 1
+    for t in range(k):
+        if len(timed) > 0:
+            D[t, q - 1] = timed[t]
+        weights[t] = w[t] / (mean[t] * mean[t])
+    fill_sandwich(D, weights, sigma, least, covariance, naive)
 
-    ``columns`` are what each size adds to the mean.
+
+@compiled
+def first_known(columns: Array, powers: Array, weight: Array, column: int, most: float, least: float) -> int:
+    """Return the first row of roots of weights with which a power has no larger variance; their number where none has.
+
+    ``columns`` are what powers of 1 add to the mean; ``column`` counts those that are there.
     """
-    k, q = columns.shape
-    D, H, scale = np.empty((k, q)), np.empty((q, q)), np.empty(q)
+    there = np.flatnonzero(powers)
+    k, q = len(columns), len(there)
+    part, D, H, scale = np.empty((k, q)), np.empty((k, q)), np.empty((q, q)), np.empty(q)
+    for t in range(k):
+        mean = 0.0
+        for i in range(q):
+            part[t, i] = columns[t, there[i]] * powers[there[i]]
+            mean += part[t, i]
+        for i in range(q):
+            part[t, i] /= mean
     for n in range(len(weight)):
         for i in range(q):
             scale[i] = 0.0
         for t in range(k):
-            mean = 0.0
             for i in range(q):
-                mean += columns[t, i]
-            for i in range(q):
-                D[t, i] = columns[t, i] / mean * weight[n, t]
+                D[t, i] = part[t, i] * weight[n, t]
                 scale[i] += D[t, i] * D[t, i]
         for i in range(q):
             for j in range(i + 1):

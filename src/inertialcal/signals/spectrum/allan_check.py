@@ -83,12 +83,12 @@ def _summed(spectrum: Spectrum, m: NDArray[np.int64]) -> tuple[Array, Array]:
     all sines that any m needs stand in one table, taken at whole numbers without the rounding of large angles.
     """
     n, order = spectrum.segment, np.rint(spectrum.frequency / spectrum.spacing).astype(np.int64)
-    fourth = _sines(n)
-    below = np.sqrt(fourth[order])
-    inside, edf = np.empty((2, len(m), spectrum.density.shape[1]))
     if len(order) * len(m) > SHORT:
         from ._kernels import sums_of_windows  # noqa: PLC0415 - numba starts slowly
 
+        fourth = _sines(n)
+        below = np.sqrt(fourth[order])
+        inside, edf = np.empty((2, len(m), spectrum.density.shape[1]))
         spread = np.empty(len(m))
         for axis, density in enumerate(spectrum.density.T):
             level = density * (2.0 * spectrum.spacing / below)
@@ -96,10 +96,14 @@ def _summed(spectrum: Spectrum, m: NDArray[np.int64]) -> tuple[Array, Array]:
             with np.errstate(invalid="ignore"):
                 edf[:, axis] = spectrum.edf * inside[:, axis] ** 2 / spread
         return inside, edf
-    for i, size in enumerate(m.tolist()):
-        response = 2.0 * fourth[size * order % n] / (float(size) ** 2 * below)
-        inside[i], edf[i] = spectrum.summed(response * spectrum.spacing)
-    return inside, edf
+    return spectrum.summed(_windows(n, order.tobytes(), m.tobytes()) * spectrum.spacing)
+
+
+@lru_cache(maxsize=2)  # records of one length share them
+def _windows(n: int, order: bytes, m: bytes) -> Array:
+    """Return the response of m samples at frequencies of whole orders, shape (k, frequencies), not to be changed."""
+    fourth, at, size = _sines(n), np.frombuffer(order, np.int64), np.frombuffer(m, np.int64)[:, None]
+    return np.asarray(2.0 * fourth[size * at % n] / (size.astype(np.float64) ** 2 * np.sqrt(fourth[at])))
 
 
 @lru_cache(maxsize=2)
@@ -117,8 +121,9 @@ def _continued(spectrum: Spectrum) -> Array:
     for axis in range(len(found)):
         density = spectrum.density[:few, axis]
         if np.all(density > 0.0):
-            slope = float(np.clip(np.polyfit(place, np.log(density), 1)[0], *SLOPE))
-            there = float(np.exp(np.mean(np.log(density)) + slope * (np.log(edge) - np.mean(place))))
+            logs, off = np.log(density), place - place.mean()
+            slope = float(np.clip((off @ logs) / (off @ off), *SLOPE))
+            there = float(np.exp(logs.mean() + slope * (np.log(edge) - place.mean())))
             found[axis] = 2.0 * np.pi**2 * there * edge**3 / (3.0 + slope)
     return found
 

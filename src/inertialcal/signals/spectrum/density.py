@@ -102,19 +102,20 @@ class Spectrum:
         return float(n + 2.0 * np.sum((n - lag) * self.neighbours[lag]))
 
     def summed(self, weights: Array) -> tuple[Array, Array]:
-        """Return weighted sums over frequency and their equivalent degrees of freedom, both shape (axes,).
+        """Return weighted sums over frequency and their equivalent degrees of freedom, both shape (..., axes).
 
         Parameters
         ----------
-        weights : ndarray, shape (k,)
+        weights : ndarray, shape (..., k)
             Not negative.
         """
-        total, spread = np.empty((2, self.density.shape[1]))
+        total, spread = np.empty((2, *weights.shape[:-1], self.density.shape[1]))
         for axis, density in enumerate(self.density.T):
             parts = weights * density
-            total[axis], spread[axis] = parts.sum(), np.square(parts).sum()
-            for lag in range(1, min(len(self.neighbours), len(parts))):
-                spread[axis] += 2.0 * self.neighbours[lag] * np.sum(parts[lag:] * parts[:-lag])
+            total[..., axis], spread[..., axis] = parts.sum(axis=-1), np.einsum("...i,...i", parts, parts)
+            for lag in range(1, min(len(self.neighbours), len(density))):
+                pairs = np.einsum("...i,...i", parts[..., lag:], parts[..., :-lag])
+                spread[..., axis] += 2.0 * self.neighbours[lag] * pairs
         with np.errstate(invalid="ignore"):
             return total, np.asarray(self.edf * total**2 / spread)
 

@@ -8,7 +8,10 @@ from numpy.typing import NDArray
 from scipy.signal import butter, lfilter, sosfilt
 
 from inertialcal.sensors.noise import BiasInstability, RandomWalk, RateRandomWalk, fit, simulate
-from inertialcal.sensors.noise.fitting.filtered import Band, Search, corner_of, crossing, rolled, search
+from inertialcal.sensors.noise.fitting.allan_covariance import covariance_of_allan
+from inertialcal.sensors.noise.fitting.filtered import SHAPE, Band, Search, corner_of, crossing, rolled, search
+from inertialcal.sensors.noise.fitting.problem import Run
+from inertialcal.sensors.noise.fitting.spread import spread_with
 from inertialcal.sensors.noise.terms import Phase
 from inertialcal.signals.allan import allan
 from inertialcal.signals.spectrum.psd import psd
@@ -81,6 +84,24 @@ def test_parts_of_a_band_are_their_closed_forms() -> None:
     assert crossing(cycles, 1.0 / (1.0 + (cycles / CORNER) ** 2), CORNER) == pytest.approx(CORNER, rel=1e-3)
     band = Band(CORNER, np.array([0.1, 0.2]), np.array([0.8, 0.5]), (CORNER,) * 3, 0.0, np.zeros((2, 2)))
     np.testing.assert_allclose(band.passed_at(np.array([0.05, 0.1])), [0.95, 0.8])
+
+
+def test_what_is_not_known_of_a_filter_widens_the_covariance() -> None:
+    """By the uncertainty of what it takes, at each averaging time, of the same noise; its shape is common to all."""
+    cycles = (np.arange(4000) + 0.5) / 8000.0
+    passed, doubt = np.exp(-((cycles / CORNER) ** 2)), np.array([[4e-3, -1e-3], [-1e-3, 9e-3]])
+    band = Band(CORNER, cycles, passed, (CORNER,) * 3, 0.5, doubt)
+    m, power = np.exp2(np.arange(5.0, 12.0)), 0.04
+    n, ones = 20_000.0 - 2.0 * m + 1.0, np.ones(len(m))
+    run = Run(m, ones, n, ones, 1.0, 1.0, ones, band=band)
+    found = spread_with((run,), (RandomWalk(1.0),)).covariance(np.array([power]))
+    noise = Phase(linear=power)
+    lost = band.lost([noise], m)[0]
+    own = covariance_of_allan(noise + Phase(point=-lost[0] * m[0] ** 2 / 3.0), m, n)
+    by = band.slopes([noise], m)[0]
+    wider = 1.0 + np.sqrt(np.einsum("ki,ij,kj->k", by, doubt, by) / np.diag(own))
+    assert wider[0] > 1.1
+    np.testing.assert_allclose(found, own * np.outer(wider, wider) + SHAPE**2 * np.outer(lost, lost), rtol=1e-9)
 
 
 @pytest.mark.parametrize("kind", ["none", "first order"])

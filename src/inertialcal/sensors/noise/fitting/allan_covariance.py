@@ -28,7 +28,7 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import Any
@@ -37,39 +37,61 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....core.estimate import Array
-from .._kernels import fill_covariance
+from .._kernels import add_differences, lags_of
 from ..expected import density_of_samples
 from ..terms import SERIES_FROM, Phase, dead_time_part, exponential_gain
 
 NO_BEAT = 1e-9  # sine of a frequency that is no beat: the sum of two lines at the sample rate
 TAIL = 8.0  # of a correlation time, and of both averaging times, beyond which nothing is summed
-NEAR = 2  # distances from a kink that are summed one by one
-GROWTH = 8.0  # lengths of neighbouring panels beyond
-NONE = np.empty(0)
+ONE, NO_PARTS = np.ones(1), np.empty((0, 4))
 LAGS = [(a, b, (2.0 - 3.0 * abs(a)) * (2.0 - 3.0 * abs(b))) for a in (-1, 0, 1) for b in (-1, 0, 1)]  # (1, -2, 1) twice
 
 
 def covariance_of_allan(phase: Phase, m: Array, n: Array, inflation: Array | None = None) -> Array:
     """Return the covariance of overlapping Allan variances, shape (k, k) [unit^4]."""
-    linear = phase.linear + 2.0 * phase.flicker * _slope(phase.duty)  # what dead time adds is short, taken as white
-    parts = np.array(phase.exponentials).reshape(-1, 2)
-    slowest = float(parts[:, 1].min()) if len(parts) else np.inf
-    wanders = TAIL * float(m[-1]) * (phase.flicker > 0.0)
+    found = squares_of((phase,), m, n, inflation)
+    out = np.empty((len(m), len(m)))
+    out[found.row, found.column] = out[found.column, found.row] = found.values[0]
+    return out
+
+
+@dataclass(frozen=True, eq=False)
+class Squares:
+    """What noises give together: the covariance of their sum is quadratic in the sizes of their variances."""
+
+    # Averaging times of each pair, shape (p,)
+    row: NDArray[np.intp]
+    column: NDArray[np.intp]
+    values: Array  # shape (q (q + 1) / 2, p): Of noises 0 0, 1 0, 1 1, 2 0, ... [unit^4]
+
+
+def squares_of(phases: Sequence[Phase], m: Array, n: Array, inflation: Array | None = None) -> Squares:
+    """Return what independent noises of known size give together."""
+    parts = [u for one in phases for _, u in one.exponentials]
+    wanders = TAIL * float(m[-1]) * any(one.flicker > 0.0 for one in phases)
     m, n = np.asarray(m, dtype=float), np.asarray(n, dtype=float)
     raised = None if inflation is None or np.all(inflation == 1.0) else inflation.tobytes()
-    known = _design(m.tobytes(), n.tobytes(), raised, max(TAIL / slowest, wanders, 2.0))
-    sizes = np.array([-0.5 * linear, phase.point, phase.cubic / 12.0, 0.5 * phase.flicker])
+    known = _design(m.tobytes(), n.tobytes(), raised, max(TAIL / min(parts, default=np.inf), wanders, 2.0))
     row, column = known.pairs
-    found = known.sums(sizes, phase.ramp) if not len(parts) else known.with_exponentials(sizes, parts, phase.ramp)
-    out = np.empty((len(m), len(m)))
-    out[row, column] = 2.0 * found / (n[row] * n[column])  # t and -t are alike
-    out[column, row] = out[row, column]
-    for line in phase.cosines:
-        out += noise_on_line(phase, line, m, n)
-    for i, line in enumerate(phase.cosines):
-        out += ends_of_lines(line, line, m, n)
-        for other in phase.cosines[:i]:
-            out += ends_of_lines(line, other, m, n)
+    noises = [Noise(known, one) for one in phases]
+    found = [one.square(other) for i, one in enumerate(noises) for other in noises[: i + 1]]
+    values = 2.0 * np.array(found) / (n[row] * n[column])  # t and -t are alike
+    both = [(one, other) for i, one in enumerate(phases) for other in phases[: i + 1]]
+    for i, (one, other) in enumerate(both):
+        if one.cosines or other.cosines:
+            values[i] += _with_lines(one, other, m, n)[row, column]
+    return Squares(row, column, values)
+
+
+def _with_lines(one: Phase, other: Phase, m: Array, n: Array) -> Array:
+    """Return what lines of one noise and another add, shape (k, k)."""
+    out = np.zeros((len(m), len(m)))
+    for noise, lines in ((one, one),) if one is other else ((one, other), (other, one)):
+        for line in lines.cosines:
+            out += noise_on_line(noise, line, m, n)
+    for i, line in enumerate(one.cosines):
+        for second in one.cosines[: i + 1] if one is other else other.cosines:
+            out += ends_of_lines(line, second, m, n)
     return out
 
 
@@ -77,7 +99,7 @@ def covariance_of_allan(phase: Phase, m: Array, n: Array, inflation: Array | Non
 class Design:
     """What the covariance takes of the averaging times alone, whatever the noise: the same of all records of a length.
 
-    Where noise has no exponentials, it is quadratic in the sizes of the powers of a lag.
+    Where noise has no exponentials, its covariance is made of the powers of a lag.
     """
 
     pairs: tuple[NDArray[np.intp], NDArray[np.intp]]  # both averaging times of each pair, shape (p,)
@@ -97,31 +119,59 @@ class Design:
         if (i, j) not in self._squares:
             size = self.lags.size
             terms = self.power(i) if j < 0 else self.power(i) * (self.power(j) / size) / size
-            sums = np.bincount(self.lags.pair, self.windows * terms, len(self.pairs[0]))
-            self._squares[i, j] = np.asarray(sums, dtype=np.float64)
+            self._squares[i, j] = self.sum_of(terms)
         return self._squares[i, j]
 
-    def sums(self, sizes: Array, ramp: float) -> Array:
-        """Return the sum over the lags of each pair, shape (p,)."""
-        found = np.zeros(len(self.pairs[0]))
-        there = np.flatnonzero(sizes).tolist()
-        for i in there:
-            for j in there:
-                if j <= i:
-                    found += (0.5 if i == j else 1.0) * sizes[i] * sizes[j] * self.square(i, j)
-            if ramp:
-                found += ramp**2 * sizes[i] * self.square(i, -1)
-        return found
+    def sum_of(self, terms: Array) -> Array:
+        """Return the weighted sum of something over the lags of each pair, shape (p,)."""
+        return np.asarray(np.bincount(self.lags.pair, self.windows * terms, len(self.pairs[0])), dtype=np.float64)
 
-    def with_exponentials(self, sizes: Array, parts: Array, ramp: float) -> Array:
-        """Return the same of noise with exponentials, which are no fixed powers; rows of parts are size and u."""
-        exponentials = np.column_stack([parts, *exponential_gain(parts[:, 1])])
-        powers = tuple(self.power(i) if size else NONE for i, size in enumerate(sizes.tolist()))
-        found, lags = np.zeros(len(self.pairs[0])), self.lags
-        fill_covariance(
-            lags.pair, self.windows, lags.size, lags.distance, lags.m1, lags.m2, powers, tuple(sizes.tolist()),
-            exponentials, ramp, found,
-        )  # fmt: skip
+
+class Noise:
+    """A noise of known size, at the lags of a design."""
+
+    def __init__(self, design: Design, phase: Phase) -> None:
+        """Take what it has of each power of a lag."""
+        # what dead time adds to flicker is short, taken as white
+        linear = phase.linear + 2.0 * phase.flicker * _slope(phase.duty)
+        self._design, self._ramp = design, phase.ramp**2
+        self._sizes = (-0.5 * linear, phase.point, phase.cubic / 12.0, 0.5 * phase.flicker)
+        self._parts = phase.exponentials
+
+    @cached_property
+    def _there(self) -> list[tuple[int, float]]:
+        return [(i, size) for i, size in enumerate(self._sizes) if size]
+
+    @cached_property
+    def _lags(self) -> Array:
+        """Covariance s at each lag, shape (t,); exponentials are no fixed powers."""
+        lags, exponentials = self._design.lags, NO_PARTS
+        if self._parts:
+            parts = np.array(self._parts)
+            exponentials = np.column_stack([parts, *exponential_gain(parts[:, 1])])
+        found = lags.of(*self._sizes[:2], self._design.more, exponentials)
+        for i, size in self._there:
+            if i >= 2:
+                found += size * self._design.power(i)
+        return found / lags.size
+
+    def square(self, other: Noise) -> Array:
+        """Return the sum over the lags of each pair, shape (p,): of itself, or of what two add to those of each."""
+        found, same = np.zeros(len(self._design.pairs[0])), self is other
+        if self._parts or other._parts:
+            found += self._design.sum_of(self._lags * other._lags)
+        else:
+            for i, one in self._there:
+                for j, two in other._there:
+                    found += one * two * self._design.square(i, j)
+        if same:
+            found *= 0.5
+        for ramp, noise in ((self._ramp, self),) if same else ((self._ramp, other), (other._ramp, self)):
+            if ramp and noise._parts:
+                found += ramp * self._design.sum_of(noise._lags * self._design.lags.size)
+            elif ramp:
+                for i, size in noise._there:
+                    found += ramp * size * self._design.square(i, -1)
         return found
 
 
@@ -157,12 +207,18 @@ class Lags:
     @cached_property
     def none(self) -> Array:
         """Of 1 where the lag is zero, shape (t,)."""
-        return self.differences(lambda j: j == 0.0)
+        return self.of(0.0, 1.0)
 
     @cached_property
     def linear(self) -> Array:
         """Of the lag."""
-        return self.differences(lambda j: j)
+        return self.of(1.0, 0.0)
+
+    def of(self, linear: float, none: float, more: Array = ONE, exponentials: Array = NO_PARTS) -> Array:
+        """Return those of a sum of these, the first raised, and of exponentials: see ``_kernels.add_differences``."""
+        found = np.zeros(len(self.distance))
+        add_differences(self.distance, self.m1, self.m2, more, linear, none, exponentials, found)
+        return found
 
     @cached_property
     def cubic(self) -> Array:
@@ -192,36 +248,9 @@ def _lags(*given: bytes) -> Lags:
     its kinks. Between them, and away from them, panels of distances are summed by the three
     nodes that are exact for polynomials of degree five.
     """
-    m1, m2, last = map(np.frombuffer, given)
-    number = np.arange(len(m1))
-    kinks = np.minimum([0.0 * m1, np.minimum(m1, m2 - m1), np.maximum(m1, m2 - m1), m2, m2 + m1, last], last)
-    part, pair = np.nonzero(kinks[1:] > kinks[:-1])
-    end = kinks[1:][part, pair]
-    at, distance, weight = [number, pair], [0.0 * m1, end], [np.full(len(m1), 0.5), np.ones(len(pair))]
-    both, lo, hi = part < len(kinks) - 2, kinks[part, pair] + 1.0, end - 1.0  # a kink at either end; what is left
-    done, panels = 0, [(pair[:0], lo[:0], lo[:0])]
-    while (left := lo <= hi).any():
-        both, pair, lo, hi = both[left], pair[left], lo[left], hi[left]
-        length = 1.0 if done < NEAR else NEAR * GROWTH ** (done - NEAR)
-        size = np.minimum(length, np.where(both, np.maximum(np.ceil((hi - lo + 1.0) / 2.0), 1.0), hi - lo + 1.0))
-        panels.append((pair, lo, size))
-        lo = lo + size
-        again = both & (lo <= hi)
-        size = np.where(again, np.minimum(size, hi - lo + 1.0), 0.0)
-        panels.append((pair[again], (hi - size + 1.0)[again], size[again]))
-        hi, done = hi - size, done + 1
-    pair, lo, size = (np.concatenate(each) for each in zip(*panels, strict=True))
-    few, nodes = size <= NEAR, size > NEAR
-    at += [pair[few], pair[size == NEAR]]
-    distance += [lo[few], lo[size == NEAR] + 1.0]
-    pair, size, middle = pair[nodes], size[nodes], (lo + 0.5 * (size - 1.0))[nodes]
-    outer = (3.0 * size**2 - 7.0) / 20.0
-    ends, by = size * (size**2 - 1.0) / (24.0 * outer), np.sqrt(outer)
-    at += [pair, pair, pair]
-    distance += [middle, middle - by, middle + by]
-    weight += [np.ones(len(each)) for each in distance[2:4]] + [size - 2.0 * ends, ends, ends]
-    of = np.concatenate(at)
-    return Lags(of, np.concatenate(distance), np.concatenate(weight), m1[of], m2[of])
+    m1, m2, last = (np.frombuffer(one).copy() for one in given)
+    of, distance, weight = lags_of(m1, m2, last)
+    return Lags(of, distance, weight, m1[of], m2[of])
 
 
 @lru_cache(32)

@@ -24,8 +24,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from typing import Any
+from functools import cached_property, partial
 
 import numpy as np
 from scipy import special
@@ -129,8 +128,9 @@ def _result(plain: Problem, solution: Solution, wanted: Sequence[str]) -> NoiseF
     problem, fitted, best = solution.problem, solution.fitted, solution.table[0]
     found = estimated(solution)
     missed = tuple(not_identified(solution, name) for name in wanted if name not in present(problem, fitted))
-    scatter = solution.sigma if problem is plain else covariance_of_runs(plain, fitted)
-    residual = residual_test(plain, fitted, scatter)
+    residual = solution.residual
+    if problem is not plain:
+        residual = residual_test(plain, fitted, covariance_of_runs(plain, fitted))
     agreement = agreement_test(problem, fitted, solution.sigma)
     runs = problem.runs
     return NoiseFit(
@@ -173,11 +173,11 @@ def _solved(problem: Problem, terms: str | Sequence[str], kind: Kind | None, uni
             raise DataError(what, why=why, do=do, code="no_noise")
         sigma = covariance_of_runs(problem, fitted)
         bread = sandwich(problem, fitted, sigma)
-        return Solution(problem, candidates, table, fitted, sigma, bread, kind, unit, p)
+        residual = residual_test(problem, fitted, sigma)
+        return Solution(problem, candidates, table, fitted, sigma, bread, residual, kind, unit, p)
 
     first = solution(problem)
-    test = residual_test(problem, first.fitted, first.sigma)
-    if test is None or test.p >= SIGNIFICANT:
+    if first.residual is None or first.residual.p >= SIGNIFICANT:
         return first
     misfit = misfit_of(problem, candidates)
     return solution(with_misfit(problem, misfit)) if misfit > 0.0 else first
@@ -315,11 +315,12 @@ class Solution:
     fitted: Fitted  # Sizes of its terms
     sigma: Array  # shape (k, k): Covariance of the Allan variances
     bread: Sandwich  # Covariance of the sizes
+    residual: ChiSquare | None  # Whether the terms explain the Allan variances
     kind: Kind | None  # Of the sensor
     unit: str  # Of the samples
     p: float  # Probability of intervals
 
-    @property
+    @cached_property
     def rivals(self) -> tuple[Choice, ...]:
         """Choices that may be true in place of the one that was taken, best first: not with more terms, nor fewer."""
         chosen, *others = self.table
@@ -408,11 +409,10 @@ def not_identified(solution: Solution, name: str) -> TermEstimate:
     """Return a term that the record does not show: the reason, an upper limit, and the record that would show it."""
     problem, fitted, first = solution.problem, solution.fitted, TERMS[name].parameters[0]
     words = tuple(quantity_name(name, word, solution.kind) for word in TERMS[name].parameters)
-    found = TermEstimate(
-        name, "not_identified", (), words, unit=parameter_unit(name, first, solution.unit), record=problem.length
-    )
+    unit, record = parameter_unit(name, first, solution.unit), problem.length
     if name not in solution.candidates:
-        return replace(found, code="like_filter" if any(run.band is not None for run in problem.runs) else "like_white")
+        code = "like_filter" if any(run.band is not None for run in problem.runs) else "like_white"
+        return TermEstimate(name, "not_identified", (), words, code, unit=unit, record=record)
     at, limit_at = problem.names.index(name) if name in NAMES else len(problem.names), None
     chosen = solution.table[0]
     other = _rival(solution, name, lambda choice: name in choice.terms)
@@ -431,22 +431,21 @@ def not_identified(solution: Solution, name: str) -> TermEstimate:
         limit_at = time_at(problem, base.position)
     added = next((choice for choice in solution.table if name in choice.terms), None)
     worse = None if added is None else added.criterion - chosen.criterion
-    found = replace(found, upper_limit=_root(power), record_needed=needed, limit_at=limit_at, worse=worse)
+    lost: tuple[str, ...] = ()
     if other is not None:
         lost = tuple(one for one in chosen.terms if one not in other.terms)
-        return replace(found, code="like_another", others=lost, worse=other.criterion - chosen.criterion)
-    return replace(found, **_why_not(found, chosen))
-
-
-def _why_not(found: TermEstimate, chosen: Choice) -> dict[str, Any]:
-    """Return the code of the reason, and no length of a record where length is not what lacks."""
-    if found.name == Quantization.name and RandomWalk.name in chosen.terms:
-        return {"code": "hidden_by_white", "record_needed": None}
-    if found.upper_limit is None:
-        return {"code": "no_limit"}
-    if found.record_needed is None:
-        return {"code": "no_record"}
-    return {"code": "too_short" if found.record_needed > found.record else "small"}
+        code, worse = "like_another", other.criterion - chosen.criterion
+    elif name == Quantization.name and RandomWalk.name in chosen.terms:
+        code, needed = "hidden_by_white", None  # length is not what lacks
+    elif power is None:
+        code = "no_limit"
+    elif needed is None:
+        code = "no_record"
+    else:
+        code = "too_short" if needed > record else "small"
+    return TermEstimate(
+        name, "not_identified", (), words, code, lost, worse, _root(power), unit, needed, record, limit_at
+    )
 
 
 def _rival(solution: Solution, name: str, wanted: Callable[[Choice], bool]) -> Choice | None:

@@ -119,8 +119,9 @@ class Band:
             return np.concatenate([self.lost([one], m) for one in phases])
         found = sizes @ self._lost_of_units(tuple(m.tolist()), wander.pop())
         if any(one.exponentials for one in phases):
-            density = np.array([density_at(Phase(exponentials=one.exponentials)) for one in phases])
-            found += (density * (1.0 - self.share)) @ windows(tuple(m.tolist())).T
+            there = [i for i, one in enumerate(phases) if one.exponentials]
+            density = np.array([density_at(Phase(exponentials=phases[i].exponentials)) for i in there])
+            found[there] += (density * (1.0 - self.share)) @ windows(tuple(m.tolist())).T
         return np.asarray(found)
 
     def _lost_of_units(self, m: tuple[float, ...], duty: float) -> Array:
@@ -129,13 +130,12 @@ class Band:
             self._known[m, duty] = (unit_densities(duty) * (1.0 - self.share)) @ windows(m).T
         return self._known[m, duty]
 
-    def u_lost(self, phase: Phase, m: Array) -> tuple[Array, Array]:
-        """Return standard uncertainties of what is lost: by level and curve, and by the shape, shape (k,) [unit^2]."""
-        part, density = (CYCLES / self.end) ** 2, density_at(phase) * self.share
+    def slopes(self, phases: Sequence[Phase], m: Array) -> Array:
+        """Return slopes of what is lost of each noise by the logarithm of level and curve, shape (p, k, 2) [unit^2]."""
+        part = (CYCLES / self.end) ** 2
         slopes = np.where(self.end < CYCLES, [[1.0], [0.0]], [np.zeros(GRID), part / (1.0 + 0.5 * self.curve * part)])
-        by = windows(tuple(m.tolist())) @ (slopes * density).T
-        level = np.sqrt(np.maximum(np.einsum("ki,ij,kj->k", by, self.doubt, by), 0.0))
-        return level, SHAPE * self.lost([phase], m)[0]
+        weights = windows(tuple(m.tolist()))
+        return np.array([weights @ (slopes * density_at(one) * self.share).T for one in phases])
 
 
 @lru_cache(maxsize=16)

@@ -14,7 +14,7 @@ edf / (2 mu^2) and Sigma the covariance of the Allan variances that the fitted t
 Taken as independent, intervals of nominal 95 % cover 72 to 84 %. Several runs are stacked: common terms, independent
 noise.
 
-Sigma is that of ``allan_covariance``.
+Sigma is that of ``spread``.
 
 References
 ----------
@@ -30,18 +30,18 @@ from functools import lru_cache
 from inspect import unwrap
 
 import numpy as np
-from scipy import linalg
+from numpy.typing import NDArray
 
 from ....core.estimate import Array
-from .._kernels import fill_sandwich, scored, searched
-from ..terms import GaussMarkov, Phase, Sinusoid, Term, total_phase
-from .allan_covariance import covariance_of_allan
-from .problem import COMPLETE, GAUSS_MARKOV, LINEAR, PER_E, Problem
+from .._kernels import fill_known, fill_sandwich, score_each, scored, searched
+from ..terms import GaussMarkov, Sinusoid, Term
+from .problem import GAUSS_MARKOV, LINEAR, PER_E, Problem
+from .spread import spread_of, spread_with
 
 SPACINGS = np.array([5.0, 1.67, 0.3])  # rows between correlation times that are tried, ever closer about the best
 FEW = 400  # searches: after so many it pays to compile the search too; plain, it finds the same to the last bit
 SAME_TAU = 0.01  # relative difference of averaging times that are alike
-HIDDEN = 2.5  # standard uncertainties of the noise: most that a filter may take unseen
+NO_SLOPES = np.empty(0)
 SINGULAR = 1e-12  # of the largest eigenvalue: directions that nothing tells of
 
 _searches = itertools.count()
@@ -79,6 +79,14 @@ def estimate(
     return Fitted(every, position, cost)
 
 
+def estimate_each(problem: Problem, wanted: NDArray[np.bool_]) -> list[Fitted]:
+    """Return the least cost of choices of linear terms, shape (c, 5); lines are part of each."""
+    lines = np.ones((len(wanted), len(problem.lines)), dtype=bool)
+    powers, costs = np.zeros((len(wanted), len(problem.names) + 1)), np.empty(len(wanted))
+    score_each(problem.columns, problem.variance, problem.weight, np.hstack([wanted, lines]), powers, costs)
+    return [Fitted(each, 0.0, cost) for each, cost in zip(powers, costs.tolist(), strict=True)]
+
+
 def loop_of(
     problem: Problem, wanted: tuple[str, ...], held: int, within: tuple[float, float]
 ) -> tuple[Array, Array, float, float, Array, Array, Array, int]:
@@ -93,6 +101,11 @@ def loop_of(
 def estimate_at(problem: Problem, wanted: Sequence[str], position: float) -> Fitted:
     """Return the least cost at one correlation time."""
     return estimate(problem, wanted, within=(position, position))
+
+
+def places_of(problem: Problem, wanted: tuple[str, ...]) -> list[int]:
+    """Return the places of the powers of a choice of terms among all, not to be changed."""
+    return _design(problem, wanted)[0]
 
 
 @lru_cache(64)  # a fit asks for the same again and again
@@ -132,16 +145,20 @@ def mean_of(problem: Problem, fitted: Fitted) -> Array:
 
 def terms_of(problem: Problem, fitted: Fitted) -> tuple[Term, ...]:
     """Return the terms with a positive coefficient."""
-    found: list[Term] = []
-    sizes = np.sqrt(fitted.powers)
-    for i, term in enumerate(LINEAR):
-        if sizes[i] > 0.0:
-            found.append(term(float(sizes[i])))
-    for frequency, size in zip(problem.lines, sizes[len(LINEAR) : -1], strict=True):
-        if size > 0.0:
-            found.append(Sinusoid(float(size), frequency))
+    return _terms(problem, fitted, np.sqrt(fitted.powers).tolist())
+
+
+def unit_terms(problem: Problem, fitted: Fitted) -> tuple[Term, ...]:
+    """Return the same with coefficients of 1."""
+    return _terms(problem, fitted, [float(power > 0.0) for power in fitted.powers.tolist()])
+
+
+def _terms(problem: Problem, fitted: Fitted, sizes: Sequence[float]) -> tuple[Term, ...]:
+    found: list[Term] = [term(size) for term, size in zip(LINEAR, sizes, strict=False) if size > 0.0]
+    lines = zip(problem.lines, sizes[len(LINEAR) : -1], strict=True)
+    found += [Sinusoid(size, frequency) for frequency, size in lines if size > 0.0]
     if sizes[-1] > 0.0:
-        found.append(GaussMarkov(float(sizes[-1]), time_at(problem, fitted.position)))
+        found.append(GaussMarkov(sizes[-1], time_at(problem, fitted.position)))
     return tuple(found)
 
 
@@ -157,8 +174,13 @@ def slopes_of(problem: Problem, fitted: Fitted, timed: bool = True) -> Array:
     columns = np.column_stack([problem.columns, column_at(problem, fitted.position)])[:, there]
     if not timed:
         return np.asarray(columns)
+    return np.column_stack([columns, slopes_of_time(problem, fitted)])
+
+
+def slopes_of_time(problem: Problem, fitted: Fitted) -> Array:
+    """Return the slopes of the expected Allan variances by the logarithm of the correlation time, shape (k,)."""
     by = column_at(problem, fitted.position + 0.05) - column_at(problem, fitted.position - 0.05)
-    return np.column_stack([columns, fitted.powers[-1] * by / 0.1 * PER_E])
+    return np.asarray(fitted.powers[-1] * by / 0.1 * PER_E)
 
 
 def covariance_of_runs(problem: Problem, fitted: Fitted) -> Array:
@@ -166,35 +188,29 @@ def covariance_of_runs(problem: Problem, fitted: Fitted) -> Array:
 
     Runs are independent of each other but for the misfit, which is that of the sensor at an averaging time.
     """
-    terms, blocks = terms_of(problem, fitted), []
-    for run in problem.runs:
-        phase = total_phase(terms, run.interval, run.averaging)
-        if run.ends is not None:  # errors at gaps are independent from gap to gap, as white noise is
-            phase += Phase(linear=phase.point * float(np.max((run.ends - COMPLETE) / run.m)))
-        if run.band is None:
-            own = covariance_of_allan(phase, run.m, run.n, run.inflation)
-            shape = np.zeros(len(own)) if run.unseen is None else run.unseen.lost([phase], run.m)[0]
-            shape = np.minimum(shape, HIDDEN * np.sqrt(np.diag(own)))
-            blocks.append(own + np.outer(shape, shape))
-            continue
-        lost, (level, shape) = run.band.lost([phase], run.m)[0], run.band.u_lost(phase, run.m)
-        phase += Phase(point=-float(lost[0] * run.m[0] ** 2) / 3.0)
-        own = covariance_of_allan(phase, run.m, run.n, run.inflation)
-        spread = np.sqrt(np.diag(own))  # none, where a ramp is all there is
-        more = 1.0 + np.divide(level, spread, out=np.zeros_like(spread), where=spread > 0.0)  # of the same noise
-        blocks.append(own * np.outer(more, more) + np.outer(shape, shape))
-    sigma = blocks[0] if len(blocks) == 1 else linalg.block_diag(*blocks)
+    if fitted.powers[-1] > 0.0:
+        there = np.flatnonzero(fitted.powers)
+        sigma = spread_with(problem.runs, unit_terms(problem, fitted)).covariance(fitted.powers[there])
+    else:
+        sigma = spread_of(problem.runs, problem.lines).covariance(fitted.powers[:-1])
     if problem.misfit > 0.0:
         left = problem.misfit * mean_of(problem, fitted)
         alike = np.isclose(problem.tau, problem.tau[:, None], rtol=SAME_TAU, atol=0.0)
-        sigma = sigma + alike * np.outer(left, left)
-    return np.asarray(sigma)
+        sigma += alike * np.outer(left, left)
+    return sigma
 
 
 def sandwich(problem: Problem, fitted: Fitted, sigma: Array, timed: bool = True) -> Sandwich:
     """Return the covariance of the unknowns of `slopes_of`, from that of the Allan variances."""
-    weights = problem.weight / mean_of(problem, fitted) ** 2
-    return sandwich_of(slopes_of(problem, fitted, timed), weights, sigma)
+    markov = fitted.powers[-1] > 0.0
+    columns, powers, by = problem.columns, fitted.powers[:-1], NO_SLOPES
+    if markov:
+        columns, powers = np.column_stack([columns, column_at(problem, fitted.position)]), fitted.powers
+        by = slopes_of_time(problem, fitted) if timed else by
+    q = int(np.count_nonzero(powers)) + (len(by) > 0)
+    covariance, naive = np.empty((q, q)), np.empty((q, q))
+    fill_known(columns, powers, by, problem.weight, sigma, SINGULAR, covariance, naive)
+    return Sandwich(covariance, naive)
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,6 +219,11 @@ class Sandwich:
 
     covariance: Array
     naive: Array
+
+    def at(self, i: int) -> tuple[float, float]:
+        """Return standard uncertainty and stretch of one unknown."""
+        variance = float(self.covariance[i, i])
+        return float(np.sqrt(variance)), variance / float(self.naive[i, i])
 
     @property
     def stretch(self) -> Array:

@@ -32,7 +32,7 @@ References
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -40,7 +40,7 @@ from scipy import special
 
 from ....core.estimate import Array
 from ....core.results import Interval
-from .._kernels import crossing_root, first_known, limit_root
+from .._kernels import crossing_root, first_known, limit_root, limited
 from .likelihood import (
     Fitted,
     Sandwich,
@@ -50,9 +50,10 @@ from .likelihood import (
     estimate_at,
     loop_of,
     mean_of,
+    places_of,
     sandwich,
-    terms_of,
     time_at,
+    unit_terms,
 )
 from .order import NAMES, PRICE, present, unknowns
 from .problem import GAUSS_MARKOV, LINEAR, PER_E, Problem, Run, expected, linear_columns
@@ -82,15 +83,15 @@ def limit_and_record(
     base : Fitted
         The choice that the limit holds next to: the one given, or its rival.
     """
-    whole = np.column_stack([problem.columns, column_at(problem, fitted.position)])
+    linear = at < len(problem.names)
+    column = problem.columns[:, at] if linear else column_at(problem, fitted.position)
     powers = fitted.powers.copy()
-    powers[at] = 1e-9 * float(np.min(mean_of(problem, fitted) / whole[:, at]))
+    powers[at] = 1e-9 * float(np.min(mean_of(problem, fitted) / column))
     if not 0.0 < powers[at] < np.inf:  # the term has no part in any deviation, or all of one
         return None, None, fitted
-    added = sandwich(problem, replace(fitted, powers=powers), sigma, timed=at < len(problem.names))
-    column = column_of(fitted, at)
-    u, stretch = float(added.u[column]), float(added.stretch[column])
-    name = problem.names[at] if at < len(problem.names) else GAUSS_MARKOV
+    added = sandwich(problem, Fitted(powers, fitted.position, fitted.cost), sigma, timed=linear)
+    u, stretch = added.at(column_of(fitted, at))
+    name = problem.names[at] if linear else GAUSS_MARKOV
     named = u * float(np.sqrt(PRICE * (unknowns((*NAMES[1:2], name)) - 1.0) / stretch))
     limit, stretch = _limit(problem, fitted, at, (u, stretch), named)
     if limit is None:
@@ -110,26 +111,21 @@ def _limit(
     (u, stretch), linear = scale, at < len(problem.names)
     name = problem.names[at] if linear else GAUSS_MARKOV
     names = tuple(dict.fromkeys((*present(problem, fitted), name)))
-    within = nearby(problem, fitted) if linear else (fitted.position, fitted.position)
-    least = estimate(problem, names, looks=1, within=within)
-    best = float(least.powers[at])
-    held = Held(problem, names, at, within)
-    short = 0.0 if named is None else max(named - best, 0.0) / u
-
-    def zero(stretch: float, tolerance: float) -> float | None:
-        found = limit_root(*held.loop, best, u, least.cost, stretch, short, named is not None, tolerance)
-        return None if np.isnan(found) else found
-
-    first = zero(stretch, ROUGH)
-    if first is None:
+    held = Held(problem, names, at, nearby(problem, fitted) if linear else (fitted.position, fitted.position))
+    places, v = held.places, np.zeros(len(held.places))
+    missed = named is not None
+    x, best, least, short, position = limited(*held.loop, u, named or 0.0, stretch, missed, ROUGH, v)
+    if np.isnan(x):
         return None, stretch
-    there = held.fit(best + first * u)
+    powers = np.zeros(len(fitted.powers))
+    powers[places] = v
+    there = Fitted(powers, position, np.nan)
     bread = sandwich(problem, there, covariance_of_runs(problem, there), timed=linear)
-    stretch = float(bread.stretch[column_of(there, at)])
+    stretch = bread.at(column_of(there, at))[1]
     if not stretch > 0.0:  # nothing but a ramp is left, which does not scatter
         return None, stretch
-    x = zero(stretch, TOLERANCE)
-    return (None if x is None else best + x * u), stretch
+    x = limit_root(*held.loop, best, u, least, stretch, short, missed, TOLERANCE)
+    return (None if np.isnan(x) else best + x * u), stretch
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,6 +136,11 @@ class Held:
     names: tuple[str, ...]
     at: int
     within: tuple[float, float]  # Positions of the correlation time that are searched
+
+    @property
+    def places(self) -> list[int]:
+        """Where the powers of the choice stand among all."""
+        return places_of(self.problem, self.names)
 
     @cached_property
     def loop(self) -> tuple[Array, Array, float, float, Array, Array, Array, int]:
@@ -165,15 +166,18 @@ class Held:
 
 def record_needed(problem: Problem, fitted: Fitted, at: int, power: float, stretch: float) -> float | None:
     """Return the length of one record that shows a term of that power [s]; None beyond 2^24 times the present one."""
-    run = problem.runs[int(np.argmax([run.length for run in problem.runs]))]
+    run = max(problem.runs, key=lambda one: one.length)
     powers = fitted.powers.copy()
     powers[at] = power
     longest, weight = longer_records(run)
-    there = powers[: len(LINEAR)] > 0.0
-    columns = linear_columns(longest)[:, there] * powers[: len(LINEAR)][there]
-    others = [one for one in terms_of(problem, replace(fitted, powers=powers)) if not isinstance(one, LINEAR)]
-    columns = np.column_stack([columns, *(expected(one, longest) for one in others)])
-    doublings = first_known(columns, weight, column_of(fitted, at), KNOWN**2 / stretch, ROUNDING)
+    columns = linear_columns(longest)
+    if powers[len(LINEAR) :].any():
+        others = unit_terms(problem, Fitted(powers, fitted.position, fitted.cost))[
+            np.count_nonzero(powers[: len(LINEAR)]) :
+        ]
+        columns = np.column_stack([columns, *(expected(one, longest) for one in others)])
+    kept = np.concatenate([powers[: len(LINEAR)], powers[len(LINEAR) :][powers[len(LINEAR) :] > 0.0]])
+    doublings = first_known(columns, kept, weight, column_of(fitted, at), KNOWN**2 / stretch, ROUNDING)
     return run.length * 2.0**doublings if doublings <= DOUBLINGS else None
 
 

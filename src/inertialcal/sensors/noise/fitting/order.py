@@ -13,14 +13,15 @@ noise where there is dead time) are not both candidates.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from itertools import combinations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..terms import Quantization, RandomWalk, RateRamp
-from .likelihood import Fitted, estimate
+from .likelihood import Fitted, estimate, estimate_each
 from .problem import GAUSS_MARKOV, LINEAR, Problem
 
 PRICE = 10.83  # of one unknown: 99.9 % point of chi-square with one degree of freedom
@@ -41,11 +42,12 @@ class Choice:
     fitted: Fitted  # Their sizes
 
 
-def choices(candidates: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
-    """Yield all choices of linear candidates, the smallest first."""
+@cache
+def choices(candidates: tuple[str, ...]) -> tuple[tuple[tuple[str, ...], ...], NDArray[np.bool_]]:
+    """Return all choices of linear candidates, the smallest first, and which of all each holds, shape (c, 5)."""
     linear = tuple(name for name in NAMES if name in candidates)
-    for size in range(1, len(linear) + 1):
-        yield from combinations(linear, size)
+    found = tuple(some for size in range(1, len(linear) + 1) for some in combinations(linear, size))
+    return found, np.array([[name in some for name in NAMES] for some in found]).reshape(-1, len(NAMES))
 
 
 def ranked(problem: Problem, candidates: tuple[str, ...]) -> tuple[Choice, ...]:
@@ -55,22 +57,21 @@ def ranked(problem: Problem, candidates: tuple[str, ...]) -> tuple[Choice, ...]:
     """
     fits: dict[tuple[str, ...], Fitted] = {}
 
-    def add(wanted: tuple[str, ...]) -> Fitted:
-        fitted = estimate(problem, wanted, looks=1)
+    def add(fitted: Fitted) -> Fitted:
         there = present(problem, fitted)
         if there and np.isfinite(fitted.cost) and (there not in fits or fitted.cost < fits[there].cost):
             fits[there] = fitted
         return fitted
 
-    for wanted in choices(candidates):
-        add(wanted)
-    every = add(candidates)
+    linear, wanted_each = choices(candidates)
+    plain_fits = [add(one) for one in estimate_each(problem, wanted_each)]
+    every = add(estimate(problem, candidates, looks=1)) if GAUSS_MARKOV in candidates else plain_fits[-1]
     best = min(criterion(there, fitted) for there, fitted in fits.items())
-    for some in choices(candidates) if GAUSS_MARKOV in candidates else ():
+    for some in linear if GAUSS_MARKOV in candidates else ():
         wanted = (*some, GAUSS_MARKOV)
         plain = RandomWalk.name in some or RandomWalk.name not in candidates
         if plain and 2.0 * every.cost + PRICE * unknowns(wanted) < best + NEARER:
-            add(wanted)
+            add(estimate(problem, wanted, looks=1))
     found = [Choice(there, criterion(there, fitted), fitted) for there, fitted in fits.items()]
     return tuple(sorted(found, key=lambda choice: choice.criterion))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import Protocol
 
@@ -223,7 +223,7 @@ class Run:
         """Averaging times [s]."""
         return np.asarray(self.m * self.interval)
 
-    @property
+    @cached_property
     def samples(self) -> float:
         """Samples that the record has room for."""
         return float(np.max(self.n + 2.0 * self.m - 1.0))

@@ -1,0 +1,96 @@
+"""Covariance of the Allan variances of runs, as powers of terms give it: quadratic in them, whatever they are.
+
+What unit terms give together (``allan_covariance``) hangs on averaging times, numbers and gaps alone: records of one
+length share it. Where a sensor has a filter (``filtered``), what it may take is added.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....core.estimate import Array
+from .._kernels import fill_spread
+from ..terms import Phase, Sinusoid, Term, total_phase
+from .allan_covariance import Squares, squares_of
+from .filtered import SHAPE
+from .problem import COMPLETE, LINEAR, Run
+
+HIDDEN = 2.5  # standard uncertainties of the noise: most that a filter may take unseen
+
+
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """What the powers of q terms are multiplied with, of k averaging times of all runs."""
+
+    # Averaging times of each pair, shape (p,): those of one run
+    row: NDArray[np.int64]
+    column: NDArray[np.int64]
+    squares: Array  # shape (q (q + 1) / 2, p): What terms give together, as in ``Squares`` [unit^4]
+    run: NDArray[np.int64]  # shape (k,): Which run each averaging time is of
+    found: NDArray[np.bool_]  # shape (r,): Whether the filter of a run is found
+    lost: Array  # shape (q, k): What it takes, or may take [unit^2]
+    by: Array  # shape (q, k, 2): Slopes of that by the level and the curve of what it leaves
+    doubt: Array  # shape (r, 2, 2): Covariance of these
+
+    def covariance(self, powers: Array) -> Array:
+        """Return the covariance of all Allan variances, shape (k, k)."""
+        sigma = np.empty((len(self.run), len(self.run)))
+        fill_spread(
+            powers, self.squares, self.row, self.column, self.run, self.found, self.lost, self.by, self.doubt,
+            HIDDEN, SHAPE, sigma,
+        )  # fmt: skip
+        return sigma
+
+
+@lru_cache(64)  # a fit asks for the same again and again
+def spread_of(runs: tuple[Run, ...], lines: tuple[float, ...]) -> Spread:
+    """Return that of the linear terms and lines."""
+    return spread_with(runs, (*(term(1.0) for term in LINEAR), *(Sinusoid(1.0, one) for one in lines)))
+
+
+def spread_with(runs: Sequence[Run], terms: tuple[Term, ...]) -> Spread:
+    """Return that of terms of size 1."""
+    each = [_of_run(run, terms) for run in runs]
+    sizes = [len(run.m) for run in runs]
+    starts = np.cumsum([0, *sizes[:-1]])
+    return Spread(
+        np.concatenate([one.row + start for (one, *_), start in zip(each, starts, strict=True)]),
+        np.concatenate([one.column + start for (one, *_), start in zip(each, starts, strict=True)]),
+        np.concatenate([one.values for one, *_ in each], axis=1),
+        np.repeat(np.arange(len(runs)), sizes),
+        np.array([run.band is not None for run in runs]),
+        np.concatenate([lost for _, lost, _, _ in each], axis=1),
+        np.concatenate([by for *_, by, _ in each], axis=1),
+        np.array([doubt for *_, doubt in each]),
+    )
+
+
+def _of_run(run: Run, terms: tuple[Term, ...]) -> tuple[Squares, Array, Array, Array]:
+    """Return what terms give together, what a filter takes of them, its slopes and their covariance."""
+    # errors at gaps are independent from gap to gap, as white noise is
+    ends = 0.0 if run.ends is None else float(np.max((run.ends - COMPLETE) / run.m))
+    phases = _phases(terms, run.interval, run.averaging, ends)
+    by, doubt = np.zeros((len(terms), len(run.m), 2)), np.zeros((2, 2))
+    if run.band is None:
+        lost = np.zeros((len(terms), len(run.m))) if run.unseen is None else run.unseen.lost(phases, run.m)
+        return _squares(phases, run.m.tobytes(), run.n.tobytes(), run.inflation.tobytes()), lost, by, doubt
+    lost, by = run.band.lost(phases, run.m), run.band.slopes(phases, run.m)
+    taken = lost[:, 0] * run.m[0] ** 2 / 3.0
+    left = [one + Phase(point=-float(more)) for one, more in zip(phases, taken, strict=True)]
+    return squares_of(left, run.m, run.n, run.inflation), lost, by, run.band.doubt
+
+
+@lru_cache(32)
+def _phases(terms: tuple[Term, ...], interval: float, averaging: float, ends: float) -> tuple[Phase, ...]:
+    found = [total_phase((term,), interval, averaging) for term in terms]
+    return tuple(one + Phase(linear=one.point * ends) for one in found)
+
+
+@lru_cache(32)  # records of one length share them
+def _squares(phases: tuple[Phase, ...], m: bytes, n: bytes, inflation: bytes) -> Squares:
+    return squares_of(phases, np.frombuffer(m), np.frombuffer(n), np.frombuffer(inflation))
