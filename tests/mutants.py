@@ -972,8 +972,8 @@ MUTANTS = (
     Mutant("_kernels.py", "row += sigma[t, r] * half[j, r]", "row += half[j, r]", "test_noise_fit"),
     Mutant(
         "_kernels.py",
-        "(3.0 * size * size - 7.0) / 20.0",
-        "(3.0 * size * size + 7.0) / 20.0",
+        "= size - 2.0 * ends, ends, ends",
+        "= size - ends, ends, ends",
         "test_noise_covariance",
     ),
     Mutant(
