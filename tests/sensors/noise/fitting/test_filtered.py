@@ -88,7 +88,7 @@ def test_parts_of_a_band_are_their_closed_forms() -> None:
 
 def test_what_is_not_known_of_a_filter_widens_the_covariance() -> None:
     """By the uncertainty of what it takes, at each averaging time, of the same noise; its shape is common to all."""
-    cycles = (np.arange(4000) + 0.5) / 8000.0
+    cycles = np.asarray((np.arange(4000) + 0.5) / 8000.0, dtype=np.float64)
     passed, doubt = np.exp(-((cycles / CORNER) ** 2)), np.array([[4e-3, -1e-3], [-1e-3, 9e-3]])
     band = Band(CORNER, cycles, passed, (CORNER,) * 3, 0.5, doubt)
     m, power = np.exp2(np.arange(5.0, 12.0)), 0.04
