@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import shutil
+from collections import Counter
 from pathlib import Path
 
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 from s3_server import KEY, served
 from small_lot import digests, folder_lot, rows, shared_lot
 
 import inertialcal as ic
+from inertialcal.campaign.file.recordings import RecordingEntry
 from inertialcal.core.errors import InertialcalError
+from inertialcal.lots.stores import Delivery, Place, Shared, UnitStore
 
 SECRET = "never-written-anywhere"
 
@@ -85,3 +91,49 @@ def test_an_archive_has_each_unit_once_also_after_resume(tmp_path: Path) -> None
     assert [one.serial for one in listed] == ["u000", "u002", "u003", "u004", "u005"]
     assert archive.verify().problems == ()
     assert archive.compare(1, 2)
+
+
+def delivered(folder: Path, table: pa.Table, rows_of_a_group: int) -> dict[int, tuple[str, list[str]]]:
+    """Return digest and readings of two of three units out of a file of many."""
+    folder.mkdir()
+    pq.write_table(table, folder / "all.parquet", row_group_size=rows_of_a_group)
+    shared = Shared("all.parquet", "serial", (("again", "again"),))
+    found = {}
+    with Delivery(Place(str(folder)), {"still": shared}) as delivery:
+        cells = {0: {"serial": "b", "again": "1"}, 1: {"serial": "a", "again": ""}, 2: {"serial": "z", "again": "1"}}
+        refused = delivery.load_shared(cells)
+        assert [(number, one.problems[0].code) for number, one in refused.items()] == [(2, "no_rows")]
+        for number in (0, 1):
+            handed = delivery.handed.get(number, {})
+            store = UnitStore(folder, Counter(["all.parquet"]), root=delivery.root(number), handed=handed)
+            one = store.recording(RecordingEntry(sensor="gyro", file="all.parquet", channels={}), [])
+            assert store.has("all.parquet")
+            assert len(store.table("all.parquet")) == len(one)
+            found[number] = one.source.sha256, [repr(channel.data.tolist()) for channel in one.channels]
+    return found
+
+
+def test_rows_of_a_unit_are_the_same_wherever_they_stand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(1)
+    serial = np.repeat(["a", "b", "c"], 40)
+    again = [None if one == "a" else int(k % 2) for k, one in enumerate(serial)]
+    table = pa.table(
+        {
+            "serial": serial,
+            "again": pa.array(again, pa.int64()),
+            "t": np.arange(120.0),
+            "on": rng.random(120) < 0.5,
+            "x": rng.normal(size=120),
+        }
+    )
+    whole = delivered(tmp_path / "whole", table, 120)
+    assert whole[0][1][-1] == repr(table["x"].to_pylist()[41:80:2])
+    assert whole[1][1][-1] == repr(table["x"].to_pylist()[:40])
+    mixed = table.take(pa.array(np.argsort(np.arange(120) % 40, kind="stable")))
+    assert delivered(tmp_path / "mixed", mixed, 7) == whole
+    assert delivered(tmp_path / "groups", table, 7) == whole
+    coded = table.set_column(0, "serial", table["serial"].dictionary_encode())
+    assert delivered(tmp_path / "coded", coded, 50) == whole
+    monkeypatch.setattr("inertialcal.lots.stores.HELD", 0)  # too much for memory: through a file
+    on_disk = delivered(tmp_path / "disk", mixed, 7)
+    assert [one[1] for one in on_disk.values()] == [one[1] for one in whole.values()]

@@ -357,13 +357,26 @@ class Delivery:
 
 
 def digest_of(table: pa.Table) -> str:
-    """Return the SHA-256 of rows, as they stand in an Arrow stream without codes for texts."""
-    fields = [one.with_type(one.type.value_type) if pa.types.is_dictionary(one.type) else one for one in table.schema]
-    plain = table.cast(pa.schema(fields, table.schema.metadata))
-    sink = pa.BufferOutputStream()
-    with pa.ipc.new_stream(sink, plain.schema) as stream:
-        stream.write_table(plain)
-    return hashlib.sha256(sink.getvalue()).hexdigest()
+    """Return the SHA-256 of rows: of schema and columns as Arrow streams them.
+
+    What lies below a null is nobody's: of such columns that of where they are, and of what is there.
+    """
+    plain = table.cast(pa.schema([one.with_type(_plain(one.type)) for one in table.schema], table.schema.metadata))
+    digest = hashlib.sha256(plain.schema.serialize())
+    for column in plain.columns:
+        if pa.types.is_nested(column.type):
+            digest.update(repr(column.to_pylist()).encode())
+            continue
+        known = (column.is_null().cast(pa.uint8()), column.drop_null()) if column.null_count else (column,)
+        for one in known:
+            digest.update(pa.record_batch([one.combine_chunks()], [""]).serialize())
+    return digest.hexdigest()
+
+
+def _plain(kind: pa.DataType) -> pa.DataType:
+    """Return a type without codes, of whole bytes: bits of other rows may stand beside those of these."""
+    kind = kind.value_type if pa.types.is_dictionary(kind) else kind
+    return pa.uint8() if pa.types.is_boolean(kind) else kind
 
 
 def _text_tables(data: ds.Dataset, here: pc.Expression) -> Iterator[pa.Table]:
