@@ -14,7 +14,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from ...core.errors import DataError
 from ...core.remarks import Remark
 from ..apart import apart
 from ..budget import claim
@@ -24,7 +23,19 @@ from ..reader import Reader
 from ..source import Loaded
 from ..text.layout import Decimal, kind
 from ..text.pieces import read_text
-from .topics import NO_NUMBERS, Topic, choose, in_topic, library, other_topics, rank_of
+from .topics import (
+    NO_NUMBERS,
+    Topic,
+    choose,
+    has_temperature,
+    in_topic,
+    joined,
+    library,
+    other_topics,
+    rank_of,
+    time_first,
+    with_thermometer,
+)
 
 OLD = b"\xd0\xcf\x11\xe0"
 CELL = 100  # bytes of a cell in Python
@@ -68,19 +79,21 @@ def read_excel(loaded: Loaded, variables: Sequence[str] | None = None) -> Conten
         used = _used(rows[first:]) if first is not None else []
         names = [_cell(rows[_header(rows, first, used)][i]) for i in used] if first is not None else []
         rank = NO_NUMBERS if numbers < HEADER_ROWS else rank_of(((one, None) for one in names), about.name)
-        topics.append(Topic(about.name, hidden, numbers, rank))
+        warm = has_temperature(((one, None) for one in names), about.name)
+        topics.append(Topic(about.name, hidden, numbers, rank, warm))
         sheets[about.name] = rows, as_text
-    chosen = choose(topics, variables, loaded.path)
-    if len(chosen) > 1:
-        raise DataError("several sheets", where=loaded.path, do="Read one at a time", code="several_clocks")
-    (topic,) = chosen
-    rows, as_text = sheets[topic.name]
-    text = _text(rows, as_text)
-    content = read_text(replace(loaded, data=text.encode(), packed=False), None, None if as_text else ".")
+    chosen = with_thermometer(topics, choose(topics, variables, loaded.path), variables)
+    contents = []
+    for topic in chosen:
+        rows, as_text = sheets[topic.name]
+        text = _text(rows, as_text)
+        content = read_text(replace(loaded, data=text.encode(), packed=False), None, None if as_text else ".")
+        columns = in_topic(content.columns, topic.name)
+        contents.append((topic, replace(content, columns=time_first(columns) if len(chosen) > 1 else columns)))
+    found = joined(contents, loaded.path, named=bool(variables))
     what = "OpenDocument" if b"content.xml" in parts else "Excel"
-    remarks = (*content.remarks, *_not_computed(loaded), *other_topics(topics, chosen, loaded.path))
-    columns = in_topic(content.columns, topic.name)
-    return replace(content, columns=columns, format=f"{what}, sheet {topic.name!r}", remarks=remarks)
+    remarks = (*found.remarks, *_not_computed(loaded), *other_topics(topics, chosen, loaded.path))
+    return replace(found, format=f"{what}, sheet {chosen[0].name!r}", remarks=remarks)
 
 
 def _is_data(row: Sequence[Cell], as_text: bool = False) -> bool:

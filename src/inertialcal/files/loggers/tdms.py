@@ -21,7 +21,21 @@ from ..budget import PARTS, VALUE, check_count, claim_room
 from ..columns import Column, Content, LongColumns
 from ..reader import Reader
 from ..source import Loaded
-from .topics import NO_NUMBERS, Topic, choose, left_out, library, on_disk, other_topics, rank_of, torn, unique
+from .topics import (
+    NO_NUMBERS,
+    Topic,
+    choose,
+    has_temperature,
+    joined,
+    left_out,
+    library,
+    on_disk,
+    other_topics,
+    rank_of,
+    torn,
+    unique,
+    with_thermometer,
+)
 
 MAGIC, LEAD_IN = b"TDSm", 28  # bytes
 WAVEFORM = ("wf_increment", "wf_start_time", "wf_start_offset")
@@ -48,43 +62,52 @@ def read_tdms(loaded: Loaded, variables: Sequence[str] | None = None) -> Content
             kind = one.dtype
             if len(one) and kind is not None and np.dtype(kind).kind in "biufM":
                 waveform = (str(one.properties.get(key)) for key in WAVEFORM)
-                clock = (one.group_name, 0 if is_torn else len(one), *waveform)
-                sets.setdefault(clock, []).append(one)
+                sets.setdefault((one.group_name, 0 if is_torn else len(one), *waveform), []).append(one)
             else:
                 others.append(one.name)
         several = [group for group in {clock[0] for clock in sets} if sum(clock[0] == group for clock in sets) > 1]
         by_name: dict[str, list[Any]] = {}
-        for (group, *_), members in sets.items():
-            by_name[f"{group}/{members[0].name}" if group in several else group] = members
+        clocks: dict[str, list[Any]] = {}
+        for (group, *clock), members in sets.items():
+            name = f"{group}/{members[0].name}" if group in several else group
+            by_name[name], clocks[name] = members, clock
         topics = [_topic(name, these) for name, these in by_name.items()]
-        chosen = choose(topics, variables, loaded.path)
-        taken = [one for topic in chosen for one in by_name[topic.name]]
-        names_taken = {one.path for one in taken}
-        if len({clock[1:] for clock, these in sets.items() if these[0].path in names_taken}) > 1:
-            raise DataError("groups of different clocks", loaded.path, do="Read one at a time", code="several_clocks")
-        rows = min(len(one) for one in taken)
-        claim_room(loaded.path, loaded.on_disk, 2 * VALUE * rows * (len(taken) + 1), f"{rows * len(taken):,} values")
-        long = LongColumns(rows)
-        names = unique([one.name for one in taken])
-        step = max(SIZE // 4, 1)
-        for first in range(0, rows, step):
-            count = min(step, rows - first)
-            long.add([number_column(name, np.asarray(one.read_data(first, count)), _unit(one.properties))
-                      for name, one in zip(names, taken, strict=True)])  # fmt: skip
-        clock, rate = _clock(taken[0].properties, rows)
-        remarks = (
-            *left_out(others, loaded.path),
-            *_torn(file, loaded),
-            *other_topics(topics, chosen, loaded.path),
-        )
-        columns = [replace(column, matrix=one.group_name) for column, one in zip(long.columns(), taken, strict=True)]
-        return Content((*clock, *columns), "TDMS", None, rate, remarks)
+        chosen = with_thermometer(topics, choose(topics, variables, loaded.path), variables)
+        if all(clocks[topic.name] == clocks[chosen[0].name] for topic in chosen):
+            content = _content([one for topic in chosen for one in by_name[topic.name]], loaded)
+        else:
+            parts = [(topic, _content(by_name[topic.name], loaded)) for topic in chosen]
+            timed = all(part.columns[0].values.dtype.kind == "M" for _, part in parts)
+            if not timed and variables:
+                raise DataError(
+                    "groups of different clocks", loaded.path, do="Read one at a time", code="several_clocks"
+                )
+            content = joined(parts, loaded.path, named=bool(variables)) if timed else parts[0][1]
+        said = (*left_out(others, loaded.path), *_torn(file, loaded), *other_topics(topics, chosen, loaded.path))
+        return replace(content, remarks=(*content.remarks, *said))
+
+
+def _content(taken: Sequence[Any], loaded: Loaded) -> Content:
+    """Return channels of one clock, behind its stamps where their start is known."""
+    rows = min(len(one) for one in taken)
+    claim_room(loaded.path, loaded.on_disk, 2 * VALUE * rows * (len(taken) + 1), f"{rows * len(taken):,} values")
+    long = LongColumns(rows)
+    names = unique([one.name for one in taken])
+    step = max(SIZE // 4, 1)
+    for first in range(0, rows, step):
+        count = min(step, rows - first)
+        long.add([number_column(name, np.asarray(one.read_data(first, count)), _unit(one.properties))
+                  for name, one in zip(names, taken, strict=True)])  # fmt: skip
+    clock, rate = _clock(taken[0].properties, rows)
+    columns = [replace(column, matrix=one.group_name) for column, one in zip(long.columns(), taken, strict=True)]
+    return Content((*clock, *columns), "TDMS", None, rate)
 
 
 def _topic(name: str, channels: Sequence[Any]) -> Topic:
     rows = min(map(len, channels))
-    rank = rank_of(((one.name, _unit(one.properties)) for one in channels), name)
-    return Topic(name, " ".join(one.name for one in channels[:6]), rows, rank if rows > 1 else NO_NUMBERS)
+    said = [(one.name, _unit(one.properties)) for one in channels]
+    rank = rank_of(said, name) if rows > 1 else NO_NUMBERS
+    return Topic(name, " ".join(one.name for one in channels[:6]), rows, rank, has_temperature(said, name))
 
 
 def _unit(properties: Any) -> str | None:

@@ -211,10 +211,15 @@ def _interpolated(
     time = other.columns[0]
     slow = [one for one in other.columns[1:]
             if one.is_number and heading_within(one.name, one.unit, one.matrix).quantity in CONDITIONS]  # fmt: skip
-    kinds = {(heading(one.name, one.unit).unit, one.values.dtype.kind) for one in (time, clock)}
+    kinds = {(heading(one.name, one.unit).unit, one.values.dtype.kind == "M") for one in (time, clock)}
     apart = f"topics {first.name} and {topic.name} have different stamps"
     why = "they cannot share a clock"
-    if not slow or len(kinds) > 1 or clock.values.dtype.kind not in "iufM" or len(time.values) < 2:
+    if (
+        not slow
+        or len(kinds) > 1
+        or {time.values.dtype.kind, clock.values.dtype.kind} - set("iufM")
+        or len(time.values) < 2
+    ):
         raise DataError(apart, path, why, "Read one at a time", "several_clocks")
     zero = time.values[0]
     order = np.argsort(time.values, kind="stable")
