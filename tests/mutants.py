@@ -228,8 +228,8 @@ MUTANTS = (
     ),
     Mutant(
         "least_squares.py",
-        "Decomposed(white, basis, rows.T / s / scale[:, None], ",
-        "Decomposed(white, basis, rows.T / s / scale[None, :], ",
+        "Decomposed(white, basis, rows.T / s / scale[:, None])",
+        "Decomposed(white, basis, rows.T / s / scale[None, :])",
         "test_least_squares",
     ),
     Mutant(
@@ -1218,8 +1218,8 @@ MUTANTS = (
     ),
     Mutant(
         "order.py",
-        "squares[tried] - 2.0 * cross + bent",
-        "squares[tried] - cross",
+        "@ found - 2.0 * left[:, None, :, p:])",
+        "@ found - left[:, None, :, p:])",
         "test_thermal_law test_thermal_test",
     ),
     Mutant(

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
-from inertialcal.statistics.least_squares import Fit, fit, fit_correlated, symmetric_inverse
+from inertialcal.statistics.least_squares import Fit, decompose, fit, fit_correlated, symmetric_inverse
 
 STRD = Path(__file__).parent / "strd"
 
@@ -249,3 +249,23 @@ def test_inverse_of_symmetric_matrices_leaves_out_what_nothing_tells_of() -> Non
     np.testing.assert_allclose(found[0], expected[0], rtol=1e-11, atol=1e-11)
     np.testing.assert_allclose(matrix[1] @ found[1], np.eye(4), atol=1e-4)
     assert np.array_equal(symmetric_inverse(matrix[0], 1e-12), found[0])
+
+
+@pytest.mark.parametrize("apart", [1.0, 1e-3, 1e-9])
+def test_a_design_with_one_column_more_is_that_design(apart: float) -> None:
+    rng = np.random.default_rng(3)
+    design, y = rng.normal(size=(40, 3)) * [1.0, 1e3, 1e-3], rng.normal(size=40)
+    column = design @ [1.0, 1e-3, 1e3] + apart * rng.normal(size=40)
+    both = decompose(design, "abc").with_column(column)
+    more = fit(both.design, y, decomposed=both)
+    whole = fit(np.column_stack([design, column]), y)
+    assert more.coefficients == pytest.approx(whole.coefficients, rel=1e-6)
+    assert more.residuals == pytest.approx(whole.residuals, abs=1e-9)
+    assert more.transform @ more.transform.T == pytest.approx(whole.transform @ whole.transform.T, rel=1e-5)
+    assert more.basis @ more.basis.T == pytest.approx(whole.basis @ whole.basis.T, abs=1e-6)
+
+
+def test_a_column_that_the_others_give_is_refused_as_in_one_fit() -> None:
+    design = np.random.default_rng(4).normal(size=(9, 2))
+    with pytest.raises(DataError, match="cannot tell"):
+        decompose(design, "ab").with_column(design @ [1.0, -2.0])

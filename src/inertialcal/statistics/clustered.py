@@ -110,23 +110,25 @@ class Clustered:
     """A fit, and what its clusters disagree about: for several contrasts of one fit."""
 
     fit: Fit
-    gram: Array  # Q_g' Q_g of the basis in each cluster, shape (R, p, p)
-    adjust: Array  # A_g Q_g = Q_g F_g, shape (R, p, p)
+    shares: Shares  # Of its basis
     score: Array  # what each moves the coefficients of the basis by, shape (R, p)
 
     def contrasts(self, rows: Array) -> tuple[Array, Array]:
         """Return covariance and degrees of freedom of combinations, rows (m, p), as `clustered_contrasts`."""
         to_contrast = rows @ self.fit.transform
         spread = to_contrast @ self.score.T
-        return spread @ spread.T, _satterthwaite(self.gram, self.adjust, to_contrast)
+        return spread @ spread.T, self.shares.dof(to_contrast)
 
 
 def clustered(fit: Fit, clusters: NDArray[Any] | Members) -> Clustered:
     """Return a fit with what its clusters, labels (n,) or members, disagree about; raises as `clustered_covariance`."""
-    order, starts = _clusters(fit, clusters)
+    return with_shares(fit, Shares(_clusters(fit, clusters), fit.basis))
+
+
+def with_shares(fit: Fit, shares: Shares) -> Clustered:
+    """Return the same where the shares of its basis are known."""
     root = 1.0 if fit.weights is None else np.sqrt(fit.weights)
-    shares = Shares(Members(order, starts), fit.basis)
-    return Clustered(fit, shares.gram, shares.adjust, shares.score(fit.residuals * root))
+    return Clustered(fit, shares, shares.score(fit.residuals * root))
 
 
 class Shares:
@@ -134,8 +136,8 @@ class Shares:
 
     def __init__(self, members: Members, basis: Array) -> None:
         self.members, self.basis = members, basis[members.order]
-        self.gram = np.add.reduceat(self.basis[:, :, None] * self.basis[:, None, :], members.starts)
-        self.adjust = _inverse_root(self.gram)
+        self.gram = np.add.reduceat(self.basis[:, :, None] * self.basis[:, None, :], members.starts)  # Q_g' Q_g
+        self.adjust = _inverse_root(self.gram)  # F_g of A_g Q_g = Q_g F_g, shape (R, p, p)
 
     def score(self, residuals: Array) -> Array:
         """Return what each cluster moves the coefficients of the basis by: residuals (..., n), result (..., R, p)."""

@@ -30,6 +30,7 @@ from scipy import linalg
 from ..core.errors import DataError
 from ..core.estimate import Array
 
+APART = 1e-6  # share of a column that others leave, below which its decomposition is made anew
 NEGLIGIBLE = 1e-7  # share of a (unit length) column in a combination below which it is not named
 
 
@@ -48,7 +49,6 @@ class Fit:
     design: Array  # as given, (n, p)
     weights: Array | None  # as given, (n,)
     names: tuple[str, ...]  # of the coefficients
-    condition: float  # largest over smallest singular value of the scaled design
     basis: Array  # orthonormal basis of the whitened design, (n, p)
     transform: Array  # ``coefficients = transform @ basis.T @ whitened readings``, (p, p)
     given: bool = False  # the covariance of the readings was given
@@ -137,7 +137,7 @@ def fit(
     root = np.sqrt(_checked_weights(weights, readings.size)) if weights is not None else None
     white = design if root is None else design * root[:, None]
     decomposed = decompose(white, labels) if decomposed is None else decomposed
-    basis, transform, condition = decomposed.basis, decomposed.transform, decomposed.condition
+    basis, transform = decomposed.basis, decomposed.transform
     coefficients = decomposed.coefficients(readings if root is None else readings * root)
     residuals = readings - design @ coefficients
     dof = readings.size - len(labels)
@@ -152,7 +152,6 @@ def fit(
         design=design,
         weights=None if weights is None else np.asarray(weights, dtype=float),
         names=labels,
-        condition=condition,
         basis=basis,
         transform=transform,
     )
@@ -182,7 +181,7 @@ def fit_correlated(design: Array, readings: Array, covariance: Array, names: Seq
     root = _cholesky(covariance, readings.size)
     white = linalg.solve_triangular(root, np.column_stack([design, readings]), lower=True)
     decomposed = decompose(white[:, :-1], labels)
-    basis, transform, condition = decomposed.basis, decomposed.transform, decomposed.condition
+    basis, transform = decomposed.basis, decomposed.transform
     coefficients = decomposed.coefficients(white[:, -1])
     free = readings.size - len(labels)
     chi_square = float(np.sum((white[:, -1] - white[:, :-1] @ coefficients) ** 2))
@@ -197,7 +196,6 @@ def fit_correlated(design: Array, readings: Array, covariance: Array, names: Seq
         design=design,
         weights=None,
         names=labels,
-        condition=condition,
         basis=basis,
         transform=transform,
         given=True,
@@ -223,7 +221,22 @@ class Decomposed:
     design: Array  # as given, (n, p)
     basis: Array  # orthonormal, of its columns, (n, p)
     transform: Array  # ``coefficients = transform @ basis.T @ readings``, (p, p)
-    condition: float  # largest over smallest singular value of the scaled design
+
+    def with_column(self, column: Array) -> Decomposed:
+        """Return the decomposition with one column more, shape (n,), finite; raises as `decompose`."""
+        n, p = self.design.shape
+        design = np.column_stack([self.design, column])
+        along = self.basis.T @ column
+        left = column - self.basis @ along
+        again = self.basis.T @ left
+        left, along = left - self.basis @ again, along + again  # twice is enough
+        size = math.sqrt(left @ left)
+        if n <= p or not size > APART * math.sqrt(column @ column):
+            return decompose(design, [f"column {i}" for i in range(p + 1)])
+        transform = np.zeros((p + 1, p + 1))
+        transform[:p, :p], transform[:p, p] = self.transform, self.transform @ along / -size
+        transform[p, p] = 1.0 / size
+        return Decomposed(design, np.column_stack([self.basis, left / size]), transform)
 
     def coefficients(self, readings: Array) -> Array:
         """Return the coefficients of readings, shape (..., n), each set by itself, after one refinement: (..., p)."""
@@ -259,7 +272,7 @@ def decompose(white: Array, names: Sequence[str]) -> Decomposed:
     lost = s <= s[0] * max(white.shape) * np.finfo(float).eps
     if lost.any():
         raise _rank_deficient(rows[lost].T, length, tuple(names))
-    return Decomposed(white, basis, rows.T / s / scale[:, None], float(s[0] / s[-1]))
+    return Decomposed(white, basis, rows.T / s / scale[:, None])
 
 
 def _checked(design: Array, readings: Array, names: Sequence[str] | None) -> tuple[Array, Array, tuple[str, ...]]:

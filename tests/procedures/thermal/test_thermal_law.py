@@ -11,6 +11,7 @@ from thermal_sweeps import path, plan, readings, sweep, way
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
+from inertialcal.procedures.thermal.fit import order as order_module
 from inertialcal.procedures.thermal.fit.cells import cells_of, series_of
 from inertialcal.procedures.thermal.fit.law import law_of
 from inertialcal.procedures.thermal.fit.order import choose_order
@@ -111,6 +112,16 @@ def test_an_order_that_is_given_is_taken_and_the_scores_are_told() -> None:
     choice = choose_order(cells, 5, given=2)
     assert (choice.order, choice.held_out) == (2, "given")
     assert choice.scores[3] < 0.5 * choice.scores[2]
+
+
+@pytest.mark.parametrize("runs", [1, 2, 5])
+def test_orders_solved_at_once_predict_as_each_alone(runs: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    found = readings(lambda T: 1e-3 * T + 1e-6 * T**3, runs=runs, gap=1e-3, noise=1e-3, offset=1e-2)
+    at_once = choose_order(cells_of(plan(), series_of(plan(), found, "x")), 5)
+    monkeypatch.setattr(order_module, "SAFE", 0.0)
+    alone = choose_order(cells_of(plan(), series_of(plan(), found, "x")), 5)
+    assert at_once.scores == pytest.approx(alone.scores, rel=1e-9)
+    assert (at_once.order, at_once.held_out) == (alone.order, alone.held_out)
 
 
 def test_what_is_held_out_follows_from_what_there_is() -> None:

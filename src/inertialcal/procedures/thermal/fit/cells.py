@@ -213,6 +213,8 @@ class Cells:
     ramp: Indices  # shape (n,) or (c,): number of the ramp among all
     bin: Indices  # shape (c,): number of the bin, from 0
     weight: Array  # shape (c,): those of one run, path and bin add up to 1
+    beside: Array  # shape (k, c): readings of all sensors that share these cells
+    sensor: int  # Row of this one among them
     range: tuple[float, float]  # Ends of the bins that are used [degC]
     left_out: Mapping[str, int] = field(default_factory=dict[str, int])  # Samples by the rule that leaves them out
     both: tuple[float, float] | None = None  # Ends of the temperatures that were seen on both paths [degC]
@@ -225,7 +227,7 @@ class Cells:
     @property
     def runs(self) -> int:
         """Number of runs that have a cell."""
-        return self.once("runs", lambda: len(np.unique(self.run)))
+        return self.once("runs", lambda: int(self.run_number.max(initial=-1)) + 1)
 
     @property
     def run_number(self) -> NDArray[np.intp]:
@@ -235,15 +237,16 @@ class Cells:
     @property
     def bins(self) -> int:
         """Number of bins that have a cell."""
-        return self.once("bins", lambda: len(np.unique(self.bin)))
+        return self.once("bins", lambda: int(np.count_nonzero(np.bincount(self.bin))))
 
     @property
     def shared_bins(self) -> Indices:
         """Bins that were seen on both paths."""
 
         def found() -> Indices:
-            warm, cool = (np.unique(self.bin[self.path == way]) for way in (WARMING, COOLING))
-            return np.asarray(np.intersect1d(warm, cool))
+            size = int(self.bin.max(initial=0)) + 1
+            warm, cool = (np.bincount(self.bin[self.path == way], minlength=size) for way in (WARMING, COOLING))
+            return np.flatnonzero((warm > 0) & (cool > 0))
 
         return self.once("shared_bins", found)
 
@@ -259,7 +262,7 @@ class Cells:
     @property
     def ways(self) -> tuple[int, ...]:
         """Paths that there are."""
-        return self.once("ways", lambda: tuple(int(one) for one in np.unique(self.path)))
+        return self.once("ways", lambda: tuple(way for way in (COOLING, WARMING) if np.any(self.path == way)))
 
 
 def series_of(plan: Plan, readings: Readings, axis: str, others: Sequence[Series] = ()) -> Series:
@@ -340,7 +343,7 @@ def cells_of(plan: Plan, series: Series, cut: float = 0.0) -> Cells:
         what = f"{series.axis} sensor: no sample lies on a ramp of {series.turn_over:.3g} degC or more"
         raise DataError(what, do="Ramp the chamber further, or give a smaller turn_over", code="no_ramp")
     frame, used = cells.once("used", lambda: _frame(cells, left, series))
-    return replace(frame, reading=cells.reading[used], scatter=cells.scatter[used])
+    return replace(frame, reading=frame.beside[cells.sensor], scatter=cells.scatter[used], sensor=cells.sensor)
 
 
 def _frame(cells: Cells, left: Mapping[str, int], series: Series) -> tuple[Cells, Mask]:
@@ -472,15 +475,17 @@ def _gathered(plan: Plan, series: Series, cut: float, readings: Sequence[Array])
     number, bin_of = np.divmod(numbers, bins)
     first = np.array([one.start for one in series.ramps])[number]
     sweep = np.searchsorted([one.stop for one in series.sweeps], first, side="right")
+    means = mean_y.reshape(k, -1)[:, numbers]
+    var_y, cov_Ty = squares_y.reshape(k, 2, -1)[:, :, numbers].swapaxes(0, 1) / count
+    taken = np.divide(cov_Ty**2, var_T, out=np.zeros_like(cov_Ty), where=var_T > 0.0)
+    scatter = np.sqrt(np.maximum(var_y - taken, 0.0) * count / free)
     once, found = Once(), []
-    for mean, (square, along) in zip(mean_y.reshape(k, -1), squares_y.reshape(k, 2, -1), strict=True):
-        var_y, cov_Ty = square[numbers] / count, along[numbers] / count
-        taken = np.divide(cov_Ty**2, var_T, out=np.zeros_like(count), where=var_T > 0.0)
+    for i in range(k):
         found.append(Cells(
             mean_T,
             var_T,
-            mean[numbers],
-            np.sqrt(np.maximum(var_y - taken, 0.0) * count / free),
+            means[i],
+            scatter[i],
             count,
             rate if series.rate is None else sum_rate / count,
             mean_t,
@@ -489,6 +494,8 @@ def _gathered(plan: Plan, series: Series, cut: float, readings: Sequence[Array])
             number,
             bin_of,
             np.ones(len(count)),
+            means,
+            i,
             series.span,
             once=once,
         ))  # fmt: skip
@@ -522,7 +529,8 @@ def _ends(cells: Cells, series: Series) -> tuple[float, float]:
 
 def _taken(cells: Cells, keep: Mask) -> Cells:
     rows = ("temperature", "spread", "reading", "scatter", "samples", "rate", "time", "path", "run", "ramp", "bin")
-    return replace(cells, weight=cells.weight[keep], once=Once(), **{name: getattr(cells, name)[keep] for name in rows})
+    kept = {name: getattr(cells, name)[keep] for name in rows}
+    return replace(cells, weight=cells.weight[keep], beside=cells.beside[:, keep], once=Once(), **kept)
 
 
 def _weighed(cells: Cells, ends: tuple[float, float]) -> Cells:

@@ -34,7 +34,7 @@ taken where it can tell all of P, else the value stays without uncertainty.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache, cached_property
 from typing import Literal
 
@@ -44,12 +44,20 @@ from numpy.typing import ArrayLike
 
 from ....core.errors import DataError
 from ....core.estimate import Array
-from ....statistics.clustered import Clustered, Members, clustered, clustered_contrasts, members_of
+from ....statistics.clustered import (
+    Clustered,
+    Members,
+    Shares,
+    clustered,
+    clustered_contrasts,
+    members_of,
+    with_shares,
+)
 from ....statistics.intervals import coverage_factor
-from ....statistics.least_squares import Fit, fit
+from ....statistics.least_squares import Fit, decompose, fit
 from ....statistics.polynomial import Polynomial
 from ....statistics.random_offsets import fit_numbered
-from .cells import Cells, Indices
+from .cells import Cells, Indices, Once
 
 Level = Literal["run", "ramp", "block"]
 
@@ -67,6 +75,7 @@ class Scatter:
     order: int  # Of P
     fit: Fit
     path_fit: Fit
+    once: Once = field(default_factory=Once)  # Of combinations of P
 
     @property
     def level(self) -> Level:
@@ -91,21 +100,26 @@ class Scatter:
     @property
     def each(self) -> tuple[Array, Array]:
         """Covariance of the coefficients of P, and degrees of freedom of each; dof 0: not known."""
-        return self._judged[3]
+        return _contrasts(self.of_fit, np.eye(self.order + 1), 0)
 
     @cached_property
     def of_path_fit(self) -> Clustered:
         """Of D."""
-        return self.of_fit if self.path_fit is self.fit else clustered(self.path_fit, self.members)
+        return self.of_fit if self.path_fit is self.fit else self._clustered(self.path_fit, self.level, self.clusters)
 
     @cached_property
-    def _judged(self) -> tuple[Level, Indices, Clustered, tuple[Array, Array]]:
+    def _judged(self) -> tuple[Level, Indices, Clustered]:
         for level, clusters in _levels(self.cells):
-            found = clustered(self.fit, members(self.cells, level, clusters))
-            each = _contrasts(found, np.eye(self.order + 1), 0)
-            if level == "block" or np.all(each[1] > 0.0):
-                return level, clusters, found, each
+            found = self._clustered(self.fit, level, clusters)
+            if level == "block" or np.all(_contrasts(found, np.eye(self.order + 1), 0)[1] > 0.0):
+                return level, clusters, found
         raise AssertionError("blocks come last")
+
+    def _clustered(self, fit: Fit, level: Level, clusters: Indices) -> Clustered:
+        own = members(self.cells, level, clusters)
+        if self.cells.runs > 1 or fit is not self.path_fit or len(own.starts) < 2:
+            return clustered(fit, own)
+        return with_shares(fit, self.cells.once(("shares", level, self.order), lambda: Shares(own, fit.basis)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,7 +179,8 @@ class Law:
 
     def contrasts(self, rows: Array) -> tuple[Array, Array]:
         """Covariance and degrees of freedom of combinations of P, shapes (m, m) and (m,); dof 0: not known."""
-        return _contrasts(self.scatter.of_fit, rows, 0)
+        found = self.scatter.of_fit
+        return self.scatter.once((rows.shape, rows.tobytes()), lambda: _contrasts(found, rows, 0))
 
     def path_contrasts(self, rows: Array) -> tuple[Array, Array, Array]:
         """Values, covariance and degrees of freedom of combinations of D."""
@@ -203,21 +218,38 @@ def unjudged_law_of(cells: Cells, order: int, alone: Fit | None = None) -> Law:
     domain = cells.range
     if alone is None:
         names = [f"T_{k}" for k in range(order + 1)] + [f"D_{k}" for k in range(path_order + 1)]
-        alone = _fitted(cells, design(cells, order, path_order, domain), names)
+        alone = _fitted(cells, order, path_order, domain, names)
     if path_order < 0:
         of_p = alone
     elif cells.paths_repeated:
         of_p = _with_lag(cells, alone, order, max(path_order, order - 1), domain)
     else:
-        of_p = _fitted(cells, design(cells, order, -1, domain))
+        of_p = _fitted(cells, order, -1, domain)
     return Law(cells, order, path_order, domain, of_p, alone, Scatter(cells, order, of_p, alone))
 
 
-def _fitted(cells: Cells, columns: Array, names: Sequence[str] | None = None) -> Fit:
+def _fitted(
+    cells: Cells,
+    order: int,
+    path_order: int,
+    domain: tuple[float, float],
+    names: Sequence[str] | None = None,
+    lag: Array | None = None,
+) -> Fit:
+    """Return the fit of P and D, and of a lag by its column; of one run with a decomposition that all sensors share."""
+    columns = design(cells, order, path_order, domain)
     if cells.runs >= 2:
+        columns = columns if lag is None else np.column_stack([columns, lag])
         return fit_numbered(columns, cells.reading, cells.weight, cells.run_number, names)
-    root = np.sqrt(cells.weight)
-    return fit(columns * root[:, None], cells.reading * root, names=names)
+    root = cells.once("root", lambda: np.sqrt(cells.weight))
+    white = columns * root[:, None]
+    if len(white) <= white.shape[1]:  # too few cells, said as any fit says it
+        return fit(white, cells.reading * root, names=names)
+    labels = names or [f"column {i}" for i in range(white.shape[1])]
+    whole = cells.once(("decomposed", order, path_order, domain), lambda: decompose(white, labels))
+    if lag is not None:
+        whole, names = whole.with_column(lag * root), None
+    return fit(whole.design, cells.reading * root, names=names, decomposed=whole)
 
 
 def _with_lag(cells: Cells, alone: Fit, order: int, path_order: int, domain: tuple[float, float]) -> Fit:
@@ -229,9 +261,8 @@ def _with_lag(cells: Cells, alone: Fit, order: int, path_order: int, domain: tup
     if order == 0 or not np.isfinite(cells.rate).all():
         return alone
     lag = lag_column(cells, alone.coefficients[: order + 1], domain)
-    columns = np.column_stack([design(cells, order, path_order, domain), lag])
     try:
-        found = _fitted(cells, columns)
+        found = _fitted(cells, order, path_order, domain, lag=lag)
     except DataError:
         return alone
     grown = np.sum(found.transform[: order + 1] ** 2, axis=1) / np.sum(alone.transform[: order + 1] ** 2, axis=1)
@@ -239,7 +270,7 @@ def _with_lag(cells: Cells, alone: Fit, order: int, path_order: int, domain: tup
         return found
     if cells.runs < 2:
         return alone
-    covariance, dof = clustered_contrasts(found, members(cells, "run", cells.run), np.eye(columns.shape[1])[-1:])
+    covariance, dof = clustered_contrasts(found, members(cells, "run", cells.run), np.eye(found.coefficients.size)[-1:])
     resolved = dof[0] > 0.0 and abs(found.coefficients[-1]) > coverage_factor(float(dof[0])) * np.sqrt(covariance[0, 0])
     return found if resolved else alone
 

@@ -28,6 +28,7 @@ from .law import design, path_order_of
 
 STRETCHES = 10  # of the range of temperature, the inner ones of which are held out
 RAMPS, RUNS = 5, 3  # that are enough to be held out
+LEAST, SAFE = 1e-10, 1e6  # eigenvalue over the largest that counts; ratio up to which all do, by far
 NO_BETTER = 1.02  # of the least score
 HeldOut = Literal["runs", "ramps", "blocks", "given"]
 
@@ -45,20 +46,8 @@ class Choice:
 
 def choose_order(cells: Cells, largest: int, given: int | None = None) -> Choice:
     """Return the order of P, chosen on what is held out where none is given; the scores are found either way."""
-    held_out, groups, offsets, path_order = cells.once("held out", lambda: _groups(cells))
-    without = cells.once(("moments", largest), lambda: _Moments(cells, largest, path_order, groups, offsets, held_out))
-    tried, counts = without.tried, without.counts
-    along, squares = without.of(cells.reading)
-    errors = np.full((largest + 1, len(tried)), np.nan)
-    for order in range(largest + 1):
-        keep = without.columns(order)
-        # Mean square error of prediction of each group that is held out, fitted to the others
-        inverse, scale, own = without.solved(order)
-        rest = along.sum(axis=0) - along[tried]
-        found = np.einsum("gij,gj->gi", inverse, rest[:, keep] / scale) / scale
-        cross = np.einsum("gi,gi->g", found, along[tried][:, keep])
-        bent = np.einsum("gi,gij,gj->g", found, own, found)
-        errors[order] = np.asarray(np.maximum(squares[tried] - 2.0 * cross + bent, 0.0) / counts[tried])
+    held_out, found = cells.once(("held out", largest), lambda: _errors(cells, largest))
+    errors = found[cells.sensor]
     scores = np.sqrt(np.mean(errors, axis=1))
     if given is not None:
         return Choice(given, "given", scores)
@@ -83,49 +72,53 @@ def _groups(cells: Cells) -> tuple[HeldOut, Indices, Indices, int]:
     return "blocks", stretch, np.zeros(len(cells), dtype=np.int64), path_order
 
 
-class _Moments:
-    """Weighted second moments of the design in each group, offsets taken away, and what else no reading changes."""
+def _errors(cells: Cells, largest: int) -> tuple[HeldOut, Array]:
+    """Return what is held out, and the mean square errors of prediction of it, (k, largest + 1, g), of all sensors.
 
-    def __init__(
-        self, cells: Cells, largest: int, path_order: int, groups: Indices, offsets: Indices, held_out: HeldOut
-    ) -> None:
-        number = np.unique(groups, return_inverse=True)[1]
-        self._order = np.argsort(number, kind="stable")
-        self._starts = np.flatnonzero(np.diff(number[self._order], prepend=-1))
-        self._own, self._weights, self._largest = np.unique(offsets, return_inverse=True)[1], cells.weight, largest
-        self._design = self._sorted(design(cells, largest, path_order, cells.range))
-        self._weighted = self._design * cells.weight[self._order][:, None]
-        self._squares = np.add.reduceat(self._design[:, :, None] * self._weighted[:, None, :], self._starts)
-        self._rest: dict[int, tuple[Array, Array, Array]] = {}
-        self.counts = np.add.reduceat(cells.weight[self._order], self._starts)  # weight of each group, shape (g,)
-        numbers = np.arange(len(self._starts))
-        self.tried = numbers[1:-1] if held_out == "blocks" and len(numbers) > 3 else numbers  # groups held out
+    Each group is predicted by the fit to the others, from the weighted moments of all groups.
+    """
+    held_out, groups, offsets, path_order = _groups(cells)
+    number = np.unique(groups, return_inverse=True)[1]
+    order = np.argsort(number, kind="stable")
+    starts, own = np.flatnonzero(np.diff(number[order], prepend=-1)), np.unique(offsets, return_inverse=True)[1]
+    columns = np.hstack([design(cells, largest, path_order, cells.range), cells.beside.T])
+    if own.any():  # less the weighted mean of each offset
+        total = np.bincount(own, cells.weight)
+        sums = [np.bincount(own, column * cells.weight) for column in columns.T]
+        columns = columns - (np.column_stack(sums) / total[:, None])[own]
+    columns, weights = columns[order], cells.weight[order]
+    weighted, p = columns * weights[:, None], columns.shape[1] - len(cells.beside)
+    moments = np.add.reduceat(columns[:, :p, None] * weighted[:, None, :], starts)
+    squares = np.add.reduceat(columns[:, p:] * weighted[:, p:], starts)
+    numbers = np.arange(len(starts))
+    tried = numbers[1:-1] if held_out == "blocks" and len(numbers) > 3 else numbers
+    left, rest = moments[tried], moments.sum(axis=0) - moments[tried]
+    found = _solved(rest[:, :, :p], rest[:, :, p:], largest)
+    bent = np.sum(found * (left[:, None, :, :p] @ found - 2.0 * left[:, None, :, p:]), axis=2)  # (groups, orders, k)
+    errors = np.maximum(squares[tried, None] + bent, 0.0).transpose(2, 1, 0)
+    return held_out, errors / np.add.reduceat(weights, starts)[tried]
 
-    def _sorted(self, columns: Array) -> Array:
-        """Return columns (c, q) without the weighted mean of each offset, group after group."""
-        if self._own.any():
-            total = np.bincount(self._own, self._weights)
-            sums = [np.bincount(self._own, column * self._weights) for column in columns.T]
-            columns = columns - (np.column_stack(sums) / total[:, None])[self._own]
-        return columns[self._order]
 
-    def of(self, reading: Array) -> tuple[Array, Array]:
-        """Return the moments of the design with a reading, (g, q), and those of the reading, (g,)."""
-        y = self._sorted(reading[:, None])
-        weighted = y[:, 0] * self._weights[self._order]
-        return np.add.reduceat(self._weighted * y, self._starts), np.add.reduceat(y[:, 0] * weighted, self._starts)
+def _solved(square: Array, along: Array, largest: int) -> Array:
+    """Return the coefficients of each order of P with D, (g, largest + 1, p, k), of moments (g, p, p) and (g, p, k).
 
-    def columns(self, order: int) -> Indices:
-        """Return the columns of an order: of P up to it, and all of D."""
-        return np.asarray([*range(order + 1), *range(self._largest + 1, self._design.shape[1])])
-
-    def solved(self, order: int) -> tuple[Array, Array, Array]:
-        """Return of each group that is held out: inverse of the scaled moments of the others, scales, own moments."""
-        if order not in self._rest:
-            at = self.columns(order)
-            rest = self._squares.sum(axis=0) - self._squares[self.tried]
-            scale = np.sqrt(np.maximum(np.einsum("gii->gi", rest)[:, at], np.finfo(float).tiny))
-            grid = np.ix_(np.arange(len(self.tried)), at, at)
-            inverse = symmetric_inverse(rest[grid] / (scale[:, :, None] * scale[:, None, :]), 1e-10)
-            self._rest[order] = inverse, scale, self._squares[self.tried][grid]
-        return self._rest[order]
+    Columns of higher orders have the coefficient 0; a direction that the cells hardly tell does not count.
+    """
+    p = square.shape[1]
+    at = np.arange(p)
+    taken = (at > largest) | (at <= np.arange(largest + 1)[:, None])  # a row an order
+    scale = np.sqrt(np.maximum(np.diagonal(square, axis1=1, axis2=2), np.finfo(float).tiny))[:, :, None]
+    square, along = square / (scale * scale.swapaxes(1, 2)), along / scale
+    nested = np.roll(at, p - largest - 1)  # all of D first: those of an order are then the first ones
+    try:
+        root = np.linalg.inv(np.linalg.cholesky(square[:, nested[:, None], nested]))
+    except np.linalg.LinAlgError:
+        root = np.full_like(square, np.inf)
+    if np.all(p * np.sum(root**2, axis=(1, 2)) < SAFE):  # bounds the ratio of the eigenvalues, of lower orders too
+        part = (root @ along[:, nested])[:, None] * taken[:, nested, None]
+        found = (root.swapaxes(1, 2)[:, None] @ part)[:, :, np.argsort(nested)]
+    else:
+        found = np.zeros((len(square), largest + 1, p, along.shape[2]))
+        for order, own in enumerate(map(np.flatnonzero, taken)):
+            found[:, order, own] = symmetric_inverse(square[:, own[:, None], own], LEAST) @ along[:, own]
+    return np.asarray(found / scale[:, None])

@@ -99,10 +99,18 @@ def shared_grid(law: Law) -> Array:
 
 
 def _difference(law: Law) -> PathEffect:
-    values, covariance, dof = law.path_contrasts(law.path_basis(shared_grid(law)).mean(axis=0, keepdims=True))
+    values, covariance, dof = law.path_contrasts(_mean_over_paths(law, law.path_order)[None])
     if not dof[0] > 0.0:
         return PathEffect(float(values[0]), reason="needs two runs or more on each path")
     return PathEffect(float(values[0]), float(np.sqrt(covariance[0, 0])), float(dof[0]))
+
+
+def _mean_over_paths(law: Law, order: int) -> Array:
+    """Return the row of a series whose combination is its mean over the range of both paths, shape (order + 1,)."""
+    return law.cells.once(
+        ("mean over the paths", order, law.domain),
+        lambda: series_rows(shared_grid(law), law.domain, order).mean(axis=0),
+    )
 
 
 def _loops(cells: Cells) -> int:
@@ -117,10 +125,11 @@ def _loops(cells: Cells) -> int:
 
 def _rates(cells: Cells) -> tuple[float, ...]:
     found = []
-    for ramp in np.unique(cells.ramp):
-        own = np.abs(cells.rate[cells.ramp == ramp])
-        if np.isfinite(own).any():
-            found.append(float(np.nanmedian(own)))
+    for own in cells.once("ramps", lambda: [np.flatnonzero(cells.ramp == ramp) for ramp in np.unique(cells.ramp)]):
+        rates = np.sort(np.abs(cells.rate[own]))  # NaN last
+        n = len(rates) - int(np.count_nonzero(np.isnan(rates)))
+        if n:
+            found.append(float(0.5 * (rates[(n - 1) // 2] + rates[n // 2])))
     return (min(found), max(found)) if found else ()
 
 
@@ -138,10 +147,7 @@ def _separated(law: Law, loops: int) -> tuple[PathEffect, PathEffect]:
     columns, names, behind = _columns(law)
     root = np.sqrt(cells.weight)[:, None]
     row, lag = np.zeros(columns.shape[1]), np.eye(columns.shape[1])[behind]
-    row[law.order + 1 : behind] = cells.once(
-        ("mean over the paths", law.order, behind),
-        lambda: series_rows(shared_grid(law), law.domain, behind - law.order - 2).mean(axis=0),
-    )
+    row[law.order + 1 : behind] = _mean_over_paths(law, behind - law.order - 2)
     try:
         found = fit(columns * root, cells.reading * root[:, 0], names=names)
     except DataError:

@@ -16,7 +16,7 @@ from ..plan import Plan
 from ..recordings import Readings
 from .agreement import disagreements
 from .cells import Cells, Series, cells_of, joined, lagging
-from .law import Law, judged, law_of, unjudged_law_of
+from .law import Law, judged, law_of, series_rows, unjudged_law_of
 from .order import Choice, choose_order
 from .paths import Paths, paths_of, separated
 from .start_up import StartUp, start_up_of
@@ -106,10 +106,12 @@ def _references(plan: Plan, readings: Readings, series: Series, cut: float) -> d
 def run_offsets(law: Law) -> Array:
     """Return the weighted mean residual of each run, shape (r,) [unit of the readings]."""
     cells = law.cells
-    fitted = np.einsum("ij,j->i", law.basis(cells.temperature), law.coefficients)
+    highest = max(law.order, law.path_order)
+    rows = cells.once(("rows", highest, law.domain), lambda: series_rows(cells.temperature, law.domain, highest))
+    fitted = np.einsum("ij,j->i", rows[:, : law.order + 1], law.coefficients)
     if law.midway:
         ways = law.path_fit.coefficients[law.order + 1 :]
-        fitted = fitted + 0.5 * cells.path * np.einsum("ij,j->i", law.path_basis(cells.temperature), ways)
+        fitted = fitted + 0.5 * cells.path * np.einsum("ij,j->i", rows[:, : law.path_order + 1], ways)
     number = cells.run_number
     left = cells.weight * (cells.reading - fitted)
     return np.asarray(np.bincount(number, left) / np.bincount(number, cells.weight))
