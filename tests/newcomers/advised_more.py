@@ -118,9 +118,9 @@ COMPENSATED = (
     ),
     Case(
         "To read another: --topic NAME",
-        "info drive.db3",
-        "+ --topic /temperature",
-        "has not read: /imu/data",
+        "info flown.log",
+        "+ --topic ATT",
+        "has not read: IMU",
     ),
     Case(
         "Give --arithmetic q{}, the largest that fits",
@@ -980,6 +980,18 @@ LAB = (
         "text simulate lot --n 2 -o line",
         "lot line/LOT.toml -o line-out",
         "has line",
+    ),
+    Case(
+        "inertialcal lot {} -o {}",
+        "simulate lot --n 2 -o line_2 ; info line_2",
+        "lot line_2 -o line_2-out",
+        "has line_2",
+    ),
+    Case(
+        "Try: inertialcal simulate lot -o DIR",
+        "simulate lot --n 2 -o moved ; lot moved -o moved-out ; rm moved/.truth/truth.json ; score moved-out",
+        "simulate lot -o line_3",
+        "has line_3",
     ),
     Case(
         "Next: inertialcal sequence {} -o {}",

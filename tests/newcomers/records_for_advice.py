@@ -14,7 +14,7 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import rsa
 from cryptography.x509.oid import NameOID
 from files_for_advice import CAMPAIGN, csv
-from logger_files import ros_1, ros_2
+from logger_files import dataflash_text, ros_1
 from made_records import add, content, figure
 from newcomer_boards import FACES, Board, G, board_at_rest, board_of, six_faces
 from newcomer_tables import rounded
@@ -180,7 +180,7 @@ def write_records(folder: Path) -> None:
     (folder / "fine.toml").write_text(CUBES.format(large=40, count=1200, edge="0.5"))
     _keys(folder)
     ros_1(folder / "drive.bag")
-    ros_2(folder / "drive.db3")
+    dataflash_text(folder / "flown.log")
 
 
 def _model(condition: str) -> SensorModel:

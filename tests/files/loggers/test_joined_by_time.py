@@ -66,7 +66,7 @@ def test_readings_of_another_clock_are_not_interpolated(tmp_path: Path) -> None:
 def test_a_group_of_tdms_and_a_sheet_are_joined_as_well(tmp_path: Path) -> None:
     tdms, openpyxl = pytest.importorskip("nptdms"), pytest.importorskip("openpyxl")
     start = np.datetime64("2026-03-25T08:00:00")
-    gyro, slow = np.zeros(200), warmth(np.arange(20) * 2.0)
+    gyro, slow = np.zeros(200), warmth(np.arange(20.0) * 2.0)
     with tdms.TdmsWriter(tmp_path / "a.tdms") as file:
         about = {"wf_start_time": start, "wf_start_offset": 0.0}
         fast = tdms.ChannelObject("IMU", "Gyro X", gyro, {**about, "wf_increment": 0.2, "unit_string": "deg/s"})
@@ -82,6 +82,6 @@ def test_a_group_of_tdms_and_a_sheet_are_joined_as_well(tmp_path: Path) -> None:
     book.save(tmp_path / "a.xlsx")
     for name, column in (("a.tdms", "Temperature"), ("a.xlsx", "Temperature (degC)")):
         found = ic.read(tmp_path / name)
-        true = warmth(np.arange(200) * 0.2)
+        true = warmth(np.arange(200.0) * 0.2)
         np.testing.assert_allclose(found.channel(column).data[:190], true[:190], atol=1e-3)
         assert "joined_by_time" in {one.code for one in found.remarks}

@@ -120,7 +120,8 @@ def _lot(output: Path, n: int, seed: int, fault: str, as_json: bool, quiet: bool
             print(wrapped(f"mistake put in: {one}"))
         print(wrapped(f"the true values are in .truth there, SHA-256 {written.seal}"))
         lot, out = shlex.quote(str(written.folder / "LOT.toml")), shlex.quote(f"{written.folder}-out")
-        print(clean(f"Next: inertialcal lot {lot} -o {out}\nthen inertialcal score {out}"))
+        lot_it, score_it = f"Next: inertialcal lot {lot} -o {out}", f"then inertialcal score {out}"
+        print(clean(f"{lot_it}, {score_it}"))
     return 0
 
 

@@ -267,8 +267,8 @@ def _recorded(given: GivenFile, applied: str | None) -> Described:
     if not by_axis:
         what = f"{given.name}: cannot tell which column is which axis of the gyro; it has {', '.join(recording.names)}"
         only = len(guess_channels(recording.channels).readings) == 1 and not axis
-        add = given.add("axis", "AXIS") if only else given.add("reading", "x=COLUMN")
-        do = f"Add: {add}"
+        what_axis = given.add("axis", "AXIS")
+        do = f"Add: {what_axis}" if only else f"Add: {given.add('reading', 'x=COLUMN')}"
         raise UsageError(what, do=do, code="no_column")
     unit = bare(given.said.units)
     rates = {} if applied is None else {APPLIED: applied}
