@@ -214,4 +214,5 @@ def _blocks(one: Sweep, axis: str) -> tuple[Array, Array, Array]:
     T, channel = (block_means(kept(values, good), size) for values in (reference, own))
     if one.time is None or len(T) < 2:
         return T, channel, np.zeros(len(T))
-    return T, channel, np.gradient(channel, block_means(kept(one.time, good), size))
+    time, first, block = np.unique(block_means(kept(one.time, good), size), return_index=True, return_inverse=True)
+    return T, channel, np.gradient(channel[first], time)[block] if len(time) > 1 else np.zeros(len(T))
