@@ -126,12 +126,6 @@ CASES = (
         "rate 50",
     ),
     Case(
-        "It holds a campaign: inertialcal run {}; or name one of its files",
-        "info campaign",
-        "run campaign",
-        "done",
-    ),
-    Case(
         "Read them by name: --topic NAME",
         "info other_clock.mat",
         "+ --topic slow",

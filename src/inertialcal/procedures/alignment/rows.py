@@ -12,7 +12,7 @@ import numpy as np
 from ...core.curve import Column, Curve
 from ...core.key import NO_REASON, Key, Reason
 from ...core.results import Interval, Row, not_estimated
-from ...core.show.rounding import uncertainty
+from ...core.show.rounding import number
 from ...physics.earth import OMEGA
 from ...statistics.intervals import t_interval
 from .keys import BIAS, HEADING, LATITUDE, ROLL, VERTICAL
@@ -61,8 +61,9 @@ def _why(result: Result, key: Key) -> Reason:
         return Reason("bias_unknown", "the latitude is what tells the bias") if circular else (
             Reason("gyro_too_coarse", "the rates tell it no better than to 20 deg"))  # fmt: skip
     horizontal = OMEGA * math.cos(result.given.latitude)
-    u = math.degrees(result.forecast)
-    text = f"u of the heading is {uncertainty(u)} deg: {per_hour(result.bias_u)} of bias, drift and noise against "
+    text = (
+        f"u of the heading is {degrees(result.forecast)}: {per_hour(result.bias_u)} of bias, drift and noise against "
+    )
     text += f"{per_hour(horizontal)} of the earth in level at {degrees(result.given.latitude)} of latitude"
     return Reason("gyro_too_coarse", text)
 
