@@ -61,9 +61,8 @@ def _why(result: Result, key: Key) -> Reason:
         return Reason("bias_unknown", "the latitude is what tells the bias") if circular else (
             Reason("gyro_too_coarse", "the rates tell it no better than to 20 deg"))  # fmt: skip
     horizontal = OMEGA * math.cos(result.given.latitude)
-    text = (
-        f"u of the heading is {degrees(result.forecast)}: {per_hour(result.bias_u)} of bias, drift and noise against "
-    )
+    wide = number(math.degrees(result.forecast), 3)
+    text = f"u of the heading is {wide} deg: {per_hour(result.bias_u)} of bias, drift and noise against "
     text += f"{per_hour(horizontal)} of the earth in level at {degrees(result.given.latitude)} of latitude"
     return Reason("gyro_too_coarse", text)
 
