@@ -199,6 +199,61 @@ def by_hand(
     return case
 
 
+def turned_block(
+    seed: int,
+    unit: Unit | None = None,
+    axes: tuple[tuple[float, float, float], ...] = ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    *,
+    rest: float = 4.0,
+    turn: float = 6.0,
+    wobble: float = 0.5,
+    rate: float = 50.0,
+) -> tuple[Drawn, Array, list[tuple[int, int, str, Array]]]:
+    """Return a unit in a block: twelve rests on its faces, then a turn about each of some axes, there and back, twice.
+
+    In each turn the block leans by ``wobble`` [deg] (standard deviation), which the gyros feel and nobody states.
+
+    Returns
+    -------
+    truth : Drawn
+        Of the unit.
+    samples : ndarray, shape (n, 6)
+        Accelerometers [m/s^2], gyros [rad/s].
+    sections : list of (first, stop, name, vector)
+        A face with its direction, or a turn with its vector. [rad]
+    """
+    unit = unit or Unit()
+    rng = np.random.default_rng([5, seed])
+    truth, dt = drawn(rng, unit), 1.0 / rate
+    earth = EARTH * np.array([np.cos(LATITUDE), 0.0, np.sin(LATITUDE)])
+    force, rates, sections, at = [], [], [], 0
+    for name in list(FACES) * 2:
+        C = aligned(np.array(FACES[name], dtype=float), rng)
+        lying = G * C[:, 2] + unit.position * rng.standard_normal(3)
+        n = round(rest / dt)
+        force.append(np.tile(lying, (n, 1)))
+        rates.append(np.tile(C @ earth, (n, 1)))
+        sections.append((at, at + n, name, np.array(FACES[name], dtype=float)))
+        at += n
+    for sense in (1.0, -1.0, 1.0, -1.0):
+        for axis in axes:
+            about = np.array(axis, dtype=float) / np.linalg.norm(axis)
+            lean = turned(np.radians(wobble) * rng.standard_normal(3)) @ about
+            C, steps = aligned(about, rng), round(turn / dt)
+            s = (np.arange(steps) + 0.5) / steps
+            theta = sense * 2.0 * np.pi * (s - np.sin(2.0 * np.pi * s) / (2.0 * np.pi))
+            speed = sense * 2.0 * np.pi / turn * (1.0 - np.cos(2.0 * np.pi * s))
+            Ct = np.array([turned(-t * about) @ C for t in theta])
+            force.append(G * Ct[:, :, 2])
+            rates.append(np.outer(speed, lean) + Ct @ earth)
+            sections.append((at, at + steps, "turn", sense * 2.0 * np.pi * about))
+            at += steps
+    f, w = np.concatenate(force), np.concatenate(rates)
+    acc = f @ truth.A.T + truth.b + unit.sample * rng.standard_normal(f.shape)
+    gyro = w @ truth.W.T + truth.c + f @ truth.G.T + unit.gyro_sample * rng.standard_normal(w.shape)
+    return truth, np.hstack([acc, np.clip(gyro, -unit.limit, unit.limit)]), sections
+
+
 def wandering(rng: np.random.Generator, unit: Unit, n: int, dt: float) -> tuple[Array, Array]:
     """Return the slow noise of gyros and accelerometers over a record and the one that follows, shape (2 n, 3) each."""
     slow, lazy = (

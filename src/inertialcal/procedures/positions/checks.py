@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 CLOSE = np.radians(8.0)  # median error from which the start is good enough to fit from
 FOUND = np.radians(6.0)  # median error after a fit, below which another start explains the rotations
 MUCH = 0.2  # relative scale factor error that is no calibration matter
+OBLIQUE = 0.7  # part of a turn's largest component, above which another one may be what reads most
+SILENT = 0.3  # part of what the gyros usually read of a turn, below which they did not feel it
 PER_G = 9.80665
 GRID: Array = 1.3 ** np.arange(-20.0, 21.0)  # scales tried, 1/190 to 190
 WIDE: Array = 1.3 ** np.arange(-60.0, 11.0)  # for readings in counts of an unknown scale factor
@@ -182,9 +184,19 @@ def _start_of_turns(problem: Problem, scale_known: bool, places: Sequence[str]) 
     if not problem.sizes[1]:
         return np.eye(3)
     total = problem.turns.sums[0]
-    along = np.argmax(np.abs(problem.turned), axis=1)
-    read = np.argmax(np.abs(total), axis=1)
-    rows = np.arange(len(total))
+    named, read, rows = np.abs(problem.turned), np.argmax(np.abs(total), axis=1), np.arange(len(total))
+    along = np.where(named[rows, read] > OBLIQUE * named.max(axis=1), read, np.argmax(named, axis=1))
+    share = np.linalg.norm(total, axis=1) / np.linalg.norm(problem.turned, axis=1)
+    k = int(np.argmin(share))
+    if share[k] < SILENT * np.median(share):
+        axis = AXES[along[k]]
+        raise DataError(
+            f"a turn about {axis} shows in no gyro",
+            places[k] if places else "",
+            why=f"gyro {axis} is stuck or not connected, or the unit was not turned there",
+            do=f"Check the channel of gyro {axis}; else leave this turn out",
+            code="turn_not_read",
+        )
     signs = np.sign(total[rows, read]) * np.sign(problem.turned[rows, along])
     if np.any(read != along) or len(set(signs)) > 1:
         k = int(np.flatnonzero((read != along) | (signs != signs[0]))[0])
@@ -385,6 +397,7 @@ def _gyro_remarks(result: Result) -> list[Remark]:
                     False,
                 )
             found.append(Remark("turn_sense", "error" if stated else "warning", what, do=do))
+        found += _carried_remarks(gyro.angles)
         fit = gyro.rotated.found
         if fit is not None and fit.free == 0:
             what = "no rotation was repeated: the uncertainty leaves out the scatter between rotations"
@@ -394,6 +407,16 @@ def _gyro_remarks(result: Result) -> list[Remark]:
             Remark("no_g_sensitivity", "info", f"g-sensitivity of the gyros not estimated: {gyro.rest.reason}")
         )
     return found
+
+
+def _carried_remarks(angles: Array) -> list[Remark]:
+    """Say that gyros do not carry gravity to where it is, by the angles that transitions leave."""
+    missed = float(np.median(angles)) if len(angles) else 0.0
+    if missed <= CLOSE:
+        return []
+    what = f"carried by the gyros, gravity misses where the accelerometers find it by {np.degrees(missed):.2g} deg"
+    do = "Check that each gyro works and is the one that its name says"
+    return [Remark("rotations_do_not_close", "error", what, do=do)]
 
 
 def _unobserved(what: str, observed: Observability, sensors: str) -> Remark:

@@ -44,6 +44,8 @@ NEAR_ZERO = 0.2  # of the span of an axis, below which the middle of its reading
 SPANNED = 0.5  # of the widest span, from which an axis has been turned enough to tell its middle
 ON_FACE = 0.99  # cosine
 LISTED = 3
+MANY = 6  # positions, from which one sees whether an accelerometer follows them
+UNEXPLAINED = 0.5  # part of the variance of its readings that the positions leave, above which it does not
 
 
 def direction_of(text: str) -> Array | None:
@@ -257,10 +259,13 @@ def check_names(readings: Readings) -> None:
     Raises
     ------
     DataError
-        ``position_misnamed``.
+        ``position_misnamed``, ``axis_not_read``.
     """
     span = np.ptp(readings.acc.mean, axis=0) if len(readings) else np.zeros(3)
-    if readings.direction is None or span.min() < SPANNED * span.max() or span.max() == 0.0:
+    if readings.direction is None or span.max() == 0.0:
+        return
+    if span.min() < SPANNED * span.max():
+        _check_followed(readings.acc.mean, readings.direction)
         return
     read = pointing(readings.acc.mean)
     along = np.sum(read * readings.direction, axis=1)
@@ -285,6 +290,24 @@ def check_names(readings: Readings) -> None:
         do=do,
         code="position_misnamed",
     )
+
+
+def _check_followed(mean: Array, direction: Array) -> None:
+    """Refuse an accelerometer that was laid up and down and reads no more of it than of anything else."""
+    named = np.isfinite(direction).all(axis=1)
+    d, read = direction[named], mean[named]
+    design = np.hstack([np.ones((len(d), 1)), d])
+    if len(d) < MANY or np.linalg.matrix_rank(design, 0.1) < 4:
+        return
+    left = read - design @ np.linalg.lstsq(design, read, rcond=None)[0]
+    unexplained = np.sum(left**2, axis=0) / (len(d) - 4) / np.maximum(np.var(read, axis=0, ddof=1), 1e-300)
+    for axis in np.flatnonzero((unexplained > UNEXPLAINED) & (np.ptp(d, axis=0) > 1.0)):
+        raise DataError(
+            f"accelerometer {AXES[axis]} does not follow the positions: it hardly changes from up to down",
+            why="it is stuck or not connected, or the positions are misnamed",
+            do=f"Check the channel of accelerometer {AXES[axis]}, and the names of the positions",
+            code="axis_not_read",
+        )
 
 
 def _word(direction: Array) -> str:

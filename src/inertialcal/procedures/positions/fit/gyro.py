@@ -12,7 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.constants import EARTH_ROTATION_RATE
 from ....core.estimate import Array
+from ....core.influence import Influence
 from ....core.key import Reason
 from ..plan import Plan
 from ..readings import Readings, Rotation, local_gravity
@@ -173,13 +175,17 @@ def _sensor(
         covariance = np.zeros((21, 21))
         covariance[9:, 9:] = unknown.covariance
         found.append(replace(unknown, covariance=covariance))
+    lost = np.eye(9) if rotated is None else np.eye(9) - rotated.observed.kept @ rotated.observed.kept.T
+    open_ones = forward @ lost  # What combinations that stay at their nominal value do to the matrix
+    if rest.fits is not None and np.any(open_ones):
+        found.append(_not_determined(plan, rest, open_ones))
     moved = np.zeros(9)  # u by combinations of accelerometer figures that stay at their nominal value
     if rotated is not None:
         back = _by_accelerometers(acc, rotated, force, forward)
         dof = float(acc.free) if acc.free else np.inf
         found.append(Source(MODEL, "A", propagated(back, acc.sensor.covariance), dof))
-        open_ones = [one.covariance for one in acc.sensor.sources if one.name == NOT_DETERMINED]
-        moved = np.sqrt(sum((np.diag(propagated(back, one))[:9] for one in open_ones), moved))
+        of_acc = [one.covariance for one in acc.sensor.sources if one.name == NOT_DETERMINED]
+        moved = np.sqrt(sum((np.diag(propagated(back, one))[:9] for one in of_acc), moved))
     clock, gravity = plan.standards.get("clock.rate"), plan.standards.get("gravity.value")
     if clock is not None and rotated is not None:
         change = np.concatenate([values[:9] * clock.u, np.zeros(12)])
@@ -189,8 +195,20 @@ def _sensor(
         found.append(Source("gravity.value", "B", np.outer(change, change), gravity.dof, gravity, changes=change[None]))
     if "fixture.mounting" in plan.standards and readings.turns and not readings.transitions and rotated is not None:
         found.append(mounting_source(values, plan.standards["fixture.mounting"].u, plan))
-    reasons = _reasons(rest, rotated, acc, bool(readings.transitions), moved > TAKES_PART * UNKNOWN)
+    told = np.linalg.norm(open_ones, axis=1) < TAKES_PART
+    reasons = _reasons(rest, rotated, acc, bool(readings.transitions), told, moved > TAKES_PART * UNKNOWN)
     return LinearSensor(values, tuple(found), reasons, ideal, zero, NAMES)
+
+
+def _not_determined(plan: Plan, rest: AtRest, by_open: Array) -> Source:
+    """Return what a matrix that is in part nominal does to its own rest, and by the earth rate to g-sensitivity."""
+    changes = np.zeros((21, 9))
+    changes[:9] = UNKNOWN * by_open
+    if rest.g_sensitivity is not None and plan.latitude is not None:
+        per_matrix = EARTH_ROTATION_RATE.value * np.sin(plan.latitude) / local_gravity(plan)
+        changes[12:] = -per_matrix * changes[:9]
+    influence = Influence(UNKNOWN, certificate="none: assumed")
+    return Source(NOT_DETERMINED, "B", changes @ changes.T, np.inf, influence)
 
 
 def _after_corrections(readings: Readings, rest: AtRest, by_rest: Array, ideal: Array) -> list[Source]:
@@ -241,13 +259,18 @@ def without_scale(fitted: FittedGyro) -> FittedGyro:
 
 
 def _reasons(
-    rest: AtRest, rotated: Rotated | None, acc: Fitted, by_gravity: bool, unknown: NDArray[np.bool_]
+    rest: AtRest,
+    rotated: Rotated | None,
+    acc: Fitted,
+    by_gravity: bool,
+    told: NDArray[np.bool_],
+    unknown: NDArray[np.bool_],
 ) -> dict[int, Reason]:
     found: dict[int, Reason] = {}
     if rotated is None:
         found |= dict.fromkeys(range(9), NO_ROTATIONS)
     else:
-        found |= {k: NOT_TOLD for k in range(9) if not rotated.observed.determined[k]}
+        found |= {k: NOT_TOLD for k in range(9) if not told[k]}
         if by_gravity:
             found |= {k: NO_GRAVITY for k in range(9) if k not in found and (unknown[k] or acc.free == 0)}
         if rotated.found is None:

@@ -276,6 +276,11 @@ class Observability:
         return self.rank == self.count
 
 
+def can_tell(s: Array, scatter: float, useless: float = USELESS, smallest: float = SMALLEST) -> NDArray[np.bool_]:
+    """Return which combinations are determined, by singular values, shape (p,), and the scatter of a reading."""
+    return np.asarray((s > smallest * s.max(initial=0.0)) & (scatter < useless * s))
+
+
 def observe(
     scaled: Array,
     names: Sequence[Key],
@@ -304,7 +309,7 @@ def observe(
     n, p = scaled.shape
     padded = scaled if n >= p else np.vstack([scaled, np.zeros((p - n, p))])
     s, rows = np.linalg.svd(padded, full_matrices=False)[1:]
-    good = (s > smallest * s[0]) & (scatter < useless * s) if s[0] > 0.0 else np.zeros(p, dtype=bool)
+    good = can_tell(s, scatter, useless, smallest)
     lost = rows[~good].T
     determined = np.sqrt(np.sum(lost**2, axis=1)) < takes_part
     rank = int(np.sum(good))

@@ -35,7 +35,7 @@ from ....statistics.two_levels import TwoLevels, fit_two_levels
 from ..plan import Plan
 from ..readings import Rotation
 from ._kernels_transitions import through
-from .linear_sensor import MATRIX, Observability, observe
+from .linear_sensor import MATRIX, USELESS, Observability, can_tell, observe
 from .outliers import found_outliers
 
 BETWEEN = "scatter between rotations"
@@ -45,6 +45,9 @@ SHORT = 2**15  # samples of which what was found last is kept
 SETTLED = 1e-10
 SMALL = 1e-6  # step that is not halved: where it lowers nothing, rounding and the size of a sample decide
 SAME_AXIS = 1e-9  # one less the cosine between axes that are the same
+# Singular value over the largest, below which a combination is not determined: turns about one axis wobble by 1 deg,
+# and the little that the gyros across it then read is no turn about their own axes
+WOBBLE = 0.02
 ROUNDS = 4  # of leaving out and looking again
 REFINED, REFINEMENTS = 1e-8, 6  # step of W from which its weights no longer move it; at most so many
 
@@ -117,9 +120,11 @@ def converged(problem: Problem, W: Array, kept: Flags) -> Array:
 
 def _searched(problem: Problem, W: Array, here: Errors, kept: Flags) -> tuple[Array, Errors]:
     """Damped Gauss-Newton with equal weights, and the errors at its end; what is not determined stays as it starts."""
-    cost = float(np.sum(here.e[kept] ** 2))
+    cost, scatter = float(np.sum(here.e[kept] ** 2)), _scatter(problem, kept)
     for _ in range(STEPS):
-        step = np.linalg.lstsq(here.by_W[kept], -here.e[kept], rcond=1e-4)[0].reshape(3, 3)
+        left, s, right = np.linalg.svd(here.by_W[kept], full_matrices=False)
+        good = can_tell(s, scatter, USELESS, WOBBLE)
+        step = -(right[good].T @ (left[:, good].T @ here.e[kept] / s[good])).reshape(3, 3)
         for _ in range(HALVINGS):
             there = errors(problem, W + step)
             new = float(np.sum(there.e[kept] ** 2))
@@ -170,9 +175,12 @@ def _two_levels(plan: Plan, problem: Problem, here: Errors, determined: Array, k
     return fit_two_levels(design, y, some, between=0.0) if n == p and stated else None
 
 
+def _scatter(problem: Problem, kept: Flags) -> float:
+    return float(np.sqrt(np.mean(noise_variances(problem)[kept])))
+
+
 def _seen(problem: Problem, by_W: Array, kept: Flags) -> Observability:
-    scatter = float(np.sqrt(np.mean(noise_variances(problem)[kept])))
-    return observe(by_W[kept], MATRIX, scatter)
+    return observe(by_W[kept], MATRIX, _scatter(problem, kept), smallest=WOBBLE)
 
 
 @dataclass(frozen=True, eq=False)
