@@ -23,7 +23,7 @@ HERTZ = 10.0
 def found(y: Array, noise: float) -> tuple[float, float]:
     """Return half of the interval of the next record, and the part of the scatter that is one of positions."""
     fit = fit_two_levels(np.ones((M, 1)), y, {"noise": np.full(M, noise**2)})
-    slow = slow_noise_of(Wander(fit.projector, fit.residuals, fit.between**2, np.arange(M), ALONE), RESTS)
+    slow = slow_noise_of(Wander(fit.projector, fit.residuals, fit.free, fit.between**2, np.arange(M), ALONE), RESTS)
     assert slow is not None
     u, dof = slow.next_record(RESTS.weights, 0, noise**2 / M)
     return u * coverage_factor(dof), slow.of_positions
@@ -67,10 +67,25 @@ def test_scale_of_the_readings_does_not_matter() -> None:
     assert found(1e-6 * y, 1e-7)[0] == pytest.approx(1e-6 * found(y, 0.1)[0], rel=1e-6)
 
 
+def test_rounding_of_the_projector_adds_no_contrast() -> None:
+    """Where readings are known to very different variances, zeros of the projector are rounding of its largest part."""
+    rng = np.random.default_rng(8)
+    fit = fit_two_levels(np.ones((M, 1)), rng.standard_normal(M), {"noise": np.full(M, 0.01)})
+    noise = 1e-13 * np.max(fit.projector) * rng.standard_normal((M, M))
+    exact, rounded = (
+        slow_noise_of(Wander(P, fit.residuals, fit.free, fit.between**2, np.arange(M), ALONE), RESTS)
+        for P in (fit.projector, fit.projector + noise + noise.T)
+    )
+    assert exact is not None
+    assert rounded is not None
+    u = [one.next_record(RESTS.weights, 0, 0.01 / M)[0] for one in (exact, rounded)]
+    assert u[1] == pytest.approx(u[0], rel=1e-6)
+
+
 def test_too_few_positions_show_nothing() -> None:
     fit = fit_two_levels(np.ones((4, 1)), np.array([1.0, 2.0, 0.0, 1.5]), {"noise": np.ones(4)})
     some = Rests(START[:4], START[:4] + REST, 60.0)
-    assert slow_noise_of(Wander(fit.projector, fit.residuals, 0.0, np.arange(4), ALONE[:4]), some) is None
+    assert slow_noise_of(Wander(fit.projector, fit.residuals, fit.free, 0.0, np.arange(4), ALONE[:4]), some) is None
 
 
 def test_a_scatter_that_does_not_count_leaves_the_noise() -> None:

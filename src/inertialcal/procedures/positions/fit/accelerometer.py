@@ -191,7 +191,7 @@ def _wandering(laid: Laid, back: Array, kept: NDArray[np.int64]) -> Wandering | 
         return None
     known = [part for name, part in (*found.known.items(), *found.unknown.items()) if name != BETWEEN]
     place, loading = np.repeat(kept, 3), np.tile(np.eye(3), (len(kept), 1))
-    seen = Wander(found.projector, found.residuals, found.variances[BETWEEN], place, loading)
+    seen = Wander(found.projector, found.residuals, found.free, found.variances[BETWEEN], place, loading)
     noise = np.zeros((3, 3))
     for part in known:
         noise = noise + propagated(back[9:], part)
@@ -239,7 +239,8 @@ def fit_unknown(plan: Plan, triad: Triad, ideal: Array, zero: Array) -> Fitted:
     if found is not None:
         per_reading = of_lengths(to_values @ observed.kept, found.gain, jacobian[kept], kept)
         back = (to_values @ observed.kept)[9:]
-        seen = Wander(found.projector, found.residuals, found.between**2, np.flatnonzero(kept), jacobian[kept, 6:])
+        place, loading = np.flatnonzero(kept), jacobian[kept, 6:]
+        seen = Wander(found.projector, found.residuals, found.free, found.between**2, place, loading)
         inside_part = propagated(back, found.parts[INSIDE])
         wandering = Wandering(seen, back @ found.gain, np.diag(inside_part))
         sources = [

@@ -121,7 +121,7 @@ def _over_time(fit: TwoLevels, force: Array, rests: Rests) -> tuple[TwoLevels, S
     of the bias, only by what G takes of it.
     """
     alone = np.tile([1.0, 0.0, 0.0], (len(force), 1))
-    wander = Wander(fit.projector, fit.residuals, fit.between**2, np.arange(len(force)), alone)
+    wander = Wander(fit.projector, fit.residuals, fit.free, fit.between**2, np.arange(len(force)), alone)
     slow = slow_noise_of(wander, rests)
     share = 1.0 if slow is None else slow.of_positions
     weights, gain = rests.weights, fit.gain.copy()

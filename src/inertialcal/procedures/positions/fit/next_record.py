@@ -118,6 +118,7 @@ class Wander:
 
     projector: Array  # shape (n, n): the residuals weighted by the inverse of their covariance, per reading
     residuals: Array  # shape (n,)
+    free: int  # rank of the projector: readings less unknowns
     between: float  # variance of the scatter between positions in that covariance
     place: NDArray[np.int64]  # shape (n,): rest of each
     loading: Array  # shape (n, 3): of each by the bias of x, y, z
@@ -161,10 +162,9 @@ class Slow:
 
 def slow_noise_of(wander: Wander, rests: Rests) -> Slow | None:
     """Return the slow noise that the residuals of a fit show; None where there are too few of them."""
-    values, axes = np.linalg.eigh(wander.projector)
-    blind = axes[:, values > len(values) * np.finfo(float).eps * values[-1]]  # contrasts that the design does not see
-    if blind.shape[1] < FEWEST:
+    if wander.free < FEWEST:
         return None
+    blind = np.linalg.eigh(wander.projector)[1][:, -wander.free :]  # contrasts that the design does not see
     kernels = rests.kernels
     y = blind.T @ wander.residuals
     known = np.linalg.inv(blind.T @ wander.projector @ blind) - wander.between * np.eye(len(y))
