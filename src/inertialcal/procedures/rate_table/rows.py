@@ -12,7 +12,7 @@ from ...core.results import Interval, Row, not_estimated
 from ...statistics.intervals import chi_square_interval, t_interval
 from ...statistics.least_squares import times
 from .fit.linearity import linearity_row
-from .fit.quantities import CURVATURES, UNITS
+from .fit.quantities import CURVATURES, UNITS, is_silent
 from .fit.regression import Level, Line
 from .plan import INFLUENCES, Plan
 from .readings import Readings
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 RESIDUAL = "residual_bias"  # what is left of the bias after the reading at rest was subtracted
 REFERENCED = Reason("referenced", "the reading at rest was subtracted")
+SILENT = Reason("no_response", "the sensor does not read the rate about its own axis: only its bias is estimated")
 LEVELS = ("sample", "dwell", "run")
 
 
@@ -31,13 +32,12 @@ def rows(result: Result) -> list[Row]:
     for sensor in list(dict.fromkeys([*result.readings.sensors, *result.readings.outputs])):
         found += _of_sensor(result, sensor, result.estimate, Method.RESULT)
         if sensor in result.lines:
-            found.append(
-                linearity_row(
-                    result.straight[sensor] if sensor in result.straight[sensor].axes else None,
-                    sensor,
-                    result.full[sensor],
-                )
-            )
+            straight = result.straight[sensor]
+            if is_silent(straight):
+                found.append(not_estimated(Key("linearity_error", sensor), "%", SILENT))
+            else:
+                own = straight if sensor in straight.axes else None
+                found.append(linearity_row(own, sensor, result.full[sensor]))
             found += _scatter_rows(result, sensor)
             found += _all_readings_rows(result, sensor)
             if np.any(result.readings.axis == sensor):
@@ -131,6 +131,8 @@ def _why_not(result: Result, sensor: str, quantity: str, axis: str = "") -> Reas
     if sensor in result.reasons:
         return result.reasons[sensor]
     terms = {quantity: name for name, quantity in CURVATURES.items()}
+    if quantity != "bias" and is_silent(result.lines[sensor]):
+        return SILENT
     if quantity in terms and terms[quantity] in result.no_curvature[sensor] and sensor in result.lines[sensor].axes:
         return result.no_curvature[sensor][terms[quantity]]
     return _why_not_by(result.plan, result.lines[sensor], sensor, quantity)

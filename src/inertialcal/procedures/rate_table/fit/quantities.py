@@ -38,6 +38,7 @@ UNITS = {
 }  # fmt: skip
 
 
+FAINT = 0.01  # own response over the ideal one, below which a sensor does not sense its rate
 CURVATURES = {"K2": "second_order", "K3": "third_order"}
 
 
@@ -75,6 +76,11 @@ def estimate(plan: Plan, lines: Mapping[str, Line], full: Mapping[str, Line] | N
         *_unresolved(parts, usable, len(keys)),
     ]
     return Estimate(keys, values, units, tuple(components))
+
+
+def is_silent(one: Line) -> bool:
+    """Tell whether a sensor was turned about its own axis and does not respond: nothing is relative to that."""
+    return one.sensor in one.axes and abs(one.coefficient(f"M_{one.sensor}{one.sensor}")) < FAINT
 
 
 def _chosen(part: Part, wanted: list[Key]) -> Part:
@@ -120,13 +126,15 @@ def quantities_of(one: Line) -> Part:
 
 
 def _all_quantities(one: Line) -> Part:
-    """Return what ``quantities_of`` chooses from; no ratio to the sensor's own response where that is zero."""
+    """Return what ``quantities_of`` chooses from; of a sensor that is silent only its bias."""
     s, theta = one.sensor, [float(value) for value in one.fit.coefficients]
     own = one.names.index(f"M_{s}{s}") if s in one.axes else None
     slope = 0.0 if own is None else theta[own]
     # Quantity, the coefficient it is about, its value and its derivatives by that and by the sensor's own response
     found: list[tuple[Key, int, float, float, float]] = [(Key("bias", s), 0, theta[0], 1.0, 0.0)]
-    if own is not None:
+    axes = () if is_silent(one) else one.axes
+    slope = slope if axes else 0.0
+    if own is not None and axes:
         found.append((Key("scale_factor_error", s), own, slope - 1.0, 1.0, 0.0))
     if one.asymmetry and slope != 0.0:
         at = one.names.index("c")
@@ -136,7 +144,7 @@ def _all_quantities(one: Line) -> Part:
         at, power = one.names.index(name), POWERS[name]
         value = theta[at] / slope**power
         found.append((Key(CURVATURES[name], s), at, value, 1.0 / slope**power, -power * value / slope))
-    for axis in one.axes:
+    for axis in axes:
         if axis == s:
             continue
         at = one.names.index(f"M_{s}{axis}")
